@@ -1,0 +1,155 @@
+"""Time, real and virtual: the only place of the project that sleeps.
+
+In virtual time waiting *is* simulating: `wait` brings every follower (the emulated drive) up to each moment
+at which something is due, so that an experiment takes as long as its arithmetic and its outcome never
+hangs on thread timing.
+"""
+
+from __future__ import annotations
+
+import heapq
+import itertools
+import threading
+import time
+from collections.abc import Callable
+from typing import Protocol
+
+
+class Timer(Protocol):
+    """A repeating call."""
+
+    def cancel(self) -> None:
+        """Stop it; on return the action is not running and will not run again."""
+
+
+class Clock(Protocol):
+    """What host and emulator know of time; seconds, monotonic, from an arbitrary origin."""
+
+    def now_s(self) -> float:
+        """The present."""
+
+    def wait(self, duration_s: float) -> None:
+        """Return when `duration_s` has passed."""
+
+    def call_every(self, period_s: float, action: Callable[[], None]) -> Timer:
+        """Call `action` now and then every `period_s`, until cancelled."""
+
+
+class RealClock:
+    """The wall clock."""
+
+    def now_s(self) -> float:
+        return time.monotonic()
+
+    def wait(self, duration_s: float) -> None:
+        time.sleep(max(0.0, duration_s))
+
+    def call_every(self, period_s: float, action: Callable[[], None]) -> Timer:
+        return _RealTimer(period_s, action)
+
+
+class _RealTimer:
+    def __init__(self, period_s: float, action: Callable[[], None]) -> None:
+        self._period_s = period_s
+        self._action = action
+        self._stop = threading.Event()
+        self._failure: BaseException | None = None
+        self._thread = threading.Thread(target=self._run, name="benchtool-timer", daemon=True)
+        self._thread.start()
+
+    def cancel(self) -> None:
+        self._stop.set()
+        if self._thread is not threading.current_thread():
+            self._thread.join()
+        if self._failure is not None:
+            failure, self._failure = self._failure, None
+            raise failure
+
+    def _run(self) -> None:
+        due_s = time.monotonic()
+        try:
+            while not self._stop.wait(max(0.0, due_s - time.monotonic())):
+                self._action()
+                due_s += self._period_s
+        except BaseException as failure:  # re-raised at the caller of cancel
+            self._failure = failure
+
+
+class VirtualClock:
+    """Simulated time that advances only inside `wait`.
+
+    Args:
+        paced: let no virtual second pass faster than a wall-clock second.
+    """
+
+    def __init__(self, *, paced: bool = False) -> None:
+        self._now_s = 0.0
+        self._paced = paced
+        self._order = itertools.count()
+        self._due: list[tuple[float, int, _VirtualTimer]] = []
+        self._followers: list[Callable[[float], None]] = []
+        self._settlers: list[Callable[[], bool]] = []
+
+    def now_s(self) -> float:
+        return self._now_s
+
+    def follow(self, advance: Callable[[float], None]) -> None:
+        """Have `advance(now_s)` called for every new moment: a process that runs with this clock."""
+        self._followers.append(advance)
+
+    def settle_with(self, settle: Callable[[], bool]) -> None:
+        """Have `settle()` called before time moves: it returns once nothing sent to it is unhandled, and
+        says whether there was something."""
+        self._settlers.append(settle)
+
+    def forget(self, callback: Callable[..., object]) -> None:
+        """Take back a `follow` or `settle_with`."""
+        self._followers = [each for each in self._followers if each != callback]
+        self._settlers = [each for each in self._settlers if each != callback]
+
+    def settle(self) -> None:
+        """Return when every frame sent so far, and every frame sent in answer, has been handled."""
+        while any([settle() for settle in self._settlers]):
+            pass
+
+    def wait(self, duration_s: float) -> None:
+        end_s = self._now_s + max(0.0, duration_s)
+        wall_end_s = time.monotonic() - self._now_s
+        self.settle()
+        while True:
+            next_s = min(end_s, self._due[0][0]) if self._due else end_s
+            if self._paced:
+                next_s = min(next_s, self._now_s + 0.02)
+                time.sleep(max(0.0, wall_end_s + next_s - time.monotonic()))
+            self._move_to(next_s)
+            if self._now_s >= end_s:
+                return
+
+    def call_every(self, period_s: float, action: Callable[[], None]) -> Timer:
+        timer = _VirtualTimer(period_s, action)
+        action()
+        heapq.heappush(self._due, (self._now_s + period_s, next(self._order), timer))
+        return timer
+
+    def _move_to(self, now_s: float) -> None:
+        for advance in list(self._followers):
+            advance(now_s)
+        self._now_s = now_s
+        self.settle()
+        while self._due and self._due[0][0] <= now_s:
+            due_s, order, timer = heapq.heappop(self._due)
+            if timer.cancelled:
+                continue
+            timer.action()
+            heapq.heappush(self._due, (due_s + timer.period_s, order, timer))
+            self.settle()
+
+
+class _VirtualTimer:
+    def __init__(self, period_s: float, action: Callable[[], None]) -> None:
+        self.period_s = period_s
+        self.action = action
+        self.cancelled = False
+
+    def cancel(self) -> None:
+        self.cancelled = True

@@ -1,0 +1,97 @@
+"""TOML documents checked against a pydantic model, with errors that name file, line and key."""
+
+from __future__ import annotations
+
+import difflib
+import re
+import tomllib
+from pathlib import Path
+from typing import TypeVar
+
+from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic_core import ErrorDetails
+
+from benchtool.errors import UsageError
+
+Path_ = tuple[int | str, ...]
+
+
+class Section(BaseModel):
+    """A table of a document: unknown keys are refused, values cannot be changed afterwards."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, arbitrary_types_allowed=True)
+
+
+Model = TypeVar("Model", bound=Section)
+
+
+def load_document(path: Path, model: type[Model], error: type[UsageError]) -> Model:
+    """The document at `path` as `model`.
+
+    Raises:
+        error: the file cannot be read, is not TOML, or does not fit the model; one line each.
+    """
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as reason:
+        raise error(f"cannot read {path}: {_reason(reason)}; a readable TOML file is expected") from None
+    try:
+        content = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as reason:
+        raise error(f"{path}: not TOML: {reason}; mend that line") from None
+    try:
+        return model.model_validate(content)
+    except ValidationError as failed:
+        details = failed.errors()
+        first = next((each for each in details if each["type"] == "extra_forbidden"), details[0])
+        others = f" (and {len(details) - 1} more)" if len(details) > 1 else ""
+        raise error(f"{path}{_line(text, first['loc'])}: {_explain(model, first)}{others}") from None
+
+
+def _reason(reason: OSError | UnicodeDecodeError) -> str:
+    return reason.strerror or str(reason) if isinstance(reason, OSError) else "it is not UTF-8 text"
+
+
+def _explain(model: type[BaseModel], detail: ErrorDetails) -> str:
+    location = detail["loc"]
+    key = ".".join(str(part) for part in location)
+    if detail["type"] == "extra_forbidden":
+        allowed = _allowed_keys(model, location[:-1])
+        close = difflib.get_close_matches(str(location[-1]), allowed, n=1, cutoff=0.5)
+        hint = f"did you mean '{close[0]}'?" if close else f"known here: {', '.join(allowed)}"
+        return f"unknown key '{key}': {hint}"
+    if detail["type"] == "missing":
+        return f"key '{key}' is missing: add it"
+    message = detail["msg"].removeprefix("Value error, ")
+    return f"key '{key}' is {detail['input']!r}: {message[:1].lower()}{message[1:]}"
+
+
+def _allowed_keys(model: type[BaseModel], location: Path_) -> list[str]:
+    for part in location:
+        field = model.model_fields.get(str(part))
+        annotation = field.annotation if field else None
+        options = [annotation, *getattr(annotation, "__args__", ())]
+        found = [each for each in options if isinstance(each, type) and issubclass(each, BaseModel)]
+        if not found:
+            return []
+        model = found[0]
+    return list(model.model_fields)
+
+
+def _line(text: str, location: Path_) -> str:
+    """`, line N` of the assignment or the table that `location` names; empty where it is not in the text."""
+    wanted = [str(part) for part in location if isinstance(part, str)]
+    table: list[str] = []
+    best: tuple[int, int] | None = None
+    for number, line in enumerate(text.splitlines(), start=1):
+        header = re.match(r"\s*\[+([^\]]+)\]+", line)
+        key = re.match(r"\s*([\w.\-\"]+)\s*=", line)
+        if header:
+            table = [part.strip().strip('"') for part in header[1].split(".")]
+        elif not key:
+            continue
+        parts = table if header else table + [part.strip('"') for part in key[1].split(".")]  # type: ignore[index] # one of the two matched
+        depth = len(parts)
+        if parts == wanted[:depth] and (best is None or depth > best[0]):
+            best = (depth, number)
+    return f", line {best[1]}" if best else ""

@@ -1,0 +1,121 @@
+"""Every exception that benchtool raises on purpose, as one tree.
+
+Each message is one line that says what was seen, what was expected and what to do; the command line
+prints it as it is. `exit_code` is what a command ends with when the error reaches it: 1 limits failed,
+2 usage, 3 cannot connect / environment, 4 drive fault.
+
+    BenchError
+    ├── UsageError                 2  the caller asked for something that cannot be
+    │   ├── ProfileError              a profile is unknown, unreadable or wrong
+    │   ├── PlanError                 a plan is unknown, unreadable or wrong
+    │   ├── ValueRefused              a value is outside its limits, unit or state; nothing was sent
+    │   └── AnalysisError             the data cannot answer the question (gap, too short, no channel)
+    ├── EnvironmentFailure         3  the world around the tool is not as needed
+    │   ├── LinkError                 frames or bytes do not move
+    │   │   ├── NoAnswer              nothing came back in time
+    │   │   └── LinkClosed            the link was closed or its adapter vanished
+    │   ├── IdentityMismatch          the node is not the drive the profile names
+    │   ├── DictionaryMismatch        the drive speaks another dictionary version
+    │   ├── DictionaryError           a dictionary file cannot be read
+    │   └── RecordingError            a recording cannot be written or read
+    └── DriveError                 4  the drive answered, and refused or failed
+        ├── SdoAbort                  a read or write was refused with an abort code
+        ├── WriteNotVerified          a value read back differs from the value written
+        ├── StateError                a CiA 402 transition did not happen
+        ├── DriveFault                the drive is in fault
+        └── CaptureError              the on-drive capture did not complete
+"""
+
+from __future__ import annotations
+
+
+class BenchError(Exception):
+    """Base of every error that benchtool raises on purpose."""
+
+    exit_code = 1
+
+
+class UsageError(BenchError):
+    """The caller asked for something that cannot be."""
+
+    exit_code = 2
+
+
+class ProfileError(UsageError):
+    """A profile is unknown, unreadable or wrong."""
+
+
+class PlanError(UsageError):
+    """A plan is unknown, unreadable or wrong."""
+
+
+class ValueRefused(UsageError):
+    """A value is outside its limits, unit or state; nothing was sent."""
+
+
+class AnalysisError(UsageError):
+    """The data cannot answer the question: a gap, too short, a channel missing."""
+
+
+class EnvironmentFailure(BenchError):
+    """The world around the tool is not as needed."""
+
+    exit_code = 3
+
+
+class LinkError(EnvironmentFailure):
+    """Frames or bytes do not move."""
+
+
+class NoAnswer(LinkError):
+    """Nothing came back in time."""
+
+
+class LinkClosed(LinkError):
+    """The link was closed or its adapter vanished."""
+
+
+class IdentityMismatch(EnvironmentFailure):
+    """The node is not the drive that the profile names."""
+
+
+class DictionaryMismatch(EnvironmentFailure):
+    """The drive speaks another version of the dictionary."""
+
+
+class DictionaryError(EnvironmentFailure):
+    """A dictionary file cannot be read."""
+
+
+class RecordingError(EnvironmentFailure):
+    """A recording cannot be written or read."""
+
+
+class DriveError(BenchError):
+    """The drive answered, and refused or failed."""
+
+    exit_code = 4
+
+
+class SdoAbort(DriveError):
+    """A read or write was refused with an SDO abort code (CiA 301, 7.2.4.3.17)."""
+
+    def __init__(self, message: str, code: int) -> None:
+        super().__init__(message)
+        self.code = code
+
+
+class WriteNotVerified(DriveError):
+    """A value read back differs from the value written."""
+
+
+class StateError(DriveError):
+    """A CiA 402 transition did not happen."""
+
+
+class DriveFault(DriveError):
+    """The drive is in fault."""
+
+
+class CaptureError(DriveError):
+    """The on-drive capture did not complete."""
