@@ -1,0 +1,27 @@
+"""Keys of TOML files for variables: the name and, where there is a unit, the unit appended."""
+
+from __future__ import annotations
+
+from benchtool.errors import ValueRefused
+from benchtool.protocol.dictionary import Dictionary
+from benchtool.protocol.variable import Variable
+
+
+def toml_key(variable: Variable) -> str:
+    """Key of a variable: `u_s_V`, `omega_observer_rad_s`, `law`."""
+    return f"{variable.name}_{variable.unit.replace('/', '_')}" if variable.unit else variable.name
+
+
+def variable_of(dictionary: Dictionary, key: str) -> Variable:
+    """Variable that a key names.
+
+    Raises:
+        ValueRefused: no variable has that key.
+    """
+    variables = list(dictionary)
+    for variable in variables:
+        if key == toml_key(variable):
+            return variable
+    near = [variable for variable in variables if key == variable.name or key.startswith(f"{variable.name}_")]
+    hint = f"write '{toml_key(near[-1])}'" if near else "see firmware_protocol/objects.md"
+    raise ValueRefused(f"no parameter '{key}' in {dictionary.source}: {hint}")
