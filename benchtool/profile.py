@@ -1,0 +1,147 @@
+"""Profiles: a motor, its drive and the bench they stand on, as one validated TOML file.
+
+A number's key ends in its unit. `[drive.parameters]` uses the dictionary's names with the unit appended
+(`u_s_V`, `omega_observer_rad_s`). Motor quantities are amplitude-invariant (peak) and per phase.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+from pydantic import Field
+
+from benchtool.document import Section, load_document
+from benchtool.errors import ProfileError
+from benchtool.shipped import shipped
+
+Positive = Annotated[float, Field(gt=0)]
+NotNegative = Annotated[float, Field(ge=0)]
+
+
+class Motor(Section):
+    """Rating and equivalent circuit, as the host and the drive's control believe them."""
+
+    pole_pairs: Annotated[int, Field(gt=0, le=50)]
+    R_s_ohm: NotNegative
+    L_d_H: Positive
+    L_q_H: Positive
+    psi_r_Wb: Positive
+    J_kgm2: Positive
+    T_N_Nm: Positive
+    omega_m_N_rad_s: Positive
+    I_N_A_rms: Positive
+
+
+class Drive(Section):
+    """The drive: where it answers, which dictionary it speaks and what it is set to."""
+
+    node_id: Annotated[int, Field(ge=1, le=126)] = 1
+    eds: str = "drive.eds"
+    parameters: dict[str, float | str] = {}
+
+
+class TrueMotor(Section):
+    """The machine as it really is on the emulated bench; what is left out is as in `[motor]`."""
+
+    R_s_ohm: NotNegative | None = None
+    L_d_H: Positive | None = None
+    L_q_H: Positive | None = None
+    psi_r_Wb: Positive | None = None
+    J_kgm2: Positive | None = None
+    friction_Nms: NotNegative = 0.0
+    coulomb_Nm: NotNegative = 0.0
+    cogging_Nm: NotNegative = 0.0
+    cogging_order: Annotated[int, Field(ge=0)] = 0
+
+
+class Inverter(Section):
+    """The emulated power stage."""
+
+    u_dc_V: Positive
+    dc_link_R_ohm: NotNegative = 0.0
+    dead_time_s: NotNegative = 0.0
+    device_drop_V: NotNegative = 0.0
+
+
+class Sensors(Section):
+    """The emulated current, voltage and position measurement."""
+
+    adc_bits: Annotated[int, Field(ge=4, le=24)] = 10
+    i_full_scale_A: Positive
+    u_full_scale_V: Positive
+    current_noise_A_rms: NotNegative = 0.0
+    encoder_lines: Annotated[int, Field(gt=0)] = 2500
+    encoder_offset_rad: float = 0.0
+
+
+class Emulator(Section):
+    """The emulated bench: true values, which control never sees."""
+
+    motor: TrueMotor = TrueMotor()
+    inverter: Inverter
+    sensors: Sensors
+
+
+class Choice(Section):
+    """Where a source leaves something open or contradicts itself: what was chosen and why."""
+
+    about: str
+    choice: str
+    reason: str
+    effect: str
+
+
+class Profile(Section):
+    """Everything that is known of one motor on one drive."""
+
+    title: str
+    motor: Motor
+    drive: Drive
+    emulator: Emulator | None = None
+    choices: tuple[Choice, ...] = ()
+
+
+def profile_path(name: str) -> Path:
+    """File of a shipped profile's name, or of a path.
+
+    Raises:
+        ProfileError: neither exists.
+    """
+    given = Path(name)
+    if given.suffix == ".toml":
+        if given.is_file():
+            return given
+        raise ProfileError(f"no profile file {given}: give an existing TOML file or a name ({_names()})")
+    path = shipped("profiles") / name / "profile.toml"
+    if not path.is_file() or not path.is_relative_to(shipped("profiles")):
+        raise ProfileError(f"no profile '{name}': the names are {_names()}; or give a TOML file")
+    return path
+
+
+def load_profile(name: str) -> Profile:
+    """The profile of a name or of a file.
+
+    Raises:
+        ProfileError: unknown, unreadable, or a key is wrong.
+    """
+    return load_document(profile_path(name), Profile, ProfileError)
+
+
+def eds_path(profile: Profile, source: Path) -> Path:
+    """The profile's EDS: beside the profile if it is there, else one that ships with the package.
+
+    Raises:
+        ProfileError: there is none.
+    """
+    for folder in (source.parent, shipped("firmware_protocol")):
+        if (candidate := folder / profile.drive.eds).is_file():
+            return candidate
+    raise ProfileError(
+        f"{source}: drive.eds names '{profile.drive.eds}', which is neither beside the profile nor shipped: "
+        f"put the EDS beside the profile"
+    )
+
+
+def _names() -> str:
+    return ", ".join(sorted(path.parent.name for path in shipped("profiles").glob("*/profile.toml")))
