@@ -1,0 +1,5 @@
+"""`python -m benchtool`."""
+
+from benchtool.cli import main
+
+main()

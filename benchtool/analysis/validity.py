@@ -1,0 +1,56 @@
+"""What every analysis asks of a signal before it answers."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchtool.block import Block
+from benchtool.errors import AnalysisError
+
+_WRAP = 2.0**32
+
+
+def require_signal(samples: NDArray[np.float64], name: str) -> None:
+    """Refuse samples, shape (n,), from which no number should be made.
+
+    A constant is refused because sampled noise never is one: the channel is dead or the drive is off, and
+    a ripple of zero would look like a success.
+
+    Raises:
+        AnalysisError: fewer than two samples, one that is not finite, or all of the same value.
+    """
+    if len(samples) < 2:
+        raise AnalysisError(
+            f"'{name}' has {len(samples)} samples, at least 2 are needed: record a longer window"
+        )
+    low, high = float(np.min(samples)), float(np.max(samples))
+    if not (np.isfinite(low) and np.isfinite(high)):
+        bad = int(np.count_nonzero(~np.isfinite(samples)))
+        raise AnalysisError(
+            f"'{name}' has {bad} samples that are not finite, numbers are needed: check the drive's "
+            f"estimator and record again"
+        )
+    if low == high:
+        raise AnalysisError(
+            f"'{name}' is constant at {low:g} over {len(samples)} samples, a live signal is expected: check "
+            f"that the drive was enabled and the channel is measured"
+        )
+
+
+def require_unbroken(block: Block) -> None:
+    """Refuse a block that is not uniformly sampled, by its gaps and, where recorded, by its own `tick`.
+
+    Raises:
+        AnalysisError: rows are missing, or `tick` (u32, wrapping) does not advance by the block's stride.
+    """
+    block.require_uniform()
+    if "tick" not in block.names:
+        return
+    steps = np.mod(np.diff(block.column("tick")), _WRAP)
+    wrong = np.flatnonzero(steps != block.stride)
+    if len(wrong):
+        raise AnalysisError(
+            f"'tick' advances by {steps[wrong[0]]:g} at row {wrong[0] + 1} and not by the stride of "
+            f"{block.stride} in {len(wrong)} places: rows were lost or repeated, record again"
+        )

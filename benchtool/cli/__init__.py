@@ -1,0 +1,78 @@
+"""The command line: one module per verb, which imports what is heavy when it is used."""
+
+from __future__ import annotations
+
+import functools
+import signal
+import sys
+from collections.abc import Callable
+from types import FrameType
+from typing import Annotated, ParamSpec
+
+import typer
+
+from benchtool import __version__
+from benchtool.cli import analyze, demo, doctor, info, run
+from benchtool.errors import BenchError
+
+INTERRUPTED = 130
+
+Arguments = ParamSpec("Arguments")
+
+
+def _reporting(verb: Callable[Arguments, int]) -> Callable[Arguments, None]:
+    """`verb` with its failures as one line each and as an exit code."""
+
+    @functools.wraps(verb)
+    def command(*args: Arguments.args, **kwargs: Arguments.kwargs) -> None:
+        try:
+            code = verb(*args, **kwargs)
+        except BenchError as error:
+            for line in (str(error), *getattr(error, "__notes__", ())):
+                sys.stderr.write(f"benchtool: {line}\n")
+            code = error.exit_code
+        except KeyboardInterrupt as interrupt:
+            for line in ("interrupted; the drive was left disabled", *getattr(interrupt, "__notes__", ())):
+                sys.stderr.write(f"benchtool: {line}\n")
+            code = INTERRUPTED
+        raise typer.Exit(code)
+
+    return command
+
+
+app = typer.Typer(
+    name="benchtool",
+    help="A hardware-in-the-loop bench for motor drives.",
+    epilog="Exit codes: 0 ok, 1 limits failed, 2 usage, 3 cannot connect or environment, 4 drive fault, "
+    "130 interrupted.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+)
+for _verb in (demo.demo, run.run, analyze.analyze, info.info, doctor.doctor):
+    app.command(_verb.__name__)(_reporting(_verb))
+
+
+def _version(show: bool) -> None:
+    if show:
+        sys.stdout.write(f"benchtool {__version__}\n")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
+    ] = False,
+) -> None: ...
+
+
+def main() -> None:
+    """Run the command line and end the process with its exit code."""
+    signal.signal(signal.SIGTERM, _interrupt)
+    app()
+
+
+def _interrupt(_signal: int, _frame: FrameType | None) -> None:
+    raise KeyboardInterrupt

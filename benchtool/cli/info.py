@@ -1,0 +1,41 @@
+"""`benchtool info`."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Any
+
+from benchtool.cli import options
+from benchtool.cli.output import Output
+
+
+def info(
+    profile: options.Profile = "zhu2011",
+    link: options.Link = "emulated",
+    as_json: options.Json = False,
+) -> int:
+    """Who answers: identity, firmware, dictionary, state. Nothing is enabled or written."""
+    from benchtool.bench import open_session
+
+    output = Output(as_json=as_json)
+    with open_session(profile, link, note=output.note) as session:
+        identity = session.drive.identify()
+        dictionary = session.drive.dictionary
+        identity.require(dictionary, dictionary.source)
+        facts: dict[str, Any] = {
+            "link": link,
+            "node_id": session.drive.link.node_id,
+            **asdict(identity),
+            "objects": len(dictionary),
+            "state": session.drive.state().value,
+        }
+    rows = [(key, _shown(key, value)) for key, value in facts.items()]
+    output.table(f"drive of profile {profile}", ("what", "value"), rows)
+    output.document(facts)
+    return 0
+
+
+def _shown(key: str, value: object) -> str:
+    if isinstance(value, int) and key in ("vendor_id", "product_code", "revision_number", "dictionary_hash"):
+        return f"0x{value:08X}"
+    return "–" if value is None else str(value)

@@ -1,0 +1,28 @@
+"""Options that several verbs share."""
+
+from __future__ import annotations
+
+from datetime import datetime
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+Profile = Annotated[str, typer.Option(metavar="NAME|FILE", help="Profile of motor and drive.")]
+Link = Annotated[
+    str, typer.Option(metavar="URL", help="'emulated', or 'can:INTERFACE:CHANNEL?bitrate=500000&node=1'.")
+]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON document on standard output.")]
+Seed = Annotated[int, typer.Option(help="Seed of the emulated bench's noise.")]
+Out = Annotated[Path | None, typer.Option(help="Folder of the run bundle.", show_default="runs/<time>-<plan>")]
+RealTime = Annotated[bool, typer.Option("--real-time", help="Pace the emulated bench by the wall clock.")]
+
+
+def wall_time() -> datetime:
+    """Now, with its offset from UTC."""
+    return datetime.now().astimezone()
+
+
+def bundle_folder(out: Path | None, when: datetime, name: str) -> Path:
+    """The folder asked for, or one of its own for this run."""
+    return out or Path("runs") / f"{when:%Y%m%d-%H%M%S}-{name.replace('/', '-')}"

@@ -1,0 +1,115 @@
+"""One control tick: measurements in, signals into the drive's memory, duties for the next period out."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from benchtool.emulator.control.estimation import Situation, clarke, into_frame, out_of_frame, predict, situation
+from benchtool.emulator.control.flux import flux_reference
+from benchtool.emulator.control.laws import voltage
+from benchtool.emulator.control.observer import rotor_angle, track
+from benchtool.emulator.control.protection import trips
+from benchtool.emulator.control.speed import torque_reference
+from benchtool.emulator.control.svpwm import compensated, modulate
+from benchtool.emulator.jit import njit
+
+
+@njit
+def control_tick(drive: Any, command: Any, control: Any, measurement: Any) -> bool:
+    """Run control once. Returns whether a trip was raised that was not there before."""
+    _load_shadow(control)
+    now = _observe(drive, control, measurement)
+    new_trip = _protect(drive, command, measurement)
+    if command.pwm_enabled == 0:
+        _stand_by(drive, command, control)
+        return new_trip
+    torque = torque_reference(drive, command, control, drive.omega_m)
+    psi_s = flux_reference(torque, drive)
+    at = now
+    if drive.delay_compensation != 0:
+        at = predict(now, control.u_alpha, control.u_beta, drive)
+    u_alpha, u_beta, angle, clipped = voltage(at, torque, psi_s, drive)
+    limited = _modulate(u_alpha, u_beta, at, drive, control, measurement.u_dc)
+    drive.torque_reference = torque
+    drive.psi_s_reference = psi_s
+    drive.law_angle = angle
+    drive.u_alpha = control.u_alpha_next
+    drive.u_beta = control.u_beta_next
+    if clipped or limited:
+        drive.law_clipped += 1
+    return new_trip
+
+
+@njit
+def _load_shadow(control: Any) -> None:
+    """What was computed in the tick before takes effect for the period that begins now."""
+    control.gated = control.gated_next
+    control.u_alpha, control.u_beta = control.u_alpha_next, control.u_beta_next
+    control.duty_a = control.duty_a_next
+    control.duty_b = control.duty_b_next
+    control.duty_c = control.duty_c_next
+
+
+@njit
+def _observe(drive: Any, control: Any, measurement: Any) -> Situation:
+    """Signals that need no more than the measurements."""
+    theta_m = rotor_angle(measurement.count, drive)
+    omega_m = track(theta_m, drive, control)
+    theta_e = drive.pole_pairs * theta_m
+    cos_theta, sin_theta = math.cos(theta_e), math.sin(theta_e)
+    i_alpha, i_beta = clarke(measurement.i_a, measurement.i_b, measurement.i_c)
+    i_d, i_q = into_frame(i_alpha, i_beta, cos_theta, sin_theta)
+    now = situation(i_d, i_q, drive.pole_pairs * omega_m, cos_theta, sin_theta, drive)
+    drive.i_a, drive.i_b, drive.i_c = measurement.i_a, measurement.i_b, measurement.i_c
+    drive.i_d, drive.i_q = i_d, i_q
+    drive.u_dc = measurement.u_dc
+    drive.theta_m, drive.omega_m = theta_m, omega_m
+    drive.torque = now.torque
+    drive.psi_s = math.sqrt(now.psi_d * now.psi_d + now.psi_q * now.psi_q)
+    drive.psi_alpha, drive.psi_beta = out_of_frame(now.psi_d, now.psi_q, cos_theta, sin_theta)
+    drive.adc_saturated += measurement.saturated
+    return now
+
+
+@njit
+def _protect(drive: Any, command: Any, measurement: Any) -> bool:
+    """Latch trips and keep the power stage off while one is latched."""
+    raised = trips(drive, measurement, drive.omega_m, command.pwm_enabled != 0)
+    new_trip = (raised & ~command.trip) != 0
+    command.trip |= raised
+    if command.trip != 0:
+        command.pwm_enabled = 0
+    return new_trip
+
+
+@njit
+def _stand_by(drive: Any, command: Any, control: Any) -> None:
+    """Power stage off: no voltage, no references, no memory of the speed loop."""
+    control.gated = 0
+    control.gated_next = 0
+    control.u_alpha_next, control.u_beta_next = 0.0, 0.0
+    control.speed_integral = 0.0
+    command.standstill = 0
+    drive.u_alpha, drive.u_beta = 0.0, 0.0
+    drive.torque_reference, drive.psi_s_reference, drive.law_angle = 0.0, 0.0, 0.0
+
+
+@njit
+def _modulate(
+    u_alpha: float, u_beta: float, at: Situation, drive: Any, control: Any, u_dc: float
+) -> bool:
+    """Put the duties of a voltage into the shadow register. Returns whether the hexagon limited it."""
+    made = modulate(u_alpha, u_beta, u_dc)
+    duty_a, duty_b, duty_c = made.duty_a, made.duty_b, made.duty_c
+    if drive.dead_time_compensation > 0.0:
+        share = drive.dead_time_compensation / drive.control_period
+        i_alpha, i_beta = out_of_frame(at.i_d, at.i_q, at.cos_theta, at.sin_theta)
+        across = 0.5 * math.sqrt(3.0) * i_beta
+        duty_a = compensated(duty_a, i_alpha, share)
+        duty_b = compensated(duty_b, across - 0.5 * i_alpha, share)
+        duty_c = compensated(duty_c, -across - 0.5 * i_alpha, share)
+    control.duty_a_next, control.duty_b_next, control.duty_c_next = duty_a, duty_b, duty_c
+    control.u_alpha_next, control.u_beta_next = made.u_alpha, made.u_beta
+    control.gated_next = 1
+    return made.limited

@@ -1,0 +1,78 @@
+"""Flux and torque from measured currents and position, and their prediction over the computation delay."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+from benchtool.emulator.jit import njit
+
+SQRT3 = math.sqrt(3.0)
+
+
+class Situation(NamedTuple):
+    """Estimated electrical state at one moment; d is the direction (cos_theta, sin_theta) of the rotor flux."""
+
+    i_d: float
+    i_q: float
+    psi_d: float
+    psi_q: float
+    torque: float
+    omega_e: float
+    cos_theta: float
+    sin_theta: float
+
+
+@njit
+def situation(
+    i_d: float, i_q: float, omega_e: float, cos_theta: float, sin_theta: float, drive: Any
+) -> Situation:
+    """Stator flux of the current model, (2), and torque, (3) in amplitude-invariant form."""
+    psi_d = drive.L_d * i_d + drive.psi_r
+    psi_q = drive.L_q * i_q
+    torque = 1.5 * drive.pole_pairs * (psi_d * i_q - psi_q * i_d)
+    return Situation(i_d, i_q, psi_d, psi_q, torque, omega_e, cos_theta, sin_theta)
+
+
+@njit
+def clarke(a: float, b: float, c: float) -> tuple[float, float]:
+    """Amplitude-invariant alpha and beta of three measured phases."""
+    return (2.0 * a - b - c) / 3.0, (b - c) / SQRT3
+
+
+@njit
+def into_frame(alpha: float, beta: float, cos_theta: float, sin_theta: float) -> tuple[float, float]:
+    """d and q of a vector in alpha and beta."""
+    return alpha * cos_theta + beta * sin_theta, beta * cos_theta - alpha * sin_theta
+
+
+@njit
+def out_of_frame(d: float, q: float, cos_theta: float, sin_theta: float) -> tuple[float, float]:
+    """alpha and beta of a vector in d and q."""
+    return d * cos_theta - q * sin_theta, d * sin_theta + q * cos_theta
+
+
+@njit
+def next_direction(cos_theta: float, sin_theta: float, turn: float) -> tuple[float, float]:
+    """Direction of the rotor flux after it has turned by an angle."""
+    cosine, sine = math.cos(turn), math.sin(turn)
+    return cos_theta * cosine - sin_theta * sine, sin_theta * cosine + cos_theta * sine
+
+
+@njit
+def predict(now: Situation, u_alpha: float, u_beta: float, drive: Any) -> Situation:
+    """Situation one control period later, under the mean voltage that is already under way.
+
+    The stator flux is the integral of the voltage behind the resistance, (5), in the stationary frame; the
+    currents follow from it and the rotor's new direction.
+    """
+    T_s = drive.control_period
+    i_alpha, i_beta = out_of_frame(now.i_d, now.i_q, now.cos_theta, now.sin_theta)
+    psi_alpha, psi_beta = out_of_frame(now.psi_d, now.psi_q, now.cos_theta, now.sin_theta)
+    psi_alpha += T_s * (u_alpha - drive.R_s * i_alpha)
+    psi_beta += T_s * (u_beta - drive.R_s * i_beta)
+    cos_theta, sin_theta = next_direction(now.cos_theta, now.sin_theta, now.omega_e * T_s)
+    psi_d, psi_q = into_frame(psi_alpha, psi_beta, cos_theta, sin_theta)
+    return situation(
+        (psi_d - drive.psi_r) / drive.L_d, psi_q / drive.L_q, now.omega_e, cos_theta, sin_theta, drive
+    )

@@ -1,0 +1,89 @@
+"""The numerical core as one object: true machine and power stage, sensors, control and their records."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from benchtool.emulator.capture import Capture
+from benchtool.emulator.control.protection import Trip
+from benchtool.emulator.kernel import run_ticks
+from benchtool.emulator.memory import COMMAND, CONTROL, LOAD, MEASUREMENT, SHAFT, new_memory
+from benchtool.emulator.transducer import Transducer
+from benchtool.emulator.truth import InverterTruth, MotorTruth, SensorTruth
+from benchtool.protocol.modes import Mode
+from benchtool.protocol.objects import ObjectTable
+
+__all__ = ["Core", "Trip"]
+
+
+class Core:
+    """An emulated drive and bench below the firmware; drive tick n is at n control periods.
+
+    Args:
+        table: objects, whose numbers make up the drive's memory.
+        motor, inverter, sensors: the truth, which control never sees.
+        seed: of the measurement noise; the same seed and commands give the same bits, however `run` is divided.
+
+    Attributes:
+        memory: structured array of shape (1,), a field for every number of the table.
+        command: record between firmware and control: `mode`, `pwm_enabled`, `quick_stop`, `trip` (a mask of
+            `Trip`), `standstill`.
+        load: record of the other end of the shaft: `torque_Nm` against positive rotation, or, while `held` is
+            not zero, the speed `omega_m_rad_s`.
+        shaft: record of the machine's true state: `i_d`, `i_q`, `omega_m`, `theta_e`, `u_dc`.
+        capture, transducer: the recorders.
+    """
+
+    def __init__(
+        self,
+        table: ObjectTable,
+        motor: MotorTruth,
+        inverter: InverterTruth,
+        sensors: SensorTruth,
+        seed: int = 0,
+    ) -> None:
+        self.motor, self.inverter, self.sensors = motor, inverter, sensors
+        self.memory = new_memory(table)
+        # As the table states it; the float32 in memory is what control computes with.
+        period = table.by_name["control_period"].default
+        assert isinstance(period, float)
+        self.control_period_s = period
+        self._commands, self._controls, self._measurements, self._shafts, self._loads = (
+            np.zeros(1, dtype) for dtype in (COMMAND, CONTROL, MEASUREMENT, SHAFT, LOAD)
+        )
+        self.command, self.load, self.shaft = self._commands[0], self._loads[0], self._shafts[0]
+        self.command.mode = int(Mode.TORQUE)
+        self.shaft.u_dc = inverter.u_dc_V
+        self.capture = Capture(self.memory)
+        self.transducer = Transducer(self.memory, self.control_period_s)
+        self._truth = motor.machine(), inverter.power_stage(self.control_period_s), sensors.sensing()
+        self._noise = np.random.Generator(np.random.PCG64(seed))
+
+    def run(self, ticks: int) -> int:
+        """Run control and machine for up to `ticks` ticks.
+
+        Returns how many were run: fewer than asked when one raised a new trip, in which the power stage is
+        already off.
+        """
+        capture, transducer = self.capture, self.transducer
+        done: int = run_ticks(
+            ticks,
+            self.memory,
+            capture.words,
+            capture.floats,
+            self._commands,
+            self._controls,
+            self._measurements,
+            self._shafts,
+            self._loads,
+            *self._truth,
+            self._noise,
+            capture.record,
+            capture.channels,
+            capture.buffer,
+            transducer.record,
+            transducer.torque,
+        )
+        return done
+
+

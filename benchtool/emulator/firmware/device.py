@@ -1,0 +1,270 @@
+"""The firmware of the emulated drive: states, faults, setpoints and supervision around the control core."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from functools import partial
+
+from benchtool.emulator.core import Core, Trip
+from benchtool.emulator.firmware.capture import CaptureObjects
+from benchtool.emulator.firmware.objects import ObjectStore, Refused
+from benchtool.emulator.firmware.supervision import LinkState, LinkSupervision
+from benchtool.protocol.abort import Abort
+from benchtool.protocol.cia402 import State, statusword, transition
+from benchtool.protocol.emcy import Emergency, ErrorCode, error_register
+from benchtool.protocol.modes import Mode
+from benchtool.protocol.objects import Number, ObjectTable
+
+_SAVE = 0x65766173
+_LOAD = 0x64616F6C
+_FAULT_RESET_BIT = 0x80
+_QUICK_STOP_POLL_TICKS = 10
+
+_ERROR_OF_TRIP = {
+    Trip.OVERCURRENT: ErrorCode.OVERCURRENT,
+    Trip.OVERSPEED: ErrorCode.OVERSPEED,
+    Trip.UNDERVOLTAGE: ErrorCode.DC_LINK_UNDERVOLTAGE,
+    Trip.OVERVOLTAGE: ErrorCode.DC_LINK_OVERVOLTAGE,
+}
+
+
+class Firmware:
+    """A drive behind its dictionary; frames are its servers' business.
+
+    Args:
+        table: its objects.
+        core: machine, power stage and control.
+        node_id: of the objects that contain it.
+        stored: raw values of parameters as an earlier `store_parameters` kept them.
+        emit: takes every emergency, the moment it arises.
+    """
+
+    def __init__(
+        self,
+        table: ObjectTable,
+        core: Core,
+        node_id: int,
+        stored: Mapping[str, Number],
+        emit: Callable[[Emergency], None],
+    ) -> None:
+        self.core = core
+        self.supervision = LinkSupervision()
+        self.objects = ObjectStore(table, core.memory, lambda: self.state.power_stage_on)
+        self.state = State.SWITCH_ON_DISABLED
+        self._node_id = node_id
+        self._stored = dict(stored)
+        self._emit = emit
+        self._controlword = 0
+        self._history: list[int] = []
+        self._period_s = float(self.objects["control_period"])
+        self._capture = CaptureObjects(self.objects, core)
+        self._wire_objects()
+        self.reset()
+
+    @property
+    def now_s(self) -> float:
+        """Drive time: ticks since power-up times the control period."""
+        return int(self.objects["tick"]) * self._period_s
+
+    def reset(self) -> None:
+        """Start afresh, as after NMT reset node: power stage off, stored parameters in force."""
+        self._enter(State.SWITCH_ON_DISABLED)
+        self._controlword = 0
+        for entry in self.objects.table:
+            if entry.role != "signal" and isinstance(entry.default, int | float):
+                offset = self._node_id if entry.add_node_id else 0
+                self.objects[entry.name] = entry.default + offset
+        for name, raw in self._stored.items():
+            self.objects[name] = raw
+        self.objects["dictionary_hash"] = self.objects.table.hash
+        self.objects["i_full_scale"] = self.core.sensors.i_full_scale_A
+        self.objects["control_period"] = self._period_s
+        self._history.clear()
+        self._capture.abort()
+        self.core.command.trip = 0
+        self.supervision.configure(0)
+        self._set_mode(self.objects["mode_of_operation"])
+
+    def feed_link(self) -> None:
+        """The host was heard: its heartbeat or a setpoint frame."""
+        self.supervision.feed(self.now_s)
+
+    def stop(self) -> None:
+        """Switch the power stage off without a fault, as NMT stop does."""
+        if self.state.power_stage_on:
+            self._enter(State.SWITCH_ON_DISABLED)
+
+    def advance_to(self, tick: int) -> None:
+        """Run control and machine up to a drive tick."""
+        while (present := int(self.objects["tick"])) < tick:
+            ahead = tick - present
+            if self.state is State.QUICK_STOP_ACTIVE:
+                ahead = min(ahead, _QUICK_STOP_POLL_TICKS)
+            if (left_s := self.supervision.deadline_s() - self.now_s) < math.inf:
+                ahead = min(ahead, max(1, math.ceil(left_s / self._period_s - 1e-6)))
+            self.core.run(ahead)
+            self._look_after()
+
+    # ---- after every run of the core -------------------------------------------------------------------
+
+    def _look_after(self) -> None:
+        if self.core.command.trip and self.state is not State.FAULT:
+            trips = int(self.core.command.trip)
+            first = next(trip for trip in Trip if trips & trip)
+            self._fault(_ERROR_OF_TRIP[first])
+        if self.state is State.QUICK_STOP_ACTIVE and self.core.command.standstill:
+            self._enter(State.SWITCH_ON_DISABLED)
+        if self.supervision.expire(self.now_s):
+            self._lose_link()
+
+    def _fault(self, code: ErrorCode) -> None:
+        self._report(code)
+        self._enter(State.FAULT)
+
+    def _report(self, code: ErrorCode) -> None:
+        self.objects["error_code"] = int(code)
+        self._history = [int(code), *self._history][:8]
+        self.objects["error_register"] = error_register(code)
+        self._emit(Emergency(int(code), error_register(code)))
+
+    def _lose_link(self) -> None:
+        action = int(self.objects["abort_connection_option"])
+        if action == 1:
+            self._fault(ErrorCode.HEARTBEAT)
+            return
+        self._report(ErrorCode.HEARTBEAT)
+        if action == 2:
+            self.stop()
+        elif action == 3 and self.state is State.OPERATION_ENABLED:
+            self._quick_stop()
+
+    # ---- state machine ---------------------------------------------------------------------------------
+
+    def _control(self, raw: Number) -> None:
+        word = int(raw)
+        before, self._controlword = self._controlword, word
+        reset_edge = bool(word & _FAULT_RESET_BIT and not before & _FAULT_RESET_BIT)
+        if reset_edge and self.supervision.state is LinkState.LOST:
+            self.supervision.rearm()
+        after = transition(self.state, word, before)
+        if after is self.state:
+            return
+        if self.state is State.FAULT:
+            self.core.command.trip = 0
+            self._report(ErrorCode.NO_ERROR)
+        if after is State.QUICK_STOP_ACTIVE:
+            self._quick_stop()
+        else:
+            self._enter(after)
+
+    def _check_control(self, raw: Number) -> None:
+        after = transition(self.state, int(raw), self._controlword)
+        if after is State.OPERATION_ENABLED and self.state is not after and not self.supervision.may_enable:
+            raise Refused(Abort.DEVICE_STATE)
+
+    def _quick_stop(self) -> None:
+        if self.objects["quick_stop_option"] == 0:
+            self._enter(State.SWITCH_ON_DISABLED)
+            return
+        self.core.command.quick_stop = 1
+        self.state = State.QUICK_STOP_ACTIVE
+
+    def _enter(self, state: State) -> None:
+        """Take a state; setpoints do not outlive the power stage."""
+        self.state = state
+        self.core.command.pwm_enabled = state is State.OPERATION_ENABLED
+        self.core.command.quick_stop = 0
+        if state is not State.OPERATION_ENABLED:
+            for name in ("torque_command", "omega_m_command", "target_torque", "target_velocity"):
+                self.objects[name] = 0
+
+    def _statusword(self) -> int:
+        limited = abs(self.objects["torque_reference"]) >= self.objects["torque_limit"] > 0
+        return statusword(
+            self.state,
+            voltage_enabled=self.objects["u_dc"] > self.objects["u_dc_min"],
+            warning=self.supervision.state is LinkState.LOST,
+            internal_limit=self.state.power_stage_on and bool(limited),
+        )
+
+    # ---- objects with a meaning beyond their value -------------------------------------------------------
+
+    def _wire_objects(self) -> None:
+        objects = self.objects
+        objects.check("controlword", self._check_control)
+        objects.on_write("controlword", self._control)
+        objects.compute("statusword", self._statusword)
+        objects.on_write("mode_of_operation", self._set_mode)
+        objects.on_write("host_heartbeat", lambda raw: self.supervision.configure(int(raw)))
+        objects.compute("link_state", lambda: int(self.supervision.state))
+        objects.compute("link_losses", lambda: self.supervision.losses)
+        objects.compute("error_history_count", lambda: len(self._history))
+        objects.check("error_history_count", _only_zero)
+        objects.on_write("error_history_count", lambda _: self._history.clear())
+        for position in range(8):
+            objects.compute(f"error_{position + 1}", partial(self._past_error, position))
+        objects.compute("store_all", lambda: 1)
+        objects.compute("restore_all", lambda: 1)
+        objects.check("store_all", _only(_SAVE))
+        objects.on_write("store_all", lambda _: self._store())
+        objects.check("restore_all", _only(_LOAD))
+        objects.on_write("restore_all", lambda _: self._restore())
+        self._wire_402()
+
+    def _wire_402(self) -> None:
+        objects = self.objects
+        rated_torque_Nm = self._rated_torque_Nm
+        objects.on_write("target_torque", self._set("torque_command", lambda raw: raw / 1e3 * rated_torque_Nm()))
+        objects.on_write("max_torque", self._set("torque_limit", lambda raw: raw / 1e3 * rated_torque_Nm()))
+        objects.on_write("target_velocity", self._set("omega_m_command", lambda raw: raw / 1e3))
+        objects.compute("motor_rated_torque", lambda: round(rated_torque_Nm() * 1e3))
+        objects.compute("torque_actual", lambda: _i16(objects["torque"] / rated_torque_Nm() * 1e3))
+        objects.compute("velocity_actual", lambda: round(objects["omega_m"] * 1e3))
+        objects.compute("dc_link_voltage", lambda: round(max(0.0, objects["u_dc"]) * 1e3))
+        objects.compute(
+            "current_actual",
+            lambda: _i16(objects["i_q"] / math.sqrt(2.0) / objects["motor_rated_current"] * 1e6),
+        )
+
+    def _rated_torque_Nm(self) -> float:
+        return float(self.objects["T_N"])
+
+    def _set(self, name: str, value: Callable[[Number], float]) -> Callable[[Number], None]:
+        def effect(raw: Number) -> None:
+            self.objects[name] = value(raw)
+
+        return effect
+
+    def _set_mode(self, raw: Number) -> None:
+        mode = Mode(int(raw))
+        self.core.command.mode = int(mode)
+        self.objects["mode_of_operation_display"] = int(mode)
+
+    def _past_error(self, place: int) -> int:
+        if place >= len(self._history):
+            raise Refused(Abort.NO_DATA)
+        return self._history[place]
+
+    def _store(self) -> None:
+        self._stored = dict(self.objects.parameters())
+
+    def _restore(self) -> None:
+        self._stored = {}
+
+
+def _i16(value: float) -> int:
+    return max(-32768, min(32767, round(value)))
+
+
+def _only(signature: int) -> Callable[[Number], None]:
+    def check(raw: Number) -> None:
+        if raw != signature:
+            raise Refused(Abort.NOT_STORED)
+
+    return check
+
+
+def _only_zero(raw: Number) -> None:
+    if raw != 0:
+        raise Refused(Abort.VALUE)

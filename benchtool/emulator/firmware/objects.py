@@ -1,0 +1,142 @@
+"""The drive's side of the dictionary: access, limits and state checked before a value reaches memory."""
+
+from __future__ import annotations
+
+import math
+import struct
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from benchtool.protocol.abort import Abort
+from benchtool.protocol.objects import DataType, Entry, Number, ObjectTable
+
+Value = Number | str | bytes
+
+
+class Refused(Exception):
+    """An access that the drive answers with an abort code instead of a value."""
+
+    def __init__(self, code: Abort) -> None:
+        super().__init__(code.name)
+        self.code = code
+
+
+class ObjectStore:
+    """Values of the dictionary: in the drive's memory, or computed when they are read.
+
+    Args:
+        table: the objects.
+        memory: structured array of shape (1,) with a field for every number of the table.
+        power_stage_is_on: says whether writes with `enabled_write = false` are to be refused.
+    """
+
+    def __init__(
+        self,
+        table: ObjectTable,
+        memory: np.ndarray[Any, Any],
+        power_stage_is_on: Callable[[], bool],
+    ) -> None:
+        self.table = table
+        self._memory = memory
+        self._power_stage_is_on = power_stage_is_on
+        self._computed: dict[str, Callable[[], Value]] = {}
+        self._checks: dict[str, Callable[[Number], None]] = {}
+        self._effects: dict[str, Callable[[Number], None]] = {}
+
+    def compute(self, name: str, read: Callable[[], Value]) -> None:
+        """Have `name` computed by `read` whenever it is read."""
+        self._computed[name] = read
+
+    def check(self, name: str, accept: Callable[[Number], None]) -> None:
+        """Have `accept` raise `Refused` for raw values of `name` that must not be written."""
+        self._checks[name] = accept
+
+    def on_write(self, name: str, effect: Callable[[Number], None]) -> None:
+        """Have `effect` called with the raw value after a write of `name`."""
+        self._effects[name] = effect
+
+    def __getitem__(self, name: str) -> Number:
+        """Raw number of `name` as memory holds it."""
+        value: Number = self._memory[name][0].item()
+        return value
+
+    def __setitem__(self, name: str, raw: Number) -> None:
+        self._memory[name][0] = raw
+
+    def parameters(self) -> Mapping[str, Number]:
+        """Raw values of every entry that `store_parameters` keeps."""
+        return {entry.name: self[entry.name] for entry in self.table if entry.role == "parameter"}
+
+    def read(self, index: int, sub: int) -> bytes:
+        """Raw bytes of an entry.
+
+        Raises:
+            Refused: no such object, or it cannot be read now.
+        """
+        entry = self._entry(index, sub)
+        if entry.access == "wo":
+            raise Refused(Abort.WRITE_ONLY)
+        value: Value
+        if entry.name in self._computed:
+            value = self._computed[entry.name]()
+        else:
+            value = str(entry.default) if entry.type is DataType.STRING else self[entry.name]
+        if isinstance(value, bytes):
+            return value
+        if isinstance(value, str):
+            return value.encode("ascii")
+        return np.asarray(value, dtype=entry.type.numpy).tobytes()
+
+    def write(self, index: int, sub: int, data: bytes) -> None:
+        """Check and take raw bytes for an entry.
+
+        Raises:
+            Refused: no such object, not writable, wrong length, out of limits, or not in this state; memory
+                is as it was.
+        """
+        entry = self._entry(index, sub)
+        if entry.access not in ("rw", "wo"):
+            raise Refused(Abort.READ_ONLY)
+        raw = _raw(entry, data)
+        if not entry.enabled_write and self._power_stage_is_on():
+            raise Refused(Abort.DEVICE_STATE)
+        if entry.name in self._checks:
+            self._checks[entry.name](raw)
+        self[entry.name] = raw
+        if entry.name in self._effects:
+            self._effects[entry.name](raw)
+
+    def _entry(self, index: int, sub: int) -> Entry:
+        if (entry := self.table.by_key.get((index, sub))) is not None:
+            return entry
+        known = any(item.index == index for item in self.table.objects)
+        raise Refused(Abort.NO_SUB_INDEX if known else Abort.NO_OBJECT)
+
+
+def _raw(entry: Entry, data: bytes) -> Number:
+    """Number that `data` states, within the limits of the entry."""
+    dtype = entry.type.numpy
+    if dtype is None:
+        raise Refused(Abort.READ_ONLY)
+    if len(data) != dtype.itemsize:
+        raise Refused(Abort.LENGTH_HIGH if len(data) > dtype.itemsize else Abort.LENGTH_LOW)
+    raw: Number = np.frombuffer(data, dtype=dtype)[0].item()
+    if isinstance(raw, float) and not math.isfinite(raw):
+        raise Refused(Abort.VALUE)
+    if entry.values is not None and raw not in entry.values.values():
+        raise Refused(Abort.VALUE)
+    if entry.maximum is not None and raw > _rounded(entry, entry.maximum):
+        raise Refused(Abort.VALUE_HIGH)
+    if entry.minimum is not None and raw < _rounded(entry, entry.minimum):
+        raise Refused(Abort.VALUE_LOW)
+    return raw
+
+
+def _rounded(entry: Entry, limit: Number) -> Number:
+    """The limit as a float32 holds it, so that the limit itself is accepted."""
+    if entry.type is DataType.F32:
+        value: float = struct.unpack("<f", struct.pack("<f", limit))[0]
+        return value
+    return limit

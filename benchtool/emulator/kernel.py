@@ -1,0 +1,164 @@
+"""The kernel: machine, sensors, control, capture and transducer, tick after tick.
+
+Drive tick n is at n T_s. A tick integrates the machine over one PWM period with the duties that were computed a
+tick before that period began, then samples, controls and captures.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchtool.emulator.capture import take
+from benchtool.emulator.control.cycle import control_tick
+from benchtool.emulator.freewheel import freewheel
+from benchtool.emulator.inverter import (
+    NEVER,
+    PowerStage,
+    falling_edge,
+    leg_voltages,
+    phase_currents,
+    rising_edge,
+)
+from benchtool.emulator.jit import entry, is_cached, njit
+from benchtool.emulator.plant import (
+    Machine,
+    State,
+    fastest_rate,
+    holding,
+    place,
+    step,
+    substep,
+    turning_rate,
+)
+from benchtool.emulator.sensors import Sensing, measure
+from benchtool.emulator.transducer import sample
+
+# rad of the fastest process in one step: fourth order leaves less than 1e-8 of it
+_TURN = 0.05
+
+
+@entry
+def run_ticks(
+    ticks: int,
+    memory: Any,
+    memory_words: NDArray[np.uint32],
+    memory_floats: NDArray[np.float32],
+    commands: Any,
+    controls: Any,
+    measurements: Any,
+    shafts: Any,
+    loads: Any,
+    machine: Machine,
+    stage: PowerStage,
+    sensing: Sensing,
+    noise: np.random.Generator,
+    captures: Any,
+    channels: NDArray[np.uint32],
+    rows: NDArray[np.uint32],
+    transducers: Any,
+    torque: NDArray[np.float64],
+) -> int:
+    """Run up to `ticks` ticks; fewer, after the tick in which a new trip was raised. Returns how many."""
+    drive, command, control = memory[0], commands[0], controls[0]
+    measurement, shaft, load = measurements[0], shafts[0], loads[0]
+    capture, transducer = captures[0], transducers[0]
+    driven = holding(machine, load.held != 0, False)
+    for done in range(ticks):
+        omega_m = load.omega_m_rad_s if load.held != 0 else shaft.omega_m
+        x = place(shaft.i_d, shaft.i_q, omega_m, shaft.theta_e)
+        transducer.next_sample = 0
+        if command.pwm_enabled != 0 and control.gated != 0:
+            x = _switch(x, drive, control, shaft, stage, driven, load.torque_Nm, transducer, torque)
+        else:
+            shaft.high_a, shaft.high_b, shaft.high_c = 0, 0, 0
+            shaft.u_dc = stage.u_dc
+            x = freewheel(x, stage.u_dc, stage, driven, load.torque_Nm, transducer, torque)
+        shaft.i_d, shaft.i_q, shaft.omega_m, shaft.theta_e = x.i_d, x.i_q, x.omega_m, x.theta_e
+        if transducer.recording == 1 and transducer.filled >= torque.size:
+            transducer.recording = 0
+        drive.tick += 1
+        measure(x, shaft.u_dc, machine.p, sensing, noise, measurement)
+        tripped = control_tick(drive, command, control, measurement)
+        take(capture, drive, memory_words, memory_floats, channels, rows, tripped)
+        if tripped:
+            return done + 1
+    return ticks
+
+
+def kernel_is_cached() -> bool:
+    """Whether the first run will load the kernel within a second; else it compiles for some seconds."""
+    return is_cached(run_ticks)
+
+
+@njit
+def _switch(
+    x: State,
+    drive: Any,
+    control: Any,
+    shaft: Any,
+    stage: PowerStage,
+    machine: Machine,
+    T_load: float,
+    transducer: Any,
+    torque: NDArray[np.float64],
+) -> State:
+    """Integrate one PWM period from edge to edge.
+
+    The dc link holds its voltage over the period; the mean current of the period sets that of the next.
+    """
+    duty_a, duty_b, duty_c = control.duty_a, control.duty_b, control.duty_c
+    i_a, i_b, i_c = phase_currents(x)
+    edge_a = rising_edge(duty_a, i_a, stage)
+    edge_b = rising_edge(duty_b, i_b, stage)
+    edge_c = rising_edge(duty_c, i_c, stage)
+    high_a, high_b, high_c = False, False, False
+    drive.switching_count += _turn_on(duty_a, shaft.high_a) + _turn_on(duty_b, shaft.high_b)
+    drive.switching_count += _turn_on(duty_c, shaft.high_c)
+    u_dc = shaft.u_dc
+    charge = 0.0
+    rate = fastest_rate(machine) + turning_rate(machine) * abs(x.omega_m)
+    time = 0.0
+    while time < stage.T_s:
+        if edge_a <= time:
+            high_a, edge_a = _next_edge(high_a, duty_a, phase_currents(x)[0], stage)
+        if edge_b <= time:
+            high_b, edge_b = _next_edge(high_b, duty_b, phase_currents(x)[1], stage)
+        if edge_c <= time:
+            high_c, edge_c = _next_edge(high_c, duty_c, phase_currents(x)[2], stage)
+        until = min(min(edge_a, edge_b), min(edge_c, stage.T_s))
+        u_alpha, u_beta = leg_voltages(high_a, high_b, high_c, x, u_dc, stage)
+        while time < until:
+            h = substep(until - time, rate, _TURN)
+            before = x
+            x = step(x, u_alpha, u_beta, h, machine, T_load)
+            sample(time, h, before, x, u_alpha, u_beta, machine, T_load, transducer, torque)
+            if stage.R_dc > 0.0:
+                charge += 0.5 * h * (_link_current(high_a, high_b, high_c, before) + _link_current(high_a, high_b, high_c, x))
+            time = time + h if h < until - time else until
+    shaft.high_a, shaft.high_b, shaft.high_c = high_a, high_b, high_c
+    shaft.u_dc = stage.u_dc - stage.R_dc * charge / stage.T_s
+    return x
+
+
+@njit
+def _next_edge(high: bool, duty: float, current: float, stage: PowerStage) -> tuple[bool, float]:
+    """State of a leg after its edge, and when the next one comes."""
+    if high:
+        return False, NEVER
+    return True, falling_edge(duty, current, stage)
+
+
+@njit
+def _turn_on(duty: float, was_high: int) -> int:
+    """1 if the leg's upper switch turns on in a period of this duty."""
+    return 1 if duty > 0.0 and (duty < 1.0 or was_high == 0) else 0
+
+
+@njit
+def _link_current(high_a: bool, high_b: bool, high_c: bool, x: State) -> float:
+    """Current that the legs which are high draw from the dc link."""
+    i_a, i_b, i_c = phase_currents(x)
+    return (i_a if high_a else 0.0) + (i_b if high_b else 0.0) + (i_c if high_c else 0.0)

@@ -1,0 +1,99 @@
+"""The records that firmware, control and capture share: the drive's memory, and what is beside it.
+
+Every record is a structured array of shape (1,); element 0 has its fields as attributes, in Python as in
+compiled code, and writes go through to the array.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchtool.protocol.objects import ObjectTable
+
+Record = np.ndarray[Any, np.dtype[Any]]
+
+
+def record_type(fields: list[tuple[str, Any]]) -> np.dtype[Any]:
+    """Aligned structured type with attribute access."""
+    return np.dtype((np.record, np.dtype(fields, align=True)))
+
+
+def new_memory(table: ObjectTable) -> Record:
+    """The drive's memory at power-up, shape (1,): a field for every number of the table, with its default."""
+    entries = [(entry, entry.type.numpy) for entry in table if entry.type.numpy is not None]
+    memory = np.zeros(1, record_type([(entry.name, dtype) for entry, dtype in entries]))
+    for entry, _ in entries:
+        if isinstance(entry.default, int | float):
+            memory[entry.name] = entry.default
+    return memory
+
+
+def words(memory: Record) -> NDArray[np.uint32]:
+    """The memory as 32-bit words, sharing storage; a four-byte field is the word at its offset / 4."""
+    return memory.view(np.uint32)
+
+
+def word_offset(memory: Record, name: str) -> int:
+    """Which word of `words(memory)` a four-byte field is."""
+    fields = memory.dtype.fields
+    assert fields is not None
+    return int(fields[name][1]) // 4
+
+
+# What the firmware tells control, and what control reports back to it.
+COMMAND = record_type(
+    [
+        ("mode", "u4"),  # 3 velocity, 4 torque, as object 0x6060
+        ("pwm_enabled", "u4"),
+        ("quick_stop", "u4"),  # brake to standstill, whatever the setpoint
+        ("trip", "u4"),  # mask of `Trip`, latched by control, cleared by the firmware
+        ("standstill", "u4"),  # a quick stop has reached standstill
+    ]
+)
+
+# What control remembers from tick to tick. `*_next` waits in the PWM unit's shadow register until the next tick.
+CONTROL = record_type(
+    [
+        ("started", "u4"),
+        ("gated", "u4"),
+        ("gated_next", "u4"),
+        ("theta_m", "f8"),
+        ("omega_m", "f8"),
+        ("speed_integral", "f8"),
+        ("u_alpha", "f8"),
+        ("u_beta", "f8"),
+        ("u_alpha_next", "f8"),
+        ("u_beta_next", "f8"),
+        ("duty_a", "f8"),
+        ("duty_b", "f8"),
+        ("duty_c", "f8"),
+        ("duty_a_next", "f8"),
+        ("duty_b_next", "f8"),
+        ("duty_c_next", "f8"),
+    ]
+)
+
+# One set of samples, in the units control computes with; `count` is the encoder's position in a revolution.
+MEASUREMENT = record_type(
+    [("i_a", "f8"), ("i_b", "f8"), ("i_c", "f8"), ("u_dc", "f8"), ("count", "i8"), ("saturated", "u4")]
+)
+
+# The machine as it really is; control never sees it.
+SHAFT = record_type(
+    [
+        ("i_d", "f8"),
+        ("i_q", "f8"),
+        ("omega_m", "f8"),
+        ("theta_e", "f8"),  # never wrapped
+        ("u_dc", "f8"),
+        ("high_a", "u4"),  # leg left high at the end of the period
+        ("high_b", "u4"),
+        ("high_c", "u4"),
+    ]
+)
+
+# What stands on the other end of the shaft.
+LOAD = record_type([("torque_Nm", "f8"), ("held", "u4"), ("omega_m_rad_s", "f8")])

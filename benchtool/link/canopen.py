@@ -1,0 +1,262 @@
+"""One CANopen drive as the host sees it: SDO, NMT, heartbeat and emergencies over a python-can bus."""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import fields
+from types import TracebackType
+from typing import Self
+
+import can
+import canopen
+from canopen.sdo.exceptions import SdoAbortedError, SdoCommunicationError
+
+from benchtool.clock import Clock
+from benchtool.errors import LinkClosed, LinkError, NoAnswer, SdoAbort
+from benchtool.link.interface import LinkCounters
+from benchtool.link.sdo_client import BlockNotOfferedError, SdoClient, SdoTimeoutError
+from benchtool.protocol.abort import abort_text
+from benchtool.protocol.emcy import Emergency
+from benchtool.protocol.nmt import NmtCommand, NmtState, heartbeat_state
+
+_NMT = 0x000
+_EMCY = 0x080
+_SDO_RESPONSE = 0x580
+_HEARTBEAT = 0x700
+_RECEIVE_S = 0.05
+_ERROR_PAUSE_S = 0.001
+_ERRORS_IN_A_ROW = 100
+_EMERGENCIES = 256
+
+
+class CanopenLink:
+    """A `Link` over CANopen, with one receive thread that no frame and no driver error ends.
+
+    Errors of the driver are counted and reception goes on; only a hundred in a row, without a frame or
+    a quiet interval between them, count as a vanished adapter. Frames are handled in the receive thread,
+    transfers run in the caller's, one at a time.
+
+    Args:
+        bus: open bus, owned from now on.
+        node_id: the drive's, 1 to 127.
+        clock: what `wait_heartbeat` goes by.
+        host_node_id: whose heartbeat `send_heartbeat` is.
+        sdo_timeout_s: wall time to wait for each answer.
+    """
+
+    def __init__(
+        self,
+        bus: can.BusABC,
+        node_id: int,
+        clock: Clock,
+        *,
+        host_node_id: int = 127,
+        sdo_timeout_s: float = 0.5,
+    ) -> None:
+        self._bus = bus
+        self._node_id = node_id
+        self._clock = clock
+        self._host_node_id = host_node_id
+        self._network = canopen.Network()
+        self._network.bus = bus
+        self._sdo = SdoClient(self._network, node_id, sdo_timeout_s)
+        self._network.subscribe(_SDO_RESPONSE + node_id, self._on_sdo_response)
+        self._network.subscribe(_HEARTBEAT + node_id, self._on_heartbeat)
+        self._network.subscribe(_EMCY + node_id, self._on_emergency)
+        self._transfer_lock = threading.Lock()
+        self._close_lock = threading.Lock()
+        self._stopping = threading.Event()
+        self._failure: Exception | None = None
+        self._state: NmtState | None = None
+        self._emergencies: deque[Emergency] = deque()
+        self._counts = dict.fromkeys((field.name for field in fields(LinkCounters)), 0)
+        self._thread = threading.Thread(target=self._receive, name="canopen-link", daemon=True)
+        self._thread.start()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    @property
+    def node_id(self) -> int:
+        return self._node_id
+
+    @property
+    def counters(self) -> LinkCounters:
+        overruns = self._counts["overruns"] + self._sdo.overruns
+        return LinkCounters(**{**self._counts, "overruns": overruns})
+
+    def upload(self, index: int, sub: int, *, block: bool = False) -> bytes:
+        """See `Link.upload`. A server without block upload is read by segmented transfer instead."""
+        with self._transfer_lock, self._translating(f"reading 0x{index:04X}:{sub}, asked twice"):
+            try:
+                return self._read(index, sub, block)
+            except SdoCommunicationError:
+                self._require_open()
+                self._counts["retries"] += 1
+                return self._read(index, sub, block)
+
+    def download(self, index: int, sub: int, data: bytes, *, block: bool = False) -> None:
+        """See `Link.download`."""
+        write = self._sdo.block_download if block else self._sdo.download
+        with self._transfer_lock, self._translating(f"writing 0x{index:04X}:{sub}, asked once"):
+            write(index, sub, data)
+
+    def nmt(self, command: NmtCommand) -> None:
+        """See `Link.nmt`."""
+        self._send(_NMT, bytes([command, self._node_id]))
+
+    def send_heartbeat(self) -> None:
+        """See `Link.send_heartbeat`; the message says operational (CiA 301, 7.2.8.3.2.2)."""
+        self._send(_HEARTBEAT + self._host_node_id, bytes([NmtState.OPERATIONAL]))
+
+    def heartbeat_state(self) -> NmtState | None:
+        """See `Link.heartbeat_state`."""
+        self._require_open()
+        return self._state
+
+    def wait_heartbeat(self, timeout_s: float) -> NmtState:
+        """See `Link.wait_heartbeat`."""
+        heard = self._counts["heartbeats_received"]
+        deadline_s = self._clock.now_s() + timeout_s
+        while True:
+            state = self.heartbeat_state()
+            if state is not None and self._counts["heartbeats_received"] != heard:
+                return state
+            if self._clock.now_s() >= deadline_s:
+                raise NoAnswer(
+                    f"no heartbeat of node {self._node_id} within {timeout_s:g} s; "
+                    f"check that the drive is powered and its producer_heartbeat (0x1017) is not 0"
+                )
+            self._clock.wait(min(0.01, timeout_s))
+
+    def emergencies(self) -> tuple[Emergency, ...]:
+        """See `Link.emergencies`. The first 256 are kept, as the cause is among the first."""
+        self._require_open()
+        return tuple(self._emergencies.popleft() for _ in range(len(self._emergencies)))
+
+    def close(self) -> None:
+        """See `Link.close`."""
+        with self._close_lock:
+            if self._stopping.is_set():
+                return
+            self._stopping.set()
+            self._thread.join()
+            self._bus.shutdown()
+
+    # ---- transfers ---------------------------------------------------------------------------------------
+
+    def _read(self, index: int, sub: int, block: bool) -> bytes:
+        if block:
+            try:
+                return self._sdo.block_upload(index, sub)
+            except BlockNotOfferedError:
+                pass  # a read may be asked again in another way; a write never is
+        return self._sdo.upload(index, sub)
+
+    @contextmanager
+    def _translating(self, doing: str) -> Iterator[None]:
+        self._require_open()
+        node = f"node {self._node_id}"
+        try:
+            yield
+        except SdoAbortedError as aborted:
+            self._counts["sdo_aborts"] += 1
+            what = doing.partition(",")[0]
+            raise SdoAbort(f"{node} refused {what}: {abort_text(aborted.code)}", aborted.code) from None
+        except SdoTimeoutError:
+            self._require_open()
+            raise NoAnswer(
+                f"{node} did not answer within {self._sdo.timeout_s:g} s when {doing}; "
+                f"check that the drive is powered, its node id, the bit rate and the wiring"
+            ) from None
+        except SdoCommunicationError as reason:
+            raise LinkError(
+                f"{node} answered out of protocol when {doing}: {reason}; "
+                f"check the wiring, and that no other SDO client talks to this node"
+            ) from None
+        except (can.CanError, OSError) as reason:
+            raise self._send_failure(reason) from reason
+
+    def _send(self, can_id: int, data: bytes) -> None:
+        self._require_open()
+        try:
+            self._network.send_message(can_id, data)
+        except (can.CanError, OSError) as reason:
+            raise self._send_failure(reason) from reason
+
+    def _send_failure(self, reason: Exception) -> LinkError:
+        # An adapter that is gone makes reception fail too, a moment later: then that is the finding.
+        self._thread.join(_ERRORS_IN_A_ROW * _ERROR_PAUSE_S * 4.0)
+        self._require_open()
+        return LinkError(
+            f"sending to node {self._node_id} failed: {reason}; "
+            f"check that the bus is powered and terminated and that another node acknowledges"
+        )
+
+    def _require_open(self) -> None:
+        if self._failure is not None:
+            raise LinkClosed(
+                f"the adapter of node {self._node_id} stopped working: {self._failure}; "
+                f"check its cable and driver, then connect again"
+            ) from self._failure
+        if self._stopping.is_set():
+            raise LinkClosed(f"the link to node {self._node_id} is closed; connect again")
+
+    # ---- receive thread ------------------------------------------------------------------------------------
+
+    def _receive(self) -> None:
+        errors = 0
+        while not self._stopping.is_set():
+            try:
+                frame = self._bus.recv(_RECEIVE_S)
+                if frame is not None:
+                    self._handle(frame)
+            except Exception as error:  # noqa: BLE001  drivers raise anything at a line that is disturbed
+                self._counts["receive_errors"] += 1
+                errors += 1
+                if errors == _ERRORS_IN_A_ROW:
+                    self._failure = error
+                    return
+                self._stopping.wait(_ERROR_PAUSE_S)
+            else:
+                errors = 0
+
+    def _handle(self, frame: can.Message) -> None:
+        self._counts["frames_received"] += 1
+        if frame.is_error_frame or frame.is_remote_frame or frame.is_extended_id:
+            self._counts["frames_dropped"] += 1
+        else:
+            self._network.notify(frame.arbitration_id, frame.data, frame.timestamp)
+
+    def _on_sdo_response(self, can_id: int, data: bytearray, timestamp: float) -> None:
+        if len(data) == 8:
+            self._sdo.on_response(can_id, data, timestamp)
+        else:
+            self._counts["frames_dropped"] += 1
+
+    def _on_heartbeat(self, can_id: int, data: bytearray, timestamp: float) -> None:
+        state = heartbeat_state(bytes(data))
+        if state is None:
+            self._counts["frames_dropped"] += 1
+            return
+        self._state = state
+        self._counts["heartbeats_received"] += 1
+
+    def _on_emergency(self, can_id: int, data: bytearray, timestamp: float) -> None:
+        emergency = Emergency.decode(bytes(data))
+        if emergency is None:
+            self._counts["frames_dropped"] += 1
+            return
+        self._counts["emcy_received"] += 1
+        if len(self._emergencies) < _EMERGENCIES:
+            self._emergencies.append(emergency)
+        else:
+            self._counts["overruns"] += 1

@@ -1,0 +1,78 @@
+"""What a drive's host side may ask of a link, whatever carries it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from benchtool.protocol.emcy import Emergency
+from benchtool.protocol.nmt import NmtCommand, NmtState
+
+
+@dataclass(frozen=True)
+class LinkCounters:
+    """What went over a link since it was opened, and what went wrong on it."""
+
+    frames_received: int = 0
+    frames_dropped: int = 0  # malformed
+    receive_errors: int = 0  # the adapter's driver raised; reception went on
+    overruns: int = 0  # well-formed, but nobody took them in time
+    retries: int = 0  # reads that were asked a second time
+    sdo_aborts: int = 0
+    emcy_received: int = 0
+    heartbeats_received: int = 0
+
+
+class Link(Protocol):
+    """One drive at the other end. Every call is synchronous and may come from any thread.
+
+    Each method but `close` and `counters` raises LinkClosed once the link is closed or its adapter is gone.
+    """
+
+    @property
+    def node_id(self) -> int:
+        """The drive's address."""
+
+    @property
+    def counters(self) -> LinkCounters:
+        """Snapshot."""
+
+    def upload(self, index: int, sub: int, *, block: bool = False) -> bytes:
+        """Bytes of one object; `block` for a transfer that is fast for long ones. Asked twice if need be.
+
+        Raises:
+            NoAnswer: nothing came back.
+            SdoAbort: the drive refused.
+            LinkError: what came back is damaged or is no answer.
+        """
+
+    def download(self, index: int, sub: int, data: bytes, *, block: bool = False) -> None:
+        """Write one object. Sent once: whether to repeat a write that failed is for the caller to decide.
+
+        Raises:
+            NoAnswer: nothing came back; the drive may hold either value.
+            SdoAbort: the drive refused.
+            LinkError: what came back is damaged or is no answer.
+        """
+
+    def nmt(self, command: NmtCommand) -> None:
+        """Tell the drive to change its network state; nothing confirms it but its heartbeat."""
+
+    def send_heartbeat(self) -> None:
+        """Feed the drive's link supervision, once."""
+
+    def heartbeat_state(self) -> NmtState | None:
+        """State in the drive's last heartbeat; None before the first."""
+
+    def wait_heartbeat(self, timeout_s: float) -> NmtState:
+        """State in the drive's next heartbeat.
+
+        Raises:
+            NoAnswer: none came within `timeout_s` of the link's clock.
+        """
+
+    def emergencies(self) -> tuple[Emergency, ...]:
+        """Emergencies since the last call, oldest first."""
+
+    def close(self) -> None:
+        """End reception and close the adapter; a second call does nothing."""

@@ -1,0 +1,14 @@
+"""Run bundles: a directory that holds what a run was, what it recorded and what came out.
+
+manifest.json         what, when, with which profile, parameters, versions; how it ended
+data/NAME.arrows      a stream while it is recorded: every acknowledged batch survives the process
+data/NAME.parquet     the same stream once the run is finished; columns carry units, metadata the time base
+measurements.json     results with unit and definition
+plots/*.png           figures
+"""
+
+from benchtool.recording.manifest import Manifest, StreamInfo, software_versions
+from benchtool.recording.reader import Bundle
+from benchtool.recording.writer import BundleWriter
+
+__all__ = ["Bundle", "BundleWriter", "Manifest", "StreamInfo", "software_versions"]

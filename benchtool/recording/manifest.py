@@ -1,0 +1,143 @@
+"""The manifest of a run bundle: what was run, with what, and how it ended."""
+
+from __future__ import annotations
+
+import json
+import os
+import platform
+from collections.abc import Mapping
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+from pydantic import Field, ValidationError
+
+from benchtool import __version__
+from benchtool.document import Section
+from benchtool.errors import RecordingError
+from benchtool.recording.failures import reading, writing
+
+SCHEMA_VERSION = 1
+MANIFEST = "manifest.json"
+MEASUREMENTS = "measurements.json"
+
+_PACKAGES = ("canopen", "matplotlib", "numba", "numpy", "pyarrow", "python-can", "scipy")
+
+
+class StreamInfo(Section):
+    """How complete one stream of the bundle is."""
+
+    rows: int
+    gaps: int
+    missing_rows: int
+
+
+class Manifest(Section):
+    """Everything of a run that is neither samples nor results.
+
+    `when` is the ISO 8601 wall time of the start, given by the caller. `verdict`, `quality` (data-quality
+    counters), `streams` and `complete` are known at the end; `details` takes whatever else is JSON.
+    """
+
+    what: str
+    when: str
+    profile_name: str = ""
+    profile_toml: str = ""
+    identity: dict[str, int | float | str] = Field(default_factory=dict)
+    dictionary_hash: int | None = None
+    parameters: dict[str, int | float | str] = Field(default_factory=dict)
+    versions: dict[str, str] = Field(default_factory=dict)
+    seed: int | None = None
+    command_line: tuple[str, ...] = ()
+    verdict: str | None = None
+    quality: dict[str, int] = Field(default_factory=dict)
+    details: dict[str, Any] = Field(default_factory=dict)
+    streams: dict[str, StreamInfo] = Field(default_factory=dict)
+    complete: bool = False
+    schema_version: int = SCHEMA_VERSION
+
+
+def software_versions() -> dict[str, str]:
+    """Versions of benchtool, Python and the packages that results depend on."""
+    versions = {"benchtool": __version__, "python": platform.python_version()}
+    return versions | {package: metadata.version(package) for package in _PACKAGES}
+
+
+def write_manifest(directory: Path, manifest: Manifest) -> None:
+    """Put the manifest in place in one step: a reader sees the old or the new one, never a half.
+
+    Raises:
+        RecordingError: it cannot be written, or `details` holds what JSON cannot.
+    """
+    write_json(directory / MANIFEST, manifest.model_dump())
+
+
+def read_manifest(directory: Path) -> Manifest:
+    """Manifest of the bundle in `directory`.
+
+    Raises:
+        RecordingError: there is none, or it is not one of this schema version.
+    """
+    path = directory / MANIFEST
+    if not path.is_file():
+        raise RecordingError(
+            f"{directory} is not a run bundle: it has no {MANIFEST}; give the folder of a run"
+        )
+    document = read_json(path)
+    version = document.get("schema_version")
+    if version != SCHEMA_VERSION:
+        raise RecordingError(
+            f"{path}: schema version {version!r}, this benchtool reads {SCHEMA_VERSION}: use the "
+            f"benchtool that recorded it"
+        )
+    try:
+        return Manifest.model_validate(document)
+    except ValidationError as failed:
+        first = failed.errors()[0]
+        key = ".".join(str(part) for part in first["loc"])
+        raise RecordingError(
+            f"{path}: key '{key}': {first['msg'].lower()}; a manifest written by benchtool is expected: "
+            f"restore it"
+        ) from None
+
+
+def write_json(path: Path, document: Mapping[str, Any]) -> None:
+    """Write a document in one step, keys in their order, without nan and infinity.
+
+    Raises:
+        RecordingError: it cannot be written or is not JSON.
+    """
+    try:
+        text = json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False)
+    except (TypeError, ValueError) as failure:
+        raise RecordingError(
+            f"cannot write {path}: {failure}; numbers that are finite, text, lists and mappings are "
+            f"expected: write null for what is undefined"
+        ) from None
+    part = path.with_name(path.name + ".part")
+    with writing(path):
+        with part.open("w", encoding="utf-8") as file:
+            file.write(text + "\n")
+            file.flush()
+            os.fsync(file.fileno())
+        part.replace(path)
+
+
+def read_json(path: Path) -> dict[str, Any]:
+    """The JSON mapping in a file.
+
+    Raises:
+        RecordingError: it cannot be read or is not a JSON mapping.
+    """
+    try:
+        with reading(path):
+            document = json.loads(path.read_bytes())
+    except (ValueError, RecursionError) as failure:
+        raise RecordingError(
+            f"{path} is not JSON: {failure}; a file written by benchtool is expected: restore it"
+        ) from None
+    if not isinstance(document, dict):
+        raise RecordingError(
+            f"{path} holds a {type(document).__name__}, a JSON mapping is expected: restore the file"
+        )
+    return document

@@ -1,0 +1,132 @@
+"""Writing a run bundle: lossless and synchronous, or an error."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from contextlib import ExitStack
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+from benchtool.block import Block
+from benchtool.errors import RecordingError
+from benchtool.recording.failures import writing
+from benchtool.recording.manifest import MEASUREMENTS, Manifest, StreamInfo, write_json, write_manifest
+from benchtool.recording.reader import DATA, FINISHED, RUNNING, Bundle
+from benchtool.recording.stream import StreamWriter
+
+_STREAM_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]*")
+
+
+class BundleWriter:
+    """Records a run into a directory of its own.
+
+        with BundleWriter(directory, manifest) as bundle:
+            bundle.append("capture", block)
+            bundle.finish(measurements, verdict="passed")
+
+    What `append` has accepted survives the end of the process, however it ends. Without `finish` the bundle
+    stays marked as incomplete and its data stay Arrow streams, which `Bundle` reads as well.
+
+    Raises:
+        RecordingError: the directory has content or cannot be written.
+    """
+
+    def __init__(self, directory: Path, manifest: Manifest) -> None:
+        self.directory = directory
+        self._manifest = manifest
+        self._streams: dict[str, StreamWriter] = {}
+        self._open = True
+        with writing(directory):
+            if directory.is_dir() and any(directory.iterdir()):
+                raise RecordingError(
+                    f"{directory} has content, a run is recorded into a directory of its own: choose "
+                    f"another name"
+                )
+            (directory / DATA).mkdir(parents=True)
+        write_manifest(directory, manifest)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        try:
+            self.close()
+        except RecordingError:
+            if error is None:  # else the first failure is the one to report
+                raise
+
+    def append(self, stream: str, block: Block) -> None:
+        """Add rows to a stream, which begins with its first block.
+
+        Ticks missing between two blocks are recorded as a gap.
+
+        Raises:
+            RecordingError: the disk is full, the name cannot be a file's, the block does not continue the
+                stream (other channels, rate, earlier ticks), or the bundle is finished.
+        """
+        self._require_open()
+        writer = self._streams.get(stream)
+        if writer is None:
+            if not _STREAM_NAME.fullmatch(stream):
+                raise RecordingError(
+                    f"'{stream}' cannot name a stream: letters, digits, '_', '-' and '.' are "
+                    f"expected: rename it"
+                )
+            writer = StreamWriter(self.directory / DATA / f"{stream}{RUNNING}", block)
+            self._streams[stream] = writer
+        writer.append(block)
+
+    def finish(
+        self,
+        measurements: Mapping[str, Mapping[str, Any]] | None = None,
+        *,
+        verdict: str | None = None,
+        quality: Mapping[str, int] | None = None,
+        details: Mapping[str, Any] | None = None,
+    ) -> Bundle:
+        """Turn the streams into Parquet, write the results, mark the bundle complete and open it.
+
+        `details` and `quality` are added to those the manifest began with.
+
+        Raises:
+            RecordingError: something cannot be written; what was recorded stays readable.
+        """
+        self._require_open()
+        self.close()
+        for name, stream in self._streams.items():
+            stream.convert(self.directory / DATA / f"{name}{FINISHED}")
+        write_json(self.directory / MEASUREMENTS, measurements or {})
+        began = self._manifest
+        finished = began.model_copy(
+            update={
+                "verdict": verdict,
+                "quality": began.quality | dict(quality or {}),
+                "details": began.details | dict(details or {}),
+                "streams": {name: _info(stream) for name, stream in self._streams.items()},
+                "complete": True,
+            }
+        )
+        write_manifest(self.directory, finished)
+        return Bundle.open(self.directory)
+
+    def close(self) -> None:
+        """Release the files without finishing; again is harmless."""
+        if self._open:
+            self._open = False
+            with ExitStack() as streams:  # each is closed, whatever another one raises
+                for stream in self._streams.values():
+                    streams.callback(stream.close)
+
+    def _require_open(self) -> None:
+        if not self._open:
+            raise RecordingError(
+                f"{self.directory} is closed, nothing can be added: record into a new directory"
+            )
+
+
+def _info(stream: StreamWriter) -> StreamInfo:
+    return StreamInfo(rows=stream.rows, gaps=len(stream.gaps), missing_rows=stream.missing_rows)

@@ -1,0 +1,164 @@
+"""Figures of a steady-state run, as matplotlib figures without pyplot."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from benchtool.analysis import SteadyState, cut_to_span, largest_low_component
+from benchtool.block import Block
+from benchtool.errors import RecordingError
+from benchtool.report.style import (
+    BLACK,
+    BLUE,
+    GREY,
+    LIGHT,
+    ORANGE,
+    PHASES,
+    REFERENCE,
+    add_legend,
+    annotate_point,
+    dress,
+    new_figure,
+)
+
+_SHOWN_PERIODS = 2.0
+_LOW_ORDER = 10
+_FLOOR = 1e-5  # of the fundamental: where the logarithmic axis of a spectrum begins
+
+
+def draw_steady_state(
+    block: Block, steady: SteadyState, transducer: Block | None = None, *, title: str
+) -> dict[str, Figure]:
+    """Figures of a capture and its analysis, by name.
+
+    "waveforms": torque, phase currents and stator flux over the first two electrical periods;
+    "current_spectrum": phase current a up to ten times the fundamental and over the whole band;
+    "flux_trajectory": stator flux in the plane, if the block has psi_alpha and psi_beta.
+    Channels i_b, i_c, torque_reference and psi_s_reference are drawn where they were recorded.
+
+    Raises:
+        AnalysisError: torque, i_a or psi_s is missing, or the transducer does not cover the capture.
+    """
+    figures = {
+        "waveforms": _waveforms(block, steady, transducer, title),
+        "current_spectrum": _current_spectrum(steady, title),
+    }
+    if {"psi_alpha", "psi_beta"} <= set(block.names):
+        figures["flux_trajectory"] = _flux_trajectory(block, steady, title)
+    return figures
+
+
+def save_figures(figures: Mapping[str, Figure], folder: Path) -> tuple[Path, ...]:
+    """Write each figure as NAME.png into `folder`, which is made if need be.
+
+    Raises:
+        RecordingError: the folder or a file cannot be written.
+    """
+    paths = []
+    for name, figure in figures.items():
+        path = folder / f"{name}.png"
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            figure.savefig(path)
+        except OSError as failure:
+            raise RecordingError(
+                f"cannot write {path}: {failure.strerror or failure}; a writable folder with free space is "
+                f"needed: make space or choose another folder"
+            ) from None
+        paths.append(path)
+    return tuple(paths)
+
+
+def _waveforms(block: Block, steady: SteadyState, transducer: Block | None, title: str) -> Figure:
+    shown = replace(block, data=block.data[: _shown_rows(block, steady)])
+    time_s = shown.time_s()
+    mean_Nm, peak_to_peak_Nm = steady["torque_mean"].value, steady["torque_ripple_pp"].value
+    summary = f"torque {mean_Nm:.4g} Nm, ripple of its estimate {peak_to_peak_Nm:.3g} Nm peak to peak"
+    figure = new_figure(6.6, title, summary)
+    torque, current, flux = figure.subplots(3, 1, sharex=True)
+
+    if transducer is not None:
+        _draw_true_torque(torque, cut_to_span(transducer, shown), shown)
+    rms_Nm = steady["torque_ripple_rms"].value
+    band = {"color": ORANGE, "alpha": 0.35, "linewidth": 0}
+    torque.axhspan(mean_Nm - rms_Nm, mean_Nm + rms_Nm, zorder=2.2, label="mean ± rms ripple", **band)
+    torque.plot(time_s, shown.column("torque"), color=BLUE, linewidth=0.8, zorder=2.4, label="estimate")
+    if "torque_reference" in shown.names:
+        torque.plot(time_s, shown.column("torque_reference"), zorder=2.6, label="reference", **REFERENCE)
+    dress(torque, "", "torque (Nm)")
+    add_legend(torque)
+
+    for name, color in PHASES.items():
+        if name == "i_a" or name in shown.names:
+            current.plot(time_s, shown.column(name), color=color, linewidth=0.9, label=f"${name}$")
+    dress(current, "", "phase current (A)")
+    add_legend(current)
+
+    flux.plot(time_s, shown.column("psi_s"), color=BLUE, linewidth=0.8, label="estimate")
+    if "psi_s_reference" in shown.names:
+        flux.plot(time_s, shown.column("psi_s_reference"), label="reference", **REFERENCE)
+    dress(flux, "time (s)", "stator flux, peak (Wb)")
+    add_legend(flux)
+    flux.set_xlim(time_s[0], time_s[-1])
+    return figure
+
+
+def _draw_true_torque(axes: Axes, transducer: Block, shown: Block) -> None:
+    begin_s = transducer.first_tick * transducer.tick_s - shown.first_tick * shown.tick_s
+    time_s, torque_Nm = begin_s + transducer.time_s(), transducer.column("torque_transducer")
+    axes.plot(time_s, torque_Nm, color=LIGHT, linewidth=0.7, label="shaft transducer")
+
+
+def _current_spectrum(steady: SteadyState, title: str) -> Figure:
+    spectrum, f_1 = steady.spectrum, steady.fundamental_Hz
+    fundamental_A = steady["current_fundamental"].value
+    floor_A = _FLOOR * fundamental_A
+    frequency_Hz, amplitude_A = spectrum.frequency_Hz[1:], np.maximum(spectrum.amplitude[1:], floor_A)
+    summary = f"fundamental {fundamental_A:.4g} A peak at {f_1:.5g} Hz, {steady.periods} periods"
+    figure = new_figure(5.4, title, summary)
+    low, full = figure.subplots(2, 1, sharey=True)
+
+    bins = slice(_LOW_ORDER * steady.periods - 1)
+    low.vlines(frequency_Hz[bins], floor_A, amplitude_A[bins], color=BLUE, linewidth=1.4)
+    low.set_xlim(0.0, _LOW_ORDER * f_1)
+    annotate_point(low, f"fundamental {fundamental_A:.4g} A", f_1, fundamental_A, BLACK)
+    largest = largest_low_component(spectrum, _LOW_ORDER)
+    text = f"largest other {largest.amplitude:.3g} A at {largest.frequency_Hz:.4g} Hz"
+    annotate_point(low, text, largest.frequency_Hz, max(largest.amplitude, floor_A), ORANGE)
+    low.set_yscale("log")
+    low.set_ylim(floor_A, 4.0 * fundamental_A)
+    dress(low, "", "$i_a$, peak (A)")
+
+    full.plot(frequency_Hz, amplitude_A, color=BLUE, linewidth=0.6)
+    full.axvline(_LOW_ORDER * f_1, color=GREY, linewidth=0.8, linestyle=(0, (2, 2)))
+    full.set_xlim(0.0, float(frequency_Hz[-1]))
+    dress(full, "frequency (Hz)", "$i_a$, peak (A)")
+    return figure
+
+
+def _flux_trajectory(block: Block, steady: SteadyState, title: str) -> Figure:
+    rows, ripple_Wb = _shown_rows(block, steady), steady["flux_ripple_pp"].value
+    figure = new_figure(4.8, title, f"ripple {ripple_Wb:.3g} Wb peak to peak", width_in=4.4)
+    axes = figure.subplots()
+    psi_alpha, psi_beta = block.column("psi_alpha")[:rows], block.column("psi_beta")[:rows]
+    axes.plot(psi_alpha, psi_beta, color=BLUE, linewidth=2.0, alpha=0.7, label="estimate")
+    if "psi_s_reference" in block.names:
+        radius, label = float(np.mean(block.column("psi_s_reference"))), "reference"
+    else:
+        radius, label = float(np.mean(block.column("psi_s"))), "mean"
+    angle = np.linspace(0.0, 2 * np.pi, 361)
+    axes.plot(radius * np.cos(angle), radius * np.sin(angle), label=label, **REFERENCE)
+    axes.set_aspect("equal")
+    dress(axes, r"$\psi_\alpha$, peak (Wb)", r"$\psi_\beta$, peak (Wb)")
+    add_legend(axes)
+    return figure
+
+
+def _shown_rows(block: Block, steady: SteadyState) -> int:
+    return int(np.ceil(_SHOWN_PERIODS / steady.fundamental_Hz * block.sample_rate_Hz)) + 1

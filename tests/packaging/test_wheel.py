@@ -1,0 +1,44 @@
+"""The wheel is complete: installed into an empty environment it runs the demo, with nothing of the checkout."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import venv
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+
+
+def _run(*command: str | Path, cwd: Path, home: Path) -> str:
+    environment = {key: value for key, value in os.environ.items() if not key.startswith("PYTHON")}
+    done = subprocess.run(
+        command, cwd=cwd, env={**environment, "HOME": str(home)}, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+@pytest.mark.packaging
+def test_the_wheel_runs_the_demo_in_a_clean_environment(tmp_path: Path) -> None:
+    home, wheels, elsewhere = tmp_path / "home", tmp_path / "wheels", tmp_path / "elsewhere"
+    for folder in (home, wheels, elsewhere):
+        folder.mkdir()
+    _run(sys.executable, "-m", "build", "--wheel", "--no-isolation", "-o", wheels, ROOT, cwd=elsewhere, home=home)
+    (wheel,) = wheels.glob("*.whl")
+    venv.create(tmp_path / "venv", with_pip=True)
+    python = tmp_path / "venv" / "bin" / "python"
+    lock = ROOT / "requirements-dev.lock"
+    _run(python, "-m", "pip", "install", "--quiet", "--constraint", lock, wheel, cwd=elsewhere, home=home)
+
+    printed = _run(python.with_name("benchtool"), "demo", "--json", cwd=elsewhere, home=home)
+
+    case = json.loads(printed)["cases"]["tpc"]
+    assert set(case["measurements"]) >= {"torque_ripple_pp", "true_torque_ripple_pp", "current_thd"}
+    assert (elsewhere / case["bundle"] / "plots" / "waveforms.png").is_file()
+    where = _run(python, "-c", "import benchtool; print(benchtool.__file__)", cwd=elsewhere, home=home)
+    assert Path(where.strip()).is_relative_to(tmp_path)

@@ -1,0 +1,215 @@
+"""The analysis of a whole capture, on a synthetic drive whose every number is known."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from benchtool.analysis import SteadyState, analyze_steady_state, cut_to_span
+from benchtool.block import Block, Channel, Gap
+from benchtool.errors import AnalysisError
+
+SAMPLES = 5200
+TICK_S = 1e-4
+NAMES = [
+    "torque_mean",
+    "torque_ripple_pp",
+    "torque_ripple_rms",
+    "torque_ripple_percent_of_mean",
+    "torque_ripple_percent_of_rated",
+    "flux_ripple_pp",
+    "fundamental_frequency",
+    "current_fundamental",
+    "current_thd",
+    "current_max_low_harmonic",
+    "switching_frequency_mean",
+]
+
+
+def capture(torque_offset_Nm: float = 0.65) -> Block:
+    """10 Hz electrical, 0.24 A, a fifth harmonic of 7 mA, torque ripple 0.06 Nm at six times 10 Hz."""
+    number = np.arange(SAMPLES)
+    theta_e = 2 * np.pi * 10.0 * number * TICK_S
+    columns: dict[str, tuple[str, NDArray[np.float64]]] = {
+        "theta_m": ("rad", np.mod(theta_e / 4, 2 * np.pi)),
+        "i_a": ("A", 0.24 * np.cos(theta_e) + 0.007 * np.cos(5 * theta_e)),
+        "torque": ("Nm", torque_offset_Nm + 0.03 * np.cos(6 * theta_e)),
+        "psi_s": ("Wb", 0.1685 + 0.001 * np.cos(6 * theta_e)),
+        "switching_count": ("", np.mod(2.0**32 - 300 + 2.0 * number, 2.0**32)),
+    }
+    channels = tuple(Channel(name, unit) for name, (unit, _) in columns.items())
+    return Block(channels, 7000, 1, TICK_S, np.stack([column for _, column in columns.values()], axis=1))
+
+
+def transducer(first_tick: int = 7000, ticks: int = SAMPLES) -> Block:
+    """True torque, 20 samples a tick, with a spike before tick 7000 and one after the capture."""
+    tick = first_tick + np.arange(20 * ticks) / 20
+    torque = 0.65 + 0.05 * np.cos(2 * np.pi * tick)
+    torque[(tick < 7000) | (tick >= 7000 + SAMPLES)] = 9.0
+    return Block(
+        (Channel("torque_transducer", "Nm"),), 20 * first_tick, 1, TICK_S / 20, torque[:, np.newaxis]
+    )
+
+
+def analyze(block: Block, true_torque: Block | None = None) -> SteadyState:
+    return analyze_steady_state(block, pole_pairs=4, torque_rated_Nm=9.55, transducer=true_torque)
+
+
+def without(block: Block, name: str) -> Block:
+    keep = [number for number, channel in enumerate(block.names) if channel != name]
+    return replace(block, channels=tuple(block.channels[k] for k in keep), data=block.data[:, keep])
+
+
+def test_every_number_of_a_known_capture() -> None:
+    steady = analyze(capture(), transducer())
+
+    values = {each.name: each.value for each in steady.measurements}
+    assert values == pytest.approx(
+        {
+            "torque_mean": 0.65,
+            "torque_ripple_pp": 0.06,
+            "torque_ripple_rms": 0.03 / np.sqrt(2),
+            "torque_ripple_percent_of_mean": 100 * 0.06 / 0.65,
+            "torque_ripple_percent_of_rated": 100 * 0.06 / 9.55,
+            "true_torque_ripple_pp": 0.1,
+            "flux_ripple_pp": 0.002,
+            "fundamental_frequency": 10.0,
+            "current_fundamental": 0.24,
+            "current_thd": 100 * 0.007 / 0.24,
+            "current_max_low_harmonic": 0.007,
+            "switching_frequency_mean": 2 / 3 / TICK_S,
+        },
+        rel=1e-3,
+    )
+    assert steady.periods == 5
+    assert steady.fundamental_Hz == pytest.approx(10.0)
+
+
+def test_every_definition_states_its_window_and_rate() -> None:
+    steady = analyze(capture())
+
+    assert [each.name for each in steady.measurements] == NAMES
+    for each in steady.measurements:
+        assert "at 10000 Hz" in each.definition
+        assert "\n" not in each.definition
+    assert "harmonics 2 to 50" in steady["current_thd"].definition
+    assert "here at 50 Hz; all bins, 2 Hz apart" in steady["current_max_low_harmonic"].definition
+    assert "rated torque of 9.55 Nm" in steady["torque_ripple_percent_of_rated"].definition
+
+
+def test_percent_of_a_zero_mean_is_undefined_and_null_in_json() -> None:
+    document = analyze(replace(capture(0.0), data=capture(0.0).data[:5000])).to_json()
+
+    assert document["torque_ripple_percent_of_mean"]["value"] is None
+    assert "undefined here: the mean torque is zero" in str(document["torque_ripple_percent_of_mean"])
+    json.dumps(document, allow_nan=False)
+
+
+def test_percent_of_a_rated_torque_of_zero_is_undefined() -> None:
+    steady = analyze_steady_state(capture(), pole_pairs=4, torque_rated_Nm=0.0)
+
+    assert steady.to_json()["torque_ripple_percent_of_rated"]["value"] is None
+
+
+def test_thd_at_a_speed_with_no_harmonic_in_the_band_is_undefined() -> None:
+    block = capture()
+    number = np.arange(SAMPLES)
+    data = block.data.copy()
+    data[:, block.names.index("i_a")] = np.cos(2 * np.pi * 0.3 * number)
+    data[:, block.names.index("theta_m")] = np.mod(2 * np.pi * 0.3 / 4 * number, 2 * np.pi)
+
+    steady = analyze(replace(block, data=data))
+
+    assert "no harmonic is within the band" in steady["current_thd"].definition
+    assert steady["current_fundamental"].value == pytest.approx(1.0, rel=1e-3)
+    assert "below 4500 Hz" in steady["current_max_low_harmonic"].definition
+
+
+def test_without_an_angle_the_periods_come_from_the_current() -> None:
+    steady = analyze(without(capture(), "theta_m"))
+
+    assert steady["fundamental_frequency"].value == pytest.approx(10.0, rel=1e-5)
+    assert "largest sinusoid of i_a" in steady["fundamental_frequency"].definition
+    assert steady["current_max_low_harmonic"].value == pytest.approx(0.007, rel=1e-2)
+
+
+@pytest.mark.parametrize("name", ["i_a", "torque", "psi_s", "switching_count"])
+def test_a_missing_channel_is_refused_by_name(name: str) -> None:
+    with pytest.raises(AnalysisError, match=f"no channel '{name}'"):
+        analyze(without(capture(), name))
+
+
+@pytest.mark.parametrize("name", ["i_a", "theta_m", "torque", "psi_s"])
+@pytest.mark.parametrize("value", [0.0, np.nan])
+def test_a_dead_channel_is_refused_by_name(name: str, value: float) -> None:
+    block = capture()
+    data = block.data.copy()
+    data[:, block.names.index(name)] = value
+
+    with pytest.raises(AnalysisError, match=f"'{name}'"):
+        analyze(replace(block, data=data))
+
+
+def test_a_gap_in_either_recording_is_refused() -> None:
+    with pytest.raises(AnalysisError, match="3 rows are missing"):
+        analyze(replace(capture(), gaps=(Gap(100, 3),)))
+    with pytest.raises(AnalysisError, match="5 rows are missing"):
+        analyze(capture(), replace(transducer(), gaps=(Gap(100, 5),)))
+
+
+def test_the_captured_tick_must_advance_by_the_stride() -> None:
+    block = capture()
+    tick = np.mod(2.0**32 - 100 + np.arange(SAMPLES), 2.0**32)
+    channels = (*block.channels, Channel("tick", ""))
+    counted = replace(block, channels=channels, data=np.column_stack([block.data, tick]))
+
+    assert analyze(counted).measurements == analyze(block).measurements
+    slipped = counted.data.copy()
+    slipped[300:, -1] += 1
+    with pytest.raises(
+        AnalysisError, match="advances by 2 at row 300 and not by the stride of 1 in 1 places"
+    ):
+        analyze(replace(counted, data=slipped))
+
+
+def test_an_unknown_measurement_is_refused_with_the_names_there_are() -> None:
+    with pytest.raises(AnalysisError, match=r"no measurement 'thd'.*current_thd"):
+        analyze(capture())["thd"]
+
+
+def test_the_transducer_is_cut_to_the_time_of_the_capture() -> None:
+    longer = transducer(6990, SAMPLES + 25)
+
+    cut = cut_to_span(longer, capture())
+
+    assert cut.first_tick == 7000 * 20
+    assert len(cut.data) == 20 * SAMPLES
+    assert np.shares_memory(cut.data, longer.data)
+    assert analyze(capture(), longer)["true_torque_ripple_pp"].value == pytest.approx(0.1)
+
+
+@pytest.mark.parametrize(("first_tick", "ticks"), [(7002, SAMPLES), (7000, SAMPLES - 2), (90000, 10)])
+def test_a_transducer_that_misses_part_of_the_capture_is_refused(first_tick: int, ticks: int) -> None:
+    with pytest.raises(AnalysisError, match=r"'torque_transducer' covers .* 0 s to 0\.52 s is needed"):
+        analyze(capture(), transducer(first_tick, ticks))
+
+
+def test_a_transducer_one_tick_short_at_either_end_is_enough() -> None:
+    steady = analyze(capture(), transducer(7001, SAMPLES - 2))
+
+    assert steady["true_torque_ripple_pp"].value == pytest.approx(0.1)
+
+
+def test_a_capture_with_a_stride_keeps_its_time_base() -> None:
+    block = capture()
+    every_second = replace(block, stride=2, data=block.data[::2])
+
+    steady = analyze(every_second)
+
+    assert steady["fundamental_frequency"].value == pytest.approx(10.0)
+    assert steady["switching_frequency_mean"].value == pytest.approx(2 / 3 / TICK_S)
+    assert "2600 samples at 5000 Hz" in steady["torque_mean"].definition
