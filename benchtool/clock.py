@@ -71,7 +71,7 @@ class _RealTimer:
             while not self._stop.wait(max(0.0, due_s - time.monotonic())):
                 self._action()
                 due_s += self._period_s
-        except BaseException as failure:  # re-raised at the caller of cancel
+        except BaseException as failure:  # noqa: BLE001 # re-raised at the caller of cancel
             self._failure = failure
 
 
@@ -109,18 +109,20 @@ class VirtualClock:
 
     def settle(self) -> None:
         """Return when every frame sent so far, and every frame sent in answer, has been handled."""
-        while any([settle() for settle in self._settlers]):
-            pass
+        busy = True
+        while busy:
+            outcomes = [settle() for settle in self._settlers]
+            busy = any(outcomes)
 
     def wait(self, duration_s: float) -> None:
         end_s = self._now_s + max(0.0, duration_s)
-        wall_end_s = time.monotonic() - self._now_s
+        wall_origin_s = time.monotonic() - self._now_s
         self.settle()
         while True:
             next_s = min(end_s, self._due[0][0]) if self._due else end_s
             if self._paced:
                 next_s = min(next_s, self._now_s + 0.02)
-                time.sleep(max(0.0, wall_end_s + next_s - time.monotonic()))
+                time.sleep(max(0.0, wall_origin_s + next_s - time.monotonic()))
             self._move_to(next_s)
             if self._now_s >= end_s:
                 return

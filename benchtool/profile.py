@@ -38,7 +38,7 @@ class Drive(Section):
 
     node_id: Annotated[int, Field(ge=1, le=126)] = 1
     eds: str = "drive.eds"
-    parameters: dict[str, float | str] = {}
+    parameters: dict[str, float | str] = Field(default_factory=dict)
 
 
 class TrueMotor(Section):

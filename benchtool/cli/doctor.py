@@ -79,7 +79,8 @@ def _folder() -> str:
             pass
     except OSError as reason:
         raise EnvironmentFailure(
-            f"cannot write to {here}: {reason.strerror}; run bundles are written here: change folder or use --out"
+            f"cannot write to {here}: {reason.strerror}; run bundles are written here: "
+            f"change folder or use --out"
         ) from None
     free = shutil.disk_usage(here).free
     if free < _LEAST_FREE_BYTES:

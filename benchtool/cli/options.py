@@ -14,7 +14,9 @@ Link = Annotated[
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document on standard output.")]
 Seed = Annotated[int, typer.Option(help="Seed of the emulated bench's noise.")]
-Out = Annotated[Path | None, typer.Option(help="Folder of the run bundle.", show_default="runs/<time>-<plan>")]
+Out = Annotated[
+    Path | None, typer.Option(help="Folder of the run bundle.", show_default="runs/<time>-<plan>")
+]
 RealTime = Annotated[bool, typer.Option("--real-time", help="Pace the emulated bench by the wall clock.")]
 
 

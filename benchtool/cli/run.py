@@ -41,7 +41,8 @@ def run_named(
     when = options.wall_time()
     info = RunInfo(when.isoformat(timespec="seconds"), seed, tuple(sys.argv[1:]))
     folder = options.bundle_folder(out, when, Path(name).stem if name.endswith(".toml") else name)
-    with open_session(profile or plan.profile, link, seed=seed, real_time=real_time, note=output.note) as session:
-        result = run_plan(session, plan, folder, info, output.note)
+    note = output.note
+    with open_session(profile or plan.profile, link, seed=seed, real_time=real_time, note=note) as session:
+        result = run_plan(session, plan, folder, info, note)
     show_assessment(output, plan.title, result)
     return 1 if result.verdict is Verdict.FAIL else 0

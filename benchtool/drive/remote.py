@@ -59,7 +59,7 @@ class RemoteDrive:
             if error is None:
                 raise
         finally:
-            self._stop_heartbeat()
+            self.stop_heartbeat()
 
     # ---- identity ---------------------------------------------------------------------------------------
 
@@ -197,7 +197,9 @@ class RemoteDrive:
         """
         self._ask(Command.FAULT_RESET)
         if (state := self.state()) in (State.FAULT, State.FAULT_REACTION_ACTIVE):
-            raise StateError(f"the drive is still in {state.value}; {self._last_error()}: remove the cause first")
+            raise StateError(
+                f"the drive is still in '{state.value}', {self._last_error()}: remove the cause first"
+            )
 
     def wait(self, duration_s: float) -> None:
         """Let drive time pass, and stop at a fault.
@@ -224,16 +226,17 @@ class RemoteDrive:
                     f"the drive reports {emergency.text}: remove the cause, then reset the fault"
                 )
 
-    # ---- link supervision -----------------------------------------------------------------------------------
+    # ---- link supervision -------------------------------------------------------------------------------
 
     def supervise(self, timeout_s: float = LINK_TIMEOUT_S) -> None:
         """Send the host's heartbeat, and have the drive stop the motor when it stays out for `timeout_s`."""
-        self._stop_heartbeat()
+        self.stop_heartbeat()
         if "host_heartbeat" in self.dictionary:
             self.write("host_heartbeat", HOST_NODE_ID << 16 | round(timeout_s * 1000.0))
         self._heartbeat = self.clock.call_every(min(HEARTBEAT_S, timeout_s / 3.0), self.link.send_heartbeat)
 
-    def _stop_heartbeat(self) -> None:
+    def stop_heartbeat(self) -> None:
+        """Fall silent; a drive that is supervised stops the motor after its timeout."""
         if self._heartbeat is not None:
             self._heartbeat.cancel()
             self._heartbeat = None
@@ -246,7 +249,9 @@ class RemoteDrive:
         while (state := self.state()) is not target:
             command = next_command(state, target)
             if state in (State.FAULT, State.FAULT_REACTION_ACTIVE):
-                raise DriveFault(f"the drive is in fault: {self._last_error()}; reset it after removing the cause")
+                raise DriveFault(
+                    f"the drive is in fault: {self._last_error()}; remove the cause, then reset it"
+                )
             if command is not None and (state, command) != asked:
                 asked = (state, command)
                 self._ask(command)
@@ -266,7 +271,7 @@ class RemoteDrive:
 
     def _last_error(self) -> str:
         code = self._optional_int("error_code")
-        return "no error code" if code is None else error_text(code)
+        return "no error code" if code is None else f"0x{code:04X} {error_text(code)}"
 
     def _optional_int(self, name: str) -> int | None:
         value = self._optional(name)

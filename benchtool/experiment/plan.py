@@ -37,11 +37,11 @@ class Plan(Section):
     title: str
     profile: str
     case: str
-    setup: dict[str, float | str] = {}
+    setup: dict[str, float | str] = Field(default_factory=dict)
     operating_point: OperatingPoint
     record: Record
     analysis: Literal["steady_state"] = "steady_state"
-    limits: dict[str, Limit] = {}
+    limits: dict[str, Limit] = Field(default_factory=dict)
 
 
 def plan_path(name: str) -> Path:

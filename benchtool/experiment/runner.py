@@ -65,9 +65,7 @@ def run_plan(session: Session, plan: Plan, directory: Path, info: RunInfo, note:
             details={"verdicts": {name: str(verdict) for name, verdict in result.verdicts.items()}},
         )
     note("drawing")
-    save_figures(
-        draw_steady_state(capture, result.steady, transducer, title=plan.title), directory / "plots"
-    )
+    save_figures(draw_steady_state(capture, result.steady, transducer, title=plan.title), directory / "plots")
     return result
 
 

@@ -1,4 +1,4 @@
-"""The wheel is complete: installed into an empty environment it runs the demo, with nothing of the checkout."""
+"""The wheel is complete: in an empty environment it runs the demo with nothing of the checkout."""
 
 from __future__ import annotations
 
@@ -28,7 +28,8 @@ def test_the_wheel_runs_the_demo_in_a_clean_environment(tmp_path: Path) -> None:
     home, wheels, elsewhere = tmp_path / "home", tmp_path / "wheels", tmp_path / "elsewhere"
     for folder in (home, wheels, elsewhere):
         folder.mkdir()
-    _run(sys.executable, "-m", "build", "--wheel", "--no-isolation", "-o", wheels, ROOT, cwd=elsewhere, home=home)
+    build = (sys.executable, "-m", "build", "--wheel", "--no-isolation", "-o", wheels, ROOT)
+    _run(*build, cwd=elsewhere, home=home)
     (wheel,) = wheels.glob("*.whl")
     venv.create(tmp_path / "venv", with_pip=True)
     python = tmp_path / "venv" / "bin" / "python"

@@ -44,7 +44,7 @@ def test_a_margin_never_turns_a_failure_into_something_better(value: float, marg
 def test_a_limit_needs_a_bound() -> None:
     with pytest.raises(ValidationError, match="needs min, max or both"):
         Limit(margin=1.0)
-    with pytest.raises(ValidationError, match="min 2.0 is above max 1.0"):
+    with pytest.raises(ValidationError, match=r"min 2\.0 is above max 1\.0"):
         Limit(min=2.0, max=1.0)
 
 

@@ -57,7 +57,9 @@ class Firmware:
         self._emit = emit
         self._controlword = 0
         self._history: list[int] = []
-        self._period_s = float(self.objects["control_period"])
+        self.period_s = (
+            round(float(self.objects["control_period"]) * 1e9) * 1e-9
+        )  # not as a float32 rounds it
         self._capture = CaptureObjects(self.objects, core)
         self._wire_objects()
         self.reset()
@@ -65,7 +67,7 @@ class Firmware:
     @property
     def now_s(self) -> float:
         """Drive time: ticks since power-up times the control period."""
-        return int(self.objects["tick"]) * self._period_s
+        return int(self.objects["tick"]) * self.period_s
 
     def reset(self) -> None:
         """Start afresh, as after NMT reset node: power stage off, stored parameters in force."""
@@ -79,7 +81,7 @@ class Firmware:
             self.objects[name] = raw
         self.objects["dictionary_hash"] = self.objects.table.hash
         self.objects["i_full_scale"] = self.core.sensors.i_full_scale_A
-        self.objects["control_period"] = self._period_s
+        self.objects["control_period"] = self.period_s
         self._history.clear()
         self._capture.abort()
         self.core.command.trip = 0
@@ -102,7 +104,7 @@ class Firmware:
             if self.state is State.QUICK_STOP_ACTIVE:
                 ahead = min(ahead, _QUICK_STOP_POLL_TICKS)
             if (left_s := self.supervision.deadline_s() - self.now_s) < math.inf:
-                ahead = min(ahead, max(1, math.ceil(left_s / self._period_s - 1e-6)))
+                ahead = min(ahead, max(1, round(left_s / self.period_s)))
             self.core.run(ahead)
             self._look_after()
 
@@ -115,7 +117,7 @@ class Firmware:
             self._fault(_ERROR_OF_TRIP[first])
         if self.state is State.QUICK_STOP_ACTIVE and self.core.command.standstill:
             self._enter(State.SWITCH_ON_DISABLED)
-        if self.supervision.expire(self.now_s):
+        if self.supervision.expire(self.now_s + 0.5 * self.period_s):
             self._lose_link()
 
     def _fault(self, code: ErrorCode) -> None:
@@ -215,7 +217,9 @@ class Firmware:
     def _wire_402(self) -> None:
         objects = self.objects
         rated_torque_Nm = self._rated_torque_Nm
-        objects.on_write("target_torque", self._set("torque_command", lambda raw: raw / 1e3 * rated_torque_Nm()))
+        objects.on_write(
+            "target_torque", self._set("torque_command", lambda raw: raw / 1e3 * rated_torque_Nm())
+        )
         objects.on_write("max_torque", self._set("torque_limit", lambda raw: raw / 1e3 * rated_torque_Nm()))
         objects.on_write("target_velocity", self._set("omega_m_command", lambda raw: raw / 1e3))
         objects.compute("motor_rated_torque", lambda: round(rated_torque_Nm() * 1e3))

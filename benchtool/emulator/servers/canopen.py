@@ -55,10 +55,9 @@ class CanopenNode:
         """
         self._raise_failure()
         with self._lock:
-            period_s = float(self.firmware.objects["control_period"])
-            end = int(now_s / period_s + 1e-6)
+            end = int(now_s / self.firmware.period_s + 1e-6)
             while (tick := int(self.firmware.objects["tick"])) < end:
-                every = self._heartbeat_ticks(period_s)
+                every = self._heartbeat_ticks()
                 beat = (tick // every + 1) * every if every else end
                 self.firmware.advance_to(min(end, beat))
                 if every and beat <= end:
@@ -81,10 +80,10 @@ class CanopenNode:
         try:
             while not self._stopping.is_set():
                 frame = self._bus.recv(_POLL_S)
-                if frame is not None and not (frame.is_extended_id or frame.is_remote_frame or frame.is_error_frame):
+                if frame is not None and _is_data(frame):
                     with self._lock:
                         self._handle(frame.arbitration_id, bytes(frame.data))
-        except BaseException as failure:  # re-raised at the caller of advance_to and close
+        except BaseException as failure:  # noqa: BLE001 # re-raised at the caller of advance_to and close
             self._failure = failure
 
     def _handle(self, can_id: int, data: bytes) -> None:
@@ -131,8 +130,8 @@ class CanopenNode:
         self._send(_HEARTBEAT + self.node_id, bytes([NmtState.BOOT_UP]))
         self._nmt_state = NmtState.PRE_OPERATIONAL
 
-    def _heartbeat_ticks(self, period_s: float) -> int:
-        return round(float(self.firmware.objects["producer_heartbeat"]) * 1e-3 / period_s)
+    def _heartbeat_ticks(self) -> int:
+        return round(float(self.firmware.objects["producer_heartbeat"]) * 1e-3 / self.firmware.period_s)
 
     def _send_emergency(self, emergency: Emergency) -> None:
         if self._nmt_state is not NmtState.STOPPED:
@@ -146,3 +145,7 @@ class CanopenNode:
             raise LinkClosed(
                 f"the emulated drive stopped receiving: {self._failure!r}; this is a defect of benchtool"
             ) from self._failure
+
+
+def _is_data(frame: can.Message) -> bool:
+    return not (frame.is_extended_id or frame.is_remote_frame or frame.is_error_frame)

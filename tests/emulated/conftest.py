@@ -1,0 +1,59 @@
+"""Sessions with the emulated drive on a bus that a test can listen to."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from dataclasses import dataclass
+
+import can
+import pytest
+
+from benchtool.bench import Session, open_session
+
+_numbers = itertools.count()
+
+
+@dataclass(frozen=True)
+class Wire:
+    """A plain python-can bus beside the host and the drive."""
+
+    bus: can.BusABC
+    session: Session
+
+    def frames(self) -> list[tuple[int, bytes]]:
+        """What has been on the wire since the last call, in order."""
+        self.session.clock.wait(0.0)
+        seen = []
+        while (frame := self.bus.recv(0)) is not None:
+            seen.append((frame.arbitration_id, bytes(frame.data)))
+        return seen
+
+    def send(self, can_id: int, *data: int) -> None:
+        """Put a frame on the wire and let it be handled."""
+        self.bus.send(can.Message(arbitration_id=can_id, data=bytes(data), is_extended_id=False))
+        self.session.clock.wait(0.0)
+
+
+Opener = Callable[..., Wire]
+
+
+@pytest.fixture
+def open_wire() -> Iterator[Opener]:
+    """Opens sessions that end with the test; the observer's bus is there before the drive boots."""
+    with ExitStack() as stack:
+
+        def opener(profile: str = "zhu2011", *, options: str = "", seed: int = 0) -> Wire:
+            channel = f"test-{next(_numbers)}"
+            bus = stack.enter_context(can.Bus(interface="virtual", channel=channel))
+            url = f"emulated?channel={channel}{options}"
+            return Wire(bus, stack.enter_context(open_session(profile, url, seed=seed)))
+
+        yield opener
+
+
+@pytest.fixture
+def wire(open_wire: Opener) -> Wire:
+    """One session with the paper's machine."""
+    return open_wire()

@@ -1,0 +1,153 @@
+"""Whatever happens, the drive ends up disabled."""
+
+from __future__ import annotations
+
+import pytest
+
+from benchtool.drive import Mode
+from benchtool.errors import DriveFault, SdoAbort, StateError
+from benchtool.protocol.abort import Abort
+from benchtool.protocol.cia402 import State
+
+from .conftest import Wire
+
+NODE = 1
+
+
+def _statusword(wire: Wire) -> int:
+    """As an observer reads it, without the host."""
+    wire.frames()
+    wire.send(0x600 + NODE, 0x40, 0x41, 0x60, 0x00, 0, 0, 0, 0)
+    ((_, answer),) = [frame for frame in wire.frames() if frame[0] == 0x580 + NODE]
+    return int.from_bytes(answer[4:6], "little")
+
+
+def _is_enabled(wire: Wire) -> bool:
+    return _statusword(wire) & 0x6F == 0x27
+
+
+def _run_up(wire: Wire) -> None:
+    drive = wire.session.drive
+    drive.connect()
+    drive.enable(Mode.VELOCITY)
+    drive.write("omega_m_command", 15.71)
+    drive.wait(0.3)
+    assert _is_enabled(wire)
+    assert drive.number("omega_m") == pytest.approx(15.71, abs=0.5)
+
+
+def test_leaving_the_block_disables(wire: Wire) -> None:
+    drive = wire.session.drive
+    with drive:
+        _run_up(wire)
+    assert not _is_enabled(wire)
+
+
+@pytest.mark.parametrize("error", [RuntimeError, KeyboardInterrupt, SystemExit, GeneratorExit])
+def test_any_exception_disables_and_passes_through(wire: Wire, error: type[BaseException]) -> None:
+    drive = wire.session.drive
+    with pytest.raises(error), drive.enabled(Mode.VELOCITY):
+        assert _is_enabled(wire)
+        raise error
+    assert not _is_enabled(wire)
+
+
+def test_setpoints_do_not_outlive_the_power_stage(wire: Wire) -> None:
+    _run_up(wire)
+    drive = wire.session.drive
+    drive.disable()
+    assert drive.number("omega_m_command") == 0.0
+    drive.enable(Mode.VELOCITY)
+    drive.wait(0.1)
+    assert drive.number("omega_m_command") == 0.0
+
+
+@pytest.mark.parametrize(
+    ("action", "state"),
+    [
+        ("fault", State.FAULT),
+        ("disable_voltage", State.SWITCH_ON_DISABLED),
+        ("quick_stop", State.SWITCH_ON_DISABLED),
+        ("none", State.OPERATION_ENABLED),
+    ],
+)
+def test_a_host_that_falls_silent_is_noticed(wire: Wire, action: str, state: State) -> None:
+    drive = wire.session.drive
+    drive.write("abort_connection_option", action)
+    _run_up(wire)
+    drive.stop_heartbeat()
+    wire.session.clock.wait(0.38)
+    assert drive.state() is State.OPERATION_ENABLED, "SDO reads do not feed the watchdog"
+    wire.session.clock.wait(0.5)
+    assert drive.state() is state
+    assert drive.read("link_state") == "lost"
+    assert drive.number("link_losses") == 1
+
+
+def test_a_lost_link_is_latched_until_a_fault_reset(wire: Wire) -> None:
+    drive = wire.session.drive
+    drive.write("abort_connection_option", "disable_voltage")
+    _run_up(wire)
+    drive.stop_heartbeat()
+    wire.session.clock.wait(1.0)
+    drive.link.send_heartbeat()
+    with pytest.raises(SdoAbort) as refused:
+        drive.enable(Mode.VELOCITY)
+    assert refused.value.code == Abort.DEVICE_STATE
+    drive.reset_fault()
+    drive.link.send_heartbeat()
+    drive.enable(Mode.VELOCITY)
+
+
+def test_an_unsupervised_start_is_refused_once_supervision_is_asked_for(wire: Wire) -> None:
+    drive = wire.session.drive
+    drive.write("host_heartbeat", 127 << 16 | 500)
+    with pytest.raises(SdoAbort) as refused:
+        drive.enable(Mode.TORQUE)
+    assert refused.value.code == Abort.DEVICE_STATE
+
+
+def test_nmt_stop_switches_the_power_stage_off(wire: Wire) -> None:
+    _run_up(wire)
+    wire.send(0x000, 0x02, NODE)
+    wire.send(0x000, 0x80, NODE)
+    assert not _is_enabled(wire)
+
+
+def test_quick_stop_brakes_to_standstill(wire: Wire) -> None:
+    _run_up(wire)
+    wire.send(0x600 + NODE, 0x2B, 0x40, 0x60, 0x00, 0x02, 0x00, 0, 0)
+    assert wire.session.drive.state() is State.QUICK_STOP_ACTIVE
+    wire.session.clock.wait(0.2)
+    assert wire.session.drive.state() is State.SWITCH_ON_DISABLED
+    assert abs(wire.session.drive.number("omega_m")) < 2.0
+
+
+def test_overcurrent_trips_and_is_reported_once(wire: Wire) -> None:
+    drive = wire.session.drive
+    drive.write("i_trip", 1.0)
+    drive.connect()
+    with pytest.raises(DriveFault, match="0x2310"), drive.enabled(Mode.TORQUE):
+        drive.write("torque_command", 5.0)
+        drive.wait(0.1)
+    assert drive.state() is State.FAULT
+    assert len([frame for frame in wire.frames() if frame[0] == 0x080 + NODE]) == 1
+    with pytest.raises(DriveFault, match="in fault: 0x2310"):
+        drive.enable(Mode.TORQUE)
+    drive.reset_fault()
+    assert drive.state() is State.SWITCH_ON_DISABLED
+    assert drive.number("error_1") == 0
+    assert drive.number("error_2") == 0x2310
+
+
+def test_a_drive_that_does_not_confirm_is_stopped_by_nmt(wire: Wire) -> None:
+    """The dictionary is mute (NMT stopped) when the host wants to disable: it says so, and sends NMT stop."""
+    drive = wire.session.drive
+    _run_up(wire)
+    wire.send(0x000, 0x02, NODE)
+    wire.frames()
+    with pytest.raises(StateError, match="did not confirm"):
+        drive.disable()
+    assert (0x000, bytes([0x02, NODE])) in wire.frames()
+    wire.send(0x000, 0x80, NODE)
+    assert not _is_enabled(wire)
