@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from benchtool.cli import options
-from benchtool.cli.output import Output, show_assessment
+from benchtool.cli.output import Output, show_run
 
 
 def analyze(
@@ -16,11 +16,11 @@ def analyze(
     as_json: options.Json = False,
 ) -> int:
     """Measure a recorded run again, by the plan that it carries."""
-    from benchtool.experiment.assessment import assess_bundle
+    from benchtool.experiment.assessment import RunResult, assess_bundle
     from benchtool.experiment.limits import Verdict
     from benchtool.recording import Bundle
 
     bundle = Bundle.open(run)
-    result = assess_bundle(bundle)
-    show_assessment(Output(as_json=as_json), bundle.manifest.what, result)
+    result = RunResult((assess_bundle(bundle),))
+    show_run(Output(as_json=as_json), bundle.manifest.what, result)
     return 1 if result.verdict is Verdict.FAIL else 0

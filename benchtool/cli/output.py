@@ -14,7 +14,7 @@ from rich.table import Table
 from rich.text import Text
 
 if TYPE_CHECKING:
-    from benchtool.experiment.assessment import Assessment
+    from benchtool.experiment.assessment import Assessment, RunResult
 
 _COLOUR = {"pass": "green", "marginal": "yellow", "fail": "red", "none": "dim"}
 
@@ -64,6 +64,15 @@ def significant(value: float) -> str:
     return f"{value:.4g}" if math.isfinite(value) else "–"
 
 
+def show_run(output: Output, title: str, result: RunResult) -> None:
+    """Print what every case of a run measured, and how it met its limits."""
+    for each in result.assessments:
+        heading = title if len(result.assessments) == 1 else f"{title}: {each.case}"
+        show_assessment(output, heading, each)
+    output.verdict(result.verdict)
+    output.document(result.to_json())
+
+
 def show_assessment(output: Output, title: str, result: Assessment) -> None:
     """Print what one case measured, and how it met its limits."""
     rows = []
@@ -73,8 +82,6 @@ def show_assessment(output: Output, title: str, result: Assessment) -> None:
         rows.append((each.name, significant(each.value), each.unit, bounds.strip(), str(verdict or "")))
     output.table(title, ("measurement", ">value", "unit", "limit", "verdict"), rows)
     output.line(f"bundle: {result.bundle}")
-    output.verdict(result.verdict)
-    output.document({"verdict": str(result.verdict), "cases": {result.case: result.to_json()}})
 
 
 def _bound(sign: str, value: float | None) -> str:

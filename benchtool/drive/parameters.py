@@ -49,5 +49,13 @@ def temporary(drive: RemoteDrive, values: Mapping[str, Value]) -> Iterator[None]
 
 
 def _restore(drive: RemoteDrive, before: Mapping[str, Value]) -> None:
+    """Write back what differs; one value that cannot be restored does not keep the others from it."""
+    failures = []
     for name, value in reversed(list(before.items())):
-        drive.write(name, value)
+        try:
+            if drive.read(name) != value:
+                drive.write(name, value)
+        except BenchError as failed:
+            failures.append(failed)
+    if failures:
+        raise failures[0]

@@ -42,7 +42,27 @@ class Assessment:
         return {"bundle": str(self.bundle), "measurements": self.steady.to_json()}
 
 
-def assess(plan: Plan, motor: Motor, bundle: Path, capture: Block, transducer: Block | None) -> Assessment:
+@dataclass(frozen=True)
+class RunResult:
+    """What every case of a plan came to."""
+
+    assessments: tuple[Assessment, ...]
+
+    @property
+    def verdict(self) -> Verdict:
+        return worst(each.verdict for each in self.assessments)
+
+    def to_json(self) -> dict[str, Any]:
+        """The document that `--json` prints."""
+        return {
+            "verdict": str(self.verdict),
+            "cases": {each.case: each.to_json() for each in self.assessments},
+        }
+
+
+def assess(
+    plan: Plan, case: str, motor: Motor, bundle: Path, capture: Block, transducer: Block | None
+) -> Assessment:
     """Analyse what one case recorded.
 
     Raises:
@@ -51,7 +71,7 @@ def assess(plan: Plan, motor: Motor, bundle: Path, capture: Block, transducer: B
     steady = analyze_steady_state(
         capture, pole_pairs=motor.pole_pairs, torque_rated_Nm=motor.T_N_Nm, transducer=transducer
     )
-    return Assessment(plan.case, bundle, steady, plan.limits)
+    return Assessment(case, bundle, steady, plan.limits)
 
 
 def assess_bundle(bundle: Bundle) -> Assessment:
@@ -63,6 +83,7 @@ def assess_bundle(bundle: Bundle) -> Assessment:
     details = bundle.manifest.details
     try:
         plan, motor = Plan.model_validate(details["plan"]), Motor.model_validate(details["motor"])
+        case = str(details["case"])
     except (KeyError, ValidationError):
         raise AnalysisError(
             f"{bundle.directory} carries no plan that this version understands: analyse a bundle that "
@@ -72,4 +93,4 @@ def assess_bundle(bundle: Bundle) -> Assessment:
         failure = details.get("failure", "it was cut short")
         raise AnalysisError(f"{bundle.directory} holds no capture ({failure}): run the plan again")
     transducer = bundle.block("transducer") if "transducer" in bundle.streams else None
-    return assess(plan, motor, bundle.directory, bundle.block("capture"), transducer)
+    return assess(plan, case, motor, bundle.directory, bundle.block("capture"), transducer)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from benchtool.document import Section, load_document
 from benchtool.errors import PlanError
@@ -13,6 +13,7 @@ from benchtool.experiment.limits import Limit
 from benchtool.shipped import shipped
 
 Seconds = Annotated[float, Field(gt=0, le=3600)]
+Setting = float | str
 
 
 class OperatingPoint(Section):
@@ -31,14 +32,33 @@ class Record(Section):
     stride: Annotated[int, Field(ge=1, le=10000)] = 1
 
 
+class Sweep(Section):
+    """Values to go through: every combination (`grid`), or the first of each, the second of each (`list`)."""
+
+    order: Literal["grid", "list"] = "grid"
+    setup: dict[str, Annotated[tuple[Setting, ...], Field(min_length=1)]] = Field(default_factory=dict)
+    operating_point: dict[
+        Literal["omega_m_rad_s", "load_torque_Nm"], Annotated[tuple[float, ...], Field(min_length=1)]
+    ] = Field(default_factory=dict)
+
+    @model_validator(mode="after")
+    def _lists_are_equally_long(self) -> Sweep:
+        lengths = {len(values) for values in (*self.setup.values(), *self.operating_point.values())}
+        if self.order == "list" and len(lengths) > 1:
+            raise ValueError(f"order = 'list' needs lists of one length, these are {sorted(lengths)}")
+        return self
+
+
 class Plan(Section):
-    """One test: set up, run, record, measure, judge."""
+    """One test: set up, run, record, measure, judge; once, or for every point of a sweep."""
 
     title: str
     profile: str
-    case: str
-    setup: dict[str, float | str] = Field(default_factory=dict)
+    case: str = ""
+    repetitions: Annotated[int, Field(ge=1, le=1000)] = 1
+    setup: dict[str, Setting] = Field(default_factory=dict)
     operating_point: OperatingPoint
+    sweep: Sweep = Sweep()
     record: Record
     analysis: Literal["steady_state"] = "steady_state"
     limits: dict[str, Limit] = Field(default_factory=dict)

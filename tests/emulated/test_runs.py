@@ -1,0 +1,127 @@
+"""Plans of several cases: sweeps, repetitions, interruption and resumption."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from benchtool.bench import Session
+from benchtool.errors import DriveFault, SdoAbort
+from benchtool.experiment.cases import cases
+from benchtool.experiment.plan import Plan
+from benchtool.experiment.runner import RunInfo, run_plan
+from benchtool.protocol.cia402 import State
+from benchtool.recording import Bundle
+
+from .conftest import Wire
+
+INFO = RunInfo("2020-01-01T00:00:00+00:00", 0, ("run",))
+CHANNELS = ("i_a", "i_b", "i_c", "torque", "torque_reference", "psi_s", "theta_m", "switching_count")
+
+
+class Watcher:
+    """Keeps what it is told; raises `error` when case `at` begins."""
+
+    def __init__(self, at: int = 0, error: type[BaseException] = KeyboardInterrupt) -> None:
+        self.begun: list[str] = []
+        self.notes: list[str] = []
+        self._at = at
+        self._error = error
+
+    def begin(self, case: str, number: int, count: int) -> None:
+        self.begun.append(case)
+        if number == self._at:
+            raise self._error
+
+    def note(self, text: str) -> None:
+        self.notes.append(text)
+
+
+def _plan(**changes: object) -> Plan:
+    document = {
+        "title": "test",
+        "profile": "zhu2011",
+        "operating_point": {"omega_m_rad_s": 31.42, "load_torque_Nm": 0.3, "settle_s": 0.4},
+        "record": {"duration_s": 0.12, "channels": CHANNELS},
+    }
+    return Plan.model_validate({**document, **changes})
+
+
+SWEEP = _plan(sweep={"setup": {"u_s_V": [60.0, 81.65]}}, repetitions=2)
+
+
+def _run(session: Session, plan: Plan, folder: Path, watcher: Watcher, *, resume: bool = False) -> list[str]:
+    result = run_plan(session, plan, folder, INFO, watcher, resume=resume)
+    return [each.case for each in result.assessments]
+
+
+def test_a_grid_is_every_combination_and_a_list_is_not() -> None:
+    swept = {"setup": {"u_s_V": [1.0, 2.0]}, "operating_point": {"load_torque_Nm": [0.0, 0.5]}}
+    grid = cases(_plan(sweep={"order": "grid", **swept}))
+    assert [case.name for case in grid] == [
+        "u_s_V=1,load_torque_Nm=0",
+        "u_s_V=1,load_torque_Nm=0.5",
+        "u_s_V=2,load_torque_Nm=0",
+        "u_s_V=2,load_torque_Nm=0.5",
+    ]
+    assert grid[3].setup == {"u_s_V": 2.0}
+    assert grid[3].operating_point.load_torque_Nm == 0.5
+    listed = cases(_plan(sweep={"order": "list", **swept}))
+    assert [case.name for case in listed] == ["u_s_V=1,load_torque_Nm=0", "u_s_V=2,load_torque_Nm=0.5"]
+
+
+def test_a_plan_without_a_sweep_is_one_case_called_after_its_law() -> None:
+    assert [case.name for case in cases(_plan(setup={"law": "tpc"}))] == ["tpc"]
+    assert [case.name for case in cases(_plan(case="warm", repetitions=2))] == ["warm.1", "warm.2"]
+
+
+def test_a_sweep_leaves_a_bundle_for_every_case_and_the_drive_as_it_was(wire: Wire, tmp_path: Path) -> None:
+    before = wire.session.drive.read("u_s")
+    names = ["u_s_V=60.1", "u_s_V=60.2", "u_s_V=81.65.1", "u_s_V=81.65.2"]
+    assert _run(wire.session, SWEEP, tmp_path / "run", Watcher()) == names
+    for name, u_s in zip(names, (60.0, 60.0, 81.65, 81.65), strict=True):
+        assert Bundle.open(tmp_path / "run" / name).manifest.parameters["u_s_V"] == u_s
+    assert wire.session.drive.read("u_s") == before
+    assert wire.session.drive.state() is State.SWITCH_ON_DISABLED
+
+
+def test_an_interrupted_sweep_is_resumed_where_it_stopped(wire: Wire, tmp_path: Path) -> None:
+    folder = tmp_path / "run"
+    before = wire.session.drive.read("u_s")
+    with pytest.raises(KeyboardInterrupt):
+        _run(wire.session, SWEEP, folder, Watcher(at=3))
+    assert wire.session.drive.read("u_s") == before
+    kept = {path.name: (path / "manifest.json").read_bytes() for path in folder.iterdir()}
+    assert set(kept) == {"u_s_V=60.1", "u_s_V=60.2"}
+    watcher = Watcher()
+    assert len(_run(wire.session, SWEEP, folder, watcher, resume=True)) == 4
+    assert watcher.notes.count("already there") == 2
+    for name, manifest in kept.items():
+        assert (folder / name / "manifest.json").read_bytes() == manifest
+
+
+def test_a_case_that_fails_says_so_in_its_bundle_and_is_run_again(
+    wire: Wire, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drive, folder = wire.session.drive, tmp_path / "run"
+    plan = _plan(setup={"i_trip_A": 0.2})
+    with pytest.raises(DriveFault, match="0x2310"):
+        _run(wire.session, plan, folder, Watcher())
+    assert drive.state() is State.FAULT
+    assert drive.read("i_trip") == 12.0
+    bundle = Bundle.open(folder)
+    assert bundle.manifest.verdict == "fail"
+    assert bundle.manifest.details["failure"].startswith("DriveFault: the drive reports 0x2310")
+
+    drive.reset_fault()
+    assert len(_run(wire.session, _plan(), folder, Watcher(), resume=True)) == 1
+    assert Bundle.open(tmp_path / "run.cut-1").manifest.details == bundle.manifest.details
+
+
+def test_a_setup_that_is_refused_changes_nothing_and_leaves_no_bundle(wire: Wire, tmp_path: Path) -> None:
+    plan = _plan(setup={"u_s_V": 60.0, "control_period_s": 1e-3})
+    with pytest.raises(SdoAbort):
+        _run(wire.session, plan, tmp_path / "run", Watcher())
+    assert wire.session.drive.read("u_s") == 81.65
+    assert not (tmp_path / "run").exists()
