@@ -60,7 +60,6 @@ class BlockUpload:
         if last_in_order > self._sent:
             raise SdoAbortedError(Abort.SEQUENCE_NUMBER)
         self._position += last_in_order
-        self._sent = 0
         if self._position == len(self._segments):
             return _END.pack(0xC1 | self._unused << 2, self._crc)
         self._size = _require_block_size(block_size)

@@ -7,7 +7,10 @@ from collections.abc import Iterator
 
 import pytest
 
-from tests.wire.ends import Served, Wire
+from benchtool.clock import RealClock
+from benchtool.link.canopen import CanopenLink
+from benchtool.link.virtual import VirtualTimeBus
+from tests.wire.ends import NODE, ScriptedBus, Served, Wire
 
 _numbers = itertools.count()
 
@@ -29,3 +32,27 @@ def wire(served: Served) -> Iterator[Wire]:
     peer = Wire(served)
     yield peer
     peer.bus.shutdown()
+
+
+@pytest.fixture
+def link(served: Served, channel: str) -> Iterator[CanopenLink]:
+    with CanopenLink(VirtualTimeBus(channel), NODE, RealClock()) as opened:
+        yield opened
+
+
+@pytest.fixture
+def scripted() -> ScriptedBus:
+    return ScriptedBus()
+
+
+@pytest.fixture
+def host(scripted: ScriptedBus) -> Iterator[CanopenLink]:
+    with CanopenLink(scripted, NODE, RealClock(), sdo_timeout_s=0.4) as opened:
+        yield opened
+
+
+@pytest.fixture
+def impatient(scripted: ScriptedBus) -> Iterator[CanopenLink]:
+    """A host for tests in which no answer is to come in time."""
+    with CanopenLink(scripted, NODE, RealClock(), sdo_timeout_s=0.02) as opened:
+        yield opened

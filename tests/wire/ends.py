@@ -36,7 +36,7 @@ class Served:
 
     def _run(self) -> None:
         while not self._stop.is_set():
-            frame = self.bus.recv(0.02)
+            frame = self.bus.recv(0.005)
             if frame is not None and frame.arbitration_id == 0x600 + NODE:
                 self.sdo.on_request(bytes(frame.data))
 
@@ -79,7 +79,7 @@ Step = can.Message | Exception
 
 
 class ScriptedBus(can.BusABC):
-    """An adapter that answers each sent frame as a function says; recv raises an exception among the answers."""
+    """An adapter that answers each sent frame as told; an exception among the answers is raised by recv."""
 
     def __init__(self, answer: Callable[[can.Message], Iterable[Step]] = lambda _: ()) -> None:
         super().__init__(channel="scripted")
@@ -129,3 +129,13 @@ def frame(can_id: int, data: str, **flags: Any) -> can.Message:
     return can.Message(
         **{"arbitration_id": can_id, "data": bytes.fromhex(data), "is_extended_id": False, **flags}
     )
+
+
+def sdo(data: str) -> can.Message:
+    return frame(0x580 + NODE, data)
+
+
+def script(*answers: list[Step]) -> Callable[[can.Message], Iterable[Step]]:
+    """Answer the n-th sent frame with the n-th list, later ones with nothing."""
+    left = iter(answers)
+    return lambda _: next(left, [])
