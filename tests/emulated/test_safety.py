@@ -43,6 +43,32 @@ def test_leaving_the_block_disables(wire: Wire) -> None:
     assert not _is_enabled(wire)
 
 
+@pytest.mark.parametrize("how", ["disable", "nmt stop", "silence", "fault"])
+def test_disabled_means_that_no_switch_moves_and_no_current_flows(wire: Wire, how: str) -> None:
+    drive = wire.session.drive
+    _run_up(wire)
+    assert wire.session.load is not None
+    wire.session.load.apply(2.0)
+    wire.session.clock.wait(0.1)
+    match how:
+        case "disable":
+            drive.disable()
+        case "nmt stop":
+            wire.send(0x000, 0x02, NODE)
+            wire.send(0x000, 0x80, NODE)
+        case "silence":
+            drive.stop_heartbeat()
+            wire.session.clock.wait(0.6)
+        case "fault":
+            drive.write("i_trip", 0.1)
+    wire.session.load.apply(0.0)
+    wire.session.clock.wait(0.05)
+    switched = drive.number("switching_count")
+    wire.session.clock.wait(0.05)
+    assert drive.number("switching_count") == switched
+    assert drive.number("torque") == pytest.approx(0.0, abs=0.05)
+
+
 @pytest.mark.parametrize("error", [RuntimeError, KeyboardInterrupt, SystemExit, GeneratorExit])
 def test_any_exception_disables_and_passes_through(wire: Wire, error: type[BaseException]) -> None:
     drive = wire.session.drive

@@ -67,7 +67,7 @@ def test_the_shipped_plan_states_the_papers_operating_point() -> None:
         (("settle_s", "setle_s"), "unknown key 'operating_point.setle_s': did you mean 'settle_s'?"),
         (("duration_s = 0.5", "duration_s = -1"), "key 'record.duration_s' is -1"),
         (("max = 0.06, ", ""), "a limit needs min, max or both"),
-        (('case = "tpc"\n', ""), "key 'case' is missing"),
+        (("duration_s = 0.52", "length_s = 0.52"), "unknown key 'record.length_s'"),
     ],
 )
 def test_mistakes_in_a_plan(tmp_path: Path, change: tuple[str, str], complaint: str) -> None:
