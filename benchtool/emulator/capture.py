@@ -1,8 +1,8 @@
 """On-drive capture: rows of up to 16 signals at the control rate, around a trigger.
 
-While armed, rows go into a ring. The trigger is looked for in every tick, also between two rows; from then on the
-capture goes on until it has `rows` rows, of which at most `pretrigger` are from before the trigger. A trigger
-that comes before so many rows are there is taken all the same, and more rows follow it.
+While armed, rows go into a ring. The trigger is looked for in every tick, also between two rows; from then on
+the capture goes on until it has `rows` rows, of which at most `pretrigger` are from before the trigger. A
+trigger that comes before so many rows are there is taken all the same, and more rows follow it.
 """
 
 from __future__ import annotations
@@ -43,11 +43,15 @@ class Trigger(IntEnum):
     FAULT = 4
 
 
-_ARMED, _TRIGGERED, _COMPLETE = int(CaptureState.ARMED), int(CaptureState.TRIGGERED), int(CaptureState.COMPLETE)
+_ARMED, _TRIGGERED, _COMPLETE = (
+    int(CaptureState.ARMED),
+    int(CaptureState.TRIGGERED),
+    int(CaptureState.COMPLETE),
+)
 _IMMEDIATE, _SETPOINT, _RISING = int(Trigger.IMMEDIATE), int(Trigger.SETPOINT), int(Trigger.RISING)
 _FALLING = int(Trigger.FALLING)
 
-# `written` counts rows since arming, `first` and `end` which of them are kept; `last_*` are of the tick before.
+# `written` counts rows since arming, `first` and `end` say which are kept; `last_*` are of the tick before.
 CAPTURE = record_type(
     [
         ("state", "u4"),
@@ -228,7 +232,9 @@ class Capture:
     ) -> None:
         for name in [*names, trigger_name]:
             if name not in (self._memory.dtype.names or ()) or self._memory.dtype[name].itemsize != 4:
-                raise ValueRefused(f"'{name}' cannot be captured, a signal of four bytes is needed: choose one")
+                raise ValueRefused(
+                    f"'{name}' cannot be captured, a signal of four bytes is needed: choose one"
+                )
         if not 1 <= len(names) <= MAX_CHANNELS:
             raise ValueRefused(f"{len(names)} channels to capture, 1 to {MAX_CHANNELS} can be: choose fewer")
         if not 1 <= rows <= MAX_ROWS or rows * len(names) > MAX_VALUES:

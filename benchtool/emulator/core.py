@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
+
 import numpy as np
+from numpy.typing import NDArray
 
 from benchtool.emulator.capture import Capture
 from benchtool.emulator.control.protection import Trip
 from benchtool.emulator.kernel import run_ticks
 from benchtool.emulator.memory import COMMAND, CONTROL, LOAD, MEASUREMENT, SHAFT, new_memory
+from benchtool.emulator.sensors import Noise
 from benchtool.emulator.transducer import Transducer
 from benchtool.emulator.truth import InverterTruth, MotorTruth, SensorTruth
 from benchtool.protocol.modes import Mode
@@ -22,7 +27,8 @@ class Core:
     Args:
         table: objects, whose numbers make up the drive's memory.
         motor, inverter, sensors: the truth, which control never sees.
-        seed: of the measurement noise; the same seed and commands give the same bits, however `run` is divided.
+        seed: of the measurement noise; the same seed and commands give the same bits, however the ticks are
+            divided over calls of `run`.
 
     Attributes:
         memory: structured array of shape (1,), a field for every number of the table.
@@ -54,10 +60,16 @@ class Core:
         self.command, self.load, self.shaft = self._commands[0], self._loads[0], self._shafts[0]
         self.command.mode = int(Mode.TORQUE)
         self.shaft.u_dc = inverter.u_dc_V
+        self.turn_rotor(0.0)
         self.capture = Capture(self.memory)
         self.transducer = Transducer(self.memory, self.control_period_s)
         self._truth = motor.machine(), inverter.power_stage(self.control_period_s), sensors.sensing()
-        self._noise = np.random.Generator(np.random.PCG64(seed))
+        self._noise = Noise(sensors.current_noise_A_rms, seed)
+
+    def turn_rotor(self, theta_e_rad: float) -> None:
+        """Put the rotor at an electrical angle, as a hand on the shaft would."""
+        self.shaft.theta_e = theta_e_rad
+        self.shaft.cos_theta, self.shaft.sin_theta = math.cos(theta_e_rad), math.sin(theta_e_rad)
 
     def run(self, ticks: int) -> int:
         """Run control and machine for up to `ticks` ticks.
@@ -65,8 +77,21 @@ class Core:
         Returns how many were run: fewer than asked when one raised a new trip, in which the power stage is
         already off.
         """
+        return self.run_with(run_ticks, ticks)
+
+    def run_with(self, kernel: Callable[..., int], ticks: int) -> int:
+        """`run` with another form of the kernel: its plain Python function, to compare with."""
+        done, trips = 0, self._commands["trip"][0]
+        while done < ticks and self._commands["trip"][0] == trips:
+            noise = self._noise.ahead()
+            ran = self._run(kernel, min(ticks - done, len(noise)), noise)
+            self._noise.use(ran)
+            done += ran
+        return done
+
+    def _run(self, kernel: Callable[..., int], ticks: int, noise: NDArray[np.float64]) -> int:
         capture, transducer = self.capture, self.transducer
-        done: int = run_ticks(
+        return kernel(
             ticks,
             self.memory,
             capture.words,
@@ -77,13 +102,10 @@ class Core:
             self._shafts,
             self._loads,
             *self._truth,
-            self._noise,
+            noise,
             capture.record,
             capture.channels,
             capture.buffer,
             transducer.record,
             transducer.torque,
         )
-        return done
-
-

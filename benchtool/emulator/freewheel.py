@@ -1,8 +1,8 @@
 """The machine with all six switches off: its currents run through the diodes to zero and stay there.
 
-A phase whose current is not zero is held by a diode, at the lower rail for a current out of the leg and at the
-upper one for a current into it; a phase that has reached zero floats. Currents start again only by rectification
-of a line EMF above the dc link, which is not modelled: keep sqrt(3) psi_r omega_e below u_dc.
+A phase whose current is not zero is held by a diode, at the lower rail for a current out of the leg and at
+the upper one for a current into it; a phase that has reached zero floats. Currents would start again only by
+rectification of a line EMF above the dc link, which is not modelled: keep sqrt(3) psi_r omega_e below u_dc.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ def _flows(x: State) -> bool:
 
 @njit
 def _diode_voltage(x: State, u_dc: float, drop: float) -> tuple[float, float]:
-    """Voltage (alpha, beta) that the conducting diodes impose; a floating leg takes the mean of the others."""
+    """Voltage (alpha, beta) of the conducting diodes; a floating leg takes the mean of the others."""
     i_a, i_b, i_c = phase_currents(x)
     v_a, v_b, v_c = _rail(i_a, u_dc, drop), _rail(i_b, u_dc, drop), _rail(i_c, u_dc, drop)
     if abs(i_a) <= _ZERO:
@@ -78,11 +78,11 @@ def _rail(current: float, u_dc: float, drop: float) -> float:
 
 @njit
 def _first_crossing(before: State, after: State) -> tuple[float, int]:
-    """Part of the step, 0 to 1, after which the first current is zero, by the secant, and its phase; else 1 and -1."""
+    """Part of the step after which the first current is zero, by the secant, and its phase; else 1 and -1."""
     a0, b0, c0 = phase_currents(before)
     a1, b1, c1 = phase_currents(after)
     part_a, part_b, part_c = _crossing(a0, a1), _crossing(b0, b1), _crossing(c0, c1)
-    part = min(part_a, min(part_b, part_c))
+    part = min(part_a, part_b, part_c)
     if part >= 1.0:
         return 1.0, -1
     if part == part_a:
@@ -99,7 +99,7 @@ def _crossing(before: float, after: float) -> float:
 
 @njit
 def _without_extinct(before: State, x: State, phase: int) -> State:
-    """The state with no current along the phases that floated before, nor along the one that just reached zero."""
+    """The state with no current in the phases that floated before and the one that just reached zero."""
     a0, b0, c0 = phase_currents(before)
     extinct_a = abs(a0) <= _ZERO or phase == 0
     extinct_b = abs(b0) <= _ZERO or phase == 1
@@ -108,7 +108,7 @@ def _without_extinct(before: State, x: State, phase: int) -> State:
     if extinct == 0:
         return x
     if extinct > 1:
-        return State(0.0, 0.0, x.omega_m, x.theta_e, x.cos_theta, x.sin_theta)
+        return State(0.0, 0.0, x.omega_e, x.theta_e, x.theta_rest, x.cos_theta, x.sin_theta)
     n_alpha, n_beta = 1.0, 0.0
     if extinct_b:
         n_alpha, n_beta = -0.5, 0.5 * SQRT3
@@ -118,5 +118,11 @@ def _without_extinct(before: State, x: State, phase: int) -> State:
     n_q = n_beta * x.cos_theta - n_alpha * x.sin_theta
     along = x.i_d * n_d + x.i_q * n_q
     return State(
-        x.i_d - along * n_d, x.i_q - along * n_q, x.omega_m, x.theta_e, x.cos_theta, x.sin_theta
+        x.i_d - along * n_d,
+        x.i_q - along * n_q,
+        x.omega_e,
+        x.theta_e,
+        x.theta_rest,
+        x.cos_theta,
+        x.sin_theta,
     )

@@ -2,9 +2,9 @@
 
 A leg is high for duty * T_s, centred in the period. During dead time neither switch of a leg is on and the
 current holds the leg: out of the leg (i > 0) through the lower diode, so its rising edge comes late; into the
-leg through the upper diode, so its falling edge comes late. The sign that counts is that of the current at the
-start of the period for the rising edge, and at the rising edge for the falling one. A conducting device takes
-a constant voltage against its current.
+leg through the upper diode, so its falling edge comes late. The sign that counts is that of the current at
+the start of the period for the rising edge, and at the rising edge for the falling one. A conducting device
+takes a constant voltage against its current.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ def phase_currents(x: State) -> tuple[float, float, float]:
 @njit
 def clarke(a: float, b: float, c: float) -> tuple[float, float]:
     """Amplitude-invariant alpha and beta of three phase quantities."""
-    return (2.0 * a - b - c) / 3.0, (b - c) / SQRT3
+    return (2.0 * a - b - c) * (1.0 / 3.0), (b - c) * (1.0 / SQRT3)
 
 
 @njit

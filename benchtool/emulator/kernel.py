@@ -1,7 +1,7 @@
 """The kernel: machine, sensors, control, capture and transducer, tick after tick.
 
-Drive tick n is at n T_s. A tick integrates the machine over one PWM period with the duties that were computed a
-tick before that period began, then samples, controls and captures.
+Drive tick n is at n T_s. A tick integrates the machine over one PWM period with the duties that were computed
+a tick before that period began, then samples, controls and captures.
 """
 
 from __future__ import annotations
@@ -38,6 +38,7 @@ from benchtool.emulator.transducer import sample
 
 # rad of the fastest process in one step: fourth order leaves less than 1e-8 of it
 _TURN = 0.05
+_TICKS_BETWEEN_DIRECTIONS = 64
 
 
 @entry
@@ -54,7 +55,7 @@ def run_ticks(
     machine: Machine,
     stage: PowerStage,
     sensing: Sensing,
-    noise: np.random.Generator,
+    noise: NDArray[np.float64],
     captures: Any,
     channels: NDArray[np.uint32],
     rows: NDArray[np.uint32],
@@ -66,21 +67,24 @@ def run_ticks(
     measurement, shaft, load = measurements[0], shafts[0], loads[0]
     capture, transducer = captures[0], transducers[0]
     driven = holding(machine, load.held != 0, False)
+    at_rest, moving = fastest_rate(driven), turning_rate(driven)
     for done in range(ticks):
         omega_m = load.omega_m_rad_s if load.held != 0 else shaft.omega_m
-        x = place(shaft.i_d, shaft.i_q, omega_m, shaft.theta_e)
+        x = _true_state(shaft, machine.p * omega_m, drive.tick)
         transducer.next_sample = 0
         if command.pwm_enabled != 0 and control.gated != 0:
-            x = _switch(x, drive, control, shaft, stage, driven, load.torque_Nm, transducer, torque)
+            rate = at_rest + moving * abs(x.omega_e)
+            x = _switch(x, rate, drive, control, shaft, stage, driven, load.torque_Nm, transducer, torque)
         else:
             shaft.high_a, shaft.high_b, shaft.high_c = 0, 0, 0
             shaft.u_dc = stage.u_dc
             x = freewheel(x, stage.u_dc, stage, driven, load.torque_Nm, transducer, torque)
-        shaft.i_d, shaft.i_q, shaft.omega_m, shaft.theta_e = x.i_d, x.i_q, x.omega_m, x.theta_e
+        shaft.i_d, shaft.i_q, shaft.omega_m = x.i_d, x.i_q, x.omega_e / machine.p
+        shaft.theta_e, shaft.cos_theta, shaft.sin_theta = x.theta_e, x.cos_theta, x.sin_theta
         if transducer.recording == 1 and transducer.filled >= torque.size:
             transducer.recording = 0
         drive.tick += 1
-        measure(x, shaft.u_dc, machine.p, sensing, noise, measurement)
+        measure(x, shaft.u_dc, machine.p, sensing, noise[done], measurement)
         tripped = control_tick(drive, command, control, measurement)
         take(capture, drive, memory_words, memory_floats, channels, rows, tripped)
         if tripped:
@@ -94,8 +98,17 @@ def kernel_is_cached() -> bool:
 
 
 @njit
+def _true_state(shaft: Any, omega_e: float, tick: int) -> State:
+    """The machine's state; now and then its direction is derived from its angle, to hold both together."""
+    if tick % _TICKS_BETWEEN_DIRECTIONS == 0:
+        return place(shaft.i_d, shaft.i_q, omega_e, shaft.theta_e)
+    return State(shaft.i_d, shaft.i_q, omega_e, shaft.theta_e, 0.0, shaft.cos_theta, shaft.sin_theta)
+
+
+@njit
 def _switch(
     x: State,
+    rate: float,
     drive: Any,
     control: Any,
     shaft: Any,
@@ -119,16 +132,15 @@ def _switch(
     drive.switching_count += _turn_on(duty_c, shaft.high_c)
     u_dc = shaft.u_dc
     charge = 0.0
-    rate = fastest_rate(machine) + turning_rate(machine) * abs(x.omega_m)
     time = 0.0
     while time < stage.T_s:
         if edge_a <= time:
-            high_a, edge_a = _next_edge(high_a, duty_a, phase_currents(x)[0], stage)
+            high_a, edge_a = _next_edge(high_a, duty_a, 0, x, stage)
         if edge_b <= time:
-            high_b, edge_b = _next_edge(high_b, duty_b, phase_currents(x)[1], stage)
+            high_b, edge_b = _next_edge(high_b, duty_b, 1, x, stage)
         if edge_c <= time:
-            high_c, edge_c = _next_edge(high_c, duty_c, phase_currents(x)[2], stage)
-        until = min(min(edge_a, edge_b), min(edge_c, stage.T_s))
+            high_c, edge_c = _next_edge(high_c, duty_c, 2, x, stage)
+        until = min(edge_a, edge_b, edge_c, stage.T_s)
         u_alpha, u_beta = leg_voltages(high_a, high_b, high_c, x, u_dc, stage)
         while time < until:
             h = substep(until - time, rate, _TURN)
@@ -136,7 +148,14 @@ def _switch(
             x = step(x, u_alpha, u_beta, h, machine, T_load)
             sample(time, h, before, x, u_alpha, u_beta, machine, T_load, transducer, torque)
             if stage.R_dc > 0.0:
-                charge += 0.5 * h * (_link_current(high_a, high_b, high_c, before) + _link_current(high_a, high_b, high_c, x))
+                charge += (
+                    0.5
+                    * h
+                    * (
+                        _link_current(high_a, high_b, high_c, before)
+                        + _link_current(high_a, high_b, high_c, x)
+                    )
+                )
             time = time + h if h < until - time else until
     shaft.high_a, shaft.high_b, shaft.high_c = high_a, high_b, high_c
     shaft.u_dc = stage.u_dc - stage.R_dc * charge / stage.T_s
@@ -144,10 +163,11 @@ def _switch(
 
 
 @njit
-def _next_edge(high: bool, duty: float, current: float, stage: PowerStage) -> tuple[bool, float]:
+def _next_edge(high: bool, duty: float, phase: int, x: State, stage: PowerStage) -> tuple[bool, float]:
     """State of a leg after its edge, and when the next one comes."""
     if high:
         return False, NEVER
+    current = phase_currents(x)[phase] if stage.dead_time > 0.0 else 0.0
     return True, falling_edge(duty, current, stage)
 
 

@@ -54,7 +54,7 @@ COMMAND = record_type(
     ]
 )
 
-# What control remembers from tick to tick. `*_next` waits in the PWM unit's shadow register until the next tick.
+# What control remembers from tick to tick. `*_next` waits in the PWM unit's shadow registers for a tick.
 CONTROL = record_type(
     [
         ("started", "u4"),
@@ -88,6 +88,8 @@ SHAFT = record_type(
         ("i_q", "f8"),
         ("omega_m", "f8"),
         ("theta_e", "f8"),  # never wrapped
+        ("cos_theta", "f8"),
+        ("sin_theta", "f8"),
         ("u_dc", "f8"),
         ("high_a", "u4"),  # leg left high at the end of the period
         ("high_b", "u4"),

@@ -6,6 +6,7 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from benchtool.emulator.inverter import phase_currents
 from benchtool.emulator.jit import njit
@@ -13,7 +14,7 @@ from benchtool.emulator.plant import State
 
 
 class Sensing(NamedTuple):
-    """Coefficients: gain and offset per phase, noise, converter steps, encoder counts per revolution."""
+    """Coefficients: gain and offset per phase, converter steps, encoder counts per revolution."""
 
     gain_a: float
     gain_b: float
@@ -21,7 +22,6 @@ class Sensing(NamedTuple):
     offset_a: float
     offset_b: float
     offset_c: float
-    noise: float
     i_step: float
     half_codes: float
     u_step: float
@@ -44,20 +44,17 @@ def encoder_count(theta_m: float, sensing: Sensing) -> int:
 
 @njit
 def measure(
-    x: State, u_dc: float, p: float, sensing: Sensing, noise: np.random.Generator, measurement: Any
+    x: State, u_dc: float, p: float, sensing: Sensing, noise: NDArray[np.float64], measurement: Any
 ) -> None:
     """Sample currents, dc link and position into the record `measurement`.
 
-    `saturated` counts the currents that read either end of the converter's range.
+    `noise`, shape (3,), is added to the currents in A. `saturated` counts the currents that read either end
+    of the converter's range.
     """
     i_a, i_b, i_c = phase_currents(x)
-    i_a = sensing.gain_a * i_a + sensing.offset_a
-    i_b = sensing.gain_b * i_b + sensing.offset_b
-    i_c = sensing.gain_c * i_c + sensing.offset_c
-    if sensing.noise > 0.0:
-        i_a += sensing.noise * noise.standard_normal()
-        i_b += sensing.noise * noise.standard_normal()
-        i_c += sensing.noise * noise.standard_normal()
+    i_a = sensing.gain_a * i_a + sensing.offset_a + noise[0]
+    i_b = sensing.gain_b * i_b + sensing.offset_b + noise[1]
+    i_c = sensing.gain_c * i_c + sensing.offset_c + noise[2]
     lowest, highest = -sensing.half_codes, sensing.half_codes - 1.0
     code_a = code_of(i_a, sensing.i_step, lowest, highest)
     code_b = code_of(i_b, sensing.i_step, lowest, highest)
@@ -72,3 +69,33 @@ def measure(
     measurement.u_dc = code_of(u_dc, sensing.u_step, 0.0, 2.0 * sensing.half_codes - 1.0) * sensing.u_step
     measurement.count = encoder_count(x.theta_e / p, sensing)
     measurement.saturated = saturated
+
+
+class Noise:
+    """Gaussian noise of the three current sensors, drawn ahead in batches, so that the same seed gives the
+    same samples whichever ticks are run together.
+
+    Args:
+        rms_A: its standard deviation.
+        seed: of the generator.
+    """
+
+    BATCH = 4096
+
+    def __init__(self, rms_A: float, seed: int) -> None:
+        self._rms_A = rms_A
+        self._generator = np.random.Generator(np.random.PCG64(seed))
+        self._used = self.BATCH
+        self._samples = np.zeros((self.BATCH, 3))
+
+    def ahead(self) -> NDArray[np.float64]:
+        """Samples of the ticks to come, shape (n, 3) with n of at least 1."""
+        if self._used == self.BATCH:
+            self._used = 0
+            if self._rms_A > 0.0:
+                self._samples = self._rms_A * self._generator.standard_normal((self.BATCH, 3))
+        return self._samples[self._used :]
+
+    def use(self, ticks: int) -> None:
+        """Take note that the first `ticks` samples are used up."""
+        self._used += ticks

@@ -14,14 +14,20 @@ from numpy.typing import NDArray
 from benchtool.block import Block, Channel
 from benchtool.emulator.jit import njit
 from benchtool.emulator.memory import Record, record_type
-from benchtool.emulator.plant import Machine, State, airgap_torque, derivative
+from benchtool.emulator.plant import Machine, State, airgap_torque, derivative, scaled_voltage
 from benchtool.errors import ValueRefused
 
 MAX_TICKS = 2_000_000
 
 # `next_sample` counts within the PWM period under way.
 TRANSDUCER = record_type(
-    [("recording", "u4"), ("filled", "u4"), ("next_sample", "u4"), ("samples_per_tick", "u4"), ("spacing", "f8")]
+    [
+        ("recording", "u4"),
+        ("filled", "u4"),
+        ("next_sample", "u4"),
+        ("samples_per_tick", "u4"),
+        ("spacing", "f8"),
+    ]
 )
 
 
@@ -50,8 +56,7 @@ def sample(
         s = (due - time) / h
         i_d = _hermite(s, h, before.i_d, after.i_d, p0[0], p1[0])
         i_q = _hermite(s, h, before.i_q, after.i_q, p0[1], p1[1])
-        turn = machine.p * h
-        theta_e = _hermite(s, turn, before.theta_e, after.theta_e, before.omega_m, after.omega_m)
+        theta_e = _hermite(s, h, before.theta_e, after.theta_e, before.omega_e, after.omega_e)
         torque[transducer.filled] = airgap_torque(i_d, i_q, theta_e, machine)
         transducer.filled += 1
         transducer.next_sample += 1
@@ -60,10 +65,9 @@ def sample(
 @njit
 def _rates(
     x: State, u_alpha: float, u_beta: float, machine: Machine, T_load: float
-) -> tuple[float, float, float]:
-    u_d = u_alpha * x.cos_theta + u_beta * x.sin_theta
-    u_q = u_beta * x.cos_theta - u_alpha * x.sin_theta
-    return derivative(x.i_d, x.i_q, x.omega_m, x.theta_e, u_d, u_q, machine, T_load)
+) -> tuple[float, float, float, float, float]:
+    v_d, v_q = scaled_voltage(x, u_alpha, u_beta, machine)
+    return derivative(x.i_d, x.i_q, x.omega_e, x.theta_e, v_d, v_q, machine, T_load)
 
 
 @njit

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from benchtool.emulator.inverter import PowerStage
-from benchtool.emulator.plant import Machine
+from benchtool.emulator.plant import Machine, machine_of
 from benchtool.emulator.sensors import Sensing
 from benchtool.errors import ValueRefused
 
@@ -15,8 +15,8 @@ from benchtool.errors import ValueRefused
 class MotorTruth:
     """A permanent-magnet machine, amplitude-invariant and per phase.
 
-    `cogging_order` counts periods of the cogging torque per mechanical revolution. `psi_5_Wb` and `psi_7_Wb` are
-    the fifth and seventh harmonic of the rotor flux linkage of phase a, as cosines of 5 and 7 theta_e.
+    `cogging_order` counts periods of the cogging torque per mechanical revolution. `psi_5_Wb` and `psi_7_Wb`
+    are the fifth and seventh harmonic of the rotor flux linkage of phase a, as cosines of 5 and 7 theta_e.
 
     Raises:
         ValueRefused: a value is not finite, negative, or zero where the machine could not move.
@@ -47,23 +47,23 @@ class MotorTruth:
         )
         finite(psi_5_Wb=self.psi_5_Wb, psi_7_Wb=self.psi_7_Wb)
 
-    def machine(self) -> Machine:
+    def machine(self, speed_held: bool = False) -> Machine:
         """Coefficients of the differential equations."""
-        return Machine(
-            p=float(self.pole_pairs),
-            R_s=self.R_s_ohm,
-            L_d=self.L_d_H,
-            L_q=self.L_q_H,
-            psi_r=self.psi_r_Wb,
-            inv_L_d=1.0 / self.L_d_H,
-            inv_L_q=1.0 / self.L_q_H,
-            inv_J=1.0 / self.J_kgm2,
-            B=self.friction_Nms,
-            T_coulomb=self.coulomb_Nm,
-            T_cogging=self.cogging_Nm,
-            N_cogging=float(self.cogging_order),
-            psi_5=self.psi_5_Wb,
-            psi_7=self.psi_7_Wb,
+        return machine_of(
+            float(self.pole_pairs),
+            self.R_s_ohm,
+            self.L_d_H,
+            self.L_q_H,
+            self.psi_r_Wb,
+            self.psi_5_Wb,
+            self.psi_7_Wb,
+            self.J_kgm2,
+            self.friction_Nms,
+            self.coulomb_Nm,
+            self.cogging_Nm,
+            float(self.cogging_order),
+            speed_held,
+            False,
         )
 
 
@@ -131,7 +131,6 @@ class SensorTruth:
         return Sensing(
             *self.current_gain,
             *self.current_offset_A,
-            self.current_noise_A_rms,
             2.0 * self.i_full_scale_A / codes,
             codes / 2.0,
             self.u_full_scale_V / codes,

@@ -11,6 +11,7 @@ from benchtool.bench import Session
 from benchtool.block import Block
 from benchtool.drive import Capture, CaptureRequest, Identity, Mode
 from benchtool.drive.parameters import snapshot, temporary
+from benchtool.errors import RecordingError
 from benchtool.experiment.assessment import Assessment, RunResult, assess, assess_bundle
 from benchtool.experiment.cases import Case, cases
 from benchtool.experiment.limits import Verdict
@@ -74,7 +75,7 @@ def _finished(place: Path) -> Bundle | None:
     if not place.exists():
         return None
     bundle = Bundle.open(place)
-    if bundle.complete and "failure" not in bundle.manifest.details:
+    if bundle.complete:
         return bundle
     aside = next(
         candidate
@@ -104,8 +105,11 @@ def _run_case(
             progress.note("analysing")
             result = assess(plan, case.name, session.profile.motor, place, capture, transducer)
         except BaseException as failure:
-            reason = f"{type(failure).__name__}: {failure}"
-            writer.finish(verdict=Verdict.FAIL, quality=asdict(link.counters), details={"failure": reason})
+            try:
+                reason = f"{type(failure).__name__}: {failure}".rstrip(": ")
+                writer.fail(reason, verdict=Verdict.FAIL, quality=asdict(link.counters))
+            except RecordingError as also:
+                failure.add_note(str(also))
             raise
         writer.finish(
             result.steady.to_json(),

@@ -100,18 +100,37 @@ class BundleWriter:
         for name, stream in self._streams.items():
             stream.convert(self.directory / DATA / f"{name}{FINISHED}")
         write_json(self.directory / MEASUREMENTS, measurements or {})
-        began = self._manifest
-        finished = began.model_copy(
-            update={
-                "verdict": verdict,
-                "quality": began.quality | dict(quality or {}),
-                "details": began.details | dict(details or {}),
-                "streams": {name: _info(stream) for name, stream in self._streams.items()},
-                "complete": True,
-            }
-        )
-        write_manifest(self.directory, finished)
+        self._close_manifest(verdict, quality, details, complete=True)
         return Bundle.open(self.directory)
+
+    def fail(self, reason: str, *, verdict: str, quality: Mapping[str, int] | None = None) -> None:
+        """Say in the manifest why the run was cut short; the bundle stays incomplete, its data Arrow streams.
+
+        Raises:
+            RecordingError: the manifest cannot be written.
+        """
+        try:
+            self.close()
+        finally:
+            self._close_manifest(verdict, quality, {"failure": reason}, complete=False)
+
+    def _close_manifest(
+        self,
+        verdict: str | None,
+        quality: Mapping[str, int] | None,
+        details: Mapping[str, Any] | None,
+        *,
+        complete: bool,
+    ) -> None:
+        began = self._manifest
+        update = {
+            "verdict": verdict,
+            "quality": began.quality | dict(quality or {}),
+            "details": began.details | dict(details or {}),
+            "streams": {name: _info(stream) for name, stream in self._streams.items()},
+            "complete": complete,
+        }
+        write_manifest(self.directory, began.model_copy(update=update))
 
     def close(self) -> None:
         """Release the files without finishing; again is harmless."""

@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 import json
+import resource
+import signal
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -185,3 +189,50 @@ def test_a_folder_that_is_in_use_is_refused(invoke: Invoke, tmp_path: Path) -> N
     (tmp_path / "taken" / "thesis.txt").write_text("mine", encoding="utf-8")
     assert "taken" in _refused(invoke("demo", "--out", "taken"), 3)
     assert (tmp_path / "taken" / "thesis.txt").read_text(encoding="utf-8") == "mine"
+
+
+def _limit_file_size() -> None:
+    """As on a full disk: a write beyond the first 100 kB of a file fails."""
+    signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))
+
+
+def test_a_disk_that_fills_up_is_one_line_and_leaves_a_bundle_that_says_so(tmp_path: Path) -> None:
+    done = subprocess.run(
+        (sys.executable, "-m", "benchtool", "demo", "--json", "--out", "full"),
+        cwd=tmp_path,
+        preexec_fn=_limit_file_size,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 3, done.stderr
+    assert done.stdout == ""
+    assert "Traceback" not in done.stderr
+    line = done.stderr.strip().splitlines()[-1]
+    assert line.startswith("benchtool: cannot write")
+    assert "full" in line
+    manifest = json.loads((tmp_path / "full" / "manifest.json").read_text(encoding="utf-8"))
+    assert manifest["verdict"] == "fail"
+    assert "RecordingError" in manifest["details"]["failure"]
+
+
+def test_an_interrupt_ends_with_130_and_a_way_to_go_on(tmp_path: Path) -> None:
+    running = subprocess.Popen(
+        (sys.executable, "-m", "benchtool", "demo", "--real-time", "--out", "cut"),
+        cwd=tmp_path,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert running.stderr is not None
+    for line in running.stderr:
+        if line.startswith("running at"):
+            running.send_signal(signal.SIGTERM)
+            break
+    rest = running.stderr.read()
+    running.stderr.close()
+    assert running.wait() == 130
+    assert "interrupted; the drive was left disabled" in rest
+    assert "--resume cut" in rest
+    manifest = json.loads((tmp_path / "cut" / "manifest.json").read_text(encoding="utf-8"))
+    assert "KeyboardInterrupt" in manifest["details"]["failure"]

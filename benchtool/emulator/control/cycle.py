@@ -5,7 +5,14 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from benchtool.emulator.control.estimation import Situation, clarke, into_frame, out_of_frame, predict, situation
+from benchtool.emulator.control.estimation import (
+    Situation,
+    clarke,
+    into_frame,
+    out_of_frame,
+    predict,
+    situation,
+)
 from benchtool.emulator.control.flux import flux_reference
 from benchtool.emulator.control.laws import voltage
 from benchtool.emulator.control.observer import rotor_angle, track
@@ -76,7 +83,7 @@ def _observe(drive: Any, control: Any, measurement: Any) -> Situation:
 def _protect(drive: Any, command: Any, measurement: Any) -> bool:
     """Latch trips and keep the power stage off while one is latched."""
     raised = trips(drive, measurement, drive.omega_m, command.pwm_enabled != 0)
-    new_trip = (raised & ~command.trip) != 0
+    new_trip: bool = (raised & ~command.trip) != 0
     command.trip |= raised
     if command.trip != 0:
         command.pwm_enabled = 0
@@ -96,9 +103,7 @@ def _stand_by(drive: Any, command: Any, control: Any) -> None:
 
 
 @njit
-def _modulate(
-    u_alpha: float, u_beta: float, at: Situation, drive: Any, control: Any, u_dc: float
-) -> bool:
+def _modulate(u_alpha: float, u_beta: float, at: Situation, drive: Any, control: Any, u_dc: float) -> bool:
     """Put the duties of a voltage into the shadow register. Returns whether the hexagon limited it."""
     made = modulate(u_alpha, u_beta, u_dc)
     duty_a, duty_b, duty_c = made.duty_a, made.duty_b, made.duty_c

@@ -6,12 +6,13 @@ import math
 from typing import Any, NamedTuple
 
 from benchtool.emulator.jit import njit
+from benchtool.emulator.rotation import turned
 
 SQRT3 = math.sqrt(3.0)
 
 
 class Situation(NamedTuple):
-    """Estimated electrical state at one moment; d is the direction (cos_theta, sin_theta) of the rotor flux."""
+    """Estimated electrical state at one moment; d lies along the rotor flux, (cos_theta, sin_theta)."""
 
     i_d: float
     i_q: float
@@ -37,7 +38,7 @@ def situation(
 @njit
 def clarke(a: float, b: float, c: float) -> tuple[float, float]:
     """Amplitude-invariant alpha and beta of three measured phases."""
-    return (2.0 * a - b - c) / 3.0, (b - c) / SQRT3
+    return (2.0 * a - b - c) * (1.0 / 3.0), (b - c) * (1.0 / SQRT3)
 
 
 @njit
@@ -53,13 +54,6 @@ def out_of_frame(d: float, q: float, cos_theta: float, sin_theta: float) -> tupl
 
 
 @njit
-def next_direction(cos_theta: float, sin_theta: float, turn: float) -> tuple[float, float]:
-    """Direction of the rotor flux after it has turned by an angle."""
-    cosine, sine = math.cos(turn), math.sin(turn)
-    return cos_theta * cosine - sin_theta * sine, sin_theta * cosine + cos_theta * sine
-
-
-@njit
 def predict(now: Situation, u_alpha: float, u_beta: float, drive: Any) -> Situation:
     """Situation one control period later, under the mean voltage that is already under way.
 
@@ -71,7 +65,7 @@ def predict(now: Situation, u_alpha: float, u_beta: float, drive: Any) -> Situat
     psi_alpha, psi_beta = out_of_frame(now.psi_d, now.psi_q, now.cos_theta, now.sin_theta)
     psi_alpha += T_s * (u_alpha - drive.R_s * i_alpha)
     psi_beta += T_s * (u_beta - drive.R_s * i_beta)
-    cos_theta, sin_theta = next_direction(now.cos_theta, now.sin_theta, now.omega_e * T_s)
+    cos_theta, sin_theta = turned(now.cos_theta, now.sin_theta, now.omega_e * T_s)
     psi_d, psi_q = into_frame(psi_alpha, psi_beta, cos_theta, sin_theta)
     return situation(
         (psi_d - drive.psi_r) / drive.L_d, psi_q / drive.L_q, now.omega_e, cos_theta, sin_theta, drive

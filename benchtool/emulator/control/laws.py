@@ -20,9 +20,7 @@ _TPC = int(Law.TPC)
 
 
 @njit
-def voltage(
-    at: Situation, torque: float, psi_s: float, drive: Any
-) -> tuple[float, float, float, bool]:
+def voltage(at: Situation, torque: float, psi_s: float, drive: Any) -> tuple[float, float, float, bool]:
     """Mean voltage of the period that begins in the situation `at`, its angle against the rotor flux, and
     whether the law had to clip. An unknown law asks for none."""
     if drive.law == _TPC:

@@ -20,7 +20,7 @@ def wrapped(angle: float) -> float:
 @njit
 def rotor_angle(count: int, drive: Any) -> float:
     """Mechanical angle of the rotor flux against phase a, 0 to 2 pi: the middle of the encoder's step."""
-    angle = (count + 0.5) * TWO_PI / (4.0 * drive.encoder_lines) - drive.encoder_offset
+    angle: float = (count + 0.5) * TWO_PI / (4.0 * drive.encoder_lines) - drive.encoder_offset
     return angle - TWO_PI * math.floor(angle / TWO_PI)
 
 

@@ -28,7 +28,7 @@ def trips(drive: Any, measurement: Any, omega_m: float, pwm_enabled: bool) -> in
     A low dc link is a fault only while the power stage needs it.
     """
     mask = 0
-    largest = max(abs(measurement.i_a), max(abs(measurement.i_b), abs(measurement.i_c)))
+    largest = max(abs(measurement.i_a), abs(measurement.i_b), abs(measurement.i_c))
     if largest > drive.i_trip:
         mask |= _OVERCURRENT
     if abs(omega_m) > drive.omega_m_trip:

@@ -21,8 +21,8 @@ def limited(torque: float, limit: float) -> float:
 def torque_reference(drive: Any, command: Any, control: Any, omega_m: float) -> float:
     """Torque asked of the law, within `torque_limit`.
 
-    Velocity mode and quick stop close the speed loop; a quick stop is a speed setpoint of zero in either mode,
-    and marks `standstill` below 1 % of the rated speed.
+    Velocity mode and quick stop close the speed loop; a quick stop is a speed setpoint of zero in either
+    mode, and marks `standstill` below 1 % of the rated speed.
     """
     if command.quick_stop != 0:
         if abs(omega_m) <= _STANDSTILL * drive.omega_m_N:
@@ -37,7 +37,7 @@ def torque_reference(drive: Any, command: Any, control: Any, omega_m: float) -> 
 
 @njit
 def speed_pi(error: float, drive: Any, control: Any) -> float:
-    """PI with conditional integration: the integral stands still while it would drive further into the limit."""
+    """PI whose integral stands still while it would drive further into the torque limit."""
     proportional = drive.K_p_speed * error
     integral = control.speed_integral + drive.K_i_speed * drive.control_period * error
     wanted = proportional + integral

@@ -1,4 +1,4 @@
-"""Space-vector modulation: duties whose mean over the period is the voltage vector, zero vectors shared evenly."""
+"""Space-vector modulation: duties whose mean is the voltage vector, the zero vectors sharing evenly."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def modulate(u_alpha: float, u_beta: float, u_dc: float) -> Modulated:
     v_a = u_alpha
     v_b = -0.5 * u_alpha + 0.5 * SQRT3 * u_beta
     v_c = -0.5 * u_alpha - 0.5 * SQRT3 * u_beta
-    highest, lowest = max(v_a, max(v_b, v_c)), min(v_a, min(v_b, v_c))
+    highest, lowest = max(v_a, v_b, v_c), min(v_a, v_b, v_c)
     scale = 1.0
     beyond = highest - lowest > u_dc
     if beyond:
@@ -50,7 +50,7 @@ def modulate(u_alpha: float, u_beta: float, u_dc: float) -> Modulated:
 
 @njit
 def compensated(duty: float, current: float, dead_share: float) -> float:
-    """Duty with the part that the dead time takes from a positive current, or gives to a negative one, made up."""
+    """Duty that makes up for what the dead time takes at a positive current, or gives at a negative one."""
     if current > 0.0:
         duty += dead_share
     elif current < 0.0:

@@ -8,14 +8,13 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from benchtool.emulator.control.estimation import Situation, next_direction, out_of_frame
+from benchtool.emulator.control.estimation import Situation, out_of_frame
 from benchtool.emulator.jit import njit
+from benchtool.emulator.rotation import turned
 
 
 @njit
-def voltage(
-    at: Situation, torque: float, psi_s: float, drive: Any
-) -> tuple[float, float, float, bool]:
+def voltage(at: Situation, torque: float, psi_s: float, drive: Any) -> tuple[float, float, float, bool]:
     """Mean voltage (u_alpha, u_beta) of a control period that begins in the situation `at`.
 
     Returns also the angle lambda' against the rotor flux, and whether the argument of (14) had to be clipped.
@@ -33,12 +32,12 @@ def voltage(
     sine = min(max(sine, -1.0), 1.0)
 
     # II-D: lambda raises the flux, pi - lambda lowers it, both make the same torque; hysteresis band zero.
-    cosine = math.sqrt(1.0 - sine * sine)
+    angle, cosine = math.asin(sine), math.sqrt(1.0 - sine * sine)
     if at.psi_d * at.psi_d + at.psi_q * at.psi_q > psi_s * psi_s:
-        cosine = -cosine
+        angle, cosine = math.pi - angle, -cosine
 
     # The torque is met at the end of the period, so lambda' is laid against the rotor flux as it is there.
-    cos_theta, sin_theta = next_direction(at.cos_theta, at.sin_theta, at.omega_e * T_s)
+    cos_theta, sin_theta = turned(at.cos_theta, at.sin_theta, at.omega_e * T_s)
     mean = drive.u_s * drive.T_k_ratio
     u_alpha, u_beta = out_of_frame(mean * cosine, mean * sine, cos_theta, sin_theta)
-    return u_alpha, u_beta, math.atan2(sine, cosine), clipped
+    return u_alpha, u_beta, angle, clipped

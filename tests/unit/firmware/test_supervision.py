@@ -32,9 +32,9 @@ def test_the_power_stage_waits_for_the_first_heartbeat() -> None:
     supervision = LinkSupervision()
     supervision.configure(HOST_127_500_MS)
     assert (_state(supervision), supervision.host_node_id) == (LinkState.WAITING, 127)
-    assert not supervision.may_enable
+    before = supervision.may_enable
     supervision.feed(1.0)
-    assert supervision.may_enable
+    assert (before, supervision.may_enable) == (False, True)
     assert supervision.deadline_s() == 1.5
 
 

@@ -1,0 +1,143 @@
+"""How fast the emulated drive is against real time: `python -m benchmarks.emulator [--json]`.
+
+Measured is the closed loop at 0.1 of rated speed against 0.65 Nm: TPC at 10 kHz, the machine integrated
+between switching edges, noisy 10-bit sensors, a capture of 12 channels under way. The baseline, in the same
+run, is the same kernel on the same inputs as plain Python, which its sources are without the compiler.
+Processor time of this one thread counts, so that a neighbour on the machine does not.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import platform
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+import tomllib
+from collections.abc import Callable
+
+from benchtool.emulator.core import Core
+from benchtool.emulator.kernel import run_ticks
+from benchtool.emulator.truth import InverterTruth, MotorTruth, SensorTruth
+from benchtool.protocol.modes import Mode
+from benchtool.protocol.objects import table_from_toml
+from benchtool.shipped import shipped
+
+CHANNELS = [
+    "tick", "i_a", "i_b", "i_c", "u_alpha", "u_beta", "theta_m", "omega_m", "torque", "torque_reference",
+    "psi_s", "switching_count",
+]  # fmt: skip
+TICKS = 20_000
+RUNS = 15
+BASELINE_TICKS = 300
+GOAL = 250.0  # times real time
+
+_START = """
+import time
+from benchmarks.emulator import paper_machine
+core = paper_machine()
+start = time.perf_counter()
+core.run(1)
+print(time.perf_counter() - start)
+"""
+
+
+def paper_machine() -> Core:
+    """The paper's machine with its drive set up and switched on."""
+    document = (shipped("firmware_protocol") / "objects.toml").read_text(encoding="utf-8")
+    core = Core(
+        table_from_toml(tomllib.loads(document)),
+        MotorTruth(
+            pole_pairs=4, R_s_ohm=0.123, L_d_H=9.52e-3, L_q_H=9.52e-3, psi_r_Wb=0.1685, J_kgm2=13.1e-4
+        ),
+        InverterTruth(u_dc_V=122.5),
+        SensorTruth(i_full_scale_A=15.0, u_full_scale_V=500.0, current_noise_A_rms=0.015),
+        seed=1,
+    )
+    believed = {
+        "pole_pairs": 4, "R_s": 0.123, "L_d": 9.52e-3, "L_q": 9.52e-3, "psi_r": 0.1685, "J": 13.1e-4,
+        "T_N": 9.55, "omega_m_N": 157.1, "u_s": 81.65, "T_k_ratio": 0.7, "K_p_speed": 0.04, "K_i_speed": 0.4,
+        "torque_limit": 9.55, "omega_observer": 300.0, "i_trip": 14.5, "omega_m_trip": 220.0,
+        "u_dc_min": 50.0, "u_dc_max": 400.0, "omega_m_command": 15.71,
+    }  # fmt: skip
+    for name, value in believed.items():
+        core.memory[name] = value
+    core.command.mode, core.command.pwm_enabled = int(Mode.VELOCITY), 1
+    core.load.torque_Nm = 0.65
+    return core
+
+
+def capture(core: Core, ticks: int) -> None:
+    """Log every tick of the next `ticks`."""
+    core.capture.arm(names=CHANNELS, rows=ticks)
+
+
+def cpu_s(core: Core, ticks: int, run: Callable[[int], int]) -> float:
+    """Processor time of `ticks` logged ticks."""
+    capture(core, ticks)
+    start = time.thread_time()
+    ran = run(ticks)
+    elapsed = time.thread_time() - start
+    if ran != ticks:
+        raise SystemExit(
+            f"the drive tripped after {ran} of {ticks} ticks: the benchmark is of normal running"
+        )
+    return elapsed
+
+
+def start_s(cache: str) -> float:
+    """Time of the first tick in a new process that caches in the folder `cache`."""
+    environment = {**os.environ, "NUMBA_CACHE_DIR": cache}
+    command = [sys.executable, "-c", _START]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
+    return float(done.stdout)
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+    as_json = parser.parse_args().json
+
+    with tempfile.TemporaryDirectory() as cache:
+        cold_s, warm_s = start_s(cache), start_s(cache)
+
+    core = paper_machine()
+    core.run(TICKS)
+    simulated_s = TICKS * core.control_period_s
+    factors = sorted(simulated_s / cpu_s(core, TICKS, core.run) for _ in range(RUNS))
+
+    plain = paper_machine()
+    plain.run(TICKS)
+    python_s = cpu_s(plain, BASELINE_TICKS, lambda ticks: plain.run_with(run_ticks.py_func, ticks))  # type: ignore[attr-defined]  # of numba's dispatcher
+    python_factor = BASELINE_TICKS * plain.control_period_s / python_s
+
+    result = {
+        "x_real_time_best": round(factors[-1], 1),
+        "x_real_time_median": round(statistics.median(factors), 1),
+        "x_real_time_worst": round(factors[0], 1),
+        "ns_per_tick_best": round(1e9 * core.control_period_s / factors[-1], 1),
+        "goal_x_real_time": GOAL,
+        "baseline_plain_python_x_real_time": round(python_factor, 4),
+        "speedup_over_plain_python": round(factors[-1] / python_factor),
+        "first_tick_compiling_s": round(cold_s, 2),
+        "first_tick_cached_s": round(warm_s, 2),
+        "ticks_per_run": TICKS,
+        "runs": RUNS,
+        "channels_captured": len(CHANNELS),
+        "python": platform.python_version(),
+        "machine": platform.machine(),
+    }
+    if as_json:
+        print(json.dumps(result, indent=2))
+        return
+    for name, value in result.items():
+        print(f"{name:36s} {value}")
+
+
+if __name__ == "__main__":
+    main()
