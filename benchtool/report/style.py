@@ -6,6 +6,7 @@ lines differ in darkness as well.
 
 from __future__ import annotations
 
+import textwrap
 from typing import Any, Final
 
 from matplotlib.axes import Axes
@@ -25,14 +26,18 @@ REFERENCE: Final[dict[str, Any]] = {"color": BLACK, "linewidth": 0.9, "linestyle
 WIDTH_IN: Final = 7.0
 DPI: Final = 160
 _FONT_PT: Final = 9
+_LINE_IN: Final = 0.25
+_CHARACTERS_PER_IN: Final = 12  # of a title, on average
 
 
 def new_figure(height_in: float, title: str, summary: str, width_in: float = WIDTH_IN) -> Figure:
     """An empty figure with its own Agg canvas; on the left above it the title and a line with its numbers."""
-    figure = Figure(figsize=(width_in, height_in), dpi=DPI, layout="constrained", facecolor="white")
+    lines = textwrap.wrap(title, round(width_in * _CHARACTERS_PER_IN))
+    size = (width_in, height_in + _LINE_IN * (len(lines) - 1))
+    figure = Figure(figsize=size, dpi=DPI, layout="constrained", facecolor="white")
     FigureCanvasAgg(figure)
     figure.suptitle(
-        f"{title}\n{summary}", x=0.01, horizontalalignment="left", fontsize=_FONT_PT + 1, color=BLACK
+        "\n".join([*lines, summary]), x=0.01, horizontalalignment="left", fontsize=_FONT_PT + 1, color=BLACK
     )
     return figure
 
