@@ -8,6 +8,7 @@ prints it as it is. `exit_code` is what a command ends with when the error reach
     ├── UsageError                 2  the caller asked for something that cannot be
     │   ├── ProfileError              a profile is unknown, unreadable or wrong
     │   ├── PlanError                 a plan is unknown, unreadable or wrong
+    │   ├── ParameterFileError        a parameter file is unreadable, wrong or of another drive
     │   ├── ValueRefused              a value is outside its limits, unit or state; nothing was sent
     │   └── AnalysisError             the data cannot answer the question (gap, too short, no channel)
     ├── EnvironmentFailure         3  the world around the tool is not as needed
@@ -47,6 +48,10 @@ class ProfileError(UsageError):
 
 class PlanError(UsageError):
     """A plan is unknown, unreadable or wrong."""
+
+
+class ParameterFileError(UsageError):
+    """A parameter file is unreadable, wrong, or of another drive or dictionary."""
 
 
 class ValueRefused(UsageError):

@@ -12,7 +12,7 @@ from typing import Annotated, ParamSpec
 import typer
 
 from benchtool import __version__
-from benchtool.cli import analyze, demo, doctor, info, run
+from benchtool.cli import analyze, demo, doctor, info, parameter_files, params, run
 from benchtool.errors import BenchError
 
 INTERRUPTED = 130
@@ -52,6 +52,19 @@ app = typer.Typer(
 )
 for _verb in (demo.demo, run.run, analyze.analyze, info.info, doctor.doctor):
     app.command(_verb.__name__)(_reporting(_verb))
+
+_params = typer.Typer(
+    help="Parameters of a drive: list, get, set; dump, diff and load as a file; save and restore.",
+    no_args_is_help=True,
+    rich_markup_mode=None,
+)
+for _command in (
+    *(params.list_, params.get, params.set_),
+    *(parameter_files.dump, parameter_files.diff, parameter_files.load),
+    *(params.save, params.restore),
+):
+    _params.command(_command.__name__.rstrip("_"))(_reporting(_command))
+app.add_typer(_params, name="params")
 
 
 def _version(show: bool) -> None:

@@ -43,13 +43,13 @@ class Output:
         """The verdict, in its colour."""
         self._people.print(Text(f"verdict: {verdict}", style=_COLOUR[verdict]))
 
-    def table(self, title: str, columns: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> None:
+    def table(self, title: str, columns: tuple[str, ...], rows: Sequence[tuple[str | Text, ...]]) -> None:
         """A table of the result; columns whose heading begins with `>` are right-aligned."""
         table = Table(title=title, title_justify="left", title_style="bold", show_edge=False, pad_edge=False)
         for column in columns:
             table.add_column(column.lstrip(">"), justify="right" if column.startswith(">") else "left")
         for row in rows:
-            table.add_row(*(Text(cell) for cell in row))
+            table.add_row(*(Text(cell) if isinstance(cell, str) else cell for cell in row))
         self._people.print(table)
 
     def document(self, content: Mapping[str, Any]) -> None:
