@@ -24,7 +24,8 @@ prints it as it is. `exit_code` is what a command ends with when the error reach
         ├── WriteNotVerified          a value read back differs from the value written
         ├── StateError                a CiA 402 transition did not happen
         ├── DriveFault                the drive is in fault
-        └── CaptureError              the on-drive capture did not complete
+        ├── CaptureError              the on-drive capture did not complete
+        └── StimulusError             the on-drive stimulus was stopped before its end
 """
 
 from __future__ import annotations
@@ -109,6 +110,9 @@ class SdoAbort(DriveError):
         super().__init__(message)
         self.code = code
 
+    def __reduce__(self) -> tuple[type[SdoAbort], tuple[str, int]]:
+        return type(self), (str(self), self.code)
+
 
 class WriteNotVerified(DriveError):
     """A value read back differs from the value written."""
@@ -124,3 +128,7 @@ class DriveFault(DriveError):
 
 class CaptureError(DriveError):
     """The on-drive capture did not complete."""
+
+
+class StimulusError(DriveError):
+    """The on-drive stimulus was stopped before its end."""

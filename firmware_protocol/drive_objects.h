@@ -2,7 +2,7 @@
 #ifndef BENCHTOOL_DRIVE_OBJECTS_H
 #define BENCHTOOL_DRIVE_OBJECTS_H
 
-#define BT_DICTIONARY_HASH 0x707A1F2Au
+#define BT_DICTIONARY_HASH 0xE5259B4Bu
 #define BT_VENDOR_ID 0x00000B7Cu
 #define BT_PRODUCT_CODE 0x00002011u
 #define BT_REVISION 0x00010000u
@@ -52,17 +52,43 @@ enum bt_role {
 #define BT_INDEX_PRODUCER_HEARTBEAT 0x1017u
 #define BT_INDEX_IDENTITY 0x1018u
 #define BT_INDEX_SDO_SERVER_PARAMETER 0x1200u
+#define BT_INDEX_RPDO1 0x1400u
+#define BT_INDEX_RPDO2 0x1401u
+#define BT_INDEX_RPDO1_MAPPING 0x1600u
+#define BT_INDEX_RPDO2_MAPPING 0x1601u
+#define BT_INDEX_TPDO1 0x1800u
+#define BT_INDEX_TPDO2 0x1801u
+#define BT_INDEX_TPDO3 0x1802u
+#define BT_INDEX_TPDO4 0x1803u
+#define BT_INDEX_TPDO5 0x1804u
+#define BT_INDEX_TPDO6 0x1805u
+#define BT_INDEX_TPDO7 0x1806u
+#define BT_INDEX_TPDO8 0x1807u
+#define BT_INDEX_TPDO1_MAPPING 0x1A00u
+#define BT_INDEX_TPDO2_MAPPING 0x1A01u
+#define BT_INDEX_TPDO3_MAPPING 0x1A02u
+#define BT_INDEX_TPDO4_MAPPING 0x1A03u
+#define BT_INDEX_TPDO5_MAPPING 0x1A04u
+#define BT_INDEX_TPDO6_MAPPING 0x1A05u
+#define BT_INDEX_TPDO7_MAPPING 0x1A06u
+#define BT_INDEX_TPDO8_MAPPING 0x1A07u
 #define BT_INDEX_MOTOR 0x2000u
 #define BT_INDEX_SENSORS 0x2001u
 #define BT_INDEX_TORQUE_CONTROL 0x2010u
 #define BT_INDEX_SPEED_CONTROL 0x2011u
 #define BT_INDEX_PROTECTION 0x2012u
+#define BT_INDEX_SVM_DTC_CONTROL 0x2013u
+#define BT_INDEX_DTC_CONTROL 0x2014u
+#define BT_INDEX_FCS_MPC_CONTROL 0x2015u
+#define BT_INDEX_FOC_CONTROL 0x2016u
 #define BT_INDEX_COMMAND 0x2020u
+#define BT_INDEX_STIMULUS_TABLE 0x2021u
 #define BT_INDEX_SIGNALS 0x2030u
 #define BT_INDEX_CAPTURE 0x2040u
 #define BT_INDEX_CAPTURE_CHANNELS 0x2041u
 #define BT_INDEX_CAPTURE_DATA 0x2042u
 #define BT_INDEX_LINK 0x2050u
+#define BT_INDEX_PROCESS_DATA 0x2051u
 #define BT_INDEX_DICTIONARY_HASH 0x2060u
 #define BT_INDEX_ABORT_CONNECTION_OPTION 0x6007u
 #define BT_INDEX_ERROR_CODE 0x603Fu
@@ -115,6 +141,94 @@ enum bt_role {
 #define BT_SUB_SDO_SERVER_PARAMETER_COUNT 0u
 #define BT_SUB_SDO_REQUEST_COB_ID 1u
 #define BT_SUB_SDO_RESPONSE_COB_ID 2u
+#define BT_SUB_RPDO1_COUNT 0u
+#define BT_SUB_RPDO1_COB_ID 1u
+#define BT_SUB_RPDO1_TRANSMISSION_TYPE 2u
+#define BT_SUB_RPDO2_COUNT 0u
+#define BT_SUB_RPDO2_COB_ID 1u
+#define BT_SUB_RPDO2_TRANSMISSION_TYPE 2u
+#define BT_SUB_RPDO1_MAPPING_COUNT 0u
+#define BT_SUB_RPDO1_MAPPING_1 1u
+#define BT_SUB_RPDO1_MAPPING_2 2u
+#define BT_SUB_RPDO1_MAPPING_3 3u
+#define BT_SUB_RPDO1_MAPPING_4 4u
+#define BT_SUB_RPDO2_MAPPING_COUNT 0u
+#define BT_SUB_RPDO2_MAPPING_1 1u
+#define BT_SUB_RPDO2_MAPPING_2 2u
+#define BT_SUB_RPDO2_MAPPING_3 3u
+#define BT_SUB_RPDO2_MAPPING_4 4u
+#define BT_SUB_TPDO1_COUNT 0u
+#define BT_SUB_TPDO1_COB_ID 1u
+#define BT_SUB_TPDO1_TRANSMISSION_TYPE 2u
+#define BT_SUB_TPDO1_EVENT_TIMER 5u
+#define BT_SUB_TPDO2_COUNT 0u
+#define BT_SUB_TPDO2_COB_ID 1u
+#define BT_SUB_TPDO2_TRANSMISSION_TYPE 2u
+#define BT_SUB_TPDO2_EVENT_TIMER 5u
+#define BT_SUB_TPDO3_COUNT 0u
+#define BT_SUB_TPDO3_COB_ID 1u
+#define BT_SUB_TPDO3_TRANSMISSION_TYPE 2u
+#define BT_SUB_TPDO3_EVENT_TIMER 5u
+#define BT_SUB_TPDO4_COUNT 0u
+#define BT_SUB_TPDO4_COB_ID 1u
+#define BT_SUB_TPDO4_TRANSMISSION_TYPE 2u
+#define BT_SUB_TPDO4_EVENT_TIMER 5u
+#define BT_SUB_TPDO5_COUNT 0u
+#define BT_SUB_TPDO5_COB_ID 1u
+#define BT_SUB_TPDO5_TRANSMISSION_TYPE 2u
+#define BT_SUB_TPDO5_EVENT_TIMER 5u
+#define BT_SUB_TPDO6_COUNT 0u
+#define BT_SUB_TPDO6_COB_ID 1u
+#define BT_SUB_TPDO6_TRANSMISSION_TYPE 2u
+#define BT_SUB_TPDO6_EVENT_TIMER 5u
+#define BT_SUB_TPDO7_COUNT 0u
+#define BT_SUB_TPDO7_COB_ID 1u
+#define BT_SUB_TPDO7_TRANSMISSION_TYPE 2u
+#define BT_SUB_TPDO7_EVENT_TIMER 5u
+#define BT_SUB_TPDO8_COUNT 0u
+#define BT_SUB_TPDO8_COB_ID 1u
+#define BT_SUB_TPDO8_TRANSMISSION_TYPE 2u
+#define BT_SUB_TPDO8_EVENT_TIMER 5u
+#define BT_SUB_TPDO1_MAPPING_COUNT 0u
+#define BT_SUB_TPDO1_MAPPING_1 1u
+#define BT_SUB_TPDO1_MAPPING_2 2u
+#define BT_SUB_TPDO1_MAPPING_3 3u
+#define BT_SUB_TPDO1_MAPPING_4 4u
+#define BT_SUB_TPDO2_MAPPING_COUNT 0u
+#define BT_SUB_TPDO2_MAPPING_1 1u
+#define BT_SUB_TPDO2_MAPPING_2 2u
+#define BT_SUB_TPDO2_MAPPING_3 3u
+#define BT_SUB_TPDO2_MAPPING_4 4u
+#define BT_SUB_TPDO3_MAPPING_COUNT 0u
+#define BT_SUB_TPDO3_MAPPING_1 1u
+#define BT_SUB_TPDO3_MAPPING_2 2u
+#define BT_SUB_TPDO3_MAPPING_3 3u
+#define BT_SUB_TPDO3_MAPPING_4 4u
+#define BT_SUB_TPDO4_MAPPING_COUNT 0u
+#define BT_SUB_TPDO4_MAPPING_1 1u
+#define BT_SUB_TPDO4_MAPPING_2 2u
+#define BT_SUB_TPDO4_MAPPING_3 3u
+#define BT_SUB_TPDO4_MAPPING_4 4u
+#define BT_SUB_TPDO5_MAPPING_COUNT 0u
+#define BT_SUB_TPDO5_MAPPING_1 1u
+#define BT_SUB_TPDO5_MAPPING_2 2u
+#define BT_SUB_TPDO5_MAPPING_3 3u
+#define BT_SUB_TPDO5_MAPPING_4 4u
+#define BT_SUB_TPDO6_MAPPING_COUNT 0u
+#define BT_SUB_TPDO6_MAPPING_1 1u
+#define BT_SUB_TPDO6_MAPPING_2 2u
+#define BT_SUB_TPDO6_MAPPING_3 3u
+#define BT_SUB_TPDO6_MAPPING_4 4u
+#define BT_SUB_TPDO7_MAPPING_COUNT 0u
+#define BT_SUB_TPDO7_MAPPING_1 1u
+#define BT_SUB_TPDO7_MAPPING_2 2u
+#define BT_SUB_TPDO7_MAPPING_3 3u
+#define BT_SUB_TPDO7_MAPPING_4 4u
+#define BT_SUB_TPDO8_MAPPING_COUNT 0u
+#define BT_SUB_TPDO8_MAPPING_1 1u
+#define BT_SUB_TPDO8_MAPPING_2 2u
+#define BT_SUB_TPDO8_MAPPING_3 3u
+#define BT_SUB_TPDO8_MAPPING_4 4u
 #define BT_SUB_MOTOR_COUNT 0u
 #define BT_SUB_POLE_PAIRS 1u
 #define BT_SUB_R_S 2u
@@ -135,6 +249,7 @@ enum bt_role {
 #define BT_SUB_T_K_RATIO 3u
 #define BT_SUB_DELAY_COMPENSATION 4u
 #define BT_SUB_DEAD_TIME_COMPENSATION 5u
+#define BT_SUB_FLUX_COMPARATOR 6u
 #define BT_SUB_SPEED_CONTROL_COUNT 0u
 #define BT_SUB_K_P_SPEED 1u
 #define BT_SUB_K_I_SPEED 2u
@@ -145,10 +260,38 @@ enum bt_role {
 #define BT_SUB_OMEGA_M_TRIP 2u
 #define BT_SUB_U_DC_MIN 3u
 #define BT_SUB_U_DC_MAX 4u
+#define BT_SUB_SVM_DTC_CONTROL_COUNT 0u
+#define BT_SUB_K_P_DELTA 1u
+#define BT_SUB_K_I_DELTA 2u
+#define BT_SUB_DTC_CONTROL_COUNT 0u
+#define BT_SUB_TORQUE_BAND 1u
+#define BT_SUB_FLUX_BAND 2u
+#define BT_SUB_FCS_MPC_CONTROL_COUNT 0u
+#define BT_SUB_FLUX_WEIGHT 1u
+#define BT_SUB_FOC_CONTROL_COUNT 0u
+#define BT_SUB_OMEGA_CURRENT 1u
 #define BT_SUB_COMMAND_COUNT 0u
 #define BT_SUB_TORQUE_COMMAND 1u
 #define BT_SUB_OMEGA_M_COMMAND 2u
 #define BT_SUB_PSI_S_COMMAND 3u
+#define BT_SUB_STIMULUS_TABLE_COUNT 0u
+#define BT_SUB_STIMULUS_CONTROL 1u
+#define BT_SUB_STIMULUS_STATE 2u
+#define BT_SUB_STIMULUS_QUANTITY 3u
+#define BT_SUB_STIMULUS_SHAPE 4u
+#define BT_SUB_STIMULUS_AMPLITUDE 5u
+#define BT_SUB_STIMULUS_OFFSET 6u
+#define BT_SUB_STIMULUS_TICKS 7u
+#define BT_SUB_STIMULUS_REPETITIONS 8u
+#define BT_SUB_STIMULUS_FREQUENCY_START 9u
+#define BT_SUB_STIMULUS_FREQUENCY_END 10u
+#define BT_SUB_STIMULUS_STEPS 11u
+#define BT_SUB_STIMULUS_PRBS_CLOCK 12u
+#define BT_SUB_STIMULUS_PRBS_LENGTH 13u
+#define BT_SUB_STIMULUS_SEED 14u
+#define BT_SUB_STIMULUS_FRAME 15u
+#define BT_SUB_STIMULUS_ANGLE 16u
+#define BT_SUB_STIMULUS_START_TICK 17u
 #define BT_SUB_SIGNALS_COUNT 0u
 #define BT_SUB_TICK 1u
 #define BT_SUB_I_A 2u
@@ -171,6 +314,7 @@ enum bt_role {
 #define BT_SUB_ADC_SATURATED 19u
 #define BT_SUB_PSI_ALPHA 20u
 #define BT_SUB_PSI_BETA 21u
+#define BT_SUB_STIMULUS 22u
 #define BT_SUB_CAPTURE_COUNT 0u
 #define BT_SUB_CAPTURE_CONTROL 1u
 #define BT_SUB_CAPTURE_STATE 2u
@@ -204,6 +348,9 @@ enum bt_role {
 #define BT_SUB_LINK_COUNT 0u
 #define BT_SUB_LINK_STATE 1u
 #define BT_SUB_LINK_LOSSES 2u
+#define BT_SUB_PROCESS_DATA_COUNT 0u
+#define BT_SUB_STREAM_SEQUENCE 1u
+#define BT_SUB_RPDO_DROPPED 2u
 #define BT_SUB_DICTIONARY_HASH 0u
 #define BT_SUB_ABORT_CONNECTION_OPTION 0u
 #define BT_SUB_ERROR_CODE 0u
@@ -226,12 +373,57 @@ enum bt_role {
 
 /* Enumerations */
 enum bt_law {
-    BT_LAW_TPC = 0
+    BT_LAW_TPC = 0,
+    BT_LAW_TPC_STATOR = 1,
+    BT_LAW_SVM_DTC = 2,
+    BT_LAW_DTC = 3,
+    BT_LAW_FCS_MPC = 4,
+    BT_LAW_FOC = 5,
+    BT_LAW_DEADBEAT = 6
 };
 
 enum bt_delay_compensation {
     BT_DELAY_COMPENSATION_OFF = 0,
     BT_DELAY_COMPENSATION_ON = 1
+};
+
+enum bt_flux_comparator {
+    BT_FLUX_COMPARATOR_INSTANTANEOUS = 0,
+    BT_FLUX_COMPARATOR_ACCUMULATED = 1
+};
+
+enum bt_stimulus_control {
+    BT_STIMULUS_CONTROL_STOP = 0,
+    BT_STIMULUS_CONTROL_START = 1
+};
+
+enum bt_stimulus_state {
+    BT_STIMULUS_STATE_IDLE = 0,
+    BT_STIMULUS_STATE_RUNNING = 1,
+    BT_STIMULUS_STATE_DONE = 2
+};
+
+enum bt_stimulus_quantity {
+    BT_STIMULUS_QUANTITY_TORQUE = 0,
+    BT_STIMULUS_QUANTITY_SPEED = 1,
+    BT_STIMULUS_QUANTITY_D_CURRENT = 2,
+    BT_STIMULUS_QUANTITY_VOLTAGE = 3
+};
+
+enum bt_stimulus_shape {
+    BT_STIMULUS_SHAPE_CONSTANT = 0,
+    BT_STIMULUS_SHAPE_STEP = 1,
+    BT_STIMULUS_SHAPE_STAIRCASE = 2,
+    BT_STIMULUS_SHAPE_RAMP = 3,
+    BT_STIMULUS_SHAPE_SINE = 4,
+    BT_STIMULUS_SHAPE_CHIRP_LINEAR = 5,
+    BT_STIMULUS_SHAPE_CHIRP_LOGARITHMIC = 6,
+    BT_STIMULUS_SHAPE_PRBS = 7
+};
+
+enum bt_stimulus_frame {
+    BT_STIMULUS_FRAME_STATOR = 0,
+    BT_STIMULUS_FRAME_ROTOR = 1
 };
 
 enum bt_capture_control {
@@ -252,7 +444,8 @@ enum bt_capture_trigger {
     BT_CAPTURE_TRIGGER_SETPOINT = 1,
     BT_CAPTURE_TRIGGER_RISING = 2,
     BT_CAPTURE_TRIGGER_FALLING = 3,
-    BT_CAPTURE_TRIGGER_FAULT = 4
+    BT_CAPTURE_TRIGGER_FAULT = 4,
+    BT_CAPTURE_TRIGGER_STIMULUS = 5
 };
 
 enum bt_link_state {
@@ -279,11 +472,13 @@ enum bt_fault_reaction_option {
 };
 
 enum bt_mode_of_operation {
+    BT_MODE_OF_OPERATION_VOLTAGE = -1,
     BT_MODE_OF_OPERATION_VELOCITY = 3,
     BT_MODE_OF_OPERATION_TORQUE = 4
 };
 
 enum bt_mode_of_operation_display {
+    BT_MODE_OF_OPERATION_DISPLAY_VOLTAGE = -1,
     BT_MODE_OF_OPERATION_DISPLAY_VELOCITY = 3,
     BT_MODE_OF_OPERATION_DISPLAY_TORQUE = 4
 };
@@ -324,6 +519,94 @@ enum bt_mode_of_operation_display {
     X(0x1200u, 0u, sdo_server_parameter_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 2u) \
     X(0x1200u, 1u, sdo_request_cob_id, U32, RO, STATUS, 1, 1, 0u, 4294967295u, 1536u) \
     X(0x1200u, 2u, sdo_response_cob_id, U32, RO, STATUS, 1, 1, 0u, 4294967295u, 1408u) \
+    X(0x1400u, 0u, rpdo1_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 2u) \
+    X(0x1400u, 1u, rpdo1_cob_id, U32, RW, STATUS, 1, 1, 0u, 4294967295u, 2147484160u) \
+    X(0x1400u, 2u, rpdo1_transmission_type, U8, RW, STATUS, 1, 0, 254u, 255u, 255u) \
+    X(0x1401u, 0u, rpdo2_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 2u) \
+    X(0x1401u, 1u, rpdo2_cob_id, U32, RW, STATUS, 1, 1, 0u, 4294967295u, 2147484416u) \
+    X(0x1401u, 2u, rpdo2_transmission_type, U8, RW, STATUS, 1, 0, 254u, 255u, 255u) \
+    X(0x1600u, 0u, rpdo1_mapping_count, U8, RW, STATUS, 1, 0, 0u, 255u, 0u) \
+    X(0x1600u, 1u, rpdo1_mapping_1, U32, RW, STATUS, 1, 0, 0u, 4294967295u, 0u) \
+    X(0x1600u, 2u, rpdo1_mapping_2, U32, RW, STATUS, 1, 0, 0u, 4294967295u, 0u) \
+    X(0x1600u, 3u, rpdo1_mapping_3, U32, RW, STATUS, 1, 0, 0u, 4294967295u, 0u) \
+    X(0x1600u, 4u, rpdo1_mapping_4, U32, RW, STATUS, 1, 0, 0u, 4294967295u, 0u) \
+    X(0x1601u, 0u, rpdo2_mapping_count, U8, RW, STATUS, 1, 0, 0u, 255u, 0u) \
+    X(0x1601u, 1u, rpdo2_mapping_1, U32, RW, STATUS, 1, 0, 0u, 4294967295u, 0u) \
+    X(0x1601u, 2u, rpdo2_mapping_2, U32, RW, STATUS, 1, 0, 0u, 4294967295u, 0u) \
+    X(0x1601u, 3u, rpdo2_mapping_3, U32, RW, STATUS, 1, 0, 0u, 4294967295u, 0u) \
+    X(0x1601u, 4u, rpdo2_mapping_4, U32, RW, STATUS, 1, 0, 0u, 4294967295u, 0u) \
+    X(0x1800u, 0u, tpdo1_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 5u) \
+    X(0x1800u, 1u, tpdo1_cob_id, U32, RW, STATUS, 1, 1, 0u, 4294967295u, 3221225856u) \
+    X(0x1800u, 2u, tpdo1_transmission_type, U8, RW, STATUS, 1, 0, 254u, 255u, 255u) \
+    X(0x1800u, 5u, tpdo1_event_timer, U16, RW, STATUS, 1, 0, 0u, 65535u, 0u) \
+    X(0x1801u, 0u, tpdo2_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 5u) \
+    X(0x1801u, 1u, tpdo2_cob_id, U32, RW, STATUS, 1, 1, 0u, 4294967295u, 3221226112u) \
+    X(0x1801u, 2u, tpdo2_transmission_type, U8, RW, STATUS, 1, 0, 254u, 255u, 255u) \
+    X(0x1801u, 5u, tpdo2_event_timer, U16, RW, STATUS, 1, 0, 0u, 65535u, 0u) \
+    X(0x1802u, 0u, tpdo3_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 5u) \
+    X(0x1802u, 1u, tpdo3_cob_id, U32, RW, STATUS, 1, 1, 0u, 4294967295u, 3221226368u) \
+    X(0x1802u, 2u, tpdo3_transmission_type, U8, RW, STATUS, 1, 0, 254u, 255u, 255u) \
+    X(0x1802u, 5u, tpdo3_event_timer, U16, RW, STATUS, 1, 0, 0u, 65535u, 0u) \
+    X(0x1803u, 0u, tpdo4_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 5u) \
+    X(0x1803u, 1u, tpdo4_cob_id, U32, RW, STATUS, 1, 1, 0u, 4294967295u, 3221226624u) \
+    X(0x1803u, 2u, tpdo4_transmission_type, U8, RW, STATUS, 1, 0, 254u, 255u, 255u) \
+    X(0x1803u, 5u, tpdo4_event_timer, U16, RW, STATUS, 1, 0, 0u, 65535u, 0u) \
+    X(0x1804u, 0u, tpdo5_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 5u) \
+    X(0x1804u, 1u, tpdo5_cob_id, U32, RW, STATUS, 1, 1, 0u, 4294967295u, 3221225920u) \
+    X(0x1804u, 2u, tpdo5_transmission_type, U8, RW, STATUS, 1, 0, 254u, 255u, 255u) \
+    X(0x1804u, 5u, tpdo5_event_timer, U16, RW, STATUS, 1, 0, 0u, 65535u, 0u) \
+    X(0x1805u, 0u, tpdo6_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 5u) \
+    X(0x1805u, 1u, tpdo6_cob_id, U32, RW, STATUS, 1, 1, 0u, 4294967295u, 3221226176u) \
+    X(0x1805u, 2u, tpdo6_transmission_type, U8, RW, STATUS, 1, 0, 254u, 255u, 255u) \
+    X(0x1805u, 5u, tpdo6_event_timer, U16, RW, STATUS, 1, 0, 0u, 65535u, 0u) \
+    X(0x1806u, 0u, tpdo7_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 5u) \
+    X(0x1806u, 1u, tpdo7_cob_id, U32, RW, STATUS, 1, 1, 0u, 4294967295u, 3221226432u) \
+    X(0x1806u, 2u, tpdo7_transmission_type, U8, RW, STATUS, 1, 0, 254u, 255u, 255u) \
+    X(0x1806u, 5u, tpdo7_event_timer, U16, RW, STATUS, 1, 0, 0u, 65535u, 0u) \
+    X(0x1807u, 0u, tpdo8_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 5u) \
+    X(0x1807u, 1u, tpdo8_cob_id, U32, RW, STATUS, 1, 1, 0u, 4294967295u, 3221226688u) \
+    X(0x1807u, 2u, tpdo8_transmission_type, U8, RW, STATUS, 1, 0, 254u, 255u, 255u) \
+    X(0x1807u, 5u, tpdo8_event_timer, U16, RW, STATUS, 1, 0, 0u, 65535u, 0u) \
+    X(0x1A00u, 0u, tpdo1_mapping_count, U8, RW, STATUS, 1, 0, 0u, 255u, 0u) \
+    X(0x1A00u, 1u, tpdo1_mapping_1, U32, RW, STATUS, 1, 0, 0u, 4294967295u, 0u) \
+    X(0x1A00u, 2u, tpdo1_mapping_2, U32, RW, STATUS, 1, 0, 0u, 4294967295u, 0u) \
+    X(0x1A00u, 3u, tpdo1_mapping_3, U32, RW, STATUS, 1, 0, 0u, 4294967295u, 0u) \
+    X(0x1A00u, 4u, tpdo1_mapping_4, U32, RW, STATUS, 1, 0, 0u, 4294967295u, 0u) \
+    X(0x1A01u, 0u, tpdo2_mapping_count, U8, RW, STATUS, 1, 0, 0u, 255u, 0u) \
+    X(0x1A01u, 1u, tpdo2_mapping_1, U32, RW, STATUS, 1, 0, 0u, 4294967295u, 0u) \
+    X(0x1A01u, 2u, tpdo2_mapping_2, U32, RW, STATUS, 1, 0, 0u, 4294967295u, 0u) \
+    X(0x1A01u, 3u, tpdo2_mapping_3, U32, RW, STATUS, 1, 0, 0u, 4294967295u, 0u) \
+    X(0x1A01u, 4u, tpdo2_mapping_4, U32, RW, STATUS, 1, 0, 0u, 4294967295u, 0u) \
+    X(0x1A02u, 0u, tpdo3_mapping_count, U8, RW, STATUS, 1, 0, 0u, 255u, 0u) \
+    X(0x1A02u, 1u, tpdo3_mapping_1, U32, RW, STATUS, 1, 0, 0u, 4294967295u, 0u) \
+    X(0x1A02u, 2u, tpdo3_mapping_2, U32, RW, STATUS, 1, 0, 0u, 4294967295u, 0u) \
+    X(0x1A02u, 3u, tpdo3_mapping_3, U32, RW, STATUS, 1, 0, 0u, 4294967295u, 0u) \
+    X(0x1A02u, 4u, tpdo3_mapping_4, U32, RW, STATUS, 1, 0, 0u, 4294967295u, 0u) \
+    X(0x1A03u, 0u, tpdo4_mapping_count, U8, RW, STATUS, 1, 0, 0u, 255u, 0u) \
+    X(0x1A03u, 1u, tpdo4_mapping_1, U32, RW, STATUS, 1, 0, 0u, 4294967295u, 0u) \
+    X(0x1A03u, 2u, tpdo4_mapping_2, U32, RW, STATUS, 1, 0, 0u, 4294967295u, 0u) \
+    X(0x1A03u, 3u, tpdo4_mapping_3, U32, RW, STATUS, 1, 0, 0u, 4294967295u, 0u) \
+    X(0x1A03u, 4u, tpdo4_mapping_4, U32, RW, STATUS, 1, 0, 0u, 4294967295u, 0u) \
+    X(0x1A04u, 0u, tpdo5_mapping_count, U8, RW, STATUS, 1, 0, 0u, 255u, 0u) \
+    X(0x1A04u, 1u, tpdo5_mapping_1, U32, RW, STATUS, 1, 0, 0u, 4294967295u, 0u) \
+    X(0x1A04u, 2u, tpdo5_mapping_2, U32, RW, STATUS, 1, 0, 0u, 4294967295u, 0u) \
+    X(0x1A04u, 3u, tpdo5_mapping_3, U32, RW, STATUS, 1, 0, 0u, 4294967295u, 0u) \
+    X(0x1A04u, 4u, tpdo5_mapping_4, U32, RW, STATUS, 1, 0, 0u, 4294967295u, 0u) \
+    X(0x1A05u, 0u, tpdo6_mapping_count, U8, RW, STATUS, 1, 0, 0u, 255u, 0u) \
+    X(0x1A05u, 1u, tpdo6_mapping_1, U32, RW, STATUS, 1, 0, 0u, 4294967295u, 0u) \
+    X(0x1A05u, 2u, tpdo6_mapping_2, U32, RW, STATUS, 1, 0, 0u, 4294967295u, 0u) \
+    X(0x1A05u, 3u, tpdo6_mapping_3, U32, RW, STATUS, 1, 0, 0u, 4294967295u, 0u) \
+    X(0x1A05u, 4u, tpdo6_mapping_4, U32, RW, STATUS, 1, 0, 0u, 4294967295u, 0u) \
+    X(0x1A06u, 0u, tpdo7_mapping_count, U8, RW, STATUS, 1, 0, 0u, 255u, 0u) \
+    X(0x1A06u, 1u, tpdo7_mapping_1, U32, RW, STATUS, 1, 0, 0u, 4294967295u, 0u) \
+    X(0x1A06u, 2u, tpdo7_mapping_2, U32, RW, STATUS, 1, 0, 0u, 4294967295u, 0u) \
+    X(0x1A06u, 3u, tpdo7_mapping_3, U32, RW, STATUS, 1, 0, 0u, 4294967295u, 0u) \
+    X(0x1A06u, 4u, tpdo7_mapping_4, U32, RW, STATUS, 1, 0, 0u, 4294967295u, 0u) \
+    X(0x1A07u, 0u, tpdo8_mapping_count, U8, RW, STATUS, 1, 0, 0u, 255u, 0u) \
+    X(0x1A07u, 1u, tpdo8_mapping_1, U32, RW, STATUS, 1, 0, 0u, 4294967295u, 0u) \
+    X(0x1A07u, 2u, tpdo8_mapping_2, U32, RW, STATUS, 1, 0, 0u, 4294967295u, 0u) \
+    X(0x1A07u, 3u, tpdo8_mapping_3, U32, RW, STATUS, 1, 0, 0u, 4294967295u, 0u) \
+    X(0x1A07u, 4u, tpdo8_mapping_4, U32, RW, STATUS, 1, 0, 0u, 4294967295u, 0u) \
     X(0x2000u, 0u, motor_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 8u) \
     X(0x2000u, 1u, pole_pairs, U8, RW, PARAMETER, 0, 0, 1u, 50u, 4u) \
     X(0x2000u, 2u, R_s, F32, RW, PARAMETER, 1, 0, 0.0f, 100.0f, 0.1f) \
@@ -338,12 +621,13 @@ enum bt_mode_of_operation_display {
     X(0x2001u, 2u, encoder_offset, F32, RW, PARAMETER, 0, 0, -6.2832f, 6.2832f, 0.0f) \
     X(0x2001u, 3u, i_full_scale, F32, RO, STATUS, 1, 0, -3.4028235e+38f, 3.4028235e+38f, 0.0f) \
     X(0x2001u, 4u, control_period, F32, RO, STATUS, 1, 0, -3.4028235e+38f, 3.4028235e+38f, 0.0001f) \
-    X(0x2010u, 0u, torque_control_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 5u) \
+    X(0x2010u, 0u, torque_control_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 6u) \
     X(0x2010u, 1u, law, U8, RW, PARAMETER, 0, 0, 0u, 255u, 0u) \
     X(0x2010u, 2u, u_s, F32, RW, PARAMETER, 1, 0, 0.0f, 1000.0f, 50.0f) \
     X(0x2010u, 3u, T_k_ratio, F32, RW, PARAMETER, 1, 0, 0.01f, 1.0f, 0.7f) \
     X(0x2010u, 4u, delay_compensation, U8, RW, PARAMETER, 0, 0, 0u, 1u, 1u) \
     X(0x2010u, 5u, dead_time_compensation, F32, RW, PARAMETER, 1, 0, 0.0f, 2e-05f, 0.0f) \
+    X(0x2010u, 6u, flux_comparator, U8, RW, PARAMETER, 0, 0, 0u, 1u, 1u) \
     X(0x2011u, 0u, speed_control_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 4u) \
     X(0x2011u, 1u, K_p_speed, F32, RW, PARAMETER, 1, 0, 0.0f, 1000.0f, 0.01f) \
     X(0x2011u, 2u, K_i_speed, F32, RW, PARAMETER, 1, 0, 0.0f, 100000.0f, 0.1f) \
@@ -354,11 +638,39 @@ enum bt_mode_of_operation_display {
     X(0x2012u, 2u, omega_m_trip, F32, RW, PARAMETER, 1, 0, 0.0f, 100000.0f, 200.0f) \
     X(0x2012u, 3u, u_dc_min, F32, RW, PARAMETER, 1, 0, 0.0f, 2000.0f, 10.0f) \
     X(0x2012u, 4u, u_dc_max, F32, RW, PARAMETER, 1, 0, 0.0f, 2000.0f, 800.0f) \
+    X(0x2013u, 0u, svm_dtc_control_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 2u) \
+    X(0x2013u, 1u, K_p_delta, F32, RW, PARAMETER, 1, 0, 0.0f, 1000.0f, 0.05f) \
+    X(0x2013u, 2u, K_i_delta, F32, RW, PARAMETER, 1, 0, 0.0f, 1000000.0f, 10.0f) \
+    X(0x2014u, 0u, dtc_control_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 2u) \
+    X(0x2014u, 1u, torque_band, F32, RW, PARAMETER, 1, 0, 0.0f, 100000.0f, 0.05f) \
+    X(0x2014u, 2u, flux_band, F32, RW, PARAMETER, 1, 0, 0.0f, 10.0f, 0.001f) \
+    X(0x2015u, 0u, fcs_mpc_control_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 1u) \
+    X(0x2015u, 1u, flux_weight, F32, RW, PARAMETER, 1, 0, 0.0f, 1000000.0f, 1.0f) \
+    X(0x2016u, 0u, foc_control_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 1u) \
+    X(0x2016u, 1u, omega_current, F32, RW, PARAMETER, 1, 0, 1.0f, 10000.0f, 1000.0f) \
     X(0x2020u, 0u, command_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 3u) \
     X(0x2020u, 1u, torque_command, F32, RW, COMMAND, 1, 0, -3.4028235e+38f, 3.4028235e+38f, 0.0f) \
     X(0x2020u, 2u, omega_m_command, F32, RW, COMMAND, 1, 0, -3.4028235e+38f, 3.4028235e+38f, 0.0f) \
     X(0x2020u, 3u, psi_s_command, F32, RW, COMMAND, 1, 0, 0.0f, 10.0f, 0.0f) \
-    X(0x2030u, 0u, signals_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 21u) \
+    X(0x2021u, 0u, stimulus_table_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 17u) \
+    X(0x2021u, 1u, stimulus_control, U8, RW, STATUS, 1, 0, 0u, 255u, 0u) \
+    X(0x2021u, 2u, stimulus_state, U8, RO, STATUS, 1, 0, 0u, 255u, 0u) \
+    X(0x2021u, 3u, stimulus_quantity, U8, RW, STATUS, 1, 0, 0u, 255u, 0u) \
+    X(0x2021u, 4u, stimulus_shape, U8, RW, STATUS, 1, 0, 0u, 255u, 0u) \
+    X(0x2021u, 5u, stimulus_amplitude, F32, RW, STATUS, 1, 0, -3.4028235e+38f, 3.4028235e+38f, 0.0f) \
+    X(0x2021u, 6u, stimulus_offset, F32, RW, STATUS, 1, 0, -3.4028235e+38f, 3.4028235e+38f, 0.0f) \
+    X(0x2021u, 7u, stimulus_ticks, U32, RW, STATUS, 1, 0, 1u, 1000000000u, 10000u) \
+    X(0x2021u, 8u, stimulus_repetitions, U32, RW, STATUS, 1, 0, 1u, 1000000u, 1u) \
+    X(0x2021u, 9u, stimulus_frequency_start, F32, RW, STATUS, 1, 0, 0.0f, 5000.0f, 1.0f) \
+    X(0x2021u, 10u, stimulus_frequency_end, F32, RW, STATUS, 1, 0, 0.0f, 5000.0f, 100.0f) \
+    X(0x2021u, 11u, stimulus_steps, U16, RW, STATUS, 1, 0, 1u, 10000u, 10u) \
+    X(0x2021u, 12u, stimulus_prbs_clock, U32, RW, STATUS, 1, 0, 1u, 1000000u, 10u) \
+    X(0x2021u, 13u, stimulus_prbs_length, U8, RW, STATUS, 1, 0, 2u, 20u, 10u) \
+    X(0x2021u, 14u, stimulus_seed, U32, RW, STATUS, 1, 0, 1u, 1048575u, 1u) \
+    X(0x2021u, 15u, stimulus_frame, U8, RW, STATUS, 1, 0, 0u, 255u, 0u) \
+    X(0x2021u, 16u, stimulus_angle, F32, RW, STATUS, 1, 0, -6.2832f, 6.2832f, 0.0f) \
+    X(0x2021u, 17u, stimulus_start_tick, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 0u) \
+    X(0x2030u, 0u, signals_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 22u) \
     X(0x2030u, 1u, tick, U32, RO, SIGNAL, 1, 0, 0u, 4294967295u, 0u) \
     X(0x2030u, 2u, i_a, F32, RO, SIGNAL, 1, 0, -3.4028235e+38f, 3.4028235e+38f, 0.0f) \
     X(0x2030u, 3u, i_b, F32, RO, SIGNAL, 1, 0, -3.4028235e+38f, 3.4028235e+38f, 0.0f) \
@@ -380,6 +692,7 @@ enum bt_mode_of_operation_display {
     X(0x2030u, 19u, adc_saturated, U32, RO, SIGNAL, 1, 0, 0u, 4294967295u, 0u) \
     X(0x2030u, 20u, psi_alpha, F32, RO, SIGNAL, 1, 0, -3.4028235e+38f, 3.4028235e+38f, 0.0f) \
     X(0x2030u, 21u, psi_beta, F32, RO, SIGNAL, 1, 0, -3.4028235e+38f, 3.4028235e+38f, 0.0f) \
+    X(0x2030u, 22u, stimulus, F32, RO, SIGNAL, 1, 0, -3.4028235e+38f, 3.4028235e+38f, 0.0f) \
     X(0x2040u, 0u, capture_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 11u) \
     X(0x2040u, 1u, capture_control, U8, RW, STATUS, 1, 0, 0u, 255u, 0u) \
     X(0x2040u, 2u, capture_state, U8, RO, STATUS, 1, 0, 0u, 255u, 0u) \
@@ -413,7 +726,10 @@ enum bt_mode_of_operation_display {
     X(0x2050u, 0u, link_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 2u) \
     X(0x2050u, 1u, link_state, U8, RO, STATUS, 1, 0, 0u, 255u, 0u) \
     X(0x2050u, 2u, link_losses, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 0u) \
-    X(0x2060u, 0u, dictionary_hash, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 1887051562u) \
+    X(0x2051u, 0u, process_data_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 2u) \
+    X(0x2051u, 1u, stream_sequence, U32, RO, SIGNAL, 1, 0, 0u, 4294967295u, 0u) \
+    X(0x2051u, 2u, rpdo_dropped, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 0u) \
+    X(0x2060u, 0u, dictionary_hash, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 3844447051u) \
     X(0x6007u, 0u, abort_connection_option, I16, RW, PARAMETER, 1, 0, -32768, 32767, 1) \
     X(0x603Fu, 0u, error_code, U16, RO, STATUS, 1, 0, 0u, 65535u, 0u) \
     X(0x6040u, 0u, controlword, U16, RW, STATUS, 1, 0, 0u, 65535u, 0u) \
@@ -431,9 +747,9 @@ enum bt_mode_of_operation_display {
     X(0x6078u, 0u, current_actual, I16, RO, STATUS, 1, 0, -32768, 32767, 0) \
     X(0x6079u, 0u, dc_link_voltage, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 0u) \
     X(0x60FFu, 0u, target_velocity, I32, RW, COMMAND, 1, 0, (-2147483647 - 1), 2147483647, 0) \
-    X(0x6502u, 0u, supported_modes, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 12u) \
+    X(0x6502u, 0u, supported_modes, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 65548u) \
     /* end */
 
-#define BT_ENTRY_COUNT 139u
+#define BT_ENTRY_COUNT 260u
 
 #endif

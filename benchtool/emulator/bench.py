@@ -53,7 +53,8 @@ class EmulatedBench:
         self.clock = VirtualClock(paced=paced)
         self.load = EmulatedLoad(core)
         self.transducer = EmulatedTransducer(core)
-        self._bus = VirtualTimeBus(self.channel, clock=self.clock)
+        # Frames bear the drive's time: the clock stands still while the drive runs up to it.
+        self._bus = VirtualTimeBus(self.channel, clock=self.clock, preserve_timestamps=True)
         self._node = CanopenNode(
             self._bus, node_id, lambda emit: Firmware(table, core, node_id, stored, emit)
         )
@@ -78,8 +79,14 @@ class EmulatedLoad:
         self._load = core.load
 
     def apply(self, torque_Nm: float) -> None:
-        """Load the shaft; positive torque opposes positive speed."""
+        """Load the shaft; positive torque opposes positive speed. It may turn as it likes again."""
         self._load.torque_Nm = torque_Nm
+        self._load.held = 0
+
+    def hold(self, omega_m_rad_s: float) -> None:
+        """Turn the shaft at this speed, whatever torque that takes."""
+        self._load.omega_m_rad_s = omega_m_rad_s
+        self._load.held = 1
 
 
 class EmulatedTransducer:

@@ -41,6 +41,7 @@ class Trigger(IntEnum):
     RISING = 2
     FALLING = 3
     FAULT = 4
+    STIMULUS = 5
 
 
 _ARMED, _TRIGGERED, _COMPLETE = (
@@ -49,7 +50,7 @@ _ARMED, _TRIGGERED, _COMPLETE = (
     int(CaptureState.COMPLETE),
 )
 _IMMEDIATE, _SETPOINT, _RISING = int(Trigger.IMMEDIATE), int(Trigger.SETPOINT), int(Trigger.RISING)
-_FALLING = int(Trigger.FALLING)
+_FALLING, _FAULT = int(Trigger.FALLING), int(Trigger.FAULT)
 
 # `written` counts rows since arming, `first` and `end` say which are kept; `last_*` are of the tick before.
 CAPTURE = record_type(
@@ -84,14 +85,18 @@ def take(
     channels: NDArray[np.uint32],
     rows: NDArray[np.uint32],
     tripped: bool,
+    began: bool,
 ) -> None:
-    """Look for the trigger and take a row if one is due, when all signals of the tick are fresh."""
+    """Look for the trigger and take a row if one is due, when all signals of the tick are fresh.
+
+    `tripped` and `began` say whether a trip was raised and a stimulus began in this tick.
+    """
     if capture.state != _ARMED and capture.state != _TRIGGERED:
         return
     if capture.state == _ARMED:
         if capture.written == 0 and capture.compared == 0:
             capture.armed_tick = drive.tick
-        if _triggers(capture, drive, drive_words, drive_floats, tripped):
+        if _triggers(capture, drive, drive_words, drive_floats, tripped, began):
             capture.state = _TRIGGERED
             capture.trigger_tick = drive.tick
             capture.first = max(0, capture.written - capture.pretrigger)
@@ -115,6 +120,7 @@ def _triggers(
     drive_words: NDArray[np.uint32],
     drive_floats: NDArray[np.float32],
     tripped: bool,
+    began: bool,
 ) -> bool:
     value = float(drive_words[capture.trigger_word])
     if capture.trigger_is_float == 1:
@@ -130,8 +136,10 @@ def _triggers(
         hit = capture.compared == 1 and capture.last_value < level and value >= level
     elif capture.trigger == _FALLING:
         hit = capture.compared == 1 and capture.last_value > level and value <= level
-    else:
+    elif capture.trigger == _FAULT:
         hit = tripped
+    else:
+        hit = began
     capture.compared = 1
     capture.last_value = value
     capture.last_torque_command = torque_command

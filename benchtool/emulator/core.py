@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from benchtool.emulator.capture import Capture
 from benchtool.emulator.control.protection import Trip
 from benchtool.emulator.kernel import run_ticks
-from benchtool.emulator.memory import COMMAND, CONTROL, LOAD, MEASUREMENT, SHAFT, new_memory
+from benchtool.emulator.memory import COMMAND, CONTROL, LOAD, MEASUREMENT, SHAFT, STIMULUS, new_memory
 from benchtool.emulator.sensors import Noise
 from benchtool.emulator.transducer import Transducer
 from benchtool.emulator.truth import InverterTruth, MotorTruth, SensorTruth
@@ -36,6 +36,7 @@ class Core:
             `Trip`), `standstill`.
         load: record of the other end of the shaft: `torque_Nm` against positive rotation, or, while `held` is
             not zero, the speed `omega_m_rad_s`.
+        stimulus: record of the stimulus that plays, taken over from its table by the firmware.
         shaft: record of the machine's true state: `i_d`, `i_q`, `omega_m`, `theta_e`, `u_dc`.
         capture, transducer: the recorders.
     """
@@ -54,10 +55,11 @@ class Core:
         period = table.by_name["control_period"].default
         assert isinstance(period, float)
         self.control_period_s = period
-        self._commands, self._controls, self._measurements, self._shafts, self._loads = (
-            np.zeros(1, dtype) for dtype in (COMMAND, CONTROL, MEASUREMENT, SHAFT, LOAD)
+        self._commands, self._controls, self._measurements, self._shafts, self._loads, self._stimuli = (
+            np.zeros(1, dtype) for dtype in (COMMAND, CONTROL, MEASUREMENT, SHAFT, LOAD, STIMULUS)
         )
         self.command, self.load, self.shaft = self._commands[0], self._loads[0], self._shafts[0]
+        self.stimulus = self._stimuli[0]
         self.command.mode = int(Mode.TORQUE)
         self.shaft.u_dc = inverter.u_dc_V
         self.turn_rotor(0.0)
@@ -89,7 +91,7 @@ class Core:
             done += ran
         return done
 
-    def _run(self, kernel: Callable[..., int], ticks: int, noise: NDArray[np.float64]) -> int:
+    def _run(self, kernel: Callable[..., int], ticks: int, noise: NDArray[np.float32]) -> int:
         capture, transducer = self.capture, self.transducer
         return kernel(
             ticks,
@@ -98,6 +100,7 @@ class Core:
             capture.floats,
             self._commands,
             self._controls,
+            self._stimuli,
             self._measurements,
             self._shafts,
             self._loads,

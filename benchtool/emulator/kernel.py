@@ -49,13 +49,14 @@ def run_ticks(
     memory_floats: NDArray[np.float32],
     commands: Any,
     controls: Any,
+    stimuli: Any,
     measurements: Any,
     shafts: Any,
     loads: Any,
     machine: Machine,
     stage: PowerStage,
     sensing: Sensing,
-    noise: NDArray[np.float64],
+    noise: NDArray[np.float32],
     captures: Any,
     channels: NDArray[np.uint32],
     rows: NDArray[np.uint32],
@@ -65,7 +66,7 @@ def run_ticks(
     """Run up to `ticks` ticks; fewer, after the tick in which a new trip was raised. Returns how many."""
     drive, command, control = memory[0], commands[0], controls[0]
     measurement, shaft, load = measurements[0], shafts[0], loads[0]
-    capture, transducer = captures[0], transducers[0]
+    capture, transducer, stimulus = captures[0], transducers[0], stimuli[0]
     driven = holding(machine, load.held != 0, False)
     at_rest, moving = fastest_rate(driven), turning_rate(driven)
     for done in range(ticks):
@@ -85,8 +86,9 @@ def run_ticks(
             transducer.recording = 0
         drive.tick += 1
         measure(x, shaft.u_dc, machine.p, sensing, noise[done], measurement)
-        tripped = control_tick(drive, command, control, measurement)
-        take(capture, drive, memory_words, memory_floats, channels, rows, tripped)
+        tripped = control_tick(drive, command, control, stimulus, measurement)
+        began = stimulus.began != 0
+        take(capture, drive, memory_words, memory_floats, channels, rows, tripped, began)
         if tripped:
             return done + 1
     return ticks
@@ -124,23 +126,29 @@ def _switch(
     """
     duty_a, duty_b, duty_c = control.duty_a, control.duty_b, control.duty_c
     i_a, i_b, i_c = phase_currents(x)
-    edge_a = rising_edge(duty_a, i_a, stage)
-    edge_b = rising_edge(duty_b, i_b, stage)
-    edge_c = rising_edge(duty_c, i_c, stage)
-    high_a, high_b, high_c = False, False, False
+    rise_a, fall_a = rising_edge(duty_a, i_a, stage), falling_edge(duty_a, 0.0, stage)
+    rise_b, fall_b = rising_edge(duty_b, i_b, stage), falling_edge(duty_b, 0.0, stage)
+    rise_c, fall_c = rising_edge(duty_c, i_c, stage), falling_edge(duty_c, 0.0, stage)
     drive.switching_count += _turn_on(duty_a, shaft.high_a) + _turn_on(duty_b, shaft.high_b)
     drive.switching_count += _turn_on(duty_c, shaft.high_c)
     u_dc = shaft.u_dc
     charge = 0.0
     time = 0.0
     while time < stage.T_s:
-        if edge_a <= time:
-            high_a, edge_a = _next_edge(high_a, duty_a, 0, x, stage)
-        if edge_b <= time:
-            high_b, edge_b = _next_edge(high_b, duty_b, 1, x, stage)
-        if edge_c <= time:
-            high_c, edge_c = _next_edge(high_c, duty_c, 2, x, stage)
-        until = min(edge_a, edge_b, edge_c, stage.T_s)
+        if stage.dead_time > 0.0:  # now that a leg rises its current tells when it will fall
+            i_a, i_b, i_c = phase_currents(x)
+            fall_a = falling_edge(duty_a, i_a, stage) if rise_a == time else fall_a
+            fall_b = falling_edge(duty_b, i_b, stage) if rise_b == time else fall_b
+            fall_c = falling_edge(duty_c, i_c, stage) if rise_c == time else fall_c
+        until = min(
+            _next_edge(time, rise_a, fall_a),
+            _next_edge(time, rise_b, fall_b),
+            _next_edge(time, rise_c, fall_c),
+            stage.T_s,
+        )
+        high_a = rise_a <= time < fall_a
+        high_b = rise_b <= time < fall_b
+        high_c = rise_c <= time < fall_c
         u_alpha, u_beta = leg_voltages(high_a, high_b, high_c, x, u_dc, stage)
         while time < until:
             h = substep(until - time, rate, _TURN)
@@ -148,27 +156,22 @@ def _switch(
             x = step(x, u_alpha, u_beta, h, machine, T_load)
             sample(time, h, before, x, u_alpha, u_beta, machine, T_load, transducer, torque)
             if stage.R_dc > 0.0:
-                charge += (
-                    0.5
-                    * h
-                    * (
-                        _link_current(high_a, high_b, high_c, before)
-                        + _link_current(high_a, high_b, high_c, x)
-                    )
-                )
+                start = _link_current(high_a, high_b, high_c, before)
+                charge += 0.5 * h * (start + _link_current(high_a, high_b, high_c, x))
             time = time + h if h < until - time else until
-    shaft.high_a, shaft.high_b, shaft.high_c = high_a, high_b, high_c
+    shaft.high_a, shaft.high_b, shaft.high_c = duty_a >= 1.0, duty_b >= 1.0, duty_c >= 1.0
     shaft.u_dc = stage.u_dc - stage.R_dc * charge / stage.T_s
     return x
 
 
 @njit
-def _next_edge(high: bool, duty: float, phase: int, x: State, stage: PowerStage) -> tuple[bool, float]:
-    """State of a leg after its edge, and when the next one comes."""
-    if high:
-        return False, NEVER
-    current = phase_currents(x)[phase] if stage.dead_time > 0.0 else 0.0
-    return True, falling_edge(duty, current, stage)
+def _next_edge(time: float, rise: float, fall: float) -> float:
+    """Edge of a leg that comes next after `time`, or never.
+
+    Chosen without a branch, as are the legs' states: their order is what a processor cannot foresee.
+    """
+    second = fall if fall > time else NEVER
+    return rise if rise > time else second
 
 
 @njit

@@ -46,11 +46,40 @@ def word_offset(memory: Record, name: str) -> int:
 # What the firmware tells control, and what control reports back to it.
 COMMAND = record_type(
     [
-        ("mode", "u4"),  # 3 velocity, 4 torque, as object 0x6060
+        ("mode", "i4"),  # a `Mode`, as object 0x6060
         ("pwm_enabled", "u4"),
         ("quick_stop", "u4"),  # brake to standstill, whatever the setpoint
         ("trip", "u4"),  # mask of `Trip`, latched by control, cleared by the firmware
         ("standstill", "u4"),  # a quick stop has reached standstill
+    ]
+)
+
+# A stimulus as it was taken over from its table, and how far it has come.
+STIMULUS = record_type(
+    [
+        ("state", "i8"),  # a `StimulusState`
+        ("quantity", "i8"),
+        ("kind", "i8"),  # a `Shape`; a record's `shape` is something else
+        ("amplitude", "f8"),
+        ("offset", "f8"),
+        ("ticks", "i8"),  # of one repetition
+        ("repetitions", "i8"),
+        ("f_start", "f8"),
+        ("f_end", "f8"),
+        ("T_s", "f8"),
+        ("steps", "i8"),
+        ("clock", "i8"),  # ticks per bit of a binary sequence
+        ("mask", "i8"),  # of its feedback
+        ("length", "i8"),
+        ("seed", "i8"),
+        ("in_rotor_frame", "i8"),
+        ("cos_angle", "f8"),
+        ("sin_angle", "f8"),
+        ("k", "i8"),  # tick within the repetition that is next
+        ("played", "i8"),  # repetitions
+        ("register", "i8"),
+        ("began", "i8"),  # in this very tick
+        ("start_tick", "i8"),
     ]
 )
 
@@ -73,6 +102,16 @@ CONTROL = record_type(
         ("duty_a_next", "f8"),
         ("duty_b_next", "f8"),
         ("duty_c_next", "f8"),
+        ("limited", "u4"),  # the voltage computed last was beyond the hexagon
+        # Of the laws, cleared while the power stage is off.
+        ("torque_state", "i4"),
+        ("flux_state", "i4"),
+        ("flux_error_sum", "f8"),
+        ("delta_integral", "f8"),
+        ("u_d_integral", "f8"),
+        ("u_q_integral", "f8"),
+        ("u_alpha_asked", "f8"),
+        ("u_beta_asked", "f8"),
     ]
 )
 

@@ -44,7 +44,7 @@ def encoder_count(theta_m: float, sensing: Sensing) -> int:
 
 @njit
 def measure(
-    x: State, u_dc: float, p: float, sensing: Sensing, noise: NDArray[np.float64], measurement: Any
+    x: State, u_dc: float, p: float, sensing: Sensing, noise: NDArray[np.float32], measurement: Any
 ) -> None:
     """Sample currents, dc link and position into the record `measurement`.
 
@@ -86,14 +86,15 @@ class Noise:
         self._rms_A = rms_A
         self._generator = np.random.Generator(np.random.PCG64(seed))
         self._used = self.BATCH
-        self._samples = np.zeros((self.BATCH, 3))
+        self._samples = np.zeros((self.BATCH, 3), np.float32)
 
-    def ahead(self) -> NDArray[np.float64]:
+    def ahead(self) -> NDArray[np.float32]:
         """Samples of the ticks to come, shape (n, 3) with n of at least 1."""
         if self._used == self.BATCH:
             self._used = 0
             if self._rms_A > 0.0:
-                self._samples = self._rms_A * self._generator.standard_normal((self.BATCH, 3))
+                self._generator.standard_normal(dtype=np.float32, out=self._samples)
+                self._samples *= self._rms_A
         return self._samples[self._used :]
 
     def use(self, ticks: int) -> None:

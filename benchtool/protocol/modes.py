@@ -4,7 +4,8 @@ from enum import IntEnum
 
 
 class Mode(IntEnum):
-    """What the setpoint means."""
+    """What the setpoint means. VOLTAGE is the drive's own: no law runs, a stimulus sets the voltage."""
 
+    VOLTAGE = -1
     VELOCITY = 3
     TORQUE = 4

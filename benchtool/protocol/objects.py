@@ -176,12 +176,38 @@ def table_from_toml(document: Mapping[str, Any]) -> ObjectTable:
     Raises:
         KeyError, TypeError, ValueError: the document is not of the form its head comment describes.
     """
-    objects = tuple(sorted((_object(raw) for raw in document["object"]), key=lambda item: item.index))
+    rows = (copy for raw in document["object"] for copy in _copies(raw))
+    objects = tuple(sorted((_object(raw) for raw in rows), key=lambda item: item.index))
     table = ObjectTable(document["device"], objects)
     names = [entry.name for entry in table]
     if repeated := {name for name in names if names.count(name) > 1}:
         raise ValueError(f"names must be unique in the table; repeated: {', '.join(sorted(repeated))}")
     return table
+
+
+def _copies(raw: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+    """The object, or those that its `repeat` makes of it."""
+    single = {key: value for key, value in raw.items() if key != "repeat"}
+    return [
+        {**_nth(single, number), "index": raw["index"] + number - 1}
+        for number in range(1, raw.get("repeat", 1) + 1)
+    ]
+
+
+def _nth(row: Mapping[str, Any], number: int) -> dict[str, Any]:
+    def nth(key: str, value: Any) -> Any:
+        match value:
+            case str():
+                return value.replace("{n}", str(number))
+            case dict() if key == "entries":
+                return _nth(value, number)
+            case list() if key == "entry":
+                return [_nth(each, number) for each in value]
+            case list() if key == "default":
+                return value[number - 1]
+        return value
+
+    return {key: nth(key, value) for key, value in row.items()}
 
 
 def _object(raw: Mapping[str, Any]) -> Object:
@@ -193,7 +219,7 @@ def _object(raw: Mapping[str, Any]) -> Object:
         shared = {
             key: value
             for key, value in raw.items()
-            if key not in ("index", "kind", "name", "count", "entry_name", "sub0_access")
+            if key not in ("index", "kind", "name", "count", "entry_name", "sub0_access", "sub0_default")
         }
         rows = _numbered(raw["count"], raw["entry_name"], shared)
     elif "entries" in raw:
@@ -207,7 +233,7 @@ def _object(raw: Mapping[str, Any]) -> Object:
         "type": "u8",
         "role": "status",
         "access": raw.get("sub0_access", "ro" if kind == "array" else "const"),
-        "default": len(rows),
+        "default": raw.get("sub0_default", max(row["sub"] for row in rows)),
         "description": "Highest sub-index",
     }
     return Object(index, name, kind, description, tuple(_entry(index, row) for row in [count, *rows]))

@@ -131,7 +131,7 @@ def test_aborted_capture_takes_nothing_and_reads_nothing() -> None:
         ({"names": ["tick"] * 16, "rows": 62_501}, "62501 rows"),
         ({"pretrigger": 10}, "pretrigger"),
         ({"stride": 0}, "stride"),
-        ({"trigger": 5}, "trigger 5"),
+        ({"trigger": 99}, "trigger 99"),
     ],
 )
 def test_refuses_what_cannot_be_captured(change: dict[str, Any], named: str) -> None:

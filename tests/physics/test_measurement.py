@@ -19,7 +19,7 @@ STEP = 30.0 / 1024
 
 def read(i_d: float, i_q: float = 0.0, truth: SensorTruth = TRUTH, u_dc: float = 122.5) -> np.record:
     record = np.zeros(1, MEASUREMENT)
-    measure(place(i_d, i_q, 0.0, 0.0), u_dc, 4.0, truth.sensing(), np.zeros(3), record[0])
+    measure(place(i_d, i_q, 0.0, 0.0), u_dc, 4.0, truth.sensing(), np.zeros(3, np.float32), record[0])
     value: np.record = record[0]
     return value
 

@@ -13,17 +13,23 @@ from benchtool.emulator.control.estimation import (
     predict,
     situation,
 )
-from benchtool.emulator.control.flux import flux_reference
-from benchtool.emulator.control.laws import voltage
+from benchtool.emulator.control.flux import flux_reference, with_current_added
+from benchtool.emulator.control.laws import demand, forget
 from benchtool.emulator.control.observer import rotor_angle, track
 from benchtool.emulator.control.protection import trips
 from benchtool.emulator.control.speed import torque_reference
+from benchtool.emulator.control.stimulus import Quantity, play, voltage_of
 from benchtool.emulator.control.svpwm import compensated, modulate
+from benchtool.emulator.control.vectors import MODULATED, held
 from benchtool.emulator.jit import njit
+from benchtool.protocol.modes import Mode
+
+_VOLTAGE_MODE = int(Mode.VOLTAGE)
+_TORQUE, _SPEED, _D_CURRENT = int(Quantity.TORQUE), int(Quantity.SPEED), int(Quantity.D_CURRENT)
 
 
 @njit
-def control_tick(drive: Any, command: Any, control: Any, measurement: Any) -> bool:
+def control_tick(drive: Any, command: Any, control: Any, stimulus: Any, measurement: Any) -> bool:
     """Run control once. Returns whether a trip was raised that was not there before."""
     _load_shadow(control)
     now = _observe(drive, control, measurement)
@@ -31,19 +37,31 @@ def control_tick(drive: Any, command: Any, control: Any, measurement: Any) -> bo
     if command.pwm_enabled == 0:
         _stand_by(drive, command, control)
         return new_trip
-    torque = torque_reference(drive, command, control, drive.omega_m)
-    psi_s = flux_reference(torque, drive)
+    added = play(stimulus, drive.tick)
+    drive.stimulus = added
     at = now
     if drive.delay_compensation != 0:
         at = predict(now, control.u_alpha, control.u_beta, drive)
-    u_alpha, u_beta, angle, clipped = voltage(at, torque, psi_s, drive)
-    limited = _modulate(u_alpha, u_beta, at, drive, control, measurement.u_dc)
+    if command.mode == _VOLTAGE_MODE and command.quick_stop == 0:
+        _apply_voltage(added, stimulus, at, drive, control, measurement.u_dc)
+        return new_trip
+    torque_added = added if stimulus.quantity == _TORQUE else 0.0
+    omega_added = added if stimulus.quantity == _SPEED else 0.0
+    torque = torque_reference(drive, command, control, drive.omega_m, torque_added, omega_added)
+    psi_s = flux_reference(torque, drive)
+    if added != 0.0 and stimulus.quantity == _D_CURRENT:
+        psi_s = with_current_added(psi_s, torque, added, drive)
+    asked = demand(at, torque, psi_s, drive, control)
+    if asked.vector == MODULATED:
+        limited = _modulate(asked.u_alpha, asked.u_beta, at, drive, control, measurement.u_dc)
+    else:
+        limited = _hold(asked.vector, control, measurement.u_dc)
     drive.torque_reference = torque
     drive.psi_s_reference = psi_s
-    drive.law_angle = angle
+    drive.law_angle = asked.angle
     drive.u_alpha = control.u_alpha_next
     drive.u_beta = control.u_beta_next
-    if clipped or limited:
+    if asked.clipped or limited:
         drive.law_clipped += 1
     return new_trip
 
@@ -92,13 +110,27 @@ def _protect(drive: Any, command: Any, measurement: Any) -> bool:
 
 @njit
 def _stand_by(drive: Any, command: Any, control: Any) -> None:
-    """Power stage off: no voltage, no references, no memory of the speed loop."""
+    """Power stage off: no voltage, no references, no memory of the speed loop or of a law."""
+    forget(control)
     control.gated = 0
     control.gated_next = 0
     control.u_alpha_next, control.u_beta_next = 0.0, 0.0
     control.speed_integral = 0.0
     command.standstill = 0
     drive.u_alpha, drive.u_beta = 0.0, 0.0
+    drive.torque_reference, drive.psi_s_reference, drive.law_angle = 0.0, 0.0, 0.0
+    drive.stimulus = 0.0
+
+
+@njit
+def _apply_voltage(u: float, stimulus: Any, at: Situation, drive: Any, control: Any, u_dc: float) -> None:
+    """Put out the voltage of a stimulus; no law runs, and there are no references."""
+    u_alpha, u_beta = voltage_of(u, stimulus, at.cos_theta, at.sin_theta)
+    forget(control)
+    if _modulate(u_alpha, u_beta, at, drive, control, u_dc):
+        drive.law_clipped += 1
+    control.speed_integral = 0.0
+    drive.u_alpha, drive.u_beta = control.u_alpha_next, control.u_beta_next
     drive.torque_reference, drive.psi_s_reference, drive.law_angle = 0.0, 0.0, 0.0
 
 
@@ -117,4 +149,16 @@ def _modulate(u_alpha: float, u_beta: float, at: Situation, drive: Any, control:
     control.duty_a_next, control.duty_b_next, control.duty_c_next = duty_a, duty_b, duty_c
     control.u_alpha_next, control.u_beta_next = made.u_alpha, made.u_beta
     control.gated_next = 1
+    control.limited = 1 if made.limited else 0
     return made.limited
+
+
+@njit
+def _hold(vector: int, control: Any, u_dc: float) -> bool:
+    """Put a vector for the whole period into the shadow register. It is within the hexagon: never limited."""
+    made = held(vector, u_dc)
+    control.duty_a_next, control.duty_b_next, control.duty_c_next = made.duty_a, made.duty_b, made.duty_c
+    control.u_alpha_next, control.u_beta_next = made.u_alpha, made.u_beta
+    control.gated_next = 1
+    control.limited = 0
+    return False

@@ -70,3 +70,23 @@ def predict(now: Situation, u_alpha: float, u_beta: float, drive: Any) -> Situat
     return situation(
         (psi_d - drive.psi_r) / drive.L_d, psi_q / drive.L_q, now.omega_e, cos_theta, sin_theta, drive
     )
+
+
+@njit
+def voltage_to(psi_d: float, psi_q: float, at: Situation, drive: Any) -> tuple[float, float]:
+    """Mean voltage that moves the stator flux of `at` to (psi_d, psi_q) in the rotor's frame a period later.
+
+    (5) over a period, with the mean of the currents at both ends in the resistance, which leaves an error of
+    the third order in the period.
+    """
+    T_s = drive.control_period
+    i_d, i_q = (psi_d - drive.psi_r) / drive.L_d, psi_q / drive.L_q
+    cos_theta, sin_theta = turned(at.cos_theta, at.sin_theta, at.omega_e * T_s)
+    half_drop = 0.5 * drive.R_s
+    then_alpha, then_beta = out_of_frame(
+        psi_d / T_s + half_drop * i_d, psi_q / T_s + half_drop * i_q, cos_theta, sin_theta
+    )
+    now_alpha, now_beta = out_of_frame(
+        at.psi_d / T_s - half_drop * at.i_d, at.psi_q / T_s - half_drop * at.i_q, at.cos_theta, at.sin_theta
+    )
+    return then_alpha - now_alpha, then_beta - now_beta

@@ -2,27 +2,100 @@
 
 from __future__ import annotations
 
+import math
 from enum import IntEnum
-from typing import Any
+from typing import Any, NamedTuple
 
-from benchtool.emulator.control import tpc
-from benchtool.emulator.control.estimation import Situation
+from benchtool.emulator.control import deadbeat, dtc, fcs_mpc, foc, svm_dtc, tpc, tpc_stator
+from benchtool.emulator.control.estimation import Situation, into_frame
+from benchtool.emulator.control.flux_comparator import threshold
+from benchtool.emulator.control.vectors import MODULATED, held
 from benchtool.emulator.jit import njit
+from benchtool.emulator.rotation import turned
 
 
 class Law(IntEnum):
     """Values of object `law`."""
 
     TPC = 0
+    TPC_STATOR = 1
+    SVM_DTC = 2
+    DTC = 3
+    FCS_MPC = 4
+    FOC = 5
+    DEADBEAT = 6
 
 
-_TPC = int(Law.TPC)
+_TPC, _TPC_STATOR, _SVM_DTC = int(Law.TPC), int(Law.TPC_STATOR), int(Law.SVM_DTC)
+_DTC, _FCS_MPC, _FOC, _DEADBEAT = int(Law.DTC), int(Law.FCS_MPC), int(Law.FOC), int(Law.DEADBEAT)
+
+
+class Demand(NamedTuple):
+    """What a law asks of the inverter for a period.
+
+    A mean voltage for the modulator, or, where `vector` is not `MODULATED`, that vector for the whole period.
+    `angle` is that of the voltage against the rotor flux at the period's end; with `tpc_stator` against the
+    stator flux. `clipped`: the reference was out of the law's reach.
+    """
+
+    u_alpha: float
+    u_beta: float
+    vector: int
+    angle: float
+    clipped: bool
 
 
 @njit
-def voltage(at: Situation, torque: float, psi_s: float, drive: Any) -> tuple[float, float, float, bool]:
-    """Mean voltage of the period that begins in the situation `at`, its angle against the rotor flux, and
-    whether the law had to clip. An unknown law asks for none."""
-    if drive.law == _TPC:
-        return tpc.voltage(at, torque, psi_s, drive)
-    return 0.0, 0.0, 0.0, True
+def demand(at: Situation, torque: float, psi_s: float, drive: Any, control: Any) -> Demand:
+    """Run the chosen law for the period that begins in the situation `at`.
+
+    Parameters that make no sense together (no flux, no voltage) give no voltage, and count as clipped; so
+    does an unknown law.
+    """
+    u_alpha, u_beta, vector, angle, clipped = 0.0, 0.0, MODULATED, 0.0, False
+    law = drive.law
+    if law == _TPC:
+        raise_below = threshold(psi_s, at, drive, control)
+        u_alpha, u_beta, angle, clipped = tpc.voltage(at, torque, raise_below, drive)
+    elif law == _TPC_STATOR:
+        raise_below = threshold(psi_s, at, drive, control)
+        u_alpha, u_beta, angle, clipped = tpc_stator.voltage(at, torque, psi_s, raise_below, drive)
+    elif law == _SVM_DTC:
+        u_alpha, u_beta = svm_dtc.voltage(at, torque, psi_s, drive, control)
+    elif law == _DTC:
+        vector = dtc.vector(at, torque, psi_s, drive, control)
+    elif law == _FCS_MPC:
+        vector = fcs_mpc.vector(at, torque, psi_s, drive, control)
+    elif law == _FOC:
+        u_alpha, u_beta, clipped = foc.voltage(at, torque, psi_s, drive, control)
+    elif law == _DEADBEAT:
+        u_alpha, u_beta, clipped = deadbeat.voltage(at, torque, psi_s, drive)
+    else:
+        clipped = True
+    if vector != MODULATED:
+        switched = held(vector, drive.u_dc)
+        u_alpha, u_beta = switched.u_alpha, switched.u_beta
+    if not (math.isfinite(u_alpha) and math.isfinite(u_beta)):
+        forget(control)
+        return Demand(0.0, 0.0, MODULATED, 0.0, True)
+    if law != _TPC and law != _TPC_STATOR:
+        angle = _against_rotor(u_alpha, u_beta, at, drive)
+    return Demand(u_alpha, u_beta, vector, angle, clipped)
+
+
+@njit
+def forget(control: Any) -> None:
+    """Clear what the laws remember from period to period."""
+    control.limited = 0
+    control.flux_error_sum = 0.0
+    control.delta_integral = 0.0
+    control.torque_state, control.flux_state = 0, 0
+    control.u_d_integral, control.u_q_integral = 0.0, 0.0
+    control.u_alpha_asked, control.u_beta_asked = 0.0, 0.0
+
+
+@njit
+def _against_rotor(u_alpha: float, u_beta: float, at: Situation, drive: Any) -> float:
+    cos_theta, sin_theta = turned(at.cos_theta, at.sin_theta, at.omega_e * drive.control_period)
+    u_d, u_q = into_frame(u_alpha, u_beta, cos_theta, sin_theta)
+    return math.atan2(u_q, u_d)

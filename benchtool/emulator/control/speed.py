@@ -18,8 +18,10 @@ def limited(torque: float, limit: float) -> float:
 
 
 @njit
-def torque_reference(drive: Any, command: Any, control: Any, omega_m: float) -> float:
-    """Torque asked of the law, within `torque_limit`.
+def torque_reference(
+    drive: Any, command: Any, control: Any, omega_m: float, torque_added: float, omega_added: float
+) -> float:
+    """Torque asked of the law, within `torque_limit`; what a stimulus adds counts as part of the setpoint.
 
     Velocity mode and quick stop close the speed loop; a quick stop is a speed setpoint of zero in either
     mode, and marks `standstill` below 1 % of the rated speed.
@@ -30,9 +32,9 @@ def torque_reference(drive: Any, command: Any, control: Any, omega_m: float) -> 
         return speed_pi(0.0 - omega_m, drive, control)
     command.standstill = 0
     if command.mode == _VELOCITY:
-        return speed_pi(drive.omega_m_command - omega_m, drive, control)
+        return speed_pi(drive.omega_m_command + omega_added - omega_m, drive, control)
     control.speed_integral = 0.0
-    return limited(drive.torque_command, drive.torque_limit)
+    return limited(drive.torque_command + torque_added, drive.torque_limit)
 
 
 @njit

@@ -9,6 +9,7 @@ from functools import partial
 from benchtool.emulator.core import Core, Trip
 from benchtool.emulator.firmware.capture import CaptureObjects
 from benchtool.emulator.firmware.objects import ObjectStore, Refused
+from benchtool.emulator.firmware.stimulus import StimulusObjects
 from benchtool.emulator.firmware.supervision import LinkState, LinkSupervision
 from benchtool.protocol.abort import Abort
 from benchtool.protocol.cia402 import State, statusword, transition
@@ -61,6 +62,7 @@ class Firmware:
             round(float(self.objects["control_period"]) * 1e9) * 1e-9
         )  # not as a float32 rounds it
         self._capture = CaptureObjects(self.objects, core)
+        self._stimulus = StimulusObjects(self.objects, core)
         self._wire_objects()
         self.reset()
 
@@ -169,6 +171,7 @@ class Firmware:
         if self.objects["quick_stop_option"] == 0:
             self._enter(State.SWITCH_ON_DISABLED)
             return
+        self._stimulus.stop()
         self.core.command.quick_stop = 1
         self.state = State.QUICK_STOP_ACTIVE
 
@@ -178,6 +181,7 @@ class Firmware:
         self.core.command.pwm_enabled = state is State.OPERATION_ENABLED
         self.core.command.quick_stop = 0
         if state is not State.OPERATION_ENABLED:
+            self._stimulus.stop()
             for name in ("torque_command", "omega_m_command", "target_torque", "target_velocity"):
                 self.objects[name] = 0
 
@@ -242,6 +246,8 @@ class Firmware:
 
     def _set_mode(self, raw: Number) -> None:
         mode = Mode(int(raw))
+        if mode != self.core.command.mode:
+            self._stimulus.stop()  # it was started for the mode that ends
         self.core.command.mode = int(mode)
         self.objects["mode_of_operation_display"] = int(mode)
 

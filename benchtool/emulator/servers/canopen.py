@@ -1,4 +1,4 @@
-"""The emulated drive as a CANopen node (CiA 301): NMT, heartbeat, EMCY and SDO over a python-can bus."""
+"""The emulated drive as a CANopen node (CiA 301): NMT, heartbeat, EMCY, SDO and PDO over a python-can bus."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from canopen import SdoAbortedError
 from benchtool.emulator.firmware.device import Firmware
 from benchtool.emulator.firmware.objects import Refused
 from benchtool.emulator.sdo_server import SdoServer
+from benchtool.emulator.servers.pdo import ProcessData
 from benchtool.errors import LinkClosed
 from benchtool.protocol.emcy import Emergency
 from benchtool.protocol.nmt import NmtCommand, NmtState
@@ -43,12 +44,15 @@ class CanopenNode:
         self._nmt_state = NmtState.BOOT_UP
         self.firmware = firmware(self._send_emergency)
         self._sdo = SdoServer(self._read, self._write, lambda data: self._send(_SDO_RESPONSE + node_id, data))
+        self._pdos = ProcessData(
+            self.firmware.objects, node_id, self.firmware.period_s, self._send, self.firmware.feed_link
+        )
         self._boot()
         self._thread = threading.Thread(target=self._receive, name="emulated-drive", daemon=True)
         self._thread.start()
 
     def advance_to(self, now_s: float) -> None:
-        """Run the drive up to `now_s` of the clock it follows, sending its heartbeat on the way.
+        """Run the drive up to `now_s` of the clock it follows, sending heartbeat and PDOs on the way.
 
         Raises:
             LinkClosed: the receive thread has failed.
@@ -59,8 +63,12 @@ class CanopenNode:
             while (tick := int(self.firmware.objects["tick"])) < end:
                 every = self._heartbeat_ticks()
                 beat = (tick // every + 1) * every if every else end
-                self.firmware.advance_to(min(end, beat))
-                if every and beat <= end:
+                operational = self._nmt_state is NmtState.OPERATIONAL
+                stop = min(end, beat, self._pdos.next_tick(tick) if operational else end)
+                self.firmware.advance_to(stop)
+                if operational:
+                    self._pdos.transmit(stop)
+                if every and beat == stop:
                     self._send(_HEARTBEAT + self.node_id, bytes([self._nmt_state]))
 
     def close(self) -> None:
@@ -94,6 +102,8 @@ class CanopenNode:
             self._sdo.on_request(data)
         elif host and can_id == _HEARTBEAT + host and len(data) == 1:
             self.firmware.feed_link()
+        elif self._nmt_state is NmtState.OPERATIONAL:
+            self._pdos.receive(can_id, data)
 
     def _command(self, data: bytes) -> None:
         if len(data) != 2 or data[1] not in (0, self.node_id) or data[0] not in set(NmtCommand):
@@ -127,6 +137,7 @@ class CanopenNode:
     # ---- frames out --------------------------------------------------------------------------------------
 
     def _boot(self) -> None:
+        self._pdos.reset()
         self._send(_HEARTBEAT + self.node_id, bytes([NmtState.BOOT_UP]))
         self._nmt_state = NmtState.PRE_OPERATIONAL
 
@@ -138,7 +149,9 @@ class CanopenNode:
             self._send(_EMCY + self.node_id, emergency.encode())
 
     def _send(self, can_id: int, data: bytes) -> None:
-        self._bus.send(can.Message(arbitration_id=can_id, data=data, is_extended_id=False))
+        self._bus.send(
+            can.Message(timestamp=self.firmware.now_s, arbitration_id=can_id, data=data, is_extended_id=False)
+        )
 
     def _raise_failure(self) -> None:
         if self._failure is not None:

@@ -1,0 +1,88 @@
+"""Process data objects (CiA 301, 7.2.2): their identifiers, and the order in which they are set up."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+INVALID = 1 << 31
+"""Bit of a COB-ID object: the PDO is not in use."""
+
+CAN_ID = 0x7FF
+"""Bits of a COB-ID object that are the 11-bit identifier."""
+
+BY_TIMER = 255
+"""Transmission type: event-driven, specific to the device profile; here by the event timer."""
+
+MAX_ENTRIES = 4
+MAX_BITS = 64
+
+RPDO_COB_IDS = (0x200, 0x300)
+TPDO_COB_IDS = (0x180, 0x280, 0x380, 0x480, 0x1C0, 0x2C0, 0x3C0, 0x4C0)
+"""Without the node id. The first four TPDOs are of the predefined connection set (CiA 301, 7.3.3), which
+has no more; the others are free while every node id on the bus is below 64."""
+
+_LAST_NODE_OF_EIGHT = 63
+
+
+@dataclass(frozen=True)
+class Pdo:
+    """Parameters of one PDO, `number` from 1; `mappings` as `Variable.mapping` has them, in their order."""
+
+    number: int
+    can_id: int
+    mappings: tuple[int, ...]
+    transmit: bool
+
+    @property
+    def communication(self) -> int:
+        """Index of the communication parameter."""
+        return (0x1800 if self.transmit else 0x1400) + self.number - 1
+
+    @property
+    def mapping(self) -> int:
+        """Index of the mapping parameter."""
+        return (0x1A00 if self.transmit else 0x1600) + self.number - 1
+
+    @property
+    def switch_off(self) -> tuple[str, int]:
+        """The write that takes it out of use."""
+        return f"0x{self.communication:04X}:1", INVALID | self.can_id
+
+    def set_up(self, period_s: float = 0.0) -> Iterator[tuple[str, int | float]]:
+        """The writes that put it into use, in their order (7.5.2.36 to 38): label and value of each.
+
+        Args:
+            period_s: of the event timer of a TPDO.
+        """
+        yield self.switch_off
+        yield f"0x{self.communication:04X}:2", BY_TIMER
+        if self.transmit:
+            yield f"0x{self.communication:04X}:5", period_s
+        yield f"0x{self.mapping:04X}:0", 0
+        for position, mapping in enumerate(self.mappings, start=1):
+            yield f"0x{self.mapping:04X}:{position}", mapping
+        yield f"0x{self.mapping:04X}:0", len(self.mappings)
+        yield f"0x{self.communication:04X}:1", self.can_id
+
+
+def rpdo(node_id: int, mappings: Sequence[int], number: int = 1) -> Pdo:
+    """The drive's receive PDO with its predefined identifier."""
+    return Pdo(number, RPDO_COB_IDS[number - 1] + node_id, tuple(mappings), transmit=False)
+
+
+def tpdo_numbers(node_id: int, count: int) -> list[int]:
+    """Numbers of the first `count` TPDOs in the order in which they are on the wire: that of their COB-IDs.
+
+    Raises:
+        ValueError: there are not as many, or their COB-IDs would be another node's.
+    """
+    most = len(TPDO_COB_IDS) if node_id <= _LAST_NODE_OF_EIGHT else 4
+    if count > most:
+        raise ValueError(f"{count} TPDOs of node {node_id}, which has {most}")
+    return sorted(range(1, count + 1), key=lambda number: TPDO_COB_IDS[number - 1])
+
+
+def tpdo(node_id: int, mappings: Sequence[int], number: int) -> Pdo:
+    """The drive's transmit PDO with the identifier of `TPDO_COB_IDS`."""
+    return Pdo(number, TPDO_COB_IDS[number - 1] + node_id, tuple(mappings), transmit=True)
