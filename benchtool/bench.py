@@ -5,28 +5,37 @@ This is the only module that knows both the host's side and the emulated drive.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
-from typing import Any, Protocol
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Protocol
 
 import can
 
 from benchtool.block import Block
-from benchtool.clock import Clock, RealClock
+from benchtool.clock import Clock, RealClock, VirtualClock
 from benchtool.drive import RemoteDrive
-from benchtool.errors import LinkError
+from benchtool.errors import LinkError, UsageError
 from benchtool.link.address import Address
 from benchtool.link.canopen import CanopenLink
-from benchtool.profile import Profile, eds_path, load_profile, profile_path
+from benchtool.link.replay import ReplayLink
+from benchtool.profile import Profile, altered, eds_path, load_profile, profile_path
 from benchtool.protocol.dictionary import Dictionary
+
+if TYPE_CHECKING:
+    from benchtool.telemetry import FrameLog
 
 
 class LoadMachine(Protocol):
     """Equipment on the shaft that loads the motor."""
 
     def apply(self, torque_Nm: float) -> None:
-        """Load the shaft; positive torque opposes positive speed."""
+        """Load the shaft; positive torque opposes positive speed. It may turn as it likes again."""
+
+    def hold(self, omega_m_rad_s: float) -> None:
+        """Turn the shaft at this speed, whatever torque that takes."""
 
 
 class Transducer(Protocol):
@@ -60,6 +69,8 @@ def open_session(
     seed: int = 0,
     real_time: bool = False,
     note: Callable[[str], None] = lambda _: None,
+    alter: Mapping[str, float] = MappingProxyType({}),
+    frames: FrameLog | None = None,
 ) -> Iterator[Session]:
     """A session whose drive is not yet checked; on the way out it is disabled and everything is closed.
 
@@ -69,14 +80,21 @@ def open_session(
         seed: of the emulated bench's noise.
         real_time: pace an emulated bench by the wall clock.
         note: takes a line where something takes its time.
+        alter: what differs on an emulated bench, as `profile.altered` takes it.
+        frames: takes every frame of the session.
 
     Raises:
         ProfileError, DictionaryError, UsageError: what was asked for cannot be.
         LinkError: the adapter cannot be opened.
     """
     source = profile_path(profile_name)
-    profile = load_profile(profile_name)
+    profile = altered(load_profile(profile_name), alter)
     address = Address.parse(url)
+    if alter and address.kind != "emulated":
+        raise UsageError(
+            f"the plan alters the emulated bench ({', '.join(alter)}) and the link is '{url}': "
+            f"run it with --link emulated"
+        )
     node_id = address.node_id(profile.drive.node_id)
     text = source.read_text(encoding="utf-8")
     eds = eds_path(profile, source)
@@ -90,17 +108,33 @@ def open_session(
                 note("compiling the emulated drive, once on this machine: a few seconds")
             bench = EmulatedBench(profile, address.channel, seed=seed, paced=real_time)
             stack.callback(bench.close)
-            link = CanopenLink(bench.host_bus(), node_id, bench.clock)
+            host_bus: can.BusABC = bench.host_bus()
+            if frames is not None:
+                host_bus = frames.tap(host_bus, bench.clock)
+            link = CanopenLink(host_bus, node_id, bench.clock, arrival_s=_timestamp)
             stack.callback(link.close)
             drive = stack.enter_context(RemoteDrive(link, dictionary, eds.name, bench.clock))
             stack.callback(bench.load.apply, 0.0)
             yield Session(profile_name, profile, text, drive, bench.clock, bench.load, bench.transducer)
+        elif address.kind == "replay":
+            replayed = VirtualClock(paced=real_time)
+            recording = ReplayLink(Path(address.channel), node_id, replayed)
+            stack.callback(recording.close)
+            drive = stack.enter_context(RemoteDrive(recording, dictionary, eds.name, replayed))
+            yield Session(profile_name, profile, text, drive, replayed)
         else:
             clock = RealClock()
-            link = CanopenLink(_open_can(address), node_id, clock)
+            bus = _open_can(address)
+            if frames is not None:
+                bus = frames.tap(bus, clock, stamp=True)
+            link = CanopenLink(bus, node_id, clock, arrival_s=None if frames is None else _timestamp)
             stack.callback(link.close)
             drive = stack.enter_context(RemoteDrive(link, dictionary, eds.name, clock))
             yield Session(profile_name, profile, text, drive, clock)
+
+
+def _timestamp(frame: can.Message) -> float:
+    return frame.timestamp
 
 
 def emulator_is_compiled() -> bool:

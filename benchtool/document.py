@@ -42,10 +42,20 @@ def load_document(path: Path, model: type[Model], error: type[UsageError]) -> Mo
     try:
         return model.model_validate(content)
     except ValidationError as failed:
-        details = failed.errors()
-        first = next((each for each in details if each["type"] == "extra_forbidden"), details[0])
-        others = f" (and {len(details) - 1} more)" if len(details) > 1 else ""
-        raise error(f"{path}{_line(text, first['loc'])}: {_explain(model, first)}{others}") from None
+        place = f"{path}{_line(text, _foremost(failed)['loc'])}"
+        raise error(f"{place}: {explain(model, failed)}") from None
+
+
+def explain(model: type[BaseModel], failed: ValidationError) -> str:
+    """Half a line on why content does not fit `model`: the foremost key, what was seen, what to do."""
+    others = f" (and {failed.error_count() - 1} more)" if failed.error_count() > 1 else ""
+    return f"{_explain(model, _foremost(failed))}{others}"
+
+
+def _foremost(failed: ValidationError) -> ErrorDetails:
+    """A misspelt key before what is missing because of it."""
+    details = failed.errors()
+    return next((each for each in details if each["type"] == "extra_forbidden"), details[0])
 
 
 def _reason(reason: OSError | UnicodeDecodeError) -> str:
@@ -63,7 +73,10 @@ def _explain(model: type[BaseModel], detail: ErrorDetails) -> str:
     if detail["type"] == "missing":
         return f"key '{key}' is missing: add it"
     message = detail["msg"].removeprefix("Value error, ")
-    return f"key '{key}' is {detail['input']!r}: {message[:1].lower()}{message[1:]}"
+    message = message[:1].lower() + message[1:]
+    if isinstance(detail["input"], dict):  # a whole table, of which only the keys together are wrong
+        return f"[{key}]: {message}" if key else message
+    return f"key '{key}' is {detail['input']!r}: {message}"
 
 
 def _allowed_keys(model: type[BaseModel], location: Path_) -> list[str]:

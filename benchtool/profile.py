@@ -6,15 +6,17 @@ A number's key ends in its unit. `[drive.parameters]` uses the dictionary's name
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated
 
-from pydantic import Field
+from pydantic import Field, ValidationError
 
-from benchtool.document import Section, load_document
+from benchtool.document import Section, explain, load_document
 from benchtool.errors import ProfileError
 from benchtool.shipped import shipped
 
+Number = float | int
 Positive = Annotated[float, Field(gt=0)]
 NotNegative = Annotated[float, Field(ge=0)]
 
@@ -126,6 +128,30 @@ def load_profile(name: str) -> Profile:
         ProfileError: unknown, unreadable, or a key is wrong.
     """
     return load_document(profile_path(name), Profile, ProfileError)
+
+
+def altered(profile: Profile, emulator: Mapping[str, Number]) -> Profile:
+    """The profile with another emulated bench; `emulator` names what differs, such as `inverter.u_dc_V`.
+
+    Raises:
+        ProfileError: it has no emulated bench, or a key or value does not fit.
+    """
+    if not emulator:
+        return profile
+    if profile.emulator is None:
+        raise ProfileError(
+            f"'{next(iter(emulator))}' would alter the emulated bench, and '{profile.title}' has none: "
+            f"run it with a profile that has an [emulator] section"
+        )
+    content = profile.emulator.model_dump(exclude_none=True)
+    for key, value in emulator.items():
+        section, _, name = key.partition(".")
+        content.setdefault(section, {})[name] = value
+    try:
+        bench = Emulator.model_validate(content)
+    except ValidationError as failed:
+        raise ProfileError(f"emulated bench: {explain(Emulator, failed)}") from None
+    return profile.model_copy(update={"emulator": bench})
 
 
 def eds_path(profile: Profile, source: Path) -> Path:

@@ -10,7 +10,10 @@ import typer
 
 Profile = Annotated[str, typer.Option(metavar="NAME|FILE", help="Profile of motor and drive.")]
 Link = Annotated[
-    str, typer.Option(metavar="URL", help="'emulated', or 'can:INTERFACE:CHANNEL?bitrate=500000&node=1'.")
+    str,
+    typer.Option(
+        metavar="URL", help="'emulated', 'can:INTERFACE:CHANNEL?bitrate=500000&node=1' or 'replay:DIR'."
+    ),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document on standard output.")]
 Seed = Annotated[int, typer.Option(help="Seed of the emulated bench's noise.")]

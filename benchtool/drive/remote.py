@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import TracebackType
 from typing import Self
@@ -44,6 +44,7 @@ class RemoteDrive:
         self._source = source
         self._heartbeat: Timer | None = None
         self._touched = False
+        self._watches: list[Callable[[], None]] = []
 
     def __enter__(self) -> Self:
         return self
@@ -202,7 +203,7 @@ class RemoteDrive:
             )
 
     def wait(self, duration_s: float) -> None:
-        """Let drive time pass, and stop at a fault.
+        """Let drive time pass, and stop at a fault or at what a watch raises.
 
         Raises:
             DriveFault: an emergency arrived.
@@ -213,6 +214,17 @@ class RemoteDrive:
             self.clock.wait(step_s)
             remaining_s -= step_s
             self.raise_emergencies()
+            for check in self._watches:
+                check()
+
+    @contextmanager
+    def watched(self, check: Callable[[], None]) -> Iterator[None]:
+        """Have `check` called while `wait` waits: it raises what is to end the run."""
+        self._watches.append(check)
+        try:
+            yield
+        finally:
+            self._watches.remove(check)
 
     def raise_emergencies(self) -> None:
         """Raise the first emergency that has arrived.

@@ -8,14 +8,15 @@ from urllib.parse import parse_qsl
 
 from benchtool.errors import UsageError
 
-_OPTIONS = {"emulated": {"channel", "node"}, "can": {"bitrate", "node"}}
+_OPTIONS = {"emulated": {"channel", "node"}, "can": {"bitrate", "node"}, "replay": {"node"}}
 
 
 @dataclass(frozen=True)
 class Address:
-    """`emulated` or `can:INTERFACE:CHANNEL`, followed by options: `?bitrate=500000&node=1`.
+    """`emulated`, `can:INTERFACE:CHANNEL` or `replay:DIR`, followed by options: `?bitrate=500000&node=1`.
 
-    `interface` and `channel` are python-can's; on an emulated bench `channel` names its virtual bus.
+    `interface` and `channel` are python-can's; on an emulated bench `channel` names its virtual bus, of a
+    replay it is the folder of the bundle.
     """
 
     kind: str
@@ -31,11 +32,12 @@ class Address:
             UsageError: it is of neither form, or an option is unknown or wrong.
         """
         head, _, query = url.partition("?")
-        kind, *place = head.split(":", 2)
+        kind, *place = head.split(":", 1 if head.startswith("replay:") else 2)
         options = dict(parse_qsl(query, keep_blank_values=True))
-        if (kind, len(place)) not in (("emulated", 0), ("can", 2)):
+        if (kind, len(place)) not in (("emulated", 0), ("can", 2), ("replay", 1)):
             raise UsageError(
-                f"link '{url}' is not known: use 'emulated' or 'can:INTERFACE:CHANNEL?bitrate=500000&node=1'"
+                f"link '{url}' is not known: use 'emulated', 'can:INTERFACE:CHANNEL?bitrate=500000&node=1' "
+                f"or 'replay:DIR' with the folder of a run that was recorded with --frames"
             )
         for key, value in options.items():
             if key not in _OPTIONS[kind]:
@@ -43,6 +45,8 @@ class Address:
                 raise UsageError(f"link '{url}': unknown option '{key}', known are {known}")
             if key != "channel" and not value.isdecimal():
                 raise UsageError(f"link '{url}': option '{key}' is '{value}', a whole number is expected")
+        if kind == "replay":
+            return cls(kind, "", place[0], options)
         interface, channel = place or ("virtual", options.get("channel", ""))
         return cls(kind, interface, channel, options)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import fields
 from types import TracebackType
@@ -16,7 +16,7 @@ from canopen.sdo.exceptions import SdoAbortedError, SdoCommunicationError
 
 from benchtool.clock import Clock
 from benchtool.errors import LinkClosed, LinkError, NoAnswer, SdoAbort
-from benchtool.link.interface import LinkCounters
+from benchtool.link.interface import Frame, FrameReceiver, LinkCounters
 from benchtool.link.sdo_client import BlockNotOfferedError, SdoClient, SdoTimeoutError
 from benchtool.protocol.abort import abort_text
 from benchtool.protocol.emcy import Emergency
@@ -45,6 +45,7 @@ class CanopenLink:
         clock: what `wait_heartbeat` goes by.
         host_node_id: whose heartbeat `send_heartbeat` is.
         sdo_timeout_s: wall time to wait for each answer.
+        arrival_s: when a frame arrived, on `clock`; the moment of its handling if None.
     """
 
     def __init__(
@@ -55,11 +56,14 @@ class CanopenLink:
         *,
         host_node_id: int = 127,
         sdo_timeout_s: float = 0.5,
+        arrival_s: Callable[[can.Message], float] | None = None,
     ) -> None:
         self._bus = bus
         self._node_id = node_id
         self._clock = clock
         self._host_node_id = host_node_id
+        self._arrival_s = arrival_s or (lambda _: clock.now_s())
+        self._receivers: dict[int, FrameReceiver] = {}
         self._network = canopen.Network()
         self._network.bus = bus
         self._sdo = SdoClient(self._network, node_id, sdo_timeout_s)
@@ -141,6 +145,19 @@ class CanopenLink:
         """See `Link.emergencies`. The first 256 are kept, as the cause is among the first."""
         self._require_open()
         return tuple(self._emergencies.popleft() for _ in range(len(self._emergencies)))
+
+    def subscribe(self, can_ids: Iterable[int], receiver: FrameReceiver) -> None:
+        """See `Link.subscribe`."""
+        self._receivers = self._receivers | dict.fromkeys(can_ids, receiver)
+
+    def unsubscribe(self, can_ids: Iterable[int]) -> None:
+        """See `Link.unsubscribe`."""
+        gone = set(can_ids)
+        self._receivers = {key: value for key, value in self._receivers.items() if key not in gone}
+
+    def send_pdo(self, can_id: int, data: bytes) -> None:
+        """See `Link.send_pdo`."""
+        self._send(can_id, data)
 
     def close(self) -> None:
         """See `Link.close`."""
@@ -233,6 +250,8 @@ class CanopenLink:
         self._counts["frames_received"] += 1
         if frame.is_error_frame or frame.is_remote_frame or frame.is_extended_id:
             self._counts["frames_dropped"] += 1
+        elif (receiver := self._receivers.get(frame.arbitration_id)) is not None:
+            receiver(Frame(frame.arbitration_id, bytes(frame.data), self._arrival_s(frame)))
         else:
             self._network.notify(frame.arbitration_id, frame.data, frame.timestamp)
 

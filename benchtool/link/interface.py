@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 from benchtool.protocol.emcy import Emergency
 from benchtool.protocol.nmt import NmtCommand, NmtState
@@ -21,6 +22,17 @@ class LinkCounters:
     sdo_aborts: int = 0
     emcy_received: int = 0
     heartbeats_received: int = 0
+
+
+class Frame(NamedTuple):
+    """A frame as it arrived, at `arrival_s` of the host's clock."""
+
+    can_id: int
+    data: bytes
+    arrival_s: float
+
+
+FrameReceiver = Callable[[Frame], None]
 
 
 class Link(Protocol):
@@ -73,6 +85,16 @@ class Link(Protocol):
 
     def emergencies(self) -> tuple[Emergency, ...]:
         """Emergencies since the last call, oldest first."""
+
+    def subscribe(self, can_ids: Iterable[int], receiver: FrameReceiver) -> None:
+        """Have `receiver` called with every frame of these identifiers, in the receive thread: it must be
+        quick, and must not transfer."""
+
+    def unsubscribe(self, can_ids: Iterable[int]) -> None:
+        """Take a subscription back."""
+
+    def send_pdo(self, can_id: int, data: bytes) -> None:
+        """Send process data: nothing confirms them."""
 
     def close(self) -> None:
         """End reception and close the adapter; a second call does nothing."""

@@ -3,7 +3,9 @@
 manifest.json         what, when, with which profile, parameters, versions; how it ended
 data/NAME.arrows      a stream while it is recorded: every acknowledged batch survives the process
 data/NAME.parquet     the same stream once the run is finished; columns carry units, metadata the time base
+data/frames.log       every frame, as `candump -L` writes them, where that was asked for
 measurements.json     results with unit and definition
+certificate.json      how good the data are: rows, gaps, jitter, saturation, clipping, link counters
 plots/*.png           figures
 """
 

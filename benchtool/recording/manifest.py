@@ -20,6 +20,7 @@ from benchtool.recording.failures import reading, writing
 SCHEMA_VERSION = 1
 MANIFEST = "manifest.json"
 MEASUREMENTS = "measurements.json"
+CERTIFICATE = "certificate.json"
 
 _PACKAGES = ("canopen", "matplotlib", "numba", "numpy", "pyarrow", "python-can", "scipy")
 
@@ -35,8 +36,9 @@ class StreamInfo(Section):
 class Manifest(Section):
     """Everything of a run that is neither samples nor results.
 
-    `when` is the ISO 8601 wall time of the start, given by the caller. `verdict`, `quality` (data-quality
-    counters), `streams` and `complete` are known at the end; `details` takes whatever else is JSON.
+    `when` is the ISO 8601 wall time of the start, given by the caller, `note` the operator's. `verdict`,
+    `quality` (data-quality counters), `streams` and `complete` are known at the end; `details` takes whatever
+    else is JSON.
     """
 
     what: str
@@ -49,6 +51,7 @@ class Manifest(Section):
     versions: dict[str, str] = Field(default_factory=dict)
     seed: int | None = None
     command_line: tuple[str, ...] = ()
+    note: str = ""
     verdict: str | None = None
     quality: dict[str, int] = Field(default_factory=dict)
     details: dict[str, Any] = Field(default_factory=dict)
@@ -58,9 +61,32 @@ class Manifest(Section):
 
 
 def software_versions() -> dict[str, str]:
-    """Versions of benchtool, Python and the packages that results depend on."""
+    """Versions of benchtool, Python and the packages that results depend on; in a checkout, its commit."""
     versions = {"benchtool": __version__, "python": platform.python_version()}
-    return versions | {package: metadata.version(package) for package in _PACKAGES}
+    versions |= {package: metadata.version(package) for package in _PACKAGES}
+    commit = checkout_commit(Path(__file__).resolve().parents[2])
+    return versions if commit is None else versions | {"commit": commit}
+
+
+def checkout_commit(root: Path) -> str | None:
+    """The commit that is checked out at `root`, read from git's own files; None if it is no checkout."""
+    git = root / ".git"
+    try:
+        if git.is_file():  # a worktree's, which names its folder
+            git = root / git.read_text(encoding="utf-8").removeprefix("gitdir:").strip()
+        head = (git / "HEAD").read_text(encoding="utf-8").strip()
+        if not head.startswith("ref:"):
+            return head
+        ref = head.removeprefix("ref:").strip()
+        shared = git / "commondir"
+        if shared.is_file():
+            git = (git / shared.read_text(encoding="utf-8").strip()).resolve()
+        if (git / ref).is_file():
+            return (git / ref).read_text(encoding="utf-8").strip()
+        packed = (git / "packed-refs").read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeDecodeError):
+        return None
+    return next((line.split()[0] for line in packed if line.endswith(f" {ref}")), None)
 
 
 def write_manifest(directory: Path, manifest: Manifest) -> None:

@@ -9,7 +9,7 @@ from typing import Any
 from benchtool.block import Block
 from benchtool.errors import RecordingError
 from benchtool.recording.failures import reading
-from benchtool.recording.manifest import MEASUREMENTS, Manifest, read_json, read_manifest
+from benchtool.recording.manifest import CERTIFICATE, MEASUREMENTS, Manifest, read_json, read_manifest
 from benchtool.recording.stream import read_parquet, read_stream
 
 DATA = "data"
@@ -45,6 +45,16 @@ class Bundle:
     def complete(self) -> bool:
         """Whether the run was finished; if not, blocks hold what was acknowledged until it was cut short."""
         return self.manifest.complete
+
+    @property
+    def certificate(self) -> dict[str, Any] | None:
+        """How good the data are; None if the run ended before that was known.
+
+        Raises:
+            RecordingError: it cannot be read.
+        """
+        path = self.directory / CERTIFICATE
+        return read_json(path) if path.is_file() else None
 
     @property
     def plots(self) -> Path:

@@ -12,7 +12,14 @@ from typing import Any, Self
 from benchtool.block import Block
 from benchtool.errors import RecordingError
 from benchtool.recording.failures import writing
-from benchtool.recording.manifest import MEASUREMENTS, Manifest, StreamInfo, write_json, write_manifest
+from benchtool.recording.manifest import (
+    CERTIFICATE,
+    MEASUREMENTS,
+    Manifest,
+    StreamInfo,
+    write_json,
+    write_manifest,
+)
 from benchtool.recording.reader import DATA, FINISHED, RUNNING, Bundle
 from benchtool.recording.stream import StreamWriter
 
@@ -87,10 +94,12 @@ class BundleWriter:
         verdict: str | None = None,
         quality: Mapping[str, int] | None = None,
         details: Mapping[str, Any] | None = None,
+        certificate: Mapping[str, Any] | None = None,
     ) -> Bundle:
         """Turn the streams into Parquet, write the results, mark the bundle complete and open it.
 
-        `details` and `quality` are added to those the manifest began with.
+        `details` and `quality` are added to those the manifest began with; `certificate` tells how good
+        the data are.
 
         Raises:
             RecordingError: something cannot be written; what was recorded stays readable.
@@ -100,19 +109,32 @@ class BundleWriter:
         for name, stream in self._streams.items():
             stream.convert(self.directory / DATA / f"{name}{FINISHED}")
         write_json(self.directory / MEASUREMENTS, measurements or {})
+        if certificate is not None:
+            write_json(self.directory / CERTIFICATE, certificate)
         self._close_manifest(verdict, quality, details, complete=True)
         return Bundle.open(self.directory)
 
-    def fail(self, reason: str, *, verdict: str, quality: Mapping[str, int] | None = None) -> None:
+    def fail(
+        self,
+        reason: str,
+        *,
+        verdict: str | None = None,
+        quality: Mapping[str, int] | None = None,
+        details: Mapping[str, Any] | None = None,
+        certificate: Mapping[str, Any] | None = None,
+    ) -> None:
         """Say in the manifest why the run was cut short; the bundle stays incomplete, its data Arrow streams.
 
         Raises:
-            RecordingError: the manifest cannot be written.
+            RecordingError: manifest or certificate cannot be written.
         """
         try:
             self.close()
         finally:
-            self._close_manifest(verdict, quality, {"failure": reason}, complete=False)
+            stated = dict(details or {}) | {"failure": reason}
+            self._close_manifest(verdict, quality, stated, complete=False)
+        if certificate is not None:
+            write_json(self.directory / CERTIFICATE, certificate)
 
     def _close_manifest(
         self,

@@ -1,0 +1,160 @@
+"""`benchtool record`."""
+
+from __future__ import annotations
+
+import math
+import sys
+from contextlib import ExitStack
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from benchtool.cli import options
+from benchtool.cli.output import Output, significant
+
+if TYPE_CHECKING:
+    from benchtool.bench import Session
+    from benchtool.recording import BundleWriter, Manifest
+    from benchtool.telemetry import Certificate, FrameLog, TelemetryStream
+
+_STEP_S = 0.05
+_TELL_S = 1.0
+
+
+def record(
+    duration: Annotated[float, typer.Option(metavar="S", min=0.1, help="Seconds of drive time.")],
+    out: options.Out = None,
+    profile: options.Profile = "zhu2011",
+    link: options.Link = "emulated",
+    channels: Annotated[
+        str,
+        typer.Option(metavar="A,B,C", help="Signals, 13 at most.", show_default="i_d,i_q,torque,..."),
+    ] = "",
+    rate: Annotated[float, typer.Option(metavar="HZ", help="Records per second, 1000 at most.")] = 100.0,
+    note: Annotated[str, typer.Option(help="A line for the manifest.")] = "",
+    frames: Annotated[
+        bool, typer.Option("--frames", help="Keep every frame too, for candump and --link replay:DIR.")
+    ] = False,
+    seed: options.Seed = 0,
+    real_time: options.RealTime = False,
+    as_json: options.Json = False,
+) -> int:
+    """Record the slow stream of a drive, whatever it is doing; nothing is enabled."""
+    from benchtool.bench import open_session
+    from benchtool.protocol.telemetry import stream_layout
+    from benchtool.recording import BundleWriter
+    from benchtool.telemetry import DEFAULT_CHANNELS, FrameLog
+
+    output = Output(as_json=as_json)
+    when = options.wall_time()
+    folder = options.bundle_folder(out, when, "record")
+    names = [name.strip() for name in channels.split(",")] if channels else list(DEFAULT_CHANNELS)
+    log = FrameLog() if frames else None
+    with ExitStack() as stack:
+        session = stack.enter_context(
+            open_session(profile, link, seed=seed, real_time=real_time, note=output.note, frames=log)
+        )
+        drive = session.drive
+        # Before there is a folder: what cannot be streamed leaves nothing behind.
+        stream_layout(drive.dictionary, drive.link.node_id, names, rate, drive.number("control_period"))
+        manifest = _manifest(session, when.isoformat(timespec="seconds"), note, seed)
+        bundle = stack.enter_context(BundleWriter(folder, manifest))
+        certificate = _record(session, bundle, names, rate, duration, log, output)
+    _show(output, folder, certificate)
+    return 0
+
+
+def _manifest(session: Session, when: str, note: str, seed: int) -> Manifest:
+    from benchtool.drive.parameters import snapshot
+    from benchtool.recording import Manifest, software_versions
+
+    drive = session.drive
+    identity = drive.identify()
+    identity.require(drive.dictionary, drive.dictionary.source)
+    return Manifest(
+        what="record",
+        when=when,
+        profile_name=session.profile_name,
+        profile_toml=session.profile_toml,
+        identity={key: value for key, value in asdict(identity).items() if value is not None},
+        dictionary_hash=identity.dictionary_hash,
+        parameters=snapshot(drive),
+        versions=software_versions(),
+        seed=seed,
+        command_line=tuple(sys.argv[1:]),
+        note=note,
+        details={"state": drive.state().value},
+    )
+
+
+def _record(
+    session: Session,
+    bundle: BundleWriter,
+    names: list[str],
+    rate_Hz: float,
+    duration_s: float,
+    log: FrameLog | None,
+    output: Output,
+) -> Certificate:
+    """Record, and leave a bundle that says how it ended, whatever ends it."""
+    from benchtool.errors import BenchError
+    from benchtool.telemetry import certify_recording, record_stream
+
+    stream: TelemetryStream | None = None
+    link = session.drive.link
+    try:
+        if log is not None:
+            log.start(bundle.directory)
+        with record_stream(session.drive, bundle, names, rate_Hz) as stream:
+            _wait(session, stream, duration_s, log, output)
+        if log is not None:
+            log.close()
+    except BaseException as failure:
+        certificate, details = certify_recording(stream, {}, link.counters)
+        reason = f"{type(failure).__name__}: {failure}".rstrip(": ")
+        try:
+            bundle.fail(
+                reason, quality=asdict(link.counters), details=details, certificate=certificate.to_json()
+            )
+            if log is not None:
+                log.close()
+        except BenchError as also:
+            failure.add_note(str(also))
+        failure.add_note(f"what came until then is in {bundle.directory}")
+        raise
+    certificate, details = certify_recording(stream, {}, link.counters)
+    bundle.finish(quality=asdict(link.counters), details=details, certificate=certificate.to_json())
+    return certificate
+
+
+def _wait(
+    session: Session, stream: TelemetryStream, duration_s: float, log: FrameLog | None, output: Output
+) -> None:
+    steps = max(1, round(duration_s / _STEP_S))
+    told_s = 0.0
+    for step in range(1, steps + 1):
+        session.drive.clock.wait(duration_s / steps)
+        stream.check()
+        if log is not None:
+            log.check()
+        if (past_s := duration_s * step / steps) >= told_s + _TELL_S:
+            told_s += _TELL_S
+            output.note(f"{past_s:.0f} of {duration_s:g} s, {stream.report().counters.received} records")
+
+
+def _show(output: Output, folder: Path, certificate: Certificate) -> None:
+    rows = [
+        (each.name, significant(each.value) if each.unit else _count(each.value), each.unit)
+        for each in certificate.measurements
+        if each.value or not each.name.startswith("link_")
+    ]
+    output.table("data quality", ("what", ">value", "unit"), rows)
+    output.line(f"complete: {'yes' if certificate.complete else 'no'}")
+    output.line(f"bundle: {folder}")
+    output.document({"bundle": str(folder), "certificate": certificate.to_json()})
+
+
+def _count(value: float) -> str:
+    return f"{value:.0f}" if math.isfinite(value) else "–"

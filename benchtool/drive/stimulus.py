@@ -1,0 +1,196 @@
+"""A stimulus as a value: what the drive is to play, in SI, and the objects that say so."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from benchtool.document import Section
+from benchtool.errors import ValueRefused
+from benchtool.profile import Motor
+from benchtool.protocol.modes import Mode
+from benchtool.protocol.variable import Value
+
+_SUFFIXES = {"torque": "Nm", "speed": "rad_s", "d_current": "A", "voltage": "V"}
+_UNITS = {**_SUFFIXES, "speed": "rad/s"}
+_MODES = {
+    "torque": (Mode.TORQUE,),
+    "speed": (Mode.VELOCITY,),
+    "d_current": (Mode.TORQUE, Mode.VELOCITY),
+    "voltage": (Mode.VOLTAGE,),
+}
+_NEEDED: Mapping[str, tuple[str, ...]] = {
+    "staircase": ("steps",),
+    "sine": ("frequency_Hz",),
+    "chirp_linear": ("frequency_start_Hz", "frequency_end_Hz"),
+    "chirp_logarithmic": ("frequency_start_Hz", "frequency_end_Hz"),
+    "prbs": ("prbs_clock_s", "prbs_length", "seed"),
+}
+_OF_SHAPES = tuple(dict.fromkeys(key for keys in _NEEDED.values() for key in keys))
+
+Hertz = Annotated[float, Field(ge=0.0, le=5000.0)]
+Seconds = Annotated[float, Field(gt=0.0, le=3600.0)]
+
+
+class Stimulus(Section):
+    """A test signal, offset + amplitude x shape, that the drive adds to one of its references.
+
+    Amplitude and offset are in the unit of the quantity: Nm, rad/s, A peak, V peak. A torque plays in torque
+    mode, a speed in velocity mode, a d_current in either, by way of the flux reference that every law of the
+    reference drive follows; a voltage takes the place of the law in voltage mode, along `angle_rad` against
+    phase a or, with `frame = "rotor"`, along the rotor flux.
+
+    Shapes over the ticks of one repetition: `constant` 1; `step` 1, and 0 from the middle on; `staircase`
+    1/n, 2/n to 1 in n `steps`; `ramp` from 0 towards 1; `sine`, `chirp_linear` and `chirp_logarithmic` from
+    phase zero; `prbs` +-1, a maximum-length sequence of a register of `prbs_length` bits that `seed` starts,
+    one bit per `prbs_clock_s`. `duration_s` is that of one repetition; a prbs without it lasts one period.
+    """
+
+    quantity: Literal["torque", "speed", "d_current", "voltage"]
+    shape: Literal[
+        "constant", "step", "staircase", "ramp", "sine", "chirp_linear", "chirp_logarithmic", "prbs"
+    ]
+    amplitude_Nm: float | None = None
+    amplitude_rad_s: float | None = None
+    amplitude_A: float | None = None
+    amplitude_V: float | None = None
+    offset_Nm: float | None = None
+    offset_rad_s: float | None = None
+    offset_A: float | None = None
+    offset_V: float | None = None
+    duration_s: Seconds | None = None
+    repetitions: Annotated[int, Field(ge=1, le=1_000_000)] = 1
+    steps: Annotated[int, Field(ge=1, le=10_000)] | None = None
+    frequency_Hz: Hertz | None = None
+    frequency_start_Hz: Hertz | None = None
+    frequency_end_Hz: Hertz | None = None
+    prbs_clock_s: Seconds | None = None
+    prbs_length: Annotated[int, Field(ge=2, le=20)] | None = None
+    seed: Annotated[int, Field(ge=1, le=0xFFFFF)] | None = None
+    frame: Literal["stator", "rotor"] = "stator"
+    angle_rad: Annotated[float, Field(ge=-6.2832, le=6.2832)] = 0.0
+
+    @model_validator(mode="after")
+    def _keys_fit(self) -> Stimulus:
+        suffix = _SUFFIXES[self.quantity]
+        given = {key for key, value in self if value is not None}
+        if f"amplitude_{suffix}" not in given:
+            raise ValueError(f"a {self.quantity} needs its amplitude_{suffix}")
+        for kind in ("amplitude", "offset"):
+            for other in set(_SUFFIXES.values()) - {suffix}:
+                if f"{kind}_{other}" in given:
+                    raise ValueError(f"a {self.quantity} has {kind}_{suffix}, not {kind}_{other}")
+        needed = _NEEDED.get(self.shape, ())
+        if missing := [key for key in needed if key not in given]:
+            raise ValueError(f"shape '{self.shape}' needs {', '.join(missing)}")
+        if unused := [key for key in _OF_SHAPES if key in given and key not in needed]:
+            raise ValueError(f"shape '{self.shape}' has no {', '.join(unused)}")
+        if self.duration_s is None and self.shape != "prbs":
+            raise ValueError(f"shape '{self.shape}' needs duration_s")
+        if self.shape == "chirp_logarithmic" and 0.0 in (self.frequency_start_Hz, self.frequency_end_Hz):
+            raise ValueError("a logarithmic chirp has frequencies above 0")
+        if self.seed is not None and self.seed & (1 << (self.prbs_length or 0)) - 1 == 0:
+            raise ValueError(f"seed {self.seed} has no bit set within a register of {self.prbs_length}")
+        return self
+
+    @property
+    def unit(self) -> str:
+        """Unit of the value."""
+        return _UNITS[self.quantity]
+
+    @property
+    def modes(self) -> tuple[Mode, ...]:
+        """Modes of operation in which it plays."""
+        return _MODES[self.quantity]
+
+    @property
+    def amplitude(self) -> float:
+        """Amplitude in `unit`."""
+        value: float = getattr(self, f"amplitude_{_SUFFIXES[self.quantity]}")
+        return value
+
+    @property
+    def offset(self) -> float:
+        """Offset in `unit`."""
+        value: float | None = getattr(self, f"offset_{_SUFFIXES[self.quantity]}")
+        return value or 0.0
+
+    @property
+    def peak(self) -> float:
+        """Bound of its magnitude in `unit`."""
+        return abs(self.offset) + abs(self.amplitude)
+
+    def require_rated(self, motor: Motor) -> None:
+        """Check that the motor may have it.
+
+        Raises:
+            ValueRefused: it is a torque or a speed beyond the profile's rating.
+        """
+        match self.quantity:
+            case "torque":
+                self.require_within(motor.T_N_Nm, "the profile's rated torque T_N")
+            case "speed":
+                self.require_within(motor.omega_m_N_rad_s, "the profile's rated speed omega_m_N")
+
+    def require_within(self, limit: float, name: str) -> None:
+        """Check that it stays within a limit in `unit`.
+
+        Raises:
+            ValueRefused: it does not.
+        """
+        if self.peak > limit:
+            raise ValueRefused(
+                f"the {self.quantity} stimulus reaches {self.peak:.6g} {self.unit}, {name} is "
+                f"{limit:.6g} {self.unit}: lower its amplitude or offset; nothing was written"
+            )
+
+    def ticks(self, control_period_s: float) -> int:
+        """Control ticks of one repetition, the nearest whole number.
+
+        Raises:
+            ValueRefused: it is shorter than a tick.
+        """
+        if self.duration_s is not None:
+            return _ticks("duration_s", self.duration_s, control_period_s)
+        assert self.prbs_clock_s is not None
+        assert self.prbs_length is not None
+        bit = _ticks("prbs_clock_s", self.prbs_clock_s, control_period_s)
+        return bit * ((1 << self.prbs_length) - 1)
+
+    def table(self, control_period_s: float) -> dict[str, Value]:
+        """Values of the drive's objects by name.
+
+        Raises:
+            ValueRefused: a duration is shorter than a tick.
+        """
+        start_Hz = self.frequency_Hz if self.shape == "sine" else self.frequency_start_Hz
+        rows: dict[str, Value | None] = {
+            "stimulus_quantity": self.quantity,
+            "stimulus_shape": self.shape,
+            "stimulus_amplitude": self.amplitude,
+            "stimulus_offset": self.offset,
+            "stimulus_ticks": self.ticks(control_period_s),
+            "stimulus_repetitions": self.repetitions,
+            "stimulus_frequency_start": start_Hz,
+            "stimulus_frequency_end": self.frequency_end_Hz,
+            "stimulus_steps": self.steps,
+            "stimulus_prbs_length": self.prbs_length,
+            "stimulus_seed": self.seed,
+            "stimulus_frame": self.frame,
+            "stimulus_angle": self.angle_rad,
+        }
+        if self.prbs_clock_s is not None:
+            rows["stimulus_prbs_clock"] = _ticks("prbs_clock_s", self.prbs_clock_s, control_period_s)
+        return {name: value for name, value in rows.items() if value is not None}
+
+
+def _ticks(name: str, duration_s: float, control_period_s: float) -> int:
+    ticks = round(duration_s / control_period_s)
+    if ticks < 1:
+        raise ValueRefused(
+            f"{name} = {duration_s:g} s is shorter than the control period of {control_period_s:g} s: "
+            f"lengthen it; nothing was written"
+        )
+    return ticks

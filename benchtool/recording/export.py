@@ -1,0 +1,112 @@
+"""One stream of a bundle as a file for other tools: CSV, MATLAB, or MDF4 (ASAM)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from datetime import datetime
+from enum import StrEnum
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+from pyarrow import csv
+
+from benchtool.block import Block
+from benchtool.errors import EnvironmentFailure, RecordingError
+from benchtool.recording.failures import writing
+from benchtool.recording.reader import Bundle
+
+
+class Format(StrEnum):
+    """Formats by the name that `--format` takes."""
+
+    CSV = "csv"
+    MAT = "mat"
+    MDF4 = "mdf4"
+
+    @property
+    def suffix(self) -> str:
+        """Ending that other tools know the format by."""
+        return ".mf4" if self is Format.MDF4 else f".{self}"
+
+
+def export(bundle: Bundle, stream: str, format_: Format, path: Path) -> Block:
+    """Write a stream to `path`, which appears whole or not at all; the block that was written.
+
+    Every format holds `tick`, `time_s` since the first row, and the channels with their units and every bit
+    of their values. Missing rows are missing: their ticks are not there.
+
+    Raises:
+        RecordingError: `path` exists or cannot be written, or there is no such stream.
+        EnvironmentFailure: the package for the format is not installed.
+    """
+    if path.exists():
+        raise RecordingError(f"{path} exists, an export overwrites nothing: choose another name")
+    if not path.parent.is_dir():
+        raise RecordingError(f"cannot write {path}: no folder {path.parent}; make it or choose another")
+    block = bundle.block(stream)
+    part = path.with_name(f"{path.name}.part{format_.suffix}")
+    try:
+        with writing(path):
+            _WRITERS[format_](part, stream, block, bundle)
+            part.replace(path)
+    finally:
+        part.unlink(missing_ok=True)
+    return block
+
+
+def _csv(path: Path, stream: str, block: Block, bundle: Bundle) -> None:
+    """One head line, `name [unit]`, and numbers as the shortest decimals that read back to the same bits."""
+    names = ["tick", "time_s [s]"]
+    names += [f"{each.name} [{each.unit}]" if each.unit else each.name for each in block.channels]
+    columns = [pa.array(block.ticks()), pa.array(block.time_s())]
+    columns += [pa.array(np.ascontiguousarray(column)) for column in block.data.T]
+    with path.open("wb") as file:
+        file.write((",".join(names) + "\n").encode())
+        options = csv.WriteOptions(include_header=False)
+        csv.write_csv(pa.Table.from_arrays(columns, names=names), file, options)
+
+
+def _mat(path: Path, stream: str, block: Block, bundle: Bundle) -> None:
+    """A struct named as the stream: fields of the channels, and `units` with the same names."""
+    from scipy.io import savemat
+
+    content = {"tick": block.ticks(), "time_s": block.time_s()}
+    content |= {name: np.ascontiguousarray(block.column(name)) for name in block.names}
+    units = {"tick": "", "time_s": "s"} | {each.name: each.unit for each in block.channels}
+    about = {"tick_s": block.tick_s, "stride": block.stride, "what": bundle.manifest.what}
+    document = {_identifier(stream): {**content, "units": units, **about}}
+    savemat(path, document, oned_as="column", long_field_names=True)
+
+
+def _identifier(stream: str) -> str:
+    """The stream's name as MATLAB can have it."""
+    name = "".join(char if char.isalnum() else "_" for char in stream)
+    return name if name[0].isalpha() else f"s_{name}"
+
+
+def _mdf4(path: Path, stream: str, block: Block, bundle: Bundle) -> None:
+    """One channel group with `time_s` as its master."""
+    try:
+        from asammdf import MDF, Signal
+    except ImportError:
+        raise EnvironmentFailure(
+            "the package asammdf is not installed, which writes MDF4: pip install 'benchtool[mdf]'"
+        ) from None
+    time_s = block.time_s()
+    signals = [Signal(block.ticks(), time_s, name="tick")]
+    signals += [
+        Signal(np.ascontiguousarray(block.column(each.name)), time_s, name=each.name, unit=each.unit)
+        for each in block.channels
+    ]
+    with MDF(version="4.10") as file:
+        file.start_time = datetime.fromisoformat(bundle.manifest.when)
+        file.append(signals, acq_name=stream, comment=bundle.manifest.what)
+        file.save(path)
+
+
+_WRITERS: dict[Format, Callable[[Path, str, Block, Bundle], None]] = {
+    Format.CSV: _csv,
+    Format.MAT: _mat,
+    Format.MDF4: _mdf4,
+}

@@ -1,0 +1,168 @@
+"""How good the data of a recording are, as numbers with names that a plan may limit."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from benchtool.analysis import Measurement
+from benchtool.analysis.measurement import measurements_to_json
+from benchtool.block import Block, Gap
+from benchtool.link import LinkCounters
+from benchtool.telemetry.recorder import STREAM
+from benchtool.telemetry.stream import StreamReport, TelemetryStream
+
+COUNTING_SIGNALS = {
+    "adc_saturated": "current samples at either end of the converter's range",
+    "law_clipped": "ticks in which the law could not reach its reference and clipped",
+}
+_WRAP = 1 << 32
+
+
+@dataclass(frozen=True)
+class StreamFacts:
+    """What one stream holds: its rows, its gaps, and first and last value of the signals that count."""
+
+    rows: int
+    gaps: tuple[Gap, ...]
+    counts: Mapping[str, tuple[float, float]]
+    expected: int | None = None
+
+    @classmethod
+    def of(cls, block: Block, expected: int | None = None) -> StreamFacts:
+        """Facts of a whole stream as one block; `expected` rows where its source tells their number."""
+        counts = {
+            name: (float(block.column(name)[0]), float(block.column(name)[-1]))
+            for name in COUNTING_SIGNALS
+            if name in block.names and len(block.data)
+        }
+        return cls(len(block.data), block.gaps, counts, expected)
+
+    @classmethod
+    def of_report(cls, report: StreamReport) -> StreamFacts:
+        """Facts of the slow stream."""
+        counts = {
+            name: (report.first[name], report.last[name]) for name in COUNTING_SIGNALS if name in report.first
+        }
+        return cls(report.counters.received, report.gaps, counts, report.expected)
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """The data-quality certificate of a recording."""
+
+    measurements: tuple[Measurement, ...]
+
+    def value(self, name: str) -> float:
+        """Value by name; nan where it is undefined. Raises KeyError for a name that is not certified."""
+        return {each.name: each.value for each in self.measurements}[name]
+
+    @property
+    def complete(self) -> bool:
+        """Whether every row of every stream is there."""
+        return all(each.value == 0 for each in self.measurements if each.name.endswith("_rows_missing"))
+
+    @property
+    def summary(self) -> str:
+        """What a person should know, on one line: missing rows, saturated samples, clipped laws."""
+        totals = {
+            text: sum(each.value for each in self.measurements if each.name.endswith(ending))
+            for ending, text in (("_rows_expected", "expected"), ("_rows_missing", "missing"))
+        }
+        found = [f"{totals['expected']:.0f} rows expected, {totals['missing']:.0f} missing"]
+        for signal, text in (
+            ("adc_saturated", "samples saturated"),
+            ("law_clipped", "ticks clipped by the law"),
+        ):
+            # Streams overlap in time: the largest count is that of the moment, a sum would count it twice.
+            counts = [each.value for each in self.measurements if each.name.endswith(f"_{signal}")]
+            if worst := max((count for count in counts if count > 0), default=0):
+                found.append(f"{worst:.0f} {text}")
+        return "data: " + ", ".join(found)
+
+    def to_json(self) -> dict[str, Any]:
+        """The document `certificate.json`: `value`, `unit` and `definition` by name."""
+        return {"complete": self.complete, "measurements": measurements_to_json(self.measurements)}
+
+
+def certify(
+    streams: Mapping[str, StreamFacts], link: LinkCounters, report: StreamReport | None = None
+) -> Certificate:
+    """Certificate of a recording.
+
+    Args:
+        streams: by name; their names begin those of their measurements: `capture_rows_missing`.
+        link: counters of the link at the end of the recording.
+        report: of the slow stream, if there was one.
+    """
+    measurements = [each for name, facts in streams.items() for each in _stream(name, facts)]
+    if report is not None:
+        measurements += _slow_stream(report)
+    for name, count in asdict(link).items():
+        measurements.append(Measurement(f"link_{name}", count, "", "counter of the link since it was opened"))
+    return Certificate(tuple(measurements))
+
+
+def certify_recording(
+    stream: TelemetryStream | None, blocks: Mapping[str, Block], link: LinkCounters
+) -> tuple[Certificate, dict[str, Any]]:
+    """Certificate of what a run recorded, the slow stream among it, and what a manifest says of it."""
+    facts = {name: StreamFacts.of(block) for name, block in blocks.items()}
+    if stream is None:
+        return certify(facts, link), {}
+    report = stream.report()
+    clock = None if report.clock is None else asdict(report.clock)
+    stated = {"clock_fit": clock, "records": asdict(report.counters), "rate_Hz": 1.0 / stream.layout.period_s}
+    return certify(facts | {STREAM: StreamFacts.of_report(report)}, link, report), {STREAM: stated}
+
+
+def _stream(name: str, facts: StreamFacts) -> Iterator[Measurement]:
+    inside = sum(gap.missing_rows for gap in facts.gaps)
+    expected = facts.rows + inside if facts.expected is None else facts.expected
+    source = "by the ticks of its rows" if facts.expected is None else "by the drive's own count"
+    yield Measurement(f"{name}_rows_expected", expected, "", f"rows that {name} should have, {source}")
+    yield Measurement(f"{name}_rows_received", facts.rows, "", f"rows that {name} has")
+    yield Measurement(f"{name}_rows_missing", expected - facts.rows, "", "rows expected less rows received")
+    yield Measurement(f"{name}_gaps", len(facts.gaps), "", "places between two rows where rows are missing")
+    largest = max((gap.missing_rows for gap in facts.gaps), default=0)
+    yield Measurement(f"{name}_gap_max", largest, "", "most rows missing in one place")
+    for signal, text in COUNTING_SIGNALS.items():
+        definition = f"{text}, last less first value of {signal} in {name}"
+        if signal in facts.counts:
+            first, last = facts.counts[signal]
+            yield Measurement(f"{name}_{signal}", (last - first) % _WRAP, "", definition)
+        else:
+            yield Measurement.undefined(f"{name}_{signal}", "", definition, f"{signal} is not recorded")
+
+
+def _slow_stream(report: StreamReport) -> Iterator[Measurement]:
+    counters = report.counters
+    yield Measurement(
+        "telemetry_records_lost",
+        counters.lost,
+        "",
+        "sent by the drive, by sequence number, but not received whole",
+    )
+    yield Measurement("telemetry_records_incomplete", counters.incomplete, "", "begun, not ended")
+    yield Measurement(
+        "telemetry_records_off_grid", counters.off_grid, "", "whole, with a tick that continues no row"
+    )
+    yield Measurement("telemetry_pdos_malformed", counters.malformed, "", "PDOs of a wrong length")
+    yield Measurement("telemetry_frames_dropped", report.frames_dropped, "", "no room in the host's queue")
+    yield Measurement("telemetry_rows_dropped", report.rows_dropped, "", "no room in a viewer's queue")
+    jitter = "time between two arrivals less drive time between their ticks"
+    yield Measurement("arrival_jitter_rms", report.jitter_rms_s, "s", f"{jitter}, rms")
+    yield Measurement("arrival_jitter_max", report.jitter_max_s, "s", f"{jitter}, largest magnitude")
+    fit = "arrival on the host's clock against drive time, straight line by least squares"
+    clock = report.clock
+    values = (clock.drift_ppm, clock.residual_rms_s, clock.residual_max_s) if clock else (math.nan,) * 3
+    missing = "" if clock else "; undefined here: fewer than three records"
+    names = (
+        ("clock_drift", "ppm", "slope less one"),
+        ("clock_residual_rms", "s", "residual, rms"),
+        ("clock_residual_max", "s", "residual, largest magnitude"),
+    )
+    for (name, unit, what), value in zip(names, values, strict=True):
+        yield Measurement(name, value, unit, f"{fit}: {what}{missing}")

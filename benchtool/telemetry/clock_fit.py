@@ -1,0 +1,86 @@
+"""The host's clock against the drive's: a straight line through (drive time, arrival)."""
+
+from __future__ import annotations
+
+import math
+from array import array
+from dataclasses import dataclass
+
+import numpy as np
+
+_MOST = 1 << 15
+
+
+@dataclass(frozen=True)
+class ClockFit:
+    """arrival_s = offset_s + (1 + drift_ppm / 1e6) * tick * tick_s, by least squares.
+
+    The residuals contain what the way of a frame varies by: they bound the error with which a moment of
+    the drive can be told on the host's clock.
+    """
+
+    records: int
+    offset_s: float
+    drift_ppm: float
+    residual_rms_s: float
+    residual_max_s: float
+
+
+class ArrivalStatistics:
+    """Collects the arrivals of a stream's records.
+
+    Up to 32768 pairs are kept, of a longer stream evenly fewer, so that a day's recording needs no more.
+    """
+
+    def __init__(self, tick_s: float) -> None:
+        self._tick_s = tick_s
+        self._every = 1
+        self._count = 0
+        self._ticks = array("q")
+        self._arrivals = array("d")
+        self._last: tuple[int, float] | None = None
+        self._intervals = 0
+        self._squares = 0.0
+        self.jitter_max_s = 0.0
+
+    def add(self, tick: int, arrival_s: float) -> None:
+        """Note a record."""
+        if self._last is not None:
+            last_tick, last_s = self._last
+            deviation = (arrival_s - last_s) - (tick - last_tick) * self._tick_s
+            self._intervals += 1
+            self._squares += deviation * deviation
+            self.jitter_max_s = max(self.jitter_max_s, abs(deviation))
+        self._last = (tick, arrival_s)
+        if self._count % self._every == 0:
+            self._ticks.append(tick)
+            self._arrivals.append(arrival_s)
+            if len(self._ticks) == _MOST:
+                self._ticks, self._arrivals = self._ticks[::2], self._arrivals[::2]
+                self._every *= 2
+        self._count += 1
+
+    @property
+    def jitter_rms_s(self) -> float:
+        """Deviation of the time between two arrivals from the drive time between them, rms."""
+        return math.sqrt(self._squares / self._intervals) if self._intervals else 0.0
+
+    def fit(self) -> ClockFit | None:
+        """The line; None for fewer than three records."""
+        if len(self._ticks) < 3:
+            return None
+        ticks, arrivals = np.array(self._ticks), np.array(self._arrivals)
+        drive_s = (ticks - ticks[0]) * self._tick_s
+        # Centred, and as the deviation from drive time, so that a day's seconds do not cost microseconds.
+        deviation = (arrivals - arrivals[0]) - drive_s
+        centred = drive_s - drive_s.mean()
+        slope = float(centred @ (deviation - deviation.mean()) / (centred @ centred))
+        residual = deviation - deviation.mean() - slope * centred
+        at_first = float(arrivals[0] + deviation.mean() - slope * drive_s.mean())
+        return ClockFit(
+            records=self._count,
+            offset_s=at_first - (1.0 + slope) * float(ticks[0]) * self._tick_s,
+            drift_ppm=slope * 1e6,
+            residual_rms_s=float(np.sqrt(np.mean(residual**2))),
+            residual_max_s=float(np.max(np.abs(residual))),
+        )

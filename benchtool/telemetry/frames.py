@@ -1,0 +1,155 @@
+"""Every frame of a session in a file that `candump`, Wireshark and `--link replay:DIR` read."""
+
+from __future__ import annotations
+
+import threading
+from pathlib import Path
+
+import can
+from can.io import CanutilsLogWriter
+
+from benchtool.clock import Clock
+from benchtool.errors import RecordingError
+from benchtool.link.replay import FRAMES
+from benchtool.recording.failures import writing
+from benchtool.telemetry.worker import Worker
+
+_WAITING = 1 << 15
+_ROOM_S = 2.0
+_FLUSH_S = 0.2
+
+
+class FrameLog:
+    """Takes frames from the moment of `tap` and writes them from the moment of `start`: what came before,
+    the identification of the drive, is kept until then."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._early: list[can.Message] = []
+        self._file: _LogFile | None = None
+        self._closed = False
+        self._lost = 0
+
+    def tap(self, bus: can.BusABC, clock: Clock, *, stamp: bool = False) -> can.BusABC:
+        """A bus in place of `bus` that shows its frames here.
+
+        Args:
+            clock: of the time of frames that are sent.
+            stamp: put that time on received frames too, in place of their adapter's.
+        """
+        return _TappedBus(bus, self, clock, stamp)
+
+    def start(self, bundle: Path) -> None:
+        """Write into the folder of a bundle from now on.
+
+        Raises:
+            RecordingError: the file cannot be written.
+        """
+        with self._lock:
+            self._file = _LogFile(bundle / FRAMES)
+            early, self._early = self._early, []
+        for frame in early:
+            self.take(frame)
+
+    def take(self, frame: can.Message) -> None:
+        """Note a frame; from any thread."""
+        with self._lock:
+            if self._closed:
+                return
+            if self._file is None:
+                self._early.append(frame)
+            elif not self._file.worker.put(frame, _ROOM_S):
+                self._lost += 1
+
+    def check(self) -> None:
+        """Raise what went wrong while writing.
+
+        Raises:
+            RecordingError: the file cannot be written, or the disk does not keep up.
+        """
+        if self._file is None:
+            return
+        self._file.worker.check()
+        if self._lost:
+            raise RecordingError(
+                f"{self._lost} frames were lost on their way to {self._file.path}, none may be: use a faster "
+                f"disk, or record without --frames"
+            )
+
+    def close(self) -> None:
+        """Write what waits and close the file; frames that follow are not kept.
+
+        Raises:
+            RecordingError: it could not be written.
+        """
+        with self._lock:
+            self._closed = True
+        if self._file is not None:
+            self._file.close()
+            self.check()
+
+
+class _LogFile:
+    """The file and the thread that writes it."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        with writing(path):
+            self._writer = CanutilsLogWriter(path)
+        self._flushed_s = 0.0
+        self.worker = Worker("benchtool-frames", self._write, _WAITING)
+
+    def close(self) -> None:
+        self.worker.close()
+        with writing(self.path):
+            self._writer.stop()
+
+    def _write(self, frame: can.Message) -> None:
+        with writing(self.path):
+            self._writer.on_message_received(frame)
+            if frame.timestamp - self._flushed_s >= _FLUSH_S:
+                self._flushed_s = frame.timestamp
+                self._writer.file.flush()
+
+
+class _TappedBus(can.BusABC):
+    """A bus whose frames somebody sees; it owns the bus behind it."""
+
+    def __init__(self, bus: can.BusABC, log: FrameLog, clock: Clock, stamp: bool) -> None:
+        super().__init__(channel=bus.channel_info)
+        self.channel_info = bus.channel_info
+        self._bus = bus
+        self._log = log
+        self._clock = clock
+        self._stamp = stamp
+
+    def recv(self, timeout: float | None = None) -> can.Message | None:
+        frame = self._bus.recv(timeout)
+        if frame is not None:
+            if self._stamp:
+                frame.timestamp = self._clock.now_s()
+            self._log.take(_copy(frame, frame.timestamp, is_rx=True))
+        return frame
+
+    def send(self, msg: can.Message, timeout: float | None = None) -> None:
+        # Before it is sent: an answer must not stand before its request.
+        self._log.take(_copy(msg, self._clock.now_s(), is_rx=False))
+        self._bus.send(msg, timeout)
+
+    def shutdown(self) -> None:
+        super().shutdown()
+        self._bus.shutdown()
+
+
+def _copy(frame: can.Message, timestamp: float, *, is_rx: bool) -> can.Message:
+    """The frame without the name of its channel, which is not the same in another session."""
+    return can.Message(
+        timestamp=timestamp,
+        arbitration_id=frame.arbitration_id,
+        is_extended_id=frame.is_extended_id,
+        is_remote_frame=frame.is_remote_frame,
+        is_error_frame=frame.is_error_frame,
+        dlc=frame.dlc,
+        data=bytes(frame.data),
+        is_rx=is_rx,
+    )

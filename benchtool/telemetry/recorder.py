@@ -1,0 +1,37 @@
+"""The slow stream into a run bundle, beside whatever else the run records."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+
+from benchtool.recording import BundleWriter
+from benchtool.telemetry.fanout import Sink
+from benchtool.telemetry.node import Node
+from benchtool.telemetry.stream import DEFAULT_CHANNELS, DEFAULT_RATE_HZ, TelemetryStream
+
+STREAM = "telemetry"
+
+
+@contextmanager
+def record_stream(
+    node: Node,
+    bundle: BundleWriter,
+    channels: Sequence[str] = DEFAULT_CHANNELS,
+    rate_Hz: float = DEFAULT_RATE_HZ,
+    *,
+    others: Sequence[Sink] = (),
+) -> Iterator[TelemetryStream]:
+    """Record for the length of a `with` block; nothing is lost on the way, or `check` and the exit raise.
+
+    Until the block ends, `bundle` is this stream's alone.
+
+    Args:
+        others: further sinks, closed on the way out.
+
+    Raises:
+        BenchError: as TelemetryStream.
+    """
+    recorder = Sink("recorder", lambda block: bundle.append(STREAM, block), lossless=True)
+    with TelemetryStream(node, [recorder, *others], channels, rate_Hz) as stream:
+        yield stream

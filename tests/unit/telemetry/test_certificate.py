@@ -1,0 +1,77 @@
+"""The certificate: numbers by name, each with its definition, from what was recorded."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import numpy as np
+
+from benchtool.block import Block, Channel, Gap
+from benchtool.link import LinkCounters
+from benchtool.protocol.telemetry import StreamCounters
+from benchtool.telemetry import ClockFit, StreamFacts, StreamReport, certify
+
+CHANNELS = (Channel("torque", "Nm"), Channel("adc_saturated", ""))
+
+
+def report(*, expected: int | None, clock: ClockFit | None) -> StreamReport:
+    counters = StreamCounters(received=90, missing=7, lost=5, incomplete=2, off_grid=1, malformed=3)
+    return StreamReport(
+        expected=expected,
+        counters=counters,
+        gaps=(Gap(10, 3), Gap(40, 4)),
+        first={"law_clipped": 4294967290.0},
+        last={"law_clipped": 4.0},
+        frames_dropped=6,
+        rows_dropped=8,
+        jitter_rms_s=1e-4,
+        jitter_max_s=3e-4,
+        clock=clock,
+    )
+
+
+def test_a_whole_capture_is_complete() -> None:
+    data = np.column_stack([np.zeros(5), [2.0, 2.0, 3.0, 9.0, 9.0]])
+    certificate = certify({"capture": StreamFacts.of(Block(CHANNELS, 0, 1, 1e-4, data))}, LinkCounters())
+    assert certificate.complete
+    assert certificate.value("capture_rows_expected") == certificate.value("capture_rows_received") == 5
+    assert certificate.value("capture_adc_saturated") == 7
+    assert certificate.summary == "data: 5 rows expected, 0 missing, 7 samples saturated"
+    assert math.isnan(certificate.value("capture_law_clipped"))
+
+
+def test_gaps_are_counted_and_located_by_their_largest() -> None:
+    block = Block(CHANNELS, 0, 1, 1e-4, np.zeros((5, 2)), (Gap(1, 2), Gap(3, 6)))
+    certificate = certify({"capture": StreamFacts.of(block)}, LinkCounters(frames_dropped=2))
+    assert not certificate.complete
+    assert certificate.value("capture_rows_missing") == 8
+    assert certificate.value("capture_gaps") == 2
+    assert certificate.value("capture_gap_max") == 6
+    assert certificate.value("link_frames_dropped") == 2
+
+
+def test_the_slow_stream_is_measured_against_the_drives_own_count() -> None:
+    clock = ClockFit(records=90, offset_s=1.0, drift_ppm=12.5, residual_rms_s=2e-4, residual_max_s=9e-4)
+    stream = report(expected=100, clock=clock)
+    certificate = certify({"telemetry": StreamFacts.of_report(stream)}, LinkCounters(), stream)
+    values = {each.name: each.value for each in certificate.measurements}
+    assert values["telemetry_rows_missing"] == 10, "seven within, and three at the ends"
+    assert values["telemetry_gap_max"] == 4
+    assert certificate.summary == "data: 100 rows expected, 10 missing, 10 ticks clipped by the law"
+    assert values["telemetry_records_lost"] == 5
+    assert values["telemetry_law_clipped"] == 10, "the counter wraps at 2**32"
+    assert values["arrival_jitter_max"] == 3e-4
+    assert values["clock_drift"] == 12.5
+    assert values["clock_residual_max"] == 9e-4
+    assert len(values) == len(certificate.measurements), "names are unique"
+    assert all(each.definition for each in certificate.measurements)
+
+
+def test_what_is_undefined_is_null_in_json() -> None:
+    stream = report(expected=None, clock=None)
+    certificate = certify({"telemetry": StreamFacts.of_report(stream)}, LinkCounters(), stream)
+    document = json.loads(json.dumps(certificate.to_json(), allow_nan=False))
+    assert document["complete"] is False
+    assert document["measurements"]["clock_drift"]["value"] is None
+    assert document["measurements"]["telemetry_rows_expected"]["value"] == 97

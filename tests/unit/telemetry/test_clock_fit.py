@@ -1,0 +1,48 @@
+"""The fit of the clocks finds the line that was put in."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from benchtool.telemetry.clock_fit import ArrivalStatistics
+
+TICK_S = 1e-4
+
+
+def test_offset_drift_and_residual_of_a_noisy_line() -> None:
+    rng = np.random.default_rng(1)
+    statistics = ArrivalStatistics(TICK_S)
+    ticks = 1_000_000 + 100 * np.arange(20_000)
+    delay = rng.uniform(0.0, 1e-3, len(ticks))
+    for tick, late in zip(ticks, delay, strict=True):
+        statistics.add(int(tick), 5000.0 + (1.0 + 80e-6) * tick * TICK_S + late)
+    fit = statistics.fit()
+    assert fit is not None
+    assert fit.records == 20_000
+    assert fit.drift_ppm == pytest.approx(80.0, abs=0.2)
+    assert fit.offset_s == pytest.approx(5000.0005, abs=5e-5)
+    # A uniform delay of 1 ms has 1/sqrt(12) ms rms about its mean, and half of it at most.
+    assert fit.residual_rms_s == pytest.approx(1e-3 / np.sqrt(12), rel=0.02)
+    assert fit.residual_max_s == pytest.approx(5e-4, rel=0.05)
+    steps = np.diff(delay) + 80e-6 * 100 * TICK_S
+    assert statistics.jitter_rms_s == pytest.approx(float(np.sqrt(np.mean(steps**2))), rel=1e-3)
+    assert statistics.jitter_max_s == pytest.approx(float(np.max(np.abs(steps))), rel=1e-3)
+
+
+def test_a_long_recording_keeps_a_bounded_number_of_pairs_and_the_same_line() -> None:
+    statistics = ArrivalStatistics(TICK_S)
+    for number in range(150_000):
+        statistics.add(10 * number, 1.0 + number * 1e-3 * (1.0 - 30e-6))
+    assert len(statistics._ticks) <= 1 << 15
+    fit = statistics.fit()
+    assert fit is not None
+    assert fit.records == 150_000
+    assert fit.drift_ppm == pytest.approx(-30.0, abs=1e-3)
+
+
+def test_two_records_are_no_fit() -> None:
+    statistics = ArrivalStatistics(TICK_S)
+    statistics.add(0, 0.0)
+    statistics.add(10, 1.0)
+    assert statistics.fit() is None
