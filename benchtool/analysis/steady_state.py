@@ -6,6 +6,8 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+import numpy as np
+
 from benchtool.analysis.measurement import Measurement, MeasurementJson, measurements_to_json
 from benchtool.analysis.periods import PhaseTrack, track_angle, track_tone
 from benchtool.analysis.ripple import ripple
@@ -82,7 +84,7 @@ def analyze_steady_state(
     spectrum = coherent_spectrum(i_a, block.sample_rate_Hz, track, "i_a")
     measurements = (
         *_torque(block, torque_rated_Nm),
-        *(_true_torque(cut_to_span(transducer, block)) if transducer is not None else ()),
+        *(_true_torque(cut_to_span(transducer, block), block) if transducer is not None else ()),
         *_flux(block),
         *_current(spectrum, track, block.sample_rate_Hz),
         *_switching(block),
@@ -114,10 +116,13 @@ def _torque(block: Block, torque_rated_Nm: float) -> Iterator[Measurement]:
         yield Measurement.undefined(name, "%", f"{definition}, {window}", f"it is {torque_rated_Nm:g} Nm")
 
 
-def _true_torque(transducer: Block) -> Iterator[Measurement]:
+def _true_torque(transducer: Block, block: Block) -> Iterator[Measurement]:
     torque = ripple(transducer.column("torque_transducer"), "Nm", "torque_transducer")
     definition = f"maximum minus minimum of torque_transducer, unfiltered, {_window(transducer)}"
     yield Measurement("true_torque_ripple_pp", torque.peak_to_peak, "Nm", definition)
+    error_Nm = float(np.mean(block.column("torque"))) - torque.mean
+    definition = f"mean of the drive's estimate torque minus mean of torque_transducer, {_window(block)}"
+    yield Measurement("torque_error", error_Nm, "Nm", definition)
 
 
 def _flux(block: Block) -> Iterator[Measurement]:

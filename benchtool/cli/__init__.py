@@ -12,7 +12,19 @@ from typing import Annotated, ParamSpec
 import typer
 
 from benchtool import __version__
-from benchtool.cli import analyze, demo, doctor, info, parameter_files, params, run
+from benchtool.cli import (
+    analyze,
+    compare,
+    demo,
+    doctor,
+    export,
+    info,
+    jog,
+    parameter_files,
+    params,
+    record,
+    run,
+)
 from benchtool.errors import BenchError
 
 INTERRUPTED = 130
@@ -50,7 +62,17 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-for _verb in (demo.demo, run.run, analyze.analyze, info.info, doctor.doctor):
+for _verb in (
+    demo.demo,
+    run.run,
+    jog.jog,
+    record.record,
+    analyze.analyze,
+    export.export,
+    compare.compare,
+    info.info,
+    doctor.doctor,
+):
     app.command(_verb.__name__)(_reporting(_verb))
 
 _params = typer.Typer(

@@ -22,5 +22,7 @@ def analyze(
 
     bundle = Bundle.open(run)
     result = RunResult((assess_bundle(bundle),))
-    show_run(Output(as_json=as_json), bundle.manifest.what, result)
+    output = Output(as_json=as_json)
+    show_run(output, bundle.manifest.what, result)
+    output.document(result.to_json())
     return 1 if result.verdict is Verdict.FAIL else 0

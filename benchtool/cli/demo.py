@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from benchtool.cli import options
-from benchtool.cli.run import run_named
+from benchtool.cli.run import RunOptions, run_named
 
 PLAN = "zhu2011/ripple"
 
@@ -15,4 +15,4 @@ def demo(
     as_json: options.Json = False,
 ) -> int:
     """A torque-ripple test on the emulated drive, over CANopen frames: needs no hardware."""
-    return run_named(PLAN, "", "emulated", out, seed=seed, real_time=real_time, as_json=as_json)
+    return run_named(PLAN, RunOptions(out=out, seed=seed, real_time=real_time, as_json=as_json))

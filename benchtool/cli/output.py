@@ -7,7 +7,7 @@ import json
 import math
 import sys
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from rich.console import Console
 from rich.table import Table
@@ -47,7 +47,8 @@ class Output:
         """A table of the result; columns whose heading begins with `>` are right-aligned."""
         table = Table(title=title, title_justify="left", title_style="bold", show_edge=False, pad_edge=False)
         for column in columns:
-            table.add_column(column.lstrip(">"), justify="right" if column.startswith(">") else "left")
+            side: Literal["left", "right"] = "right" if column.startswith(">") else "left"
+            table.add_column(column.lstrip(">"), justify=side, overflow="fold")
         for row in rows:
             table.add_row(*(Text(cell) if isinstance(cell, str) else cell for cell in row))
         self._people.print(table)
@@ -64,23 +65,57 @@ def significant(value: float) -> str:
     return f"{value:.4g}" if math.isfinite(value) else "–"
 
 
-def show_run(output: Output, title: str, result: RunResult) -> None:
-    """Print what every case of a run measured, and how it met its limits."""
-    for each in result.assessments:
-        heading = title if len(result.assessments) == 1 else f"{title}: {each.case}"
-        show_assessment(output, heading, each)
+def show_run(output: Output, title: str, result: RunResult, tabulate: Sequence[str] = ()) -> None:
+    """Print for people what every case of a run measured, and how it met its limits."""
+    if len(result.assessments) == 1:
+        show_assessment(output, title, result.assessments[0])
+    elif tabulate:
+        show_rows(output, title, result.assessments, tabulate)
+    else:
+        show_side_by_side(output, title, result.assessments)
     output.verdict(result.verdict)
-    output.document(result.to_json())
+
+
+def show_rows(output: Output, title: str, cases: Sequence[Assessment], names: Sequence[str]) -> None:
+    """Print some measurements of many cases, a row for each case."""
+    rows: list[tuple[str | Text, ...]] = [
+        (case.case, *(_cell(case, name) for name in names)) for case in cases
+    ]
+    output.table(title, ("case", *(f">{name}" for name in names)), rows)
+
+
+def show_side_by_side(output: Output, title: str, cases: Sequence[Assessment]) -> None:
+    """Print the measurements of several cases as one table; what misses its limit is red, published figures
+    stand in brackets."""
+    names = dict.fromkeys((each.name, each.unit) for case in cases for each in case.measurements)
+    rows: list[tuple[str | Text, ...]] = [
+        (name, *(_cell(case, name) for case in cases), unit) for name, unit in names
+    ]
+    output.table(title, ("measurement", *(f">{case.case}" for case in cases), "unit"), rows)
+    for case in cases:
+        output.line(f"{case.case}: {case.bundle}")
+
+
+def _cell(case: Assessment, name: str) -> Text:
+    value = next((each.value for each in case.measurements if each.name == name), math.nan)
+    published = f" ({significant(case.published[name])})" if name in case.published else ""
+    verdict = case.verdicts.get(name)
+    return Text(f"{significant(value)}{published}", style=_COLOUR[verdict] if verdict else "")
 
 
 def show_assessment(output: Output, title: str, result: Assessment) -> None:
-    """Print what one case measured, and how it met its limits."""
+    """Print what one case measured, how it met its limits, and the published figures beside it."""
+    published = ("published",) if result.published else ()
     rows = []
-    for each in result.steady.measurements:
+    limited = (each for each in result.quality if each.name in result.limits)
+    for each in (*result.measurements, *limited):
         limit, verdict = result.limits.get(each.name), result.verdicts.get(each.name)
         bounds = "" if limit is None else f"{_bound('≥', limit.min)}{_bound('≤', limit.max)}"
-        rows.append((each.name, significant(each.value), each.unit, bounds.strip(), str(verdict or "")))
-    output.table(title, ("measurement", ">value", "unit", "limit", "verdict"), rows)
+        beside = (significant(result.published.get(each.name, math.nan)),) if published else ()
+        cells = (each.name, significant(each.value), *beside, each.unit, bounds.strip(), str(verdict or ""))
+        rows.append(cells)
+    columns = ("measurement", ">value", *(f">{name}" for name in published), "unit", "limit", "verdict")
+    output.table(title, columns, rows)
     output.line(f"bundle: {result.bundle}")
 
 

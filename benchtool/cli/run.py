@@ -3,17 +3,40 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from benchtool.cli import options
 from benchtool.cli.output import Output, show_run
 
+if TYPE_CHECKING:
+    from benchtool.experiment.assessment import RunResult
+
+
+@dataclass(frozen=True)
+class RunOptions:
+    """How to run, whatever the plan."""
+
+    profile: str = ""
+    link: str = "emulated"
+    out: Path | None = None
+    seed: int = 0
+    real_time: bool = False
+    as_json: bool = False
+    resume: bool = False
+    page: Path | None = None
+    jobs: int = 1
+
 
 def run(
-    plan: Annotated[str, typer.Argument(metavar="PLAN", help="Name of a shipped plan or a TOML file.")],
+    plan: Annotated[
+        str, typer.Argument(metavar="PLAN", help="Name of a shipped plan, a TOML file, or a folder of plans.")
+    ],
     profile: Annotated[
         str, typer.Option(metavar="NAME|FILE", help="Profile to use instead of the plan's.")
     ] = "",
@@ -22,55 +45,99 @@ def run(
     resume: Annotated[
         Path | None, typer.Option(metavar="RUN", help="Go on with a run that was cut short.")
     ] = None,
+    page: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Write published and measured figures as Markdown.")
+    ] = None,
+    jobs: Annotated[int, typer.Option(min=1, help="Emulated benches to run at a time.")] = 1,
     seed: options.Seed = 0,
     real_time: options.RealTime = False,
     as_json: options.Json = False,
 ) -> int:
     """Run a test plan: set up, run, capture, measure, judge; the drive is disabled afterwards."""
-    return run_named(
-        plan,
-        profile,
-        link,
-        resume or out,
-        seed=seed,
-        real_time=real_time,
-        as_json=as_json,
-        resume=bool(resume),
-    )
+    chosen = RunOptions(profile, link, resume or out, seed, real_time, as_json, bool(resume), page, jobs)
+    return run_named(plan, chosen)
 
 
-def run_named(
-    name: str,
-    profile: str,
-    link: str,
-    out: Path | None,
-    *,
-    seed: int,
-    real_time: bool,
-    as_json: bool,
-    resume: bool = False,
-) -> int:
-    """Run the plan of a name or file, print what it measured, and return the exit code."""
+def run_named(name: str, chosen: RunOptions) -> int:
+    """Run one plan or a folder of plans, print what they measured, and return the exit code."""
+    from benchtool.errors import PlanError
+    from benchtool.experiment.limits import Verdict, worst
+    from benchtool.experiment.plan import plan_names
+
+    names = plan_names(name)
+    if not names:
+        raise PlanError(f"folder {name} holds no plans: TOML files are expected, one a plan")
+    single = names == (name,)
+    output = Output(as_json=chosen.as_json)
+    title = Path(name).stem if name.endswith(".toml") else name
+    folder = options.bundle_folder(chosen.out, options.wall_time(), title)
+    results = {
+        each: _run(each, folder if single else folder / Path(each).stem, chosen, output) for each in names
+    }
+    if chosen.page is not None:
+        _write_page(chosen.page, name, results)
+    verdict = worst(result.verdict for result in results.values())
+    documents = {each: result.to_json() for each, result in results.items()}
+    output.document(documents[name] if single else {"verdict": str(verdict), "plans": documents})
+    return 1 if verdict is Verdict.FAIL else 0
+
+
+def _run(name: str, folder: Path, chosen: RunOptions, output: Output) -> RunResult:
     from benchtool.bench import open_session
     from benchtool.cli.progress import RunProgress
-    from benchtool.experiment.limits import Verdict
+    from benchtool.errors import UsageError
+    from benchtool.experiment.parallel import run_in_processes
     from benchtool.experiment.plan import load_plan
     from benchtool.experiment.runner import RunInfo, run_plan
 
-    output = Output(as_json=as_json)
     plan = load_plan(name)
-    when = options.wall_time()
-    info = RunInfo(when.isoformat(timespec="seconds"), seed, tuple(sys.argv[1:]))
-    folder = options.bundle_folder(out, when, Path(name).stem if name.endswith(".toml") else name)
-    place = profile or plan.profile
-    with (
-        RunProgress(output) as progress,
-        open_session(place, link, seed=seed, real_time=real_time, note=progress.note) as session,
-    ):
+    info = RunInfo(options.wall_time().isoformat(timespec="seconds"), chosen.seed, tuple(sys.argv[1:]))
+    place = chosen.profile or plan.profile
+    if chosen.jobs > 1 and (chosen.real_time or chosen.link != "emulated"):
+        raise UsageError(
+            f"--jobs {chosen.jobs} is for emulated benches in virtual time: leave out --link and --real-time"
+        )
+    with RunProgress(output) as progress:
+        opener = partial(
+            open_session,
+            place,
+            chosen.link,
+            seed=chosen.seed,
+            real_time=chosen.real_time,
+            note=progress.note,
+        )
         try:
-            result = run_plan(session, plan, folder, info, progress, resume=resume)
+            if chosen.jobs > 1:
+                result = run_in_processes(
+                    plan, place, folder, info, progress, jobs=chosen.jobs, resume=chosen.resume
+                )
+            else:
+                result = run_plan(
+                    lambda alter: opener(alter=alter), plan, folder, info, progress, resume=chosen.resume
+                )
         except KeyboardInterrupt as interrupt:
             interrupt.add_note(f"go on with: benchtool run {name} --resume {folder}")
             raise
-    show_run(output, plan.title, result)
-    return 1 if result.verdict is Verdict.FAIL else 0
+    show_run(output, plan.title, result, plan.tabulate)
+    return result
+
+
+def _write_page(page: Path, command: str, results: Mapping[str, RunResult]) -> None:
+    from benchtool.errors import RecordingError
+    from benchtool.experiment.plan import load_plan
+    from benchtool.profile import load_profile
+    from benchtool.report.page import PlanFigures, reproduction_page
+
+    figures = []
+    for name, result in results.items():
+        plan = load_plan(name)
+        measured = {each.case: each.measurements for each in result.assessments}
+        figures.append(PlanFigures(name, plan.title, plan.readings, plan.tabulate, measured, plan.published))
+    text = reproduction_page(load_profile(plan.profile), figures, f"benchtool run {command} --page")
+    try:
+        page.write_text(text, encoding="utf-8")
+    except OSError as reason:
+        raise RecordingError(
+            f"cannot write {page}: {reason.strerror}; the page of the run was to go there: "
+            f"choose another file"
+        ) from None

@@ -3,13 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
 
-from benchtool.analysis import SteadyState, analyze_steady_state
+from benchtool.analysis import (
+    Measurement,
+    SteadyState,
+    analyze_steady_state,
+    measurements_from_json,
+    measurements_to_json,
+)
+from benchtool.analysis.step import analyze_step
 from benchtool.block import Block
 from benchtool.errors import AnalysisError
 from benchtool.experiment.limits import Limit, Verdict, worst
@@ -20,17 +27,25 @@ from benchtool.recording import Bundle
 
 @dataclass(frozen=True)
 class Assessment:
-    """What a case measured, and how each limit was met."""
+    """What a case measured, how each limit was met, and what a publication has for it.
+
+    `quality` is what the recording's certificate measured; limits hold for it as well.
+    """
 
     case: str
     bundle: Path
-    steady: SteadyState
+    measurements: tuple[Measurement, ...]
+    quality: tuple[Measurement, ...]
     limits: Mapping[str, Limit]
+    published: Mapping[str, float]
+    capture: Block
+    transducer: Block | None
+    steady: SteadyState | None
 
     @property
     def verdicts(self) -> Mapping[str, Verdict]:
         """Verdict of each limit; a limit on something that was not measured fails."""
-        values = {each.name: each.value for each in self.steady.measurements}
+        values = {each.name: each.value for each in (*self.quality, *self.measurements)}
         return {name: limit.judge(values.get(name)) for name, limit in self.limits.items()}
 
     @property
@@ -39,7 +54,7 @@ class Assessment:
 
     def to_json(self) -> dict[str, Any]:
         """The case as the JSON document of a run lists it."""
-        return {"bundle": str(self.bundle), "measurements": self.steady.to_json()}
+        return {"bundle": str(self.bundle), "measurements": measurements_to_json(self.measurements)}
 
 
 @dataclass(frozen=True)
@@ -61,17 +76,43 @@ class RunResult:
 
 
 def assess(
-    plan: Plan, case: str, motor: Motor, bundle: Path, capture: Block, transducer: Block | None
+    plan: Plan,
+    case: str,
+    motor: Motor,
+    bundle: Path,
+    capture: Block,
+    transducer: Block | None,
+    quality: tuple[Measurement, ...] = (),
 ) -> Assessment:
     """Analyse what one case recorded.
 
     Raises:
         AnalysisError: the data cannot answer what the plan asks.
     """
-    steady = analyze_steady_state(
-        capture, pole_pairs=motor.pole_pairs, torque_rated_Nm=motor.T_N_Nm, transducer=transducer
+    measurements: list[Measurement] = []
+    steady = None
+    if plan.analyses.steady:
+        steady = analyze_steady_state(
+            _from(capture, plan.analyses.steady_from_s),
+            pole_pairs=motor.pole_pairs,
+            torque_rated_Nm=motor.T_N_Nm,
+            transducer=transducer,
+        )
+        measurements.extend(steady.measurements)
+    if plan.analyses.step:
+        step = analyze_step(capture, plan.analyses.step_signal, plan.analyses.step_reference)
+        measurements.extend(step.measurements)
+    return Assessment(
+        case,
+        bundle,
+        tuple(measurements),
+        quality,
+        {**plan.limits, **plan.case_limits.get(case, {})},
+        plan.published.get(case, {}),
+        capture,
+        transducer,
+        steady,
     )
-    return Assessment(case, bundle, steady, plan.limits)
 
 
 def assess_bundle(bundle: Bundle) -> Assessment:
@@ -93,4 +134,20 @@ def assess_bundle(bundle: Bundle) -> Assessment:
         failure = details.get("failure", "it was cut short")
         raise AnalysisError(f"{bundle.directory} holds no capture ({failure}): run the plan again")
     transducer = bundle.block("transducer") if "transducer" in bundle.streams else None
-    return assess(plan, case, motor, bundle.directory, bundle.block("capture"), transducer)
+    certificate = bundle.certificate or {}
+    quality = measurements_from_json(certificate.get("measurements", {}))
+    return assess(plan, case, motor, bundle.directory, bundle.block("capture"), transducer, quality)
+
+
+def _from(block: Block, start_s: float) -> Block:
+    """What a block holds from `start_s` on."""
+    if start_s == 0.0:
+        return block
+    block.require_uniform()
+    row = round(start_s * block.sample_rate_Hz)
+    if row >= len(block.data):
+        raise AnalysisError(
+            f"the capture lasts {len(block.data) / block.sample_rate_Hz:g} s, its steady state was to begin "
+            f"at {start_s:g} s: record longer or begin earlier"
+        )
+    return replace(block, first_tick=block.first_tick + row * block.stride, data=block.data[row:])

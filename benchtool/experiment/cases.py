@@ -7,14 +7,16 @@ import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from benchtool.experiment.plan import OperatingPoint, Plan, Setting
+from benchtool.experiment.plan import OperatingPoint, Plan, Setting, Variant
 
 
 @dataclass(frozen=True)
 class Case:
-    """One point of a plan: its name, what differs from the plan's setup, and where the machine runs."""
+    """One point of a plan: its name, what differs from the profile's emulated bench and from the plan's
+    setup, and where the machine runs."""
 
     name: str
+    emulator: Mapping[str, float]
     setup: Mapping[str, Setting]
     operating_point: OperatingPoint
 
@@ -27,7 +29,8 @@ class Case:
 def cases(plan: Plan) -> tuple[Case, ...]:
     """Every case of `plan`, in the order in which they run."""
     return tuple(
-        _case(plan, point, repetition)
+        _case(plan, variant, point, repetition)
+        for variant in plan.variants or (None,)
         for point in _points(plan)
         for repetition in range(1, plan.repetitions + 1)
     )
@@ -36,26 +39,39 @@ def cases(plan: Plan) -> tuple[Case, ...]:
 def _points(plan: Plan) -> Iterator[tuple[tuple[str, Setting], ...]]:
     axes = [
         [(key, value) for value in values]
-        for key, values in (*plan.sweep.setup.items(), *plan.sweep.operating_point.items())
+        for key, values in (
+            *plan.sweep.emulator.items(),
+            *plan.sweep.setup.items(),
+            *plan.sweep.operating_point.items(),
+        )
     ]
     if not axes:
         return iter([()])
     return itertools.product(*axes) if plan.sweep.order == "grid" else zip(*axes, strict=True)
 
 
-def _case(plan: Plan, point: tuple[tuple[str, Setting], ...], repetition: int) -> Case:
-    values: dict[str, Setting] = dict(point)
-    name = (
-        ",".join(_part(key, value) for key, value in point) or plan.case or str(plan.setup.get("law", "case"))
-    )
+def _case(
+    plan: Plan, variant: Variant | None, point: tuple[tuple[str, Setting], ...], repetition: int
+) -> Case:
+    parts = [variant.name] if variant is not None else []
+    parts += [_part(key, value) for key, value in point]
+    name = ",".join(parts) or plan.case or str(plan.setup.get("law", "case"))
     if plan.repetitions > 1:
         name = f"{name}.{repetition}"
-    swept = {key: value for key, value in values.items() if key in set[str](plan.sweep.operating_point)}
-    return Case(
-        name,
-        {key: value for key, value in values.items() if key in plan.sweep.setup},
-        plan.operating_point.model_copy(update=swept),
-    )
+    emulator: dict[str, float] = dict(plan.emulator)
+    setup: dict[str, Setting] = {}
+    if variant is not None:
+        emulator |= variant.emulator
+        setup |= variant.setup
+    swept: dict[str, Setting] = {}
+    for key, value in point:
+        if key in plan.sweep.emulator:
+            emulator[key] = float(value)
+        elif key in plan.sweep.setup:
+            setup[key] = value
+        else:
+            swept[key] = value
+    return Case(name, emulator, setup, plan.operating_point.model_copy(update=swept))
 
 
 def _part(key: str, value: Setting) -> str:

@@ -2,32 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Protocol
 
+from benchtool.analysis import measurements_to_json
 from benchtool.bench import Session
-from benchtool.block import Block
-from benchtool.drive import Capture, CaptureRequest, Identity, Mode
+from benchtool.drive import Identity
 from benchtool.drive.parameters import snapshot, temporary
 from benchtool.errors import RecordingError
 from benchtool.experiment.assessment import Assessment, RunResult, assess, assess_bundle
 from benchtool.experiment.cases import Case, cases
+from benchtool.experiment.conduct import Progress, conduct
+from benchtool.experiment.drawing import draw_case, draw_cases
 from benchtool.experiment.limits import Verdict
-from benchtool.experiment.plan import OperatingPoint, Plan, Record
+from benchtool.experiment.plan import Plan
 from benchtool.recording import Bundle, BundleWriter, Manifest, software_versions
-from benchtool.report import draw_steady_state, save_figures
-
-
-class Progress(Protocol):
-    """Whoever watches a run."""
-
-    def begin(self, case: str, number: int, count: int) -> None:
-        """Case `number` of `count` begins."""
-
-    def note(self, text: str) -> None:
-        """A step within the case begins."""
+from benchtool.telemetry import TelemetryStream, certify_recording, record_stream
 
 
 @dataclass(frozen=True)
@@ -39,35 +31,60 @@ class RunInfo:
     command_line: tuple[str, ...]
 
 
+Opener = Callable[[Mapping[str, float]], AbstractContextManager[Session]]
+
+
 def run_plan(
-    session: Session, plan: Plan, folder: Path, info: RunInfo, progress: Progress, *, resume: bool = False
+    opener: Opener, plan: Plan, folder: Path, info: RunInfo, progress: Progress, *, resume: bool = False
 ) -> RunResult:
     """Run every case of `plan`; a plan of one case has its bundle in `folder`, others in folders within it.
 
     When this returns or raises, the drive is disabled and its parameters are what they were.
 
     Args:
+        opener: opens a session, on an emulated bench altered by what it is given.
         resume: take the cases that `folder` already holds complete from there.
 
     Raises:
         BenchError: whatever went wrong; a bundle that was begun says where, and holds what came till then.
     """
-    progress.note("checking identity and dictionary")
-    identity = session.drive.connect()
     todo = cases(plan)
-    results = []
-    with temporary(session.drive, plan.setup):
-        for number, case in enumerate(todo, start=1):
-            progress.begin(case.name, number, len(todo))
-            place = folder if len(todo) == 1 else folder / case.folder
-            done = _finished(place) if resume else None
-            if done is not None:
-                progress.note("already there")
-                results.append(assess_bundle(done))
-                continue
-            with temporary(session.drive, case.setup):
-                results.append(_run_case(session, plan, case, place, info, identity, progress))
+    results = run_cases(opener, plan, todo, folder, info, progress, resume=resume)
+    draw_cases(plan, results, folder)
     return RunResult(tuple(results))
+
+
+def run_cases(
+    opener: Opener,
+    plan: Plan,
+    todo: Sequence[Case],
+    folder: Path,
+    info: RunInfo,
+    progress: Progress,
+    *,
+    resume: bool = False,
+) -> list[Assessment]:
+    """Run some of a plan's cases, each in a session of its own, so that none depends on those before it."""
+    results: list[Assessment] = []
+    for number, case in enumerate(todo, start=1):
+        progress.begin(case.name, number, len(todo))
+        place = case_folder(plan, case, folder)
+        done = _finished(place) if resume else None
+        if done is not None:
+            progress.note("already there")
+            results.append(assess_bundle(done))
+            continue
+        with opener(case.emulator) as session:
+            progress.note("checking identity and dictionary")
+            identity = session.drive.connect()
+            with temporary(session.drive, {**plan.setup, **case.setup}):
+                results.append(_run_case(session, plan, case, place, info, identity, progress))
+    return results
+
+
+def case_folder(plan: Plan, case: Case, folder: Path) -> Path:
+    """Where the bundle of a case is: in the run's folder, or in one of its own within it."""
+    return folder if len(cases(plan)) == 1 else folder / case.folder
 
 
 def _finished(place: Path) -> Bundle | None:
@@ -95,68 +112,56 @@ def _run_case(
     identity: Identity,
     progress: Progress,
 ) -> Assessment:
+    if plan.stimulus is not None:
+        plan.stimulus.require_rated(session.profile.motor)
     link = session.drive.link
     with BundleWriter(place, _manifest(session, plan, case, info, identity)) as writer:
+        stream = None
         try:
-            capture, transducer = _record(session, plan, case, progress)
+            with _telemetry(session, writer) as stream:
+                capture, transducer = conduct(session, plan, case, progress)
             writer.append("capture", capture)
             if transducer is not None:
                 writer.append("transducer", transducer)
             progress.note("analysing")
-            result = assess(plan, case.name, session.profile.motor, place, capture, transducer)
+            certificate, facts = certify_recording(stream, {"capture": capture}, link.counters)
+            motor, quality = session.profile.motor, certificate.measurements
+            result = assess(plan, case.name, motor, place, capture, transducer, quality)
         except BaseException as failure:
             try:
                 reason = f"{type(failure).__name__}: {failure}".rstrip(": ")
-                writer.fail(reason, verdict=Verdict.FAIL, quality=asdict(link.counters))
+                certificate, facts = certify_recording(stream, {}, link.counters)
+                writer.fail(
+                    reason,
+                    verdict=Verdict.FAIL,
+                    quality=asdict(link.counters),
+                    details=facts,
+                    certificate=certificate.to_json(),
+                )
             except RecordingError as also:
                 failure.add_note(str(also))
             raise
+        progress.note(certificate.summary)
         writer.finish(
-            result.steady.to_json(),
+            measurements_to_json(result.measurements),
             verdict=result.verdict,
             quality=asdict(link.counters),
-            details={"verdicts": {name: str(verdict) for name, verdict in result.verdicts.items()}},
+            details=facts | {"verdicts": {name: str(verdict) for name, verdict in result.verdicts.items()}},
+            certificate=certificate.to_json(),
         )
     progress.note("drawing")
-    figures = draw_steady_state(capture, result.steady, transducer, title=plan.title)
-    save_figures(figures, place / "plots")
+    draw_case(plan, result)
     return result
 
 
-def _record(session: Session, plan: Plan, case: Case, progress: Progress) -> tuple[Block, Block | None]:
-    drive = session.drive
-    progress.note("enabling")
-    with drive.enabled(Mode.VELOCITY):
-        _settle(session, case.operating_point, progress)
-        progress.note(f"capturing {plan.record.duration_s:g} s on the drive")
-        capture = Capture(drive, _request(session, plan.record))
-        if session.transducer is not None:
-            session.transducer.start(capture.duration_s)
-        capture.wait()
-        transducer = session.transducer.block() if session.transducer is not None else None
-        progress.note("reading the capture")
-        return capture.read(), transducer
-
-
-def _settle(session: Session, point: OperatingPoint, progress: Progress) -> None:
-    """Run up, then load, then wait: half of the time for each."""
-    progress.note(f"running at {point.omega_m_rad_s:g} rad/s with {point.load_torque_Nm:g} Nm")
-    session.drive.write("omega_m_command", point.omega_m_rad_s)
-    session.drive.wait(point.settle_s / 2.0)
-    if session.load is not None:
-        session.load.apply(point.load_torque_Nm)
-    elif point.load_torque_Nm:
-        progress.note(
-            f"this bench has no load machine: load the shaft with {point.load_torque_Nm:g} Nm yourself"
-        )
-    session.drive.wait(point.settle_s / 2.0)
-
-
-def _request(session: Session, record: Record) -> CaptureRequest:
-    period_s = session.drive.number("control_period")
-    return CaptureRequest(
-        record.channels, rows=round(record.duration_s / (period_s * record.stride)), stride=record.stride
-    )
+@contextmanager
+def _telemetry(session: Session, writer: BundleWriter) -> Iterator[TelemetryStream | None]:
+    """The slow stream into the bundle, if the drive has one; what goes wrong with it ends the run."""
+    if "stream_sequence" not in session.drive.dictionary:
+        yield None
+        return
+    with record_stream(session.drive, writer) as stream, session.drive.watched(stream.check):
+        yield stream
 
 
 def _manifest(session: Session, plan: Plan, case: Case, info: RunInfo, identity: Identity) -> Manifest:

@@ -20,6 +20,7 @@ GREEN: Final = "#009e73"
 GREY: Final = "#9a9a9a"
 LIGHT: Final = "#d4d4d4"
 
+SERIES: Final = (BLUE, ORANGE, GREEN, BLACK, "#cc79a7", "#e69f00", "#56b4e9")
 PHASES: Final = {"i_a": BLUE, "i_b": ORANGE, "i_c": GREEN}
 REFERENCE: Final[dict[str, Any]] = {"color": BLACK, "linewidth": 0.9, "linestyle": (0, (5, 3))}
 
@@ -37,7 +38,11 @@ def new_figure(height_in: float, title: str, summary: str, width_in: float = WID
     figure = Figure(figsize=size, dpi=DPI, layout="constrained", facecolor="white")
     FigureCanvasAgg(figure)
     figure.suptitle(
-        "\n".join([*lines, summary]), x=0.01, horizontalalignment="left", fontsize=_FONT_PT + 1, color=BLACK
+        "\n".join([*lines, summary]).rstrip(),
+        x=0.01,
+        horizontalalignment="left",
+        fontsize=_FONT_PT + 1,
+        color=BLACK,
     )
     return figure
 

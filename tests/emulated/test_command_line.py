@@ -87,7 +87,7 @@ def test_the_demo(invoke: Invoke) -> None:
 def test_the_same_seed_gives_the_same_bytes_and_another_seed_does_not(invoke: Invoke) -> None:
     for folder, seed in (("a", "3"), ("b", "3"), ("c", "4")):
         assert invoke("demo", "--out", folder, "--seed", seed).exit_code == 0
-    for name in ("capture.parquet", "transducer.parquet"):
+    for name in ("capture.parquet", "transducer.parquet", "telemetry.parquet"):
         data = {folder: (Path(folder) / "data" / name).read_bytes() for folder in "abc"}
         assert data["a"] == data["b"]
         assert data["a"] != data["c"]

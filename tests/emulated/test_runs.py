@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import pickle
+from collections.abc import Mapping
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 
 import pytest
 
-from benchtool.bench import Session
+from benchtool.bench import Session, open_session
 from benchtool.errors import DriveFault, SdoAbort
+from benchtool.experiment.assessment import assess_bundle
 from benchtool.experiment.cases import cases
+from benchtool.experiment.parallel import run_in_processes
 from benchtool.experiment.plan import Plan
 from benchtool.experiment.runner import RunInfo, run_plan
 from benchtool.protocol.cia402 import State
@@ -52,7 +57,7 @@ SWEEP = _plan(sweep={"setup": {"u_s_V": [60.0, 81.65]}}, repetitions=2)
 
 
 def _run(session: Session, plan: Plan, folder: Path, watcher: Watcher, *, resume: bool = False) -> list[str]:
-    result = run_plan(session, plan, folder, INFO, watcher, resume=resume)
+    result = run_plan(lambda _: nullcontext(session), plan, folder, INFO, watcher, resume=resume)
     return [each.case for each in result.assessments]
 
 
@@ -125,3 +130,62 @@ def test_a_setup_that_is_refused_changes_nothing_and_leaves_no_bundle(wire: Wire
         _run(wire.session, plan, tmp_path / "run", Watcher())
     assert wire.session.drive.read("u_s") == 81.65
     assert not (tmp_path / "run").exists()
+
+
+def test_variants_are_crossed_with_the_sweep() -> None:
+    plan = _plan(
+        emulator={"inverter.u_dc_V": 311.0},
+        variants=[
+            {"name": "nominal"},
+            {"name": "dead time", "emulator": {"inverter.dead_time_s": 3e-6}, "setup": {"R_s_ohm": 0.2}},
+        ],
+        sweep={"setup": {"u_s_V": [60.0, 80.0]}},
+    )
+    found = {case.name: case for case in cases(plan)}
+    assert list(found) == [
+        "nominal,u_s_V=60",
+        "nominal,u_s_V=80",
+        "dead time,u_s_V=60",
+        "dead time,u_s_V=80",
+    ]
+    last = found["dead time,u_s_V=80"]
+    assert last.emulator == {"inverter.u_dc_V": 311.0, "inverter.dead_time_s": 3e-6}
+    assert last.setup == {"R_s_ohm": 0.2, "u_s_V": 80.0}
+    assert last.folder == "dead_time,u_s_V=80"
+
+
+def test_limits_hold_for_the_quality_of_the_data_as_well(wire: Wire, tmp_path: Path) -> None:
+    plan = _plan(limits={"capture_rows_missing": {"max": 0.0}, "telemetry_rows_expected": {"max": 1.0}})
+    result = run_plan(lambda _: nullcontext(wire.session), plan, tmp_path / "run", INFO, Watcher())
+    (assessment,) = result.assessments
+    assert assessment.verdicts == {"capture_rows_missing": "pass", "telemetry_rows_expected": "fail"}
+    assert assess_bundle(Bundle.open(tmp_path / "run")).verdicts == assessment.verdicts
+
+
+def test_a_run_in_processes_records_the_same_bytes(tmp_path: Path) -> None:
+    def opener(alter: Mapping[str, float]) -> AbstractContextManager[Session]:
+        return open_session("zhu2011", seed=INFO.seed, alter=alter)
+
+    plan = _plan(sweep={"setup": {"u_s_V": [60.0, 81.65]}})
+    run_plan(opener, plan, tmp_path / "one", INFO, Watcher())
+    watcher = Watcher()
+    result = run_in_processes(plan, "zhu2011", tmp_path / "two", INFO, watcher, jobs=2)
+    names = [each.case for each in result.assessments]
+    assert names == ["u_s_V=60", "u_s_V=81.65"]
+    assert sorted(watcher.begun) == names
+    for name in names:
+        one, two = (tmp_path / run / name / "data" / "capture.parquet" for run in ("one", "two"))
+        assert one.read_bytes() == two.read_bytes()
+
+
+def test_a_case_that_fails_in_a_process_names_itself(tmp_path: Path) -> None:
+    plan = _plan(sweep={"setup": {"i_trip_A": [12.0, 0.2]}})
+    with pytest.raises(DriveFault, match="0x2310") as failed:
+        run_in_processes(plan, "zhu2011", tmp_path / "run", INFO, Watcher(), jobs=2)
+    assert failed.value.__notes__ == ["in case i_trip_A=0.2"]
+    assert Bundle.open(tmp_path / "run" / "i_trip_A=12").complete
+
+
+def test_an_abort_code_survives_the_way_back_from_a_process() -> None:
+    error = pickle.loads(pickle.dumps(SdoAbort("refused", 0x06010002)))
+    assert (str(error), error.code) == ("refused", 0x06010002)

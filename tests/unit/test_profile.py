@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from benchtool.errors import ProfileError
-from benchtool.profile import load_profile
+from benchtool.profile import altered, load_profile
 from benchtool.shipped import shipped
 
 TEXT = (shipped("profiles") / "zhu2011" / "profile.toml").read_text(encoding="utf-8")
@@ -77,3 +77,29 @@ def test_not_utf8(tmp_path: Path) -> None:
     path.write_bytes(b'title = "M\xfcller"\n')
     with pytest.raises(ProfileError, match="not UTF-8"):
         load_profile(str(path))
+
+
+def test_an_altered_bench_differs_in_what_is_named_and_in_nothing_else() -> None:
+    profile = load_profile("zhu2011")
+    other = altered(profile, {"inverter.u_dc_V": 311.0, "motor.R_s_ohm": 0.246})
+    assert other.emulator is not None
+    assert profile.emulator is not None
+    assert other.emulator.inverter.u_dc_V == 311.0
+    assert other.emulator.motor.R_s_ohm == 0.246
+    assert other.emulator.sensors == profile.emulator.sensors
+    assert other.motor == profile.motor
+    assert profile.emulator.inverter.u_dc_V == 122.5
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "complaint"),
+    [
+        ("inverter.u_dc", 311.0, "unknown key 'inverter.u_dc': did you mean 'u_dc_V'?"),
+        ("inverter.u_dc_V", -1.0, "key 'inverter.u_dc_V' is -1.0"),
+        ("u_dc_V", 311.0, "unknown key 'u_dc_V'"),
+    ],
+)
+def test_mistakes_in_an_alteration(key: str, value: float, complaint: str) -> None:
+    with pytest.raises(ProfileError) as refused:
+        altered(load_profile("zhu2011"), {key: value})
+    assert complaint in str(refused.value)

@@ -64,10 +64,15 @@ def without(block: Block, name: str) -> Block:
     return replace(block, channels=tuple(block.channels[k] for k in keep), data=block.data[:, keep])
 
 
+def test_the_torque_error_is_what_the_estimate_has_too_much() -> None:
+    assert analyze(capture(0.68), transducer())["torque_error"].value == pytest.approx(0.03, abs=2e-4)
+
+
 def test_every_number_of_a_known_capture() -> None:
     steady = analyze(capture(), transducer())
 
     values = {each.name: each.value for each in steady.measurements}
+    assert values.pop("torque_error") == pytest.approx(0.0, abs=2e-4), "not whole periods of the ripple"
     assert values == pytest.approx(
         {
             "torque_mean": 0.65,

@@ -1,0 +1,138 @@
+"""Setpoints paced by the host: for moving a shaft by hand or by a script, never for an experiment.
+
+An experiment's setpoints are played by the drive (`benchtool.drive.play`); a host's timer is only as even as
+`Pacing` says it was.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+from benchtool.clock import Clock
+from benchtool.drive import Mode, RemoteDrive
+from benchtool.errors import BenchError, ValueRefused
+from benchtool.profile import Motor
+from benchtool.telemetry.setpoints import Setpoints
+
+HIGHEST_RATE_HZ = 1000.0
+_LATE = 1.5  # periods
+
+
+@dataclass(frozen=True)
+class Pacing:
+    """How evenly frames were sent, by the host's clock.
+
+    `period_rms_s` is the rms deviation of the periods from the one asked for; a period is late from one and a
+    half of that on. What is missed is left out, never made up for by a burst.
+    """
+
+    sent: int
+    period_s: float
+    period_mean_s: float
+    period_rms_s: float
+    period_max_s: float
+    late: int
+
+
+@dataclass(frozen=True)
+class Jog:
+    """What came of it: the pacing, and the drive's measurements at the end, before it was disabled."""
+
+    pacing: Pacing
+    omega_m_rad_s: float
+    torque_Nm: float
+
+
+def jog(
+    drive: RemoteDrive,
+    motor: Motor,
+    mode: Mode,
+    setpoint: Callable[[float], float],
+    *,
+    duration_s: float,
+    rate_Hz: float = 100.0,
+) -> Jog:
+    """Enable the drive, send it setpoints for `duration_s`, and disable it again, on every way out.
+
+    Args:
+        drive: connected.
+        motor: whose rated torque and speed no setpoint may exceed.
+        mode: VELOCITY or TORQUE.
+        setpoint: of the seconds since the start, in rad/s or Nm.
+        rate_Hz: frames per second, 1000 at most; each is one RPDO, which also feeds the link supervision.
+
+    Raises:
+        ValueRefused: a setpoint is beyond the rating, or the rate or the mode is none; it was not sent.
+        DriveFault, LinkError: as they come; the drive is disabled or will stop by itself.
+    """
+    if not 0.0 < rate_Hz <= HIGHEST_RATE_HZ:
+        raise ValueRefused(
+            f"a rate of {rate_Hz:g} Hz: more than 0 and at most {HIGHEST_RATE_HZ:g} can be: change it"
+        )
+    if mode not in (Mode.VELOCITY, Mode.TORQUE):
+        raise ValueRefused(f"{mode.name.lower()} mode takes no setpoints: choose velocity or torque")
+    _within_rating(setpoint(0.0), mode, motor)
+    with _setpoints(drive) as setpoints, drive.enabled(mode):
+
+        def send(time_s: float) -> None:
+            value = _within_rating(setpoint(time_s), mode, motor)
+            if mode is Mode.VELOCITY:
+                setpoints.send(omega_m_rad_s=value)
+            else:
+                setpoints.send(torque_Nm=value)
+            drive.raise_emergencies()
+
+        pacing = pace(drive.clock, send, duration_s=duration_s, period_s=1.0 / rate_Hz)
+        return Jog(pacing, drive.number("omega_m"), drive.number("torque"))
+
+
+def pace(clock: Clock, action: Callable[[float], None], *, duration_s: float, period_s: float) -> Pacing:
+    """Call `action` with the seconds since the start, every `period_s` for `duration_s`; say how evenly."""
+    start_s = clock.now_s()
+    slots = max(1, round(duration_s / period_s))
+    slot, last_s, sent, late = 0, start_s, 0, 0
+    total_s, squares_s2, longest_s = 0.0, 0.0, 0.0
+    while slot < slots:
+        clock.wait(start_s + slot * period_s - clock.now_s())
+        now_s = clock.now_s()
+        if sent:
+            period = now_s - last_s
+            total_s += period
+            squares_s2 += (period - period_s) ** 2
+            longest_s = max(longest_s, period)
+            late += period > _LATE * period_s
+        action(now_s - start_s)
+        last_s, sent = now_s, sent + 1
+        slot = max(slot + 1, math.floor((clock.now_s() - start_s) / period_s))
+    clock.wait(start_s + slots * period_s - clock.now_s())
+    periods = max(1, sent - 1)
+    return Pacing(sent, period_s, total_s / periods, math.sqrt(squares_s2 / periods), longest_s, late)
+
+
+def _within_rating(value: float, mode: Mode, motor: Motor) -> float:
+    limit, unit = (motor.omega_m_N_rad_s, "rad/s") if mode is Mode.VELOCITY else (motor.T_N_Nm, "Nm")
+    if not abs(value) <= limit:
+        raise ValueRefused(
+            f"the setpoint is {value:g} {unit}, the profile rates the motor at {limit:g} {unit}: "
+            f"stay within; it was not sent"
+        )
+    return value
+
+
+@contextmanager
+def _setpoints(drive: RemoteDrive) -> Iterator[Setpoints]:
+    """The setpoint frame in use for the length of a `with` block."""
+    setpoints = Setpoints(drive)
+    try:
+        yield setpoints
+    except BaseException as error:
+        try:
+            setpoints.close()
+        except BenchError as failed:
+            error.add_note(str(failed))
+        raise
+    else:
+        setpoints.close()

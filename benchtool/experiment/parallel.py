@@ -1,0 +1,83 @@
+"""Cases of a plan in processes of their own: emulated benches share nothing, a sweep may use every core."""
+
+from __future__ import annotations
+
+import multiprocessing
+from collections.abc import Mapping
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from pathlib import Path
+
+from benchtool.bench import Session, open_session
+from benchtool.errors import BenchError
+from benchtool.experiment.assessment import RunResult, assess_bundle
+from benchtool.experiment.cases import Case, cases
+from benchtool.experiment.conduct import Progress
+from benchtool.experiment.drawing import draw_cases
+from benchtool.experiment.plan import Plan
+from benchtool.experiment.runner import RunInfo, case_folder, run_cases
+from benchtool.recording import Bundle
+
+
+@dataclass(frozen=True)
+class _Task:
+    """What a process needs to run one case."""
+
+    plan: Plan
+    case: Case
+    profile_name: str
+    folder: Path
+    info: RunInfo
+    resume: bool
+
+
+class _Silent:
+    """Nobody watches a process; its parent tells of the cases that are done."""
+
+    def begin(self, case: str, number: int, count: int) -> None:
+        """Nothing."""
+
+    def note(self, text: str) -> None:
+        """Nothing."""
+
+
+def run_in_processes(
+    plan: Plan,
+    profile_name: str,
+    folder: Path,
+    info: RunInfo,
+    progress: Progress,
+    *,
+    jobs: int,
+    resume: bool = False,
+) -> RunResult:
+    """Run every case of `plan` on an emulated bench of its own, `jobs` at a time.
+
+    The recordings are those that one process after the other would make.
+
+    Raises:
+        BenchError: of the first case that failed; the others are brought to their end.
+    """
+    todo = cases(plan)
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(max_workers=min(jobs, len(todo)), mp_context=context) as pool:
+        tasks = [pool.submit(_run, _Task(plan, case, profile_name, folder, info, resume)) for case in todo]
+        for number, done in enumerate(as_completed(tasks), start=1):
+            progress.begin(done.result(), number, len(todo))
+            progress.note("done")
+    results = [assess_bundle(Bundle.open(case_folder(plan, case, folder))) for case in todo]
+    draw_cases(plan, results, folder)
+    return RunResult(tuple(results))
+
+
+def _run(task: _Task) -> str:
+    def opener(alter: Mapping[str, float]) -> AbstractContextManager[Session]:
+        return open_session(task.profile_name, seed=task.info.seed, alter=alter)
+
+    try:
+        run_cases(opener, task.plan, [task.case], task.folder, task.info, _Silent(), resume=task.resume)
+    except BenchError as error:
+        error.add_note(f"in case {task.case.name}")
+        raise
+    return task.case.name

@@ -1,0 +1,90 @@
+"""A page that sets a publication's figures beside those of a run, as Markdown."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from benchtool.analysis import Measurement
+from benchtool.profile import Choice, Profile
+
+
+@dataclass(frozen=True)
+class PlanFigures:
+    """One plan of the run: its cases' measurements and published figures, and what its source leaves open."""
+
+    name: str
+    title: str
+    readings: tuple[str, ...]
+    tabulate: tuple[str, ...]
+    measured: Mapping[str, Sequence[Measurement]]
+    published: Mapping[str, Mapping[str, float]]
+
+
+def reproduction_page(profile: Profile, plans: Sequence[PlanFigures], command: str) -> str:
+    """Every published figure with ours and the ratio, every other measurement, and every choice made."""
+    lines = ["# Reproduction", "", profile.title + ".", "", f"Written by `{command}`.", ""]
+    for plan in plans:
+        lines += [f"## {plan.name}: {plan.title}", "", *_published(plan), *_table(plan)]
+        lines += [f"- {reading}" for reading in plan.readings]
+        lines += [""] if plan.readings else []
+    lines += ["## Choices", "", *_choices(profile.choices)]
+    return "\n".join(lines).rstrip("\n") + "\n"
+
+
+def _published(plan: PlanFigures) -> Iterator[str]:
+    rows = [
+        (case, name, value, next((each for each in plan.measured[case] if each.name == name), None))
+        for case, figures in plan.published.items()
+        for name, value in figures.items()
+        if case in plan.measured
+    ]
+    if not rows:
+        return
+    yield from (
+        "| case | measurement | published | measured | ratio | definition |",
+        "|---|---|---|---|---|---|",
+    )
+    for case, name, value, ours in rows:
+        if ours is None:
+            yield f"| {case} | {name} | {value:.4g} | – | – | not measured |"
+            continue
+        ratio = f"{ours.value / value:.3g}" if value and math.isfinite(ours.value) else "–"
+        yield (
+            f"| {case} | {name} | {value:.4g} {ours.unit} | {_number(ours.value)} {ours.unit} | {ratio} "
+            f"| {ours.definition} |"
+        )
+    yield ""
+
+
+def _table(plan: PlanFigures) -> Iterator[str]:
+    """A column for each case or, where the plan chooses measurements, a row for each."""
+    if plan.tabulate:
+        yield f"| case | {' | '.join(plan.tabulate)} |"
+        yield f"|---|{'---|' * len(plan.tabulate)}"
+        for case, measured in plan.measured.items():
+            cells = {each.name: f"{_number(each.value)} {each.unit}" for each in measured}
+            yield f"| {case} | {' | '.join(cells.get(name, '–') for name in plan.tabulate)} |"
+        yield ""
+        return
+    units = {each.name: each.unit for measured in plan.measured.values() for each in measured}
+    yield f"| measurement | unit | {' | '.join(plan.measured)} |"
+    yield f"|---|---|{'---|' * len(plan.measured)}"
+    for name, unit in units.items():
+        values = (
+            next((each.value for each in measured if each.name == name), math.nan)
+            for measured in plan.measured.values()
+        )
+        yield f"| {name} | {unit} | {' | '.join(_number(value) for value in values)} |"
+    yield ""
+
+
+def _choices(choices: Sequence[Choice]) -> Iterator[str]:
+    yield from ("| about | choice | reason | effect |", "|---|---|---|---|")
+    for each in choices:
+        yield f"| {each.about} | {each.choice} | {each.reason} | {each.effect} |"
+
+
+def _number(value: float) -> str:
+    return f"{value:.4g}" if math.isfinite(value) else "–"

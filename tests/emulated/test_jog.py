@@ -1,0 +1,131 @@
+"""Setpoints from the host: frames on the wire, and the drive disabled whatever ends them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+
+import pytest
+from typer.testing import CliRunner
+
+from benchtool.cli import app
+from benchtool.drive import Mode
+from benchtool.errors import DriveFault, ValueRefused
+from benchtool.experiment.jog import jog
+from benchtool.protocol.cia402 import State
+
+from .conftest import Wire
+
+NODE = 1
+RPDO = 0x200 + NODE
+SDO_REQUEST = 0x600 + NODE
+
+
+def _always(value: float) -> Callable[[float], float]:
+    return lambda _: value
+
+
+def test_a_speed_is_held_by_setpoint_frames(wire: Wire) -> None:
+    session = wire.session
+    session.drive.connect()
+    wire.frames()
+    result = jog(
+        session.drive, session.profile.motor, Mode.VELOCITY, lambda _: 15.0, duration_s=0.5, rate_Hz=200.0
+    )
+    assert result.omega_m_rad_s == pytest.approx(15.0, abs=0.3)
+    assert (result.pacing.sent, result.pacing.late) == (100, 0)
+    setpoints = [data for can_id, data in wire.frames() if can_id == RPDO]
+    assert setpoints == [bytes.fromhex("00000000 00007041")] * 100
+    assert session.drive.state() is State.SWITCH_ON_DISABLED
+    assert int(session.drive.number("0x1400:1")) >> 31, "the frame is out of use again"
+
+
+def test_setpoints_are_a_function_of_time(wire: Wire) -> None:
+    session = wire.session
+    session.drive.connect()
+    result = jog(
+        session.drive,
+        session.profile.motor,
+        Mode.TORQUE,
+        lambda time_s: 0.0 if time_s < 0.15 else 0.4,
+        duration_s=0.2,
+        rate_Hz=1000.0,
+    )
+    assert result.torque_Nm == pytest.approx(0.4, abs=0.05)
+
+
+def test_beyond_the_rating_nothing_is_sent(wire: Wire) -> None:
+    session = wire.session
+    session.drive.connect()
+    wire.frames()
+    for mode, value in ((Mode.VELOCITY, -158.0), (Mode.TORQUE, 9.6), (Mode.TORQUE, float("nan"))):
+        with pytest.raises(ValueRefused, match="the profile rates the motor at"):
+            jog(session.drive, session.profile.motor, mode, _always(value), duration_s=0.1)
+    assert [can_id for can_id, _ in wire.frames() if can_id in (RPDO, SDO_REQUEST)] == []
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt, RuntimeError])
+def test_an_interruption_leaves_the_drive_disabled(wire: Wire, error: type[BaseException]) -> None:
+    session = wire.session
+    session.drive.connect()
+
+    def setpoint(time_s: float) -> float:
+        if time_s > 0.05:
+            raise error
+        return 10.0
+
+    with pytest.raises(error):
+        jog(session.drive, session.profile.motor, Mode.VELOCITY, setpoint, duration_s=1.0)
+    assert session.drive.state() is State.SWITCH_ON_DISABLED
+    assert session.drive.number("omega_m_command") == 0.0
+    assert int(session.drive.number("0x1400:1")) >> 31
+
+
+def test_a_setpoint_that_grows_beyond_the_rating_ends_it_unsent(wire: Wire) -> None:
+    session = wire.session
+    session.drive.connect()
+    wire.frames()
+    with pytest.raises(ValueRefused, match="the setpoint is 10 Nm"):
+        jog(
+            session.drive,
+            session.profile.motor,
+            Mode.TORQUE,
+            lambda t: 0.0 if t < 0.05 else 10.0,
+            duration_s=1,
+        )
+    assert {data for can_id, data in wire.frames() if can_id == RPDO} == {bytes(8)}
+    assert session.drive.state() is State.SWITCH_ON_DISABLED
+
+
+def test_a_fault_ends_it(wire: Wire) -> None:
+    session = wire.session
+    session.drive.connect()
+    session.drive.write("i_trip", 0.5)
+    with pytest.raises(DriveFault, match="0x2310"):
+        jog(session.drive, session.profile.motor, Mode.TORQUE, lambda _: 2.0, duration_s=1.0)
+    assert session.drive.state() is State.FAULT
+
+
+def test_the_command_says_how_even_it_was() -> None:
+    result = CliRunner().invoke(app, ["jog", "--torque", "0.05", "--duration", "0.1", "--json"])
+    assert result.exit_code == 0, result.output
+    document = json.loads(result.stdout)
+    assert document["pacing"]["sent"] == 10
+    assert document["pacing"]["period_mean_s"] == pytest.approx(0.01)
+    assert document["clock"] == "virtual"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [
+        (("--duration", "1"), "neither of --speed and --torque"),
+        (("--duration", "1", "--speed", "1", "--torque", "1"), "both of --speed and --torque"),
+        (("--duration", "1", "--speed", "1000"), "the profile rates the motor at 157.1 rad/s"),
+        (("--duration", "1", "--speed", "1", "--rate", "2000"), "at most 1000"),
+    ],
+)
+def test_mistakes_on_the_command_line(arguments: tuple[str, ...], complaint: str) -> None:
+    result = CliRunner().invoke(app, ["jog", *arguments])
+    assert result.exit_code == 2
+    assert complaint in result.stderr
+    assert result.stdout == ""

@@ -1,0 +1,77 @@
+"""The figures of Zhu, Xiao and Li (2011) as the shipped plans, over the wire, and what they have to show."""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+from pathlib import Path
+from tempfile import mkdtemp
+from typing import Any
+
+import pytest
+from typer.testing import CliRunner
+
+from benchtool.cli import app
+from benchtool.experiment.plan import load_plan, plan_names
+
+Measured = dict[str, dict[str, Any]]
+
+
+@pytest.fixture(scope="module")
+def measured(tmp_path_factory: pytest.TempPathFactory) -> Any:
+    """Runs a plan once, and gives the values of its cases."""
+
+    @cache
+    def run(plan: str) -> Measured:
+        folder = Path(mkdtemp(dir=tmp_path_factory.getbasetemp())) / "run"
+        result = CliRunner().invoke(app, ["run", f"zhu2011/{plan}", "--json", "--out", str(folder)])
+        assert result.exit_code in (0, 1), result.output
+        cases = json.loads(result.stdout)["cases"]
+        assert (folder / "plots" / "cases.png").is_file()
+        return {
+            case: {name: each["value"] for name, each in content["measurements"].items()}
+            for case, content in cases.items()
+        }
+
+    return run
+
+
+def test_every_shipped_plan_is_valid() -> None:
+    names = plan_names("zhu2011")
+    assert {f"zhu2011/fig{number}" for number in (4, 5, 6, 7, 8)} <= set(names)
+    for name in names:
+        load_plan(name)
+
+
+def test_fig_4_the_earlier_tpc_has_at_least_three_times_the_ripple(measured: Any) -> None:
+    cases = measured("fig4")
+    assert cases["tpc_stator"]["torque_ripple_pp"] >= 3.0 * cases["tpc"]["torque_ripple_pp"]
+    assert cases["tpc"]["torque_mean"] == pytest.approx(3.0, abs=0.02)
+
+
+def test_fig_5_the_torque_step(measured: Any) -> None:
+    cases = measured("fig5")
+    assert set(cases) == {"svm_dtc", "tpc"}
+    assert cases["tpc"]["reach_time"] <= 1.2e-3
+    assert cases["tpc"]["overshoot"] <= 0.1
+
+
+def test_fig_6_and_7_steady_state(measured: Any) -> None:
+    cases = measured("fig6")
+    assert cases["tpc"]["torque_ripple_pp"] <= 0.06
+    assert cases["tpc_stator"]["torque_ripple_pp"] > cases["tpc"]["torque_ripple_pp"]
+    assert cases["tpc"]["current_max_low_harmonic"] <= 0.007
+
+
+def test_fig_8_the_torque_holds_its_limit_and_falls_without_undershoot(measured: Any) -> None:
+    case = measured("fig8")["tpc"]
+    assert case["overshoot"] <= 0.1
+    assert case["undershoot"] <= 0.2
+
+
+def test_deadbeat_beats_tpc_in_the_same_run(measured: Any) -> None:
+    cases = measured("laws")
+    assert len(cases) == 7
+    deadbeat, tpc = cases["deadbeat"], cases["tpc"]
+    assert deadbeat["true_torque_ripple_pp"] <= 0.5 * tpc["true_torque_ripple_pp"]
+    assert deadbeat["flux_ripple_pp"] <= 0.1 * tpc["flux_ripple_pp"]
