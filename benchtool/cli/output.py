@@ -16,6 +16,8 @@ from rich.text import Text
 if TYPE_CHECKING:
     from benchtool.experiment.assessment import Assessment, RunResult
 
+_MOST_COLUMNS = 7
+_FOREMOST = ("torque_ripple_pp", "true_torque_ripple_pp", "flux_ripple_pp", "current_thd")
 _COLOUR = {"pass": "green", "marginal": "yellow", "fail": "red", "none": "dim"}
 
 
@@ -69,8 +71,8 @@ def show_run(output: Output, title: str, result: RunResult, tabulate: Sequence[s
     """Print for people what every case of a run measured, and how it met its limits."""
     if len(result.assessments) == 1:
         show_assessment(output, title, result.assessments[0])
-    elif tabulate:
-        show_rows(output, title, result.assessments, tabulate)
+    elif tabulate or len(result.assessments) > _MOST_COLUMNS:
+        show_rows(output, title, result.assessments, tabulate or _FOREMOST)
     else:
         show_side_by_side(output, title, result.assessments)
     output.verdict(result.verdict)

@@ -102,7 +102,6 @@ def _run(name: str, folder: Path, chosen: RunOptions, output: Output) -> RunResu
             open_session,
             place,
             chosen.link,
-            seed=chosen.seed,
             real_time=chosen.real_time,
             note=progress.note,
         )
@@ -113,7 +112,12 @@ def _run(name: str, folder: Path, chosen: RunOptions, output: Output) -> RunResu
                 )
             else:
                 result = run_plan(
-                    lambda alter: opener(alter=alter), plan, folder, info, progress, resume=chosen.resume
+                    lambda case, seed: opener(seed=seed, alter=case.emulator),
+                    plan,
+                    folder,
+                    info,
+                    progress,
+                    resume=chosen.resume,
                 )
         except KeyboardInterrupt as interrupt:
             interrupt.add_note(f"go on with: benchtool run {name} --resume {folder}")

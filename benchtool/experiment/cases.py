@@ -19,6 +19,7 @@ class Case:
     emulator: Mapping[str, float]
     setup: Mapping[str, Setting]
     operating_point: OperatingPoint
+    repetition: int = 1
 
     @property
     def folder(self) -> str:
@@ -71,7 +72,7 @@ def _case(
             setup[key] = value
         else:
             swept[key] = value
-    return Case(name, emulator, setup, plan.operating_point.model_copy(update=swept))
+    return Case(name, emulator, setup, plan.operating_point.model_copy(update=swept), repetition)
 
 
 def _part(key: str, value: Setting) -> str:

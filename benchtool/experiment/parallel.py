@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import multiprocessing
-from collections.abc import Mapping
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
@@ -72,8 +71,8 @@ def run_in_processes(
 
 
 def _run(task: _Task) -> str:
-    def opener(alter: Mapping[str, float]) -> AbstractContextManager[Session]:
-        return open_session(task.profile_name, seed=task.info.seed, alter=alter)
+    def opener(case: Case, seed: int) -> AbstractContextManager[Session]:
+        return open_session(task.profile_name, seed=seed, alter=case.emulator)
 
     try:
         run_cases(opener, task.plan, [task.case], task.folder, task.info, _Silent(), resume=task.resume)

@@ -31,7 +31,7 @@ class RunInfo:
     command_line: tuple[str, ...]
 
 
-Opener = Callable[[Mapping[str, float]], AbstractContextManager[Session]]
+Opener = Callable[[Case, int], AbstractContextManager[Session]]
 
 
 def run_plan(
@@ -42,7 +42,7 @@ def run_plan(
     When this returns or raises, the drive is disabled and its parameters are what they were.
 
     Args:
-        opener: opens a session, on an emulated bench altered by what it is given.
+        opener: opens the session of a case; on an emulated bench as the case alters it, with the seed given.
         resume: take the cases that `folder` already holds complete from there.
 
     Raises:
@@ -74,12 +74,17 @@ def run_cases(
             progress.note("already there")
             results.append(assess_bundle(done))
             continue
-        with opener(case.emulator) as session:
+        with opener(case, _seed(info, case)) as session:
             progress.note("checking identity and dictionary")
             identity = session.drive.connect()
             with temporary(session.drive, {**plan.setup, **case.setup}):
                 results.append(_run_case(session, plan, case, place, info, identity, progress))
     return results
+
+
+def _seed(info: RunInfo, case: Case) -> int:
+    """Repetitions differ in the noise of an emulated bench, and in nothing else."""
+    return info.seed + case.repetition - 1
 
 
 def case_folder(plan: Plan, case: Case, folder: Path) -> Path:
@@ -175,7 +180,7 @@ def _manifest(session: Session, plan: Plan, case: Case, info: RunInfo, identity:
         dictionary_hash=identity.dictionary_hash,
         parameters=snapshot(session.drive),
         versions=software_versions(),
-        seed=info.seed,
+        seed=_seed(info, case),
         command_line=info.command_line,
         details={
             "case": case.name,

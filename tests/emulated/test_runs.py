@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import pickle
-from collections.abc import Mapping
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 
@@ -12,7 +11,7 @@ import pytest
 from benchtool.bench import Session, open_session
 from benchtool.errors import DriveFault, SdoAbort
 from benchtool.experiment.assessment import assess_bundle
-from benchtool.experiment.cases import cases
+from benchtool.experiment.cases import Case, cases
 from benchtool.experiment.parallel import run_in_processes
 from benchtool.experiment.plan import Plan
 from benchtool.experiment.runner import RunInfo, run_plan
@@ -57,7 +56,7 @@ SWEEP = _plan(sweep={"setup": {"u_s_V": [60.0, 81.65]}}, repetitions=2)
 
 
 def _run(session: Session, plan: Plan, folder: Path, watcher: Watcher, *, resume: bool = False) -> list[str]:
-    result = run_plan(lambda _: nullcontext(session), plan, folder, INFO, watcher, resume=resume)
+    result = run_plan(lambda *_: nullcontext(session), plan, folder, INFO, watcher, resume=resume)
     return [each.case for each in result.assessments]
 
 
@@ -156,26 +155,28 @@ def test_variants_are_crossed_with_the_sweep() -> None:
 
 def test_limits_hold_for_the_quality_of_the_data_as_well(wire: Wire, tmp_path: Path) -> None:
     plan = _plan(limits={"capture_rows_missing": {"max": 0.0}, "telemetry_rows_expected": {"max": 1.0}})
-    result = run_plan(lambda _: nullcontext(wire.session), plan, tmp_path / "run", INFO, Watcher())
+    result = run_plan(lambda *_: nullcontext(wire.session), plan, tmp_path / "run", INFO, Watcher())
     (assessment,) = result.assessments
     assert assessment.verdicts == {"capture_rows_missing": "pass", "telemetry_rows_expected": "fail"}
     assert assess_bundle(Bundle.open(tmp_path / "run")).verdicts == assessment.verdicts
 
 
 def test_a_run_in_processes_records_the_same_bytes(tmp_path: Path) -> None:
-    def opener(alter: Mapping[str, float]) -> AbstractContextManager[Session]:
-        return open_session("zhu2011", seed=INFO.seed, alter=alter)
+    def opener(case: Case, seed: int) -> AbstractContextManager[Session]:
+        return open_session("zhu2011", seed=seed, alter=case.emulator)
 
-    plan = _plan(sweep={"setup": {"u_s_V": [60.0, 81.65]}})
+    plan = _plan(case="tpc", repetitions=2)
     run_plan(opener, plan, tmp_path / "one", INFO, Watcher())
     watcher = Watcher()
     result = run_in_processes(plan, "zhu2011", tmp_path / "two", INFO, watcher, jobs=2)
     names = [each.case for each in result.assessments]
-    assert names == ["u_s_V=60", "u_s_V=81.65"]
+    assert names == ["tpc.1", "tpc.2"]
     assert sorted(watcher.begun) == names
     for name in names:
         one, two = (tmp_path / run / name / "data" / "capture.parquet" for run in ("one", "two"))
         assert one.read_bytes() == two.read_bytes()
+    first, second = (each.measurements for each in result.assessments)
+    assert first != second, "repetitions differ in their noise"
 
 
 def test_a_case_that_fails_in_a_process_names_itself(tmp_path: Path) -> None:

@@ -42,7 +42,7 @@ class Silent:
 
 
 def _run(wire: Wire, plan: Plan, folder: Path) -> None:
-    run_plan(lambda _: nullcontext(wire.session), plan, folder, INFO, Silent())
+    run_plan(lambda *_: nullcontext(wire.session), plan, folder, INFO, Silent())
 
 
 def test_a_torque_step_at_a_held_speed(wire: Wire, tmp_path: Path) -> None:

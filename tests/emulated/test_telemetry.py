@@ -262,7 +262,7 @@ def test_pdos_that_an_earlier_host_left_behind_are_switched_off(wire: Wire) -> N
 
 def test_every_run_of_a_plan_has_the_stream_and_a_certificate(wire: Wire, tmp_path: Path) -> None:
     watcher = Watcher()
-    run_plan(lambda _: nullcontext(wire.session), _plan(), tmp_path / "run", INFO, watcher)
+    run_plan(lambda *_: nullcontext(wire.session), _plan(), tmp_path / "run", INFO, watcher)
     assert any("rows expected, 0 missing" in note for note in watcher.notes)
     bundle = Bundle.open(tmp_path / "run")
     assert {"capture", "telemetry"} <= set(bundle.streams)
@@ -287,7 +287,7 @@ def test_a_plan_whose_recording_fails_ends_with_the_drive_disabled(
 
     monkeypatch.setattr(BundleWriter, "append", full)
     with pytest.raises(RecordingError, match="no space left"):
-        run_plan(lambda _: nullcontext(wire.session), _plan(), tmp_path / "run", INFO, Watcher())
+        run_plan(lambda *_: nullcontext(wire.session), _plan(), tmp_path / "run", INFO, Watcher())
     assert wire.session.drive.state() is State.SWITCH_ON_DISABLED
     bundle = Bundle.open(tmp_path / "run")
     assert not bundle.complete
