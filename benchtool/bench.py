@@ -137,6 +137,16 @@ def _timestamp(frame: can.Message) -> float:
     return frame.timestamp
 
 
+def dictionary_of(profile_name: str) -> Dictionary:
+    """The dictionary of the drive that a profile describes.
+
+    Raises:
+        ProfileError, DictionaryError: the profile or its EDS cannot be read.
+    """
+    profile = load_profile(profile_name)
+    return Dictionary.from_eds(eds_path(profile, profile_path(profile_name)), profile.drive.node_id)
+
+
 def emulator_is_compiled() -> bool:
     """Whether this machine holds the compiled emulator, or its first run will compile it."""
     from benchtool.emulator.kernel import kernel_is_cached

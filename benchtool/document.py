@@ -42,7 +42,7 @@ def load_document(path: Path, model: type[Model], error: type[UsageError]) -> Mo
     try:
         return model.model_validate(content)
     except ValidationError as failed:
-        place = f"{path}{_line(text, _foremost(failed)['loc'])}"
+        place = f"{path}{line_of(text, _foremost(failed)['loc'])}"
         raise error(f"{place}: {explain(model, failed)}") from None
 
 
@@ -91,7 +91,7 @@ def _allowed_keys(model: type[BaseModel], location: Path_) -> list[str]:
     return list(model.model_fields)
 
 
-def _line(text: str, location: Path_) -> str:
+def line_of(text: str, location: Path_) -> str:
     """`, line N` of the assignment or the table that `location` names; empty where it is not in the text."""
     wanted = [str(part) for part in location if isinstance(part, str)]
     table: list[str] = []

@@ -83,16 +83,18 @@ def run_named(name: str, chosen: RunOptions) -> int:
 
 
 def _run(name: str, folder: Path, chosen: RunOptions, output: Output) -> RunResult:
-    from benchtool.bench import open_session
+    from benchtool.bench import dictionary_of, open_session
     from benchtool.cli.progress import RunProgress
     from benchtool.errors import UsageError
     from benchtool.experiment.parallel import run_in_processes
-    from benchtool.experiment.plan import load_plan
+    from benchtool.experiment.plan import load_plan, plan_path
     from benchtool.experiment.runner import RunInfo, run_plan
+    from benchtool.experiment.validation import require_known
 
     plan = load_plan(name)
-    info = RunInfo(options.wall_time().isoformat(timespec="seconds"), chosen.seed, tuple(sys.argv[1:]))
     place = chosen.profile or plan.profile
+    require_known(plan, plan_path(name), dictionary_of(place))
+    info = RunInfo(options.wall_time().isoformat(timespec="seconds"), chosen.seed, tuple(sys.argv[1:]))
     if chosen.jobs > 1 and (chosen.real_time or chosen.link != "emulated"):
         raise UsageError(
             f"--jobs {chosen.jobs} is for emulated benches in virtual time: leave out --link and --real-time"

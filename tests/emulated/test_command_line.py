@@ -148,12 +148,13 @@ def test_mistakes_on_the_command_line(
 @pytest.mark.parametrize(
     ("change", "code", "complaint"),
     [
-        (("u_s_V", "u_s_v"), 2, "write 'u_s_V'"),
+        (("u_s_V", "u_s_v"), 2, "line 7: no parameter 'u_s_v' in drive.eds: write 'u_s_V'"),
         (("u_s_V = 81.65", "u_s_V = 1e6"), 2, "u_s"),
         (('law = "tpc"', 'law = "tcp"'), 2, "tcp"),
         (('"i_a",', '"i_x",'), 2, "i_x"),
         (("omega_m_rad_s = 15.71", "omega_m_rad_s = nan"), 2, "omega_m_rad_s"),
-        (('law = "tpc"', "control_period_s = 1e-3"), 4, "read-only"),
+        (('law = "tpc"', "control_period_s = 1e-3"), 2, "line 6: 'control_period_s' is not a parameter"),
+        (('law = "tpc"', "torque_command_Nm = 1.0"), 2, "line 6: 'torque_command_Nm' is not a parameter"),
     ],
 )
 def test_mistakes_in_a_plan(
