@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import PurePath
+
 from benchtool.errors import ValueRefused
 from benchtool.protocol.dictionary import Dictionary
 from benchtool.protocol.variable import Variable
@@ -24,4 +26,4 @@ def variable_of(dictionary: Dictionary, key: str) -> Variable:
             return variable
     near = [variable for variable in variables if key == variable.name or key.startswith(f"{variable.name}_")]
     hint = f"write '{toml_key(near[-1])}'" if near else "see firmware_protocol/objects.md"
-    raise ValueRefused(f"no parameter '{key}' in {dictionary.source}: {hint}")
+    raise ValueRefused(f"no parameter '{key}' in {PurePath(dictionary.source).name}: {hint}")
