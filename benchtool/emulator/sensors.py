@@ -30,9 +30,9 @@ class Sensing(NamedTuple):
 
 
 @njit
-def code_of(value: float, step: float, lowest: float, highest: float) -> float:
+def code_of(value: float, steps_per_unit: float, lowest: float, highest: float) -> float:
     """Code of a mid-tread converter: the nearest step, held within its range."""
-    return min(max(math.floor(value / step + 0.5), lowest), highest)
+    return min(max(math.floor(value * steps_per_unit + 0.5), lowest), highest)
 
 
 @njit
@@ -56,9 +56,10 @@ def measure(
     i_b = sensing.gain_b * i_b + sensing.offset_b + noise[1]
     i_c = sensing.gain_c * i_c + sensing.offset_c + noise[2]
     lowest, highest = -sensing.half_codes, sensing.half_codes - 1.0
-    code_a = code_of(i_a, sensing.i_step, lowest, highest)
-    code_b = code_of(i_b, sensing.i_step, lowest, highest)
-    code_c = code_of(i_c, sensing.i_step, lowest, highest)
+    steps_per_A, steps_per_V = 1.0 / sensing.i_step, 1.0 / sensing.u_step
+    code_a = code_of(i_a, steps_per_A, lowest, highest)
+    code_b = code_of(i_b, steps_per_A, lowest, highest)
+    code_c = code_of(i_c, steps_per_A, lowest, highest)
     saturated = 0
     for code in (code_a, code_b, code_c):
         if code in (lowest, highest):
@@ -66,7 +67,7 @@ def measure(
     measurement.i_a = code_a * sensing.i_step
     measurement.i_b = code_b * sensing.i_step
     measurement.i_c = code_c * sensing.i_step
-    measurement.u_dc = code_of(u_dc, sensing.u_step, 0.0, 2.0 * sensing.half_codes - 1.0) * sensing.u_step
+    measurement.u_dc = code_of(u_dc, steps_per_V, 0.0, 2.0 * sensing.half_codes - 1.0) * sensing.u_step
     measurement.count = encoder_count(x.theta_e / p, sensing)
     measurement.saturated = saturated
 

@@ -8,20 +8,21 @@ from typing import Any
 from benchtool.emulator.jit import njit
 
 TWO_PI = 2.0 * math.pi
+_TURNS = 1.0 / TWO_PI  # per rad; a product is cheaper than a quotient
 _DAMPING = 1.0  # both poles at -omega_observer
 
 
 @njit
 def wrapped(angle: float) -> float:
     """Angle in [-pi, pi)."""
-    return angle - TWO_PI * math.floor(angle / TWO_PI + 0.5)
+    return angle - TWO_PI * math.floor(angle * _TURNS + 0.5)
 
 
 @njit
 def rotor_angle(count: int, drive: Any) -> float:
     """Mechanical angle of the rotor flux against phase a, 0 to 2 pi: the middle of the encoder's step."""
     angle: float = (count + 0.5) * TWO_PI / (4.0 * drive.encoder_lines) - drive.encoder_offset
-    return angle - TWO_PI * math.floor(angle / TWO_PI)
+    return angle - TWO_PI * math.floor(angle * _TURNS)
 
 
 @njit

@@ -21,12 +21,13 @@ def voltage(at: Situation, torque: float, psi_s: float, drive: Any) -> tuple[flo
     """
     T_s = drive.control_period
     T_k = drive.T_k_ratio * T_s
-    L = drive.L_q  # the axis across the rotor flux, on which u_s makes torque; the paper's machine has one L
-    gain = 1.5 * drive.pole_pairs / L
+    # The axis across the rotor flux is the one on which u_s makes torque; the paper's machine has one L.
+    per_L = 1.0 / drive.L_q
+    gain = 1.5 * drive.pole_pairs * per_L
 
     # psi_s x d psi_r/dt = omega_e psi_s . psi_r
     emf = gain * at.omega_e * at.psi_d * drive.psi_r
-    needed = torque - at.torque + (drive.R_s / L * at.torque + emf) * T_s  # numerator of (14)
+    needed = torque - at.torque + (drive.R_s * per_L * at.torque + emf) * T_s  # numerator of (14)
     sine = needed / (gain * drive.psi_r * T_k * drive.u_s)  # (14)
     clipped = abs(sine) > 1.0
     sine = min(max(sine, -1.0), 1.0)
