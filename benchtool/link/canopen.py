@@ -14,7 +14,7 @@ import can
 import canopen
 from canopen.sdo.exceptions import SdoAbortedError, SdoCommunicationError
 
-from benchtool.clock import Clock
+from benchtool.clock import Clock, VirtualClock
 from benchtool.errors import LinkClosed, LinkError, NoAnswer, SdoAbort
 from benchtool.link.interface import Frame, FrameReceiver, LinkCounters
 from benchtool.link.sdo_client import BlockNotOfferedError, SdoClient, SdoTimeoutError
@@ -66,7 +66,8 @@ class CanopenLink:
         self._receivers: dict[int, FrameReceiver] = {}
         self._network = canopen.Network()
         self._network.bus = bus
-        self._sdo = SdoClient(self._network, node_id, sdo_timeout_s)
+        settle = clock.settle if isinstance(clock, VirtualClock) else None
+        self._sdo = SdoClient(self._network, node_id, sdo_timeout_s, settle)
         self._network.subscribe(_SDO_RESPONSE + node_id, self._on_sdo_response)
         self._network.subscribe(_HEARTBEAT + node_id, self._on_heartbeat)
         self._network.subscribe(_EMCY + node_id, self._on_emergency)

@@ -14,6 +14,7 @@ import binascii
 import queue
 import struct
 import time
+from collections.abc import Callable
 
 import canopen
 from canopen.sdo import client
@@ -58,12 +59,21 @@ class SdoClient(client.SdoClient):
         network: to send on; its owner has `on_response` called for every frame of the server.
         node_id: the server's.
         timeout_s: wall time to wait for each answer.
+        settle: in virtual time, returns when every frame sent so far has been handled; an answer that is
+            not there then is not waited for.
     """
 
-    def __init__(self, network: canopen.Network, node_id: int, timeout_s: float) -> None:
+    def __init__(
+        self,
+        network: canopen.Network,
+        node_id: int,
+        timeout_s: float,
+        settle: Callable[[], None] | None = None,
+    ) -> None:
         super().__init__(0x600 + node_id, 0x580 + node_id, canopen.ObjectDictionary())
         self.network = network
         self.timeout_s = timeout_s
+        self.settle = settle
         self.overruns = 0
         # Four times as fast as the package's queue, whose other methods nobody calls.
         self.responses: queue.SimpleQueue[bytes] = queue.SimpleQueue()  # type: ignore[assignment]  # see above
@@ -105,6 +115,9 @@ class SdoClient(client.SdoClient):
         self.send_request(bytes([_ABORTED]) + self._object + struct.pack("<L", abort_code))
 
     def _next_frame(self, timeout_s: float) -> bytes:
+        if self.settle is not None and self.responses.empty():
+            self.settle()
+            timeout_s = 0.0  # what has not come by now never will
         try:
             return self.responses.get(timeout=timeout_s)
         except queue.Empty:
