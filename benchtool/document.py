@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import re
 import tomllib
+from collections.abc import Callable
 from pathlib import Path
 from typing import TypeVar
 
@@ -23,6 +24,24 @@ class Section(BaseModel):
 
 
 Model = TypeVar("Model", bound=Section)
+
+
+def document_path(
+    name: str, place: Path | None, kind: str, names: Callable[[], str], error: type[UsageError]
+) -> Path:
+    """The file that `name` names: a path ending in .toml, else `place`, where a document of that name ships.
+
+    Raises:
+        error: there is none; the message lists `names()`.
+    """
+    given = Path(name)
+    if given.suffix == ".toml":
+        if given.is_file():
+            return given
+        raise error(f"no {kind} file {given}: give an existing TOML file or a name ({names()})")
+    if place is None or not place.is_file():
+        raise error(f"no {kind} '{name}': the names are {names()}; or give a TOML file")
+    return place
 
 
 def load_document(path: Path, model: type[Model], error: type[UsageError]) -> Model:

@@ -12,7 +12,7 @@ from typing import Annotated
 
 from pydantic import Field, ValidationError
 
-from benchtool.document import Section, explain, load_document
+from benchtool.document import Section, document_path, explain, load_document
 from benchtool.errors import ProfileError
 from benchtool.shipped import shipped
 
@@ -110,15 +110,9 @@ def profile_path(name: str) -> Path:
     Raises:
         ProfileError: neither exists.
     """
-    given = Path(name)
-    if given.suffix == ".toml":
-        if given.is_file():
-            return given
-        raise ProfileError(f"no profile file {given}: give an existing TOML file or a name ({_names()})")
     path = shipped("profiles") / name / "profile.toml"
-    if not path.is_file() or not path.is_relative_to(shipped("profiles")):
-        raise ProfileError(f"no profile '{name}': the names are {_names()}; or give a TOML file")
-    return path
+    place = path if path.is_relative_to(shipped("profiles")) else None
+    return document_path(name, place, "profile", _names, ProfileError)
 
 
 def load_profile(name: str) -> Profile:

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from benchtool.document import Section, load_document
+from benchtool.document import Section, document_path, load_document
 from benchtool.drive import Mode, Stimulus
 from benchtool.errors import PlanError
 from benchtool.experiment.limits import Limit
@@ -156,15 +156,9 @@ def plan_path(name: str) -> Path:
     Raises:
         PlanError: neither exists.
     """
-    given = Path(name)
-    if given.suffix == ".toml":
-        if given.is_file():
-            return given
-        raise PlanError(f"no plan file {given}: give an existing TOML file or a name ({_names()})")
     path = shipped("profiles") / f"{name}.toml"
-    if not path.is_file() or path.name == "profile.toml":
-        raise PlanError(f"no plan '{name}': the names are {_names()}; or give a TOML file")
-    return path
+    place = path if path.name != "profile.toml" else None
+    return document_path(name, place, "plan", _names, PlanError)
 
 
 def plan_names(name: str) -> tuple[str, ...]:
