@@ -33,6 +33,7 @@ class Motor(Section):
     T_N_Nm: Positive
     omega_m_N_rad_s: Positive
     I_N_A_rms: Positive
+    slots: Annotated[int, Field(gt=0)] | None = None
 
 
 class Drive(Section):

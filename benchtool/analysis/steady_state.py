@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchtool.analysis.measurement import Measurement, MeasurementJson, measurements_to_json
+from benchtool.analysis.measurement import Measurement, MeasurementJson, Table, measurements_to_json
 from benchtool.analysis.periods import PhaseTrack, track_angle, track_tone
 from benchtool.analysis.ripple import ripple
 from benchtool.analysis.span import cut_to_span
@@ -33,6 +33,7 @@ class SteadyState:
 
     measurements: tuple[Measurement, ...]
     spectrum: CoherentSpectrum
+    tables: tuple[Table, ...] = ()
 
     @property
     def fundamental_Hz(self) -> float:

@@ -12,9 +12,11 @@ from pydantic import ValidationError
 from benchtool.analysis import (
     Measurement,
     SteadyState,
+    Table,
     analyze_steady_state,
     measurements_from_json,
     measurements_to_json,
+    tables_to_json,
 )
 from benchtool.analysis.step import analyze_step
 from benchtool.block import Block
@@ -41,6 +43,7 @@ class Assessment:
     capture: Block
     transducer: Block | None
     steady: SteadyState | None
+    tables: tuple[Table, ...] = ()
 
     @property
     def verdicts(self) -> Mapping[str, Verdict]:
@@ -54,7 +57,8 @@ class Assessment:
 
     def to_json(self) -> dict[str, Any]:
         """The case as the JSON document of a run lists it."""
-        return {"bundle": str(self.bundle), "measurements": measurements_to_json(self.measurements)}
+        document = {"bundle": str(self.bundle), "measurements": measurements_to_json(self.measurements)}
+        return document | ({"tables": tables_to_json(self.tables)} if self.tables else {})
 
 
 @dataclass(frozen=True)
@@ -90,6 +94,7 @@ def assess(
         AnalysisError: the data cannot answer what the plan asks.
     """
     measurements: list[Measurement] = []
+    tables: list[Table] = []
     steady = None
     if plan.analyses.steady:
         steady = analyze_steady_state(
@@ -99,6 +104,7 @@ def assess(
             transducer=transducer,
         )
         measurements.extend(steady.measurements)
+        tables.extend(steady.tables)
     if plan.analyses.step:
         step = analyze_step(capture, plan.analyses.step_signal, plan.analyses.step_reference)
         measurements.extend(step.measurements)
@@ -112,6 +118,7 @@ def assess(
         capture,
         transducer,
         steady,
+        tuple(tables),
     )
 
 
