@@ -1,4 +1,5 @@
-"""Writes what is generated from `objects.toml`: `drive.eds`, `drive_objects.h` and `objects.md`.
+"""Writes what is generated from `objects.toml`: `drive.eds`, `drive_objects.h` and `objects.md`; and, of the
+serial protocol, `serial_vectors.json`.
 
 python -m firmware_protocol.generate            write the files
 python -m firmware_protocol.generate --check    write nothing; exit 1 and name each file that is stale
@@ -13,7 +14,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from benchtool.protocol.objects import ObjectTable, table_from_toml
-from firmware_protocol import c_header, eds_file, reference_page
+from firmware_protocol import c_header, eds_file, reference_page, vectors
 
 FOLDER = Path(__file__).resolve().parent
 
@@ -24,6 +25,7 @@ def generated(table: ObjectTable) -> Mapping[str, str]:
         "drive.eds": eds_file.render(table),
         "drive_objects.h": c_header.render(table),
         "objects.md": reference_page.render(table),
+        "serial_vectors.json": vectors.render(),
     }
 
 
