@@ -2,12 +2,23 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis.validity import require_signal
+from benchtool.analysis.measurement import Basis, Measurement, Uncertainty
+from benchtool.analysis.periods import PhaseTrack
+from benchtool.analysis.validity import require_signal, require_unbroken
+from benchtool.block import Block
+
+_SMALLEST_MEAN = 1e-6  # share of the peak-to-peak ripple below which "percent of mean" says nothing
+_FEWEST_PERIODS = 3  # whose scatter says something
+_LOW, _HIGH = 0.5, 99.5  # per cent
+_NEAR = 0.25  # per cent to either side, for the density there
+_LOOKED_AT = 1 << 16  # samples, for the resolution
 
 
 @dataclass(frozen=True)
@@ -18,6 +29,18 @@ class Ripple:
     peak_to_peak: float
     rms: float
     unit: str
+
+
+@dataclass(frozen=True)
+class _Scatter:
+    """Standard uncertainties of mean, rms and percentile range, and the spread of single peak-to-peaks."""
+
+    periods: int
+    mean: float
+    rms: float
+    percentile_range: float
+    peak_to_peak: float
+    mean_peak_to_peak: float
 
 
 def ripple(samples: NDArray[np.float64], unit: str, name: str = "signal") -> Ripple:
@@ -36,3 +59,186 @@ def ripple(samples: NDArray[np.float64], unit: str, name: str = "signal") -> Rip
         rms=float(np.std(samples)),
         unit=unit,
     )
+
+
+def percentile_range(samples: NDArray[np.float64]) -> float:
+    """99.5th minus 0.5th percentile of samples, shape (n,): what 99 % of them span, whatever a spike does."""
+    low, high = np.percentile(samples, (_LOW, _HIGH))
+    return float(high - low)
+
+
+def resolution(samples: NDArray[np.float64]) -> float:
+    """Smallest nonzero difference between distinct values of samples, shape (n,); 0 if all are the same.
+
+    The step of a quantised signal; of one that was computed, only the rounding. Of a long record 65536
+    samples, evenly spread, are looked at.
+    """
+    few = samples[:: max(1, len(samples) // _LOOKED_AT)]
+    steps = np.diff(np.unique(few))
+    return float(np.min(steps)) if len(steps) else 0.0
+
+
+def record_basis(block: Block) -> Basis:
+    """All rows of a block without gaps, unfiltered: what folds back from above half the rate is in them."""
+    samples, rate_Hz = len(block.data), block.sample_rate_Hz
+    return Basis(samples, rate_Hz, samples / rate_Hz, 0.5 * rate_Hz, "rectangular, all samples", gaps=0)
+
+
+def ripple_numbers(
+    block: Block,
+    channel: str,
+    name: str,
+    *,
+    rated: float | None = None,
+    track: PhaseTrack | None = None,
+    what: str = "",
+) -> tuple[Measurement, ...]:
+    """Mean of a channel, and its ripple peak to peak, rms and between percentiles, absolute and relative.
+
+    Args:
+        block: rows without gaps; of any uniform rate.
+        channel: the channel to measure.
+        name: what the names of the measurements begin with, such as torque.
+        rated: the base of the numbers "of rated", in the channel's unit; None leaves them out.
+        track: phase over the rows, for uncertainties from the scatter over whole electrical periods; without
+            it, or with fewer than three periods, there are none but those from the resolution.
+        what: words for the channel in the definitions.
+
+    Raises:
+        AnalysisError: a gap, no such channel, or one that is too short, not finite or constant.
+    """
+    require_unbroken(block)
+    samples, unit = np.ascontiguousarray(block.column(channel)), block.unit(channel)
+    whole = ripple(samples, unit, channel)
+    scatter = None if track is None else _scatter(samples, whole, track)
+    return tuple(_numbers(samples, whole, scatter, name, what or channel, rated, record_basis(block)))
+
+
+def peak_to_peak_number(
+    block: Block, channel: str, name: str, *, track: PhaseTrack | None = None, what: str = ""
+) -> Measurement:
+    """Peak-to-peak ripple alone of a channel, called `name`; arguments and errors of `ripple_numbers`."""
+    require_unbroken(block)
+    samples = np.ascontiguousarray(block.column(channel))
+    whole = ripple(samples, block.unit(channel), channel)
+    scatter = None if track is None else _scatter(samples, whole, track, percentiles=False)
+    return _peak_to_peak(name, what or channel, whole, scatter, resolution(samples), record_basis(block))
+
+
+def _numbers(
+    samples: NDArray[np.float64],
+    whole: Ripple,
+    scatter: _Scatter | None,
+    name: str,
+    what: str,
+    rated: float | None,
+    basis: Basis,
+) -> Iterator[Measurement]:
+    unit, step = whole.unit, resolution(samples)
+    # ripple that spans several steps turns quantization into noise, which the scatter holds already
+    floor = step / math.sqrt(12.0) if whole.rms < step else 0.0
+
+    def uncertainty(standard: float) -> Uncertainty | None:
+        if scatter is None:
+            return None
+        if standard < floor:
+            return Uncertainty(floor, f"resolution {step:.3g} {unit} / sqrt(12)")
+        source = f"scatter over {scatter.periods} electrical periods, and the share of the incomplete one"
+        return Uncertainty(standard, source)
+
+    mean = uncertainty(scatter.mean) if scatter else None
+    yield Measurement(f"{name}_mean", whole.mean, unit, f"mean of {what}", basis, mean)
+    peak_to_peak = _peak_to_peak(f"{name}_ripple_pp", what, whole, scatter, step, basis)
+    yield peak_to_peak
+    text = f"rms of {what} about its mean"
+    rms = Measurement(
+        f"{name}_ripple_rms", whole.rms, unit, text, basis, uncertainty(scatter.rms) if scatter else None
+    )
+    yield rms
+    text = f"{_HIGH:g}th minus {_LOW:g}th percentile of {what}"
+    percentiles = uncertainty(scatter.percentile_range) if scatter else None
+    yield Measurement(f"{name}_ripple_p99", percentile_range(samples), unit, text, basis, percentiles)
+
+    reason = "" if abs(whole.mean) > _SMALLEST_MEAN * whole.peak_to_peak else f"the mean {name} is zero"
+    for number in (peak_to_peak, rms):
+        yield _percent(number, f"{name}_ripple", "of_mean", abs(whole.mean), f"|{name}_mean|", reason)
+    if rated is not None:
+        reason = "" if rated > 0.0 else f"it is {rated:g} {unit}"
+        for number in (peak_to_peak, rms):
+            base = f"rated {name} of {rated:g} {unit}"
+            yield _percent(number, f"{name}_ripple", "of_rated", rated, base, reason)
+
+
+def _peak_to_peak(
+    name: str, what: str, whole: Ripple, scatter: _Scatter | None, step: float, basis: Basis
+) -> Measurement:
+    # of a difference of two readings, each known to within a step (JCGM 100:2008, F.2.2.1)
+    uncertain = Uncertainty(step / math.sqrt(6.0), f"resolution {step:.3g} {whole.unit} / sqrt(6) alone")
+    if scatter is not None and scatter.peak_to_peak > uncertain.standard:
+        source = (
+            f"spread of the {scatter.periods} single electrical periods, of mean "
+            f"{scatter.mean_peak_to_peak:.4g} {whole.unit}; a longer record reads more"
+        )
+        uncertain = Uncertainty(scatter.peak_to_peak, source)
+    text = f"maximum minus minimum of {what}"
+    return Measurement(name, whole.peak_to_peak, whole.unit, text, basis, uncertain)
+
+
+def _percent(
+    number: Measurement, prefix: str, suffix: str, base: float, base_text: str, reason: str
+) -> Measurement:
+    which = "_rms" if number.name.endswith("_rms") else ""
+    name, text = f"{prefix}{which}_percent_{suffix}", f"100 x {number.name} / {base_text}"
+    basis = Basis(**{**vars(number.basis), "reference": base_text})
+    if reason:
+        return Measurement.undefined(name, "%", text, reason, basis)
+    scale = 100.0 / base
+    uncertain = number.uncertainty
+    if uncertain is not None:
+        uncertain = Uncertainty(scale * uncertain.standard, f"of {number.name} alone")
+    return Measurement(name, scale * number.value, "%", text, basis, uncertain)
+
+
+def _scatter(
+    samples: NDArray[np.float64], whole: Ripple, track: PhaseTrack, *, percentiles: bool = True
+) -> _Scatter | None:
+    """Numbers of each whole period of the record, and how they scatter; None where that says nothing."""
+    rows = track.period_rows()
+    periods = len(rows) - 1
+    if periods < _FEWEST_PERIODS or np.min(np.diff(rows)) < 1:
+        return None
+    begin, within, counts = rows[:-1], samples[: rows[-1]], np.diff(rows)
+    means = np.add.reduceat(within, begin) / counts
+    deviation = within - whole.mean
+    squares = np.add.reduceat(np.square(deviation, out=deviation), begin) / counts
+    spans = np.maximum.reduceat(within, begin) - np.minimum.reduceat(within, begin)
+    root = math.sqrt(periods)
+    rms = math.sqrt(float(np.average(squares, weights=counts)))
+    # the record ends within a period: what that part moves is no scatter, but it is not known either
+    incomplete = float(np.average(means, weights=counts)) - whole.mean, rms - whole.rms
+    of_rms = float(np.std(squares, ddof=1)) / (2.0 * rms * root) if rms > 0.0 else 0.0
+    return _Scatter(
+        periods=periods,
+        mean=math.hypot(float(np.std(means, ddof=1)) / root, incomplete[0]),
+        rms=math.hypot(of_rms, incomplete[1]),
+        percentile_range=_percentile_scatter(within, begin, counts) / root if percentiles else 0.0,
+        peak_to_peak=float(np.std(spans, ddof=1)),
+        mean_peak_to_peak=float(np.mean(spans)),
+    )
+
+
+def _percentile_scatter(
+    samples: NDArray[np.float64], begin: NDArray[np.int64], counts: NDArray[np.int64]
+) -> float:
+    """Standard deviation over periods of what each contributes to the percentile range.
+
+    A percentile moves by the share of samples beyond it, more than expected, over the density there (Bahadur,
+    Ann. Math. Statist. 37 (1966)); the density is that between percentiles a little to either side.
+    """
+    at = (_LOW - _NEAR, _LOW, _LOW + _NEAR, _HIGH - _NEAR, _HIGH, _HIGH + _NEAR)
+    below, low, above_low, below_high, high, above = np.percentile(samples, at)
+    beyond_low = np.add.reduceat(samples < low, begin, dtype=np.float64) / counts
+    beyond_high = np.add.reduceat(samples > high, begin, dtype=np.float64) / counts
+    per_share = 100.0 / (2.0 * _NEAR)
+    moved = per_share * ((above_low - below) * beyond_low + (above - below_high) * beyond_high)
+    return float(np.std(moved, ddof=1))

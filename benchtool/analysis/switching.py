@@ -1,14 +1,37 @@
-"""Switching frequency from the drive's counter of turn-ons."""
+"""Switching frequency from the drive's counter of turn-ons, and the inverter's states behind its voltages."""
 
 from __future__ import annotations
+
+import math
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from benchtool.analysis.measurement import Basis, Measurement, Table, Uncertainty
+from benchtool.analysis.scatter import error_of_mean
+from benchtool.analysis.validity import require_unbroken
+from benchtool.block import Block
 from benchtool.errors import AnalysisError
 
 _LEGS = 3
 _WRAP = 2.0**32
+_SQRT3 = math.sqrt(3.0)
+_VECTORS = 7  # the zero vectors 0 and 7 count as one: the voltage does not tell them apart
+_USED = 1e-5  # of a period, above the rounding of single-precision voltages
+
+# Vector 1 ... 6 lies at (k - 1) 60 degrees: 100, 110, 010, 011, 001, 101.
+_ONE_LEG_HIGH = np.array([1, 3, 5])  # by the leg that is high
+_ONE_LEG_LOW = np.array([4, 6, 2])  # by the leg that is low
+
+
+@dataclass(frozen=True)
+class SwitchingStates:
+    """Result of `switching_states`; `shares` has shape (n, 7): of each period, the zero vectors first."""
+
+    measurements: tuple[Measurement, ...]
+    tables: tuple[Table, ...]
+    shares: NDArray[np.float64]
 
 
 def mean_switching_frequency_Hz(switching_count: NDArray[np.float64], sample_period_s: float) -> float:
@@ -32,3 +55,104 @@ def mean_switching_frequency_Hz(switching_count: NDArray[np.float64], sample_per
             "is expected: the drive restarted, choose a window on one side of it"
         )
     return float(np.sum(turn_ons)) / (_LEGS * len(turn_ons) * sample_period_s)
+
+
+def switching_frequency(block: Block) -> Measurement:
+    """`mean_switching_frequency_Hz` of a capture without gaps that has switching_count.
+
+    Raises:
+        AnalysisError: a gap, no such channel, too short, or the counter went backwards.
+    """
+    require_unbroken(block)
+    count, rate_Hz = block.column("switching_count"), block.sample_rate_Hz
+    value_Hz = mean_switching_frequency_Hz(count, 1.0 / rate_Hz)
+    duration_s = (len(count) - 1) / rate_Hz
+    return Measurement(
+        "switching_frequency_mean",
+        value_Hz,
+        "Hz",
+        "turn-ons of the three upper switches / (3 x duration)",
+        Basis(len(count), rate_Hz, duration_s, gaps=0),
+        Uncertainty(1.0 / (_LEGS * duration_s * _SQRT3), "a count of one either way, rectangular"),
+    )
+
+
+def vector_shares(
+    u_alpha: NDArray[np.float64], u_beta: NDArray[np.float64], u_dc: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Share of a period that each basic vector takes to make a mean voltage, shape (n, 7), rows of sum 1.
+
+    Column 0 is the zero vectors, column k vector k at (k - 1) 60 degrees and of length 2/3 u_dc: T_0, T_1 and
+    T_2 of space-vector modulation over T_s. With the phase voltages in order, greatest minus middle over
+    u_dc is the share with one leg high, middle minus least that with two. A voltage beyond the hexagon
+    counts as the one on its edge in the same direction. All inputs have shape (n,), V peak; u_dc is above 0.
+    """
+    phases = np.stack(
+        [u_alpha, -0.5 * u_alpha + 0.5 * _SQRT3 * u_beta, -0.5 * u_alpha - 0.5 * _SQRT3 * u_beta], axis=1
+    )
+    order = np.argsort(phases, axis=1)
+    least, middle, greatest = np.take_along_axis(phases, order, axis=1).T / u_dc
+    scale = np.maximum(1.0, greatest - least)
+    rows = np.arange(len(phases))
+    shares = np.zeros((len(phases), _VECTORS))
+    shares[rows, _ONE_LEG_HIGH[order[:, 2]]] = (greatest - middle) / scale
+    shares[rows, _ONE_LEG_LOW[order[:, 0]]] = (middle - least) / scale
+    shares[:, 0] = np.maximum(0.0, 1.0 - np.sum(shares, axis=1))
+    return shares
+
+
+def switching_states(block: Block) -> SwitchingStates:
+    """How long, and in how many periods, the inverter takes each of its states to make what is asked of it.
+
+    Args:
+        block: a capture without gaps, with u_alpha and u_beta, the mean voltage of the period after each
+            row, and u_dc, measured in that row.
+
+    Raises:
+        AnalysisError: a gap, a missing channel, or a dc link that is not above zero.
+    """
+    require_unbroken(block)
+    u_dc = block.column("u_dc")
+    if not np.all(u_dc > 0.0):
+        raise AnalysisError(
+            f"'u_dc' is {float(np.nanmin(u_dc)):g} V in places, a dc link above 0 V is needed: "
+            f"check that it was on and is measured"
+        )
+    shares = vector_shares(block.column("u_alpha"), block.column("u_beta"), u_dc)
+    if not np.all(np.isfinite(shares)):
+        raise AnalysisError(
+            "'u_alpha' or 'u_beta' has samples that are not finite, numbers are needed: record again"
+        )
+    rate_Hz = block.sample_rate_Hz
+    basis = Basis(len(shares), rate_Hz, len(shares) / rate_Hz, reference="the PWM period", gaps=0)
+    return SwitchingStates(tuple(_numbers(shares, basis)), (_table(shares, basis),), shares)
+
+
+def _numbers(shares: NDArray[np.float64], basis: Basis) -> list[Measurement]:
+    zero = 100.0 * shares[:, 0]
+    active = np.sum(shares[:, 1:] > _USED, axis=1).astype(np.float64)
+    return [
+        _mean(zero, "zero_vector_share", "%", "mean share of a PWM period without voltage, T_0 / T_s", basis),
+        _mean(active, "active_vectors_mean", "", "mean number of active vectors in a PWM period", basis),
+    ]
+
+
+def _mean(samples: NDArray[np.float64], name: str, unit: str, definition: str, basis: Basis) -> Measurement:
+    spread = error_of_mean(samples)
+    source = "scatter over ten parts of the record"
+    uncertain = Uncertainty(spread, source) if math.isfinite(spread) else None
+    return Measurement(name, float(np.mean(samples)), unit, definition, basis, uncertain)
+
+
+def _table(shares: NDArray[np.float64], basis: Basis) -> Table:
+    share = 100.0 * np.mean(shares, axis=0)
+    used = 100.0 * np.mean(shares > _USED, axis=0)
+    angle = np.array([math.nan, *(60.0 * np.arange(_VECTORS - 1))])
+    return Table(
+        "switching_states",
+        "basic vectors that make u_alpha, u_beta from u_dc by space-vector modulation, 0 standing for both "
+        "zero vectors: share of the time, and share of the periods in which the vector is used",
+        (("vector", ""), ("angle", "deg"), ("time_share", "%"), ("period_share", "%")),
+        tuple((float(k), float(angle[k]), float(share[k]), float(used[k])) for k in range(_VECTORS)),
+        basis,
+    )

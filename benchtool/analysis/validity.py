@@ -47,10 +47,12 @@ def require_unbroken(block: Block) -> None:
     block.require_uniform()
     if "tick" not in block.names:
         return
-    steps = np.mod(np.diff(block.column("tick")), _WRAP)
-    wrong = np.flatnonzero(steps != block.stride)
+    steps = np.diff(block.column("tick"))
+    wrong = np.flatnonzero(steps != block.stride)  # and what is left of these is no wrap
+    steps = np.mod(steps[wrong], _WRAP)
+    wrong, steps = wrong[steps != block.stride], steps[steps != block.stride]
     if len(wrong):
         raise AnalysisError(
-            f"'tick' advances by {steps[wrong[0]]:g} at row {wrong[0] + 1} and not by the stride of "
+            f"'tick' advances by {steps[0]:g} at row {wrong[0] + 1} and not by the stride of "
             f"{block.stride} in {len(wrong)} places: rows were lost or repeated, record again"
         )

@@ -64,8 +64,8 @@ def batch_of(block: Block, schema: pa.Schema) -> pa.RecordBatch:
 def block_of(
     schema: pa.Schema, batches: Iterable[pa.RecordBatch], rows: int, time_base: TimeBase, gaps: Sequence[Gap]
 ) -> Block:
-    """The block of batches that hold `rows` rows together."""
-    data = np.empty((rows, len(schema)))
+    """The block of batches that hold `rows` rows together; each channel's samples lie side by side."""
+    data = np.empty((rows, len(schema)), order="F")
     row = 0
     for batch in batches:
         for number, column in enumerate(batch.columns):

@@ -19,13 +19,23 @@ NAMES = [
     "torque_mean",
     "torque_ripple_pp",
     "torque_ripple_rms",
+    "torque_ripple_p99",
     "torque_ripple_percent_of_mean",
+    "torque_ripple_rms_percent_of_mean",
     "torque_ripple_percent_of_rated",
+    "torque_ripple_rms_percent_of_rated",
     "flux_ripple_pp",
     "fundamental_frequency",
     "current_fundamental",
-    "current_thd",
     "current_max_low_harmonic",
+    "current_thd",
+    "current_thd_r",
+    "current_tdd",
+    "current_thd_n",
+    "current_thdg",
+    "current_thds",
+    "current_noise_floor",
+    "current_noise_density",
     "switching_frequency_mean",
 ]
 
@@ -56,7 +66,9 @@ def transducer(first_tick: int = 7000, ticks: int = SAMPLES) -> Block:
 
 
 def analyze(block: Block, true_torque: Block | None = None) -> SteadyState:
-    return analyze_steady_state(block, pole_pairs=4, torque_rated_Nm=9.55, transducer=true_torque)
+    return analyze_steady_state(
+        block, pole_pairs=4, torque_rated_Nm=9.55, transducer=true_torque, current_rated_A_rms=3.0
+    )
 
 
 def without(block: Block, name: str) -> Block:
@@ -73,18 +85,31 @@ def test_every_number_of_a_known_capture() -> None:
 
     values = {each.name: each.value for each in steady.measurements}
     assert values.pop("torque_error") == pytest.approx(0.0, abs=2e-4), "not whole periods of the ripple"
+    assert values.pop("current_noise_floor") < 1e-5
+    assert values.pop("current_noise_density") < 1e-5
+    ratio = 0.007 / 0.24
     assert values == pytest.approx(
         {
             "torque_mean": 0.65,
             "torque_ripple_pp": 0.06,
             "torque_ripple_rms": 0.03 / np.sqrt(2),
+            # a cosine of random phase stays below cos(pi (1 - P)) with probability P
+            "torque_ripple_p99": 0.06 * np.cos(0.005 * np.pi),
             "torque_ripple_percent_of_mean": 100 * 0.06 / 0.65,
+            "torque_ripple_rms_percent_of_mean": 100 * 0.03 / np.sqrt(2) / 0.65,
             "torque_ripple_percent_of_rated": 100 * 0.06 / 9.55,
+            "torque_ripple_rms_percent_of_rated": 100 * 0.03 / np.sqrt(2) / 9.55,
             "true_torque_ripple_pp": 0.1,
+            "true_torque_ripple_rms": 0.05 / np.sqrt(2),
             "flux_ripple_pp": 0.002,
             "fundamental_frequency": 10.0,
             "current_fundamental": 0.24,
-            "current_thd": 100 * 0.007 / 0.24,
+            "current_thd": 100 * ratio,
+            "current_thd_r": 100 * ratio / np.hypot(1.0, ratio),
+            "current_tdd": 100 * 0.007 / (3.0 * np.sqrt(2)),
+            "current_thd_n": 100 * ratio,
+            "current_thdg": 100 * ratio,
+            "current_thds": 100 * ratio,
             "current_max_low_harmonic": 0.007,
             "switching_frequency_mean": 2 / 3 / TICK_S,
         },
@@ -94,16 +119,41 @@ def test_every_number_of_a_known_capture() -> None:
     assert steady.fundamental_Hz == pytest.approx(10.0)
 
 
-def test_every_definition_states_its_window_and_rate() -> None:
+def test_every_number_states_its_definition_and_what_it_rests_on() -> None:
     steady = analyze(capture())
 
     assert [each.name for each in steady.measurements] == NAMES
     for each in steady.measurements:
-        assert "at 10000 Hz" in each.definition
         assert "\n" not in each.definition
-    assert "harmonics 2 to 50" in steady["current_thd"].definition
+        assert each.basis.sample_rate_Hz == pytest.approx(10e3)
+        assert each.basis.samples == pytest.approx((each.basis.duration_s or 0.0) * 10e3, abs=1)
+        assert each.basis.gaps == 0
+        if each.name != "switching_frequency_mean":
+            assert each.basis.window
+            assert 0.0 < (each.basis.bandwidth_Hz or 0.0) <= 5e3
+    assert steady["current_thd"].basis.harmonics == 50
+    assert steady["current_thd"].basis.reference == "fundamental"
+    assert steady["current_tdd"].basis.reference == "rated current of 3 A rms"
+    assert "over the 5 periods there are in place of 10" in steady["current_thdg"].definition
     assert "here at 50 Hz; all bins, 2 Hz apart" in steady["current_max_low_harmonic"].definition
     assert "rated torque of 9.55 Nm" in steady["torque_ripple_percent_of_rated"].definition
+
+
+def test_the_tables_hold_what_the_numbers_are_made_from() -> None:
+    steady = analyze(capture())
+
+    harmonics, groups = steady.tables
+    assert (harmonics.name, groups.name) == ("current_harmonics", "current_groups")
+    assert all(len(row) == len(table.columns) for table in steady.tables for row in table.rows)
+    assert [row[0] for row in harmonics.rows] == list(range(1, 51))
+    order, frequency_Hz, amplitude_A, percent, phase_rad, uncertainty_A = harmonics.rows[4]
+    assert order == 5
+    assert frequency_Hz == pytest.approx(50.0)
+    assert amplitude_A == pytest.approx(0.007, rel=1e-3)
+    assert percent == pytest.approx(100 * 0.007 / 0.24, rel=1e-3)
+    assert phase_rad == pytest.approx(0.0, abs=1e-2)
+    assert 0.0 < uncertainty_A < 1e-4
+    assert groups.rows[4][1:3] == pytest.approx((0.007 / np.sqrt(2),) * 2, rel=1e-3)
 
 
 def test_percent_of_a_zero_mean_is_undefined_and_null_in_json() -> None:
@@ -138,14 +188,26 @@ def test_without_an_angle_the_periods_come_from_the_current() -> None:
     steady = analyze(without(capture(), "theta_m"))
 
     assert steady["fundamental_frequency"].value == pytest.approx(10.0, rel=1e-5)
-    assert "largest sinusoid of i_a" in steady["fundamental_frequency"].definition
+    assert "largest sinusoid of i_a" in steady["fundamental_frequency"].basis.window
     assert steady["current_max_low_harmonic"].value == pytest.approx(0.007, rel=1e-2)
 
 
-@pytest.mark.parametrize("name", ["i_a", "torque", "psi_s", "switching_count"])
-def test_a_missing_channel_is_refused_by_name(name: str) -> None:
-    with pytest.raises(AnalysisError, match=f"no channel '{name}'"):
-        analyze(without(capture(), name))
+def test_a_capture_without_the_current_is_refused() -> None:
+    with pytest.raises(AnalysisError, match="no channel 'i_a'"):
+        analyze(without(capture(), "i_a"))
+
+
+@pytest.mark.parametrize(
+    ("channel", "begin"),
+    [("torque", "torque_"), ("psi_s", "flux_"), ("switching_count", "switching_")],
+)
+def test_what_was_not_recorded_is_not_measured(channel: str, begin: str) -> None:
+    steady = analyze(without(capture(), channel), transducer())
+
+    expected = [name for name in NAMES if not name.startswith(begin)]
+    names = [each.name for each in steady.measurements]
+    assert [name for name in names if not name.startswith("true_") and name != "torque_error"] == expected
+    assert ("torque_error" in names) is (channel != "torque")
 
 
 @pytest.mark.parametrize("name", ["i_a", "theta_m", "torque", "psi_s"])
@@ -217,4 +279,14 @@ def test_a_capture_with_a_stride_keeps_its_time_base() -> None:
 
     assert steady["fundamental_frequency"].value == pytest.approx(10.0)
     assert steady["switching_frequency_mean"].value == pytest.approx(2 / 3 / TICK_S)
-    assert "2600 samples at 5000 Hz" in steady["torque_mean"].definition
+    assert steady["torque_mean"].basis.samples == 2600
+    assert steady["torque_mean"].basis.sample_rate_Hz == pytest.approx(5000)
+
+
+def test_the_transducer_is_taken_apart_by_the_periods_of_the_capture() -> None:
+    rms = analyze(capture(), transducer(6990, SAMPLES + 25))["true_torque_ripple_rms"]
+
+    # the torque repeats every tick, so that every period is like every other
+    assert rms.uncertainty is not None
+    assert "over 5 electrical periods" in rms.uncertainty.source
+    assert rms.uncertainty.standard < 1e-6

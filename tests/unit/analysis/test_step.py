@@ -76,6 +76,102 @@ def test_what_is_not_reached_has_no_time_and_says_why() -> None:
         assert "undefined here" in by_name[name].definition
 
 
+def _noisy(height: float, rms: float, seed: int = 0, rows: int = 5000) -> tuple[NDArray[np.float64], ...]:
+    """A lag of 1 ms after 5 rows of delay, with noise, and its reference."""
+    r = _step(0.0, height, rows)
+    since_s = np.maximum(0.0, np.arange(rows) - 105) / RATE_HZ
+    y = height * (1.0 - np.exp(-since_s / 1e-3))
+    return y + rms * np.random.default_rng(seed).standard_normal(rows), r
+
+
+@given(st.integers(0, 30))
+def test_dead_time_is_counted_in_samples(rows: int) -> None:
+    r = _step(0.0, 1.0)
+    assert _measured(_step(0.0, 1.0, at=100 + rows), r)["dead_time"] == pytest.approx(rows / RATE_HZ)
+
+
+def test_dead_time_does_not_take_earlier_noise_for_the_answer() -> None:
+    found = [_measured(*_noisy(1.0, 0.03, seed))["dead_time"] for seed in range(50)]
+    # 3 sigma once in 700 samples by chance; the lag leaves 3 x 0.03 after about a row
+    assert np.median(found) == pytest.approx(6 / RATE_HZ, abs=1.5 / RATE_HZ)
+    assert np.count_nonzero(np.array(found) < 5 / RATE_HZ) <= 3
+
+
+def test_noise_beyond_two_percent_widens_the_settling_band() -> None:
+    found = [_measured(*_noisy(0.65, 0.01, seed))["settling_time"] for seed in range(40)]
+    band = 4.5 * 0.01 / 0.65
+    expected_s = 5 / RATE_HZ + 1e-3 * math.log(1 / band)
+    assert np.median(found) == pytest.approx(expected_s, rel=0.15)
+    # noise leaves the band once in twenty windows, which is then what it says
+    assert np.count_nonzero(np.array(found) > 5e-3) <= 6
+    y, r = _noisy(0.65, 0.01)
+    response = analyze_step(_block(y, r), "torque", "torque_reference")
+    (settling,) = (each for each in response.measurements if each.name == "settling_time")
+    assert "x noise of the last tenth, as 2% of the step is less" in settling.definition
+    (clean,) = (
+        each
+        for each in analyze_step(_block(*_noisy(0.65, 1e-4)), "torque", "torque_reference").measurements
+        if each.name == "settling_time"
+    )
+    assert "within 0.013 Nm of the final reference: 2% of the step" in clean.definition
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_tracking_error_is_signal_minus_reference_in_its_own_sign(sign: float) -> None:
+    y, r = _noisy(sign * 2.0, 0.005)
+    found = _measured(y + 0.01, r)
+    assert found["tracking_error_mean"] == pytest.approx(0.01, abs=5e-4)
+    assert found["tracking_error_rms"] == pytest.approx(math.hypot(0.01, 0.005), rel=0.1)
+    assert found["tracking_error_max"] < 0.05
+
+
+def test_overshoot_in_percent_and_its_time() -> None:
+    r = _step(0.0, 4.0)
+    y = r.copy()
+    y[117] = 4.4
+    found = _measured(y, r)
+    assert found["overshoot"] == pytest.approx(0.4)
+    assert found["overshoot_percent"] == pytest.approx(10.0)
+    assert found["peak_time"] == pytest.approx(17 / RATE_HZ)
+    lag = 4.0 * (1.0 - np.exp(-np.maximum(0.0, np.arange(1000) - 100) / 30.0))
+    assert math.isnan(_measured(lag, r)["peak_time"])
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_the_plateau_is_where_the_reference_holds_and_the_signal_has_arrived(sign: float) -> None:
+    rows = np.arange(1000)
+    r = np.select([rows < 100, rows < 600], [0.0, 1.0], 0.2)
+    y = np.select([rows < 105, rows < 602], [0.0, 1.0], 0.2)
+    y[110], y[400], y[700] = 1.03, 0.93, 3.0
+    y[300] = 1.06
+    y[700] = 0.5
+    found = _measured(sign * y, sign * r)
+    assert found["plateau_mean"] == pytest.approx(sign * (495 + 0.03 - 0.07 + 0.06) / 495)
+    extremes = sorted(sign * value for value in (0.93, 1.06))
+    assert [found["plateau_min"], found["plateau_max"]] == pytest.approx(extremes)
+
+
+def test_a_reference_that_does_not_wait_has_no_plateau() -> None:
+    rows = np.arange(1000)
+    r = np.select([rows < 100, rows < 110], [0.0, 1.0], 0.2)
+    y = np.select([rows < 105, rows < 112], [0.0, 0.5], 0.2) + 1e-3 * np.sin(rows)
+    assert math.isnan(_measured(y, r)["plateau_max"])
+
+
+def test_every_number_says_what_it_rests_on() -> None:
+    response = analyze_step(_block(*_noisy(1.0, 0.01)), "torque", "torque_reference")
+    for each in response.measurements:
+        assert each.basis.samples == 4900
+        assert "torque against torque_reference, which goes from 0 to 1 Nm in row 100" in each.basis.reference
+        assert math.isnan(each.value) == (each.uncertainty is None)
+    by_name = {each.name: each for each in response.measurements}
+    reach, overshoot = by_name["reach_time"].uncertainty, by_name["overshoot"].uncertainty
+    assert reach is not None
+    assert reach.standard == pytest.approx(1e-4 / math.sqrt(12.0))
+    assert overshoot is not None
+    assert overshoot.standard == pytest.approx(0.01, rel=0.1)
+
+
 def test_without_a_step_there_is_no_response() -> None:
     noise = np.sin(np.arange(100.0))
     with pytest.raises(AnalysisError, match="'torque_reference' holds 1 over 100 samples, a step is needed"):

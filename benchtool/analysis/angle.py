@@ -1,0 +1,97 @@
+"""What a measured rotor angle covers: travel, revolutions, and how finely they are sampled."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchtool.analysis.validity import require_signal
+from benchtool.errors import AnalysisError
+
+TURN = 2 * np.pi
+
+_SMALLEST_JUMP = 0.8  # of the range of a wrapped angle: where it starts over
+_WRAP_TOLERANCE = 0.05
+_MOST_TURNS = 32  # until an angle starts over; more are counts of an encoder
+_SAME_RAD = 1e-9
+_COARSE = 1.2  # samples for each angle of each revolution, from which the angle is taken to count in steps
+
+
+@dataclass(frozen=True)
+class AngleCoverage:
+    """Where on the circle samples are.
+
+    Attributes:
+        angle_rad: the angle without wraps, shape (n,), in the order of the samples.
+        revolution: which revolution each sample is in, shape (n,), from 0.
+        revolutions: revolutions travelled between the least and the greatest angle.
+        largest_arc_rad: the longest arc of the circle that no sample of any revolution is in.
+        resolution_rad: the step in which the angle counts, or 0 where it is finer than the samples show.
+    """
+
+    angle_rad: NDArray[np.float64]
+    revolution: NDArray[np.int64]
+    revolutions: float
+    largest_arc_rad: float
+    resolution_rad: float
+
+    @property
+    def samples_per_revolution(self) -> float:
+        return len(self.angle_rad) / self.revolutions
+
+
+def angle_coverage(theta_m: NDArray[np.float64], name: str = "theta_m") -> AngleCoverage:
+    """Coverage of a mechanical angle, rad, shape (n,): wrapped or not, of either direction, at any times.
+
+    An angle that starts over at 2 pi (or at a whole number of turns) is unwrapped by the shorter way between
+    samples; one that counts turns is taken as it is.
+
+    Raises:
+        AnalysisError: not finite, constant, starting over at what is no whole turn (degrees, say), less than
+            one revolution travelled, or more than there are samples.
+    """
+    require_signal(theta_m, name)
+    angle = _unwrapped(theta_m, name)
+    low = float(angle.min())
+    revolutions = (float(angle.max()) - low) / TURN
+    if revolutions < 1.0:
+        raise AnalysisError(
+            f"'{name}' covers {revolutions:.3g} mechanical revolutions, at least one is needed for orders: "
+            f"record longer, and check that the angle is mechanical and in rad"
+        )
+    if revolutions > len(angle):
+        raise AnalysisError(
+            f"'{name}' covers {revolutions:.3g} revolutions in {len(angle)} samples, at least one sample for "
+            f"each is needed: check the unit of the angle, or record at a higher rate"
+        )
+    on_circle = np.sort(np.mod(angle, TURN))
+    arcs = np.diff(on_circle, append=on_circle[0] + TURN)
+    distinct = 1 + np.count_nonzero(np.diff(np.sort(angle)) > _SAME_RAD)
+    is_coarse = len(angle) > _COARSE * distinct
+    return AngleCoverage(
+        angle,
+        np.floor((angle - low) / TURN).astype(np.int64),
+        revolutions,
+        float(arcs.max()),
+        float(np.median(arcs[arcs > _SAME_RAD])) if is_coarse else 0.0,
+    )
+
+
+def _unwrapped(theta_m: NDArray[np.float64], name: str) -> NDArray[np.float64]:
+    steps, span = np.diff(theta_m), float(np.ptp(theta_m))
+    jumps = np.abs(steps) > _SMALLEST_JUMP * span
+    if not jumps.any() or 2 * np.count_nonzero(jumps) >= len(steps):
+        return np.asarray(theta_m, dtype=np.float64)
+    # it starts over one sample's step past its range, which the other steps tell
+    period = span + float(np.median(np.abs(steps[~jumps])))
+    turns = max(1, round(period / TURN))
+    step = period - span
+    in_degrees = abs(period - 360.0) < _WRAP_TOLERANCE * 360.0  # which is near 57 turns of 2 pi
+    if in_degrees or turns > _MOST_TURNS or abs(period - turns * TURN) > _WRAP_TOLERANCE * TURN + step:
+        raise AnalysisError(
+            f"'{name}' starts over at about {period:.3g}, a whole turn of {TURN:.4g} rad is expected: state "
+            f"the unit of the angle (deg, rev)"
+        )
+    return np.unwrap(theta_m, period=turns * TURN)

@@ -1,0 +1,161 @@
+"""The path of the stator flux in the plane: its radius, its centre, and how far it is from a circle."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.polynomial import Polynomial
+from numpy.typing import NDArray
+
+from benchtool.analysis.measurement import Basis, Measurement, Uncertainty
+from benchtool.analysis.periods import PhaseTrack, track_angle
+from benchtool.analysis.validity import require_signal, require_unbroken
+from benchtool.block import Block
+
+_CENTRINGS = 4  # each leaves about a tenth of the error of the one before
+_ENOUGH = 48  # samples of a revolution to find the centre by
+_HEAD = 1 << 16
+_CHUNK = 1 << 14  # rows at a time: in the cache
+_ORDERS = (0, 1, -5, 7)  # centre, circle, and what makes a hexagon of it
+
+
+def flux_trajectory(block: Block) -> tuple[Measurement, ...]:
+    """Radius, centre and hexagonality of the stator flux over whole revolutions of it.
+
+    The revolutions come from the flux's own angle about its centre: a quadratic fit to it, so that its ripple
+    stays in the numbers. Centre and hexagon are least-squares fits to the samples, in every revolution by
+    itself; their scatter over the revolutions is the uncertainty.
+
+    Args:
+        block: a capture without gaps, with psi_alpha and psi_beta, amplitude-invariant (peak).
+
+    Raises:
+        AnalysisError: a gap, a missing channel, a dead signal, fewer than two revolutions, or a speed that is
+            not steady.
+    """
+    require_unbroken(block)
+    alpha, beta = block.column("psi_alpha"), block.column("psi_beta")
+    require_signal(alpha, "psi_alpha")
+    require_signal(beta, "psi_beta")
+    psi = _forwards(alpha + 1j * beta)
+    track, revolutions = _revolutions(psi)
+    edges = revolutions[0].start, revolutions[-1].stop
+    rate_Hz = block.sample_rate_Hz
+    count = edges[1] - edges[0]
+    basis = Basis(
+        samples=count,
+        sample_rate_Hz=rate_Hz,
+        duration_s=count / rate_Hz,
+        bandwidth_Hz=0.5 * rate_Hz,
+        window=f"{len(revolutions)} whole revolutions by a quadratic fit to the flux's angle",
+        gaps=0,
+    )
+    return tuple(_measurements(psi, _fits(psi, track, revolutions), revolutions, basis))
+
+
+def _forwards(psi: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    """The trajectory, mirrored if it runs backwards."""
+    some = psi[:_HEAD]
+    steps = np.angle(some[1:] * np.conj(some[:-1]))
+    return psi if np.sum(steps) >= 0.0 else np.conj(psi)
+
+
+def _revolutions(psi: NDArray[np.complex128]) -> tuple[PhaseTrack, list[slice]]:
+    """Track of the angle about the centre, and the rows of its whole revolutions.
+
+    An offset makes the angle about zero wobble, and its track with it, so the centre is found by iteration,
+    for which a few dozen samples of each revolution are enough.
+    """
+    step = _thinning(psi)
+    some = psi[::step]
+    centre = 0j
+    for _ in range(_CENTRINGS):
+        track = track_angle(np.unwrap(np.angle(some - centre)), 1)
+        centre = complex(np.mean(_fits(some, track, _whole(track))[:, 0]))
+    phase = track.phase(Polynomial([0.0, 1.0 / step]))
+    track = PhaseTrack(phase, len(psi), track.source, track.residual_rad)
+    return track, _whole(track)
+
+
+def _thinning(psi: NDArray[np.complex128]) -> int:
+    """Every how many rows of a trajectory are enough to find its centre."""
+    if len(psi) <= _HEAD:
+        return 1
+    head = psi[:_HEAD]
+    step_rad = abs(float(np.mean(np.angle(head[1:] * np.conj(head[:-1])))))
+    return max(1, int(2 * np.pi / (_ENOUGH * max(step_rad, 2 * np.pi / len(psi)))))
+
+
+def _whole(track: PhaseTrack) -> list[slice]:
+    """Rows of the whole revolutions."""
+    begin = float(track.phase(0))
+    marks = begin + 2 * np.pi * np.arange(math.floor(track.periods) + 1, dtype=np.float64)
+    edges = [round(float(mark)) for mark in track.sample_numbers(marks)]
+    return [slice(begin, end) for begin, end in itertools.pairwise(edges)]
+
+
+def _fits(psi: NDArray[np.complex128], track: PhaseTrack, revolutions: list[slice]) -> NDArray[np.complex128]:
+    """Amplitudes of `_ORDERS` in every revolution, shape (revolutions, 4), by least squares."""
+    found = []
+    per_revolution = (revolutions[-1].stop - revolutions[0].start) // len(revolutions)
+    together = max(1, _CHUNK // max(1, per_revolution))
+    for first in range(0, len(revolutions), together):
+        part = revolutions[first : first + together]
+        rows = slice(part[0].start, part[-1].stop)
+        begins = [each.start - rows.start for each in part]
+        circle = np.exp(1j * track.phase(np.arange(rows.start, rows.stop, dtype=np.float64)))
+        columns = np.stack([circle**order for order in _ORDERS])
+        conjugate = np.conj(columns)
+        normal = np.add.reduceat(conjugate[:, np.newaxis] * columns, begins, axis=2)
+        right = np.add.reduceat(conjugate * psi[rows], begins, axis=1)
+        found.append(np.linalg.solve(np.moveaxis(normal, 2, 0), right.T[:, :, np.newaxis])[:, :, 0])
+    return np.concatenate(found)
+
+
+def _measurements(
+    psi: NDArray[np.complex128], fits: NDArray[np.complex128], revolutions: list[slice], basis: Basis
+) -> Iterator[Measurement]:
+    whole = np.abs(psi[revolutions[0].start : revolutions[-1].stop])
+    each = [np.abs(psi[part]) for part in revolutions]
+
+    def measured(name: str, text: str, value: float, over_each: list[float]) -> Measurement:
+        scatter = float(np.std(over_each, ddof=1)) / math.sqrt(len(over_each)) if len(over_each) > 1 else None
+        source = "scatter over the revolutions / sqrt(revolutions)"
+        uncertain = None if scatter is None else Uncertainty(scatter, source)
+        return Measurement(name, value, "Wb", text, basis, uncertain)
+
+    mean = float(np.mean(whole))
+    yield measured(
+        "flux_radius_mean",
+        "mean of sqrt(psi_alpha^2 + psi_beta^2), peak",
+        mean,
+        [float(np.mean(part)) for part in each],
+    )
+    spread = [float(np.ptp(part)) for part in each]
+    uncertain = Uncertainty(float(np.std(spread, ddof=1)), "scatter of that of one revolution")
+    text = "maximum minus minimum of sqrt(psi_alpha^2 + psi_beta^2); grows with the duration"
+    yield Measurement("flux_radius_pp", float(np.ptp(whole)), "Wb", text, basis, uncertain)
+    text = "rms of sqrt(psi_alpha^2 + psi_beta^2) about its mean"
+    yield measured("flux_radius_rms", text, float(np.std(whole)), [float(np.std(part)) for part in each])
+
+    centre = fits[:, 0]
+    text = "distance from zero of the mean of psi_alpha + j psi_beta, fitted together with orders 1, -5 and 7"
+    yield measured("flux_centre_offset", text, float(np.abs(np.mean(centre))), _distances(centre))
+
+    # |c_1 e^jx + c_-5 e^-5jx + c_7 e^7jx| is |c_1| + Re((c_1 c_-5* + c_1* c_7) e^6jx) / |c_1| to first order
+    sixth = np.abs(np.conj(fits[:, 2]) * fits[:, 1] + fits[:, 3] * np.conj(fits[:, 1])) / np.abs(fits[:, 1])
+    text = (
+        "peak amplitude of order 6 of the radius along a revolution, from orders -5 and 7 of psi_alpha + j "
+        "psi_beta; 0 for a circle, 1/25 + 1/49 of order 1 for a hexagon run along its sides evenly"
+    )
+    yield measured("flux_radius_order_6", text, float(np.mean(sixth)), [float(value) for value in sixth])
+
+
+def _distances(points: NDArray[np.complex128]) -> list[float]:
+    """How far along the direction of their mean the points lie."""
+    mean = complex(np.mean(points))
+    direction = mean / abs(mean) if mean else 1.0
+    return [float(value) for value in np.real(points * np.conj(direction))]

@@ -1,0 +1,165 @@
+"""Orders: what a signal repeats per mechanical revolution, such as cogging and torque ripple."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from benchtool.analysis.angle import angle_coverage
+from benchtool.analysis.measurement import Basis, Measurement, Table, Uncertainty
+from benchtool.analysis.order_spectrum import (
+    LARGEST_WOBBLE_RAD,
+    OrderSpectrum,
+    fitted_orders,
+    resampled_orders,
+)
+from benchtool.block import Block
+from benchtool.errors import AnalysisError
+
+_FEWEST_REVOLUTIONS = 2.0
+_LARGEST_LISTED = 10
+_SMALLEST_MEAN = 1e-3  # of the largest order: below it "percent of mean" says nothing
+
+
+@dataclass(frozen=True)
+class Orders:
+    """Result of `order_analysis`: NAME_order_largest, NAME_order_K for the largest ten, table NAME_orders."""
+
+    measurements: tuple[Measurement, ...]
+    tables: tuple[Table, ...]
+    spectrum: OrderSpectrum
+
+
+def order_analysis(
+    block: Block,
+    channel: str,
+    name: str = "torque",
+    *,
+    angle: str = "theta_m",
+    pole_pairs: int | None = None,
+    slots: int | None = None,
+) -> Orders:
+    """Orders of one channel of a recording with a mechanical angle, over at least two revolutions.
+
+    In steady state the channel is resampled to equal steps of a smooth track of the angle, and the DFT over
+    whole revolutions gives the orders (`resampled_orders`). Where rows are missing, the speed changes or the
+    angle wobbles about that track by more than 1.5 mrad rms, sines are fitted on the measured angle instead
+    (`fitted_orders`). The definition of each number says which.
+
+    Args:
+        block: any recording; gaps are allowed.
+        channel: what to analyse.
+        name: what the measurements and the table are named after ("torque", "current").
+        angle: the channel with the mechanical angle, rad, wrapped or not.
+        pole_pairs: p, to say in the definitions what an order is.
+        slots: Q of the stator, for the same.
+
+    Raises:
+        AnalysisError: no such channel, a dead signal, fewer than two mechanical revolutions.
+    """
+    try:
+        spectrum = resampled_orders(block, channel, angle)
+    except AnalysisError:  # a gap, another speed: no hindrance to what needs no time, which refuses the rest
+        spectrum = _by_angle(block, channel, angle)
+    return describe_orders(spectrum, name, pole_pairs, slots)
+
+
+def _by_angle(block: Block, channel: str, angle: str) -> OrderSpectrum:
+    coverage = angle_coverage(block.column(angle), angle)
+    if coverage.revolutions < _FEWEST_REVOLUTIONS:
+        raise AnalysisError(
+            f"'{angle}' covers {coverage.revolutions:.2f} mechanical revolutions, at least "
+            f"{_FEWEST_REVOLUTIONS:g} are needed for orders: record a longer window"
+        )
+    if coverage.resolution_rad > LARGEST_WOBBLE_RAD:  # then the steps of the angle are no wobble
+        try:
+            return resampled_orders(block, channel, angle, coverage.resolution_rad)
+        except AnalysisError:
+            pass
+    basis = Basis(len(block.data), block.sample_rate_Hz, gaps=len(block.gaps))
+    return fitted_orders(coverage, block.column(channel), channel, block.unit(channel), angle, basis)
+
+
+def describe_orders(
+    spectrum: OrderSpectrum, name: str, pole_pairs: int | None = None, slots: int | None = None
+) -> Orders:
+    """The spectrum as measurements and a table, named after `name`; see `Orders`."""
+    highest = int(spectrum.order[-1])
+    what = f"{spectrum.signal} per mechanical revolution, by {spectrum.method}"
+    shares = f"in percent of |mean| {abs(spectrum.mean):.6g} {spectrum.unit} and of the largest"
+    largest = int(spectrum.largest[0])
+    measurements = [
+        Measurement(
+            f"{name}_order_largest",
+            float(largest),
+            "",
+            f"order with the largest peak amplitude, of orders 1 to {highest} of {what}",
+            spectrum.basis,
+        ),
+        *(
+            Measurement(
+                f"{name}_order_{order}",
+                float(spectrum.amplitude[order - 1]),
+                spectrum.unit,
+                f"peak amplitude of order {order}{_parenthesis(order, pole_pairs, slots)} of {what}",
+                spectrum.basis,
+                Uncertainty(float(spectrum.standard[order - 1]), spectrum.uncertainty_source),
+            )
+            for order in map(int, spectrum.largest[:_LARGEST_LISTED])
+        ),
+    ]
+    table = Table(
+        f"{name}_orders",
+        f"peak amplitude of each order of {what}; {shares}; standard uncertainty from the "
+        f"{spectrum.uncertainty_source}; orders above {highest} are not excluded and may add to these",
+        (
+            *(("order", ""), ("amplitude", spectrum.unit), ("percent_of_mean", "%")),
+            *(("percent_of_largest", "%"), ("uncertainty", spectrum.unit)),
+        ),
+        tuple(_rows(spectrum)),
+        spectrum.basis,
+    )
+    return Orders(tuple(measurements), (table,), spectrum)
+
+
+def order_meaning(order: int, pole_pairs: int | None = None, slots: int | None = None) -> str:
+    """What a machine with these pole pairs and slots has at that order, or nothing.
+
+    Cogging is at multiples of the least common multiple of slots and poles (Hanselman, Brushless Permanent
+    Magnet Motor Design); ripple of the phase harmonics 6m - 1 and 6m + 1 at 6m times the pole pairs.
+    """
+    meanings = []
+    if pole_pairs is not None and order % pole_pairs == 0:
+        multiple = order // pole_pairs
+        if multiple == 1:
+            meanings.append("electrical fundamental, p")
+        elif multiple % 6 == 0:
+            meanings.append(f"{multiple}p, phase harmonics {multiple - 1} and {multiple + 1}")
+        else:
+            meanings.append(f"{multiple}p, electrical harmonic")
+    if slots is not None and pole_pairs is not None and order % (lcm := math.lcm(slots, 2 * pole_pairs)) == 0:
+        meanings.append(f"{_times(order // lcm)}cogging, lcm of {slots} slots and {2 * pole_pairs} poles")
+    elif slots is not None and order % slots == 0:
+        meanings.append(f"{_times(order // slots)}slots")
+    if order == 1 and not meanings:
+        meanings.append("once per revolution")
+    return "; ".join(meanings)
+
+
+def _times(multiple: int) -> str:
+    return "" if multiple == 1 else f"{multiple} x "
+
+
+def _parenthesis(order: int, pole_pairs: int | None, slots: int | None) -> str:
+    meaning = order_meaning(order, pole_pairs, slots)
+    return f" ({meaning})" if meaning else ""
+
+
+def _rows(spectrum: OrderSpectrum) -> Iterator[tuple[float, ...]]:
+    largest, mean = float(spectrum.amplitude.max()), abs(spectrum.mean)
+    of_mean = 100.0 / mean if mean > _SMALLEST_MEAN * largest else math.nan
+    of_largest = 100.0 / largest if largest > 0.0 else math.nan
+    for order, amplitude, standard in zip(spectrum.order, spectrum.amplitude, spectrum.standard, strict=True):
+        value = float(amplitude)
+        yield float(order), value, of_mean * value, of_largest * value, float(standard)

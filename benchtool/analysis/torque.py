@@ -1,0 +1,71 @@
+"""Torque and its ripple: the drive's estimate, and the true torque of a transducer beside it."""
+
+from __future__ import annotations
+
+import math
+
+from numpy.polynomial import Polynomial
+
+from benchtool.analysis.measurement import Measurement, Uncertainty
+from benchtool.analysis.periods import PhaseTrack
+from benchtool.analysis.ripple import ripple_numbers
+from benchtool.analysis.span import cut_to_span
+from benchtool.block import Block
+
+
+def torque_ripple(
+    block: Block,
+    channel: str = "torque",
+    *,
+    torque_rated_Nm: float | None = None,
+    track: PhaseTrack | None = None,
+    what: str = "",
+) -> tuple[Measurement, ...]:
+    """Mean torque and torque ripple of one channel, in Nm: `ripple_numbers` under the names torque_*.
+
+    `torque_rated_Nm` is the base of the numbers "of rated", which are left out without it. The other
+    arguments and the errors are those of `ripple_numbers`.
+    """
+    return ripple_numbers(block, channel, "torque", rated=torque_rated_Nm, track=track, what=what)
+
+
+def true_torque(
+    transducer: Block,
+    block: Block,
+    *,
+    estimate: Measurement | None = None,
+    track: PhaseTrack | None = None,
+) -> tuple[Measurement, ...]:
+    """Ripple of the torque that a transducer measured, and the error of the drive's estimate of it.
+
+    Args:
+        transducer: channel torque_transducer, at any rate, covering the time of `block`.
+        block: the capture, without gaps.
+        estimate: `torque_mean` of `block`; torque_error is left out without it.
+        track: phase over the rows of `block`.
+
+    Raises:
+        AnalysisError: a gap, a time that is not covered, or a dead signal.
+    """
+    inside = cut_to_span(transducer, block)
+    rows = None if track is None else _at_rows_of(track, inside, block)
+    numbers = ripple_numbers(inside, "torque_transducer", "true_torque", track=rows)
+    by_name = {each.name: each for each in numbers}
+    shown = (by_name["true_torque_ripple_pp"], by_name["true_torque_ripple_rms"])
+    if estimate is None:
+        return shown
+    mean, uncertain = by_name["true_torque_mean"], None
+    if estimate.uncertainty is not None and mean.uncertainty is not None:
+        both = math.hypot(estimate.uncertainty.standard, mean.uncertainty.standard)
+        uncertain = Uncertainty(both, "those of both means, taken as independent")
+    text = "mean of the drive's estimate torque minus mean of torque_transducer over the same time"
+    error_Nm = estimate.value - mean.value
+    return (*shown, Measurement("torque_error", error_Nm, "Nm", text, estimate.basis, uncertain))
+
+
+def _at_rows_of(track: PhaseTrack, fine: Block, coarse: Block) -> PhaseTrack:
+    """The same phase over the rows of a block of another rate."""
+    step_s, coarse_step_s = fine.stride * fine.tick_s, coarse.stride * coarse.tick_s
+    offset_s = fine.first_tick * fine.tick_s - coarse.first_tick * coarse.tick_s
+    row = Polynomial([offset_s / coarse_step_s, step_s / coarse_step_s])
+    return PhaseTrack(track.phase(row), len(fine.data), track.source, track.residual_rad)

@@ -1,0 +1,76 @@
+"""Circles, offset circles and hexagons as flux trajectories."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from benchtool.analysis.flux_trajectory import flux_trajectory
+from benchtool.block import Block, Channel
+from benchtool.errors import AnalysisError
+
+CHANNELS = (Channel("psi_alpha", "Wb"), Channel("psi_beta", "Wb"))
+ROWS = 5000
+
+
+def _turns(turns: float) -> NDArray[np.float64]:
+    return 2 * np.pi * turns * np.arange(ROWS) / ROWS + 0.3
+
+
+def _measured(psi: NDArray[np.complex128]) -> dict[str, float]:
+    block = Block(CHANNELS, 0, 1, 1e-4, np.column_stack([psi.real, psi.imag]))
+    return {each.name: each.value for each in flux_trajectory(block)}
+
+
+@given(
+    st.floats(0.01, 1.0),
+    st.floats(0.0, 0.2),
+    st.floats(-3.0, 3.0),
+    st.floats(2.1, 9.0),
+    st.sampled_from([1.0, -1.0]),
+)
+def test_an_offset_circle_in_either_direction(
+    radius: float, offset: float, towards: float, turns: float, sense: float
+) -> None:
+    centre = offset * radius * np.exp(1j * towards)
+    found = _measured(centre + radius * np.exp(sense * 1j * _turns(turns)))
+    assert found["flux_centre_offset"] == pytest.approx(abs(centre), abs=1e-3 * radius)
+    assert found["flux_radius_pp"] == pytest.approx(2 * abs(centre), abs=2e-3 * radius)
+    assert found["flux_radius_order_6"] < 1e-3 * radius
+    assert found["flux_radius_rms"] == pytest.approx(abs(centre) / np.sqrt(2), rel=2e-2, abs=1e-6)
+
+
+def test_a_hexagon_run_along_its_sides_evenly() -> None:
+    corners = np.exp(1j * np.pi / 3 * np.arange(7))
+    along = np.mod(_turns(5.0) / (np.pi / 3), 6)
+    side, share = np.divmod(along, 1.0)
+    psi = corners[side.astype(int)] * (1 - share) + corners[side.astype(int) + 1] * share
+    first_order = 0.5 / np.cos(np.pi / 6) * np.sqrt(3) * 3 / np.pi * 3 / np.pi
+    found = _measured(np.asarray(psi))
+    assert found["flux_radius_order_6"] == pytest.approx((1 / 25 + 1 / 49) * first_order, rel=1e-2)
+    assert found["flux_radius_pp"] == pytest.approx(1.0 - np.sqrt(3) / 2, abs=2e-3)
+    assert found["flux_centre_offset"] == pytest.approx(0.0, abs=1e-3)
+
+
+def test_scatter_over_the_revolutions_is_the_uncertainty() -> None:
+    noise = np.random.default_rng(0)
+    means = []
+    for _ in range(60):
+        psi = (0.17 + 0.01 * noise.standard_normal(ROWS)) * np.exp(1j * _turns(8.2))
+        block = Block(CHANNELS, 0, 1, 1e-4, np.column_stack([psi.real, psi.imag]))
+        means.append(flux_trajectory(block)[0])
+    stated = [each.uncertainty.standard for each in means if each.uncertainty is not None]
+    assert len(stated) == len(means)
+    assert np.sqrt(np.mean(np.square(stated))) == pytest.approx(
+        float(np.std([each.value for each in means])), rel=0.3
+    )
+
+
+def test_less_than_two_revolutions_are_refused() -> None:
+    with pytest.raises(AnalysisError, match=r"covers 1\.50 electrical periods, at least 2"):
+        _measured(np.exp(1j * _turns(1.5003)).astype(np.complex128))
+    with pytest.raises(AnalysisError, match="'psi_beta' is constant"):
+        _measured(np.linspace(0.0, 1.0, ROWS).astype(np.complex128))

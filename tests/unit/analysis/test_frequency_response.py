@@ -1,0 +1,211 @@
+"""Frequency responses of systems with a Bode diagram in closed form, by two independent estimators."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+from scipy import signal
+
+from benchtool.analysis.bode import Bode, analyze_response
+from benchtool.analysis.frequency_response import (
+    averaged_response,
+    frequency_response,
+    periodic_response,
+)
+from benchtool.block import Block, Channel, Gap
+from benchtool.errors import AnalysisError
+
+RATE_HZ = 10_000.0
+ZETA, F_0_HZ = 0.4, 400.0
+
+
+def _second_order() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Numerator and denominator of a sampled resonance."""
+    omega = 2 * np.pi * F_0_HZ
+    numerator, denominator = signal.bilinear([omega**2], [1.0, 2 * ZETA * omega, omega**2], RATE_HZ)
+    return np.asarray(numerator), np.asarray(denominator)
+
+
+def _truth(frequency_Hz: NDArray[np.float64]) -> NDArray[np.complex128]:
+    z = np.exp(2j * np.pi * frequency_Hz / RATE_HZ)
+    b, a = _second_order()
+    return np.asarray(np.polyval(b, z) / np.polyval(a, z))
+
+
+def _prbs(periods: int, length: int = 10) -> NDArray[np.float64]:
+    bits = signal.max_len_seq(length)[0]
+    return np.tile(2.0 * bits - 1.0, periods)
+
+
+def _chirp(rows: int) -> NDArray[np.float64]:
+    time_s = np.arange(rows) / RATE_HZ
+    return np.asarray(signal.chirp(time_s, 5.0, time_s[-1], 2000.0, "logarithmic", phi=-90.0))
+
+
+def _filtered(x: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.asarray(signal.lfilter(*_second_order(), x))
+
+
+def _noise(rows: int, rms: float, seed: int = 0) -> NDArray[np.float64]:
+    return rms * np.random.default_rng(seed).standard_normal(rows)
+
+
+def _block(x: NDArray[np.float64], y: NDArray[np.float64], unit: str = "Nm") -> Block:
+    channels = (Channel("torque_reference", "Nm"), Channel("torque", unit))
+    return Block(channels, 0, 1, 1.0 / RATE_HZ, np.column_stack([x, y]))
+
+
+def _bode(x: NDArray[np.float64], y: NDArray[np.float64], period: int | None = None) -> Bode:
+    return analyze_response(_block(x, y), "torque_reference", "torque", period_rows=period)
+
+
+def _values(bode: Bode) -> dict[str, float]:
+    return {each.name: each.value for each in bode.measurements}
+
+
+def test_both_estimators_agree_with_the_closed_form_within_their_errors() -> None:
+    period = 1023
+    x = _prbs(41)
+    y = _filtered(x) + _noise(len(x), 0.05)
+    whole = periodic_response(x[period:], y[period:], RATE_HZ, period)  # the transient is over
+    x = _noise(len(x), 1.0, seed=1)
+    welch = averaged_response(x, _filtered(x) + _noise(len(x), 0.05, seed=2), RATE_HZ, segment=2000)
+    for found in (whole, welch):
+        low = found.trusted & (found.frequency_Hz < 2000.0)
+        off = found.response[low] / _truth(found.frequency_Hz[low]) - 1.0
+        # real and imaginary part have the stated error each: the mean square is 2
+        assert np.mean((np.abs(off) / found.error[low]) ** 2) == pytest.approx(2.0, rel=0.3)
+    at_Hz = whole.frequency_Hz[whole.frequency_Hz < 800.0]
+    between = np.interp(at_Hz, welch.frequency_Hz, welch.gain)
+    np.testing.assert_allclose(between[2:], whole.gain[2 : len(at_Hz)], rtol=0.1)
+
+
+def test_a_periodic_input_leaks_nothing() -> None:
+    x = _prbs(6)
+    y = _filtered(x)
+    found = periodic_response(x[1023:], y[1023:], RATE_HZ, 1023)
+    np.testing.assert_allclose(found.response, _truth(found.frequency_Hz), rtol=1e-6)
+    assert np.all(found.coherence > 1.0 - 1e-9)
+
+
+def test_numbers_of_the_resonance() -> None:
+    x = _prbs(11)
+    found = _values(_bode(x[1023:], _filtered(x)[1023:], 1023))
+    grid_Hz = np.linspace(1.0, 3000.0, 300_000)
+    gain, phase = np.abs(_truth(grid_Hz)), np.unwrap(np.angle(_truth(grid_Hz)))
+    assert found["response_gain"] == pytest.approx(1.0, abs=2e-3)
+    assert found["bandwidth_3dB"] == pytest.approx(grid_Hz[np.argmax(gain < math.sqrt(0.5))], rel=5e-3)
+    assert found["bandwidth_90deg"] == pytest.approx(grid_Hz[np.argmax(phase < -np.pi / 2)], rel=5e-3)
+    assert found["resonance_peak"] == pytest.approx(20 * math.log10(np.max(gain)), abs=0.02)
+    assert found["coherence_min"] > 0.999
+
+
+@given(st.integers(0, 40))
+@settings(max_examples=10, deadline=None)
+def test_a_delay_is_a_linear_phase_and_no_gain(rows: int) -> None:
+    x = _prbs(6)
+    bode = _bode(x, np.roll(x, rows), 1023)
+    np.testing.assert_allclose(bode.response.gain, 1.0, rtol=1e-9)
+    assert _values(bode)["response_delay"] == pytest.approx(rows / RATE_HZ, abs=1e-9)
+    phase = bode.response.phase_rad
+    np.testing.assert_allclose(phase, -2 * np.pi * bode.response.frequency_Hz * rows / RATE_HZ, atol=1e-6)
+    if rows:
+        assert _values(bode)["bandwidth_90deg"] == pytest.approx(RATE_HZ / 4 / rows, rel=1e-6)
+
+
+@given(st.floats(0.01, 100.0), st.floats(-50.0, 50.0))
+@settings(max_examples=20, deadline=None)
+def test_scale_and_offset_change_the_gain_alone(scale: float, offset: float) -> None:
+    x = _prbs(5)
+    y = _filtered(x) + _noise(len(x), 0.02)
+    one, other = (averaged_response(x, samples, RATE_HZ) for samples in (y, offset + scale * y))
+    np.testing.assert_allclose(other.response, scale * one.response, rtol=1e-6, atol=1e-9 * scale)
+    np.testing.assert_allclose(other.coherence, one.coherence, rtol=1e-6, atol=1e-9)
+
+
+def test_a_chirp_shows_its_band_and_nothing_beyond() -> None:
+    x = _chirp(40_000)
+    y = _filtered(x) + _noise(len(x), 0.002)
+    found = averaged_response(x, y, RATE_HZ)
+    used_Hz = found.frequency_Hz[found.trusted]
+    assert used_Hz[0] < 15.0
+    assert 1800.0 < used_Hz[-1] < 2200.0
+    inside = found.trusted & (found.frequency_Hz > 20.0) & (found.frequency_Hz < 1500.0)
+    np.testing.assert_allclose(found.response[inside], _truth(found.frequency_Hz[inside]), atol=0.06)
+
+
+def test_noise_that_the_input_does_not_make_is_not_taken_for_a_response() -> None:
+    x = _prbs(6)
+    with pytest.raises(AnalysisError, match="no frequency of 'torque_reference' shows in 'torque'"):
+        _bode(x, _noise(len(x), 1.0), 1023)
+
+
+def test_few_averages_ask_for_more_coherence() -> None:
+    x = np.tile(_noise(4096, 1.0, 1), 10)
+    y = _noise(len(x), 1.0, 2)
+    least = [periodic_response(x, y, RATE_HZ, 4096 * 10 // n).least_coherence for n in (4, 5, 10, 20)]
+    assert least[0] > 0.95
+    assert all(more >= fewer for more, fewer in pairwise(least))
+    assert least[-1] == 0.8
+    # by chance alone 0.2^4 of 2048 frequencies would have 0.8 of five averages: three of them
+    wrong = [
+        np.count_nonzero(periodic_response(x[: 5 * 4096], _noise(5 * 4096, 1.0, seed), RATE_HZ, 4096).trusted)
+        for seed in range(10)
+    ]
+    assert np.count_nonzero(wrong) <= 2
+
+
+def test_the_stated_error_is_the_scatter_of_repeated_experiments() -> None:
+    x = _prbs(9, 8)[255:]
+    clean = _filtered(_prbs(9, 8))[255:]
+    runs = [periodic_response(x, clean + _noise(len(x), 0.3, seed), RATE_HZ, 255) for seed in range(200)]
+    gains = np.array([run.gain for run in runs])[:, :20]
+    stated = np.array([run.gain * run.error for run in runs])[:, :20]
+    assert np.mean(np.std(gains, axis=0)) == pytest.approx(np.mean(stated), rel=0.1)
+    phases = np.array([np.angle(run.response / run.response[0]) for run in runs])
+    assert np.all(np.isfinite(phases))
+
+
+def test_few_periods_are_averaged_over_segments_instead() -> None:
+    x = _prbs(3)
+    y = _filtered(x)
+    assert "Welch" in frequency_response(x, y, RATE_HZ, period=1023).method
+    assert "periods" in frequency_response(_prbs(4), _filtered(_prbs(4)), RATE_HZ, period=1023).method
+    with pytest.raises(AnalysisError, match="hold 3 whole periods of 1023, at least 4"):
+        periodic_response(x, y, RATE_HZ, 1023)
+    with pytest.raises(AnalysisError, match="half-overlapping segments"):
+        averaged_response(x[:100], y[:100], RATE_HZ, segment=60)
+
+
+def test_what_is_not_reached_is_undefined_and_says_why() -> None:
+    x = _prbs(6)
+    by_name = {each.name: each for each in _bode(x, 2.0 * x, 1023).measurements}
+    for name in ("bandwidth_3dB", "bandwidth_90deg"):
+        assert math.isnan(by_name[name].value)
+        assert "undefined here" in by_name[name].definition
+    assert by_name["response_gain"].value == pytest.approx(2.0)
+    assert by_name["response_gain"].uncertainty is not None
+
+
+def test_units_table_and_refusals() -> None:
+    x = _prbs(6)
+    bode = analyze_response(_block(x, x, "A"), "torque_reference", "torque", period_rows=1023)
+    assert bode.gain_unit == "A/Nm"
+    (table,) = bode.tables
+    assert table.name == "frequency_response"
+    assert len(table.rows) == 511
+    assert {len(row) for row in table.rows} == {len(table.columns)}
+    holed = _block(x, x)
+    holed = Block(holed.channels, 0, 1, holed.tick_s, holed.data, (Gap(5, 2),))
+    with pytest.raises(AnalysisError, match="2 rows are missing"):
+        analyze_response(holed, "torque_reference", "torque")
+    with pytest.raises(AnalysisError, match="'torque' is constant"):
+        _bode(x, np.zeros(len(x)))
+    with pytest.raises(AnalysisError, match="as many of each are needed"):
+        frequency_response(x, x[:-1], RATE_HZ)

@@ -1,0 +1,127 @@
+"""The noise floor against noise of known size, and the uncertainties made from it against what they claim."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from benchtool.analysis import (
+    CoherentSpectrum,
+    Reference,
+    coherent_spectrum,
+    harmonic_noise,
+    harmonics,
+    noise_floor,
+    total_harmonic_distortion,
+    track_angle,
+)
+
+RATE_HZ = 10e3
+SAMPLES = 20_065  # 100 periods and the margins of the interpolation
+SIGMA = 0.01
+Array = NDArray[np.float64]
+
+
+def spectrum_of(content: dict[float, float], seed: int, samples: int = SAMPLES) -> CoherentSpectrum:
+    """Harmonics by order and amplitude at 50 Hz, in white Gaussian noise of rms SIGMA."""
+    theta_e = 2 * np.pi * 50.0 * np.arange(samples, dtype=np.float64) / RATE_HZ
+    clean = np.sum([amplitude * np.cos(order * theta_e) for order, amplitude in content.items()], axis=0)
+    noise = np.random.default_rng(seed).normal(0.0, SIGMA, samples)
+    return coherent_spectrum(clean + noise, RATE_HZ, track_angle(theta_e, 1))
+
+
+@pytest.mark.parametrize("content", [{1: 1.0}, {1: 1.0, 2.5: 0.3, 5: 0.2, 7.1: 0.5, 11: 0.1}])
+def test_the_floor_of_white_noise_is_its_density_whatever_lines_there_are(
+    content: dict[float, float],
+) -> None:
+    spectrum = spectrum_of(content, seed=1)
+
+    floor = noise_floor(spectrum)
+
+    assert floor is not None
+    # sigma^2 spread over 0 to half the rate; peak amplitude of a bin 1/T wide
+    density = SIGMA / math.sqrt(RATE_HZ / 2)
+    accuracy = 4 * floor.relative_error
+    assert floor.density == pytest.approx(density, rel=accuracy)
+    assert floor.amplitude == pytest.approx(2 * SIGMA / math.sqrt(spectrum.samples), rel=accuracy)
+
+
+def test_the_floor_scatters_by_what_it_says_of_itself() -> None:
+    floors = [noise_floor(spectrum_of({1: 1.0}, seed, 4000)) for seed in range(200)]
+
+    amplitudes = [floor.amplitude for floor in floors if floor is not None]
+    assert len(amplitudes) == 200
+    claimed = floors[0].relative_error if floors[0] is not None else math.nan
+    assert np.std(amplitudes) / np.mean(amplitudes) == pytest.approx(claimed, rel=0.2)
+
+
+def test_harmonics_and_their_neighbours_are_not_noise() -> None:
+    # of the four bins between the harmonics of five periods, the outer two hold what a wobble spreads
+    amplitude = np.tile([1.0, 0.3, 0.01, 0.01, 0.3], 20)
+    spectrum = CoherentSpectrum(10.0 * np.arange(100.0), amplitude, 5, 1000.0, np.zeros(19))
+
+    floor = noise_floor(spectrum)
+
+    assert floor is not None
+    assert floor.bins == 2 * 20
+    assert floor.amplitude == pytest.approx(0.01 / math.sqrt(math.log(2.0)))
+    assert floor.density == pytest.approx(floor.amplitude / math.sqrt(2 * 10.0))
+
+
+def test_the_floor_around_a_harmonic_is_local() -> None:
+    generator, samples = np.random.default_rng(4), 40_065
+    theta_e = 2 * np.pi * 50.0 * np.arange(samples, dtype=np.float64) / RATE_HZ
+    white = generator.normal(0.0, 1.0, samples)
+    blue = np.diff(white, prepend=0.0)  # density 2 sin(pi f / rate), so it rises with frequency
+
+    noise = harmonic_noise(
+        coherent_spectrum(np.cos(theta_e) + SIGMA * blue, RATE_HZ, track_angle(theta_e, 1)), 50
+    )
+
+    expected = math.sqrt(2 / (samples - 65)) * SIGMA * 2 * np.sin(np.pi * np.arange(1, 51) / 200)
+    np.testing.assert_allclose(noise[9:], expected[9:], rtol=0.35)
+    assert noise[49] / noise[9] == pytest.approx(expected[49] / expected[9], rel=0.3)
+
+
+def test_too_few_bins_between_harmonics_give_no_floor() -> None:
+    theta_e = 2 * np.pi * 1500.0 * np.arange(80, dtype=np.float64) / RATE_HZ
+
+    spectrum = coherent_spectrum(np.cos(theta_e), RATE_HZ, track_angle(theta_e, 1))
+
+    assert spectrum.periods == 2
+    assert noise_floor(spectrum) is None
+    assert np.all(np.isnan(harmonic_noise(spectrum, 1)))
+    assert math.isnan(total_harmonic_distortion(spectrum).standard)
+
+
+def test_an_amplitude_scatters_by_its_uncertainty() -> None:
+    spectra = [spectrum_of({1: 1.0, 5: 0.1}, seed, 4065) for seed in range(200)]
+
+    for order in (1, 5):
+        amplitudes = [harmonics(spectrum)[order - 1] for spectrum in spectra]
+        claimed = [harmonic_noise(spectrum, 5)[order - 1] for spectrum in spectra]
+        assert np.sqrt(np.mean(np.square(claimed))) == pytest.approx(np.std(amplitudes), rel=0.2)
+
+
+@pytest.mark.parametrize("reference", list(Reference))
+def test_a_distortion_scatters_by_its_uncertainty(reference: Reference) -> None:
+    # a fundamental not much above its harmonics, so that its own uncertainty counts
+    found = [
+        total_harmonic_distortion(spectrum_of({1: 0.3, 3: 0.2, 5: 0.2}, seed, 4065), 7, reference, 2.0)
+        for seed in range(300)
+    ]
+
+    claimed = [each.standard for each in found]
+    assert np.sqrt(np.mean(np.square(claimed))) == pytest.approx(
+        np.std([each.ratio for each in found]), rel=0.2
+    )
+
+
+def test_noise_alone_reads_the_distortion_that_is_foretold() -> None:
+    found = [total_harmonic_distortion(spectrum_of({1: 1.0}, seed, 4065)) for seed in range(50)]
+
+    ratios = np.array([each.ratio for each in found])
+    assert np.sqrt(np.mean(ratios**2)) == pytest.approx(np.mean([each.noise for each in found]), rel=0.1)

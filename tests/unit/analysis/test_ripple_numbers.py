@@ -1,0 +1,208 @@
+"""Ripple as measurements: closed forms, resolution, and uncertainties against repeated records."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from benchtool.analysis import (
+    Measurement,
+    PhaseTrack,
+    percentile_range,
+    resolution,
+    ripple_numbers,
+    torque_ripple,
+    track_angle,
+)
+from benchtool.block import Block, Channel, Gap
+from benchtool.errors import AnalysisError
+
+RATE_HZ = 10e3
+PERIODS = 40
+PER_PERIOD = 250
+Array = NDArray[np.float64]
+
+
+def block(samples: Array, unit: str = "Nm", gaps: tuple[Gap, ...] = ()) -> Block:
+    return Block((Channel("torque", unit),), 0, 1, 1.0 / RATE_HZ, samples[:, np.newaxis], gaps)
+
+
+def angle(samples: int) -> Array:
+    """Electrical angle of the records below, rad."""
+    theta_e: Array = 2 * np.pi * np.arange(samples) / PER_PERIOD
+    return theta_e
+
+
+def track(samples: int) -> PhaseTrack:
+    return track_angle(angle(samples), 1)
+
+
+def numbers(samples: Array, phase: PhaseTrack | None = None) -> dict[str, Measurement]:
+    return {each.name: each for each in torque_ripple(block(samples), torque_rated_Nm=2.0, track=phase)}
+
+
+def test_a_sampled_triangle_reads_its_closed_form() -> None:
+    # 40 samples a period that hit both peaks: values -10 ... 10 in steps of one, each but the ends twice
+    one = np.abs(np.arange(40) - 20.0) - 10.0
+    measured = numbers(5.0 + 0.1 * np.tile(one, 250))
+
+    assert measured["torque_mean"].value == pytest.approx(5.0)
+    assert measured["torque_ripple_pp"].value == pytest.approx(2.0)
+    # 2 sum of k^2 from 1 to 9, and the two ends, over 40
+    assert measured["torque_ripple_rms"].value == pytest.approx(0.1 * math.sqrt((4 * 285 + 200) / 40))
+    assert measured["torque_ripple_p99"].value == pytest.approx(2.0)
+    assert measured["torque_ripple_percent_of_mean"].value == pytest.approx(40.0)
+    assert measured["torque_ripple_percent_of_rated"].value == pytest.approx(100.0)
+    assert measured["torque_ripple_rms_percent_of_rated"].value == pytest.approx(
+        50.0 * measured["torque_ripple_rms"].value
+    )
+
+
+def test_a_triangle_between_the_samples_reads_low_by_at_most_a_step() -> None:
+    # the peaks fall between samples: each is missed by at most half a sample's slope
+    number = np.arange(10_000) / 40.37
+    samples = 5.0 + 1.0 * (4 * np.abs(number - np.round(number)) - 1)
+
+    pp = numbers(samples)["torque_ripple_pp"].value
+
+    assert 2.0 - 4 / 40.37 <= pp <= 2.0
+
+
+def test_a_ripple_beyond_half_the_rate_folds_and_the_basis_does_not_claim_to_know() -> None:
+    time_s = np.arange(10_000) / RATE_HZ
+
+    beyond = numbers(1.0 + 0.2 * np.cos(2 * np.pi * 9_700 * time_s))["torque_ripple_pp"]
+    below = numbers(1.0 + 0.2 * np.cos(2 * np.pi * 300 * time_s))["torque_ripple_pp"]
+
+    assert beyond.value == pytest.approx(below.value)
+    assert beyond.basis.bandwidth_Hz == 0.5 * RATE_HZ < 9_700
+
+
+def test_one_spike_moves_the_peak_to_peak_and_not_the_percentiles() -> None:
+    samples = 1.0 + 0.1 * np.cos(6 * angle(10_000))
+    spiked = samples.copy()
+    spiked[5000] = 9.0
+
+    assert numbers(spiked)["torque_ripple_pp"].value == pytest.approx(8.1, rel=1e-3)
+    assert numbers(spiked)["torque_ripple_p99"].value == pytest.approx(
+        numbers(samples)["torque_ripple_p99"].value, rel=1e-3
+    )
+
+
+@pytest.mark.parametrize("name", ["torque_mean", "torque_ripple_rms", "torque_ripple_p99"])
+def test_the_uncertainty_is_what_repeated_records_scatter_by(name: str) -> None:
+    generator = np.random.default_rng(5)
+    theta_e = angle(PERIODS * PER_PERIOD)
+    phase = track(len(theta_e))
+    measured = []
+    for _ in range(150):
+        # every period has a mean and a ripple of its own, and noise
+        level = np.repeat(generator.normal(0.65, 0.01, PERIODS), PER_PERIOD)
+        size = np.repeat(generator.normal(0.03, 0.003, PERIODS), PER_PERIOD)
+        noise = generator.normal(0.0, 0.004, len(theta_e))
+        measured.append(numbers(level + size * np.cos(6 * theta_e) + noise, phase)[name])
+
+    values = [each.value for each in measured]
+    claimed = [each.uncertainty.standard for each in measured if each.uncertainty is not None]
+    assert len(claimed) == len(values)
+    # 150 records know their scatter to 6 %; the density at a percentile is a coarse estimate
+    assert np.sqrt(np.mean(np.square(claimed))) == pytest.approx(np.std(values, ddof=1), rel=0.25)
+
+
+def test_a_record_that_ends_within_a_period_counts_that_as_unknown() -> None:
+    whole, cut = 40 * PER_PERIOD, 40 * PER_PERIOD + PER_PERIOD // 2
+    samples = 1.0 + 0.1 * np.sin(angle(cut))
+
+    of_whole = numbers(samples[:whole], track(whole))["torque_mean"].uncertainty
+    of_cut = numbers(samples, track(cut))["torque_mean"]
+
+    assert of_whole is not None
+    assert of_cut.uncertainty is not None
+    assert of_cut.uncertainty.standard == pytest.approx(of_cut.value - 1.0, rel=0.1)
+    assert of_whole.standard < 0.5 * of_cut.uncertainty.standard
+
+
+def test_the_spread_of_the_peak_to_peak_is_that_of_single_periods() -> None:
+    sizes = np.linspace(0.1, 0.2, PERIODS)
+    samples = 1.0 + np.repeat(sizes, PER_PERIOD) * np.cos(angle(PERIODS * PER_PERIOD))
+    samples = np.append(samples, samples[0])
+
+    measured = numbers(samples, track(len(samples)))["torque_ripple_pp"]
+
+    assert measured.uncertainty is not None
+    assert measured.uncertainty.standard == pytest.approx(np.std(2 * sizes, ddof=1), rel=1e-2)
+    assert "40 single electrical periods, of mean 0.3 " in measured.uncertainty.source
+
+
+def test_without_periods_only_the_resolution_of_the_peak_to_peak_is_known() -> None:
+    samples = np.round(1.0 + 0.1 * np.cos(6 * angle(5000)), 2)
+
+    measured = numbers(samples)
+
+    assert measured["torque_mean"].uncertainty is None
+    uncertainty = measured["torque_ripple_pp"].uncertainty
+    assert uncertainty is not None
+    # a step over sqrt(12) for each of the two readings
+    assert uncertainty.standard == pytest.approx(0.01 / math.sqrt(6))
+    assert uncertainty.source == "resolution 0.01 Nm / sqrt(6) alone"
+
+
+def test_ripple_below_one_step_is_no_better_known_than_the_step() -> None:
+    samples = np.full(5000, 1.0)
+    samples[::1000] = 1.01
+
+    uncertainty = numbers(samples, track(5000))["torque_mean"].uncertainty
+
+    assert uncertainty is not None
+    assert uncertainty.standard == pytest.approx(0.01 / math.sqrt(12))
+    assert "resolution" in uncertainty.source
+
+
+@given(st.integers(2, 60), st.integers(0, 2**31), st.sampled_from([1.0, 0.25, 2.0**-12]))
+def test_resolution_is_a_multiple_of_the_step_of_a_grid_and_the_step_where_neighbours_occur(
+    count: int, seed: int, step: float
+) -> None:
+    values = np.random.default_rng(seed).integers(-20, 20, count)
+
+    found = resolution((step * values).astype(np.float64))
+
+    assert found / step == pytest.approx(np.round(found / step), abs=1e-9)
+    distinct = np.unique(values)
+    assert found == pytest.approx(step * (np.min(np.diff(distinct)) if len(distinct) > 1 else 0))
+
+
+def test_resolution_of_a_long_record_is_found_in_part_of_it() -> None:
+    samples = np.round(np.random.default_rng(3).normal(0, 10, 400_000))
+
+    assert resolution(samples) == 1.0
+
+
+@given(st.lists(st.floats(-1e3, 1e3), min_size=3, max_size=40), st.floats(0.1, 10), st.floats(-10, 10))
+def test_a_percentile_range_scales_and_does_not_shift(
+    values: list[float], scale: float, shift: float
+) -> None:
+    samples = np.array(values)
+
+    assert percentile_range(scale * samples + shift) == pytest.approx(
+        scale * percentile_range(samples), abs=1e-9 * (1 + float(np.max(np.abs(samples))))
+    )
+    assert percentile_range(samples) <= np.max(samples) - np.min(samples) + 1e-12
+
+
+def test_another_channel_gives_its_name_and_unit() -> None:
+    measured = ripple_numbers(block(np.arange(100.0), unit="A"), "torque", "current", what="i_q")
+
+    assert [each.name for each in measured][:2] == ["current_mean", "current_ripple_pp"]
+    assert {each.unit for each in measured} == {"A", "%"}
+    assert measured[0].definition == "mean of i_q"
+    assert not any("rated" in each.name for each in measured)
+
+
+def test_a_gap_is_refused() -> None:
+    with pytest.raises(AnalysisError, match="3 rows are missing"):
+        torque_ripple(block(np.arange(100.0), gaps=(Gap(10, 3),)))

@@ -1,0 +1,86 @@
+"""Dwell times of the inverter's vectors against the textbook's formula, and what must hold of any voltage."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from benchtool.analysis.switching import switching_frequency, switching_states, vector_shares
+from benchtool.block import Block, Channel
+from benchtool.errors import AnalysisError
+
+CHANNELS = (Channel("u_alpha", "V"), Channel("u_beta", "V"), Channel("u_dc", "V"))
+
+
+def _shares(magnitude: float, angle: float, u_dc: float) -> list[float]:
+    u_alpha, u_beta = np.array([magnitude * math.cos(angle)]), np.array([magnitude * math.sin(angle)])
+    return [float(share) for share in vector_shares(u_alpha, u_beta, np.array([u_dc]))[0]]
+
+
+def _block(*rows: tuple[float, float, float]) -> Block:
+    return Block(CHANNELS, 0, 1, 1e-4, np.array(rows))
+
+
+@given(st.floats(0.0, 0.999), st.floats(0.0, 2 * math.pi, exclude_max=True), st.floats(1.0, 800.0))
+def test_dwell_times_are_those_of_space_vector_modulation(share: float, angle: float, u_dc: float) -> None:
+    magnitude = share * u_dc / math.sqrt(3.0)  # within the circle inside the hexagon
+    sector, within = divmod(angle, math.pi / 3)
+    index = magnitude * math.sqrt(3.0) / u_dc
+    expected = np.zeros(7)
+    expected[1 + int(sector) % 6] += index * math.sin(math.pi / 3 - within)
+    expected[1 + (int(sector) + 1) % 6] += index * math.sin(within)
+    expected[0] = 1.0 - expected.sum()
+    assert _shares(magnitude, angle, u_dc) == pytest.approx(list(expected), abs=1e-9)
+
+
+@given(st.floats(-2e3, 2e3), st.floats(-2e3, 2e3), st.floats(0.1, 1e3))
+def test_shares_are_a_partition_and_make_the_voltage(u_alpha: float, u_beta: float, u_dc: float) -> None:
+    shares = vector_shares(np.array([u_alpha]), np.array([u_beta]), np.array([u_dc]))[0]
+    assert np.all(shares >= 0.0)
+    assert shares.sum() == pytest.approx(1.0)
+    assert np.count_nonzero(shares[1:]) <= 2
+    vectors = 2.0 / 3.0 * u_dc * np.exp(1j * np.pi / 3 * np.arange(6))
+    made, asked = complex(np.sum(shares[1:] * vectors)), complex(u_alpha, u_beta)
+    if shares[0] > 1e-9:
+        assert made == pytest.approx(asked, abs=1e-9 * u_dc)
+    else:  # beyond the hexagon: shorter, in the same direction
+        assert abs(made) <= abs(asked) * (1 + 1e-9)
+        assert made.real * asked.imag == pytest.approx(made.imag * asked.real, abs=1e-9 * abs(asked) * u_dc)
+
+
+@pytest.mark.parametrize("vector", range(1, 7))
+def test_a_basic_vector_is_itself_for_the_whole_period(vector: int) -> None:
+    expected = [1.0 if k == vector else 0.0 for k in range(7)]
+    assert _shares(200.0, (vector - 1) * math.pi / 3, 300.0) == pytest.approx(expected, abs=1e-9)
+    assert _shares(500.0, (vector - 1) * math.pi / 3, 300.0) == pytest.approx(expected, abs=1e-9)
+
+
+def test_the_table_counts_time_and_periods() -> None:
+    states = switching_states(_block((200.0, 0.0, 300.0), (100.0, 0.0, 300.0), (0.0, 0.0, 300.0)))
+    (table,) = states.tables
+    by_vector = {row[0]: row[2:] for row in table.rows}
+    assert by_vector[0] == pytest.approx((50.0, 200.0 / 3))
+    assert by_vector[1] == pytest.approx((50.0, 200.0 / 3))
+    assert by_vector[4] == (0.0, 0.0)
+    assert math.isnan(table.rows[0][1])
+    found = {each.name: each.value for each in states.measurements}
+    assert found == pytest.approx({"zero_vector_share": 50.0, "active_vectors_mean": 2.0 / 3})
+
+
+def test_refusals() -> None:
+    with pytest.raises(AnalysisError, match="'u_dc' is 0 V in places"):
+        switching_states(_block((1.0, 0.0, 300.0), (1.0, 0.0, 0.0)))
+    with pytest.raises(AnalysisError, match="not finite"):
+        switching_states(_block((1.0, math.nan, 300.0)))
+
+
+def test_switching_frequency_is_known_to_a_count() -> None:
+    block = Block((Channel("switching_count", ""),), 0, 1, 1e-4, 3.0 * np.arange(1001.0)[:, np.newaxis])
+    found = switching_frequency(block)
+    assert found.value == pytest.approx(10e3)
+    assert found.uncertainty is not None
+    assert found.uncertainty.standard == pytest.approx(1 / 0.1 / 3 / math.sqrt(3))

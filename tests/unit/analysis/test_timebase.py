@@ -1,0 +1,127 @@
+"""Time stamps of foreign data: one rate, gaps, or the reason why there is none."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from benchtool.analysis.timebase import time_base
+from benchtool.block import Gap
+
+Array = NDArray[np.float64]
+ROWS = np.arange(5_000, dtype=np.float64)
+
+
+@pytest.mark.parametrize("rate_Hz", [1.0, 1000.0, 3000.0, 44_100.0, 1.25e6])
+@pytest.mark.parametrize("begin_s", [0.0, -0.025, 86_400.0])
+def test_even_stamps_give_their_rate(rate_Hz: float, begin_s: float) -> None:
+    base = time_base(begin_s + ROWS / rate_Hz)
+
+    assert base.refusal == ""
+    assert base.rate_Hz == pytest.approx(rate_Hz, rel=1e-9)
+    assert base.begin_s == pytest.approx(begin_s, abs=1e-9)
+    assert base.gaps == ()
+    assert base.jitter_s < 1e-5 / rate_Hz + 1e-10
+
+
+@pytest.mark.parametrize(
+    ("rate_Hz", "decimals"), [(10_000, 3), (3_000, 4), (7_000, 4), (1_333, 3), (48_000, 3)]
+)
+def test_stamps_coarser_than_the_rows_give_the_rate_within_their_resolution(
+    rate_Hz: float, decimals: int
+) -> None:
+    stamps = np.round(ROWS / rate_Hz, decimals)
+
+    base = time_base(stamps)
+
+    assert base.refusal == ""
+    assert base.gaps == ()
+    assert base.resolution_s == pytest.approx(10.0**-decimals)
+    assert base.rate_Hz == pytest.approx(rate_Hz, rel=1e-3)
+    # rounding is uniform over a step of the resolution: 1 / sqrt(12) of it, rms
+    assert base.jitter_s == pytest.approx(10.0**-decimals / math.sqrt(12), rel=0.1)
+
+
+def test_missing_rows_are_gaps() -> None:
+    kept = np.delete(np.arange(5_000), [1_000, 1_001, 1_002, 3_000])
+
+    base = time_base(kept / 3_000.0)
+
+    assert base.refusal == ""
+    assert base.gaps == (Gap(1_000, 3), Gap(2_997, 1))
+    assert base.missing_rows == 4
+    assert base.rate_Hz == pytest.approx(3_000.0)
+
+
+def test_a_gap_in_stamps_of_four_decimals_is_found_too() -> None:
+    stamps = np.delete(np.round(ROWS / 3_000.0, 4), [1_000, 1_001])
+    assert time_base(stamps).gaps == (Gap(1_000, 2),)
+
+
+def test_a_gap_in_stamps_coarser_than_the_rows_is_refused() -> None:
+    stamps = np.delete(np.floor(ROWS / 10_000.0 * 1_000 + 1e-6) / 1_000, np.s_[2_000:2_050])
+    base = time_base(stamps)
+    assert "not even: steps of 0 s to 0.006 s" in base.refusal
+
+
+def test_little_jitter_is_stated_and_more_is_refused() -> None:
+    jitter = np.random.default_rng(1).uniform(-1.0, 1.0, len(ROWS))
+
+    little = time_base((ROWS + 0.03 * jitter) / 1_000.0)
+    more = time_base((ROWS + 0.3 * jitter) / 1_000.0)
+
+    assert little.refusal == ""
+    assert little.jitter_s == pytest.approx(0.03e-3 / math.sqrt(3), rel=0.05)
+    assert "the time stamps are not even" in more.refusal
+    assert math.isnan(more.jitter_s)
+
+
+@pytest.mark.parametrize(
+    ("stamps", "refusal"),
+    [
+        (ROWS[:3], "3 rows, at least 8 are needed"),
+        (np.empty(0), "0 rows"),
+        (np.full(100, 2.5), "the time is 2.5 s in every row"),
+        (np.insert(ROWS, 70, ROWS[69]) * 1e-3, "1 rows repeat the time of the row before, first row 71"),
+        (np.tile(ROWS, 2) * 1e-3, "goes back once, first by 4.999 s at row 5001: records joined together"),
+        (ROWS[::-1] * 1e-3, "goes back 4999 times"),
+        (np.concatenate([ROWS[:2500], 2500 + 1.37 * ROWS[:2500]]), "not even"),
+    ],
+)
+def test_what_is_no_time_base_says_why(stamps: Array, refusal: str) -> None:
+    base = time_base(stamps)
+    assert refusal in base.refusal
+    assert base.gaps == ()
+
+
+@given(
+    rate_Hz=st.floats(0.5, 1e6),
+    begin_s=st.floats(-1e3, 1e3),
+    lost=st.sets(st.integers(1, 398), max_size=40),
+)
+@settings(max_examples=60, deadline=None)
+def test_no_row_is_invented_or_lost(rate_Hz: float, begin_s: float, lost: set[int]) -> None:
+    """Every row stands where its stamp says, with the gaps counted."""
+    rows = np.array([row for row in range(400) if row not in lost], dtype=np.float64)
+    stamps = begin_s + rows / rate_Hz
+
+    base = time_base(stamps)
+
+    assert base.refusal == ""
+    assert base.missing_rows == len(lost)
+    place = np.arange(len(rows), dtype=np.float64)
+    for gap in base.gaps:
+        place[gap.row :] += gap.missing_rows
+    np.testing.assert_allclose(base.begin_s + base.step_s * place, stamps, atol=0.02 / rate_Hz + 1e-9)
+
+
+@given(st.lists(st.floats(-1e12, 1e12), max_size=40))
+@settings(deadline=None)
+def test_any_finite_stamps_give_an_answer(stamps: list[float]) -> None:
+    base = time_base(np.array(stamps, dtype=np.float64))
+    assert base.refusal or base.step_s > 0.0
