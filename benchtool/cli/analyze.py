@@ -1,28 +1,145 @@
-"""`benchtool analyze RUN`."""
+"""`benchtool analyze RUN` and `benchtool analyze --csv FILE`."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from benchtool.cli import options
-from benchtool.cli.output import Output, show_run
+from benchtool.cli.output import Output, measured, show_run
+
+if TYPE_CHECKING:
+    from benchtool.experiment.foreign import TableAnswer
+
+
+def _column(what: str) -> Any:
+    return typer.Option(metavar="COLUMN[:UNIT]", help=what)
 
 
 def analyze(
-    run: Annotated[Path, typer.Argument(metavar="RUN", help="Folder of a run bundle.")],
+    run: Annotated[Path | None, typer.Argument(metavar="RUN", help="Folder of a run bundle.")] = None,
+    csv: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE", help="Measure a text table of another tool instead: CSV, tabs or blanks."
+        ),
+    ] = None,
+    time: Annotated[str | None, _column("With --csv: column of the time; it and another are needed.")] = None,
+    current: Annotated[str | None, _column("With --csv: column of a phase current or q-current.")] = None,
+    torque: Annotated[str | None, _column("With --csv: column of the torque.")] = None,
+    angle: Annotated[
+        str | None, _column("With --csv: column of the mechanical angle; gives orders per revolution.")
+    ] = None,
+    speed: Annotated[str | None, _column("With --csv: column of the mechanical speed.")] = None,
+    pole_pairs: Annotated[
+        int | None, typer.Option(min=1, metavar="P", help="With --csv: pole pairs of the motor.")
+    ] = None,
+    slots: Annotated[
+        int | None, typer.Option(min=1, metavar="Q", help="With --csv: slots of the stator.")
+    ] = None,
+    rated_torque: Annotated[
+        float | None, typer.Option(metavar="NM", help="With --csv: base of the ripple in percent.")
+    ] = None,
+    from_: Annotated[
+        float | None, typer.Option("--from", metavar="S", help="With --csv: leave out what is earlier.")
+    ] = None,
+    to: Annotated[
+        float | None, typer.Option("--to", metavar="S", help="With --csv: leave out what is later.")
+    ] = None,
     as_json: options.Json = False,
 ) -> int:
-    """Measure a recorded run again, by the plan that it carries."""
+    """Measure a recorded run again, by the plan that it carries; or data from elsewhere, with --csv.
+
+    COLUMN is a name in the head of the table, or a number counted from 1. Its unit is SI (s, A, Nm, rad,
+    rad/s) unless the head states another in brackets, as "Iq [mA]", or the option does behind a colon:
+    --current Iq:mA, --angle 2:deg, --time "t:ms".
+    """
+    if csv is None:
+        given = (time, current, torque, angle, speed, pole_pairs, slots, rated_torque, from_, to)
+        return _analyze_run(run, as_json, any(each is not None for each in given))
+    from benchtool.errors import UsageError
+    from benchtool.experiment.foreign import TableQuestion, analyze_table
+
+    if run is not None:
+        raise UsageError(f"both {run} and --csv {csv}: give the folder of a run or a table, one of the two")
+    if time is None or (current is None and torque is None and speed is None):
+        missing = "--time" if time is None else "--current, --torque and --speed"
+        raise UsageError(
+            f"--csv without {missing}: name the column of the time and that of a current, torque or speed"
+        )
+    if rated_torque is not None and not (math.isfinite(rated_torque) and rated_torque > 0.0):
+        raise UsageError(f"--rated-torque is {rated_torque:g}, a torque above zero in Nm is expected")
+    columns = {"current": current, "torque": torque, "angle": angle, "speed": speed}
+    answer = analyze_table(
+        TableQuestion(
+            file=csv,
+            time=time,
+            columns={what: name for what, name in columns.items() if name is not None},
+            pole_pairs=pole_pairs,
+            slots=slots,
+            torque_rated_Nm=rated_torque,
+            from_s=-math.inf if from_ is None else from_,
+            to_s=math.inf if to is None else to,
+        )
+    )
+    output = Output(as_json=as_json)
+    _show(output, answer)
+    output.document({"verdict": "none", "cases": {"csv": answer.to_json()}})
+    return 0
+
+
+def _analyze_run(run: Path | None, as_json: bool, has_csv_options: bool) -> int:
+    from benchtool.errors import UsageError
     from benchtool.experiment.assessment import RunResult, assess_bundle
     from benchtool.experiment.limits import Verdict
     from benchtool.recording import Bundle
 
+    if run is None:
+        raise UsageError("neither RUN nor --csv FILE: give the folder of a run, or a table of another tool")
+    if has_csv_options:
+        raise UsageError(
+            f"{run} is measured by the plan that it carries, columns and motor go with --csv: leave them out"
+        )
     bundle = Bundle.open(run)
     result = RunResult((assess_bundle(bundle),))
     output = Output(as_json=as_json)
     show_run(output, bundle.manifest.what, result)
     output.document(result.to_json())
     return 1 if result.verdict is Verdict.FAIL else 0
+
+
+def _show(output: Output, answer: TableAnswer) -> None:
+    """The measurements, why some are undefined, and what was read, for people."""
+    rows = [(each.name, measured(each), each.unit) for each in answer.measurements]
+    output.table(str(answer.source["file"]), ("measurement", ">value", "unit"), rows)
+    undefined: dict[str, list[str]] = {}
+    for each in answer.measurements:
+        if not math.isfinite(each.value):
+            _, _, reason = each.definition.partition("; undefined here: ")
+            undefined.setdefault(reason, []).append(each.name)
+    for reason, names in undefined.items():
+        output.line(f"undefined: {', '.join(names)}: {reason}")
+    output.line(_read(answer.source))
+    output.line(_timed(answer.source["time"]))
+
+
+def _read(source: Mapping[str, Any]) -> str:
+    dropped = "".join(f", {count} left out ({why})" for why, count in source["rows_dropped"].items())
+    columns = "; ".join(_column_read(what, each) for what, each in source["columns"].items())
+    return f"read: {source['rows_read']} rows{dropped}, {source['rows_used']} used; {columns}"
+
+
+def _column_read(what: str, column: Mapping[str, Any]) -> str:
+    name = f" '{column['name']}'" if column["name"] else ""
+    assumed = " (assumed)" if column["unit_from"] == "assumed" else ""
+    return f"{what} from column {column['number']}{name} in {column['unit']}{assumed}"
+
+
+def _timed(time: Mapping[str, Any]) -> str:
+    if time["uniform"]:
+        return f"time: even, {time['rate_Hz']:.7g} Hz, jitter {time['jitter_s']:.2g} s rms"
+    return f"time: not even, {time['why_not']}"

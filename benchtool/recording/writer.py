@@ -23,6 +23,7 @@ from benchtool.recording.manifest import (
 from benchtool.recording.reader import DATA, FINISHED, RUNNING, Bundle
 from benchtool.recording.stream import StreamWriter
 
+TABLES = "tables.json"
 _STREAM_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]*")
 
 
@@ -95,9 +96,11 @@ class BundleWriter:
         quality: Mapping[str, int] | None = None,
         details: Mapping[str, Any] | None = None,
         certificate: Mapping[str, Any] | None = None,
+        tables: Mapping[str, Mapping[str, Any]] | None = None,
     ) -> Bundle:
         """Turn the streams into Parquet, write the results, mark the bundle complete and open it.
 
+        `tables` are results of many numbers each, such as spectra; without any there is no file of them.
         `details` and `quality` are added to those the manifest began with; `certificate` tells how good
         the data are.
 
@@ -109,6 +112,8 @@ class BundleWriter:
         for name, stream in self._streams.items():
             stream.convert(self.directory / DATA / f"{name}{FINISHED}")
         write_json(self.directory / MEASUREMENTS, measurements or {})
+        if tables:
+            write_json(self.directory / TABLES, tables)
         if certificate is not None:
             write_json(self.directory / CERTIFICATE, certificate)
         self._close_manifest(verdict, quality, details, complete=True)

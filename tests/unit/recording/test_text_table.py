@@ -1,0 +1,305 @@
+"""Tables as other tools write them: encodings, delimiters, heads, units, and rows that are none."""
+
+from __future__ import annotations
+
+import codecs
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from benchtool.errors import AnalysisError, BenchError, RecordingError
+from benchtool.recording.text_table import Rows, TextTable
+from benchtool.recording.text_units import is_unit, unit_factor
+
+TIME = np.arange(30) * 1e-3
+CURRENT = np.round(np.sin(np.arange(30) * 0.7), 4)
+
+
+def write(folder: Path, content: str | bytes) -> Path:
+    path = folder / "table.txt"
+    path.write_bytes(content.encode() if isinstance(content, str) else content)
+    return path
+
+
+def lines(delimiter: str = ",", decimal: str = ".", end: str = "") -> str:
+    rows = (f"{t:.3f}{delimiter}{i}{end}" for t, i in zip(TIME, CURRENT, strict=True))
+    return "\n".join(rows).replace(".", decimal) + "\n"
+
+
+def read(path: Path, time: str = "1", current: str = "2") -> Rows:
+    table = TextTable.open(path)
+    return table.rows([table.select(time, "s"), table.select(current, "A")])
+
+
+def require_all(rows: Rows) -> None:
+    np.testing.assert_allclose(rows.data, np.stack([TIME, CURRENT], axis=1))
+    assert rows.read == 30
+    assert rows.dropped == {}
+
+
+@pytest.mark.parametrize(
+    ("delimiter", "decimal", "end"),
+    [
+        *((",", ".", ""), (",", ".", ","), (", ", ".", ""), (";", ".", ""), (";", ",", ""), (";", ",", ";")),
+        *(
+            ("\t", ".", ""),
+            ("\t", ",", ""),
+            ("\t", ".", "\t"),
+            (" ", ".", ""),
+            ("   ", ",", " "),
+            (" \t", ".", ""),
+        ),
+    ],
+)
+def test_delimiters_and_decimal_signs(tmp_path: Path, delimiter: str, decimal: str, end: str) -> None:
+    head = f"t{delimiter}I{end}\n"
+    require_all(read(write(tmp_path, head + lines(delimiter, decimal, end)), "t", "I"))
+
+
+@pytest.mark.parametrize(
+    ("encoding", "mark", "named"),
+    [
+        ("utf-8", b"", "utf-8"),
+        ("utf-8", codecs.BOM_UTF8, "utf-8-sig"),
+        ("utf-16-le", codecs.BOM_UTF16_LE, "utf-16"),
+        ("utf-16-be", codecs.BOM_UTF16_BE, "utf-16"),
+        ("utf-16-le", b"", "utf-16-le"),
+        ("utf-16-be", b"", "utf-16-be"),
+        ("cp1252", b"", "cp1252"),
+    ],
+)
+@pytest.mark.parametrize("line_end", ["\n", "\r\n", "\r"])
+def test_encodings_and_line_ends(
+    tmp_path: Path, encoding: str, mark: bytes, named: str, line_end: str
+) -> None:
+    text = ("Zeit (µs),Strom [mA],Lage [°]\n" + lines(end=",1")).replace("\n", line_end)
+    table = TextTable.open(write(tmp_path, mark + text.encode(encoding)))
+
+    assert table.encoding == named
+    assert table.select("Zeit (µs)", "s").factor == 1e-6
+    assert table.select("lage", "rad").factor == pytest.approx(math.pi / 180)
+    rows = table.rows([table.select("Zeit", "s"), table.select("Strom", "A")])
+    np.testing.assert_allclose(rows.data, np.stack([TIME * 1e-6, CURRENT * 1e-3], axis=1))
+
+
+@pytest.mark.parametrize(
+    ("head", "time", "current", "skipped"),
+    [
+        ("", "1", "2", 0),
+        ("x-axis,4\nsecond,Ampere\n", "x-axis", "4", 2),
+        ("x-axis,4\nsecond,Ampere\n", "1", "2", 2),
+        (" Time, Iq\n", "Time", "Iq", 1),
+        ("# Time, Iq\n", "Time", "Iq", 1),
+        ("% made by a logger\n%\n% Time, Iq\n", "Time", "Iq", 3),
+        ("sep=,\nTime,Iq\n", "Time", "Iq", 2),
+        ('Model,X1\nDate,2026-11-21\n\n"Time","Iq"\n', "Time", "Iq", 4),
+        ("Time,Iq,\n", "Time", "Iq", 1),
+        ("Time;Iq\n", "Time", "Iq", 1),
+        ("Time (s),CH1: Iq [A]\n", "Time", "CH1: Iq", 1),
+    ],
+)
+def test_heads(tmp_path: Path, head: str, time: str, current: str, skipped: int) -> None:
+    path = write(tmp_path, head + lines())
+    require_all(read(path, time, current))
+    assert TextTable.open(path).layout.head_lines == skipped
+
+
+def test_units_of_a_second_head_line_count(tmp_path: Path) -> None:
+    table = TextTable.open(write(tmp_path, "t;I\nms;mA\n" + lines(";")))
+    selection = table.select("I", "A")
+    assert (selection.factor, selection.unit_from) == (1e-3, "head")
+    assert table.select("t", "s").factor == 1e-3
+
+
+def test_an_option_overrides_the_unit_of_the_head(tmp_path: Path) -> None:
+    table = TextTable.open(write(tmp_path, "t:1,Iq [mA],raw (counts)\n" + lines(end=",7")))
+
+    assert table.select("Iq", "A").factor == 1e-3
+    assert table.select("Iq:A", "A").factor == 1.0
+    assert table.select("Iq [mA]:uA", "A").factor == 1e-6
+    assert table.select("2:kA", "A").unit_from == "option"
+    assert table.select("t:1", "s").number == 1
+    assert table.select("t:1:ms", "s").factor == 1e-3
+    raw = table.select("raw", "Nm")
+    assert (raw.unit, raw.unit_from, raw.factor) == ("Nm", "assumed", 1.0)
+
+
+@pytest.mark.parametrize(
+    ("wanted", "complaint"),
+    [
+        ("Iq", "2 columns 'Iq', with the numbers 2, 3: give one"),
+        ("Torque", "no column 'Torque', it has 1 't', 2 'Iq', 3 'Iq': give a name or a number"),
+        ("4", "no column '4'"),
+        ("0", "no column '0'"),
+        ("2:Nm", "'Nm' is no unit of column '2', expected is one of A, mA, uA"),
+        ("", "no column ''"),
+    ],
+)
+def test_a_column_that_is_not_there_or_there_twice(tmp_path: Path, wanted: str, complaint: str) -> None:
+    table = TextTable.open(write(tmp_path, "t,Iq,Iq\n" + lines(end=",7")))
+    assert table.select("3", "A").number == 3
+    with pytest.raises(AnalysisError) as refused:
+        table.select(wanted, "A")
+    assert complaint in str(refused.value)
+
+
+def test_without_a_head_names_are_refused_by_number(tmp_path: Path) -> None:
+    with pytest.raises(AnalysisError, match="it has no names, and columns 1 to 2"):
+        TextTable.open(write(tmp_path, lines())).select("t", "s")
+
+
+def test_rows_that_are_none_are_left_out_and_counted(tmp_path: Path) -> None:
+    good = lines().splitlines()
+    text = "\n".join(
+        [
+            *("t,I", *good[:10], "", "   ", "# a remark", "0.5,1,2", "0.5", "0.5,n/a", "0.5,", "nan,1"),
+            *(
+                "0.5,inf",
+                *good[10:20],
+                "%0.5,0.5",
+                "0.5,1.5.5",
+                "0x5,1",
+                "1e400,1",
+                "0.5,9.91E+37",
+                *good[20:],
+                "0.0",
+            ),
+        ]
+    )
+    rows = read(write(tmp_path, text), "t", "I")
+
+    np.testing.assert_allclose(rows.data, np.stack([TIME, CURRENT], axis=1))
+    assert rows.dropped == {"wrong number of cells": 3, "a cell is no number": 8}
+    assert rows.read == 41
+
+
+def test_only_the_columns_asked_for_must_be_numbers(tmp_path: Path) -> None:
+    text = lines(end=",ok").replace("ok", "ERROR", 1)
+    require_all(read(write(tmp_path, "t,I,state\n" + text), "t", "I"))
+
+
+def test_zero_bytes_never_join_what_stands_beside_them(tmp_path: Path) -> None:
+    text = ("t,I\n" + lines()).encode() + b"0.1\0\0005,1\n" + b"\0" * 512
+    rows = read(write(tmp_path, text), "t", "I")
+    np.testing.assert_allclose(rows.data, np.stack([TIME, CURRENT], axis=1))
+    assert rows.dropped == {"a cell is no number": 1}
+
+
+def test_quoted_numbers_with_decimal_commas(tmp_path: Path) -> None:
+    text = "".join(f'"{t:.3f}","{i}"\n'.replace(".", ",") for t, i in zip(TIME, CURRENT, strict=True))
+    require_all(read(write(tmp_path, '"t","I"\n' + text), "t", "I"))
+
+
+def test_signs_and_exponents(tmp_path: Path) -> None:
+    text = "".join(f"{t:+.9E},{i:+.13E}\n" for t, i in zip(TIME, CURRENT, strict=True))
+    require_all(read(write(tmp_path, text)))
+    spoilt = read(write(tmp_path, text + "x,1\n"))
+    np.testing.assert_allclose(spoilt.data, np.stack([TIME, CURRENT], axis=1))
+
+
+def test_a_later_decimal_comma_shows_the_layout(tmp_path: Path) -> None:
+    """Whole numbers at the beginning do not tell; the end of the file does."""
+    text = "t;I\n" + "".join(f"{n};{n}\n" for n in range(2_000)) + "2000;0,5\n2001;0,25\n"
+    table = TextTable.open(write(tmp_path, text))
+    assert table.layout.decimal == ","
+    assert table.rows([table.select("I", "A")]).data[-1, 0] == 0.25
+
+
+@pytest.mark.parametrize(
+    ("content", "complaint"),
+    [
+        (b"", "is empty"),
+        (b" \r\n\n", "is empty"),
+        (b"hello\nworld\n", "no table of numbers"),
+        (b"1\n2\n3\n", "no table of numbers"),
+        (b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR", "no table of numbers"),
+        (bytes(range(256)) * 4, "no table of numbers"),
+    ],
+)
+def test_what_is_no_table_is_one_line(tmp_path: Path, content: bytes, complaint: str) -> None:
+    with pytest.raises(RecordingError, match=complaint) as refused:
+        TextTable.open(write(tmp_path, content))
+    assert "\n" not in str(refused.value)
+
+
+def test_a_file_that_cannot_be_read_is_one_line(tmp_path: Path) -> None:
+    with pytest.raises(RecordingError, match=r"cannot read .*nowhere\.csv: No such file"):
+        TextTable.open(tmp_path / "nowhere.csv")
+    with pytest.raises(RecordingError, match="cannot read"):
+        TextTable.open(tmp_path)
+
+
+CELLS = st.one_of(
+    st.floats().map(str),
+    st.integers().map(str),
+    st.sampled_from(
+        ["", " ", "nan", "1,5", '"', '""', '"1"', "#", "%", "+1e3", "\0", "µ", "1.2.3", "-", "1e999"]
+    ),
+    st.text(max_size=5),
+)
+TABLES = st.builds(
+    lambda rows, delimiter, end, encoding: end.join(map(delimiter.join, rows)).encode(encoding, "replace"),
+    st.lists(st.lists(CELLS, min_size=1, max_size=5), min_size=1, max_size=12),
+    st.sampled_from([",", ";", "\t", " ", ", "]),
+    st.sampled_from(["\n", "\r\n", "\r"]),
+    st.sampled_from(["utf-8", "utf-8-sig", "utf-16", "cp1252"]),
+)
+
+
+@given(content=st.one_of(st.binary(max_size=400), TABLES))
+@settings(max_examples=400, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_any_bytes_give_finite_rows_or_an_error_of_the_tree(tmp_path: Path, content: bytes) -> None:
+    path = write(tmp_path, content)
+    try:
+        table = TextTable.open(path)
+        selections = [table.select(str(number + 1), "s") for number in range(len(table.layout.columns))]
+        for chosen in (selections, selections[:1], selections[-1:]):
+            rows = table.rows(chosen)
+            assert np.all(np.isfinite(rows.data))
+            assert len(rows.data) + sum(rows.dropped.values()) == rows.read
+    except BenchError:
+        pass
+
+
+@given(
+    values=st.lists(st.tuples(st.floats(-1e6, 1e6), st.floats(-1e6, 1e6)), min_size=3, max_size=30),
+    layout=st.sampled_from(
+        [(",", "."), (";", "."), (";", ","), ("\t", "."), ("\t", ","), (" ", "."), (" ", ",")]
+    ),
+)
+@settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_numbers_survive_to_the_bit(
+    tmp_path: Path, values: list[tuple[float, float]], layout: tuple[str, str]
+) -> None:
+    delimiter, decimal = layout
+    text = "".join(
+        delimiter.join(repr(value).replace(".", decimal) for value in row) + "\n" for row in values
+    )
+    rows = read(write(tmp_path, "a" + delimiter + "b\n" + text), "a", "b")
+    np.testing.assert_array_equal(rows.data, np.array(values))
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "factor"),
+    [
+        *(("mA", "A", 1e-3), ("milliamps", "A", 1e-3), ("Ampere", "A", 1.0), ("amps", "A", 1.0)),
+        *(("µs", "s", 1e-6), ("second", "s", 1.0), ("Seconds", "s", 1.0), ("ms", "s", 1e-3)),
+        *(("N·m", "Nm", 1.0), ("N.m", "Nm", 1.0), ("mN·m", "Nm", 1e-3), ("N m", "Nm", 1.0)),
+        *(("°", "rad", math.pi / 180), ("degrees", "rad", math.pi / 180), ("rev", "rad", 2 * math.pi)),
+        *(("RPM", "rad/s", math.pi / 30), ("1/min", "rad/s", math.pi / 30), ("°/s", "rad/s", math.pi / 180)),
+    ],
+)
+def test_units_as_people_write_them(text: str, unit: str, factor: float) -> None:
+    assert unit_factor(text, unit) == pytest.approx(factor)
+    assert is_unit(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "unit"), [("", "A"), ("V", "A"), ("counts", "rad"), ("MS", "s"), ("Iq", "A")]
+)
+def test_what_is_no_unit_of_the_kind(text: str, unit: str) -> None:
+    assert unit_factor(text, unit) is None

@@ -1,0 +1,76 @@
+"""Tables of any content: an answer that JSON can hold, or one line."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, example, given, settings
+from hypothesis import strategies as st
+
+from benchtool.errors import BenchError
+from benchtool.experiment.foreign import TableQuestion, analyze_table
+
+NUMBERS = st.one_of(
+    st.floats(-10.0, 10.0),
+    st.floats(allow_nan=False, allow_infinity=False),
+    st.sampled_from([0.0, 1.0, -1.0, 1e308, 9.9e37, 9e37, -9e37, 1e-150, 5e-324]),
+)
+STAMPS = st.one_of(st.just("even"), st.just("coarse"), st.just("any"))
+
+
+def answer_or_error(path: Path) -> None:
+    columns = {"current": "2", "torque": "3", "angle": "4", "speed": "5"}
+    question = TableQuestion(path, "1", columns, pole_pairs=2, slots=6, torque_rated_Nm=1.0)
+    try:
+        document = analyze_table(question).to_json()
+    except BenchError as refused:
+        assert len(str(refused).splitlines()) == 1  # noqa: PT017 # either outcome is right
+    else:
+        assert json.dumps(document, allow_nan=False)
+
+
+@given(
+    rows=st.lists(st.tuples(*[NUMBERS] * 5), min_size=1, max_size=40), repeat=st.integers(1, 6), stamps=STAMPS
+)
+@example(rows=[(0.0, 9e37, -9e37, 9e37, 1.0), (1.0, -9e37, 9e37, -9e37, 2.0)], repeat=6, stamps="even")
+@settings(
+    max_examples=150,
+    deadline=None,
+    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
+)
+def test_any_numbers_give_an_answer_or_an_error_of_the_tree(
+    tmp_path: Path, rows: list[tuple[float, ...]], repeat: int, stamps: str
+) -> None:
+    lines = []
+    for number, row in enumerate(rows * repeat):
+        time = {"even": number * 1e-3, "coarse": number // 10 * 1e-2, "any": row[0]}[stamps]
+        lines.append(",".join(map(repr, (time, *row[1:]))))
+    path = tmp_path / "table.csv"
+    path.write_text("t,I,T,a,n\n" + "\n".join(lines), encoding="utf-8")
+    answer_or_error(path)
+
+
+@given(content=st.binary(max_size=300))
+@settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_any_bytes_give_an_answer_or_an_error_of_the_tree(tmp_path: Path, content: bytes) -> None:
+    path = tmp_path / "table.csv"
+    path.write_bytes(content)
+    answer_or_error(path)
+
+
+@pytest.mark.parametrize("scale", [1e-30, 1e-9, 1e9, 1e30])
+def test_amplitudes_of_any_size_are_measured(tmp_path: Path, scale: float) -> None:
+    time_s = np.arange(4_000) * 1e-3
+    angle = 2 * np.pi * 3.0 * time_s
+    rows = zip(time_s, scale * np.cos(2 * angle), angle, strict=True)
+    path = tmp_path / "table.csv"
+    path.write_text("".join(",".join(map(repr, map(float, row))) + "\n" for row in rows), encoding="utf-8")
+
+    answer = analyze_table(TableQuestion(path, "1", {"current": "2", "angle": "3"}, pole_pairs=2))
+
+    found = {each.name: each.value for each in answer.measurements}
+    assert found["current_fundamental"] == pytest.approx(scale, rel=1e-3)
+    assert found["current_order_2"] == pytest.approx(scale, rel=1e-3)
