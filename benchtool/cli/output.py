@@ -14,7 +14,9 @@ from rich.table import Table
 from rich.text import Text
 
 if TYPE_CHECKING:
+    from benchtool.analysis import Measurement
     from benchtool.experiment.assessment import Assessment, RunResult
+    from benchtool.experiment.repetition import Repeated
 
 _MOST_COLUMNS = 7
 _FOREMOST = ("torque_ripple_pp", "true_torque_ripple_pp", "flux_ripple_pp", "current_thd")
@@ -38,8 +40,8 @@ class Output:
         self.progress.print(Text(text, style="dim"))
 
     def line(self, text: str, style: str = "") -> None:
-        """A line of the result, for people."""
-        self._people.print(Text(text, style=style))
+        """A line of the result, for people; never broken, so that it can be copied."""
+        self._people.print(Text(text, style=style), soft_wrap=True)
 
     def verdict(self, verdict: str) -> None:
         """The verdict, in its colour."""
@@ -67,6 +69,14 @@ def significant(value: float) -> str:
     return f"{value:.4g}" if math.isfinite(value) else "–"
 
 
+def measured(measurement: Measurement) -> str:
+    """Its value with its standard uncertainty, if it has one."""
+    from benchtool.report.numbers import stated
+
+    uncertainty = measurement.uncertainty
+    return stated(measurement.value, None if uncertainty is None else uncertainty.standard)
+
+
 def show_run(output: Output, title: str, result: RunResult, tabulate: Sequence[str] = ()) -> None:
     """Print for people what every case of a run measured, and how it met its limits."""
     if len(result.assessments) == 1:
@@ -75,6 +85,7 @@ def show_run(output: Output, title: str, result: RunResult, tabulate: Sequence[s
         show_rows(output, title, result.assessments, tabulate or _FOREMOST)
     else:
         show_side_by_side(output, title, result.assessments)
+    show_repeated(output, result.repeated, tabulate)
     output.verdict(result.verdict)
 
 
@@ -84,6 +95,20 @@ def show_rows(output: Output, title: str, cases: Sequence[Assessment], names: Se
         (case.case, *(_cell(case, name) for name in names)) for case in cases
     ]
     output.table(title, ("case", *(f">{name}" for name in names)), rows)
+
+
+def show_repeated(
+    output: Output, repeated: Mapping[str, Sequence[Repeated]], names: Sequence[str] = ()
+) -> None:
+    """Print what the repetitions of each case come to, all of it or the measurements named."""
+    for case, together in repeated.items():
+        rows: list[tuple[str | Text, ...]] = [
+            (each.name, significant(each.mean), f"{each.standard_uncertainty:.2g}", str(each.n), each.unit)
+            for each in together
+            if not names or each.name in names
+        ]
+        columns = ("measurement", ">mean", ">uncertainty", ">n", "unit")
+        output.table(f"{case}: mean of the repetitions and its standard uncertainty", columns, rows)
 
 
 def show_side_by_side(output: Output, title: str, cases: Sequence[Assessment]) -> None:
@@ -114,7 +139,7 @@ def show_assessment(output: Output, title: str, result: Assessment) -> None:
         limit, verdict = result.limits.get(each.name), result.verdicts.get(each.name)
         bounds = "" if limit is None else f"{_bound('≥', limit.min)}{_bound('≤', limit.max)}"
         beside = (significant(result.published.get(each.name, math.nan)),) if published else ()
-        cells = (each.name, significant(each.value), *beside, each.unit, bounds.strip(), str(verdict or ""))
+        cells = (each.name, measured(each), *beside, each.unit, bounds.strip(), str(verdict or ""))
         rows.append(cells)
     columns = ("measurement", ">value", *(f">{name}" for name in published), "unit", "limit", "verdict")
     output.table(title, columns, rows)

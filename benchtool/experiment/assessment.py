@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,16 +13,18 @@ from benchtool.analysis import (
     Measurement,
     SteadyState,
     Table,
-    analyze_steady_state,
     measurements_from_json,
     measurements_to_json,
     tables_to_json,
 )
+from benchtool.analysis.bode import Bode, analyze_response
 from benchtool.analysis.step import analyze_step
 from benchtool.block import Block
 from benchtool.errors import AnalysisError
 from benchtool.experiment.limits import Limit, Verdict, worst
 from benchtool.experiment.plan import Plan
+from benchtool.experiment.repetition import Repeated
+from benchtool.experiment.steady_state import assess_steady_state
 from benchtool.profile import Motor
 from benchtool.recording import Bundle
 
@@ -44,6 +46,7 @@ class Assessment:
     transducer: Block | None
     steady: SteadyState | None
     tables: tuple[Table, ...] = ()
+    bode: Bode | None = None
 
     @property
     def verdicts(self) -> Mapping[str, Verdict]:
@@ -63,9 +66,10 @@ class Assessment:
 
 @dataclass(frozen=True)
 class RunResult:
-    """What every case of a plan came to."""
+    """What every case of a plan came to and, by the name of each case, its repetitions together."""
 
     assessments: tuple[Assessment, ...]
+    repeated: Mapping[str, tuple[Repeated, ...]] = field(default_factory=dict)
 
     @property
     def verdict(self) -> Verdict:
@@ -73,10 +77,16 @@ class RunResult:
 
     def to_json(self) -> dict[str, Any]:
         """The document that `--json` prints."""
-        return {
+        document: dict[str, Any] = {
             "verdict": str(self.verdict),
             "cases": {each.case: each.to_json() for each in self.assessments},
         }
+        if self.repeated:
+            document["repeated"] = {
+                case: {each.name: each.to_json() for each in together}
+                for case, together in self.repeated.items()
+            }
+        return document
 
 
 def assess(
@@ -97,17 +107,17 @@ def assess(
     tables: list[Table] = []
     steady = None
     if plan.analyses.steady:
-        steady = analyze_steady_state(
-            _from(capture, plan.analyses.steady_from_s),
-            pole_pairs=motor.pole_pairs,
-            torque_rated_Nm=motor.T_N_Nm,
-            transducer=transducer,
-        )
-        measurements.extend(steady.measurements)
-        tables.extend(steady.tables)
+        window = _from(capture, plan.analyses.steady_from_s)
+        steady, further = assess_steady_state(window, motor, transducer)
+        measurements.extend((*steady.measurements, *further.measurements))
+        tables.extend((*steady.tables, *further.tables))
     if plan.analyses.step:
         step = analyze_step(capture, plan.analyses.step_signal, plan.analyses.step_reference)
         measurements.extend(step.measurements)
+    bode = _response(plan, capture) if plan.analyses.frequency_response else None
+    if bode is not None:
+        measurements.extend(bode.measurements)
+        tables.extend(bode.tables)
     return Assessment(
         case,
         bundle,
@@ -119,7 +129,22 @@ def assess(
         transducer,
         steady,
         tuple(tables),
+        bode,
     )
+
+
+def _response(plan: Plan, capture: Block) -> Bode:
+    """Frequency response while the stimulus plays; of a repeated one after its first period, a transient."""
+    begin, end, period = 0, len(capture.data), None
+    if plan.stimulus is not None:
+        begin = round(plan.record.pretrigger_s * capture.sample_rate_Hz)
+        ticks = plan.stimulus.ticks(capture.tick_s)
+        end = min(end, begin + ticks * plan.stimulus.repetitions // capture.stride)
+        if plan.stimulus.repetitions > 1 and ticks % capture.stride == 0:
+            period = ticks // capture.stride
+            begin += period
+    channels = plan.analyses.response_input, plan.analyses.response_output
+    return analyze_response(capture, *channels, begin_row=begin, end_row=end, period_rows=period)
 
 
 def assess_bundle(bundle: Bundle) -> Assessment:

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from benchtool.experiment.assessment import Assessment
 from benchtool.experiment.cases import cases
 from benchtool.experiment.plan import Plan
-from benchtool.report import draw_steady_state, save_figures
+from benchtool.report.bode import draw_bode
 from benchtool.report.comparison import (
     Panel,
     draw_against,
@@ -19,27 +19,44 @@ from benchtool.report.comparison import (
     draw_steady_traces,
     draw_torque_traces,
 )
+from benchtool.report.figures import draw_steady_state, save_figures
+from benchtool.report.switching import draw_switching_states
 
 _SHOWN_S = 0.2  # of a steady state beside another
 
 
 def draw_case(plan: Plan, result: Assessment) -> None:
     """Figures of one case, into its bundle."""
+    save_figures(case_figures(plan, result), result.bundle / "plots")
+
+
+def case_figures(plan: Plan, result: Assessment) -> dict[str, Figure]:
+    """Figures of one case by name."""
     panel = Panel(_label(result), result.capture, result.steady)
     figures = {}
     if plan.analyses.step:
         figures["torque"] = draw_torque_traces([panel], plan.title)
     elif result.steady is not None:
         figures |= draw_steady_state(result.capture, result.steady, result.transducer, title=plan.title)
-    save_figures(figures, result.bundle / "plots")
+    if result.bode is not None:
+        figures["bode"] = draw_bode({_label(result): result.bode}, plan.title)
+    for table in result.tables:
+        if table.name == "switching_states":
+            figures[table.name] = draw_switching_states(table, title=plan.title)
+    return figures
 
 
 def _label(result: Assessment) -> str:
     """Name of a case with what it comes to."""
-    shown = {"torque_ripple_pp": "ripple", "reach_time": "reached in", "overshoot": "overshoot"}
+    shown = {
+        "torque_ripple_pp": "ripple",
+        "reach_time": "reached in",
+        "overshoot": "overshoot",
+        "bandwidth_3dB": "bandwidth",
+    }
     found = {each.name: each for each in result.measurements if math.isfinite(each.value)}
     parts = (
-        f"{text} {found[name].value:.2g} {found[name].unit}" for name, text in shown.items() if name in found
+        f"{text} {found[name].value:.3g} {found[name].unit}" for name, text in shown.items() if name in found
     )
     return ": ".join(filter(None, (result.case, ", ".join(parts))))
 
@@ -62,10 +79,15 @@ def _draw_sweep(plan: Plan, results: Sequence[Assessment]) -> Figure:
 
 def draw_cases(plan: Plan, results: Sequence[Assessment], folder: Path) -> None:
     """The figure that the plan asks for, of all cases, into the run's folder."""
+    save_figures(run_figures(plan, results), folder / "plots")
+
+
+def run_figures(plan: Plan, results: Sequence[Assessment]) -> dict[str, Figure]:
+    """The figure that the plan asks for, of all cases, as `cases`; nothing if it asks for none."""
     panels = [Panel(_label(each), each.capture, each.steady) for each in results]
     match plan.figure:
         case "none":
-            return
+            return {}
         case "torque":
             figure = draw_torque_traces(panels, plan.title)
         case "steady":
@@ -74,4 +96,7 @@ def draw_cases(plan: Plan, results: Sequence[Assessment], folder: Path) -> None:
             figure = draw_spectra(panels, plan.title)
         case "sweep":
             figure = _draw_sweep(plan, results)
-    save_figures({"cases": figure}, folder / "plots")
+        case "bode":
+            found = {_label(each): each.bode for each in results if each.bode is not None}
+            figure = draw_bode(found, plan.title)
+    return {"cases": figure}

@@ -15,6 +15,7 @@ from benchtool.experiment.cases import Case, cases
 from benchtool.experiment.conduct import Progress
 from benchtool.experiment.drawing import draw_cases
 from benchtool.experiment.plan import Plan
+from benchtool.experiment.repetition import over_repetitions
 from benchtool.experiment.runner import RunInfo, case_folder, run_cases
 from benchtool.recording import Bundle
 
@@ -67,7 +68,8 @@ def run_in_processes(
             progress.note("done")
     results = [assess_bundle(Bundle.open(case_folder(plan, case, folder))) for case in todo]
     draw_cases(plan, results, folder)
-    return RunResult(tuple(results))
+    measured = {each.case: each.measurements for each in results}
+    return RunResult(tuple(results), over_repetitions(plan, measured))
 
 
 def _run(task: _Task) -> str:

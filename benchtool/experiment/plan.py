@@ -93,13 +93,17 @@ class Variant(Section):
 
 
 class Analyses(Section):
-    """What is measured: the steady state from `steady_from_s` of the capture on, the response to a step."""
+    """What is measured: the steady state from `steady_from_s` of the capture on, the response to a step, the
+    frequency response of a channel to another while a stimulus plays."""
 
     steady: bool = True
     steady_from_s: Annotated[float, Field(ge=0)] = 0.0
     step: bool = False
     step_signal: str = "torque"
     step_reference: str = "torque_reference"
+    frequency_response: bool = False
+    response_input: str = "torque_reference"
+    response_output: str = "torque"
 
 
 class Plan(Section):
@@ -127,7 +131,7 @@ class Plan(Section):
     case_limits: dict[str, dict[str, Limit]] = Field(default_factory=dict)
     published: dict[str, dict[str, float]] = Field(default_factory=dict)
     readings: tuple[str, ...] = ()
-    figure: Literal["none", "torque", "steady", "spectra", "sweep"] = "none"
+    figure: Literal["none", "torque", "steady", "spectra", "sweep", "bode"] = "none"
     figure_of: str = "torque_ripple_pp"
     tabulate: tuple[str, ...] = ()
     emulator: dict[str, float] = Field(default_factory=dict)
@@ -137,6 +141,8 @@ class Plan(Section):
         point = self.operating_point
         if other := set[str](self.sweep.operating_point) - _OF_MODE[point.mode]:
             raise ValueError(f"{point.mode} mode has no {', '.join(sorted(other))} to sweep")
+        if self.figure == "bode" and not self.analyses.frequency_response:
+            raise ValueError("figure = 'bode' needs analyses.frequency_response = true")
         if self.stimulus is None:
             return self
         if point.mode_of_operation not in self.stimulus.modes:

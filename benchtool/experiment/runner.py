@@ -7,7 +7,7 @@ from contextlib import AbstractContextManager, contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from benchtool.analysis import measurements_to_json
+from benchtool.analysis import measurements_to_json, tables_to_json
 from benchtool.bench import Session
 from benchtool.drive import Identity
 from benchtool.drive.parameters import snapshot, temporary
@@ -18,6 +18,7 @@ from benchtool.experiment.conduct import Progress, conduct
 from benchtool.experiment.drawing import draw_case, draw_cases
 from benchtool.experiment.limits import Verdict
 from benchtool.experiment.plan import Plan
+from benchtool.experiment.repetition import over_repetitions
 from benchtool.recording import Bundle, BundleWriter, Manifest, software_versions
 from benchtool.telemetry import TelemetryStream, certify_recording, record_stream
 
@@ -51,7 +52,8 @@ def run_plan(
     todo = cases(plan)
     results = run_cases(opener, plan, todo, folder, info, progress, resume=resume)
     draw_cases(plan, results, folder)
-    return RunResult(tuple(results))
+    measured = {each.case: each.measurements for each in results}
+    return RunResult(tuple(results), over_repetitions(plan, measured))
 
 
 def run_cases(
@@ -149,6 +151,7 @@ def _run_case(
         progress.note(certificate.summary)
         writer.finish(
             measurements_to_json(result.measurements),
+            tables=tables_to_json(result.tables),
             verdict=result.verdict,
             quality=asdict(link.counters),
             details=facts | {"verdicts": {name: str(verdict) for name, verdict in result.verdicts.items()}},

@@ -37,6 +37,23 @@ def require_known(plan: Plan, path: Path, dictionary: Dictionary) -> None:
                 f"{path}{line_of(text, ('record', 'channels'))}: no signal '{channel}' to capture: "
                 f"the drive has {known}"
             )
+    for key, channel in _analysed(plan):
+        if channel not in plan.record.channels:
+            raise PlanError(
+                f"{path}{line_of(text, ('analyses', key))}: {key} is '{channel}', which record.channels does "
+                f"not have: add it there, or choose one of {', '.join(plan.record.channels)}"
+            )
+
+
+def _analysed(plan: Plan) -> Iterator[tuple[str, str]]:
+    """The keys of `analyses` that name a channel, and that channel."""
+    analyses = plan.analyses
+    if analyses.step:
+        yield "step_signal", analyses.step_signal
+        yield "step_reference", analyses.step_reference
+    if analyses.frequency_response:
+        yield "response_input", analyses.response_input
+        yield "response_output", analyses.response_output
 
 
 def _settings(plan: Plan) -> Iterator[tuple[Location, str, Setting]]:

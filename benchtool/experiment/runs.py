@@ -1,0 +1,136 @@
+"""Recorded runs on disk: which bundles belong together, and what each comes to when it is measured again."""
+
+from __future__ import annotations
+
+import re
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from benchtool.errors import AnalysisError, BenchError, RecordingError
+from benchtool.experiment.assessment import Assessment, assess_bundle
+from benchtool.experiment.cases import cases
+from benchtool.experiment.limits import Verdict, worst
+from benchtool.experiment.plan import Plan
+from benchtool.recording import Bundle
+
+_MANIFEST = "manifest.json"
+_PUT_ASIDE = re.compile(r"\.cut-\d+$")  # half-done cases that a resumed run has done again
+
+
+@dataclass(frozen=True)
+class RecordedCase:
+    """One bundle; without an assessment, `failure` says why there is none."""
+
+    name: str
+    bundle: Bundle
+    assessment: Assessment | None
+    failure: str = ""
+
+    @property
+    def verdict(self) -> Verdict:
+        """The assessment's; a run that failed or was cut short fails, a recording without a plan has none."""
+        if self.assessment is not None and self.bundle.complete:
+            return self.assessment.verdict
+        return (
+            Verdict.NONE if "plan" not in self.bundle.manifest.details and not self.failure else Verdict.FAIL
+        )
+
+
+@dataclass(frozen=True)
+class RecordedRun:
+    """The cases of one plan, in the order in which they ran; `name` is empty where there is one plan only."""
+
+    name: str
+    folder: Path
+    cases: tuple[RecordedCase, ...]
+
+    @property
+    def verdict(self) -> Verdict:
+        return worst(case.verdict for case in self.cases)
+
+
+def recorded_runs(folder: Path) -> tuple[RecordedRun, ...]:
+    """What `folder` holds: a bundle, the bundles of one plan, or a folder of these for each plan.
+
+    Raises:
+        RecordingError: it holds none, or one cannot be read.
+    """
+    if folder.exists() and not folder.is_dir():
+        raise RecordingError(f"{folder} is a file: give the folder of a run")
+    if not folder.exists():
+        raise RecordingError(f"there is no {folder}: give the folder of a run")
+    if (folder / _MANIFEST).is_file():
+        return (RecordedRun("", folder, (_case(Bundle.open(folder)),)),)
+    groups: dict[Path, list[Bundle]] = {}
+    for path in sorted((*folder.glob(f"*/{_MANIFEST}"), *folder.glob(f"*/*/{_MANIFEST}"))):
+        place = path.parent
+        if not _PUT_ASIDE.search(place.name):
+            groups.setdefault(place.parent, []).append(Bundle.open(place))
+    if not groups:
+        raise RecordingError(f"{folder} holds no run bundle: give the folder of a run")
+    runs = [run for place, bundles in sorted(groups.items()) for run in _of_one_plan(folder, place, bundles)]
+    return tuple(runs) if len(runs) > 1 else (RecordedRun("", runs[0].folder, runs[0].cases),)
+
+
+def complete_cases(folder: Path) -> list[Assessment]:
+    """Every case of a run that was finished, measured again.
+
+    Raises:
+        RecordingError: there is none.
+        AnalysisError: the data cannot answer what the plan asks.
+    """
+    found = [case for run in recorded_runs(folder) for case in run.cases if case.bundle.complete]
+    if not found:
+        raise RecordingError(f"{folder} holds no complete run bundle: give the folder of a run")
+    return [case.assessment or _refuse(case) for case in found]
+
+
+def _of_one_plan(root: Path, place: Path, bundles: list[Bundle]) -> list[RecordedRun]:
+    """The bundles of a folder by their plan; a plan of one case stands beside those of several."""
+    by_plan: dict[str, list[Bundle]] = {}
+    for bundle in bundles:
+        by_plan.setdefault(bundle.manifest.what, []).append(bundle)
+    runs = []
+    for members in by_plan.values():
+        alone = len(members) == 1 and (place == root or len(by_plan) > 1)
+        folder = members[0].directory if alone else place
+        name = folder.name
+        runs.append(RecordedRun(name, folder, _in_order([_case(bundle) for bundle in members])))
+    return sorted(runs, key=lambda run: run.name)
+
+
+def _in_order(found: list[RecordedCase]) -> tuple[RecordedCase, ...]:
+    """Cases in the order in which they ran, and of equal times in that of their plan."""
+    names: list[str] = []
+    with suppress(KeyError, ValidationError):
+        plan = Plan.model_validate(found[0].bundle.manifest.details["plan"])
+        names = [case.name for case in cases(plan)]
+    places = {name: place for place, name in enumerate(names)}
+    return tuple(
+        sorted(
+            found, key=lambda case: (case.bundle.manifest.when, places.get(case.name, len(names)), case.name)
+        )
+    )
+
+
+def _case(bundle: Bundle) -> RecordedCase:
+    details = bundle.manifest.details
+    name = str(details.get("case", bundle.directory.name))
+    failure = str(details.get("failure", ""))
+    if not failure and not bundle.complete:
+        failure = "the run was cut short before it ended"
+    if "plan" not in details:
+        return RecordedCase(name, bundle, None, failure)
+    try:
+        return RecordedCase(name, bundle, assess_bundle(bundle), failure)
+    except BenchError as error:
+        return RecordedCase(name, bundle, None, failure or str(error))
+
+
+def _refuse(case: RecordedCase) -> Assessment:
+    raise AnalysisError(
+        case.failure or f"{case.bundle.directory} was not recorded by a plan: give a run of one"
+    )

@@ -1,0 +1,40 @@
+"""Whoever looks at a run while it goes on."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Protocol
+
+from benchtool.bench import Session
+from benchtool.block import Block
+from benchtool.experiment.assessment import Assessment
+from benchtool.experiment.cases import Case
+from benchtool.experiment.plan import Plan
+from benchtool.telemetry import Sink
+
+
+class Watcher(Protocol):
+    """Told of every case: `opened`, `captured` if it came to that, `closed`. Must not raise, nor wait long."""
+
+    def opened(self, session: Session, plan: Plan, case: Case) -> Sequence[Sink]:
+        """A case begins, with nothing enabled yet; further sinks for its slow stream."""
+
+    def captured(self, capture: Block, transducer: Block | None, trigger_row: int | None) -> None:
+        """What the drive and the transducer recorded; the drive is disabled again."""
+
+    def closed(self, result: Assessment | None, failure: str) -> None:
+        """A case has ended, with a result or with a failure."""
+
+
+class Unwatched:
+    """Nobody looks."""
+
+    def opened(self, session: Session, plan: Plan, case: Case) -> Sequence[Sink]:
+        """No sinks."""
+        return ()
+
+    def captured(self, capture: Block, transducer: Block | None, trigger_row: int | None) -> None:
+        """Nothing."""
+
+    def closed(self, result: Assessment | None, failure: str) -> None:
+        """Nothing."""
