@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
+from rich.text import Text
 
 from benchtool.cli import options
-from benchtool.cli.output import Output, show_side_by_side
+from benchtool.cli.output import Output, significant
+from benchtool.cli.report import write_report
 
 if TYPE_CHECKING:
-    from benchtool.experiment.assessment import Assessment
+    from benchtool.experiment.deltas import Comparison, Delta
+
+_MOST_COLUMNS = 3  # runs beside each other in a terminal; more stand one below the other
 
 
 def compare(
@@ -19,32 +25,149 @@ def compare(
         list[Path],
         typer.Argument(metavar="RUN...", help="Run bundles, or folders of a run of several cases."),
     ],
+    html: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Write the comparison as an HTML page.")
+    ] = None,
+    pdf: Annotated[bool, typer.Option("--pdf", help="Write a PDF too, beside the page.")] = False,
     as_json: options.Json = False,
 ) -> int:
-    """Measure recorded runs again and set them side by side."""
+    """Measure recorded runs again and set them side by side; differences are against the first."""
+    from benchtool.errors import UsageError
+    from benchtool.experiment.comparing import comparison_report
+    from benchtool.experiment.deltas import compare_cases
+    from benchtool.experiment.runs import complete_cases
+
+    if pdf and html is None:
+        raise UsageError("--pdf writes a PDF beside the page of --html, which was not given: add --html FILE")
     output = Output(as_json=as_json)
-    cases = [_named(case, run, runs) for run in runs for case in _cases(run)]
-    show_side_by_side(output, "comparison", cases)
-    output.document({"cases": {case.case: case.to_json() for case in cases}})
+    found = dict(zip(_labels(runs), map(complete_cases, runs), strict=True))
+    comparisons, alone = compare_cases(found)
+    for comparison in comparisons:
+        _show(output, comparison)
+    if alone:
+        output.line(f"without a counterpart: {', '.join(alone)}")
+    written = {}
+    if html is not None:
+        if not comparisons:
+            raise UsageError("no case of the first run has a counterpart: compare runs of the same plan")
+        page, document = write_report(comparison_report(comparisons, alone), html, pdf=pdf, output=output)
+        written = {"report": str(page), "pdf": None if document is None else str(document)}
+    output.document(
+        {
+            "cases": {
+                f"{label}:{each.case}" if len(found) > 1 else each.case: each.to_json()
+                for label, results in found.items()
+                for each in results
+            },
+            "deltas": _deltas(comparisons, alone_run=len(found) == 1),
+            **written,
+        }
+    )
     return 0
 
 
-def _cases(run: Path) -> list[Assessment]:
-    from benchtool.errors import RecordingError
-    from benchtool.experiment.assessment import assess_bundle
-    from benchtool.recording import Bundle
-
-    if (run / "manifest.json").is_file():
-        return [assess_bundle(Bundle.open(run))]
-    bundles = [Bundle.open(path.parent) for path in sorted(run.glob("*/manifest.json"))]
-    complete = [bundle for bundle in bundles if bundle.complete]
-    if not complete:
-        raise RecordingError(f"{run} holds no complete run bundle: give the folder of a run")
-    return [assess_bundle(bundle) for bundle in sorted(complete, key=lambda bundle: bundle.manifest.when)]
+def _labels(runs: Sequence[Path]) -> list[str]:
+    """The folders' names; where two are called the same, their paths."""
+    names = [run.resolve().name for run in runs]
+    labels = [str(run) if names.count(name) > 1 else name for run, name in zip(runs, names, strict=True)]
+    return [
+        f"{label}#{labels[: place + 1].count(label)}" if labels.count(label) > 1 else label
+        for place, label in enumerate(labels)
+    ]
 
 
-def _named(case: Assessment, run: Path, runs: list[Path]) -> Assessment:
-    """The case under a name that tells it from those of other runs."""
-    from dataclasses import replace
+def _deltas(comparisons: Sequence[Comparison], *, alone_run: bool) -> dict[str, object]:
+    """Every difference by case (as `cases` lists it), with what it is a difference to."""
+    document: dict[str, object] = {}
+    for comparison in comparisons:
+        keys = {
+            label: label if alone_run else f"{label}:{result.case}"
+            for label, result in comparison.results.items()
+        }
+        reference, *_ = keys.values()
+        for label, deltas in comparison.deltas.items():
+            document[keys[label]] = {
+                "against": reference,
+                "measurements": {delta.name: delta.to_json() for delta in deltas},
+            }
+    return document
 
-    return case if len(runs) == 1 else replace(case, case=f"{run.name}:{case.case}")
+
+def _show(output: Output, comparison: Comparison) -> None:
+    results, title = comparison.results, comparison.case or "comparison"
+    letters = {
+        label: chr(ord("A") + place) if place < 26 else str(place + 1) for place, label in enumerate(results)
+    }
+    if len(results) > _MOST_COLUMNS:
+        _show_many(output, title, comparison, letters)
+    else:
+        _show_columns(output, title, comparison, letters)
+    output.line("* beyond its uncertainty (k = 2), ~ within it; ✓ better, ✗ worse by a limit", "dim")
+    for label, result in results.items():
+        output.line(f"{letters[label]}  {label}: {result.bundle}")
+
+
+def _show_columns(output: Output, title: str, comparison: Comparison, letters: Mapping[str, str]) -> None:
+    """A row for each measurement. Of two runs, the difference has columns of its own."""
+    first, *others = comparison.results
+    units = {each.name: each.unit for result in comparison.results.values() for each in result.measurements}
+    two = len(others) == 1
+    differences = (f">{letters[others[0]]}−A", ">%") if two else ()
+    rows = []
+    for name in comparison.names:
+        cells: list[str | Text] = [name, significant(_value(comparison, first, name))]
+        for label in others:
+            if two:
+                cells += _apart(comparison, label, name)
+            else:
+                cells.append(_together(comparison, label, name))
+        rows.append((*cells, units[name]))
+    output.table(
+        title, ("measurement", *(f">{letter}" for letter in letters.values()), *differences, "unit"), rows
+    )
+
+
+def _show_many(output: Output, title: str, comparison: Comparison, letters: Mapping[str, str]) -> None:
+    """A row for each run, with what is asked first; the whole is in the documents."""
+    from benchtool.experiment.reporting import FOREMOST
+
+    known = comparison.names
+    names: list[str] = [name for name in FOREMOST if name in known] or list(known[:4])
+    rows: list[tuple[str | Text, ...]] = [
+        (f"{letters[label]} {label}", *(_together(comparison, label, name) for name in names))
+        for label in comparison.results
+    ]
+    output.table(title, ("run", *(f">{name}" for name in names)), rows)
+
+
+def _value(comparison: Comparison, label: str, name: str) -> float:
+    found = (each.value for each in comparison.results[label].measurements if each.name == name)
+    return next(found, math.nan)
+
+
+def _delta(comparison: Comparison, label: str, name: str) -> Delta | None:
+    return next((each for each in comparison.deltas.get(label, ()) if each.name == name), None)
+
+
+def _apart(comparison: Comparison, label: str, name: str) -> list[str | Text]:
+    """Value, difference and percent."""
+    delta = _delta(comparison, label, name)
+    absolute = f"{delta.absolute:+.2g}" if delta is not None and math.isfinite(delta.absolute) else "–"
+    return [significant(_value(comparison, label, name)), absolute, _percent(delta)]
+
+
+def _together(comparison: Comparison, label: str, name: str) -> Text:
+    """Value and percent in one cell."""
+    value = significant(_value(comparison, label, name))
+    delta = _delta(comparison, label, name)
+    if delta is None:
+        return Text(value)
+    return Text.assemble(value, " (", _percent(delta, unit="%"), ")")
+
+
+def _percent(delta: Delta | None, unit: str = "") -> Text:
+    if delta is None or not math.isfinite(delta.percent):
+        return Text("–")
+    sign = {True: "*", False: "~", None: ""}[delta.exceeds]
+    judged, style = {"better": ("✓", "green"), "worse": ("✗", "red"), "": ("", "")}[delta.judgement]
+    return Text(f"{round(delta.percent, 1) + 0.0:+.1f}{unit}{sign}{judged}", style=style)

@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from benchtool.analysis import SteadyState, cut_to_span, largest_low_component
 from benchtool.block import Block
 from benchtool.errors import RecordingError
+from benchtool.report.envelope import envelope, trace
 from benchtool.report.style import (
     BLACK,
     BLUE,
@@ -77,10 +78,9 @@ def save_figures(figures: Mapping[str, Figure], folder: Path) -> tuple[Path, ...
 
 def _waveforms(block: Block, steady: SteadyState, transducer: Block | None, title: str) -> Figure:
     shown = replace(block, data=block.data[: _shown_rows(block, steady)])
-    time_s = shown.time_s()
     mean_Nm, peak_to_peak_Nm = steady["torque_mean"].value, steady["torque_ripple_pp"].value
     summary = f"torque {mean_Nm:.4g} Nm, ripple of its estimate {peak_to_peak_Nm:.3g} Nm peak to peak"
-    figure = new_figure(6.6, title, summary)
+    figure = new_figure(6.0, title, summary)
     torque, current, flux = figure.subplots(3, 1, sharex=True)
 
     if transducer is not None:
@@ -88,31 +88,31 @@ def _waveforms(block: Block, steady: SteadyState, transducer: Block | None, titl
     rms_Nm = steady["torque_ripple_rms"].value
     band = {"color": ORANGE, "alpha": 0.35, "linewidth": 0}
     torque.axhspan(mean_Nm - rms_Nm, mean_Nm + rms_Nm, zorder=2.2, label="mean ± rms ripple", **band)
-    torque.plot(time_s, shown.column("torque"), color=BLUE, linewidth=0.8, zorder=2.4, label="estimate")
+    torque.plot(*trace(shown, "torque"), color=BLUE, linewidth=0.8, zorder=2.4, label="estimate")
     if "torque_reference" in shown.names:
-        torque.plot(time_s, shown.column("torque_reference"), zorder=2.6, label="reference", **REFERENCE)
+        torque.plot(*trace(shown, "torque_reference"), zorder=2.6, label="reference", **REFERENCE)
     dress(torque, "", "torque (Nm)")
     add_legend(torque)
 
     for name, color in PHASES.items():
         if name == "i_a" or name in shown.names:
-            current.plot(time_s, shown.column(name), color=color, linewidth=0.9, label=f"${name}$")
+            current.plot(*trace(shown, name), color=color, linewidth=0.9, label=f"${name}$")
     dress(current, "", "phase current (A)")
     add_legend(current)
 
-    flux.plot(time_s, shown.column("psi_s"), color=BLUE, linewidth=0.8, label="estimate")
+    flux.plot(*trace(shown, "psi_s"), color=BLUE, linewidth=0.8, label="estimate")
     if "psi_s_reference" in shown.names:
-        flux.plot(time_s, shown.column("psi_s_reference"), label="reference", **REFERENCE)
+        flux.plot(*trace(shown, "psi_s_reference"), label="reference", **REFERENCE)
     dress(flux, "time (s)", "stator flux, peak (Wb)")
     add_legend(flux)
-    flux.set_xlim(time_s[0], time_s[-1])
+    flux.set_xlim(0.0, (len(shown.data) - 1) / shown.sample_rate_Hz)
     return figure
 
 
 def _draw_true_torque(axes: Axes, transducer: Block, shown: Block) -> None:
     begin_s = transducer.first_tick * transducer.tick_s - shown.first_tick * shown.tick_s
-    time_s, torque_Nm = begin_s + transducer.time_s(), transducer.column("torque_transducer")
-    axes.plot(time_s, torque_Nm, color=LIGHT, linewidth=0.7, label="shaft transducer")
+    time_s, torque_Nm = trace(transducer, "torque_transducer")
+    axes.plot(begin_s + time_s, torque_Nm, color=LIGHT, linewidth=0.7, label="shaft transducer")
 
 
 def _current_spectrum(steady: SteadyState, title: str) -> Figure:
@@ -121,11 +121,12 @@ def _current_spectrum(steady: SteadyState, title: str) -> Figure:
     floor_A = _FLOOR * fundamental_A
     frequency_Hz, amplitude_A = spectrum.frequency_Hz[1:], np.maximum(spectrum.amplitude[1:], floor_A)
     summary = f"fundamental {fundamental_A:.4g} A peak at {f_1:.5g} Hz, {steady.periods} periods"
-    figure = new_figure(5.4, title, summary)
+    figure = new_figure(4.4, title, summary)
     low, full = figure.subplots(2, 1, sharey=True)
 
     bins = slice(_LOW_ORDER * steady.periods - 1)
-    low.vlines(frequency_Hz[bins], floor_A, amplitude_A[bins], color=BLUE, linewidth=1.4)
+    at_Hz, height_A = envelope(frequency_Hz[bins], amplitude_A[bins])
+    low.vlines(at_Hz, floor_A, height_A, color=BLUE, linewidth=1.4)
     low.set_xlim(0.0, _LOW_ORDER * f_1)
     annotate_point(low, f"fundamental {fundamental_A:.4g} A", f_1, fundamental_A, BLACK)
     largest = largest_low_component(spectrum, _LOW_ORDER)
@@ -135,7 +136,7 @@ def _current_spectrum(steady: SteadyState, title: str) -> Figure:
     low.set_ylim(floor_A, 4.0 * fundamental_A)
     dress(low, "", "$i_a$, peak (A)")
 
-    full.plot(frequency_Hz, amplitude_A, color=BLUE, linewidth=0.6)
+    full.plot(*envelope(frequency_Hz, amplitude_A), color=BLUE, linewidth=0.6)
     full.axvline(_LOW_ORDER * f_1, color=GREY, linewidth=0.8, linestyle=(0, (2, 2)))
     full.set_xlim(0.0, float(frequency_Hz[-1]))
     dress(full, "frequency (Hz)", "$i_a$, peak (A)")
@@ -144,7 +145,7 @@ def _current_spectrum(steady: SteadyState, title: str) -> Figure:
 
 def _flux_trajectory(block: Block, steady: SteadyState, title: str) -> Figure:
     rows, ripple_Wb = _shown_rows(block, steady), steady["flux_ripple_pp"].value
-    figure = new_figure(4.8, title, f"ripple {ripple_Wb:.3g} Wb peak to peak", width_in=4.4)
+    figure = new_figure(4.2, title, f"ripple {ripple_Wb:.3g} Wb peak to peak", width_in=4.2)
     axes = figure.subplots()
     psi_alpha, psi_beta = block.column("psi_alpha")[:rows], block.column("psi_beta")[:rows]
     axes.plot(psi_alpha, psi_beta, color=BLUE, linewidth=2.0, alpha=0.7, label="estimate")

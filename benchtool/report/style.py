@@ -1,7 +1,7 @@
 """The one look of every figure: colours, sizes and axes, without pyplot or any other global state.
 
-Colours are those of Okabe and Ito (Color Universal Design, 2008), distinct in print and to the colour-blind;
-lines differ in darkness as well.
+Colours are those of Okabe and Ito (Color Universal Design, 2008), distinct to the colour-blind. In print
+without colour the phases differ in darkness, series by their markers and dashes.
 """
 
 from __future__ import annotations
@@ -21,14 +21,15 @@ GREY: Final = "#9a9a9a"
 LIGHT: Final = "#d4d4d4"
 
 SERIES: Final = (BLUE, ORANGE, GREEN, BLACK, "#cc79a7", "#e69f00", "#56b4e9")
-PHASES: Final = {"i_a": BLUE, "i_b": ORANGE, "i_c": GREEN}
+PHASES: Final = {"i_a": "#003d66", "i_b": ORANGE, "i_c": "#56b4e9"}  # dark, middle, light
+DASHES: Final = ((0, ()), (0, (5, 2)), (0, (1, 1.5)), (0, (5, 2, 1, 2)))
 REFERENCE: Final[dict[str, Any]] = {"color": BLACK, "linewidth": 0.9, "linestyle": (0, (5, 3))}
 
 WIDTH_IN: Final = 7.0
-DPI: Final = 160
+DPI: Final = 220
 _FONT_PT: Final = 9
 _LINE_IN: Final = 0.25
-_CHARACTERS_PER_IN: Final = 12  # of a title, on average
+_CHARACTERS_PER_IN: Final = 13  # of a title, on average
 
 
 def new_figure(height_in: float, title: str, summary: str, width_in: float = WIDTH_IN) -> Figure:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from benchtool.analysis import SteadyState, analyze_steady_state
 from benchtool.block import Block, Channel
 from benchtool.errors import AnalysisError, RecordingError
-from benchtool.report import draw_steady_state, save_figures
+from benchtool.report.figures import draw_steady_state, save_figures
 
 SAMPLES = 3000
 TICK_S = 1e-4

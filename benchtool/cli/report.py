@@ -1,0 +1,85 @@
+"""`benchtool report RUN`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from benchtool.cli import options
+from benchtool.cli.output import Output
+
+if TYPE_CHECKING:
+    from benchtool.report.content import Report
+
+
+def report(
+    run: Annotated[
+        Path, typer.Argument(metavar="RUN", help="Run bundle, or folder of a run of several cases or plans.")
+    ],
+    out: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="The HTML page.", show_default="RUN/report.html")
+    ] = None,
+    pdf: Annotated[bool, typer.Option("--pdf", help="Write a PDF too, beside the page.")] = False,
+    as_json: options.Json = False,
+) -> int:
+    """Measure a recorded run again and write a report that needs nothing else to be read."""
+    from benchtool.experiment.limits import Verdict, worst
+    from benchtool.experiment.reporting import case_label, run_report
+    from benchtool.experiment.runs import recorded_runs
+
+    output = Output(as_json=as_json)
+    runs = recorded_runs(run)
+    page, document = write_report(run_report(run, runs), out or run / "report.html", pdf=pdf, output=output)
+    verdict = worst(each.verdict for each in runs)
+    output.verdict(str(verdict))
+    cases = {
+        case_label(each, case): {"verdict": str(case.verdict), "bundle": str(case.bundle.directory)}
+        | ({"failure": case.failure} if case.failure else {})
+        for each in runs
+        for case in each.cases
+    }
+    output.document(
+        {
+            "report": str(page),
+            "pdf": None if document is None else str(document),
+            "verdict": str(verdict),
+            "cases": cases,
+        }
+    )
+    return 1 if verdict is Verdict.FAIL else 0
+
+
+def write_report(report: Report, page: Path, *, pdf: bool, output: Output) -> tuple[Path, Path | None]:
+    """Write the page and, if asked for, the PDF beside it; the paths of both.
+
+    Raises:
+        RecordingError: a file cannot be written.
+    """
+    from benchtool.report.html import html_page
+
+    if pdf and page.suffix == ".pdf":
+        page = page.with_suffix(".html")
+    _write(page, html_page(report).encode("utf-8"))
+    output.line(f"report: {page}")
+    if not pdf:
+        return page, None
+    from benchtool.report.pdf import pdf_document
+
+    document = page.with_suffix(".pdf")
+    _write(document, pdf_document(report))
+    output.line(f"pdf: {document}")
+    return page, document
+
+
+def _write(path: Path, content: bytes) -> None:
+    from benchtool.errors import RecordingError
+
+    try:
+        path.write_bytes(content)
+    except OSError as failure:
+        raise RecordingError(
+            f"cannot write {path}: {failure.strerror or failure}; the report was to go there: choose another "
+            f"file in a folder that exists"
+        ) from None

@@ -1,0 +1,157 @@
+"""What a report says, free of how it is set: the one content of the HTML page and of the PDF."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final, Literal, TypeAlias
+
+from matplotlib.figure import Figure
+
+Mark: TypeAlias = Literal["", "pass", "marginal", "fail", "none", "better", "worse"]
+
+SYMBOLS: Final[dict[Mark, str]] = {
+    "": "",
+    "pass": "✓",
+    "marginal": "▲",
+    "fail": "✗",
+    "none": "–",
+    "better": "✓",
+    "worse": "✗",
+}
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One cell of a grid; `mark` says what it means beside its words, `notes` unfold beneath it."""
+
+    text: str
+    mark: Mark = ""
+    notes: tuple[str, ...] = ()
+
+    @property
+    def shown(self) -> str:
+        """The text with the symbol of its mark before it, so that no meaning hangs on colour."""
+        return f"{SYMBOLS[self.mark]}\N{NO-BREAK SPACE}{self.text}" if self.mark else self.text
+
+
+@dataclass(frozen=True)
+class Column:
+    """Heading of a column; numbers are set flush right."""
+
+    heading: str
+    numeric: bool = False
+
+
+@dataclass(frozen=True)
+class Grid:
+    """A table whose first column names its rows; on a screen, rows beyond the first `shown` fold away."""
+
+    columns: tuple[Column, ...]
+    rows: tuple[tuple[Cell, ...], ...]
+    caption: str = ""
+    shown: int | None = None
+
+    @classmethod
+    def of(
+        cls,
+        headings: Sequence[str],
+        rows: Sequence[Sequence[str | Cell]],
+        caption: str = "",
+        shown: int | None = None,
+    ) -> Grid:
+        """Grid of plain texts and cells; headings that begin with `>` are those of numbers."""
+        columns = tuple(Column(heading.removeprefix(">"), heading.startswith(">")) for heading in headings)
+        cells = tuple(tuple(Cell(each) if isinstance(each, str) else each for each in row) for row in rows)
+        return cls(columns, cells, caption, shown)
+
+
+@dataclass(frozen=True)
+class Facts:
+    """Names and what they are."""
+
+    pairs: tuple[tuple[str, str], ...]
+
+
+@dataclass(frozen=True)
+class Text:
+    """A paragraph; `code` is set as it would be typed, `warning` stands out."""
+
+    text: str
+    kind: Literal["plain", "note", "warning", "code"] = "plain"
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """The outcome, with a line that says what it rests on."""
+
+    mark: Mark
+    text: str
+    summary: str
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A figure; the caption says what is shown, `alternative` describes it to those who cannot see it."""
+
+    figure: Figure
+    caption: str
+    alternative: str
+
+
+@dataclass(frozen=True)
+class Section:
+    """A heading with what belongs to it; `listed` puts it into the table of contents."""
+
+    title: str
+    items: tuple[Item, ...]
+    listed: bool = False
+
+
+Item: TypeAlias = Grid | Facts | Text | Verdict | Picture | Section
+
+
+@dataclass(frozen=True)
+class Report:
+    """A whole report; `when` is the ISO 8601 time of the run that it is about."""
+
+    title: str
+    subtitle: str
+    when: str
+    items: tuple[Item, ...]
+
+
+def contents(items: Sequence[Item]) -> tuple[tuple[str, str], ...]:
+    """Titles and anchors of the listed sections, in their order."""
+    found: list[tuple[str, str]] = []
+    for each in items:
+        if isinstance(each, Section):
+            if each.listed:
+                found.append((each.title, anchor(each.title)))
+            found += contents(each.items)
+    return tuple(found)
+
+
+def anchor(title: str) -> str:
+    """A section's title as an HTML id; the same title always gives the same one."""
+    plain = unicodedata.normalize("NFKD", title)
+    return "s-" + re.sub(r"[^A-Za-z0-9.=]+", "-", plain).strip("-").lower()
+
+
+def describe_figure(figure: Figure) -> str:
+    """What the axes of a figure show, in words: its title, then each panel."""
+    heading = " ".join(figure.get_suptitle().split())
+    panels: dict[str, None] = {}
+    x_label = next((each.get_xlabel() for each in reversed(figure.axes) if each.get_xlabel()), "")
+    for axes in figure.axes:
+        y_label, own = axes.get_ylabel(), axes.get_xlabel() or x_label
+        if y_label:
+            panels[_plain(f"{y_label} against {own}" if own else y_label)] = None
+    return ". ".join(filter(None, (_plain(heading), "; ".join(panels)))) + "."
+
+
+def _plain(text: str) -> str:
+    """Text without the marks of mathematical type."""
+    return re.sub(r"[$\\{}]", "", text)

@@ -1,0 +1,69 @@
+"""Numbers as a report prints them: with the digits that they deserve."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+NOTHING: Final = "–"
+_MINUS: Final = "−"
+_SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+_DIGITS = 4
+_MOST_DIGITS = 10
+_SMALLEST, _LARGEST = 1e-3, 1e6  # outside, powers of ten are set apart
+
+
+def number(value: float, digits: int = _DIGITS) -> str:
+    """A number to so many significant digits, whole numbers in full; a dash for what has no value."""
+    if not math.isfinite(value):
+        return NOTHING
+    if value == 0.0:
+        return "0"
+    if float(value).is_integer() and abs(value) < 1e9:
+        return _signed(f"{value:.0f}")
+    exponent = _exponent(value, digits)
+    if not _SMALLEST <= abs(value) < _LARGEST:
+        return _signed(f"{value / 10.0**exponent:.{digits - 1}f} × {_power(exponent)}")
+    return _signed(f"{value:.{max(0, digits - 1 - exponent)}f}")
+
+
+def stated(value: float, standard: float | None) -> str:
+    """A value with its standard uncertainty, the uncertainty to two significant digits and the value to the
+    same place (JCGM 100:2008, 7.2.6); without a known uncertainty, four significant digits."""
+    if standard is None or not (math.isfinite(value) and math.isfinite(standard)) or standard <= 0.0:
+        return number(value)
+    largest = max(abs(value), standard)
+    scaled = 0 if _SMALLEST <= largest < _LARGEST else _exponent(largest, 2)
+    value, standard = value / 10.0**scaled, standard / 10.0**scaled
+    place = _exponent(standard, 2) - 1
+    most = _MOST_DIGITS - 1 - _exponent(max(abs(value), standard), 2)
+    decimals = max(0, min(-place, most))
+    if place > 0:
+        value, standard = round(value, -place), round(standard, -place)
+    text = f"{_signed(f'{value:.{decimals}f}')} ± {standard:.{decimals}f}"
+    return f"({text}) × {_power(scaled)}" if scaled else text
+
+
+def signed(value: float, digits: int = 3) -> str:
+    """A difference, with its sign."""
+    return f"+{number(value, digits)}" if value > 0 else number(value, digits)
+
+
+def raw(value: object) -> str:
+    """A number or a setting as it was given, without digits that nobody gave."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    return _signed(f"{value:.7g}") if isinstance(value, float) else str(value)
+
+
+def _exponent(value: float, digits: int) -> int:
+    """Power of ten of the first digit, once rounded to `digits`."""
+    return int(f"{abs(value):.{digits - 1}e}".partition("e")[2])
+
+
+def _signed(text: str) -> str:
+    return text.replace("-", _MINUS)
+
+
+def _power(exponent: int) -> str:
+    return "10" + str(exponent).translate(_SUPERSCRIPT)

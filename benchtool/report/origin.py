@@ -1,0 +1,204 @@
+"""The part of a report that says where the numbers come from: the run, the drive, the data and the files."""
+
+from __future__ import annotations
+
+import hashlib
+import itertools
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from benchtool.analysis.measurement import measurements_from_json
+from benchtool.block import Block
+from benchtool.errors import BenchError
+from benchtool.profile import Choice
+from benchtool.recording import Bundle, Manifest
+from benchtool.recording.failures import reading
+from benchtool.report.content import Cell, Facts, Grid, Item, Section, Text
+from benchtool.report.numbers import number, raw
+from benchtool.report.results import Bounds, measurements_section
+
+_RESULTS = ("manifest.json", "measurements.json", "tables.json", "certificate.json")
+_SHOWN_PARAMETERS = 60
+
+
+def run_facts(manifest: Manifest, plan_name: str = "") -> Facts:
+    """What was run, when and with what; what the manifest does not know is left out."""
+    identity, versions = manifest.identity, dict(manifest.versions)
+    numbers = [
+        f"{name.replace('_', ' ')} {identity[name]}"
+        for name in ("vendor_id", "product_code", "revision_number", "serial_number")
+        if name in identity
+    ]
+    commit = versions.pop("commit", "")
+    point = manifest.details.get("operating_point")
+    words = manifest.command_line
+    pairs = {
+        "plan": plan_name,
+        "begun": manifest.when,
+        "profile": manifest.profile_name,
+        "operating point": _settings_line(point) if isinstance(point, dict) else "",
+        "link": _option(words, "--link") or "emulated" * (identity.get("hardware_version") == "emulated"),
+        "drive": str(identity.get("device_name", "")),
+        "drive's numbers": ", ".join(numbers),
+        "hardware": str(identity.get("hardware_version", "")),
+        "firmware": str(identity.get("firmware_version", "")),
+        "dictionary": "" if manifest.dictionary_hash is None else f"0x{manifest.dictionary_hash:08X}",
+        "seed": "" if manifest.seed is None else str(manifest.seed),
+        "command line": f"benchtool {' '.join(words)}" if words else "",
+        "note": manifest.note,
+        "software": ", ".join(f"{name} {version}" for name, version in versions.items()),
+        "commit": commit,
+    }
+    return Facts(tuple((name, what) for name, what in pairs.items() if what))
+
+
+def _option(words: Sequence[str], name: str) -> str:
+    for word, following in itertools.pairwise((*words, "")):
+        if word == name:
+            return following
+        if word.startswith(f"{name}="):
+            return word.partition("=")[2]
+    return ""
+
+
+def quality_section(bundle: Bundle, limits: Mapping[str, Bounds]) -> Section:
+    """The data-quality certificate: whether the data are complete, and each of its numbers."""
+    certificate = bundle.certificate
+    title = "Data quality"
+    if certificate is None:
+        return Section(title, (Text("The run ended before the quality of its data was known.", "warning"),))
+    whole = bool(certificate.get("complete"))
+    measured = measurements_from_json(certificate.get("measurements", {}))
+    verdict = (
+        Text("Complete: every row of every stream is there.")
+        if whole
+        else Text("Incomplete: rows are missing. Nothing was interpolated in their place.", "warning")
+    )
+    numbers = measurements_section("The certificate's numbers", measured, limits, {})
+    return Section(title, (verdict, *numbers.items))
+
+
+def parameters_section(
+    parameters: Mapping[str, object], described: Mapping[str, tuple[str, str, object]], caption: str = ""
+) -> Section:
+    """Parameters of the drive during the run.
+
+    Args:
+        parameters: as the manifest keeps them.
+        described: name, unit and default of a key, where the dictionary of the run is at hand.
+    """
+    rows = []
+    for key, value in parameters.items():
+        name, unit, default = described.get(key, (key, "", None))
+        differs = default is not None and not _same(default, value)
+        shown = "" if default is None else raw(default)
+        rows.append((name, Cell(raw(value)), unit, shown, "differs" if differs else ""))
+    if not rows:
+        return Section("Drive parameters", (Text("The manifest keeps none.", "note"),))
+    if described:
+        grid = Grid.of(("parameter", ">value", "unit", ">default", "from default"), rows, caption)
+    else:
+        grid = Grid.of(("parameter, with its unit", ">value"), [row[:2] for row in rows], caption)
+    return Section("Drive parameters", (grid,))
+
+
+def _same(one: object, other: object) -> bool:
+    if isinstance(one, int | float) and isinstance(other, int | float):
+        return abs(one - other) <= 1e-6 * max(abs(one), abs(other))  # a drive holds 32-bit floats
+    return one == other
+
+
+def plan_section(plan: Mapping[str, Any]) -> Section:
+    """Every setting of a plan by its TOML key; what was left empty is left out."""
+    rows = [row for row in _settings(plan) if row[0] not in ("title", "readings")]
+    items: list[Item] = [Grid.of(("key", "setting"), rows)]
+    items += [Text(str(reading), "note") for reading in plan.get("readings", ())]
+    return Section("Plan", tuple(items))
+
+
+def _settings(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, str]]:
+    for key, value in table.items():
+        if isinstance(value, dict):
+            yield from _settings(value, f"{prefix}{key}.")
+        elif value is None or value == "" or value == [] or value == ():
+            continue
+        elif isinstance(value, list | tuple):
+            yield f"{prefix}{key}", ", ".join(_inline(each) for each in value)
+        else:
+            yield f"{prefix}{key}", raw(value)
+
+
+def _inline(value: Any) -> str:
+    if isinstance(value, dict):
+        return "{ " + ", ".join(f"{key} = {what}" for key, what in _settings(value)) + " }"
+    return raw(value)
+
+
+def _settings_line(table: Mapping[str, Any]) -> str:
+    return ", ".join(f"{key} = {value}" for key, value in _settings(table) if value != "0")
+
+
+def choices_section(choices: Sequence[Choice]) -> Section | None:
+    """What the profile's sources leave open, and what was chosen and why."""
+    if not choices:
+        return None
+    rows = [(each.about, each.choice, each.reason, each.effect) for each in choices]
+    return Section("Choices of the profile", (Grid.of(("about", "choice", "reason", "effect"), rows),))
+
+
+def files_section(
+    bundles: Iterable[tuple[str, Bundle, Mapping[str, Block]]], commands: Sequence[str]
+) -> Section:
+    """How to compute everything again: commands, files with their SHA-256, and columns of the streams.
+
+    Args:
+        bundles: with a prefix for the names of their files, and those of their streams that were read.
+        commands: lines to type.
+
+    Raises:
+        RecordingError: a file cannot be read.
+    """
+    files: list[tuple[str, ...]] = []
+    streams: dict[tuple[str, str], None] = {}
+    for prefix, bundle, read in bundles:
+        for path in _files(bundle):
+            relative = path.relative_to(bundle.directory).as_posix()
+            size = number(path.stat().st_size)
+            files.append((f"{prefix}{relative}", size, _sha256(path)))
+        for name in bundle.streams:
+            streams[f"{prefix}data/{name}", _columns(bundle, name, read)] = None
+    lines = [Text(line, "code") for line in commands]
+    return Section(
+        "How to compute this again",
+        (
+            Text(
+                "Every number above is computed from the recorded data by the plan that the bundle carries:"
+            ),
+            *lines,
+            Grid.of(("stream", "rate, rows: columns"), list(streams), "What the data files hold."),
+            Grid.of(("file", ">bytes", "SHA-256"), files, "The files that this report was made from."),
+        ),
+    )
+
+
+def _columns(bundle: Bundle, name: str, read: Mapping[str, Block]) -> str:
+    try:
+        block = read[name] if name in read else bundle.block(name)
+    except BenchError as unreadable:
+        return str(unreadable)
+    columns = ", ".join(f"{each.name} ({each.unit})" if each.unit else each.name for each in block.channels)
+    return f"{raw(block.sample_rate_Hz)} Hz, {number(len(block.data))} rows: {columns}"
+
+
+def _files(bundle: Bundle) -> list[Path]:
+    data = bundle.directory / "data"
+    results = [bundle.directory / name for name in _RESULTS]
+    with reading(data):
+        recorded = sorted(path for path in data.iterdir() if path.is_file() and path.suffix != ".part")
+    return [*(path for path in results if path.is_file()), *recorded]
+
+
+def _sha256(path: Path) -> str:
+    with reading(path), path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()

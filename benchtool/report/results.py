@@ -1,0 +1,149 @@
+"""The part of a report that says what was measured: limits, measurements and tables, whatever their names."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from benchtool.analysis import Measurement, Table
+from benchtool.analysis.measurement import Basis
+from benchtool.report.content import Cell, Grid, Item, Mark, Section, Text
+from benchtool.report.numbers import NOTHING, number, raw, stated
+
+_SHOWN_ROWS = 10
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """A limit as it is printed; within `margin` of a bound the verdict is marginal."""
+
+    least: float | None
+    greatest: float | None
+    margin: float
+    verdict: Mark
+
+    @property
+    def text(self) -> str:
+        """`≥ 1, ≤ 2`."""
+        signs = (("≥", self.least), ("≤", self.greatest))
+        return ", ".join(
+            f"{sign}\N{NO-BREAK SPACE}{raw(bound)}" for sign, bound in signs if bound is not None
+        )
+
+    def room(self, value: float) -> tuple[float, float]:
+        """How far a value is from the nearer bound, negative beyond it, and that bound."""
+        sides = [(value - self.least, self.least)] if self.least is not None else []
+        sides += [(self.greatest - value, self.greatest)] if self.greatest is not None else []
+        return min(sides)
+
+
+def limits_section(measured: Sequence[Measurement], limits: Mapping[str, Bounds]) -> Section:
+    """Every limit with the value that it holds for, the verdict and the margin that is left."""
+    if not limits:
+        return Section("Limits and verdicts", (Text("The plan sets no limits.", "note"),))
+    found = {each.name: each for each in measured}
+    rows = [_limit_row(name, bounds, found.get(name)) for name, bounds in limits.items()]
+    headings = ("measurement", ">value", "unit", "limit", ">marginal within", ">margin left", "verdict")
+    return Section("Limits and verdicts", (Grid.of(headings, rows),))
+
+
+def _limit_row(name: str, bounds: Bounds, measured: Measurement | None) -> tuple[str | Cell, ...]:
+    verdict = Cell(bounds.verdict, bounds.verdict)
+    value = measured.value if measured else math.nan
+    unit = measured.unit if measured else ""
+    left = NOTHING
+    if math.isfinite(value):
+        room, bound = bounds.room(value)
+        share = f" ({100 * room / abs(bound):.2g} %)".replace("-", "−") if bound else ""
+        left = number(room, 3) + share
+    shown = _value(measured) if measured else "not measured"
+    return name, shown, unit, bounds.text, raw(bounds.margin) if bounds.margin else NOTHING, left, verdict
+
+
+def measurements_section(
+    title: str,
+    measurements: Sequence[Measurement],
+    limits: Mapping[str, Bounds],
+    published: Mapping[str, float],
+) -> Section:
+    """Every measurement with its uncertainty; definition, basis and source of the uncertainty unfold."""
+    shown_published = any(each.name in published for each in measurements)
+    limited = any(each.name in limits for each in measurements)
+    uncertain = any(each.uncertainty is not None for each in measurements)
+    headings = ["measurement", ">value ± standard uncertainty" if uncertain else ">value", "unit"]
+    headings += [">published"] * shown_published + ["limit", "verdict"] * limited
+    rows = []
+    for each in measurements:
+        row: list[str | Cell] = [Cell(each.name, notes=tuple(_notes(each))), _value(each), each.unit]
+        if shown_published:
+            row.append(raw(published[each.name]) if each.name in published else "")
+        if limited:
+            bounds = limits.get(each.name)
+            row += [bounds.text, Cell(bounds.verdict, bounds.verdict)] if bounds else ["", ""]
+        rows.append(tuple(row))
+    return Section(title, (Grid.of(headings, rows),) if rows else (Text("None.", "note"),))
+
+
+def tables_section(tables: Sequence[Table]) -> Section | None:
+    """Every table of numbers with its definition and basis; what does not apply is left out."""
+    if not tables:
+        return None
+    return Section("Tables", tuple(Section(each.name, tuple(_table(each))) for each in tables))
+
+
+def _table(table: Table) -> Iterator[Item]:
+    basis = basis_text(table.basis)
+    yield Text(_sentence(table.definition) + (f" {basis}" if basis else ""), "note")
+    headings = [f">{name} ({unit})" if unit else f">{name}" for name, unit in table.columns]
+    if table.rows:
+        rows = [tuple(number(value) for value in row) for row in table.rows]
+        yield Grid.of(headings, rows, shown=_SHOWN_ROWS)
+    else:
+        yield Text("No rows.", "note")
+
+
+def _value(measured: Measurement) -> str:
+    return stated(measured.value, measured.uncertainty.standard if measured.uncertainty else None)
+
+
+def _notes(measured: Measurement) -> Iterator[str]:
+    yield _sentence(measured.definition)
+    if basis := basis_text(measured.basis):
+        yield basis
+    if measured.uncertainty is not None:
+        standard = number(measured.uncertainty.standard, 2)
+        unit = f" {measured.unit}" if measured.unit else ""
+        yield f"Standard uncertainty {standard}{unit}: {measured.uncertainty.source.rstrip('.')}."
+
+
+def basis_text(basis: Basis) -> str:
+    """What a number rests on, in words; empty if nothing is known of it."""
+    parts = []
+    if basis.samples is not None:
+        rate = f" at {raw(basis.sample_rate_Hz)} Hz" if basis.sample_rate_Hz is not None else ""
+        over = f" over {raw(basis.duration_s)} s" if basis.duration_s is not None else ""
+        parts.append(f"{number(basis.samples, 7)} samples{rate}{over}")
+    else:
+        parts += [f"sampled at {raw(basis.sample_rate_Hz)} Hz"] if basis.sample_rate_Hz is not None else []
+        parts += [f"{raw(basis.duration_s)} s"] if basis.duration_s is not None else []
+    if basis.bandwidth_Hz is not None:
+        parts.append(f"components up to {raw(basis.bandwidth_Hz)} Hz")
+    if basis.window:
+        parts.append(f"window: {basis.window}")
+    if basis.harmonics is not None:
+        parts.append(f"harmonics up to {basis.harmonics}")
+    if basis.reference:
+        parts.append(f"relative to {basis.reference}")
+    if basis.gaps is not None:
+        parts.append("no gaps" if basis.gaps == 0 else f"{basis.gaps} gaps")
+    return f"Basis: {'; '.join(parts)}." if parts else ""
+
+
+def _sentence(text: str) -> str:
+    """A definition as a sentence: a capital where a word begins it, and a full stop."""
+    if not text:
+        return ""
+    first = text.split(maxsplit=1)[0].rstrip(",;:") if text.strip() else ""
+    begun = text[0].upper() + text[1:] if first.isalpha() and first.islower() else text
+    return begun if begun.endswith((".", "!", "?")) else f"{begun}."

@@ -1,0 +1,72 @@
+"""Numbers as a report prints them."""
+
+from __future__ import annotations
+
+import math
+import re
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from benchtool.report.numbers import number, raw, signed, stated
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (0.0, "0"),
+        (0.05006, "0.05006"),
+        (0.65, "0.6500"),
+        (-3.616e-5, "−3.616 × 10⁻⁵"),
+        (40326.0, "40326"),
+        (9999.87, "10000"),
+        (1.25e7 + 0.5, "1.250 × 10⁷"),
+        (math.nan, "–"),
+        (-math.inf, "–"),
+    ],
+)
+def test_four_significant_digits(value: float, text: str) -> None:
+    assert number(value) == text
+
+
+@pytest.mark.parametrize(
+    ("value", "standard", "text"),
+    [
+        (0.650012, 0.00123, "0.6500 ± 0.0012"),
+        (10.0, 0.0996, "10.00 ± 0.10"),
+        (1234.5, 56.0, "1234 ± 56"),
+        (123456.0, 7890.0, "123500 ± 7900"),
+        (1.8e-5, 1.7e-5, "(1.8 ± 1.7) × 10⁻⁵"),
+        (0.65, None, "0.6500"),
+        (0.65, 0.0, "0.6500"),
+        (0.65, math.nan, "0.6500"),
+        (math.nan, 0.1, "–"),
+    ],
+)
+def test_the_uncertainty_decides_the_digits(value: float, standard: float | None, text: str) -> None:
+    assert stated(value, standard) == text
+
+
+@given(
+    st.floats(-1e12, 1e12, allow_nan=False).filter(lambda value: abs(value) > 1e-12),
+    st.floats(1e-4, 1.0),
+)
+def test_what_is_printed_is_the_value_to_a_tenth_of_its_uncertainty(value: float, share: float) -> None:
+    standard = abs(value) * share
+    text = stated(value, standard).replace("−", "-")
+    power = 0
+    if match := re.fullmatch(r"\((.*)\) × 10(.*)", text):
+        text = match[1]
+        power = int(match[2].translate(str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")))
+    shown, _, uncertain = text.partition(" ± ")
+    assert float(shown) * 10.0**power == pytest.approx(value, abs=0.0501 * standard)
+    assert float(uncertain) * 10.0**power == pytest.approx(standard, rel=0.0501)
+
+
+def test_differences_have_a_sign_and_settings_no_digits_that_nobody_gave() -> None:
+    assert signed(0.0123) == "+0.0123"
+    assert signed(-0.5) == "−0.500"
+    assert raw(0.06) == "0.06"
+    assert raw(True) == "true"
+    assert raw("tpc") == "tpc"

@@ -1,0 +1,112 @@
+"""Differences between runs: sizes, significance, and which direction is good."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from benchtool.analysis import Measurement
+from benchtool.analysis.measurement import Uncertainty
+from benchtool.block import Block, Channel
+from benchtool.experiment.assessment import Assessment
+from benchtool.experiment.deltas import Comparison, compare_cases, deltas
+from benchtool.experiment.limits import Limit
+
+BLOCK = Block((Channel("torque", "Nm"),), 0, 1, 1e-4, np.zeros((1, 1)))
+
+
+def result(
+    case: str = "a", *, limit: Limit | None = None, **values: tuple[float, float | None]
+) -> Assessment:
+    measurements = tuple(
+        Measurement(
+            name, value, "Nm", "", uncertainty=None if standard is None else Uncertainty(standard, "")
+        )
+        for name, (value, standard) in values.items()
+    )
+    limits = {} if limit is None else {"x": limit}
+    return Assessment(case, Path("bundle"), measurements, (), limits, {}, BLOCK, None, None)
+
+
+def test_a_difference_is_the_other_less_the_reference() -> None:
+    (delta,) = deltas(result(x=(-2.0, None)), result(x=(-3.0, None)))
+    assert (delta.absolute, delta.percent, delta.exceeds) == (-1.0, -50.0, None)
+
+
+@pytest.mark.parametrize(("other", "exceeds"), [(1.0 + 0.99e-1, False), (1.0 + 1.01e-1, True), (0.5, True)])
+def test_it_exceeds_twice_the_combined_standard_uncertainty(other: float, exceeds: bool) -> None:
+    (delta,) = deltas(result(x=(1.0, 0.03)), result(x=(other, 0.04)))
+    assert delta.exceeds is exceeds
+
+
+@given(st.floats(-1e6, 1e6), st.floats(-1e6, 1e6), st.floats(0, 10), st.floats(0, 10))
+def test_the_two_directions_agree(one: float, two: float, u_one: float, u_two: float) -> None:
+    a, b = result(x=(one, u_one), limit=Limit(max=1.0)), result(x=(two, u_two))
+    (there,), (back,) = deltas(a, b), deltas(b, a)
+    assert there.absolute == -back.absolute
+    assert there.exceeds is back.exceeds
+    assert {there.judgement, back.judgement} in ({""}, {"better", "worse"})
+
+
+@pytest.mark.parametrize(
+    ("limit", "less"),
+    [(Limit(max=1.0), "better"), (Limit(min=0.0), "worse"), (Limit(min=0.0, max=1.0), ""), (None, "")],
+)
+def test_a_limit_tells_which_direction_is_good(limit: Limit | None, less: str) -> None:
+    (delta,) = deltas(result(x=(0.5, None), limit=limit), result(x=(0.4, None)))
+    assert delta.judgement == less
+
+
+def test_what_chance_makes_is_neither_better_nor_worse() -> None:
+    (delta,) = deltas(result(x=(0.5, 0.1), limit=Limit(max=1.0)), result(x=(0.4, 0.1)))
+    assert (delta.exceeds, delta.judgement) == (False, "")
+
+
+def test_limits_that_contradict_each_other_tell_nothing() -> None:
+    one, two = result(x=(0.5, None), limit=Limit(max=1.0)), result(x=(0.4, None), limit=Limit(min=0.0))
+    assert deltas(one, two)[0].judgement == ""
+
+
+def test_what_has_no_value_has_no_difference() -> None:
+    (delta,) = deltas(result(x=(math.nan, 0.1)), result(x=(1.0, 0.1)))
+    assert delta.to_json() == {
+        "unit": "Nm",
+        "reference": None,
+        "value": 1.0,
+        "absolute": None,
+        "percent": None,
+        "exceeds_uncertainty": None,
+        "judgement": None,
+    }
+    (from_zero,) = deltas(result(x=(0.0, None)), result(x=(1.0, None)))
+    assert math.isnan(from_zero.percent)
+    assert deltas(result(x=(0.0, None)), result(y=(1.0, None))) == ()
+
+
+def test_cases_are_matched_by_name_and_the_others_named() -> None:
+    one = [result("a", x=(1.0, None)), result("b", x=(2.0, None)), result("c", x=(3.0, None))]
+    two = [result("b", x=(4.0, None)), result("a", x=(5.0, None)), result("d", x=(6.0, None))]
+    comparisons, alone = compare_cases({"first": one, "second": two})
+    assert [(each.case, each.deltas["second"][0].absolute) for each in comparisons] == [
+        ("a", 4.0),
+        ("b", 2.0),
+    ]
+    assert alone == ("first: c", "second: d")
+
+
+def test_single_runs_are_compared_whatever_they_are_called_and_cases_of_one_run_with_its_first() -> None:
+    (single,), alone = compare_cases(
+        {"A": [result("tpc", x=(1.0, None))], "B": [result("foc", x=(3.0, None))]}
+    )
+    assert single.deltas["B"][0].absolute == 2.0
+    assert alone == ()
+    cases = [result("a", x=(1.0, None)), result("b", x=(2.0, None), y=(1.0, None))]
+    (within,), _ = compare_cases({"run": cases})
+    assert within.deltas["b"][0].absolute == 1.0
+    assert within.names == ("x", "y")
+    assert Comparison.of("", {"a": cases[0]}).deltas == {}
