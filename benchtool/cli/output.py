@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from benchtool.experiment.repetition import Repeated
 
 _MOST_COLUMNS = 7
+_WIDTH_OF_A_PIPE = 120
 _FOREMOST = ("torque_ripple_pp", "true_torque_ripple_pp", "flux_ripple_pp", "current_thd")
 _COLOUR = {"pass": "green", "marginal": "yellow", "fail": "red", "none": "dim"}
 
@@ -32,8 +33,8 @@ class Output:
 
     def __init__(self, *, as_json: bool) -> None:
         self._as_json = as_json
-        self._people = Console(stderr=as_json, highlight=False)
-        self.progress = Console(stderr=True, highlight=False)
+        self._people = _console(stderr=as_json)
+        self.progress = _console(stderr=True)
 
     def note(self, text: str) -> None:
         """A line of progress."""
@@ -62,6 +63,14 @@ class Output:
         if self._as_json:
             json.dump(content, sys.stdout, indent=2, allow_nan=False)
             sys.stdout.write("\n")
+
+
+def _console(*, stderr: bool) -> Console:
+    """A console as wide as its terminal; a file or a pipe takes what a table needs."""
+    console = Console(stderr=stderr, highlight=False)
+    if not console.is_terminal:
+        console.width = _WIDTH_OF_A_PIPE
+    return console
 
 
 def significant(value: float) -> str:
