@@ -12,7 +12,9 @@ Profile = Annotated[str, typer.Option(metavar="NAME|FILE", help="Profile of moto
 Link = Annotated[
     str,
     typer.Option(
-        metavar="URL", help="'emulated', 'can:INTERFACE:CHANNEL?bitrate=500000&node=1' or 'replay:DIR'."
+        metavar="URL",
+        help="'emulated', 'can:INTERFACE:CHANNEL?bitrate=500000&node=1', "
+        "'serial:PORT?baudrate=921600&node=1' or 'replay:DIR'.",
     ),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document on standard output.")]

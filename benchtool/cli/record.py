@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
+from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import asdict
 from pathlib import Path
@@ -11,16 +12,17 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from benchtool.cli import options
+from benchtool.cli import options, viewing
 from benchtool.cli.output import Output, significant
 
 if TYPE_CHECKING:
     from benchtool.bench import Session
     from benchtool.recording import BundleWriter, Manifest
-    from benchtool.telemetry import Certificate, FrameLog, TelemetryStream
+    from benchtool.telemetry import Certificate, FrameLog, Sink, TelemetryStream
 
 _STEP_S = 0.05
 _TELL_S = 1.0
+_ROUNDING_S = 1e-9
 
 
 def record(
@@ -30,22 +32,36 @@ def record(
     link: options.Link = "emulated",
     channels: Annotated[
         str,
-        typer.Option(metavar="A,B,C", help="Signals, 13 at most.", show_default="i_d,i_q,torque,..."),
+        typer.Option(
+            metavar="A,B,C",
+            help="Signals: 13 at most over CAN, 16 over a serial line.",
+            show_default="i_d,i_q,torque,...",
+        ),
     ] = "",
-    rate: Annotated[float, typer.Option(metavar="HZ", help="Records per second, 1000 at most.")] = 100.0,
+    rate: Annotated[
+        float,
+        typer.Option(
+            metavar="HZ",
+            help="Records per second: 1000 at most over CAN, the rate of the control over a serial line.",
+        ),
+    ] = 100.0,
     note: Annotated[str, typer.Option(help="A line for the manifest.")] = "",
     frames: Annotated[
         bool, typer.Option("--frames", help="Keep every frame too, for candump and --link replay:DIR.")
     ] = False,
+    reconnect: Annotated[
+        float,
+        typer.Option(metavar="S", min=0.0, help="Wait so long for a link that is lost, and go on; 0: end."),
+    ] = 0.0,
+    live: viewing.Live = None,
     seed: options.Seed = 0,
     real_time: options.RealTime = False,
     as_json: options.Json = False,
 ) -> int:
-    """Record the slow stream of a drive, whatever it is doing; nothing is enabled."""
+    """Record the stream of a drive, whatever it is doing; nothing is enabled."""
     from benchtool.bench import open_session
-    from benchtool.protocol.telemetry import stream_layout
     from benchtool.recording import BundleWriter
-    from benchtool.telemetry import DEFAULT_CHANNELS, FrameLog
+    from benchtool.telemetry import DEFAULT_CHANNELS, FrameLog, stream_source
 
     output = Output(as_json=as_json)
     when = options.wall_time()
@@ -53,15 +69,19 @@ def record(
     names = [name.strip() for name in channels.split(",")] if channels else list(DEFAULT_CHANNELS)
     log = FrameLog() if frames else None
     with ExitStack() as stack:
+        where = stack.enter_context(viewing.places(live or (), output))
         session = stack.enter_context(
             open_session(profile, link, seed=seed, real_time=real_time, note=output.note, frames=log)
         )
         drive = session.drive
         # Before there is a folder: what cannot be streamed leaves nothing behind.
-        stream_layout(drive.dictionary, drive.link.node_id, names, rate, drive.number("control_period"))
+        stream_source(drive, names, rate)
         manifest = _manifest(session, when.isoformat(timespec="seconds"), note, seed)
         bundle = stack.enter_context(BundleWriter(folder, manifest))
-        certificate = _record(session, bundle, names, rate, duration, log, output)
+        with viewing.stream_view(where, session, f"record: {folder.name}", output) as view:
+            sinks = [] if view is None else [viewing.live_sink(view)]
+            certificate = _record(session, bundle, names, rate, duration, reconnect, log, output, sinks)
+        where.linger(output)
     _show(output, folder, certificate)
     return 0
 
@@ -95,28 +115,33 @@ def _record(
     names: list[str],
     rate_Hz: float,
     duration_s: float,
+    reconnect_s: float,
     log: FrameLog | None,
     output: Output,
+    sinks: Sequence[Sink],
 ) -> Certificate:
     """Record, and leave a bundle that says how it ended, whatever ends it."""
     from benchtool.errors import BenchError
     from benchtool.telemetry import certify_recording, record_stream
 
     stream: TelemetryStream | None = None
-    link = session.drive.link
+    drive = session.drive
     try:
         if log is not None:
             log.start(bundle.directory)
-        with record_stream(session.drive, bundle, names, rate_Hz) as stream:
-            _wait(session, stream, duration_s, log, output)
+        with record_stream(drive, bundle, names, rate_Hz, others=sinks) as stream:
+            _wait(session, stream, duration_s, reconnect_s, log, output)
         if log is not None:
             log.close()
     except BaseException as failure:
-        certificate, details = certify_recording(stream, {}, link.counters)
+        certificate, details = certify_recording(stream, {}, drive.link.counters)
         reason = f"{type(failure).__name__}: {failure}".rstrip(": ")
         try:
             bundle.fail(
-                reason, quality=asdict(link.counters), details=details, certificate=certificate.to_json()
+                reason,
+                quality=asdict(drive.link.counters),
+                details=details,
+                certificate=certificate.to_json(),
             )
             if log is not None:
                 log.close()
@@ -124,22 +149,37 @@ def _record(
             failure.add_note(str(also))
         failure.add_note(f"what came until then is in {bundle.directory}")
         raise
-    certificate, details = certify_recording(stream, {}, link.counters)
-    bundle.finish(quality=asdict(link.counters), details=details, certificate=certificate.to_json())
+    certificate, details = certify_recording(stream, {}, drive.link.counters)
+    bundle.finish(quality=asdict(drive.link.counters), details=details, certificate=certificate.to_json())
     return certificate
 
 
 def _wait(
-    session: Session, stream: TelemetryStream, duration_s: float, log: FrameLog | None, output: Output
+    session: Session,
+    stream: TelemetryStream,
+    duration_s: float,
+    reconnect_s: float,
+    log: FrameLog | None,
+    output: Output,
 ) -> None:
-    steps = max(1, round(duration_s / _STEP_S))
+    from benchtool.errors import LinkClosed
+
+    clock = session.drive.clock
+    start_s = clock.now_s()
     told_s = 0.0
-    for step in range(1, steps + 1):
-        session.drive.clock.wait(duration_s / steps)
-        stream.check()
+    while (left_s := start_s + duration_s - clock.now_s()) > _ROUNDING_S:
+        try:
+            clock.wait(min(_STEP_S, left_s))
+            stream.check()
+        except LinkClosed as lost:
+            if not reconnect_s:
+                raise
+            output.note(f"{lost}; waiting for it for {reconnect_s:g} s")
+            session.drive.reconnect(reconnect_s)
+            stream.resume()
         if log is not None:
             log.check()
-        if (past_s := duration_s * step / steps) >= told_s + _TELL_S:
+        if (past_s := clock.now_s() - start_s) >= told_s + _TELL_S - _ROUNDING_S:
             told_s += _TELL_S
             output.note(f"{past_s:.0f} of {duration_s:g} s, {stream.report().counters.received} records")
 

@@ -3,14 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from types import TracebackType
 from typing import Self
 
 from benchtool.clock import Clock, Timer
 from benchtool.drive.identity import Identity
-from benchtool.errors import BenchError, DriveFault, SdoAbort, StateError, ValueRefused, WriteNotVerified
+from benchtool.drive.reconnection import Reconnection
+from benchtool.errors import (
+    BenchError,
+    DriveFault,
+    LinkClosed,
+    LinkError,
+    SdoAbort,
+    StateError,
+    ValueRefused,
+    WriteNotVerified,
+)
 from benchtool.link import Link
+from benchtool.link.ticks import TickMark
 from benchtool.protocol.abort import Abort
 from benchtool.protocol.cia402 import Command, State, next_command, state_of
 from benchtool.protocol.dictionary import Dictionary
@@ -21,6 +32,7 @@ from benchtool.protocol.variable import Value
 
 _TRANSITION_TIMEOUT_S = 1.0
 _POLL_S = 0.001
+_REOPEN_S = 0.2
 _WATCH_S = 0.05
 HEARTBEAT_S = 0.1
 LINK_TIMEOUT_S = 0.5
@@ -35,15 +47,27 @@ class RemoteDrive:
         dictionary: what its EDS says.
         source: name of that EDS, for messages.
         clock: the clock that waiting and heartbeats go by.
+        reopen: opens the same link anew, for `reconnect`.
     """
 
-    def __init__(self, link: Link, dictionary: Dictionary, source: str, clock: Clock) -> None:
+    def __init__(
+        self,
+        link: Link,
+        dictionary: Dictionary,
+        source: str,
+        clock: Clock,
+        *,
+        reopen: Callable[[], Link] | None = None,
+    ) -> None:
         self.link = link
         self.dictionary = dictionary
         self.clock = clock
         self._source = source
+        self._reopen = reopen
+        self._ticks: TickMark | None = None
         self._heartbeat: Timer | None = None
         self._touched = False
+        self._commanded = False
         self._watches: list[Callable[[], None]] = []
 
     def __enter__(self) -> Self:
@@ -55,6 +79,7 @@ class RemoteDrive:
         try:
             if self._touched:
                 self.disable()
+            self._end_supervision()
         except BenchError:
             # The first failure is the one to report; silence of the host's heartbeat stops the drive itself.
             if error is None:
@@ -87,10 +112,49 @@ class RemoteDrive:
         Raises:
             NoAnswer, IdentityMismatch, DictionaryMismatch: as their names say.
         """
-        identity = self.identify()
-        identity.require(self.dictionary, self._source)
+        identity = self._checked()
         self.supervise()
         return identity
+
+    def reconnect(self, timeout_s: float) -> Reconnection:
+        """Open the link anew after it was lost, and check who answers.
+
+        A drive that was supervised or enabled from here is so again, supervised and left disabled: its link
+        supervision has stopped the motor meanwhile, and if that made a fault, `reset_fault` is needed before
+        it can be enabled. One that was only read goes on with what it does.
+
+        Raises:
+            LinkError: there was no way back within `timeout_s`.
+            IdentityMismatch, DictionaryMismatch: another drive answers.
+            StateError: the drive does not confirm that it is disabled.
+        """
+        if self._reopen is None:
+            raise LinkClosed("this link cannot be opened again: open another session")
+        before = self._ticks
+        deadline_s = self.clock.now_s() + timeout_s
+        while True:
+            self._drop_link()
+            try:
+                self.link = self._reopen()
+                identity = self._checked()
+                if self._commanded:
+                    self.supervise()
+                break
+            except LinkError:
+                if self.clock.now_s() >= deadline_s:
+                    self._drop_link()
+                    raise
+                self.clock.wait(_REOPEN_S)
+        if self._commanded:
+            self.disable()
+        restarted = None
+        if before is not None and self._ticks is not None:
+            restarted = before.restarted_since(self._ticks)
+        return Reconnection(identity, restarted)
+
+    def close_link(self) -> None:
+        """Close the link that is in use, the first one or one that `reconnect` opened."""
+        self.link.close()
 
     # ---- values -----------------------------------------------------------------------------------------
 
@@ -148,7 +212,7 @@ class RemoteDrive:
             StateError: a transition does not happen.
         """
         self.link.nmt(NmtCommand.START)
-        self._touched = True
+        self._touched = self._commanded = True
         self.write("mode_of_operation", int(mode))
         self._walk_to(State.OPERATION_ENABLED)
 
@@ -243,6 +307,7 @@ class RemoteDrive:
     def supervise(self, timeout_s: float = LINK_TIMEOUT_S) -> None:
         """Send the host's heartbeat, and have the drive stop the motor when it stays out for `timeout_s`."""
         self.stop_heartbeat()
+        self._commanded = True
         if "host_heartbeat" in self.dictionary:
             self.write("host_heartbeat", HOST_NODE_ID << 16 | round(timeout_s * 1000.0))
         self._heartbeat = self.clock.call_every(min(HEARTBEAT_S, timeout_s / 3.0), self.link.send_heartbeat)
@@ -252,6 +317,28 @@ class RemoteDrive:
         if self._heartbeat is not None:
             self._heartbeat.cancel()
             self._heartbeat = None
+
+    def _end_supervision(self) -> None:
+        """Set the drive's supervision back before the heartbeat ends, so that it takes no end for a loss."""
+        if self._heartbeat is not None and "host_heartbeat" in self.dictionary:
+            with suppress(BenchError):  # then the drive notices that the host has gone, and says so
+                self.write("host_heartbeat", 0)
+
+    def _checked(self) -> Identity:
+        """Who answers, which is the drive of the dictionary; notes its tick."""
+        identity = self.identify()
+        identity.require(self.dictionary, self._source)
+        if all(name in self.dictionary for name in ("tick", "control_period")):
+            self._ticks = TickMark(
+                int(self.number("tick")), self.clock.now_s(), self.number("control_period")
+            )
+        return identity
+
+    def _drop_link(self) -> None:
+        with suppress(LinkError):  # what the heartbeat ran into when the link went
+            self.stop_heartbeat()
+        self._heartbeat = None
+        self.link.close()
 
     # ---- inside -----------------------------------------------------------------------------------------
 

@@ -16,7 +16,7 @@ from canopen.sdo.exceptions import SdoAbortedError, SdoCommunicationError
 
 from benchtool.clock import Clock, VirtualClock
 from benchtool.errors import LinkClosed, LinkError, NoAnswer, SdoAbort
-from benchtool.link.interface import Frame, FrameReceiver, LinkCounters
+from benchtool.link.interface import CountsMalformed, Frame, FrameReceiver, LinkCounters
 from benchtool.link.sdo_client import BlockNotOfferedError, SdoClient, SdoTimeoutError
 from benchtool.protocol.abort import abort_text
 from benchtool.protocol.emcy import Emergency
@@ -33,7 +33,7 @@ _EMERGENCIES = 256
 
 
 class CanopenLink:
-    """A `Link` over CANopen, with one receive thread that no frame and no driver error ends.
+    """A `FrameLink` over CANopen, with one receive thread that no frame and no driver error ends.
 
     Errors of the driver are counted and reception goes on; only a hundred in a row, without a frame or
     a quiet interval between them, count as a vanished adapter. Frames are handled in the receive thread,
@@ -95,8 +95,11 @@ class CanopenLink:
 
     @property
     def counters(self) -> LinkCounters:
-        overruns = self._counts["overruns"] + self._sdo.overruns
-        return LinkCounters(**{**self._counts, "overruns": overruns})
+        counts = {**self._counts, "stale_answers": self._sdo.stale}
+        counts["overruns"] += self._sdo.overruns
+        if isinstance(self._bus, CountsMalformed):
+            counts["frames_dropped"] += self._bus.malformed
+        return LinkCounters(**counts)
 
     def upload(self, index: int, sub: int, *, block: bool = False) -> bytes:
         """See `Link.upload`. A server without block upload is read by segmented transfer instead."""
@@ -148,16 +151,16 @@ class CanopenLink:
         return tuple(self._emergencies.popleft() for _ in range(len(self._emergencies)))
 
     def subscribe(self, can_ids: Iterable[int], receiver: FrameReceiver) -> None:
-        """See `Link.subscribe`."""
+        """See `FrameLink.subscribe`."""
         self._receivers = self._receivers | dict.fromkeys(can_ids, receiver)
 
     def unsubscribe(self, can_ids: Iterable[int]) -> None:
-        """See `Link.unsubscribe`."""
+        """See `FrameLink.unsubscribe`."""
         gone = set(can_ids)
         self._receivers = {key: value for key, value in self._receivers.items() if key not in gone}
 
     def send_pdo(self, can_id: int, data: bytes) -> None:
-        """See `Link.send_pdo`."""
+        """See `FrameLink.send_pdo`."""
         self._send(can_id, data)
 
     def close(self) -> None:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from typing import NamedTuple, Protocol, runtime_checkable
 
 from benchtool.protocol.emcy import Emergency
 from benchtool.protocol.nmt import NmtCommand, NmtState
+from benchtool.protocol.serial import Batch, StreamReply
 
 
 @dataclass(frozen=True)
@@ -18,9 +19,11 @@ class LinkCounters:
     frames_dropped: int = 0  # malformed
     receive_errors: int = 0  # the adapter's driver raised; reception went on
     overruns: int = 0  # well-formed, but nobody took them in time
-    retries: int = 0  # reads that were asked a second time
+    retries: int = 0  # reads, or chunks of one, that were asked for again
+    stale_answers: int = 0  # to a request that had been given up
     sdo_aborts: int = 0
     emcy_received: int = 0
+    emcy_lost: int = 0  # by the numbers of those received, where the wire has such
     heartbeats_received: int = 0
 
 
@@ -33,6 +36,17 @@ class Frame(NamedTuple):
 
 
 FrameReceiver = Callable[[Frame], None]
+BatchReceiver = Callable[[Batch, float], None]
+"""Takes a batch of telemetry, and when it arrived on the host's clock."""
+
+
+@runtime_checkable
+class CountsMalformed(Protocol):
+    """A bus whose adapter's own protocol can be disturbed, before there is a frame."""
+
+    @property
+    def malformed(self) -> int:
+        """What has come and was none of that protocol."""
 
 
 class Link(Protocol):
@@ -86,6 +100,14 @@ class Link(Protocol):
     def emergencies(self) -> tuple[Emergency, ...]:
         """Emergencies since the last call, oldest first."""
 
+    def close(self) -> None:
+        """End reception and close the adapter; a second call does nothing."""
+
+
+@runtime_checkable
+class FrameLink(Link, Protocol):
+    """A link whose process data are CAN frames."""
+
     def subscribe(self, can_ids: Iterable[int], receiver: FrameReceiver) -> None:
         """Have `receiver` called with every frame of these identifiers, in the receive thread: it must be
         quick, and must not transfer."""
@@ -96,5 +118,27 @@ class Link(Protocol):
     def send_pdo(self, can_id: int, data: bytes) -> None:
         """Send process data: nothing confirms them."""
 
-    def close(self) -> None:
-        """End reception and close the adapter; a second call does nothing."""
+
+@runtime_checkable
+class BatchLink(Link, Protocol):
+    """A link whose process data are setpoints and batches of records."""
+
+    def batch_rows(self, channels: int) -> int:
+        """Records of so many words of four bytes that the drive can put in one batch; 0 if none fits."""
+
+    def configure_stream(self, mappings: Sequence[int] = (), stride: int = 0, batch: int = 1) -> StreamReply:
+        """Have the drive stream these objects every `stride` ticks, `batch` records at a time; 0 stops it.
+
+        Asked once.
+
+        Raises:
+            NoAnswer: nothing came back; the drive may stream or not.
+            SdoAbort: the drive refused.
+        """
+
+    def on_batch(self, receiver: BatchReceiver | None) -> None:
+        """Have `receiver` called with every batch, in the receive thread: it must be quick, and must not
+        transfer."""
+
+    def send_setpoint(self, torque_Nm: float, omega_m_rad_s: float) -> None:
+        """Send both setpoints: nothing confirms them."""

@@ -31,7 +31,7 @@ _AFTER_THE_END_S = 0.5
 
 
 class ReplayLink:
-    """A `Link` that plays the frames of a bundle; time passes by waiting.
+    """A `FrameLink` that plays the frames of a bundle; time passes by waiting.
 
     A read is answered as it was then, at the time it was then: the first with the first answer, each
     further one with the next, and when there are no more with what was last read or written. A write is
@@ -124,7 +124,7 @@ class ReplayLink:
         self._require_open()
 
     def send_pdo(self, can_id: int, data: bytes) -> None:
-        """See `Link.send_pdo`.
+        """See `FrameLink.send_pdo`.
 
         Raises:
             LinkError: always: there is no drive.
@@ -160,11 +160,11 @@ class ReplayLink:
         return tuple(self._emergencies.popleft() for _ in range(len(self._emergencies)))
 
     def subscribe(self, can_ids: Iterable[int], receiver: FrameReceiver) -> None:
-        """See `Link.subscribe`."""
+        """See `FrameLink.subscribe`."""
         self._receivers |= dict.fromkeys(can_ids, receiver)
 
     def unsubscribe(self, can_ids: Iterable[int]) -> None:
-        """See `Link.unsubscribe`."""
+        """See `FrameLink.unsubscribe`."""
         for can_id in can_ids:
             self._receivers.pop(can_id, None)
 

@@ -75,6 +75,8 @@ class SdoClient(client.SdoClient):
         self.timeout_s = timeout_s
         self.settle = settle
         self.overruns = 0
+        self.stale = 0
+        """Answers to earlier requests, come late."""
         # Four times as fast as the package's queue, whose other methods nobody calls.
         self.responses: queue.SimpleQueue[bytes] = queue.SimpleQueue()  # type: ignore[assignment]  # see above
         self._object = bytes(3)
@@ -96,6 +98,7 @@ class SdoClient(client.SdoClient):
         """Send a request and return its answer; answers to earlier requests, come late, are passed over."""
         while not self.responses.empty():
             self.responses.get_nowait()
+            self.stale += 1
         initiates = _initiates(request[0])
         if initiates:
             self._object = bytes(request[1:4])
@@ -106,6 +109,7 @@ class SdoClient(client.SdoClient):
                 response = self._next_frame(max(0.0, deadline_s - time.monotonic()))
                 if not initiates or response[1:4] == self._object or _aborts_anything(response):
                     return self._raise_abort(response)
+                self.stale += 1
         except SdoTimeoutError:
             self.abort(Abort.TIMED_OUT)
             raise

@@ -71,7 +71,7 @@ def stream_layout(
                 f"{dictionary.source} has no object '{name}', which a record of the slow stream needs: "
                 f"record with a drive of benchtool's dictionary"
             )
-    channels = tuple(_channel(dictionary, name) for name in names)
+    channels = tuple(stream_channel(dictionary, name) for name in names)
     tick, sequence = dictionary["tick"], dictionary["stream_sequence"]
     words = [each.mapping for each in (tick, sequence, *channels, sequence)]
     pairs = [words[start : start + _WORDS_PER_PDO] for start in range(0, len(words), _WORDS_PER_PDO)]
@@ -102,7 +102,12 @@ def _period_s(rate_Hz: float) -> float:
     return whole * 1e-3
 
 
-def _channel(dictionary: Dictionary, name: str) -> Variable:
+def stream_channel(dictionary: Dictionary, name: str) -> Variable:
+    """The signal of this name, which a stream can carry.
+
+    Raises:
+        ValueRefused: there is none, or it is not one of four bytes that can be mapped.
+    """
     variable = dictionary[name]
     if not variable.mappable or variable.type not in (DataType.F32, DataType.U32, DataType.I32):
         raise ValueRefused(

@@ -1,4 +1,4 @@
-"""The slow stream on the host: received, decoded, checked and handed to whoever wants it."""
+"""The stream on the host: received, decoded, checked and handed to whoever wants it."""
 
 from benchtool.telemetry.certificate import Certificate, StreamFacts, certify, certify_recording
 from benchtool.telemetry.clock_fit import ArrivalStatistics, ClockFit
@@ -6,6 +6,7 @@ from benchtool.telemetry.fanout import FanOut, Sink
 from benchtool.telemetry.frames import FrameLog
 from benchtool.telemetry.recorder import STREAM, record_stream
 from benchtool.telemetry.setpoints import Setpoints
+from benchtool.telemetry.sources import stream_source
 from benchtool.telemetry.stream import DEFAULT_CHANNELS, DEFAULT_RATE_HZ, StreamReport, TelemetryStream
 
 __all__ = [
@@ -25,4 +26,5 @@ __all__ = [
     "certify",
     "certify_recording",
     "record_stream",
+    "stream_source",
 ]

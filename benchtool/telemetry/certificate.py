@@ -114,7 +114,7 @@ def certify_recording(
         return certify(facts, link), {}
     report = stream.report()
     clock = None if report.clock is None else asdict(report.clock)
-    stated = {"clock_fit": clock, "records": asdict(report.counters), "rate_Hz": 1.0 / stream.layout.period_s}
+    stated = {"clock_fit": clock, "records": asdict(report.counters), "rate_Hz": 1.0 / stream.period_s}
     return certify(facts | {STREAM: StreamFacts.of_report(report)}, link, report), {STREAM: stated}
 
 
@@ -145,13 +145,21 @@ def _slow_stream(report: StreamReport) -> Iterator[Measurement]:
         "",
         "sent by the drive, by sequence number, but not received whole",
     )
+    dropped = "not sent by the drive, as its line was full"
+    if report.drive_dropped is None:
+        yield Measurement.undefined("telemetry_records_dropped", "", dropped, "the drive could not be asked")
+    else:
+        yield Measurement("telemetry_records_dropped", report.drive_dropped, "", dropped)
     yield Measurement("telemetry_records_incomplete", counters.incomplete, "", "begun, not ended")
     yield Measurement(
         "telemetry_records_off_grid", counters.off_grid, "", "whole, with a tick that continues no row"
     )
-    yield Measurement("telemetry_pdos_malformed", counters.malformed, "", "PDOs of a wrong length")
+    yield Measurement("telemetry_pdos_malformed", counters.malformed, "", "PDOs or batches of a wrong length")
     yield Measurement("telemetry_frames_dropped", report.frames_dropped, "", "no room in the host's queue")
     yield Measurement("telemetry_rows_dropped", report.rows_dropped, "", "no room in a viewer's queue")
+    yield Measurement(
+        "telemetry_resumptions", report.resumptions, "", "times the link was lost and came back"
+    )
     jitter = "time between two arrivals less drive time between their ticks"
     yield Measurement("arrival_jitter_rms", report.jitter_rms_s, "s", f"{jitter}, rms")
     yield Measurement("arrival_jitter_max", report.jitter_max_s, "s", f"{jitter}, largest magnitude")

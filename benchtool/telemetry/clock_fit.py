@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import threading
 from array import array
 from dataclasses import dataclass
 
@@ -29,7 +30,8 @@ class ClockFit:
 class ArrivalStatistics:
     """Collects the arrivals of a stream's records.
 
-    Up to 32768 pairs are kept, of a longer stream evenly fewer, so that a day's recording needs no more.
+    Up to 32768 pairs are kept, of a longer stream evenly fewer, so that a day's recording needs no more. One
+    thread adds; any may ask.
     """
 
     def __init__(self, tick_s: float) -> None:
@@ -38,6 +40,7 @@ class ArrivalStatistics:
         self._count = 0
         self._ticks = array("q")
         self._arrivals = array("d")
+        self._growing = threading.Lock()  # an array that is being read refuses to grow
         self._last: tuple[int, float] | None = None
         self._intervals = 0
         self._squares = 0.0
@@ -53,11 +56,12 @@ class ArrivalStatistics:
             self.jitter_max_s = max(self.jitter_max_s, abs(deviation))
         self._last = (tick, arrival_s)
         if self._count % self._every == 0:
-            self._ticks.append(tick)
-            self._arrivals.append(arrival_s)
-            if len(self._ticks) == _MOST:
-                self._ticks, self._arrivals = self._ticks[::2], self._arrivals[::2]
-                self._every *= 2
+            with self._growing:
+                self._ticks.append(tick)
+                self._arrivals.append(arrival_s)
+                if len(self._ticks) == _MOST:
+                    self._ticks, self._arrivals = self._ticks[::2], self._arrivals[::2]
+                    self._every *= 2
         self._count += 1
 
     @property
@@ -67,9 +71,10 @@ class ArrivalStatistics:
 
     def fit(self) -> ClockFit | None:
         """The line; None for fewer than three records."""
-        if len(self._ticks) < 3:
+        with self._growing:
+            ticks, arrivals = np.array(self._ticks), np.array(self._arrivals)
+        if len(ticks) < 3:
             return None
-        ticks, arrivals = np.array(self._ticks), np.array(self._arrivals)
         drive_s = (ticks - ticks[0]) * self._tick_s
         # Centred, and as the deviation from drive time, so that a day's seconds do not cost microseconds.
         deviation = (arrivals - arrivals[0]) - drive_s

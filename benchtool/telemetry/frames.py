@@ -10,6 +10,7 @@ from can.io import CanutilsLogWriter
 
 from benchtool.clock import Clock
 from benchtool.errors import RecordingError
+from benchtool.link.interface import CountsMalformed
 from benchtool.link.replay import FRAMES
 from benchtool.recording.failures import writing
 from benchtool.telemetry.worker import Worker
@@ -122,6 +123,11 @@ class _TappedBus(can.BusABC):
         self._log = log
         self._clock = clock
         self._stamp = stamp
+
+    @property
+    def malformed(self) -> int:
+        """See `CountsMalformed`; 0 of a bus that does not count."""
+        return self._bus.malformed if isinstance(self._bus, CountsMalformed) else 0
 
     def recv(self, timeout: float | None = None) -> can.Message | None:
         frame = self._bus.recv(timeout)

@@ -1,0 +1,28 @@
+"""Whether a drive ran on while nothing was heard of it, by the ticks it counts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+_WRAP = 1 << 32
+_SLACK_S = 0.5
+_CLOCKS = 1e-3  # by which two clocks may differ
+
+
+@dataclass(frozen=True)
+class TickMark:
+    """The drive's tick at a moment of the host's clock, and the length of a tick."""
+
+    tick: int
+    at_s: float
+    tick_s: float
+
+    def restarted_since(self, later: TickMark) -> bool:
+        """Whether the ticks up to `later` are others than the time between would have brought.
+
+        Within half a second of a power-up a restart cannot be told.
+        """
+        past_s = later.at_s - self.at_s
+        behind = (round(past_s / self.tick_s) - (later.tick - self.tick)) % _WRAP
+        apart_s = min(behind, _WRAP - behind) * self.tick_s
+        return apart_s > _SLACK_S + _CLOCKS * past_s

@@ -1,0 +1,93 @@
+"""The stream over CAN: records in TPDOs, at a whole number of milliseconds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from benchtool.block import Block
+from benchtool.link import Frame, FrameLink
+from benchtool.protocol.nmt import NmtCommand
+from benchtool.protocol.pdo import INVALID, TPDO_COB_IDS
+from benchtool.protocol.telemetry import RecordDecoder, StreamCounters, stream_layout
+from benchtool.telemetry.node import Node
+from benchtool.telemetry.source import Sent
+
+
+class PdoSource:
+    """A `Source` of frames.
+
+    Args:
+        node: connected drive.
+        link: its link.
+        channels: signals of four bytes, 13 at most.
+        rate_Hz: records per second; a whole number of milliseconds apart.
+
+    Raises:
+        ValueRefused: the drive cannot stream this.
+    """
+
+    def __init__(self, node: Node, link: FrameLink, channels: Sequence[str], rate_Hz: float) -> None:
+        self._node = node
+        self._link = link
+        self.tick_s = round(node.number("control_period") * 1e9) * 1e-9
+        self._layout = stream_layout(node.dictionary, link.node_id, channels, rate_Hz, self.tick_s)
+        self._decoder = RecordDecoder(self._layout)
+        self._sequence_before = 0
+
+    @property
+    def stride(self) -> int:
+        return self._layout.stride
+
+    @property
+    def counters(self) -> StreamCounters:
+        return self._decoder.counters
+
+    @property
+    def rows(self) -> int:
+        return self._decoder.rows
+
+    @property
+    def tick(self) -> int:
+        return self._decoder.tick
+
+    @property
+    def arrival_s(self) -> float:
+        return self._decoder.arrival_s
+
+    def start(self, receive: Callable[[Frame], None]) -> None:
+        """See `Source.start`."""
+        node = self._node
+        for number in range(1, len(TPDO_COB_IDS) + 1):
+            self._switch_off(number)
+        self._sequence_before = int(node.number("stream_sequence"))
+        self._link.subscribe((pdo.can_id for pdo in self._layout.pdos), receive)
+        # The first PDO last: a record begins with it, so that none begins before all are in use.
+        for pdo in reversed(self._layout.pdos):
+            for label, value in pdo.set_up(self._layout.period_s):
+                node.write(label, value)
+        self._link.nmt(NmtCommand.START)
+
+    def stop(self) -> Sent:
+        """See `Source.stop`."""
+        for pdo in self._layout.pdos:
+            self._node.write(*pdo.switch_off)
+        return Sent(int(self._node.number("stream_sequence")) - self._sequence_before)
+
+    def detach(self) -> None:
+        """See `Source.detach`."""
+        self._link.unsubscribe(pdo.can_id for pdo in self._layout.pdos)
+
+    def feed(self, item: Frame) -> bool:
+        """See `Source.feed`."""
+        return self._decoder.feed(*item)
+
+    def take(self) -> Block | None:
+        """See `Source.take`."""
+        return self._decoder.take()
+
+    def _switch_off(self, number: int) -> None:
+        label = f"0x{0x1800 + number - 1:04X}:1"
+        if label in self._node.dictionary:
+            cob_id = int(self._node.number(label))
+            if not cob_id & INVALID:
+                self._node.write(label, cob_id | INVALID)

@@ -1,0 +1,29 @@
+"""The one place where the wire decides how process data travel."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from benchtool.errors import ValueRefused
+from benchtool.link import BatchLink, FrameLink
+from benchtool.telemetry.batch_source import BatchSource
+from benchtool.telemetry.node import Node
+from benchtool.telemetry.pdo_source import PdoSource
+from benchtool.telemetry.source import Source
+
+
+def stream_source(node: Node, channels: Sequence[str], rate_Hz: float) -> Source[Any]:
+    """A stream of these signals over the drive's link; nothing is set up yet.
+
+    What travels differs by wire and stays between the source's receiver and its `feed`.
+
+    Raises:
+        ValueRefused: the drive cannot stream this.
+    """
+    link = node.link
+    if isinstance(link, BatchLink):
+        return BatchSource(node, link, channels, rate_Hz)
+    if isinstance(link, FrameLink):
+        return PdoSource(node, link, channels, rate_Hz)
+    raise ValueRefused("this link carries no process data: use another link")
