@@ -79,12 +79,26 @@ class VirtualClock:
     """Simulated time that advances only inside `wait`.
 
     Args:
-        paced: let no virtual second pass faster than a wall-clock second.
+        paced: hold virtual time to the wall clock's, from the first `wait` on.
+        catch_up_s: wall-clock seconds by which a paced clock may fall behind and catches up;
+            a longer delay is given up, and counted in `late_s`.
+        speed: virtual seconds in a wall-clock second, of a paced clock.
+        step_s: longest virtual step of a paced clock, which what comes from outside may have to wait.
+
+    Raises:
+        ValueError: speed or step are not positive.
     """
 
-    def __init__(self, *, paced: bool = False) -> None:
+    def __init__(
+        self, *, paced: bool = False, speed: float = 1.0, step_s: float = 0.02, catch_up_s: float = 1.0
+    ) -> None:
+        if not (speed > 0.0 and step_s > 0.0):
+            raise ValueError(f"speed of {speed:g} and steps of {step_s:g} s: both must be positive")
+        self.late_s = 0.0
+        """Wall-clock seconds by which a paced clock has fallen behind for good."""
         self._now_s = 0.0
-        self._paced = paced
+        self._pace = _Pace(speed, catch_up_s) if paced else None
+        self._step_s = step_s
         self._order = itertools.count()
         self._due: list[tuple[float, int, _VirtualTimer]] = []
         self._followers: list[Callable[[float], None]] = []
@@ -116,13 +130,12 @@ class VirtualClock:
 
     def wait(self, duration_s: float) -> None:
         end_s = self._now_s + max(0.0, duration_s)
-        wall_origin_s = time.monotonic() - self._now_s
         self.settle()
         while True:
             next_s = min(end_s, self._due[0][0]) if self._due else end_s
-            if self._paced:
-                next_s = min(next_s, self._now_s + 0.02)
-                time.sleep(max(0.0, wall_origin_s + next_s - time.monotonic()))
+            if self._pace is not None:
+                next_s = min(next_s, self._now_s + self._step_s)
+                self.late_s += self._pace.until(self._now_s, next_s)
             self._move_to(next_s)
             if self._now_s >= end_s:
                 return
@@ -145,6 +158,27 @@ class VirtualClock:
             timer.action()
             heapq.heappush(self._due, (due_s + timer.period_s, order, timer))
             self.settle()
+
+
+class _Pace:
+    """The moments of the wall clock at which those of virtual time are due."""
+
+    def __init__(self, speed: float, catch_up_s: float) -> None:
+        self._speed = speed
+        self._catch_up_s = catch_up_s
+        self._origin_s: float | None = None
+
+    def until(self, now_s: float, next_s: float) -> float:
+        """Sleep until virtual time may go from one moment to the next; the wall-clock seconds given up."""
+        wall_s = time.monotonic()
+        if self._origin_s is None:
+            self._origin_s = wall_s - now_s / self._speed
+        ahead_s = self._origin_s + next_s / self._speed - wall_s
+        if ahead_s >= -self._catch_up_s:
+            time.sleep(max(0.0, ahead_s))
+            return 0.0
+        self._origin_s -= ahead_s
+        return -ahead_s
 
 
 class _VirtualTimer:

@@ -2,7 +2,7 @@
 #ifndef BENCHTOOL_DRIVE_OBJECTS_H
 #define BENCHTOOL_DRIVE_OBJECTS_H
 
-#define BT_DICTIONARY_HASH 0xE5259B4Bu
+#define BT_DICTIONARY_HASH 0xA92918F2u
 #define BT_VENDOR_ID 0x00000B7Cu
 #define BT_PRODUCT_CODE 0x00002011u
 #define BT_REVISION 0x00010000u
@@ -22,6 +22,20 @@ enum bt_type {
     BT_TYPE_STRING = 9,
     BT_TYPE_DOMAIN = 15
 };
+
+/* Bytes of a value; 0 where they are not the same for all of the type */
+#define BT_SIZE_I8 1u
+#define BT_SIZE_U8 1u
+#define BT_SIZE_I16 2u
+#define BT_SIZE_U16 2u
+#define BT_SIZE_I32 4u
+#define BT_SIZE_U32 4u
+#define BT_SIZE_I64 8u
+#define BT_SIZE_U64 8u
+#define BT_SIZE_F32 4u
+#define BT_SIZE_F64 8u
+#define BT_SIZE_STRING 0u
+#define BT_SIZE_DOMAIN 0u
 
 enum bt_access {
     BT_ACCESS_RO = 0,
@@ -351,6 +365,7 @@ enum bt_role {
 #define BT_SUB_PROCESS_DATA_COUNT 0u
 #define BT_SUB_STREAM_SEQUENCE 1u
 #define BT_SUB_RPDO_DROPPED 2u
+#define BT_SUB_SERIAL_DROPPED 3u
 #define BT_SUB_DICTIONARY_HASH 0u
 #define BT_SUB_ABORT_CONNECTION_OPTION 0u
 #define BT_SUB_ERROR_CODE 0u
@@ -486,7 +501,8 @@ enum bt_mode_of_operation_display {
 /* Every entry as
  *   X(index, sub, name, TYPE, ACCESS, ROLE, enabled_write, add_node_id, minimum, maximum, initial)
  * with raw values; where the table has no limit, that of the type. A string's or domain's limits are 0.
- * name is a C identifier; TYPE, ACCESS and ROLE go behind BT_TYPE_, BT_ACCESS_ and BT_ROLE_. */
+ * name is a C identifier; TYPE, ACCESS and ROLE go behind BT_TYPE_, BT_ACCESS_ and BT_ROLE_, TYPE also behind
+ * BT_SIZE_. Where a value is kept is not said here. */
 #define BT_ENTRIES(X) \
     X(0x1000u, 0u, device_type, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 131474u) \
     X(0x1001u, 0u, error_register, U8, RO, STATUS, 1, 0, 0u, 255u, 0u) \
@@ -726,10 +742,11 @@ enum bt_mode_of_operation_display {
     X(0x2050u, 0u, link_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 2u) \
     X(0x2050u, 1u, link_state, U8, RO, STATUS, 1, 0, 0u, 255u, 0u) \
     X(0x2050u, 2u, link_losses, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 0u) \
-    X(0x2051u, 0u, process_data_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 2u) \
+    X(0x2051u, 0u, process_data_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 3u) \
     X(0x2051u, 1u, stream_sequence, U32, RO, SIGNAL, 1, 0, 0u, 4294967295u, 0u) \
     X(0x2051u, 2u, rpdo_dropped, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 0u) \
-    X(0x2060u, 0u, dictionary_hash, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 3844447051u) \
+    X(0x2051u, 3u, serial_dropped, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 0u) \
+    X(0x2060u, 0u, dictionary_hash, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 2838042866u) \
     X(0x6007u, 0u, abort_connection_option, I16, RW, PARAMETER, 1, 0, -32768, 32767, 1) \
     X(0x603Fu, 0u, error_code, U16, RO, STATUS, 1, 0, 0u, 65535u, 0u) \
     X(0x6040u, 0u, controlword, U16, RW, STATUS, 1, 0, 0u, 65535u, 0u) \
@@ -750,6 +767,73 @@ enum bt_mode_of_operation_display {
     X(0x6502u, 0u, supported_modes, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 65548u) \
     /* end */
 
-#define BT_ENTRY_COUNT 260u
+#define BT_ENTRY_COUNT 261u
+
+/* What an enumeration may be: X(name, value) for each of its values, in the order of BT_ENTRIES. Any other is
+ * refused. */
+#define BT_VALUES(X) \
+    X(law, 0) \
+    X(law, 1) \
+    X(law, 2) \
+    X(law, 3) \
+    X(law, 4) \
+    X(law, 5) \
+    X(law, 6) \
+    X(delay_compensation, 0) \
+    X(delay_compensation, 1) \
+    X(flux_comparator, 0) \
+    X(flux_comparator, 1) \
+    X(stimulus_control, 0) \
+    X(stimulus_control, 1) \
+    X(stimulus_state, 0) \
+    X(stimulus_state, 1) \
+    X(stimulus_state, 2) \
+    X(stimulus_quantity, 0) \
+    X(stimulus_quantity, 1) \
+    X(stimulus_quantity, 2) \
+    X(stimulus_quantity, 3) \
+    X(stimulus_shape, 0) \
+    X(stimulus_shape, 1) \
+    X(stimulus_shape, 2) \
+    X(stimulus_shape, 3) \
+    X(stimulus_shape, 4) \
+    X(stimulus_shape, 5) \
+    X(stimulus_shape, 6) \
+    X(stimulus_shape, 7) \
+    X(stimulus_frame, 0) \
+    X(stimulus_frame, 1) \
+    X(capture_control, 0) \
+    X(capture_control, 1) \
+    X(capture_state, 0) \
+    X(capture_state, 1) \
+    X(capture_state, 2) \
+    X(capture_state, 3) \
+    X(capture_state, 4) \
+    X(capture_trigger, 0) \
+    X(capture_trigger, 1) \
+    X(capture_trigger, 2) \
+    X(capture_trigger, 3) \
+    X(capture_trigger, 4) \
+    X(capture_trigger, 5) \
+    X(link_state, 0) \
+    X(link_state, 1) \
+    X(link_state, 2) \
+    X(link_state, 3) \
+    X(abort_connection_option, 0) \
+    X(abort_connection_option, 1) \
+    X(abort_connection_option, 2) \
+    X(abort_connection_option, 3) \
+    X(quick_stop_option, 0) \
+    X(quick_stop_option, 2) \
+    X(fault_reaction_option, 0) \
+    X(mode_of_operation, -1) \
+    X(mode_of_operation, 3) \
+    X(mode_of_operation, 4) \
+    X(mode_of_operation_display, -1) \
+    X(mode_of_operation_display, 3) \
+    X(mode_of_operation_display, 4) \
+    /* end */
+
+#define BT_VALUE_COUNT 60u
 
 #endif

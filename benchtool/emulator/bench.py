@@ -1,23 +1,31 @@
-"""The emulated bench: a drive on a virtual CAN bus, a load machine and a torque transducer on its shaft."""
+"""The emulated bench: a drive on any number of wires, a load machine and a torque transducer on its shaft."""
 
 from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
 
+import can
 import numpy as np
 
 from benchtool.block import Block
 from benchtool.clock import VirtualClock
 from benchtool.emulator.core import Core
 from benchtool.emulator.firmware.device import Firmware
-from benchtool.emulator.servers.canopen import CanopenNode
+from benchtool.emulator.servers.canopen import CanopenServer
+from benchtool.emulator.servers.node import DriveNode, OnGone
+from benchtool.emulator.servers.serial import SerialServer
 from benchtool.emulator.truth import InverterTruth, MotorTruth, SensorTruth
 from benchtool.errors import ProfileError
+from benchtool.link.pipe import PipePort, pipe
+from benchtool.link.port import Port
 from benchtool.link.virtual import VirtualTimeBus
 from benchtool.profile import Emulator, Profile
 from benchtool.protocol.dictionary import Dictionary
 from benchtool.protocol.keys import variable_of
+from benchtool.protocol.nmt import NmtState
 from benchtool.protocol.objects import Number, ObjectTable, load_table
 from benchtool.protocol.variable import Value, Variable
 from benchtool.shipped import shipped
@@ -32,14 +40,28 @@ class EmulatedBench:
         profile: with an `[emulator]` section.
         channel: name of the virtual CAN bus; empty for one of its own.
         seed: of the sensors' noise.
-        paced: let virtual time pass no faster than the wall clock.
+        paced: hold virtual time to the wall clock.
+        speed, step_s, catch_up_s: of a paced clock, as `VirtualClock` takes them.
+        wire: `can` for a drive that is on the virtual CAN bus from power-up; `serial` for one without a CAN
+            bus. Other wires are added at will.
 
     Raises:
         ProfileError: the profile describes no emulated bench.
         ValueRefused: it sets a parameter that the drive has not, or to a value that it cannot have.
     """
 
-    def __init__(self, profile: Profile, channel: str = "", *, seed: int = 0, paced: bool = False) -> None:
+    def __init__(
+        self,
+        profile: Profile,
+        channel: str = "",
+        *,
+        seed: int = 0,
+        paced: bool = False,
+        speed: float = 1.0,
+        step_s: float = 0.02,
+        catch_up_s: float = 1.0,
+        wire: Literal["can", "serial"] = "can",
+    ) -> None:
         if profile.emulator is None:
             raise ProfileError(
                 f"profile '{profile.title}' has no [emulator] section, which an emulated bench is made of: "
@@ -50,15 +72,15 @@ class EmulatedBench:
         stored = _stored_parameters(profile, profile.emulator)
         node_id = profile.drive.node_id
         self.channel = channel or f"benchtool-{next(_channels)}"
-        self.clock = VirtualClock(paced=paced)
+        self.clock = VirtualClock(paced=paced, speed=speed, step_s=step_s, catch_up_s=catch_up_s)
         self.load = EmulatedLoad(core)
         self.transducer = EmulatedTransducer(core)
-        # Frames bear the drive's time: the clock stands still while the drive runs up to it.
-        self._bus = VirtualTimeBus(self.channel, clock=self.clock, preserve_timestamps=True)
-        self._node = CanopenNode(
-            self._bus, node_id, lambda emit: Firmware(table, core, node_id, stored, emit)
-        )
-        self.clock.settle_with(self._bus.settle)
+        self._node = DriveNode(node_id, lambda emit: Firmware(table, core, node_id, stored, emit))
+        if wire == "can":
+            # Frames bear the drive's time: the clock stands still while the drive runs up to it.
+            bus = VirtualTimeBus(self.channel, clock=self.clock, preserve_timestamps=True)
+            self.add_can(bus)
+            self.clock.settle_with(bus.settle)
         self.clock.follow(self._node.advance_to)
 
     def host_bus(self) -> VirtualTimeBus:
@@ -67,9 +89,70 @@ class EmulatedBench:
         self.clock.settle_with(bus.settle)
         return bus
 
+    def host_port(self) -> PipePort:
+        """The host's end of a serial line to the drive, in the bench's time; every call makes another."""
+        drive_end, host_end = pipe(self.clock)
+        for end in (drive_end, host_end):
+            self.clock.settle_with(end.settle)
+        self.add_serial(drive_end, buffered=False)
+        return host_end
+
+    def add_can(self, bus: can.BusABC, on_gone: OnGone = lambda _: None) -> None:
+        """Connect the drive to a CAN bus, which is owned from now on.
+
+        `on_gone` is told, in the thread that advances time, why the wire was lost; the drive runs on.
+        """
+        self._node.add(CanopenServer(bus, self._node), on_gone)
+
+    def add_serial(
+        self, port: Port, on_gone: OnGone = lambda _: None, *, buffered: bool = True
+    ) -> SerialServer:
+        """Connect the drive to a serial line, which is owned from now on; `on_gone` as in `add_can`.
+
+        `buffered` is for every port that may block. What such a port does not take in time is lost, telemetry
+        first; the drive never waits.
+        """
+        server = SerialServer(port, self._node, buffered=buffered)
+        self._node.add(server, on_gone)
+        return server
+
+    def warm_up(self) -> None:
+        """Live through the first tick, which may compile for some seconds, before the clock begins to run."""
+        self._node.advance_to(self._node.firmware.period_s)
+
+    @property
+    def enabled(self) -> bool:
+        """Whether the power stage is on."""
+        return self._node.firmware.state.power_stage_on
+
+    def status(self) -> DriveStatus:
+        """The present, from any thread."""
+        with self._node.lock:
+            firmware = self._node.firmware
+            return DriveStatus(
+                drive_s=firmware.now_s,
+                state=firmware.state.value,
+                nmt_state=self._node.nmt_state,
+                omega_m_rad_s=float(firmware.objects["omega_m"]),
+                torque_Nm=float(firmware.objects["torque"]),
+                late_s=self.clock.late_s,
+            )
+
     def close(self) -> None:
         """Power off."""
         self._node.close()
+
+
+@dataclass(frozen=True)
+class DriveStatus:
+    """What an emulated drive is doing, as it knows it; `late_s` is how far it fell behind the wall clock."""
+
+    drive_s: float
+    state: str
+    nmt_state: NmtState
+    omega_m_rad_s: float
+    torque_Nm: float
+    late_s: float
 
 
 class EmulatedLoad:
@@ -118,7 +201,7 @@ def _core(table: ObjectTable, profile: Profile, emulator: Emulator, seed: int) -
 
 def _stored_parameters(profile: Profile, emulator: Emulator) -> dict[str, Number]:
     """Raw values that the drive was commissioned with: the believed motor, the encoder, the parameters."""
-    motor = profile.motor.model_dump(exclude={"I_N_A_rms"})
+    motor = profile.motor.model_dump(exclude={"I_N_A_rms", "slots"})  # for the host alone
     sensors = emulator.sensors.model_dump(include={"encoder_lines", "encoder_offset_rad"})
     rated = {"motor_rated_current_A": profile.motor.I_N_A_rms}
     given: Mapping[str, Value] = {**motor, **sensors, **rated, **profile.drive.parameters}

@@ -13,6 +13,7 @@ from benchtool.emulator.control.protection import Trip
 from benchtool.emulator.kernel import run_ticks
 from benchtool.emulator.memory import COMMAND, CONTROL, LOAD, MEASUREMENT, SHAFT, STIMULUS, new_memory
 from benchtool.emulator.sensors import Noise
+from benchtool.emulator.stream import StreamRecorder
 from benchtool.emulator.transducer import Transducer
 from benchtool.emulator.truth import InverterTruth, MotorTruth, SensorTruth
 from benchtool.protocol.modes import Mode
@@ -38,7 +39,7 @@ class Core:
             not zero, the speed `omega_m_rad_s`.
         stimulus: record of the stimulus that plays, taken over from its table by the firmware.
         shaft: record of the machine's true state: `i_d`, `i_q`, `omega_m`, `theta_e`, `u_dc`.
-        capture, transducer: the recorders.
+        capture, stream, transducer: the recorders.
     """
 
     def __init__(
@@ -64,6 +65,7 @@ class Core:
         self.shaft.u_dc = inverter.u_dc_V
         self.turn_rotor(0.0)
         self.capture = Capture(self.memory)
+        self.stream = StreamRecorder(self.memory)
         self.transducer = Transducer(self.memory, self.control_period_s)
         self._truth = motor.machine(), inverter.power_stage(self.control_period_s), sensors.sensing()
         self._noise = Noise(sensors.current_noise_A_rms, seed)
@@ -92,7 +94,7 @@ class Core:
         return done
 
     def _run(self, kernel: Callable[..., int], ticks: int, noise: NDArray[np.float32]) -> int:
-        capture, transducer = self.capture, self.transducer
+        capture, stream, transducer = self.capture, self.stream, self.transducer
         return kernel(
             ticks,
             self.memory,
@@ -109,6 +111,9 @@ class Core:
             capture.record,
             capture.channels,
             capture.buffer,
+            stream.record,
+            stream.channels,
+            stream.ring,
             transducer.record,
             transducer.torque,
         )

@@ -1,7 +1,7 @@
-"""The kernel: machine, sensors, control, capture and transducer, tick after tick.
+"""The kernel: machine, sensors, control, capture, stream and transducer, tick after tick.
 
 Drive tick n is at n T_s. A tick integrates the machine over one PWM period with the duties that were computed
-a tick before that period began, then samples, controls and captures.
+a tick before that period began, then samples, controls and records.
 """
 
 from __future__ import annotations
@@ -34,6 +34,7 @@ from benchtool.emulator.plant import (
     turning_rate,
 )
 from benchtool.emulator.sensors import Sensing, measure
+from benchtool.emulator.stream import stream_row
 from benchtool.emulator.transducer import sample
 
 # rad of the fastest process in one step: fourth order leaves less than 1e-8 of it
@@ -60,13 +61,16 @@ def run_ticks(
     captures: Any,
     channels: NDArray[np.uint32],
     rows: NDArray[np.uint32],
+    streams: Any,
+    streamed: NDArray[np.uint32],
+    ring: NDArray[np.uint32],
     transducers: Any,
     torque: NDArray[np.float64],
 ) -> int:
     """Run up to `ticks` ticks; fewer, after the tick in which a new trip was raised. Returns how many."""
     drive, command, control = memory[0], commands[0], controls[0]
     measurement, shaft, load = measurements[0], shafts[0], loads[0]
-    capture, transducer, stimulus = captures[0], transducers[0], stimuli[0]
+    capture, stream, transducer, stimulus = captures[0], streams[0], transducers[0], stimuli[0]
     driven = holding(machine, load.held != 0, False)
     at_rest, moving = fastest_rate(driven), turning_rate(driven)
     for done in range(ticks):
@@ -89,6 +93,7 @@ def run_ticks(
         tripped = control_tick(drive, command, control, stimulus, measurement)
         began = stimulus.began != 0
         take(capture, drive, memory_words, memory_floats, channels, rows, tripped, began)
+        stream_row(stream, memory_words, streamed, ring)
         if tripped:
             return done + 1
     return ticks

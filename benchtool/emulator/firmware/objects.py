@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import struct
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -57,6 +57,10 @@ class ObjectStore:
         """Have `effect` called with the raw value after a write of `name`."""
         self._effects[name] = effect
 
+    def is_computed(self, name: str) -> bool:
+        """Whether memory does not hold the value of `name`."""
+        return name in self._computed
+
     def __getitem__(self, name: str) -> Number:
         """Raw number of `name` as memory holds it."""
         value: Number = self._memory[name][0].item()
@@ -107,6 +111,21 @@ class ObjectStore:
         self[entry.name] = raw
         if entry.name in self._effects:
             self._effects[entry.name](raw)
+
+    def write_all(self, values: Sequence[tuple[Entry, bytes]]) -> None:
+        """Write several entries, or none of them.
+
+        Raises:
+            Refused: one of them was; those before it have their old values again.
+        """
+        before = [self.read(entry.index, entry.sub) for entry, _ in values]
+        for number, (entry, data) in enumerate(values):
+            try:
+                self.write(entry.index, entry.sub, data)
+            except Refused:
+                for (taken, _), old in zip(values[:number], before, strict=False):
+                    self.write(taken.index, taken.sub, old)
+                raise
 
     def _entry(self, index: int, sub: int) -> Entry:
         if (entry := self.table.by_key.get((index, sub))) is not None:

@@ -1,20 +1,18 @@
-"""The emulated drive as a CANopen node (CiA 301): NMT, heartbeat, EMCY, SDO and PDO over a python-can bus."""
+"""The emulated drive on a CAN bus (CiA 301): NMT, heartbeat, EMCY, SDO and PDO over python-can."""
 
 from __future__ import annotations
 
-import threading
-from collections.abc import Callable
+from contextlib import suppress
 
 import can
 from canopen import SdoAbortedError
 
-from benchtool.emulator.firmware.device import Firmware
 from benchtool.emulator.firmware.objects import Refused
 from benchtool.emulator.sdo_server import SdoServer
-from benchtool.emulator.servers.pdo import ProcessData
-from benchtool.errors import LinkClosed
+from benchtool.emulator.servers.node import NEVER, DriveNode
+from benchtool.emulator.servers.receiver import Receiver
 from benchtool.protocol.emcy import Emergency
-from benchtool.protocol.nmt import NmtCommand, NmtState
+from benchtool.protocol.nmt import NmtState
 
 _NMT = 0x000
 _EMCY = 0x080
@@ -22,142 +20,111 @@ _SDO_RESPONSE = 0x580
 _SDO_REQUEST = 0x600
 _HEARTBEAT = 0x700
 _POLL_S = 0.2
+_ERRORS_IN_A_ROW = 10
+_ERROR_PAUSE_S = 0.02
 
 
-class CanopenNode:
-    """One drive on one bus: a receive thread for frames, `advance_to` for time.
+class CanopenServer:
+    """A drive's end of one bus.
+
+    What an adapter cannot send is lost, as on a bus without a listener; an adapter whose reception fails ten
+    times in a row is gone.
 
     Args:
         bus: open bus, owned from now on.
-        node_id: 1 to 127.
-        firmware: makes the firmware, given where its emergencies go.
+        node: the drive.
     """
 
-    def __init__(
-        self, bus: can.BusABC, node_id: int, firmware: Callable[[Callable[[Emergency], None]], Firmware]
-    ) -> None:
-        self.node_id = node_id
+    def __init__(self, bus: can.BusABC, node: DriveNode) -> None:
+        self.receiver = Receiver("emulated-drive", self._receive, self._close)
         self._bus = bus
-        self._lock = threading.Lock()
-        self._stopping = threading.Event()
-        self._failure: BaseException | None = None
-        self._nmt_state = NmtState.BOOT_UP
-        self.firmware = firmware(self._send_emergency)
-        self._sdo = SdoServer(self._read, self._write, lambda data: self._send(_SDO_RESPONSE + node_id, data))
-        self._pdos = ProcessData(
-            self.firmware.objects, node_id, self.firmware.period_s, self._send, self.firmware.feed_link
+        self._node = node
+        self._errors = 0
+        self._sdo = SdoServer(
+            self._read, self._write, lambda data: self._send(_SDO_RESPONSE + node.node_id, data)
         )
-        self._boot()
-        self._thread = threading.Thread(target=self._receive, name="emulated-drive", daemon=True)
-        self._thread.start()
 
-    def advance_to(self, now_s: float) -> None:
-        """Run the drive up to `now_s` of the clock it follows, sending heartbeat and PDOs on the way.
+    def boot(self) -> None:
+        """See `Server.boot`."""
+        self.heartbeat(NmtState.BOOT_UP)
 
-        Raises:
-            LinkClosed: the receive thread has failed.
-        """
-        self._raise_failure()
-        with self._lock:
-            end = int(now_s / self.firmware.period_s + 1e-6)
-            while (tick := int(self.firmware.objects["tick"])) < end:
-                every = self._heartbeat_ticks()
-                beat = (tick // every + 1) * every if every else end
-                operational = self._nmt_state is NmtState.OPERATIONAL
-                stop = min(end, beat, self._pdos.next_tick(tick) if operational else end)
-                self.firmware.advance_to(stop)
-                if operational:
-                    self._pdos.transmit(stop)
-                if every and beat == stop:
-                    self._send(_HEARTBEAT + self.node_id, bytes([self._nmt_state]))
+    def confirm(self, state: NmtState) -> None:
+        """See `Server.confirm`; on CAN it has time until the next heartbeat."""
 
-    def close(self) -> None:
-        """Power off: the thread ends, the bus is closed.
+    def heartbeat(self, state: NmtState) -> None:
+        """See `Server.heartbeat`."""
+        self._send(_HEARTBEAT + self._node.node_id, bytes([state]))
 
-        Raises:
-            LinkClosed: the receive thread had failed.
-        """
-        self._stopping.set()
-        self._thread.join()
-        self._bus.shutdown()
-        self._raise_failure()
+    def emergency(self, emergency: Emergency) -> None:
+        """See `Server.emergency`."""
+        self._send(_EMCY + self._node.node_id, emergency.encode())
 
-    # ---- frames in ---------------------------------------------------------------------------------------
+    def process_data(self, can_id: int, data: bytes) -> None:
+        """See `Server.process_data`."""
+        self._send(can_id, data)
+
+    def next_tick(self, tick: int) -> int:
+        """See `Server.next_tick`."""
+        return NEVER
+
+    def transmit(self, tick: int) -> None:
+        """See `Server.transmit`."""
+
+    def release(self) -> None:
+        """See `Server.release`."""
+
+    # ---- receive thread ------------------------------------------------------------------------------------
 
     def _receive(self) -> None:
         try:
-            while not self._stopping.is_set():
-                frame = self._bus.recv(_POLL_S)
-                if frame is not None and _is_data(frame):
-                    with self._lock:
-                        self._handle(frame.arbitration_id, bytes(frame.data))
-        except BaseException as failure:  # noqa: BLE001 # re-raised at the caller of advance_to and close
-            self._failure = failure
+            frame = self._bus.recv(_POLL_S)
+        except Exception as error:  # drivers raise anything at a line that is disturbed
+            self._errors += 1
+            if self._errors == _ERRORS_IN_A_ROW:
+                raise OSError(f"the adapter stopped working: {error}") from error
+            self.receiver.pause(_ERROR_PAUSE_S)
+            return
+        self._errors = 0
+        if frame is not None and _is_data(frame):
+            with self._node.lock:
+                self._handle(frame.arbitration_id, bytes(frame.data))
+
+    def _close(self) -> None:
+        with suppress(can.CanError, OSError):
+            self._bus.shutdown()
 
     def _handle(self, can_id: int, data: bytes) -> None:
-        host = self.firmware.supervision.host_node_id
+        node = self._node
         if can_id == _NMT:
-            self._command(data)
-        elif can_id == _SDO_REQUEST + self.node_id and self._nmt_state is not NmtState.STOPPED:
-            self._sdo.on_request(data)
-        elif host and can_id == _HEARTBEAT + host and len(data) == 1:
-            self.firmware.feed_link()
-        elif self._nmt_state is NmtState.OPERATIONAL:
-            self._pdos.receive(can_id, data)
-
-    def _command(self, data: bytes) -> None:
-        if len(data) != 2 or data[1] not in (0, self.node_id) or data[0] not in set(NmtCommand):
-            return
-        match NmtCommand(data[0]):
-            case NmtCommand.START:
-                self._nmt_state = NmtState.OPERATIONAL
-            case NmtCommand.STOP:
-                self._nmt_state = NmtState.STOPPED
-                self.firmware.stop()
-            case NmtCommand.ENTER_PRE_OPERATIONAL:
-                self._nmt_state = NmtState.PRE_OPERATIONAL
-            case NmtCommand.RESET_NODE:
-                self.firmware.reset()
-                self._boot()
-            case NmtCommand.RESET_COMMUNICATION:
-                self._boot()
+            if len(data) == 2 and data[1] in (0, node.node_id):
+                node.command(data[0])
+        elif can_id == _SDO_REQUEST + node.node_id:
+            if node.nmt_state is not NmtState.STOPPED:
+                self._sdo.on_request(data)
+        elif _HEARTBEAT < can_id < _HEARTBEAT + 0x80:
+            if len(data) == 1:
+                node.take_heartbeat(can_id - _HEARTBEAT)
+        else:
+            node.take_process_data(can_id, data)
 
     def _read(self, index: int, sub: int) -> bytes:
         try:
-            return self.firmware.objects.read(index, sub)
+            return self._node.firmware.objects.read(index, sub)
         except Refused as refused:
             raise SdoAbortedError(refused.code) from None
 
     def _write(self, index: int, sub: int, data: bytes) -> None:
         try:
-            self.firmware.objects.write(index, sub, data)
+            self._node.firmware.objects.write(index, sub, data)
         except Refused as refused:
             raise SdoAbortedError(refused.code) from None
 
-    # ---- frames out --------------------------------------------------------------------------------------
-
-    def _boot(self) -> None:
-        self._pdos.reset()
-        self._send(_HEARTBEAT + self.node_id, bytes([NmtState.BOOT_UP]))
-        self._nmt_state = NmtState.PRE_OPERATIONAL
-
-    def _heartbeat_ticks(self) -> int:
-        return round(float(self.firmware.objects["producer_heartbeat"]) * 1e-3 / self.firmware.period_s)
-
-    def _send_emergency(self, emergency: Emergency) -> None:
-        if self._nmt_state is not NmtState.STOPPED:
-            self._send(_EMCY + self.node_id, emergency.encode())
-
     def _send(self, can_id: int, data: bytes) -> None:
-        self._bus.send(
-            can.Message(timestamp=self.firmware.now_s, arbitration_id=can_id, data=data, is_extended_id=False)
+        frame = can.Message(
+            timestamp=self._node.firmware.now_s, arbitration_id=can_id, data=data, is_extended_id=False
         )
-
-    def _raise_failure(self) -> None:
-        if self._failure is not None:
-            raise LinkClosed(
-                f"the emulated drive stopped receiving: {self._failure!r}; this is a defect of benchtool"
-            ) from self._failure
+        with suppress(can.CanError, OSError):
+            self._bus.send(frame)
 
 
 def _is_data(frame: can.Message) -> bool:

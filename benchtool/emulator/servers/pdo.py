@@ -87,17 +87,15 @@ class ProcessData:
         self._feed_link()
 
     def _take(self, pdo: _Active, data: bytes) -> bool:
-        before = [self._objects.read(entry.index, entry.sub) for entry in pdo.entries]
-        start = 0
-        for number, entry in enumerate(pdo.entries):
+        values, start = [], 0
+        for entry in pdo.entries:
             end = start + entry.type.bits // 8
-            try:
-                self._objects.write(entry.index, entry.sub, data[start:end])
-            except Refused:
-                for taken, value in zip(pdo.entries[:number], before, strict=False):
-                    self._objects.write(taken.index, taken.sub, value)
-                return False
+            values.append((entry, data[start:end]))
             start = end
+        try:
+            self._objects.write_all(values)
+        except Refused:
+            return False
         return True
 
     # ---- the objects -------------------------------------------------------------------------------------

@@ -9,15 +9,14 @@ import termios
 import threading
 import tty
 
+from benchtool.emulator.servers.client import HungUp
 from benchtool.link.port import READ_S
+
+__all__ = ["HungUp", "PtyPort"]
 
 _MOST = 1 << 16
 _NO_CLIENT_S = 0.01  # nothing tells that a client opens the other end
 _WRITE_POLL_ms = 50
-
-
-class HungUp(ConnectionError):
-    """The client has closed its end. Another may come: the port can be read on."""
 
 
 class PtyPort:

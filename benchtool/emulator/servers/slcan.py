@@ -8,7 +8,7 @@ from collections import deque
 import can
 
 from benchtool.emulator.servers.acceptance import ACCEPT_ALL, accepts
-from benchtool.emulator.servers.pty import HungUp
+from benchtool.emulator.servers.client import HungUp, Traffic
 from benchtool.link.port import Port
 from benchtool.protocol.slcan import (
     BITRATES_BIT_S,
@@ -67,6 +67,8 @@ class SlcanAdapter(can.BusABC):
         name: str = "slcan adapter",
     ) -> None:
         self.channel_info = name
+        self.received = 0  # frames of the host
+        self.sent = 0  # frames of the drive that the host fetched or will fetch
         self.dropped = 0  # frames of the drive that the host did not fetch
         self.malformed: dict[Cause, int] = {}
         self._port = port
@@ -99,6 +101,11 @@ class SlcanAdapter(can.BusABC):
         """In bit/s; None if it was not set, or by registers."""
         return self._bitrate
 
+    @property
+    def traffic(self) -> Traffic:
+        """Frames to and from the host."""
+        return Traffic(self.received, self.sent, self.dropped + sum(self.malformed.values()))
+
     def send(self, msg: can.Message, timeout: float | None = None) -> None:
         """Give the host a frame; while the channel is closed it goes nowhere, as on a bus nobody listens to.
 
@@ -121,6 +128,7 @@ class SlcanAdapter(can.BusABC):
                 self.dropped += 1
                 self._flags |= _RECEIVE_FIFO_FULL | _DATA_OVERRUN
                 return
+            self.sent += 1
             self._outgoing.append(line)
             self._changed.notify()
 
@@ -174,6 +182,7 @@ class SlcanAdapter(can.BusABC):
     def _transmit(self, frame: SlcanFrame) -> bytes:
         if not self._is_open or self._listen_only:
             return REFUSED
+        self.received += 1
         self._received.append(
             can.Message(
                 arbitration_id=frame.can_id,

@@ -1,0 +1,57 @@
+"""The receive thread of a server: what ends it is kept for whoever asks."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+
+
+class Receiver:
+    """Calls `receive` again and again until it is stopped, or until `receive` raises.
+
+    Args:
+        name: of the thread.
+        receive: waits for what comes, a fraction of a second at most, and handles it.
+        at_end: gives the wire back, in whichever way the thread ends.
+
+    Attributes:
+        gone: the OSError by which the wire told that it is gone.
+        failure: any other exception: a defect.
+    """
+
+    def __init__(self, name: str, receive: Callable[[], None], at_end: Callable[[], None]) -> None:
+        self.gone: OSError | None = None
+        self.failure: BaseException | None = None
+        self._receive = receive
+        self._at_end = at_end
+        self._stopping = threading.Event()
+        self._thread = threading.Thread(target=self._run, name=name, daemon=True)
+
+    def start(self) -> None:
+        self._thread.start()
+
+    def stop(self) -> None:
+        """End the thread and wait for it; a second call does nothing."""
+        self._stopping.set()
+        self._thread.join()
+
+    def lose(self, reason: OSError) -> None:
+        """The wire was found to be gone by someone else, who wrote to it."""
+        if not self._stopping.is_set():
+            self.gone = self.gone or reason
+        self._stopping.set()
+
+    def pause(self, duration_s: float) -> None:
+        """Let the wire recover, or return at once when the thread is to end."""
+        self._stopping.wait(duration_s)
+
+    def _run(self) -> None:
+        try:
+            while not self._stopping.is_set():
+                self._receive()
+        except OSError as reason:
+            self.lose(reason)
+        except BaseException as failure:  # noqa: BLE001 # raised again by the node
+            self.failure = failure
+        finally:
+            self._at_end()
