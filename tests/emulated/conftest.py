@@ -38,6 +38,9 @@ class Wire:
 
 Opener = Callable[..., Wire]
 
+over_both_wires = pytest.mark.parametrize("link_options", ["", "&wire=serial"], ids=["can", "serial"])
+"""For a test of what a host does to a drive, whatever carries it; the observer's bus is there in any case."""
+
 
 @pytest.fixture
 def open_wire() -> Iterator[Opener]:
@@ -54,6 +57,12 @@ def open_wire() -> Iterator[Opener]:
 
 
 @pytest.fixture
-def wire(open_wire: Opener) -> Wire:
+def link_options() -> str:
+    """Options of the host's link, for tests that are not of both wires."""
+    return ""
+
+
+@pytest.fixture
+def wire(open_wire: Opener, link_options: str) -> Wire:
     """One session with the paper's machine."""
-    return open_wire()
+    return open_wire(options=link_options)

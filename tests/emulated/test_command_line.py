@@ -77,6 +77,7 @@ def test_the_demo(invoke: Invoke) -> None:
         "waveforms.png",
         "current_spectrum.png",
         "flux_trajectory.png",
+        "switching_states.png",
     }
 
     again = invoke("analyze", str(bundle), "--json")

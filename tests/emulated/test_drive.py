@@ -10,11 +10,12 @@ from benchtool.drive.parameters import snapshot, temporary
 from benchtool.errors import CaptureError, DriveFault, SdoAbort, ValueRefused, WriteNotVerified
 from benchtool.protocol.abort import Abort
 
-from .conftest import Opener, Wire
+from .conftest import Opener, Wire, over_both_wires
 
 NODE = 1
 
 
+@over_both_wires
 def test_values_are_in_si_and_enumerations_are_names(wire: Wire) -> None:
     drive = wire.session.drive
     assert drive.read("psi_r") == 0.1685
@@ -32,12 +33,14 @@ def test_a_value_outside_its_limits_is_never_sent(wire: Wire) -> None:
     assert [frame for frame in wire.frames() if frame[0] == 0x600 + NODE] == []
 
 
+@over_both_wires
 def test_what_the_drive_refuses_is_named(wire: Wire) -> None:
     with pytest.raises(SdoAbort, match=r"writing 0 to 'statusword'.*0x06010002") as refused:
         wire.session.drive.write("statusword", 0)
     assert refused.value.code == Abort.READ_ONLY
 
 
+@over_both_wires
 def test_a_write_that_does_not_hold_is_noticed(wire: Wire, monkeypatch: pytest.MonkeyPatch) -> None:
     drive = wire.session.drive
     download = drive.link.download
@@ -68,6 +71,7 @@ def test_one_wrong_key_and_nothing_is_written(wire: Wire) -> None:
     assert snapshot(drive) == before
 
 
+@over_both_wires
 def test_parameters_survive_a_reset_when_stored_and_only_then(wire: Wire) -> None:
     drive = wire.session.drive
     drive.write("R_s", 0.5)
@@ -91,6 +95,7 @@ def test_setpoints_of_cia_402_and_of_si_are_the_same_variables(wire: Wire) -> No
     assert drive.number("omega_m_command") == 12.5
 
 
+@over_both_wires
 def test_a_capture_with_pretrigger_shows_the_setpoint_step(wire: Wire) -> None:
     drive = wire.session.drive
     drive.connect()
@@ -131,6 +136,7 @@ def test_captures_that_the_drive_refuses(wire: Wire, request_: CaptureRequest, c
     assert refused.value.code == code
 
 
+@over_both_wires
 def test_a_capture_that_is_reset_half_way_is_an_error(wire: Wire) -> None:
     drive = wire.session.drive
     capture = Capture(drive, CaptureRequest(("i_a",), rows=1000))
@@ -149,6 +155,7 @@ def test_a_trigger_that_never_comes_is_an_error(wire: Wire) -> None:
         capture.wait()
 
 
+@over_both_wires
 def test_a_fault_during_a_capture_is_a_fault_and_the_rows_are_there(wire: Wire) -> None:
     drive = wire.session.drive
     drive.connect()

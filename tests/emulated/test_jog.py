@@ -14,7 +14,7 @@ from benchtool.errors import DriveFault, ValueRefused
 from benchtool.experiment.jog import jog
 from benchtool.protocol.cia402 import State
 
-from .conftest import Wire
+from .conftest import Wire, over_both_wires
 
 NODE = 1
 RPDO = 0x200 + NODE
@@ -40,6 +40,7 @@ def test_a_speed_is_held_by_setpoint_frames(wire: Wire) -> None:
     assert int(session.drive.number("0x1400:1")) >> 31, "the frame is out of use again"
 
 
+@over_both_wires
 def test_setpoints_are_a_function_of_time(wire: Wire) -> None:
     session = wire.session
     session.drive.connect()
@@ -64,6 +65,7 @@ def test_beyond_the_rating_nothing_is_sent(wire: Wire) -> None:
     assert [can_id for can_id, _ in wire.frames() if can_id in (RPDO, SDO_REQUEST)] == []
 
 
+@over_both_wires
 @pytest.mark.parametrize("error", [KeyboardInterrupt, RuntimeError])
 def test_an_interruption_leaves_the_drive_disabled(wire: Wire, error: type[BaseException]) -> None:
     session = wire.session
@@ -97,6 +99,7 @@ def test_a_setpoint_that_grows_beyond_the_rating_ends_it_unsent(wire: Wire) -> N
     assert session.drive.state() is State.SWITCH_ON_DISABLED
 
 
+@over_both_wires
 def test_a_fault_ends_it(wire: Wire) -> None:
     session = wire.session
     session.drive.connect()

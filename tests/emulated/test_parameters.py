@@ -14,7 +14,7 @@ from benchtool.protocol.abort import Abort
 from benchtool.protocol.nmt import NmtCommand
 from benchtool.protocol.variable import Value
 
-from .conftest import Wire
+from .conftest import Wire, over_both_wires
 
 NODE = 1
 Sabotage = Callable[[RemoteDrive], None]
@@ -76,6 +76,7 @@ def test_one_wrong_value_and_nothing_is_sent(wire: Wire, values: dict[str, Value
     assert _downloads(wire) == []
 
 
+@over_both_wires
 def test_what_needs_the_power_stage_off_is_refused_before_anything_is_sent(wire: Wire) -> None:
     drive = wire.session.drive
     drive.connect()
@@ -148,6 +149,7 @@ def test_a_write_that_did_not_hold_restores(wire: Wire, monkeypatch: pytest.Monk
     assert snapshot(drive) == before
 
 
+@over_both_wires
 def test_a_link_that_died_is_not_asked_once_for_every_value(
     wire: Wire, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -172,6 +174,7 @@ def test_a_link_that_died_is_not_asked_once_for_every_value(
 # ---- storing and defaults ----------------------------------------------------------------------------
 
 
+@over_both_wires
 def test_what_is_stored_survives_a_reset_and_nothing_else_does(wire: Wire) -> None:
     drive = wire.session.drive
     write_all(drive, {"R_s": 0.5})
@@ -181,6 +184,7 @@ def test_what_is_stored_survives_a_reset_and_nothing_else_does(wire: Wire) -> No
     assert (drive.read("R_s"), drive.read("u_s")) == (0.5, 81.65)
 
 
+@over_both_wires
 def test_defaults_come_into_force_with_the_reset_and_stay(wire: Wire) -> None:
     drive = wire.session.drive
     write_all(drive, {"R_s": 0.5})

@@ -18,7 +18,7 @@ from benchtool.experiment.runner import RunInfo, run_plan
 from benchtool.protocol.cia402 import State
 from benchtool.recording import Bundle
 
-from .conftest import Wire
+from .conftest import Wire, over_both_wires
 
 INFO = RunInfo("2020-01-01T00:00:00+00:00", 0, ("run",))
 CHANNELS = ("i_a", "i_b", "i_c", "torque", "torque_reference", "psi_s", "theta_m", "switching_count")
@@ -80,6 +80,7 @@ def test_a_plan_without_a_sweep_is_one_case_called_after_its_law() -> None:
     assert [case.name for case in cases(_plan(case="warm", repetitions=2))] == ["warm.1", "warm.2"]
 
 
+@over_both_wires
 def test_a_sweep_leaves_a_bundle_for_every_case_and_the_drive_as_it_was(wire: Wire, tmp_path: Path) -> None:
     before = wire.session.drive.read("u_s")
     names = ["u_s_V=60.1", "u_s_V=60.2", "u_s_V=81.65.1", "u_s_V=81.65.2"]

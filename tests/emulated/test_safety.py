@@ -9,7 +9,7 @@ from benchtool.errors import DriveFault, SdoAbort, StateError
 from benchtool.protocol.abort import Abort
 from benchtool.protocol.cia402 import State
 
-from .conftest import Wire
+from .conftest import Wire, over_both_wires
 
 NODE = 1
 
@@ -36,6 +36,7 @@ def _run_up(wire: Wire) -> None:
     assert drive.number("omega_m") == pytest.approx(15.71, abs=0.5)
 
 
+@over_both_wires
 def test_leaving_the_block_disables(wire: Wire) -> None:
     drive = wire.session.drive
     with drive:
@@ -43,6 +44,7 @@ def test_leaving_the_block_disables(wire: Wire) -> None:
     assert not _is_enabled(wire)
 
 
+@over_both_wires
 @pytest.mark.parametrize("how", ["disable", "nmt stop", "silence", "fault"])
 def test_disabled_means_that_no_switch_moves_and_no_current_flows(wire: Wire, how: str) -> None:
     drive = wire.session.drive
@@ -69,6 +71,7 @@ def test_disabled_means_that_no_switch_moves_and_no_current_flows(wire: Wire, ho
     assert drive.number("torque") == pytest.approx(0.0, abs=0.05)
 
 
+@over_both_wires
 @pytest.mark.parametrize("error", [RuntimeError, KeyboardInterrupt, SystemExit, GeneratorExit])
 def test_any_exception_disables_and_passes_through(wire: Wire, error: type[BaseException]) -> None:
     drive = wire.session.drive
@@ -78,6 +81,7 @@ def test_any_exception_disables_and_passes_through(wire: Wire, error: type[BaseE
     assert not _is_enabled(wire)
 
 
+@over_both_wires
 def test_setpoints_do_not_outlive_the_power_stage(wire: Wire) -> None:
     _run_up(wire)
     drive = wire.session.drive
@@ -88,6 +92,7 @@ def test_setpoints_do_not_outlive_the_power_stage(wire: Wire) -> None:
     assert drive.number("omega_m_command") == 0.0
 
 
+@over_both_wires
 @pytest.mark.parametrize(
     ("action", "state"),
     [
@@ -110,6 +115,7 @@ def test_a_host_that_falls_silent_is_noticed(wire: Wire, action: str, state: Sta
     assert drive.number("link_losses") == 1
 
 
+@over_both_wires
 def test_a_lost_link_is_latched_until_a_fault_reset(wire: Wire) -> None:
     drive = wire.session.drive
     drive.write("abort_connection_option", "disable_voltage")
@@ -125,6 +131,7 @@ def test_a_lost_link_is_latched_until_a_fault_reset(wire: Wire) -> None:
     drive.enable(Mode.VELOCITY)
 
 
+@over_both_wires
 def test_an_unsupervised_start_is_refused_once_supervision_is_asked_for(wire: Wire) -> None:
     drive = wire.session.drive
     drive.write("host_heartbeat", 127 << 16 | 500)
@@ -133,6 +140,7 @@ def test_an_unsupervised_start_is_refused_once_supervision_is_asked_for(wire: Wi
     assert refused.value.code == Abort.DEVICE_STATE
 
 
+@over_both_wires
 def test_nmt_stop_switches_the_power_stage_off(wire: Wire) -> None:
     _run_up(wire)
     wire.send(0x000, 0x02, NODE)
@@ -140,6 +148,7 @@ def test_nmt_stop_switches_the_power_stage_off(wire: Wire) -> None:
     assert not _is_enabled(wire)
 
 
+@over_both_wires
 def test_quick_stop_brakes_to_standstill(wire: Wire) -> None:
     _run_up(wire)
     wire.send(0x600 + NODE, 0x2B, 0x40, 0x60, 0x00, 0x02, 0x00, 0, 0)
@@ -149,6 +158,7 @@ def test_quick_stop_brakes_to_standstill(wire: Wire) -> None:
     assert abs(wire.session.drive.number("omega_m")) < 2.0
 
 
+@over_both_wires
 def test_overcurrent_trips_and_is_reported_once(wire: Wire) -> None:
     drive = wire.session.drive
     drive.write("i_trip", 1.0)

@@ -16,7 +16,7 @@ from benchtool.protocol.abort import Abort
 from benchtool.protocol.cia402 import State
 from benchtool.protocol.variable import Value
 
-from .conftest import Opener, Wire
+from .conftest import Opener, Wire, over_both_wires
 
 NODE = 1
 SDO_REQUEST = 0x600 + NODE
@@ -50,6 +50,7 @@ def _start(drive: RemoteDrive, **table: Value) -> None:
 # ---- what is played ------------------------------------------------------------------------------------
 
 
+@over_both_wires
 def test_a_torque_step_stands_in_the_reference_from_the_trigger_row_on(wire: Wire) -> None:
     drive = _drive(wire)
     request = CaptureRequest(("tick", "stimulus", "torque_reference"), rows=300, pretrigger_rows=40)
@@ -316,6 +317,7 @@ def test_it_does_not_outlive_the_power_stage_not_even_within_a_tick(wire: Wire) 
     assert _reference(wire) == 0.0
 
 
+@over_both_wires
 @pytest.mark.parametrize("action", ["fault", "disable_voltage", "quick_stop"])
 def test_a_lost_link_stops_it(wire: Wire, action: str) -> None:
     drive = wire.session.drive

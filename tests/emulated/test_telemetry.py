@@ -21,7 +21,7 @@ from benchtool.protocol.cia402 import State
 from benchtool.recording import Bundle, BundleWriter, Manifest
 from benchtool.telemetry import Sink, TelemetryStream, certify_recording, record_stream
 
-from .conftest import Opener, Wire
+from .conftest import Opener, Wire, over_both_wires
 from .test_runs import INFO, Watcher, _plan
 
 NODE = 1
@@ -74,6 +74,7 @@ def power_off(bench: EmulatedBench) -> None:
     bench._node.close()
 
 
+@over_both_wires
 def test_values_and_ticks_are_those_of_a_capture_at_the_control_rate(wire: Wire) -> None:
     from benchtool.drive import Capture, CaptureRequest
 
@@ -96,6 +97,7 @@ def test_values_and_ticks_are_those_of_a_capture_at_the_control_rate(wire: Wire)
     assert np.diff(kept.ticks).tolist() == [50] * (len(kept.ticks) - 1)
 
 
+@over_both_wires
 def test_the_report_of_a_whole_stream(wire: Wire) -> None:
     drive = wire.session.drive
     kept = Kept()
@@ -159,6 +161,7 @@ def test_a_loss_at_the_end_is_known_from_the_drives_count(
 # ---- what goes wrong ---------------------------------------------------------------------------------------
 
 
+@over_both_wires
 def test_a_recorder_that_fails_ends_the_run_with_the_drive_disabled(wire: Wire) -> None:
     def full(block: Block) -> None:
         raise RecordingError("cannot write: no space left")
@@ -222,6 +225,7 @@ def test_a_drive_that_loses_power_is_named(benches: list[EmulatedBench], open_wi
     assert len(kept.data) == 30
 
 
+@over_both_wires
 @pytest.mark.parametrize(
     ("command", "state"), [(0x81, "pre-operational"), (0x80, "pre-operational"), (0x02, "stopped")]
 )
@@ -239,6 +243,7 @@ def test_a_drive_that_another_master_takes_out_of_operational_is_named(
         drive.wait(5.0)
 
 
+@over_both_wires
 def test_channels_that_cannot_be_leave_the_drive_as_it_was(wire: Wire) -> None:
     with (
         pytest.raises(ValueRefused, match="did you mean"),

@@ -21,8 +21,36 @@ def test_can_with_a_channel_that_has_colons() -> None:
 
 
 @pytest.mark.parametrize(
+    ("url", "port", "baudrate", "node"),
+    [
+        ("serial:/dev/ttyUSB0", "/dev/ttyUSB0", 921_600, 1),
+        ("serial:COM3?baudrate=115200", "COM3", 115_200, 1),
+        ("serial:socket://127.0.0.1:5005?node=7", "socket://127.0.0.1:5005", 921_600, 7),
+        ("serial:rfc2217://host:1?ign_set_control?node=2", "rfc2217://host:1?ign_set_control", 921_600, 2),
+    ],
+)
+def test_serial_with_a_port_that_has_colons_and_slashes(
+    url: str, port: str, baudrate: int, node: int
+) -> None:
+    address = Address.parse(url)
+    assert (address.kind, address.wire, address.channel) == ("serial", "serial", port)
+    assert (address.baudrate, address.node_id(1)) == (baudrate, node)
+
+
+def test_the_emulated_drive_has_two_wires() -> None:
+    assert Address.parse("emulated").wire == "can"
+    assert Address.parse("emulated?wire=serial").wire == "serial"
+    assert Address.parse("can:slcan:/dev/ttyACM0").wire == "can"
+
+
+@pytest.mark.parametrize(
     ("url", "complaint"),
     [
+        ("serial", "is not known: use"),
+        ("serial:", "is not known: use"),
+        ("serial:/dev/ttyUSB0?baud=9600", "unknown option 'baud', known are baudrate, node"),
+        ("serial:/dev/ttyUSB0?baudrate=fast", "option 'baudrate' is 'fast', a whole number is expected"),
+        ("emulated?wire=usb", "wire 'usb' is not known, known are can, serial"),
         ("can:slcan", "link 'can:slcan' is not known"),
         ("ethernet:foo:bar", "is not known: use"),
         ("", "is not known"),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import pytest
 
 from benchtool.clock import RealClock, VirtualClock
@@ -80,3 +82,66 @@ def test_a_real_timer_hands_its_failure_to_whoever_cancels_it() -> None:
     timer = RealClock().call_every(3600.0, fail)
     with pytest.raises(RuntimeError, match="adapter gone"):
         timer.cancel()
+
+
+class Wall:
+    """A wall clock in a test's hand."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.now_s = 100.0
+        self.slept: list[float] = []
+        monkeypatch.setattr("benchtool.clock.time.monotonic", lambda: self.now_s)
+        monkeypatch.setattr("benchtool.clock.time.sleep", self._sleep)
+
+    def _sleep(self, duration_s: float) -> None:
+        self.slept.append(duration_s)
+        self.now_s += duration_s
+
+
+@pytest.mark.parametrize(("speed", "step_s"), [(1.0, 0.02), (2.0, 0.001), (0.5, 0.3)])
+def test_a_paced_clock_keeps_step_with_the_wall(
+    monkeypatch: pytest.MonkeyPatch, speed: float, step_s: float
+) -> None:
+    wall = Wall(monkeypatch)
+    clock = VirtualClock(paced=True, speed=speed, step_s=step_s)
+    moments: list[tuple[float, float]] = []
+    clock.follow(lambda now_s: moments.append((now_s, wall.now_s)))
+    for _ in range(4):
+        clock.wait(0.15)
+    assert all(virtual_s == pytest.approx(speed * (wall_s - 100.0)) for virtual_s, wall_s in moments)
+    steps = [after[0] - before[0] for before, after in itertools.pairwise(moments)]
+    assert max(steps) <= step_s + 1e-9
+    assert clock.late_s == 0.0
+
+
+def test_a_short_delay_is_caught_up_and_a_long_one_given_up_and_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    wall = Wall(monkeypatch)
+    clock = VirtualClock(paced=True, step_s=0.1)
+    clock.wait(1.0)
+    wall.now_s += 0.95
+    clock.wait(1.0)
+    assert wall.now_s == pytest.approx(102.0)
+    assert clock.late_s == 0.0
+    wall.now_s += 5.0
+    clock.wait(1.0)
+    assert clock.late_s == pytest.approx(4.9)
+    assert wall.now_s == pytest.approx(107.9), "a step was due at once, the others at their pace"
+
+
+def test_a_drive_that_is_too_slow_for_the_pace_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    wall = Wall(monkeypatch)
+    clock = VirtualClock(paced=True, speed=10.0, step_s=0.1)
+
+    def slow(_: float) -> None:
+        wall.now_s += 0.02  # for 0.01 s of its due
+
+    clock.follow(slow)
+    clock.wait(100.0)
+    assert clock.late_s == pytest.approx(10.0, abs=1.1)
+    assert sum(wall.slept) < 0.02
+
+
+@pytest.mark.parametrize("arguments", [{"speed": 0.0}, {"speed": -1.0}, {"step_s": 0.0}])
+def test_a_pace_is_positive(arguments: dict[str, float]) -> None:
+    with pytest.raises(ValueError, match="must be positive"):
+        VirtualClock(paced=True, **arguments)

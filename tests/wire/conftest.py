@@ -8,9 +8,12 @@ from collections.abc import Iterator
 import pytest
 
 from benchtool.clock import RealClock
+from benchtool.emulator.bench import EmulatedBench
 from benchtool.link.canopen import CanopenLink
 from benchtool.link.virtual import VirtualTimeBus
+from benchtool.profile import load_profile
 from tests.wire.ends import NODE, ScriptedBus, Served, Wire
+from tests.wire.raw_host import RawHost
 
 _numbers = itertools.count()
 
@@ -56,3 +59,19 @@ def impatient(scripted: ScriptedBus) -> Iterator[CanopenLink]:
     """A host for tests in which no answer is to come in time."""
     with CanopenLink(scripted, NODE, RealClock(), sdo_timeout_s=0.02) as opened:
         yield opened
+
+
+@pytest.fixture
+def bench() -> Iterator[EmulatedBench]:
+    """An emulated drive without any wire yet."""
+    powered = EmulatedBench(load_profile("zhu2011"), wire="serial")
+    yield powered
+    powered.close()
+
+
+@pytest.fixture
+def raw(bench: EmulatedBench) -> RawHost:
+    """A host on a serial line to it, which has heard it boot."""
+    host = RawHost(bench)
+    host.hear()
+    return host

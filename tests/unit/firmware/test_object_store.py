@@ -93,3 +93,17 @@ def test_any_access_is_answered_by_a_value_or_an_abort(index: int, sub: int, dat
         store.write(index, sub, data)
     with suppress(Refused):
         store.read(index, sub)
+
+
+@pytest.mark.parametrize("bad", [0, 1, 2])
+def test_several_values_are_taken_together_or_not_at_all(bad: int) -> None:
+    store = _store()
+    names = ("torque_command", "omega_m_command", "R_s")
+    values = [(TABLE.by_name[name], _f32(0.5)) for name in names]
+    store.write_all(values)
+    assert [store[name] for name in names] == [0.5, 0.5, 0.5]
+    changed = [(entry, _f32(0.75)) for entry, _ in values]
+    changed[bad] = (changed[bad][0], _f32(float("nan")))
+    with pytest.raises(Refused):
+        store.write_all(changed)
+    assert [store[name] for name in names] == [0.5, 0.5, 0.5]

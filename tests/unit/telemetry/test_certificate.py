@@ -19,12 +19,14 @@ def report(*, expected: int | None, clock: ClockFit | None) -> StreamReport:
     counters = StreamCounters(received=90, missing=7, lost=5, incomplete=2, off_grid=1, malformed=3)
     return StreamReport(
         expected=expected,
+        drive_dropped=None if expected is None else 2,
         counters=counters,
         gaps=(Gap(10, 3), Gap(40, 4)),
         first={"law_clipped": 4294967290.0},
         last={"law_clipped": 4.0},
         frames_dropped=6,
         rows_dropped=8,
+        resumptions=0,
         jitter_rms_s=1e-4,
         jitter_max_s=3e-4,
         clock=clock,

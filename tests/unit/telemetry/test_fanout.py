@@ -98,16 +98,20 @@ def test_what_a_viewer_raises_stops_nothing() -> None:
     fan_out.check()
 
 
-def test_settling_waits_for_what_is_in_hand() -> None:
+def test_settling_waits_for_what_is_in_hand(monkeypatch: pytest.MonkeyPatch) -> None:
     held = Held()
     worker = Worker("test", held, 4)
     assert not worker.settle()
     worker.put(block(7))
     held.began.wait()
-    release = threading.Thread(target=held.go.set)
-    release.start()
+    waits = worker._queue.all_tasks_done.wait
+
+    def let_go(timeout: float | None = None) -> bool:
+        held.go.set()
+        return waits(timeout)
+
+    monkeypatch.setattr(worker._queue.all_tasks_done, "wait", let_go)
     assert worker.settle()
     assert held.taken == [7]
-    release.join()
     worker.close()
     worker.close()
