@@ -9,11 +9,15 @@ from benchtool.protocol.objects import DataType, Entry, Number, ObjectTable
 
 _ACCESSES = ("ro", "rw", "wo", "const")
 _ROLES = ("parameter", "command", "signal", "status")
+_VALUE_COMMENT = """\
+/* What an enumeration may be: X(name, value) for each of its values, in the order of BT_ENTRIES. Any other is
+ * refused. */"""
 _ROW_COMMENT = """\
 /* Every entry as
  *   X(index, sub, name, TYPE, ACCESS, ROLE, enabled_write, add_node_id, minimum, maximum, initial)
  * with raw values; where the table has no limit, that of the type. A string's or domain's limits are 0.
- * name is a C identifier; TYPE, ACCESS and ROLE go behind BT_TYPE_, BT_ACCESS_ and BT_ROLE_. */"""
+ * name is a C identifier; TYPE, ACCESS and ROLE go behind BT_TYPE_, BT_ACCESS_ and BT_ROLE_, TYPE also behind
+ * BT_SIZE_. Where a value is kept is not said here. */"""
 
 
 def render(table: ObjectTable) -> str:
@@ -35,6 +39,9 @@ def render(table: ObjectTable) -> str:
         "/* CiA 301 data types */",
         *_enumeration("type", ((type_.name, type_.code) for type_ in DataType)),
         "",
+        "/* Bytes of a value; 0 where they are not the same for all of the type */",
+        *(f"#define BT_SIZE_{type_.name} {type_.bits // 8}u" for type_ in DataType),
+        "",
         *_enumeration("access", ((name, number) for number, name in enumerate(_ACCESSES))),
         "",
         *_enumeration("role", ((name, number) for number, name in enumerate(_ROLES))),
@@ -53,6 +60,13 @@ def render(table: ObjectTable) -> str:
         "    /* end */",
         "",
         f"#define BT_ENTRY_COUNT {len(list(table))}u",
+        "",
+        _VALUE_COMMENT,
+        "#define BT_VALUES(X) \\",
+        *(f"    X({entry.name}, {value}) \\" for entry in table for value in (entry.values or {}).values()),
+        "    /* end */",
+        "",
+        f"#define BT_VALUE_COUNT {sum(len(entry.values or {}) for entry in table)}u",
         "",
         "#endif",
     ]

@@ -1,0 +1,114 @@
+/* The drive behind its dictionary: states, faults, parameters that are kept, the rules of its objects. It knows
+ * nothing of frames; a serial line and a CAN bus may both stand in front of it.
+ *
+ * Functions marked "control interrupt" may interrupt all others; the rest belong to the main loop. */
+#ifndef BT_DEVICE_H
+#define BT_DEVICE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "bt_capture.h"
+#include "bt_cia402.h"
+#include "bt_dictionary.h"
+#include "bt_watchdog.h"
+
+#define BT_ERROR_OVERCURRENT 0x2310u
+#define BT_ERROR_DC_LINK_OVERVOLTAGE 0x3210u
+#define BT_ERROR_DC_LINK_UNDERVOLTAGE 0x3220u
+#define BT_ERROR_HEARTBEAT 0x8130u
+#define BT_ERROR_OVERSPEED 0x8400u
+
+#define BT_HISTORY 8u
+
+#define BT_IS_PARAMETER(index, sub, name, TYPE, ACCESS, ROLE, enabled_write, add_node_id, low, high, initial) \
+    +(BT_ROLE_##ROLE == BT_ROLE_PARAMETER)
+enum { BT_PARAMETER_COUNT = 0 BT_ENTRIES(BT_IS_PARAMETER) };
+
+/* What is the firmware's to say. */
+struct bt_config {
+    uint32_t tick_period_ns; /* not 0 */
+    uint32_t serial_number;
+    float i_full_scale; /* A, peak: what the current sensors reach */
+    uint8_t node_id;    /* 1 to 127 */
+    const char *device_name, *hardware_version, *firmware_version; /* NULL: those of the table */
+    /* Keeps the raw values of the parameters, in the order of the table, for bt_preset; n is 0 to forget them.
+     * Says whether it could. NULL: they are kept until power is lost. */
+    bool (*save)(void *context, const uint32_t *raw, size_t n);
+    void *context;
+};
+
+struct bt_device {
+    struct bt_variables variables;
+    struct bt_config config;
+    struct bt_watchdog watchdog;
+    struct bt_capture capture;
+    volatile uint8_t state;      /* enum bt_state */
+    volatile bool standstill;    /* a quick stop has come to its end */
+    volatile bool trip_edge;     /* since the last tick */
+    volatile uint16_t trip_code; /* 0: none */
+    uint16_t controlword;
+    uint16_t history[BT_HISTORY]; /* newest first */
+    uint8_t history_count;
+    bool has_stored;
+    uint32_t stored[BT_PARAMETER_COUNT];
+    /* Takes every emergency the moment it arises. */
+    void (*emergency)(void *context, uint16_t code, uint8_t error_register);
+    void *emergency_context;
+};
+
+void bt_device_init(struct bt_device *device, const struct bt_config *config);
+
+/* As after NMT reset node: power stage off, stored parameters in force. */
+void bt_device_reset(struct bt_device *device);
+
+/* What the control interrupt has found becomes a state: trips, a lost link, the end of a quick stop. */
+void bt_device_look_after(struct bt_device *device);
+
+/* Switch the power stage off without a fault, as NMT stop does. */
+void bt_device_stop(struct bt_device *device);
+
+/* Takes a controlword, or says why not; the same for what a write of the object does. */
+uint32_t bt_device_check_control(const struct bt_device *device, uint16_t controlword);
+void bt_device_control(struct bt_device *device, uint16_t controlword);
+
+/* Control interrupt: what is measured in this tick forbids to go on. The first code counts. */
+void bt_device_trip(struct bt_device *device, uint16_t code);
+
+/* Control interrupt: whether the inverter may switch in this tick; and whether it is to brake to standstill. */
+bool bt_device_may_switch(const struct bt_device *device);
+bool bt_device_is_quick_stopping(const struct bt_device *device);
+
+uint16_t bt_device_statusword(const struct bt_device *device);
+
+/* ---- access, bt_objects.c ------------------------------------------------------------------------------- */
+
+/* The value of an object as it was when it was read; a capture's bytes stay where they are. */
+struct bt_value {
+    size_t n;
+    const char *text; /* of a string */
+    bool is_capture;
+    uint8_t number[4];
+};
+
+/* BT_OK or an abort code; a refused write changes nothing. */
+uint32_t bt_read(const struct bt_device *device, uint16_t index, uint8_t sub, struct bt_value *value);
+uint32_t bt_write(struct bt_device *device, uint16_t index, uint8_t sub, const uint8_t *data, size_t n);
+
+/* n bytes of a value. */
+void bt_value_copy(struct bt_device *device, const struct bt_value *value, size_t from, uint8_t *data, size_t n);
+
+/* Both setpoints or neither; the control interrupt never sees one of them alone. */
+uint32_t bt_take_setpoint(struct bt_device *device, const uint8_t torque[4], const uint8_t omega_m[4]);
+
+/* Takes kept parameters before bt_device_reset puts them in force; false if one is not what it may be. */
+bool bt_preset(struct bt_device *device, const uint32_t *raw, size_t n);
+
+/* The string of an entry, that of the table unless the firmware gave its own. */
+const char *bt_text(const struct bt_device *device, enum bt_id id);
+
+/* CiA 301, 7.5.2.2: bit 0 with every error, and that of its class. */
+uint8_t bt_error_register(uint16_t code);
+
+#endif

@@ -1,0 +1,10 @@
+/* The rules of the objects that map process data (CiA 301, 7.2.2): 0x1400 to 0x1BFF. */
+#ifndef BT_PDO_H
+#define BT_PDO_H
+
+#include "bt_dictionary.h"
+
+/* Whether such an object may take a value now; BT_OK for all other objects. */
+uint32_t bt_pdo_check(const struct bt_variables *variables, enum bt_id id, uint32_t value);
+
+#endif

@@ -1,0 +1,47 @@
+/* The least that a firmware is: compiled for a Cortex-M4 by `make size`. The functions of the board are declared
+ * here only; they belong to the firmware. */
+#include "benchtool.h"
+
+extern float adc_current(unsigned phase);
+extern float encoder_speed(void);
+extern void pwm(bool on, float torque);
+extern size_t uart_room(void);
+extern void uart_put(const uint8_t *data, size_t n);
+void control_interrupt(void);
+void uart_received(uint8_t byte);
+int main(void);
+
+static struct bt_drive drive;
+
+void control_interrupt(void)
+{
+    struct bt_variables *v = bt_variables(&drive);
+    v->i_a = adc_current(0);
+    v->i_b = adc_current(1);
+    v->i_c = adc_current(2);
+    v->omega_m = encoder_speed();
+    if (v->i_a > v->i_trip || v->i_a < -v->i_trip)
+        bt_trip(&drive, BT_ERROR_OVERCURRENT);
+    pwm(bt_may_switch(&drive), v->torque_command);
+    bt_tick(&drive);
+}
+
+void uart_received(uint8_t byte)
+{
+    bt_receive(&drive, &byte, 1);
+}
+
+int main(void)
+{
+    struct bt_config config = { 0 };
+    uint8_t data[64];
+    config.tick_period_ns = 100000u;
+    config.node_id = 1;
+    config.i_full_scale = 20.0f;
+    bt_init(&drive, &config);
+    for (;;) {
+        size_t room = uart_room();
+        bt_poll(&drive);
+        uart_put(data, bt_transmit(&drive, data, room < sizeof data ? room : sizeof data));
+    }
+}

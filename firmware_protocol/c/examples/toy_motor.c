@@ -1,0 +1,92 @@
+#include "toy_motor.h"
+
+#include <math.h>
+
+#define PI 3.14159265f
+#define TORQUE_LAG_S 2e-3f
+#define FRICTION_Nms 5e-5f
+#define RIPPLE 0.02f
+#define U_DC_V 122.5f
+
+static float torque_Nm, omega_m, theta_m;
+
+static float within(float value, float limit)
+{
+    return value > limit ? limit : value < -limit ? -limit : value;
+}
+
+static void control(struct bt_drive *drive)
+{
+    struct bt_variables *v = bt_variables(drive);
+    const float T_s = v->control_period;
+    const bool on = bt_may_switch(drive);
+    float reference = v->torque_command;
+    if (bt_is_quick_stopping(drive))
+        reference = -v->K_p_speed * omega_m;
+    else if (v->mode_of_operation_display == BT_MODE_OF_OPERATION_VELOCITY)
+        reference = v->K_p_speed * (v->omega_m_command - omega_m);
+    else if (v->mode_of_operation_display != BT_MODE_OF_OPERATION_TORQUE)
+        reference = 0.0f;
+    v->torque_reference = on ? within(reference, v->torque_limit) : 0.0f;
+    v->law_clipped += on && v->torque_reference != reference;
+    torque_Nm = on ? torque_Nm + (v->torque_reference - torque_Nm) * fminf(1.0f, T_s / TORQUE_LAG_S) : 0.0f;
+    omega_m += (torque_Nm - FRICTION_Nms * omega_m) / v->J * T_s;
+    theta_m = fmodf(theta_m + omega_m * T_s, 2.0f * PI);
+    theta_m += theta_m < 0.0f ? 2.0f * PI : 0.0f;
+    if (bt_is_quick_stopping(drive) && fabsf(omega_m) <= 0.01f * v->omega_m_N)
+        bt_standstill(drive);
+}
+
+/* Amplitude-invariant vectors in the stator frame from those of the rotor. */
+static void measure(struct bt_drive *drive)
+{
+    struct bt_variables *v = bt_variables(drive);
+    const float p = (float)v->pole_pairs, theta_e = p * theta_m;
+    const float c = cosf(theta_e), s = sinf(theta_e);
+    const float torque = torque_Nm * (1.0f + RIPPLE * cosf(6.0f * theta_e));
+    const float i_q = v->psi_r > 0.0f ? torque / (1.5f * p * v->psi_r) : 0.0f;
+    const float u_d = -p * omega_m * v->L_q * i_q, u_q = v->R_s * i_q + p * omega_m * v->psi_r;
+    v->i_d = 0.0f;
+    v->i_q = i_q;
+    v->i_a = -i_q * s;
+    v->i_b = 0.5f * i_q * s + 0.8660254f * i_q * c;
+    v->i_c = -v->i_a - v->i_b;
+    v->u_alpha = u_d * c - u_q * s;
+    v->u_beta = u_d * s + u_q * c;
+    v->u_dc = U_DC_V;
+    v->theta_m = theta_m;
+    v->omega_m = omega_m;
+    v->torque = torque;
+    v->psi_alpha = v->psi_r * c - v->L_q * i_q * s;
+    v->psi_beta = v->psi_r * s + v->L_q * i_q * c;
+    v->psi_s = sqrtf(v->psi_alpha * v->psi_alpha + v->psi_beta * v->psi_beta);
+    v->psi_s_reference = v->psi_s;
+    v->law_angle = atan2f(v->L_q * i_q, v->psi_r);
+    v->switching_count += bt_may_switch(drive) ? 6u : 0u;
+}
+
+static void protect(struct bt_drive *drive)
+{
+    const struct bt_variables *v = bt_variables(drive);
+    if (fmaxf(fabsf(v->i_a), fmaxf(fabsf(v->i_b), fabsf(v->i_c))) > v->i_trip)
+        bt_trip(drive, BT_ERROR_OVERCURRENT);
+    if (fabsf(v->omega_m) > v->omega_m_trip)
+        bt_trip(drive, BT_ERROR_OVERSPEED);
+    if (bt_may_switch(drive) && v->u_dc < v->u_dc_min)
+        bt_trip(drive, BT_ERROR_DC_LINK_UNDERVOLTAGE);
+    if (v->u_dc > v->u_dc_max)
+        bt_trip(drive, BT_ERROR_DC_LINK_OVERVOLTAGE);
+}
+
+void toy_motor_tick(struct bt_drive *drive)
+{
+    control(drive);
+    measure(drive);
+    protect(drive);
+    bt_tick(drive);
+}
+
+void toy_motor_at_rest(void)
+{
+    torque_Nm = omega_m = theta_m = 0.0f;
+}

@@ -1,0 +1,166 @@
+/* The CAN side without a host: what its rings do when they are full, and an upload in blocks through all of them. */
+#undef NDEBUG
+#include <assert.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "bt_bytes.h"
+#include "bt_canopen.h"
+
+static struct bt_node node;
+static struct bt_can can;
+static struct bt_can_frame frame;
+
+static void power_up(void)
+{
+    struct bt_config config = { 0 };
+    config.tick_period_ns = 1000000u;
+    config.node_id = 5;
+    memset(&can, 0x5A, sizeof can); /* what was there does not matter */
+    bt_node_init(&node, &config);
+    bt_can_init(&can, &node);
+    assert(bt_can_transmit(&can, &frame) && frame.id == 0x705 && frame.n == 1 && frame.data[0] == 0);
+    assert(!bt_can_transmit(&can, &frame));
+}
+
+static void tick(void)
+{
+    bt_node_tick(&node);
+    bt_can_tick(&can);
+    bt_node_poll(&node);
+    bt_can_poll(&can);
+}
+
+static void send(uint16_t id, const uint8_t *data, size_t n)
+{
+    assert(bt_can_receive(&can, id, data, n));
+    bt_can_poll(&can);
+}
+
+static void request(uint8_t command, uint16_t index, uint8_t sub, uint32_t value)
+{
+    uint8_t data[8];
+    data[0] = command;
+    bt_put_u16(data + 1, index);
+    data[3] = sub;
+    bt_put_u32(data + 4, value);
+    send(0x605, data, sizeof data);
+}
+
+static void write(enum bt_id id, uint32_t value)
+{
+    const struct bt_entry *entry = &bt_entries[id];
+    request((uint8_t)(0x23u | (4u - entry->size) << 2), entry->index, entry->sub, value);
+    assert(bt_can_transmit(&can, &frame) && frame.id == 0x585 && frame.data[0] == 0x60);
+}
+
+static void start(void)
+{
+    const uint8_t data[2] = { BT_NMT_START, 5 };
+    send(0, data, sizeof data);
+}
+
+static void check_commands(void)
+{
+    const uint8_t others[2] = { BT_NMT_START, 6 }, everyones[3] = { BT_NMT_START, 0, 0 };
+    power_up();
+    send(0, others, 2);
+    send(0, everyones, 3);
+    assert(node.nmt_state == BT_NMT_PRE_OPERATIONAL);
+    send(0, everyones, 2);
+    assert(node.nmt_state == BT_NMT_OPERATIONAL);
+    assert(!bt_can_receive(&can, 0x605, everyones, 9));
+}
+
+static void check_overflow(void)
+{
+    const uint8_t heartbeat = 5;
+    unsigned k;
+    power_up();
+    for (k = 0; k < BT_CAN_RX_FRAMES; k++)
+        assert(bt_can_receive(&can, 0x77F, &heartbeat, 1));
+    assert(!bt_can_receive(&can, 0x77F, &heartbeat, 1) && can.rx.lost == 1);
+    bt_can_poll(&can);
+    for (k = 0; k < BT_CAN_TX_FRAMES + 3u; k++)
+        request(0x40, 0x1000, 0, 0);
+    assert(can.tx.lost == 3);
+    for (k = 0; bt_can_transmit(&can, &frame); k++)
+        assert(frame.data[0] == 0x43);
+    assert(k == BT_CAN_TX_FRAMES);
+}
+
+/* A set of process data that does not fit goes nowhere, and the next set that fits tells so by its number. */
+static void check_process_data(void)
+{
+    unsigned k, number, sequence = 0, sets = 0;
+    power_up();
+    for (number = 0; number < 2; number++) {
+        const unsigned c = number * (BT_ID_tpdo2_cob_id - BT_ID_tpdo1_cob_id);
+        const unsigned m = number * (BT_ID_tpdo2_mapping_count - BT_ID_tpdo1_mapping_count);
+        write((enum bt_id)(BT_ID_tpdo1_event_timer + c), 1);
+        write((enum bt_id)(BT_ID_tpdo1_mapping_1 + m), bt_mapping(&bt_entries[BT_ID_stream_sequence]));
+        write((enum bt_id)(BT_ID_tpdo1_mapping_count + m), 1);
+        write((enum bt_id)(BT_ID_tpdo1_cob_id + c), 0x190u - number);
+    }
+    start();
+    for (k = 0; k < BT_CAN_PDO_FRAMES; k++)
+        tick();
+    assert(can.pdo.lost == BT_CAN_PDO_FRAMES);
+    while (bt_can_transmit(&can, &frame)) {
+        assert(frame.id == (sets % 2u ? 0x190u : 0x18Fu) && frame.n == 4); /* the lower identifier first */
+        assert(bt_get_u32(frame.data) == 1u + sets / 2u);
+        sets++;
+    }
+    assert(sets == BT_CAN_PDO_FRAMES);
+    tick();
+    while (bt_can_transmit(&can, &frame))
+        sequence = bt_get_u32(frame.data);
+    assert(sequence == BT_CAN_PDO_FRAMES + 1u);
+    bt_device_trip(&node.device, BT_ERROR_OVERSPEED);
+    tick();
+    assert(bt_can_transmit(&can, &frame) && frame.id == 0x085);
+}
+
+/* 4000 bytes through a transmit ring of 64 frames, which leaves room for a heartbeat at any moment. */
+static void check_blocks(void)
+{
+    const uint8_t begin[8] = { 0xA3 };
+    uint8_t last = 0;
+    unsigned segments = 0;
+    power_up();
+    write(BT_ID_capture_channel_1, bt_mapping(&bt_entries[BT_ID_tick]));
+    write(BT_ID_capture_rows, 1000);
+    write(BT_ID_capture_control, BT_CAPTURE_CONTROL_ARM);
+    while (node.device.capture.state != BT_CAPTURE_STATE_COMPLETE) {
+        node.device.variables.torque_command += 1.0f;
+        tick();
+        (void)bt_can_transmit(&can, &frame); /* heartbeats */
+    }
+    request(0xA4, 0x2042, 0, 127);
+    assert(bt_can_transmit(&can, &frame) && frame.data[0] == 0xC6 && bt_get_u32(frame.data + 4) == 4032);
+    send(0x605, begin, sizeof begin);
+    assert(can.tx.head - can.tx.tail == BT_CAN_TX_FRAMES - BT_CAN_TX_RESERVE);
+    while (segments * 7u < 4032u) {
+        uint8_t acknowledgement[8] = { 0xA2, 0, 127 };
+        while (bt_can_transmit(&can, &frame)) {
+            assert(frame.id == 0x585 && (frame.data[0] & 0x7Fu) == acknowledgement[1] + 1u);
+            acknowledgement[1]++;
+            last = frame.data[0];
+            segments++;
+            bt_can_poll(&can);
+        }
+        send(0x605, acknowledgement, sizeof acknowledgement);
+    }
+    assert(last & 0x80u && segments == 576);
+    assert(bt_can_transmit(&can, &frame) && (frame.data[0] & 0xE3u) == 0xC1u);
+}
+
+int main(void)
+{
+    check_commands();
+    check_overflow();
+    check_process_data();
+    check_blocks();
+    printf("CAN side: all content\n");
+    return 0;
+}

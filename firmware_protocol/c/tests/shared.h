@@ -1,0 +1,19 @@
+/* See shared.c. */
+#ifndef SHARED_H
+#define SHARED_H
+
+#include "benchtool.h"
+
+/* A drive just powered up, with these kept parameters; 0 if they are none. */
+int shared_power_up(uint32_t tick_period_ns, const uint32_t *parameters, size_t n);
+/* Control and main loop, tick by tick. */
+void shared_run(uint32_t ticks);
+size_t shared_receive(const uint8_t *data, size_t n);
+size_t shared_transmit(uint8_t *data, size_t capacity);
+
+size_t shared_frame(const uint8_t *payload, size_t n, uint8_t *frame, size_t capacity);
+void shared_receiver(size_t max_payload);
+size_t shared_take(uint8_t byte, uint8_t *payload);
+void shared_dropped(uint32_t counts[4]);
+
+#endif

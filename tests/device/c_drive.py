@@ -1,0 +1,146 @@
+"""The C library as a drive that a test holds in its hand: built once, in its own time, spoken to in bytes."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import shutil
+import struct
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from benchtool.protocol.objects import DataType
+from tests.wire.raw_host import TABLE, HeldPort, RawHost
+
+FOLDER = Path(__file__).parents[2] / "firmware_protocol" / "c"
+TICK_NS = 100_000
+_AT_ONCE = 100
+_CAPACITY = 1 << 18
+
+
+def make(build: Path, *targets: str, **variables: str) -> str:
+    """What make prints; the test is skipped where it cannot be, and fails where it fails."""
+    missing = [tool for tool in ("make", "python3") if shutil.which(tool) is None]
+    if not (shutil.which("gcc") or shutil.which("clang")):
+        missing.append("gcc or clang")
+    if missing:
+        pytest.skip(f"the C library needs {' and '.join(missing)}, not installed here")
+    settings = [f"{key}={value}" for key, value in {"BUILD": str(build), **variables}.items()]
+    # A make above this one must not share its jobs: without it there is no warning either.
+    environment = {key: value for key, value in os.environ.items() if key not in ("MAKEFLAGS", "MFLAGS")}
+    done = subprocess.run(
+        ["make", "-C", FOLDER, *settings, *targets],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=600,
+        env=environment,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout + done.stderr
+
+
+class Library:
+    """Functions of the shared object, typed."""
+
+    def __init__(self, path: Path) -> None:
+        self._functions = ctypes.CDLL(str(path))
+
+    def call(self, name: str, *arguments: object, result: Any = ctypes.c_uint32) -> Any:
+        """Call a function of C."""
+        function = getattr(self._functions, name)
+        function.restype = result
+        return function(*arguments)
+
+    def power_up(self, parameters: list[int]) -> None:
+        """A drive just switched on, which keeps these raw parameters in the order of the table."""
+        kept = (ctypes.c_uint32 * len(parameters))(*parameters)
+        assert self.call(
+            "shared_power_up", TICK_NS, kept, ctypes.c_size_t(len(parameters)), result=ctypes.c_int
+        )
+
+    def run(self, ticks: int) -> None:
+        self.call("shared_run", ctypes.c_uint32(ticks), result=None)
+
+    def receive(self, data: bytes) -> None:
+        """Have the drive receive and handle bytes."""
+        assert self.call("shared_receive", data, ctypes.c_size_t(len(data)), result=ctypes.c_size_t) == len(
+            data
+        )
+
+    def transmitted(self) -> bytes:
+        """What it has sent since the last call."""
+        buffer = ctypes.create_string_buffer(_CAPACITY)
+        taken = b""
+        while n := self.call("shared_transmit", buffer, ctypes.c_size_t(_CAPACITY), result=ctypes.c_size_t):
+            taken += buffer.raw[:n]
+        return taken
+
+
+class CPort(HeldPort):
+    """The drive's end of the line."""
+
+    def __init__(self, library: Library) -> None:
+        super().__init__()
+        self._library = library
+
+    def deliver(self, data: bytes) -> None:
+        self._library.receive(data)
+        self.keep(self._library.transmitted())
+
+
+class CClock:
+    """The drive's time."""
+
+    def __init__(self, library: Library, keep: Callable[[bytes], None]) -> None:
+        self._library = library
+        self._keep = keep
+        self._now_s = 0.0
+        self._ticks = 0
+
+    def wait(self, duration_s: float) -> None:
+        """Let it pass, with a line that takes what the drive sends."""
+        self._now_s += duration_s
+        end = int(self._now_s / (TICK_NS * 1e-9) + 1e-6)
+        while (left := end - self._ticks) > 0:
+            step = min(left, _AT_ONCE)
+            self._library.run(step)
+            self._keep(self._library.transmitted())
+            self._ticks += step
+
+
+class _CBench:
+    def __init__(self, clock: CClock) -> None:
+        self.clock = clock
+
+
+class CHost(RawHost):
+    """A host on the line of a drive of the C library."""
+
+    def __init__(self, library: Library, parameters: list[int]) -> None:
+        library.power_up(parameters)
+        port = CPort(library)
+
+        def add_serial(_: object, *__: object, **___: object) -> None:
+            """The line is there already."""
+
+        bench: Any = _CBench(CClock(library, port.keep))
+        bench.add_serial = add_serial
+        super().__init__(bench)
+        self.port = port
+        port.keep(library.transmitted())
+
+
+def raw_parameters(host: RawHost) -> list[int]:
+    """Kept parameters of another drive, as the C library keeps them."""
+    return [_word(entry.type, host.read(entry.name)) for entry in TABLE if entry.role == "parameter"]
+
+
+def _word(type_: DataType, value: float) -> int:
+    if type_ is DataType.F32:
+        return int(struct.unpack("<I", struct.pack("<f", value))[0])
+    return int(value) & 0xFFFFFFFF

@@ -1,0 +1,39 @@
+"""The porting page keeps its word: its program builds, and `benchtool info` answers."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from benchtool.cli import app
+from tests.device.c_drive import FOLDER
+
+PAGE = (FOLDER.parents[1] / "docs" / "porting.md").read_text(encoding="utf-8")
+OTHERS = ("bt_canopen",)
+
+
+def test_the_program_of_the_page_answers(tmp_path: Path) -> None:
+    compiler = shutil.which("gcc") or shutil.which("clang")
+    if compiler is None:
+        pytest.skip("the C library needs gcc or clang, not installed here")
+    (program,) = re.findall(r"```c\n(.*?)```", PAGE, flags=re.DOTALL)
+    (tmp_path / "main.c").write_text(program)
+    sources = [path for path in FOLDER.glob("*.c") if not path.name.startswith(OTHERS)]
+    flags = ["-std=c99", "-O1", "-Wall", "-Wextra", "-Werror", f"-I{FOLDER}", f"-I{FOLDER.parent}"]
+    drive = tmp_path / "drive"
+    subprocess.run([compiler, *flags, tmp_path / "main.c", *sources, "-o", drive], check=True, timeout=120)
+    with subprocess.Popen([drive], stdout=subprocess.PIPE, text=True) as child:
+        try:
+            assert child.stdout is not None
+            link = f"serial:{child.stdout.readline().strip()}"
+            result = CliRunner().invoke(app, ("info", "--link", link, "--json"))
+        finally:
+            child.kill()
+    assert result.exit_code == 0, result.output
+    assert json.loads(result.stdout)["state"] == "switch on disabled"
