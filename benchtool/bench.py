@@ -1,6 +1,6 @@
 """The composition root: a profile and a link address become one session on a bench.
 
-This is the only module that knows both the host's side and the emulated drive.
+Only this module and `benchtool.serving` know both the host's side and the emulated drive.
 """
 
 from __future__ import annotations
@@ -10,17 +10,21 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Literal, Protocol
 
 import can
 
 from benchtool.block import Block
 from benchtool.clock import Clock, RealClock, VirtualClock
 from benchtool.drive import RemoteDrive
-from benchtool.errors import LinkError, UsageError
+from benchtool.errors import UsageError
+from benchtool.link import Link
 from benchtool.link.address import Address
+from benchtool.link.bus import open_bus
 from benchtool.link.canopen import CanopenLink
+from benchtool.link.port import open_port
 from benchtool.link.replay import ReplayLink
+from benchtool.link.serial import SerialLink
 from benchtool.profile import Profile, altered, eds_path, load_profile, profile_path
 from benchtool.protocol.dictionary import Dictionary
 
@@ -85,7 +89,7 @@ def open_session(
 
     Raises:
         ProfileError, DictionaryError, UsageError: what was asked for cannot be.
-        LinkError: the adapter cannot be opened.
+        LinkError: the adapter or the port cannot be opened.
     """
     source = profile_path(profile_name)
     profile = altered(load_profile(profile_name), alter)
@@ -99,6 +103,10 @@ def open_session(
     text = source.read_text(encoding="utf-8")
     eds = eds_path(profile, source)
     dictionary = Dictionary.from_eds(eds, node_id)
+    if frames is not None and address.wire == "serial":
+        raise UsageError(
+            f"frames are those of CAN and the link is '{url}': record without --frames, or over CAN"
+        )
     with ExitStack() as stack:
         if address.kind == "emulated":
             # Imported here: compiled code is of no use to a session with a real drive.
@@ -106,14 +114,20 @@ def open_session(
 
             if not emulator_is_compiled():
                 note("compiling the emulated drive, once on this machine: a few seconds")
-            bench = EmulatedBench(profile, address.channel, seed=seed, paced=real_time)
+            # A bus that is named may have listeners, whatever the host itself goes over.
+            wire: Literal["can", "serial"] = "can" if address.channel or address.wire == "can" else "serial"
+            bench = EmulatedBench(profile, address.channel, seed=seed, paced=real_time, wire=wire)
             stack.callback(bench.close)
-            host_bus: can.BusABC = bench.host_bus()
-            if frames is not None:
-                host_bus = frames.tap(host_bus, bench.clock)
-            link = CanopenLink(host_bus, node_id, bench.clock, arrival_s=_timestamp)
-            stack.callback(link.close)
-            drive = stack.enter_context(RemoteDrive(link, dictionary, eds.name, bench.clock))
+
+            def open_emulated() -> Link:
+                if address.wire == "serial":
+                    return SerialLink(bench.host_port(), node_id, bench.clock)
+                bus: can.BusABC = bench.host_bus()
+                if frames is not None:
+                    bus = frames.tap(bus, bench.clock)
+                return CanopenLink(bus, node_id, bench.clock, arrival_s=_timestamp)
+
+            drive = _drive(stack, open_emulated, dictionary, eds.name, bench.clock)
             stack.callback(bench.load.apply, 0.0)
             yield Session(profile_name, profile, text, drive, bench.clock, bench.load, bench.transducer)
         elif address.kind == "replay":
@@ -124,13 +138,26 @@ def open_session(
             yield Session(profile_name, profile, text, drive, replayed)
         else:
             clock = RealClock()
-            bus = _open_can(address)
-            if frames is not None:
-                bus = frames.tap(bus, clock, stamp=True)
-            link = CanopenLink(bus, node_id, clock, arrival_s=None if frames is None else _timestamp)
-            stack.callback(link.close)
-            drive = stack.enter_context(RemoteDrive(link, dictionary, eds.name, clock))
+
+            def open_real() -> Link:
+                if address.wire == "serial":
+                    return SerialLink(open_port(address.channel, address.baudrate), node_id, clock)
+                bus = open_bus(address)
+                if frames is not None:
+                    bus = frames.tap(bus, clock, stamp=True)
+                return CanopenLink(bus, node_id, clock, arrival_s=None if frames is None else _timestamp)
+
+            drive = _drive(stack, open_real, dictionary, eds.name, clock)
             yield Session(profile_name, profile, text, drive, clock)
+
+
+def _drive(
+    stack: ExitStack, open_link: Callable[[], Link], dictionary: Dictionary, source: str, clock: Clock
+) -> RemoteDrive:
+    """A drive whose link, the first or a later one, is closed after it was disabled."""
+    drive = RemoteDrive(open_link(), dictionary, source, clock, reopen=open_link)
+    stack.callback(drive.close_link)
+    return stack.enter_context(drive)
 
 
 def _timestamp(frame: can.Message) -> float:
@@ -152,14 +179,3 @@ def emulator_is_compiled() -> bool:
     from benchtool.emulator.kernel import kernel_is_cached
 
     return kernel_is_cached()
-
-
-def _open_can(address: Address) -> can.BusABC:
-    bitrate: dict[str, Any] = {} if address.bitrate is None else {"bitrate": address.bitrate}
-    try:
-        return can.Bus(interface=address.interface, channel=address.channel, **bitrate)
-    except (can.CanError, OSError, ImportError, ValueError, TypeError) as reason:
-        raise LinkError(
-            f"cannot open can:{address.interface}:{address.channel}: {reason}; "
-            f"check the interface's name, its driver and the channel"
-        ) from None

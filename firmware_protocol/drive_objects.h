@@ -2,7 +2,7 @@
 #ifndef BENCHTOOL_DRIVE_OBJECTS_H
 #define BENCHTOOL_DRIVE_OBJECTS_H
 
-#define BT_DICTIONARY_HASH 0xA92918F2u
+#define BT_DICTIONARY_HASH 0xC3893CA2u
 #define BT_VENDOR_ID 0x00000B7Cu
 #define BT_PRODUCT_CODE 0x00002011u
 #define BT_REVISION 0x00010000u
@@ -525,7 +525,7 @@ enum bt_mode_of_operation_display {
     X(0x1011u, 1u, restore_all, U32, RW, STATUS, 1, 0, 0u, 4294967295u, 1u) \
     X(0x1014u, 0u, emcy_cob_id, U32, RO, STATUS, 1, 1, 0u, 4294967295u, 128u) \
     X(0x1016u, 0u, consumer_heartbeat_count, U8, RO, STATUS, 1, 0, 0u, 255u, 1u) \
-    X(0x1016u, 1u, host_heartbeat, U32, RW, STATUS, 1, 0, 0u, 4294967295u, 0u) \
+    X(0x1016u, 1u, host_heartbeat, U32, RW, STATUS, 0, 0, 0u, 4294967295u, 0u) \
     X(0x1017u, 0u, producer_heartbeat, U16, RW, PARAMETER, 1, 0, 0u, 60000u, 100u) \
     X(0x1018u, 0u, identity_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 4u) \
     X(0x1018u, 1u, vendor_id, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 2940u) \
@@ -746,8 +746,8 @@ enum bt_mode_of_operation_display {
     X(0x2051u, 1u, stream_sequence, U32, RO, SIGNAL, 1, 0, 0u, 4294967295u, 0u) \
     X(0x2051u, 2u, rpdo_dropped, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 0u) \
     X(0x2051u, 3u, serial_dropped, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 0u) \
-    X(0x2060u, 0u, dictionary_hash, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 2838042866u) \
-    X(0x6007u, 0u, abort_connection_option, I16, RW, PARAMETER, 1, 0, -32768, 32767, 1) \
+    X(0x2060u, 0u, dictionary_hash, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 3280551074u) \
+    X(0x6007u, 0u, abort_connection_option, I16, RW, PARAMETER, 0, 0, -32768, 32767, 1) \
     X(0x603Fu, 0u, error_code, U16, RO, STATUS, 1, 0, 0u, 65535u, 0u) \
     X(0x6040u, 0u, controlword, U16, RW, STATUS, 1, 0, 0u, 65535u, 0u) \
     X(0x6041u, 0u, statusword, U16, RO, STATUS, 1, 0, 0u, 65535u, 0u) \

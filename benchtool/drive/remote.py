@@ -138,15 +138,14 @@ class RemoteDrive:
                 self.link = self._reopen()
                 identity = self._checked()
                 if self._commanded:
+                    self.disable()  # first: a drive takes no other supervision while its power stage is on
                     self.supervise()
                 break
-            except LinkError:
+            except (LinkError, StateError):
                 if self.clock.now_s() >= deadline_s:
                     self._drop_link()
                     raise
                 self.clock.wait(_REOPEN_S)
-        if self._commanded:
-            self.disable()
         restarted = None
         if before is not None and self._ticks is not None:
             restarted = before.restarted_since(self._ticks)

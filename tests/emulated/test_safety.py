@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from benchtool.drive import Mode
+from benchtool.drive import Mode, RemoteDrive
 from benchtool.errors import DriveFault, SdoAbort, StateError
 from benchtool.protocol.abort import Abort
 from benchtool.protocol.cia402 import State
@@ -116,6 +116,18 @@ def test_a_host_that_falls_silent_is_noticed(wire: Wire, action: str, state: Sta
 
 
 @over_both_wires
+def test_a_host_that_leaves_in_good_order_is_not_lost(wire: Wire) -> None:
+    drive = wire.session.drive
+    with RemoteDrive(drive.link, drive.dictionary, "drive.eds", drive.clock) as guest:
+        guest.connect()
+        guest.enable(Mode.VELOCITY)
+    wire.session.clock.wait(1.0)
+    assert drive.state() is State.SWITCH_ON_DISABLED
+    assert drive.read("link_state") == "off"
+    assert drive.number("link_losses") == 0
+
+
+@over_both_wires
 def test_a_lost_link_is_latched_until_a_fault_reset(wire: Wire) -> None:
     drive = wire.session.drive
     drive.write("abort_connection_option", "disable_voltage")
@@ -138,6 +150,19 @@ def test_an_unsupervised_start_is_refused_once_supervision_is_asked_for(wire: Wi
     with pytest.raises(SdoAbort) as refused:
         drive.enable(Mode.TORQUE)
     assert refused.value.code == Abort.DEVICE_STATE
+
+
+@over_both_wires
+@pytest.mark.parametrize(("name", "off"), [("host_heartbeat", 0), ("abort_connection_option", "none")])
+def test_supervision_cannot_be_taken_away_while_the_motor_runs(wire: Wire, name: str, off: int | str) -> None:
+    drive = wire.session.drive
+    _run_up(wire)
+    with pytest.raises(SdoAbort) as refused:
+        drive.write(name, off)
+    assert refused.value.code == Abort.DEVICE_STATE
+    drive.stop_heartbeat()
+    wire.session.clock.wait(1.0)
+    assert not _is_enabled(wire)
 
 
 @over_both_wires

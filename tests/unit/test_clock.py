@@ -128,6 +128,19 @@ def test_a_short_delay_is_caught_up_and_a_long_one_given_up_and_told(monkeypatch
     assert wall.now_s == pytest.approx(107.9), "a step was due at once, the others at their pace"
 
 
+def test_how_much_is_caught_up_can_be_chosen(monkeypatch: pytest.MonkeyPatch) -> None:
+    wall = Wall(monkeypatch)
+    clock = VirtualClock(paced=True, step_s=0.01, catch_up_s=0.1)
+    clock.wait(1.0)
+    wall.now_s += 0.05
+    clock.wait(1.0)
+    assert clock.late_s == 0.0
+    wall.now_s += 0.5
+    clock.wait(1.0)
+    assert clock.late_s == pytest.approx(0.49)
+    assert wall.now_s == pytest.approx(103.49)
+
+
 def test_a_drive_that_is_too_slow_for_the_pace_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     wall = Wall(monkeypatch)
     clock = VirtualClock(paced=True, speed=10.0, step_s=0.1)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import threading
+
 import numpy as np
 import pytest
 
@@ -39,6 +41,26 @@ def test_a_long_recording_keeps_a_bounded_number_of_pairs_and_the_same_line() ->
     assert fit is not None
     assert fit.records == 150_000
     assert fit.drift_ppm == pytest.approx(-30.0, abs=1e-3)
+
+
+def test_it_can_be_asked_while_records_come() -> None:
+    statistics = ArrivalStatistics(TICK_S)
+    failures: list[Exception] = []
+
+    def record() -> None:
+        try:
+            for number in range(200_000):
+                statistics.add(number, number * TICK_S)
+        except Exception as failure:  # noqa: BLE001  of whichever kind
+            failures.append(failure)
+
+    thread = threading.Thread(target=record)
+    thread.start()
+    while thread.is_alive():
+        fit = statistics.fit()
+        assert fit is None or fit.drift_ppm == pytest.approx(0.0, abs=1e-3)
+    thread.join()
+    assert failures == []
 
 
 def test_two_records_are_no_fit() -> None:

@@ -1,0 +1,31 @@
+"""`benchtool reset`."""
+
+from __future__ import annotations
+
+from benchtool.cli import options
+from benchtool.cli.output import Output
+
+
+def reset(
+    profile: options.Profile = "zhu2011",
+    link: options.Link = "emulated",
+    as_json: options.Json = False,
+) -> int:
+    """Clear a latched fault, such as that of a host that vanished; nothing is enabled."""
+    from benchtool.bench import open_session
+    from benchtool.protocol.cia402 import State
+
+    output = Output(as_json=as_json)
+    with open_session(profile, link, note=output.note) as session:
+        drive = session.drive
+        drive.connect()
+        before, error = drive.state(), f"0x{int(drive.number('error_code')):04X}"
+        if before is State.FAULT:
+            drive.reset_fault()
+        after = drive.state()
+    was_in_fault = before is State.FAULT
+    output.line(
+        f"{before.value} ({error}), now {after.value}" if was_in_fault else f"no fault: {after.value}"
+    )
+    output.document({"before": before.value, "error_code": error, "after": after.value})
+    return 0
