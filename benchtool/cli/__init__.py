@@ -17,13 +17,18 @@ from benchtool.cli import (
     compare,
     demo,
     doctor,
+    emulate,
     export,
     info,
     jog,
+    live,
     parameter_files,
     params,
     record,
+    report,
+    reset,
     run,
+    scan,
 )
 from benchtool.errors import BenchError
 
@@ -67,10 +72,15 @@ for _verb in (
     run.run,
     jog.jog,
     record.record,
+    live.live,
     analyze.analyze,
+    report.report,
     export.export,
     compare.compare,
     info.info,
+    reset.reset,
+    scan.scan,
+    emulate.emulate,
     doctor.doctor,
 ):
     app.command(_verb.__name__)(_reporting(_verb))

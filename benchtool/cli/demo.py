@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from benchtool.cli import options
+from benchtool.cli import options, viewing
 from benchtool.cli.run import RunOptions, run_named
 
 PLAN = "zhu2011/ripple"
@@ -10,9 +10,12 @@ PLAN = "zhu2011/ripple"
 
 def demo(
     out: options.Out = None,
+    live: viewing.Live = None,
     seed: options.Seed = 0,
     real_time: options.RealTime = False,
     as_json: options.Json = False,
 ) -> int:
     """A torque-ripple test on the emulated drive, over CANopen frames: needs no hardware."""
-    return run_named(PLAN, RunOptions(out=out, seed=seed, real_time=real_time, as_json=as_json))
+    return run_named(
+        PLAN, RunOptions(out=out, seed=seed, real_time=real_time, as_json=as_json, live=tuple(live or ()))
+    )

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from benchtool.cli import options
+from benchtool.cli import options, viewing
 from benchtool.cli.output import Output, show_run
 
 if TYPE_CHECKING:
@@ -31,6 +31,7 @@ class RunOptions:
     resume: bool = False
     page: Path | None = None
     jobs: int = 1
+    live: tuple[str, ...] = ()
 
 
 def run(
@@ -49,12 +50,15 @@ def run(
         Path | None, typer.Option(metavar="FILE", help="Write published and measured figures as Markdown.")
     ] = None,
     jobs: Annotated[int, typer.Option(min=1, help="Emulated benches to run at a time.")] = 1,
+    live: viewing.Live = None,
     seed: options.Seed = 0,
     real_time: options.RealTime = False,
     as_json: options.Json = False,
 ) -> int:
     """Run a test plan: set up, run, capture, measure, judge; the drive is disabled afterwards."""
-    chosen = RunOptions(profile, link, resume or out, seed, real_time, as_json, bool(resume), page, jobs)
+    chosen = RunOptions(
+        profile, link, resume or out, seed, real_time, as_json, bool(resume), page, jobs, tuple(live or ())
+    )
     return run_named(plan, chosen)
 
 
@@ -71,9 +75,12 @@ def run_named(name: str, chosen: RunOptions) -> int:
     output = Output(as_json=chosen.as_json)
     title = Path(name).stem if name.endswith(".toml") else name
     folder = options.bundle_folder(chosen.out, options.wall_time(), title)
-    results = {
-        each: _run(each, folder if single else folder / Path(each).stem, chosen, output) for each in names
-    }
+    with viewing.places(chosen.live, output) as where:
+        results = {
+            each: _run(each, folder if single else folder / Path(each).stem, chosen, output, where)
+            for each in names
+        }
+        where.linger(output)
     if chosen.page is not None:
         _write_page(chosen.page, name, results)
     verdict = worst(result.verdict for result in results.values())
@@ -82,7 +89,7 @@ def run_named(name: str, chosen: RunOptions) -> int:
     return 1 if verdict is Verdict.FAIL else 0
 
 
-def _run(name: str, folder: Path, chosen: RunOptions, output: Output) -> RunResult:
+def _run(name: str, folder: Path, chosen: RunOptions, output: Output, where: viewing.Places) -> RunResult:
     from benchtool.bench import dictionary_of, open_session
     from benchtool.cli.progress import RunProgress
     from benchtool.errors import UsageError
@@ -99,7 +106,10 @@ def _run(name: str, folder: Path, chosen: RunOptions, output: Output) -> RunResu
         raise UsageError(
             f"--jobs {chosen.jobs} is for emulated benches in virtual time: leave out --link and --real-time"
         )
-    with RunProgress(output) as progress:
+    if chosen.jobs > 1 and chosen.live:
+        raise UsageError(f"--jobs {chosen.jobs} runs elsewhere than --live can look: leave one of them out")
+    with RunProgress(output) as bar:
+        progress = viewing.RunViews(where, bar, output)
         opener = partial(
             open_session,
             place,
@@ -120,6 +130,7 @@ def _run(name: str, folder: Path, chosen: RunOptions, output: Output) -> RunResu
                     info,
                     progress,
                     resume=chosen.resume,
+                    watcher=progress,
                 )
         except KeyboardInterrupt as interrupt:
             interrupt.add_note(f"go on with: benchtool run {name} --resume {folder}")

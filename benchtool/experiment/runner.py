@@ -9,6 +9,7 @@ from pathlib import Path
 
 from benchtool.analysis import measurements_to_json, tables_to_json
 from benchtool.bench import Session
+from benchtool.block import Block
 from benchtool.drive import Identity
 from benchtool.drive.parameters import snapshot, temporary
 from benchtool.errors import RecordingError
@@ -19,8 +20,9 @@ from benchtool.experiment.drawing import draw_case, draw_cases
 from benchtool.experiment.limits import Verdict
 from benchtool.experiment.plan import Plan
 from benchtool.experiment.repetition import over_repetitions
+from benchtool.experiment.watching import Unwatched, Watcher
 from benchtool.recording import Bundle, BundleWriter, Manifest, software_versions
-from benchtool.telemetry import TelemetryStream, certify_recording, record_stream
+from benchtool.telemetry import FanOut, Sink, TelemetryStream, certify_recording, record_stream
 
 
 @dataclass(frozen=True)
@@ -36,7 +38,14 @@ Opener = Callable[[Case, int], AbstractContextManager[Session]]
 
 
 def run_plan(
-    opener: Opener, plan: Plan, folder: Path, info: RunInfo, progress: Progress, *, resume: bool = False
+    opener: Opener,
+    plan: Plan,
+    folder: Path,
+    info: RunInfo,
+    progress: Progress,
+    *,
+    resume: bool = False,
+    watcher: Watcher | None = None,
 ) -> RunResult:
     """Run every case of `plan`; a plan of one case has its bundle in `folder`, others in folders within it.
 
@@ -45,12 +54,13 @@ def run_plan(
     Args:
         opener: opens the session of a case; on an emulated bench as the case alters it, with the seed given.
         resume: take the cases that `folder` already holds complete from there.
+        watcher: looks on.
 
     Raises:
         BenchError: whatever went wrong; a bundle that was begun says where, and holds what came till then.
     """
     todo = cases(plan)
-    results = run_cases(opener, plan, todo, folder, info, progress, resume=resume)
+    results = run_cases(opener, plan, todo, folder, info, progress, resume=resume, watcher=watcher)
     draw_cases(plan, results, folder)
     measured = {each.case: each.measurements for each in results}
     return RunResult(tuple(results), over_repetitions(plan, measured))
@@ -65,6 +75,7 @@ def run_cases(
     progress: Progress,
     *,
     resume: bool = False,
+    watcher: Watcher | None = None,
 ) -> list[Assessment]:
     """Run some of a plan's cases, each in a session of its own, so that none depends on those before it."""
     results: list[Assessment] = []
@@ -80,7 +91,8 @@ def run_cases(
             progress.note("checking identity and dictionary")
             identity = session.drive.connect()
             with temporary(session.drive, {**plan.setup, **case.setup}):
-                results.append(_run_case(session, plan, case, place, info, identity, progress))
+                looking = watcher or Unwatched()
+                results.append(_run_case(session, plan, case, place, info, identity, progress, looking))
     return results
 
 
@@ -118,6 +130,7 @@ def _run_case(
     info: RunInfo,
     identity: Identity,
     progress: Progress,
+    watcher: Watcher,
 ) -> Assessment:
     if plan.stimulus is not None:
         plan.stimulus.require_rated(session.profile.motor)
@@ -125,11 +138,12 @@ def _run_case(
     with BundleWriter(place, _manifest(session, plan, case, info, identity)) as writer:
         stream = None
         try:
-            with _telemetry(session, writer) as stream:
+            with _telemetry(session, writer, watcher.opened(session, plan, case)) as stream:
                 capture, transducer = conduct(session, plan, case, progress)
             writer.append("capture", capture)
             if transducer is not None:
                 writer.append("transducer", transducer)
+            watcher.captured(capture, transducer, _trigger_row(plan, capture))
             progress.note("analysing")
             certificate, facts = certify_recording(stream, {"capture": capture}, link.counters)
             motor, quality = session.profile.motor, certificate.measurements
@@ -147,6 +161,7 @@ def _run_case(
                 )
             except RecordingError as also:
                 failure.add_note(str(also))
+            watcher.closed(None, reason)
             raise
         progress.note(certificate.summary)
         writer.finish(
@@ -157,18 +172,27 @@ def _run_case(
             details=facts | {"verdicts": {name: str(verdict) for name, verdict in result.verdicts.items()}},
             certificate=certificate.to_json(),
         )
+    watcher.closed(result, "")
     progress.note("drawing")
     draw_case(plan, result)
     return result
 
 
+def _trigger_row(plan: Plan, capture: Block) -> int | None:
+    """Row at which the drive began to play; None without a stimulus."""
+    return round(plan.record.pretrigger_s * capture.sample_rate_Hz) if plan.stimulus else None
+
+
 @contextmanager
-def _telemetry(session: Session, writer: BundleWriter) -> Iterator[TelemetryStream | None]:
+def _telemetry(
+    session: Session, writer: BundleWriter, others: Sequence[Sink]
+) -> Iterator[TelemetryStream | None]:
     """The slow stream into the bundle, if the drive has one; what goes wrong with it ends the run."""
     if "stream_sequence" not in session.drive.dictionary:
+        FanOut(others).close()
         yield None
         return
-    with record_stream(session.drive, writer) as stream, session.drive.watched(stream.check):
+    with record_stream(session.drive, writer, others=others) as stream, session.drive.watched(stream.check):
         yield stream
 
 

@@ -14,7 +14,7 @@ from benchtool.telemetry import Sink
 
 
 class Watcher(Protocol):
-    """Told of every case: `opened`, `captured` if it came to that, `closed`. Must not raise, nor wait long."""
+    """Told of every case: `opened`, `captured` if it came to that, `closed`; must not raise or wait long."""
 
     def opened(self, session: Session, plan: Plan, case: Case) -> Sequence[Sink]:
         """A case begins, with nothing enabled yet; further sinks for its slow stream."""

@@ -1,0 +1,206 @@
+"""The layout of the viewer for a drive: a panel for all there is to show, with nothing to arrange first."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import rerun as rr
+import rerun.blueprint as rrb
+
+from benchtool.block import Channel
+from benchtool.live import names
+from benchtool.live.locus import NEEDED
+from benchtool.live.spectrum import chosen
+
+_PHASES = ("i_a", "i_b", "i_c")
+_VECTORS = ("i_d", "i_q", "i_alpha", "i_beta")
+_FOLLOWED_S = 20.0
+
+
+@dataclass(frozen=True)
+class Layout:
+    """What a recording holds, channels by source (`names.STREAM` ...).
+
+    `psi_Wb` is the radius of the flux plane's circle; `followed` shows the last seconds before the cursor,
+    else everything is shown; `states` adds a band of the drive's states.
+    """
+
+    stream: tuple[Channel, ...] = ()
+    capture: tuple[Channel, ...] = ()
+    transducer: tuple[Channel, ...] = ()
+    psi_Wb: float = 0.0
+    followed: bool = True
+    states: bool = False
+
+    def with_source(self, source: str, channels: tuple[Channel, ...]) -> Layout:
+        """The layout with the channels of one source."""
+        match source:
+            case names.STREAM:
+                return replace(self, stream=channels)
+            case names.CAPTURE:
+                return replace(self, capture=channels)
+        return replace(self, transducer=channels)
+
+    def sources(self) -> dict[str, tuple[Channel, ...]]:
+        """Channels by source, of the sources that there are."""
+        every = {names.STREAM: self.stream, names.CAPTURE: self.capture, names.TRANSDUCER: self.transducer}
+        return {source: channels for source, channels in every.items() if channels}
+
+    @property
+    def flux_plane(self) -> bool:
+        """Whether there are flux vectors to show."""
+        return any(set(NEEDED) <= _names(channels) for channels in self.sources().values())
+
+    @property
+    def spectrum(self) -> bool:
+        """Whether there is a channel whose spectrum is shown."""
+        return any(chosen(tuple(_names(channels))) for channels in self.sources().values())
+
+
+def blueprint(layout: Layout) -> rrb.Blueprint:
+    """The layout as Rerun's blueprint: signals on the left, shapes and spectra in the middle, words right."""
+    left = [
+        _plot(layout, "torque", "torque (Nm)", extra=(names.TORQUE_BAND, names.CAPTURE_BAND, names.MARKERS)),
+        _plot(layout, "current", "phase currents (A)"),
+        _beside(
+            _plot(layout, "speed", "speed (rad/s)"),
+            _plot(layout, "flux", "stator flux (Wb)", only=("psi_s", "psi_s_reference")),
+        ),
+        _beside(_plot(layout, "voltage", "voltage (V)")) if not layout.flux_plane else None,
+    ]
+    middle = [
+        _flux_plane(layout) if layout.flux_plane else None,
+        _spectrum() if layout.spectrum else None,
+        _harmonics() if layout.spectrum else None,
+    ]
+    right: list[rrb.View | rrb.Container | None] = [
+        rrb.Tabs(
+            rrb.TextDocumentView(origin=names.RESULTS, name="results"),
+            rrb.TextDocumentView(origin=names.PARAMETERS, name="parameters"),
+        ),
+        _waterfall() if layout.spectrum else None,
+        rrb.TextLogView(
+            origin=names.EVENTS,
+            name="state, faults and events",
+            columns=rrb.TextLogColumns(
+                timeline_columns=[_timeline_column()],
+                text_log_columns=["LogLevel", "Body"],
+            ),
+        ),
+        rrb.StateTimelineView(origin=names.STATE, name="state") if layout.states else None,
+        rrb.TimeSeriesView(
+            origin=names.QUALITY,
+            name="data quality (rows)",
+            plot_legend=rrb.PlotLegend(rrb.Corner2D.LeftTop),
+            time_ranges=_range(layout),
+        ),
+    ]
+    return rrb.Blueprint(
+        rrb.Horizontal(
+            _column(left, [3.0, 3.0, 2.0, 2.0]),
+            _column(middle, [4.0, 2.5, 2.5]),
+            _column(right, [4.0, 2.5, 3.0, 1.5, 2.0]),
+            column_shares=[4.7, 3.3, 4.0],
+        ),
+        rrb.TimePanel(state="collapsed", timeline=names.DRIVE_TIME, play_state="following"),
+        rrb.SelectionPanel(state="collapsed"),
+        rrb.BlueprintPanel(state="collapsed"),
+        auto_views=False,
+        auto_layout=False,
+    )
+
+
+def _timeline_column() -> rrb.encodings.TimelineColumn:
+    return rrb.encodings.TimelineColumn(names.DRIVE_TIME)
+
+
+def _column(parts: Iterable[rrb.View | rrb.Container | None], shares: list[float]) -> rrb.Vertical:
+    kept = [(part, share) for part, share in zip(parts, shares, strict=False) if part is not None]
+    return rrb.Vertical(*(part for part, _ in kept), row_shares=[share for _, share in kept])
+
+
+def _beside(*parts: rrb.View | None) -> rrb.Horizontal | None:
+    kept = [part for part in parts if part is not None]
+    return rrb.Horizontal(*kept) if kept else None
+
+
+def _plot(
+    layout: Layout, quantity: str, title: str, *, only: tuple[str, ...] = (), extra: tuple[str, ...] = ()
+) -> rrb.TimeSeriesView | None:
+    """A plot of one quantity from every source, `only` of some channels; None if there is none."""
+    overrides: dict[rr.encodings.EntityPath | str, Any] = {}
+    entities = []
+    for source, channels in layout.sources().items():
+        here = [channel.name for channel in channels if names.quantity(channel) == quantity]
+        wanted = _shown(here, only, layout)
+        if any(wanted):
+            entities.append(f"{source}/{quantity}")
+            if not all(wanted):
+                overrides[entities[-1]] = rr.SeriesLines(visible_series=wanted)
+    if not entities:
+        return None
+    return rrb.TimeSeriesView(
+        origin="/",
+        contents=[*entities, *extra],
+        name=title,
+        overrides=overrides,
+        plot_legend=rrb.PlotLegend(rrb.Corner2D.LeftTop),
+        time_ranges=_range(layout),
+    )
+
+
+def _shown(here: list[str], only: tuple[str, ...], layout: Layout) -> list[bool]:
+    """Which of an entity's channels a plot shows; of currents the phases, where any source has them."""
+    everywhere = set().union(*map(_names, layout.sources().values()))
+    if everywhere & set(_PHASES) and set(here) & {*_PHASES, *_VECTORS}:
+        return [name not in _VECTORS for name in here]
+    return [not only or name in only for name in here]
+
+
+def _range(layout: Layout) -> list[rrb.VisibleTimeRange] | None:
+    if not layout.followed:
+        return None
+    return [
+        rrb.VisibleTimeRange(
+            names.DRIVE_TIME,
+            start=rrb.TimeRangeBoundary.cursor_relative(seconds=-_FOLLOWED_S),
+            end=rrb.TimeRangeBoundary.cursor_relative(seconds=0.0),
+        )
+    ]
+
+
+def _flux_plane(layout: Layout) -> rrb.Spatial2DView:
+    reach = 1.6 * layout.psi_Wb
+    return rrb.Spatial2DView(
+        origin=names.LOCUS,
+        name="flux vector (Wb), alpha to the right, beta up",
+        visual_bounds=rrb.VisualBounds2D(x_range=[-reach, reach], y_range=[-reach, reach]),
+    )
+
+
+def _spectrum() -> rrb.BarChartView:
+    return rrb.BarChartView(
+        origin=f"{names.SPECTRUM}/lines", name="spectrum: dB re 1 mA peak over Hz, fundamental marked"
+    )
+
+
+def _harmonics() -> rrb.BarChartView:
+    return rrb.BarChartView(
+        origin=f"{names.SPECTRUM}/harmonics", name="harmonics: % of fundamental, by order"
+    )
+
+
+def _waterfall() -> rrb.TensorView:
+    return rrb.TensorView(
+        origin=f"{names.SPECTRUM}/waterfall",
+        name="waterfall: dB re 1 mA peak",
+        scalar_mapping=rrb.TensorScalarMapping(colormap="inferno", mag_filter="nearest"),
+        view_fit="fill",
+        slice_selection=rrb.TensorSliceSelection(width=1, height=0),
+    )
+
+
+def _names(channels: tuple[Channel, ...]) -> set[str]:
+    return {channel.name for channel in channels}

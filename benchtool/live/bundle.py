@@ -1,0 +1,102 @@
+"""A recorded run as a recording of the live view: the same panels as while it was measured."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from datetime import datetime
+from typing import Any
+
+from benchtool.block import Block
+from benchtool.live import names
+from benchtool.live.band import Limits
+from benchtool.live.columns import parts
+from benchtool.live.journal import ERROR, WARN
+from benchtool.live.outlet import Destination
+from benchtool.live.view import LiveView, Setup
+from benchtool.live.words import results_document
+from benchtool.recording import Bundle
+
+_SLOW = "telemetry"
+_CAPTURE = "capture"
+_TRANSDUCER = "transducer"
+_PART_S = 0.2  # as a stream comes
+
+
+def setup_of(bundle: Bundle, psi_r_Wb: float) -> Setup:
+    """What the view of a bundle is told; `psi_r_Wb` is the motor's flux where the bundle names none."""
+    manifest = bundle.manifest
+    motor = manifest.details.get("motor", {})
+    return Setup(
+        title=f"{manifest.what}: {manifest.details.get('case', bundle.directory.name)}",
+        psi_Wb=float(motor.get("psi_r_Wb", psi_r_Wb)),
+        limits=limits_of(manifest.details.get("plan", {}), str(manifest.details.get("case", ""))),
+        parameters=manifest.parameters,
+        wall_s=_wall_s(manifest.when),
+        followed=False,
+    )
+
+
+def limits_of(plan: Mapping[str, Any], case: str) -> Limits:
+    """(min, max) by measurement, of a plan as its manifest has it, for one case."""
+    limits = {**plan.get("limits", {}), **plan.get("case_limits", {}).get(case, {})}
+    return {name: (limit.get("min"), limit.get("max")) for name, limit in limits.items()}
+
+
+def show_bundle(
+    bundle: Bundle, setup: Setup, destinations: Sequence[Destination], note: Callable[[str], None]
+) -> LiveView:
+    """Send a whole bundle, every sample of it; the view is still open.
+
+    Raises:
+        RecordingError: a stream of the bundle cannot be read.
+        EnvironmentFailure: a destination cannot be opened.
+    """
+    blocks = {stream: bundle.block(stream) for stream in bundle.streams}
+    view = LiveView(setup, destinations, note)
+    details = bundle.manifest.details
+    if _SLOW in blocks:
+        slow = blocks[_SLOW]
+        for part in parts(slow, max(1, round(_PART_S * slow.sample_rate_Hz))):
+            view.take(part)
+    if _CAPTURE in blocks:
+        plan = details.get("plan", {})
+        view.captured(blocks[_CAPTURE], trigger_row=_trigger_row(plan, blocks[_CAPTURE]))
+    if _TRANSDUCER in blocks:
+        view.captured(blocks[_TRANSDUCER], names.TRANSDUCER)
+    if "state" in details:
+        view.state(str(details["state"]))
+    if "failure" in details:
+        view.event(str(details["failure"]), ERROR)
+    elif not bundle.complete:
+        view.event("the run was cut short", WARN)
+    certificate = bundle.certificate or {}
+    found = {**certificate.get("measurements", {}), **bundle.measurements}
+    rows = [
+        (name, _number(entry), str(entry["unit"]))
+        for name, entry in found.items()
+        if name in bundle.measurements or name in setup.limits or not bundle.measurements
+    ]
+    verdict = f"verdict: **{bundle.manifest.verdict}**" if bundle.manifest.verdict else ""
+    remarks = [text for text in (bundle.manifest.note, verdict, str(details.get("failure", ""))) if text]
+    view.results(results_document(setup.title, rows, setup.limits, details.get("verdicts", {}), remarks))
+    return view
+
+
+def _trigger_row(plan: Mapping[str, Any], capture: Block) -> int | None:
+    """Row at which the drive began to play a plan's stimulus; None of a capture without one."""
+    if not plan.get("stimulus"):
+        return None
+    row = round(float(plan.get("record", {}).get("pretrigger_s", 0.0)) * capture.sample_rate_Hz)
+    return row if row < len(capture.data) else None
+
+
+def _number(entry: Mapping[str, Any]) -> float:
+    value = entry.get("value")
+    return float("nan") if value is None else float(value)
+
+
+def _wall_s(when: str) -> float | None:
+    try:
+        return datetime.fromisoformat(when).timestamp()
+    except ValueError:
+        return None

@@ -1,0 +1,88 @@
+"""Where things are in a recording: entities, names of series, timelines and colours.
+
+A Block becomes one entity for each unit it holds, `/stream/torque`, `/stream/current` and so on, each with
+all its channels side by side: that costs less than an entity for each channel, and suits plots of one unit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+from benchtool.block import Channel
+
+TICK: Final = "drive_tick"
+"""Control periods since power-up of the drive, an integer."""
+
+DRIVE_TIME: Final = "drive_time"
+"""`drive_tick` times the control period, as a duration."""
+
+WALL_TIME: Final = "wall_time"
+"""Wall time of the first row received plus the drive time since then, as a timestamp."""
+
+STREAM: Final = "/stream"
+CAPTURE: Final = "/capture"
+TRANSDUCER: Final = "/bench/transducer"
+"""Drawn below the others, which is what the order of names decides."""
+TORQUE_BAND: Final = "/limits/torque"
+CAPTURE_BAND: Final = "/limits/capture"
+LOCUS: Final = "/locus"
+SPECTRUM: Final = "/spectrum"
+EVENTS: Final = "/drive/events"
+MARKERS: Final = "/drive/markers"
+STATE: Final = "/drive/state"
+QUALITY: Final = "/quality"
+RESULTS: Final = "/documents/results"
+PARAMETERS: Final = "/documents/parameters"
+
+_QUANTITIES: Final = {
+    "Nm": "torque",
+    "A": "current",
+    "Wb": "flux",
+    "rad/s": "speed",
+    "V": "voltage",
+    "rad": "angle",
+    "": "counts",
+}
+_OTHER: Final = "other"
+_SOURCES: Final = {STREAM: "", CAPTURE: ", capture", TRANSDUCER: ""}
+_COLOURS: Final = {  # Okabe and Ito (Color Universal Design, 2008), on the dark ground of the viewer
+    "i_a": (86, 180, 233),
+    "i_b": (230, 159, 0),
+    "i_c": (0, 158, 115),
+    "torque": (86, 180, 233),
+    "torque_reference": (240, 228, 66),
+    "torque_transducer": (120, 120, 120),
+    "psi_s": (230, 159, 0),
+    "omega_m": (0, 158, 115),
+}
+_CYCLE: Final = ((86, 180, 233), (230, 159, 0), (0, 158, 115), (204, 121, 167), (213, 94, 0), (240, 228, 66))
+
+Colour = tuple[int, int, int]
+
+
+def quantity(channel: Channel) -> str:
+    """The last part of the entity that holds a channel."""
+    return _QUANTITIES.get(channel.unit, _OTHER)
+
+
+def columns_by_quantity(channels: Sequence[Channel]) -> dict[str, tuple[int, ...]]:
+    """Columns of a Block by quantity, in their order."""
+    groups: dict[str, list[int]] = {}
+    for column, channel in enumerate(channels):
+        groups.setdefault(quantity(channel), []).append(column)
+    return {name: tuple(columns) for name, columns in groups.items()}
+
+
+def label(channel: Channel, source: str) -> str:
+    """Name of a series: `torque (Nm)`, with what it was taken by if that is not the slow stream."""
+    unit = f" ({channel.unit})" if channel.unit else ""
+    return f"{channel.name}{unit}{_SOURCES[source]}"
+
+
+def colour(channel: Channel, place: int, source: str) -> Colour:
+    """Colour of a series; that of a slow stream is lighter than the same channel's in a capture."""
+    red, green, blue = _COLOURS.get(channel.name, _CYCLE[place % len(_CYCLE)])
+    if source != STREAM:
+        return red, green, blue
+    return (red + 255) // 2, (green + 255) // 2, (blue + 255) // 2

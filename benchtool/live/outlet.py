@@ -1,0 +1,160 @@
+"""One recording on its way to one destination, which may be slow, stuck or gone."""
+
+from __future__ import annotations
+
+import queue
+import threading
+from collections.abc import Callable, Iterable
+from typing import Final, Protocol
+
+import rerun as rr
+
+from benchtool.live.columns import Message
+
+APPLICATION: Final = "benchtool"
+PATIENCE_S: Final = 0.5
+_BATCHES = 8
+_WAIT_S = 1e6  # for a flush; what ends it sooner is the end of the viewer
+_POLL_S = 0.05
+
+_Batch = tuple[tuple[Message, ...], int]
+
+
+class Destination(Protocol):
+    """Where recordings go: a file, or a viewer."""
+
+    @property
+    def name(self) -> str:
+        """For messages."""
+
+    @property
+    def closing_s(self) -> float:
+        """How long the end of a recording may wait for it."""
+
+    def connect(self, stream: rr.RecordingStream) -> None:
+        """Have a recording go there.
+
+        Raises:
+            EnvironmentFailure: it cannot.
+        """
+
+    def alive(self) -> bool:
+        """Whether there is still somebody to take it."""
+
+    def give_up(self) -> None:
+        """It takes nothing more: have it let go of the connection."""
+
+
+class Outlet:
+    """Sends to one destination from a thread of its own, with a bounded queue.
+
+    After every batch that thread flushes the recording and waits for as long as it takes: the SDK holds one
+    batch at most, this queue eight, whatever the destination does. Who calls `send` waits for room, but once
+    that has taken `patience_s` the destination is stuck: until there is room again, batches are discarded
+    and counted at once.
+
+    Args:
+        destination: where to.
+        recording_id: of the recording; several outlets of one recording share it.
+        title: of the recording, for people.
+        note: takes a line if the destination is stuck, gone or back.
+        patience_s: see above.
+
+    Raises:
+        EnvironmentFailure: the destination cannot be opened.
+    """
+
+    def __init__(
+        self,
+        destination: Destination,
+        recording_id: str,
+        title: str,
+        note: Callable[[str], None],
+        *,
+        patience_s: float = PATIENCE_S,
+    ) -> None:
+        self.rows_dropped = 0
+        self._destination = destination
+        self._note = note
+        self._patience_s = patience_s
+        self._stuck = self._gone = False
+        self._lock = threading.Lock()
+        self._batches: queue.Queue[_Batch | None] = queue.Queue(_BATCHES)
+        self._stream = rr.RecordingStream(APPLICATION, recording_id=recording_id)
+        destination.connect(self._stream)
+        self._stream.send_recording_name(title)
+        self._thread = threading.Thread(target=self._run, name=f"benchtool-live-{self.name}", daemon=True)
+        self._thread.start()
+
+    @property
+    def name(self) -> str:
+        return self._destination.name
+
+    def send(self, messages: Iterable[Message], rows: int = 0) -> bool:
+        """Have a batch sent, of so many rows of data, or discard it; whether it will be. Never raises."""
+        if self._put((tuple(messages), rows)):
+            return True
+        self._drop(rows)
+        return False
+
+    def close(self) -> None:
+        """Let what waits be sent, for `closing_s` at most, and end the recording."""
+        left_s = self._destination.closing_s
+        ending = False
+        while self._thread.is_alive() and left_s > 0.0 and self._destination.alive():
+            if not ending:
+                ending = self._offer(None, _POLL_S)
+            self._thread.join(_POLL_S)
+            left_s -= _POLL_S
+        if self._thread.is_alive():
+            # The flush that the thread is in returns when there is nobody at the other end.
+            self._destination.give_up()
+            self._gone = True
+            self._offer(None, 0.0)
+            self._thread.join(self._destination.closing_s)
+        self._stream.disconnect()
+
+    def _put(self, batch: _Batch) -> bool:
+        if not self._destination.alive():
+            self._leave()
+        if self._gone:
+            return False
+        if self._offer(batch, 0.0 if self._stuck else self._patience_s):
+            if self._stuck:
+                self._stuck = False
+                self._note(f"{self.name} is back; {self.rows_dropped} rows were not shown")
+            return True
+        if not self._stuck:
+            self._stuck = True
+            self._note(f"{self.name} took nothing for {self._patience_s:g} s: rows are dropped until it does")
+        return False
+
+    def _drop(self, rows: int) -> None:
+        with self._lock:
+            self.rows_dropped += rows
+
+    def _leave(self) -> None:
+        with self._lock:
+            known, self._gone = self._gone, True
+        if not known:
+            self._note(f"{self.name} is gone, the measurement goes on without it")
+
+    def _offer(self, batch: _Batch | None, wait_s: float) -> bool:
+        try:
+            self._batches.put(batch, block=wait_s > 0.0, timeout=wait_s or None)
+        except queue.Full:
+            return False
+        return True
+
+    def _run(self) -> None:
+        while (batch := self._batches.get()) is not None:
+            messages, rows = batch
+            if not self._gone:
+                try:
+                    for message in messages:
+                        message.send(self._stream)
+                    self._stream.flush(timeout_sec=_WAIT_S)
+                    continue
+                except (RuntimeError, ValueError):  # what the SDK makes of a broken connection
+                    self._leave()
+            self._drop(rows)

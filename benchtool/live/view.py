@@ -1,0 +1,256 @@
+"""The live view of one recording: blocks, events and results in, batches to every destination out."""
+
+from __future__ import annotations
+
+import threading
+import time
+import uuid
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from types import TracebackType
+from typing import Self
+
+import numpy as np
+import rerun as rr
+
+from benchtool.block import Block
+from benchtool.errors import EnvironmentFailure
+from benchtool.live import locus, names
+from benchtool.live.band import Limits, TorqueBand
+from benchtool.live.blueprint import Layout, blueprint
+from benchtool.live.columns import (
+    Arrangement,
+    Columns,
+    Message,
+    Still,
+    TimeAxis,
+    block_columns,
+    lines,
+    parts,
+    scalars,
+    series,
+)
+from benchtool.live.journal import Journal
+from benchtool.live.outlet import PATIENCE_S, Destination, Outlet
+from benchtool.live.spectra import capture_spectra, running_spectra
+from benchtool.live.spectrum import RunningSpectrum, chosen
+from benchtool.live.words import parameters_document, results_document
+
+_WATERFALL_S = 1.0  # between two pictures, each of which is kept in the recording
+_ROWS = 20_000  # in a batch, so that a long record needs no more memory than itself
+_GOOD = ((0, 158, 115), 1.5)
+_BAD = ((213, 94, 0), 1.5)
+_UNSEEN = ((230, 159, 0), 1.5)
+
+
+@dataclass(frozen=True)
+class Setup:
+    """What a view is told before the first block.
+
+    `psi_Wb` is the radius of the flux plane's circle; its hexagon is that of the first `u_dc` received.
+    `limits` are (min, max) by measurement, `torque_ripple_pp` among them; `parameters` go into a document.
+    `wall_s` is the wall time, seconds since 1970, of the first row; None for that of its arrival.
+    """
+
+    title: str
+    psi_Wb: float
+    limits: Limits = field(default_factory=dict)
+    parameters: Mapping[str, object] = field(default_factory=dict)
+    wall_s: float | None = None
+    followed: bool = True
+
+
+class LiveView:
+    """A recording that is looked at while it grows; nothing that it does or fails to do disturbs the drive.
+
+    `take` is called in a thread of its own with a bounded queue (`telemetry.Sink`, lossless False); `event`
+    may be called from any thread and only leaves a note; the other methods are for when nothing is measured.
+
+    Args:
+        setup: see `Setup`.
+        destinations: where to; each has a recording of its own.
+        note: takes a line if a destination cannot be opened, is stuck, gone or back.
+    """
+
+    def __init__(
+        self,
+        setup: Setup,
+        destinations: Sequence[Destination],
+        note: Callable[[str], None] = lambda _: None,
+        *,
+        patience_s: float = PATIENCE_S,
+    ) -> None:
+        self._setup = setup
+        self._note = note
+        self._layout = Layout(psi_Wb=setup.psi_Wb, followed=setup.followed)
+        self._axis: TimeAxis | None = None
+        self._journal = Journal()
+        self._stateful = False
+        self._band = TorqueBand(setup.limits)
+        self._lock = threading.Lock()
+        self._spectrum: RunningSpectrum | None = None
+        self._next_tick: int | None = None
+        self._last_tick = self._waterfall_tick = 0
+        self._received = self._missing = 0
+        self._queue_dropped: Callable[[], int] = lambda: 0
+        recording, title = str(uuid.uuid4()), setup.title
+        self.outlets: list[Outlet] = []
+        for destination in destinations:
+            try:
+                self.outlets.append(Outlet(destination, recording, title, note, patience_s=patience_s))
+            except EnvironmentFailure as failure:
+                note(f"not shown by {destination.name}: {failure}")
+        still: list[Message] = [
+            *locus.frame(setup.psi_Wb),
+            Still(names.RESULTS, results_document(setup.title, (), remarks=["nothing is measured yet"])),
+            Still(names.PARAMETERS, parameters_document(setup.title, setup.parameters)),
+            lines(names.QUALITY, {"received": _GOOD, "missing": _BAD, "not shown": _UNSEEN}),
+            Still(names.MARKERS, rr.SeriesPoints(names=["event"], colors=[(213, 94, 0)], marker_sizes=[6.0])),
+        ]
+        self._send(still)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    @property
+    def rows_dropped(self) -> dict[str, int]:
+        """Rows that a destination did not take, by its name."""
+        return {outlet.name: outlet.rows_dropped for outlet in self.outlets}
+
+    def count_drops(self, dropped: Callable[[], int]) -> None:
+        """Have the rows that were dropped on the way here shown as well."""
+        self._queue_dropped = dropped
+
+    # ---- while it is measured ---------------------------------------------------------------------------
+
+    def take(self, block: Block) -> None:
+        """Show the next rows of the slow stream."""
+        if len(block.data):
+            with self._lock:
+                self._take(block)
+
+    def event(self, text: str, level: str = "INFO", tick: int | None = None) -> None:
+        """Leave a line for the log, at a tick or at that of the last row; INFO, WARN, ERROR or CRITICAL."""
+        self._journal.event(text, level, tick)
+
+    def state(self, state: str) -> None:
+        """Say which state the drive is in now."""
+        self._stateful = True
+        self._journal.state(state)
+
+    # ---- when it was measured ---------------------------------------------------------------------------
+
+    def captured(self, block: Block, source: str = names.CAPTURE, trigger_row: int | None = None) -> None:
+        """Show a record of the control rate, or of a transducer, at its place in drive time.
+
+        `trigger_row` is where in it the drive was triggered.
+        """
+        if not len(block.data):
+            return
+        with self._lock:
+            axis, next_tick = self._axis_of(block), None
+            self._last_tick = max(self._last_tick, axis.tick(block, len(block.data) - 1))
+            self._show(source, block)
+            for part in parts(block, _ROWS):
+                self._send(block_columns(part, axis, source, next_tick), len(part.data))
+                next_tick = int(part.ticks()[-1]) + part.stride
+            messages: list[Message] = [*locus.trace(block, axis, source)]
+            if source == names.CAPTURE:
+                messages += self._band.whole(block, axis) + capture_spectra(block, axis)
+            self._send(messages)
+        seconds = block.time_s()[-1]
+        self.event(
+            f"{source.strip('/')}: {len(block.data)} rows over {seconds:.3g} s", tick=axis.tick(block, 0)
+        )
+        if trigger_row is not None:
+            self.event("trigger", "WARN", tick=axis.tick(block, trigger_row))
+        self._tell()
+
+    def results(self, document: rr.TextDocument) -> None:
+        """Show what was measured."""
+        with self._lock:
+            self._send([Still(names.RESULTS, document)])
+
+    def close(self) -> None:
+        """Send what waits and end the recording."""
+        self._tell()
+        for outlet in self.outlets:
+            outlet.close()
+
+    # ---- inside -----------------------------------------------------------------------------------------
+
+    def _take(self, block: Block) -> None:
+        axis = self._axis_of(block)
+        self._show(names.STREAM, block)
+        broken = self._next_tick is not None and block.first_tick > self._next_tick
+        messages: list[Message] = [*block_columns(block, axis, names.STREAM, self._next_tick)]
+        missing = sum(gap.missing_rows for gap in block.gaps)
+        if broken and self._next_tick is not None:
+            missing += (block.first_tick - self._next_tick) // block.stride
+        if missing:
+            self.event(f"{missing} rows of the stream are missing", "WARN", tick=block.first_tick)
+        self._last_tick = int(block.ticks()[-1])
+        self._next_tick = self._last_tick + block.stride
+        self._received += len(block.data)
+        self._missing += missing
+        self._journal.notice(block)
+        messages += locus.trace(block, axis, names.STREAM)
+        messages += self._band.running(block, axis)
+        if self._spectrum is not None:
+            self._spectrum.add(block, broken=broken)
+            due = self._last_tick >= self._waterfall_tick
+            if due:
+                self._waterfall_tick = self._last_tick + round(_WATERFALL_S / axis.tick_s)
+            messages += running_spectra(self._spectrum, axis, self._last_tick, waterfall=due)
+        messages.append(self._quality(axis))
+        self._send(messages, len(block.data))
+        self._send(self._journal.messages(axis, self._last_tick, self._band.mean_Nm))
+
+    def _tell(self) -> None:
+        """Send the events that wait, if there is a time axis to put them on."""
+        with self._lock:
+            if self._axis is None and self._journal.waiting:
+                self._axis = TimeAxis(1e-4, 0, self._setup.wall_s or time.time())
+            if self._axis is not None:
+                self._send(
+                    [
+                        *self._journal.messages(self._axis, self._last_tick, self._band.mean_Nm),
+                        self._quality(self._axis),
+                    ]
+                )
+
+    def _axis_of(self, block: Block) -> TimeAxis:
+        if self._axis is None:
+            took_s = (block.ticks()[-1] - block.first_tick) * block.tick_s
+            wall_s = time.time() - took_s if self._setup.wall_s is None else self._setup.wall_s
+            self._axis = TimeAxis(block.tick_s, block.first_tick, wall_s)
+        return self._axis
+
+    def _show(self, source: str, block: Block) -> None:
+        """Name the series of a source, and lay the view out, when it appears."""
+        layout = replace(self._layout.with_source(source, block.channels), states=self._stateful)
+        if layout == self._layout:
+            return
+        self._layout = layout
+        self._send(series(block.channels, source))
+        if "u_dc" in block.names and (u_dc_V := float(block.column("u_dc").mean())) > 0.0:
+            self._send(locus.voltages(self._setup.psi_Wb, u_dc_V))
+        name = chosen(block.names)
+        if source == names.STREAM and name is not None and self._spectrum is None:
+            self._spectrum = RunningSpectrum(name, block.unit(name), block.sample_rate_Hz)
+        self._send([Arrangement(blueprint(self._layout))])
+
+    def _quality(self, axis: TimeAxis) -> Columns:
+        dropped = self._queue_dropped() + sum(self.rows_dropped.values())
+        values = np.array([[self._received, self._missing, dropped]], dtype=np.float64)
+        return scalars(names.QUALITY, axis, np.array([self._last_tick], dtype=np.int64), values)
+
+    def _send(self, messages: Iterable[Message], rows: int = 0) -> None:
+        batch = tuple(messages)
+        for outlet in self.outlets:
+            outlet.send(batch, rows)

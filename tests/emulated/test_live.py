@@ -1,0 +1,256 @@
+"""`benchtool live` and `--live`: what is shown is what was recorded, and looking on changes nothing."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import shutil
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterable
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner, Result
+
+from benchtool.cli import app
+from benchtool.live import CAPTURE, STREAM, TRANSDUCER, LiveView, Outlet, Viewer, names
+from benchtool.live.columns import Message
+from benchtool.live.viewer import viewer_environment, viewer_program
+from benchtool.recording import Bundle
+from benchtool.telemetry import TelemetryStream
+from tests.emulated import browser
+from tests.unit.live.readback import Recording, assert_holds
+
+Invoke = Callable[..., Result]
+_PLAN = """
+title = "short"
+profile = "zhu2011"
+
+[operating_point]
+omega_m_rad_s = 15.71
+load_torque_Nm = 0.3
+settle_s = 0.4
+
+[record]
+duration_s = 0.25
+channels = ["i_a", "torque", "torque_reference", "psi_alpha", "psi_beta", "theta_m", "omega_m", "u_dc"]
+
+[analyses]
+steady = false
+
+[limits]
+capture_rows_missing = { max = 0 }
+"""
+
+
+@pytest.fixture
+def invoke(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Invoke:
+    monkeypatch.chdir(tmp_path)
+    Path("short.toml").write_text(_PLAN, encoding="utf-8")
+
+    def run(*arguments: str) -> Result:
+        result = CliRunner().invoke(app, arguments)
+        assert "Traceback" not in result.output
+        return result
+
+    return run
+
+
+def test_a_run_is_shown_as_it_is_recorded(invoke: Invoke) -> None:
+    result = invoke("run", "short.toml", "--out", "run", "--live", "a.rrd")
+    assert result.exit_code == 0, result.output
+    bundle, recording = Bundle.open(Path("run")), Recording.read(Path("a.rrd"))
+    assert bundle.complete
+    for stream, source in (("telemetry", STREAM), ("capture", CAPTURE), ("transducer", TRANSDUCER)):
+        assert_holds(recording, bundle.block(stream), source)
+    said = recording.texts(names.EVENTS)
+    assert "enabling" in said
+    assert recording.values(names.QUALITY)[-1].tolist() == [len(bundle.block("telemetry").data), 0.0, 0.0]
+    document = recording.still[names.RESULTS]["TextDocument:text"][0]
+    assert "| capture\\_rows\\_missing | 0 |  | ≤ 0 | pass |" in document
+
+
+def test_looking_on_changes_no_bit(invoke: Invoke) -> None:
+    assert invoke("run", "short.toml", "--out", "a").exit_code == 0
+    assert invoke("run", "short.toml", "--out", "b", "--live", "b.rrd").exit_code == 0
+    for name in ("telemetry", "capture", "transducer"):
+        first, second = (Path(folder) / "data" / f"{name}.parquet" for folder in "ab")
+        assert first.read_bytes() == second.read_bytes()
+
+
+def test_a_recorded_run_opens_in_the_same_view(invoke: Invoke) -> None:
+    plan = _PLAN + '\n[[variants]]\nname = "cold"\n[[variants]]\nname = "warm"\nsetup = { R_s_ohm = 0.17 }\n'
+    Path("two.toml").write_text(plan, encoding="utf-8")
+    assert invoke("run", "two.toml", "--out", "run", "--live", "live.rrd").exit_code == 0
+    result = invoke("live", "run", "--save", "later.rrd", "--json")
+    assert result.exit_code == 0, result.output
+    shown = [Path(each["bundle"]) for each in json.loads(result.stdout)["shown"]]
+    assert len(shown) == 2
+    written = sorted(Path.cwd().glob("live-*.rrd")), sorted(Path.cwd().glob("later-*.rrd"))
+    assert [len(each) for each in written] == [2, 2]
+    for place, live, later in zip(shown, *written, strict=True):
+        bundle = Bundle.open(place)
+        for path in (live, later):
+            recording = Recording.read(path)
+            assert_holds(recording, bundle.block("telemetry"), STREAM)
+            assert_holds(recording, bundle.block("capture"), CAPTURE)
+
+
+@pytest.mark.parametrize("wire", ["emulated", "emulated?wire=serial"])
+def test_a_drive_is_shown_without_being_enabled(invoke: Invoke, wire: str) -> None:
+    options = ("--rate", "1000") if "serial" in wire else ()
+    result = invoke("live", "--duration", "1", "--save", "a.rrd", "--link", wire, "--json", *options)
+    assert result.exit_code == 0, result.output
+    document = json.loads(result.stdout)
+    assert document["rows"] == (1000 if options else 250)
+    assert document["rows_not_shown"] == {"queue": 0, "a.rrd": 0}
+    recording = Recording.read(Path("a.rrd"))
+    assert recording.texts(names.EVENTS) == ["state: switch on disabled"]
+    assert len(recording.values("/stream/torque")) == document["rows"]
+    assert recording.series("/stream/current") == ["i_a (A)", "i_b (A)", "i_c (A)"]
+
+
+def test_a_view_that_blocks_loses_rows_and_the_recording_none(
+    invoke: Invoke, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In real time: in virtual time a view is waited for."""
+    let_go = threading.Event()
+    ended = TelemetryStream.__exit__
+
+    def block(view: LiveView, _block: object) -> None:
+        let_go.wait()
+
+    def leave(stream: TelemetryStream, *error: object) -> None:
+        let_go.set()
+        ended(stream, *error)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(LiveView, "_take", block)
+    monkeypatch.setattr(TelemetryStream, "__exit__", leave)
+    monkeypatch.setattr("benchtool.clock.VirtualClock.settle_with", _but_not_for_sinks)
+    result = invoke(
+        "record", "--duration", "20", "--out", "a", "--live", "a.rrd", "--channels", "torque,omega_m",
+        "--rate", "100", "--json",
+    )  # fmt: skip
+    assert result.exit_code == 0, result.output
+    bundle = Bundle.open(Path("a"))
+    assert bundle.complete
+    assert len(bundle.block("telemetry").data) == 2000
+    values = json.loads(result.stdout)["certificate"]["measurements"]
+    assert values["telemetry_rows_missing"]["value"] == 0
+    # 100 blocks came, 64 waited and one was being handled
+    assert values["telemetry_rows_dropped"]["value"] == 700
+
+
+def _but_not_for_sinks(clock: object, settle: Callable[[], bool]) -> None:
+    """What is waited for before time moves, the live sink apart."""
+    worker = getattr(settle, "__self__", None)
+    thread = getattr(worker, "_thread", None)
+    if getattr(thread, "name", "") != "benchtool-live":
+        clock._settlers.append(settle)  # type: ignore[attr-defined]
+
+
+def test_a_viewer_that_is_killed_ends_nothing(invoke: Invoke, monkeypatch: pytest.MonkeyPatch) -> None:
+    started: list[Viewer] = []
+    connect, send = Viewer.connect, Outlet.send
+    sent: list[int] = []
+
+    def noted(viewer: Viewer, stream: object) -> None:
+        started.append(viewer)
+        connect(viewer, stream)  # type: ignore[arg-type]
+
+    def counted(outlet: Outlet, messages: Iterable[Message], rows: int = 0) -> bool:
+        sent.append(rows)
+        if len([each for each in sent if each]) == 5:
+            started[0].process.kill()
+            started[0].process.wait()
+        return send(outlet, messages, rows)
+
+    monkeypatch.setattr(Viewer, "connect", noted)
+    monkeypatch.setattr(Outlet, "send", counted)
+    result = invoke("record", "--duration", "3", "--out", "a", "--live", "web", "--live", "a.rrd")
+    assert result.exit_code == 0, result.output
+    assert "the web viewer is gone, the measurement goes on without it" in result.stderr
+    bundle = Bundle.open(Path("a"))
+    assert bundle.complete
+    assert len(bundle.block("telemetry").data) == 300
+    assert_holds(Recording.read(Path("a.rrd")), bundle.block("telemetry"), STREAM)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "line"),
+    [
+        (("demo", "--live", "nowhere"), 2, "--live nowhere: 'viewer', 'web' or a file that ends in .rrd"),
+        (("live", "--save", "a.txt"), 2, "--save a.txt: a file that ends in .rrd is expected"),
+        (("record", "--duration", "1", "--live", "short.toml/a.rrd"), 3, "cannot write short.toml/a.rrd: "),
+        (("live", "--duration", "1"), 3, "the native viewer needs a display"),
+        (("live", "nowhere", "--save", "a.rrd"), 3, "there is no nowhere"),
+        (("run", "short.toml", "--jobs", "2", "--live", "a.rrd"), 2, "--jobs 2 runs elsewhere than --live"),
+        (("live", "--web", "--bind", "x"), 2, "'x' is no address to listen on"),
+    ],
+)
+def test_what_cannot_be_shown_is_said_before_anything_runs(
+    invoke: Invoke, monkeypatch: pytest.MonkeyPatch, arguments: tuple[str, ...], code: int, line: str
+) -> None:
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    result = invoke(*arguments)
+    assert result.exit_code == code, result.output
+    lines = result.stderr.splitlines()
+    assert len(lines) == 1
+    assert lines[0].startswith(f"benchtool: {line}")
+    assert not Path("runs").exists()
+
+
+def test_rerun_finds_nothing_wrong_with_a_recording(invoke: Invoke) -> None:
+    assert invoke("live", "--duration", "0.5", "--save", "a.rrd").exit_code == 0
+    done = subprocess.run(
+        [viewer_program(), "rrd", "verify", "a.rrd"],
+        env=viewer_environment(),
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert "1 file verified without error" in done.stderr + done.stdout
+
+
+def _lavapipe() -> bool:
+    return any(Path("/usr/share/vulkan/icd.d").glob("lvp_icd*.json"))
+
+
+@pytest.mark.skipif(
+    sys.platform != "linux" or not _lavapipe(),
+    reason="a picture without a display needs lavapipe (Debian: mesa-vulkan-drivers)",
+)
+def test_the_view_can_be_drawn(invoke: Invoke) -> None:
+    assert invoke("run", "short.toml", "--out", "run", "--live", "a.rrd").exit_code == 0
+    done = subprocess.run(
+        [viewer_program(), "--bind", "127.0.0.1", "--port", "auto", "--headless", "--screenshot-to", "a.png",
+         "--window-size", "1000x700", "a.rrd"],
+        env=viewer_environment(),
+        capture_output=True,
+        timeout=120.0,
+        check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert Path("a.png").stat().st_size > 50_000  # an empty window is a tenth of that
+
+
+@pytest.mark.skipif(browser.PROGRAM is None, reason="the page needs a browser (Debian: chromium)")
+def test_the_page_shows_its_data_and_asks_nobody_else(invoke: Invoke) -> None:
+    assert invoke("record", "--duration", "1", "--out", "run").exit_code == 0
+    with Viewer(web=True) as viewer, browser.browser(Path.cwd() / "profile") as page:
+        page.open(f"{viewer.page}&renderer=webgl")
+        data = f"http://127.0.0.1:{viewer.port}/"
+        deadline_s = time.monotonic() + 90.0
+        while not any(url.startswith(data) for url in page.asked_for) or not page.refused:
+            assert time.monotonic() < deadline_s, f"the page asked for {page.asked_for} only"
+            page.ask("Runtime.evaluate", expression="new Promise(r => setTimeout(r, 200))", awaitPromise=True)
+        own = (viewer.page.split("?")[0], data)
+        refused = set(page.refused)
+        assert [url for url in page.asked_for if not url.startswith(own) and url not in refused] == []
+    with contextlib.suppress(OSError):
+        shutil.rmtree("profile")

@@ -1,0 +1,224 @@
+"""Viewers as processes: on loopback only, without reports of usage; and when one is stuck or gone."""
+
+from __future__ import annotations
+
+import http.client
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from importlib.util import find_spec
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from benchtool.block import Block, Channel
+from benchtool.errors import EnvironmentFailure, UsageError
+from benchtool.live import LiveView, Setup, Viewer
+from benchtool.live import viewer as module
+from benchtool.live.viewer import viewer_environment
+
+linux = pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
+_PATIENCE_S = 0.2
+
+
+def rows(number: int, count: int = 2000) -> Block:
+    """Noise, which nothing compresses."""
+    channels = tuple(Channel(f"signal_{k}", "A") for k in range(16))
+    random = np.random.default_rng(number)
+    return Block(channels, number * count, 1, 1e-4, random.standard_normal((count, 16)))
+
+
+@pytest.fixture
+def web() -> Iterator[Viewer]:
+    with Viewer(web=True) as viewer:
+        yield viewer
+    assert viewer.process.returncode is not None
+
+
+def _listening(inodes: set[str]) -> dict[str, set[str]]:
+    """Addresses of the sockets that listen, in hexadecimal, by file of /proc."""
+    found: dict[str, set[str]] = {}
+    for name in ("tcp", "tcp6"):
+        for line in Path(f"/proc/net/{name}").read_text(encoding="ascii").splitlines()[1:]:
+            fields = line.split()
+            if fields[3] == "0A" and fields[9] in inodes:
+                found.setdefault(name, set()).add(fields[1])
+    return found
+
+
+def _sockets(process: int) -> set[str]:
+    inodes = set()
+    for path in Path(f"/proc/{process}/fd").iterdir():
+        try:
+            target = str(path.readlink())
+        except OSError:
+            continue
+        if target.startswith("socket:["):
+            inodes.add(target[8:-1])
+    return inodes
+
+
+@linux
+def test_servers_listen_on_loopback_only(web: Viewer) -> None:
+    listening = _listening(_sockets(web.process.pid))
+    assert set(listening) == {"tcp"}
+    assert len(listening["tcp"]) == 2
+    assert {address.partition(":")[0] for address in listening["tcp"]} == {"0100007F"}
+    assert f"0100007F:{web.port:04X}" in listening["tcp"]
+    with socket.create_connection(("127.0.0.1", web.port), 5.0):
+        pass
+    with pytest.raises(ConnectionRefusedError), socket.create_connection(("127.0.0.2", web.port), 5.0):
+        pass
+
+
+@linux
+def test_a_viewer_is_told_to_report_nothing(web: Viewer) -> None:
+    environment = Path(f"/proc/{web.process.pid}/environ").read_bytes().split(b"\0")
+    assert b"CI=true" in environment
+    assert viewer_environment()["CI"] == "true"
+
+
+def test_no_usage_data_are_collected(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Rerun notes them in files before it sends them: there must be none."""
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "config"))
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
+    with Viewer(web=True):
+        pass
+    assert [path for path in tmp_path.rglob("*") if path.is_file()] == []
+
+
+def test_the_page_may_talk_to_its_viewer_and_to_nobody_else(web: Viewer) -> None:
+    assert web.page.startswith("http://127.0.0.1:")
+    assert f"url=rerun%2Bhttp%3A%2F%2F127.0.0.1%3A{web.port}%2Fproxy" in web.page
+    place = web.page.split("/")[2]
+    connection = http.client.HTTPConnection(place, timeout=10.0)
+    try:
+        connection.request("GET", "/re_viewer.js")
+        answer = connection.getresponse()
+        policy = answer.getheader("Content-Security-Policy") or ""
+        assert b"wasm" in answer.read()
+    finally:
+        connection.close()
+    directives = dict(part.strip().split(" ", 1) for part in policy.split(";"))
+    assert directives["connect-src"].split() == ["'self'", f"http://127.0.0.1:{web.port}", "data:", "blob:"]
+    assert "http" not in directives["default-src"]
+
+
+def test_a_port_in_use_is_named() -> None:
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = taken.getsockname()[1]
+        with pytest.raises(
+            EnvironmentFailure, match=f"cannot serve the live view at 127.0.0.1:{port}: .*in use"
+        ):
+            Viewer(web=True, web_port=port)
+        with pytest.raises(
+            EnvironmentFailure, match=f"did not start its gRPC server on port {port}: .*in use"
+        ):
+            Viewer(web=True, port=port)
+
+
+def test_without_a_display_another_way_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "platform", "linux")
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    with pytest.raises(EnvironmentFailure, match=r"needs a display .*: serve the view to a browser"):
+        Viewer(web=False)
+
+
+def test_a_wheel_without_the_viewer_is_told(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    def lost(name: str) -> object:
+        spec = find_spec("json")
+        assert spec is not None
+        spec.origin = str(tmp_path / "__init__.py")
+        return spec
+
+    monkeypatch.setattr(module, "find_spec", lost)
+    with pytest.raises(EnvironmentFailure, match=r"the Rerun viewer is missing: .* install rerun-sdk again"):
+        Viewer(web=True)
+    monkeypatch.setattr(module, "find_spec", lambda _: None)
+    with pytest.raises(EnvironmentFailure, match="the Rerun viewer is missing"):
+        Viewer(web=True)
+
+
+def test_only_addresses_can_be_listened_on() -> None:
+    with pytest.raises(UsageError, match="'everywhere' is no address to listen on"):
+        Viewer(web=True, bind="everywhere")
+
+
+def _until(happened: Callable[[], bool]) -> None:
+    deadline_s = time.monotonic() + 20.0
+    while not happened():
+        assert time.monotonic() < deadline_s, "it did not happen within 20 s"
+        threading.Event().wait(0.01)
+
+
+def test_a_viewer_that_was_killed_takes_nothing_and_holds_nothing_up(web: Viewer) -> None:
+    noted: list[str] = []
+    with LiveView(Setup("test", psi_Wb=0.1), [web], noted.append, patience_s=_PATIENCE_S) as view:
+        view.take(rows(0))
+        assert view.rows_dropped == {"the web viewer": 0}
+        web.process.kill()
+        web.process.wait()
+        for number in range(1, 6):
+            view.take(rows(number))
+        assert view.rows_dropped["the web viewer"] >= 10_000
+    assert noted == ["the web viewer is gone, the measurement goes on without it"]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="stops a process by a signal")
+def test_a_stuck_viewer_costs_its_patience_once_and_may_come_back(web: Viewer) -> None:
+    noted: list[str] = []
+    with LiveView(Setup("test", psi_Wb=0.1), [web], noted.append, patience_s=_PATIENCE_S) as view:
+        view.take(rows(0))
+        web.process.send_signal(signal.SIGSTOP)
+        try:
+            for number in range(1, 400):
+                view.take(rows(number))
+                if view.rows_dropped["the web viewer"] >= 200_000:
+                    break
+            assert view.rows_dropped["the web viewer"] >= 200_000
+            assert len(noted) == 1
+            assert noted[0].startswith("the web viewer took nothing for 0.2 s")
+        finally:
+            web.process.send_signal(signal.SIGCONT)
+
+        def back() -> bool:
+            view.take(rows(500))
+            return len(noted) > 1
+
+        _until(back)
+        assert noted[1].startswith("the web viewer is back; ")
+        dropped = view.rows_dropped["the web viewer"]
+        view.take(rows(501))
+        assert view.rows_dropped["the web viewer"] == dropped
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="stops a process by a signal")
+def test_a_viewer_that_is_stuck_at_the_end_is_ended(web: Viewer, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "_CLOSING_S", 0.5)
+    monkeypatch.setattr(module, "_ENDING_S", 0.3)
+    view = LiveView(Setup("test", psi_Wb=0.1), [web], patience_s=_PATIENCE_S)
+    view.take(rows(0))
+    web.process.send_signal(signal.SIGSTOP)
+    number = 1
+    while not view.rows_dropped["the web viewer"]:
+        view.take(rows(number))
+        number += 1
+    view.close()
+    assert web.process.poll() is not None
+
+
+def test_the_page_is_gone_with_the_viewer() -> None:
+    with Viewer(web=True) as viewer:
+        place = viewer.page.split("/")[2].split(":")
+    with pytest.raises(ConnectionRefusedError), socket.create_connection((place[0], int(place[1])), 5.0):
+        pass
+    assert isinstance(viewer.process, subprocess.Popen)
+    assert viewer.process.returncode is not None
