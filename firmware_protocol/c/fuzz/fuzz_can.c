@@ -94,6 +94,16 @@ static void request(struct input *input)
     }
 }
 
+/* An entry that a PDO may have both ways, or any. */
+static enum bt_id take_mapped(struct input *input)
+{
+    static const enum bt_id both_ways[] = { BT_ID_torque_command, BT_ID_omega_m_command, BT_ID_psi_s_command,
+                                            BT_ID_controlword,    BT_ID_target_torque,   BT_ID_mode_of_operation };
+    const unsigned choice = take(input) | (unsigned)take(input) << 8;
+    return choice & 0x8000u ? (enum bt_id)(choice % BT_ENTRY_COUNT)
+                            : both_ways[choice % (sizeof both_ways / sizeof both_ways[0])];
+}
+
 /* The writes that put a PDO into use: what it may not have is refused. */
 static void set_up_pdo(struct input *input)
 {
@@ -109,7 +119,7 @@ static void set_up_pdo(struct input *input)
     bt_put_u32(raw, 0);
     (void)bt_write(&node.device, (uint16_t)(index + 0x200u), 0, raw, 1);
     for (k = 1; k <= count; k++) {
-        bt_put_u32(raw, bt_mapping(&bt_entries[(take(input) | (unsigned)take(input) << 8) % BT_ENTRY_COUNT]));
+        bt_put_u32(raw, bt_mapping(&bt_entries[take_mapped(input)]));
         (void)bt_write(&node.device, (uint16_t)(index + 0x200u), (uint8_t)k, raw, 4);
     }
     raw[0] = (uint8_t)count;
@@ -118,13 +128,59 @@ static void set_up_pdo(struct input *input)
     (void)bt_write(&node.device, (uint16_t)index, 1, raw, 4);
 }
 
-static void capture(void)
+/* A frame of an RPDO that is in use. */
+static void send_process_data(struct input *input)
+{
+    uint8_t data[8];
+    unsigned k;
+    for (k = 0; k < sizeof data; k++)
+        data[k] = take(input);
+    node.nmt_state = BT_NMT_OPERATIONAL;
+    (void)bt_can_receive(&can, (uint16_t)(node.device.variables.rpdo1_cob_id & 0x7FFu), data, take(input) % 9u);
+    (void)bt_can_receive(&can, (uint16_t)(node.device.variables.rpdo2_cob_id & 0x7FFu), data, sizeof data);
+}
+
+static void set(enum bt_id id, uint32_t value)
 {
     uint8_t raw[4];
-    bt_put_u32(raw, bt_mapping(&bt_entries[BT_ID_tick]));
-    (void)bt_write(&node.device, bt_entries[BT_ID_capture_channel_1].index, 1, raw, 4);
-    raw[0] = BT_CAPTURE_CONTROL_ARM;
-    (void)bt_write(&node.device, bt_entries[BT_ID_capture_control].index, bt_entries[BT_ID_capture_control].sub, raw, 1);
+    bt_put_u32(raw, value);
+    (void)bt_write(&node.device, bt_entries[id].index, bt_entries[id].sub, raw, bt_entries[id].size);
+}
+
+static void capture(struct input *input)
+{
+    set(BT_ID_capture_channel_1, bt_mapping(&bt_entries[BT_ID_tick]));
+    set(BT_ID_capture_channel_2, take(input) & 1u ? bt_mapping(&bt_entries[BT_ID_torque]) : 0);
+    set(BT_ID_capture_rows, take(input));
+    set(BT_ID_capture_pretrigger, 0);
+    set(BT_ID_capture_trigger, BT_CAPTURE_TRIGGER_IMMEDIATE);
+    set(BT_ID_capture_control, BT_CAPTURE_CONTROL_ARM);
+}
+
+static void send_request(uint8_t command, uint8_t a, uint8_t b)
+{
+    uint8_t data[8] = { command, a, b };
+    hear_all();
+    (void)bt_can_receive(&can, 0x600u + NODE, data, sizeof data);
+    bt_can_poll(&can);
+}
+
+/* A string or a capture in blocks, by a client that says what it likes of what has arrived. */
+static void upload_blocks(struct input *input)
+{
+    uint8_t begin[8] = { 0xA4 };
+    unsigned k;
+    bt_put_u16(begin + 1, take(input) & 1u ? bt_entries[BT_ID_capture_data].index
+                                           : bt_entries[BT_ID_device_name].index);
+    begin[4] = take(input);
+    hear_all();
+    (void)bt_can_receive(&can, 0x600u + NODE, begin, sizeof begin);
+    bt_can_poll(&can);
+    send_request(0xA3, 0, 0);
+    for (k = take(input) % 16u; k > 0; k--) {
+        const uint8_t in_order = take(input);
+        send_request(0xA2, in_order, take(input));
+    }
 }
 
 static void tick(void)
@@ -138,7 +194,7 @@ static void step(struct input *input)
     uint8_t data[8];
     uint16_t id;
     unsigned k;
-    switch (take(input) % 8u) {
+    switch (take(input) % 10u) {
     case 0: /* anything, whoever's */
         id = (uint16_t)((take(input) | (unsigned)take(input) << 8) & 0x7FFu);
         for (k = 0; k < 8; k++)
@@ -162,8 +218,13 @@ static void step(struct input *input)
         (void)bt_can_receive(&can, 0, data, 2);
         break;
     case 6:
-        capture();
-        node.device.variables.torque = (float)take(input);
+        capture(input);
+        break;
+    case 7:
+        send_process_data(input);
+        break;
+    case 8:
+        upload_blocks(input);
         break;
     default:
         if (take(input) & 3u)

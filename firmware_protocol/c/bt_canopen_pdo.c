@@ -1,0 +1,159 @@
+#include "bt_canopen_pdo.h"
+
+#include "bt_bytes.h"
+
+#define INVALID 0x80000000u
+#define CAN_ID 0x7FFu
+#define COUNTING_TPDO 0u
+
+static uint32_t load(const struct bt_variables *variables, unsigned index, unsigned sub)
+{
+    enum bt_id id;
+    return bt_find((uint16_t)index, (uint8_t)sub, &id) == BT_OK ? bt_load(variables, id).u : 0;
+}
+
+/* The entries of a PDO that is in use, so that its mapping has been checked; how many. */
+static uint8_t entries(const struct bt_variables *variables, unsigned mapping_index, uint16_t *ids)
+{
+    const uint8_t count = (uint8_t)load(variables, mapping_index, 0);
+    uint8_t k;
+    for (k = 0; k < count && k < BT_PDO_ENTRIES; k++) {
+        const uint32_t mapping = load(variables, mapping_index, k + 1u);
+        enum bt_id id;
+        if (bt_find((uint16_t)(mapping >> 16), (uint8_t)(mapping >> 8), &id) != BT_OK)
+            break;
+        ids[k] = (uint16_t)id;
+    }
+    return k;
+}
+
+/* ---- to the host ---------------------------------------------------------------------------------------- */
+
+void bt_tpdos_renew(struct bt_tpdos *tpdos, const struct bt_variables *variables, uint32_t tick_period_ns)
+{
+    const uint8_t *objects = (const uint8_t *)variables + BT_TPDO_FIRST;
+    const uint8_t next = tpdos->active ^ 1u;
+    struct bt_tpdo *pdos = tpdos->sets[next].pdos;
+    unsigned number;
+    uint8_t count = 0;
+    if (memcmp(tpdos->seen, objects, BT_TPDO_BYTES) == 0)
+        return;
+    memcpy(tpdos->seen, objects, BT_TPDO_BYTES);
+    for (number = 0; number < BT_TPDOS; number++) {
+        const uint32_t cob_id = load(variables, 0x1800u + number, 1);
+        const uint64_t timer_ns = (uint64_t)load(variables, 0x1800u + number, 5) * 1000000u;
+        struct bt_tpdo pdo;
+        uint8_t place;
+        pdo.ticks = (uint32_t)((timer_ns + tick_period_ns / 2u) / tick_period_ns);
+        if (cob_id & INVALID || pdo.ticks == 0)
+            continue;
+        pdo.can_id = cob_id & CAN_ID;
+        pdo.is_first = number == COUNTING_TPDO;
+        pdo.count = entries(variables, 0x1A00u + number, pdo.ids);
+        for (place = count++; place > 0 && pdos[place - 1u].can_id > pdo.can_id; place--)
+            pdos[place] = pdos[place - 1u];
+        pdos[place] = pdo;
+    }
+    tpdos->sets[next].count = count;
+    BT_BARRIER();
+    tpdos->active = next;
+}
+
+/* Signals and commands are their variables; the rest is computed. */
+static size_t sample(struct bt_device *device, enum bt_id id, uint8_t *data)
+{
+    const struct bt_entry *entry = &bt_entries[id];
+    uint8_t number[4];
+    if (entry->role == BT_ROLE_STATUS) {
+        struct bt_value value;
+        (void)bt_read(device, entry->index, entry->sub, &value);
+        memcpy(number, value.number, sizeof number);
+    } else {
+        (void)bt_encode(id, bt_load(&device->variables, id), number);
+    }
+    memcpy(data, number, entry->size);
+    return entry->size;
+}
+
+size_t bt_tpdos_tick(const struct bt_tpdos *tpdos, struct bt_device *device, struct bt_can_frame *frames)
+{
+    const uint8_t active = tpdos->active;
+    const struct bt_tpdo *pdos = tpdos->sets[active].pdos;
+    const uint32_t tick = device->variables.tick;
+    size_t n = 0;
+    unsigned number, k;
+    for (number = 0; number < tpdos->sets[active].count; number++) {
+        if (pdos[number].is_first && tick % pdos[number].ticks == 0)
+            device->variables.stream_sequence++;
+    }
+    for (number = 0; number < tpdos->sets[active].count; number++) {
+        const struct bt_tpdo *pdo = &pdos[number];
+        struct bt_can_frame *frame = &frames[n];
+        if (tick % pdo->ticks != 0)
+            continue;
+        frame->id = pdo->can_id;
+        frame->n = 0;
+        for (k = 0; k < pdo->count; k++)
+            frame->n = (uint8_t)(frame->n + sample(device, (enum bt_id)pdo->ids[k], frame->data + frame->n));
+        n++;
+    }
+    return n;
+}
+
+/* ---- from the host -------------------------------------------------------------------------------------- */
+
+/* One after the other; when one is refused, those before it have their old values again. */
+static bool write_all(struct bt_device *device, const uint16_t *ids, uint8_t count, const uint8_t *data)
+{
+    struct bt_value before[BT_PDO_ENTRIES];
+    uint8_t k, taken;
+    for (k = 0; k < count; k++) {
+        if (bt_read(device, bt_entries[ids[k]].index, bt_entries[ids[k]].sub, &before[k]) != BT_OK)
+            return false;
+    }
+    for (taken = 0; taken < count; taken++) {
+        const struct bt_entry *entry = &bt_entries[ids[taken]];
+        if (bt_write(device, entry->index, entry->sub, data, entry->size) != BT_OK)
+            break;
+        data += entry->size;
+    }
+    if (taken == count)
+        return true;
+    for (k = 0; k < taken; k++) {
+        const struct bt_entry *entry = &bt_entries[ids[k]];
+        if (bt_write(device, entry->index, entry->sub, before[k].number, before[k].n) != BT_OK)
+            break;
+    }
+    return false;
+}
+
+static bool take(struct bt_node *node, const uint16_t *ids, uint8_t count, const uint8_t *data)
+{
+    /* The host's own mapping: the control interrupt must not see one of them without the other. */
+    if (count == 2 && ids[0] == BT_ID_torque_command && ids[1] == BT_ID_omega_m_command)
+        return bt_node_take_setpoint(node, data, data + 4);
+    if (!write_all(&node->device, ids, count, data))
+        return false;
+    bt_watchdog_feed(&node->device.watchdog, node->device.variables.tick);
+    return true;
+}
+
+void bt_rpdo_take(struct bt_node *node, uint16_t can_id, const uint8_t *data, size_t n)
+{
+    struct bt_variables *variables = &node->device.variables;
+    unsigned number = BT_RPDOS;
+    while (number-- > 0) {
+        const uint32_t cob_id = load(variables, 0x1400u + number, 1);
+        uint16_t ids[BT_PDO_ENTRIES];
+        size_t length = 0;
+        uint8_t count, k;
+        if (cob_id & INVALID || (cob_id & CAN_ID) != can_id)
+            continue;
+        count = entries(variables, 0x1600u + number, ids);
+        for (k = 0; k < count; k++)
+            length += bt_entries[ids[k]].size;
+        if (n < length || !take(node, ids, count, data))
+            variables->rpdo_dropped++;
+        return;
+    }
+}
