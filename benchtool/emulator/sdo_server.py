@@ -86,6 +86,10 @@ class SdoServer(server.SdoServer):
         self._download = BlockDownload(None, crc=False)
         self.malformed = 0
 
+    def reset(self) -> None:
+        """Forget a transfer that is under way, as after a reset of the drive: the client is told nothing."""
+        self._stage = _Stage.IDLE
+
     def on_request(self, data: bytes) -> None:  # type: ignore[override]  # the caller has sorted out CAN ids
         """Take one frame from the client.
 

@@ -16,6 +16,7 @@ PATIENCE_S: Final = 0.5
 _BATCHES = 8
 _WAIT_S = 1e6  # for a flush; what ends it sooner is the end of the viewer
 _POLL_S = 0.05
+_LETTING_GO_S = 10.0
 
 _Batch = tuple[tuple[Message, ...], int]
 
@@ -99,20 +100,21 @@ class Outlet:
 
     def close(self) -> None:
         """Let what waits be sent, for `closing_s` at most, and end the recording."""
-        left_s = self._destination.closing_s
-        ending = False
-        while self._thread.is_alive() and left_s > 0.0 and self._destination.alive():
-            if not ending:
-                ending = self._offer(None, _POLL_S)
-            self._thread.join(_POLL_S)
-            left_s -= _POLL_S
+        self._finish(self._destination.closing_s, self._destination.alive)
         if self._thread.is_alive():
             # The flush that the thread is in returns when there is nobody at the other end.
             self._destination.give_up()
             self._gone = True
-            self._offer(None, 0.0)
-            self._thread.join(self._destination.closing_s)
+            self._finish(_LETTING_GO_S, lambda: True)
         self._stream.disconnect()
+
+    def _finish(self, left_s: float, may_wait: Callable[[], bool]) -> None:
+        """Have the thread end behind what waits, for so long at most."""
+        told = False
+        while self._thread.is_alive() and left_s > 0.0 and may_wait():
+            told = told or self._offer(None, _POLL_S)
+            self._thread.join(_POLL_S)
+            left_s -= _POLL_S
 
     def _put(self, batch: _Batch) -> bool:
         if not self._destination.alive():

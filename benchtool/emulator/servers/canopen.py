@@ -45,7 +45,8 @@ class CanopenServer:
         )
 
     def boot(self) -> None:
-        """See `Server.boot`."""
+        """See `Server.boot`; a transfer that was under way has ended."""
+        self._sdo.reset()
         self.heartbeat(NmtState.BOOT_UP)
 
     def confirm(self, state: NmtState) -> None:
