@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import threading
-from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import fields
@@ -16,6 +15,7 @@ from canopen.sdo.exceptions import SdoAbortedError, SdoCommunicationError
 
 from benchtool.clock import Clock, VirtualClock
 from benchtool.errors import LinkClosed, LinkError, NoAnswer, SdoAbort
+from benchtool.link.announcements import Announcements
 from benchtool.link.interface import CountsMalformed, Frame, FrameReceiver, LinkCounters
 from benchtool.link.sdo_client import BlockNotOfferedError, SdoClient, SdoTimeoutError
 from benchtool.protocol.abort import abort_text
@@ -29,7 +29,6 @@ _HEARTBEAT = 0x700
 _RECEIVE_S = 0.05
 _ERROR_PAUSE_S = 0.001
 _ERRORS_IN_A_ROW = 100
-_EMERGENCIES = 256
 
 
 class CanopenLink:
@@ -75,8 +74,7 @@ class CanopenLink:
         self._close_lock = threading.Lock()
         self._stopping = threading.Event()
         self._failure: Exception | None = None
-        self._state: NmtState | None = None
-        self._emergencies: deque[Emergency] = deque()
+        self._announced = Announcements(node_id, clock, self._require_open)
         self._counts = dict.fromkeys((field.name for field in fields(LinkCounters)), 0)
         self._thread = threading.Thread(target=self._receive, name="canopen-link", daemon=True)
         self._thread.start()
@@ -95,7 +93,7 @@ class CanopenLink:
 
     @property
     def counters(self) -> LinkCounters:
-        counts = {**self._counts, "stale_answers": self._sdo.stale}
+        counts = {**self._counts, **self._announced.counts, "stale_answers": self._sdo.stale}
         counts["overruns"] += self._sdo.overruns
         if isinstance(self._bus, CountsMalformed):
             counts["frames_dropped"] += self._bus.malformed
@@ -127,28 +125,15 @@ class CanopenLink:
 
     def heartbeat_state(self) -> NmtState | None:
         """See `Link.heartbeat_state`."""
-        self._require_open()
-        return self._state
+        return self._announced.heartbeat_state()
 
     def wait_heartbeat(self, timeout_s: float) -> NmtState:
         """See `Link.wait_heartbeat`."""
-        heard = self._counts["heartbeats_received"]
-        deadline_s = self._clock.now_s() + timeout_s
-        while True:
-            state = self.heartbeat_state()
-            if state is not None and self._counts["heartbeats_received"] != heard:
-                return state
-            if self._clock.now_s() >= deadline_s:
-                raise NoAnswer(
-                    f"no heartbeat of node {self._node_id} within {timeout_s:g} s; "
-                    f"check that the drive is powered and its producer_heartbeat (0x1017) is not 0"
-                )
-            self._clock.wait(min(0.01, timeout_s))
+        return self._announced.wait_heartbeat(timeout_s)
 
     def emergencies(self) -> tuple[Emergency, ...]:
         """See `Link.emergencies`. The first 256 are kept, as the cause is among the first."""
-        self._require_open()
-        return tuple(self._emergencies.popleft() for _ in range(len(self._emergencies)))
+        return self._announced.emergencies()
 
     def subscribe(self, can_ids: Iterable[int], receiver: FrameReceiver) -> None:
         """See `FrameLink.subscribe`."""
@@ -270,16 +255,11 @@ class CanopenLink:
         if state is None:
             self._counts["frames_dropped"] += 1
             return
-        self._state = state
-        self._counts["heartbeats_received"] += 1
+        self._announced.hear_heartbeat(state)
 
     def _on_emergency(self, can_id: int, data: bytearray, timestamp: float) -> None:
         emergency = Emergency.decode(bytes(data))
         if emergency is None:
             self._counts["frames_dropped"] += 1
             return
-        self._counts["emcy_received"] += 1
-        if len(self._emergencies) < _EMERGENCIES:
-            self._emergencies.append(emergency)
-        else:
-            self._counts["overruns"] += 1
+        self._announced.hear_emergency(emergency)

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import threading
-from collections import deque
 from collections.abc import Sequence
 from dataclasses import fields
 from types import TracebackType
 from typing import Self
 
 from benchtool.clock import Clock, VirtualClock
-from benchtool.errors import LinkClosed, LinkError, NoAnswer
+from benchtool.errors import LinkClosed, LinkError
+from benchtool.link.announcements import Announcements
 from benchtool.link.exchange import Exchange
 from benchtool.link.interface import BatchReceiver, LinkCounters
 from benchtool.link.port import Port
@@ -32,7 +32,6 @@ from benchtool.protocol.serial import (
     encode_message,
 )
 
-_EMERGENCIES = 256
 _FAILING_S = 0.2
 
 
@@ -67,8 +66,7 @@ class SerialLink:
         self._close_lock = threading.Lock()
         self._stopping = threading.Event()
         self._failure: Exception | None = None
-        self._state: NmtState | None = None
-        self._emergencies: deque[Emergency] = deque()
+        self._announced = Announcements(node_id, clock, self._require_open)
         self._event_sequence: int | None = None
         self._counts = dict.fromkeys((field.name for field in fields(LinkCounters)), 0)
         self._thread = threading.Thread(target=self._receive, name="serial-link", daemon=True)
@@ -97,7 +95,7 @@ class SerialLink:
             "retries": self._requests.retries,
             "sdo_aborts": self._requests.aborts,
         }
-        return LinkCounters(**{**self._counts, **received})
+        return LinkCounters(**{**self._counts, **self._announced.counts, **received})
 
     # ---- objects -----------------------------------------------------------------------------------------
 
@@ -125,28 +123,15 @@ class SerialLink:
 
     def heartbeat_state(self) -> NmtState | None:
         """See `Link.heartbeat_state`."""
-        self._require_open()
-        return self._state
+        return self._announced.heartbeat_state()
 
     def wait_heartbeat(self, timeout_s: float) -> NmtState:
         """See `Link.wait_heartbeat`."""
-        heard = self._counts["heartbeats_received"]
-        deadline_s = self._clock.now_s() + timeout_s
-        while True:
-            state = self.heartbeat_state()
-            if state is not None and self._counts["heartbeats_received"] != heard:
-                return state
-            if self._clock.now_s() >= deadline_s:
-                raise NoAnswer(
-                    f"no heartbeat of node {self._node_id} within {timeout_s:g} s; "
-                    f"check that the drive is powered and its producer_heartbeat (0x1017) is not 0"
-                )
-            self._clock.wait(min(0.01, timeout_s))
+        return self._announced.wait_heartbeat(timeout_s)
 
     def emergencies(self) -> tuple[Emergency, ...]:
         """See `Link.emergencies`. The first 256 are kept, as the cause is among the first."""
-        self._require_open()
-        return tuple(self._emergencies.popleft() for _ in range(len(self._emergencies)))
+        return self._announced.emergencies()
 
     # ---- process data ------------------------------------------------------------------------------------
 
@@ -243,9 +228,9 @@ class SerialLink:
         if heartbeat.nmt_state not in set(NmtState):
             self._counts["frames_dropped"] += 1
             return
-        self._state = NmtState(heartbeat.nmt_state)
-        self._counts["heartbeats_received"] += 1
-        if self._state is NmtState.BOOT_UP:
+        state = NmtState(heartbeat.nmt_state)
+        self._announced.hear_heartbeat(state)
+        if state is NmtState.BOOT_UP:
             # Another firmware may have started: who is there is asked again, its events count from anew.
             self._requests.forget()
             self._event_sequence = None
@@ -254,8 +239,4 @@ class SerialLink:
         if self._event_sequence is not None:
             self._counts["emcy_lost"] += (event.sequence - self._event_sequence - 1) % 256
         self._event_sequence = event.sequence
-        self._counts["emcy_received"] += 1
-        if len(self._emergencies) < _EMERGENCIES:
-            self._emergencies.append(event.emergency)
-        else:
-            self._counts["overruns"] += 1
+        self._announced.hear_emergency(event.emergency)

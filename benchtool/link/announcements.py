@@ -1,0 +1,81 @@
+"""What a drive says unasked, whatever carries it: its heartbeats and its emergencies."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+
+from benchtool.clock import Clock
+from benchtool.errors import NoAnswer
+from benchtool.protocol.emcy import Emergency
+from benchtool.protocol.nmt import NmtState
+
+_EMERGENCIES = 256
+_POLL_S = 0.01
+
+
+class Announcements:
+    """Heard in a link's receive thread, asked for in any other.
+
+    The first 256 emergencies are kept until they are taken, as the cause is among the first.
+
+    Args:
+        node_id: the drive's, for messages.
+        clock: what waiting goes by.
+        require_open: raises LinkClosed once the link is closed.
+    """
+
+    def __init__(self, node_id: int, clock: Clock, require_open: Callable[[], None]) -> None:
+        self._node_id = node_id
+        self._clock = clock
+        self._require_open = require_open
+        self._state: NmtState | None = None
+        self._heartbeats = self._heard = self._overruns = 0
+        self._emergencies: deque[Emergency] = deque()
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """What was heard, by the names of `LinkCounters`."""
+        return {
+            "heartbeats_received": self._heartbeats,
+            "emcy_received": self._heard,
+            "overruns": self._overruns,
+        }
+
+    def hear_heartbeat(self, state: NmtState) -> None:
+        """Note the state that a heartbeat tells."""
+        self._state = state
+        self._heartbeats += 1
+
+    def hear_emergency(self, emergency: Emergency) -> None:
+        """Keep an emergency, or count it where there is no room."""
+        self._heard += 1
+        if len(self._emergencies) < _EMERGENCIES:
+            self._emergencies.append(emergency)
+        else:
+            self._overruns += 1
+
+    def heartbeat_state(self) -> NmtState | None:
+        """See `Link.heartbeat_state`."""
+        self._require_open()
+        return self._state
+
+    def wait_heartbeat(self, timeout_s: float) -> NmtState:
+        """See `Link.wait_heartbeat`."""
+        heard = self._heartbeats
+        deadline_s = self._clock.now_s() + timeout_s
+        while True:
+            state = self.heartbeat_state()
+            if state is not None and self._heartbeats != heard:
+                return state
+            if self._clock.now_s() >= deadline_s:
+                raise NoAnswer(
+                    f"no heartbeat of node {self._node_id} within {timeout_s:g} s; "
+                    f"check that the drive is powered and its producer_heartbeat (0x1017) is not 0"
+                )
+            self._clock.wait(min(_POLL_S, timeout_s))
+
+    def emergencies(self) -> tuple[Emergency, ...]:
+        """See `Link.emergencies`."""
+        self._require_open()
+        return tuple(self._emergencies.popleft() for _ in range(len(self._emergencies)))
