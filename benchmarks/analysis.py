@@ -11,9 +11,7 @@ the same capture back from a run bundle is measured apart.
 from __future__ import annotations
 
 import argparse
-import json
 import multiprocessing
-import platform
 import resource
 import statistics
 import tempfile
@@ -26,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import signal
 
+from benchmarks.figures import print_figures
 from benchtool.block import Block, Channel
 from benchtool.experiment.steady_state import assess_steady_state
 from benchtool.profile import load_profile
@@ -175,14 +174,8 @@ def main() -> None:
         "rate_Hz": RATE_HZ,
         "channels": len(CHANNELS),
         "runs": RUNS,
-        "python": platform.python_version(),
-        "machine": platform.machine(),
     }
-    if options.json:
-        print(json.dumps(result, indent=2))
-        return
-    for name, value in result.items():
-        print(f"{name:36s} {value}")
+    print_figures(result, as_json=options.json)
 
 
 if __name__ == "__main__":

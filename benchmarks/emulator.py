@@ -9,9 +9,7 @@ Processor time of this one thread counts, so that a neighbour on the machine doe
 from __future__ import annotations
 
 import argparse
-import json
 import os
-import platform
 import statistics
 import subprocess
 import sys
@@ -20,6 +18,7 @@ import time
 import tomllib
 from collections.abc import Callable
 
+from benchmarks.figures import print_figures
 from benchtool.emulator.core import Core
 from benchtool.emulator.kernel import run_ticks
 from benchtool.emulator.truth import InverterTruth, MotorTruth, SensorTruth
@@ -129,14 +128,8 @@ def main() -> None:
         "ticks_per_run": TICKS,
         "runs": RUNS,
         "channels_captured": len(CHANNELS),
-        "python": platform.python_version(),
-        "machine": platform.machine(),
     }
-    if as_json:
-        print(json.dumps(result, indent=2))
-        return
-    for name, value in result.items():
-        print(f"{name:36s} {value}")
+    print_figures(result, as_json=as_json)
 
 
 if __name__ == "__main__":

@@ -11,9 +11,7 @@ the same with an entity for each channel.
 from __future__ import annotations
 
 import argparse
-import json
 import os
-import platform
 import signal
 import tempfile
 import time
@@ -24,6 +22,7 @@ from pathlib import Path
 import numpy as np
 import rerun as rr
 
+from benchmarks.figures import print_figures
 from benchtool.block import Block, Channel
 from benchtool.clock import RealClock
 from benchtool.live import Destination, FileDestination, LiveView, Setup, Viewer
@@ -163,14 +162,8 @@ def main() -> None:
         "channels": len(_NAMES),
         "rate_Hz": RATE_HZ,
         "rerun": rr.__version__,
-        "python": platform.python_version(),
-        "machine": platform.machine(),
     }
-    if arguments.json:
-        print(json.dumps(result, indent=2))
-        return
-    for name, value in result.items():
-        print(f"{name:26s} {value}")
+    print_figures(result, as_json=arguments.json)
 
 
 if __name__ == "__main__":

@@ -10,8 +10,6 @@ their identifiers apart. Processor time of all threads counts, so that a neighbo
 from __future__ import annotations
 
 import argparse
-import json
-import platform
 import statistics
 import struct
 import tempfile
@@ -21,6 +19,7 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks.figures import print_figures
 from benchtool.protocol.capture import CaptureHeader, decode_capture, encode_capture
 from benchtool.protocol.dictionary import Dictionary
 from benchtool.protocol.telemetry import RecordDecoder, stream_layout
@@ -135,14 +134,8 @@ def main() -> None:
         "rows_per_batch": ROWS,
         "channels": len(CHANNELS),
         "runs": RUNS,
-        "python": platform.python_version(),
-        "machine": platform.machine(),
     }
-    if as_json:
-        print(json.dumps(result, indent=2))
-        return
-    for name, value in result.items():
-        print(f"{name:36s} {value}")
+    print_figures(result, as_json=as_json)
 
 
 if __name__ == "__main__":

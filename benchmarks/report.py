@@ -9,8 +9,6 @@ hashing, setting. The baseline, in the same run, is what nobody can do without: 
 from __future__ import annotations
 
 import argparse
-import json
-import platform
 import resource
 import tempfile
 import time
@@ -19,6 +17,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.figures import print_figures
 from benchtool.analysis import Measurement
 from benchtool.analysis.measurement import measurements_to_json
 from benchtool.block import Block, Channel
@@ -156,14 +155,8 @@ def main() -> None:
         "goal_s": GOAL_S,
         "long_recording_s": options.seconds,
         "peak_rss_megabytes": round(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3),
-        "python": platform.python_version(),
-        "machine": platform.machine(),
     }
-    if options.json:
-        print(json.dumps(result, indent=2))
-        return
-    for name, value in result.items():
-        print(f"{name:36s} {value}")
+    print_figures(result, as_json=options.json)
 
 
 if __name__ == "__main__":

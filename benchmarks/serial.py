@@ -15,8 +15,6 @@ bundle to Parquet afterwards is timed by itself.
 from __future__ import annotations
 
 import argparse
-import json
-import platform
 import subprocess
 import sys
 import tempfile
@@ -25,6 +23,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from benchmarks.figures import print_figures
 from benchmarks.recording import CHANNELS, RATE_HZ
 from benchtool.clock import RealClock
 from benchtool.drive import RemoteDrive
@@ -139,14 +138,8 @@ def main() -> None:
         "channels": len(CHANNELS),
         "rate_Hz": RATE_HZ,
         "seconds": arguments.seconds,
-        "python": platform.python_version(),
-        "machine": platform.machine(),
     }
-    if arguments.json:
-        print(json.dumps(result))
-    else:
-        for key, value in result.items():
-            print(f"{key:32} {value}")
+    print_figures(result, as_json=arguments.json)
 
 
 if __name__ == "__main__":

@@ -15,7 +15,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import platform
 import struct
 import subprocess
 import sys
@@ -27,6 +26,7 @@ from typing import Any
 
 import can
 
+from benchmarks.figures import print_figures
 from benchtool.clock import RealClock
 from benchtool.emulator.servers.pty import PtyPort
 from benchtool.emulator.servers.slcan import SlcanAdapter
@@ -195,14 +195,8 @@ def main() -> None:
         "goal_cpu_percent": GOAL_PERCENT,
         "rate_Hz": RATE_HZ,
         "seconds": seconds,
-        "python": platform.python_version(),
-        "machine": platform.machine(),
     }
-    if arguments.json:
-        print(json.dumps(result, indent=2))
-        return
-    for name, value in result.items():
-        print(f"{name:28s} {value}")
+    print_figures(result, as_json=arguments.json)
 
 
 if __name__ == "__main__":

@@ -6,11 +6,12 @@ The baseline, in the same run, is an interpreter that does nothing.
 from __future__ import annotations
 
 import argparse
-import json
 import statistics
 import subprocess
 import sys
 import time
+
+from benchmarks.figures import print_figures
 
 RUNS = 15
 GOAL_S = 0.4
@@ -39,10 +40,7 @@ def main() -> None:
         "ratio": round(help_s / python_s, 1),
         "runs": RUNS,
     }
-    if as_json:
-        print(json.dumps(figures, indent=2))
-    else:
-        print(f"--help {help_s:.3f} s, goal {GOAL_S:g} s; Python alone {python_s:.3f} s")
+    print_figures(figures, as_json=as_json)
 
 
 if __name__ == "__main__":
