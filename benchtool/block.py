@@ -2,12 +2,55 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from benchtool.errors import AnalysisError
+
+
+def as_samples(values: ArrayLike, name: str = "signal") -> NDArray[np.float64]:
+    """Values of one signal as samples, shape (n,), float64; not copied where they are that already.
+
+    Raises:
+        AnalysisError: no real numbers, or of another shape.
+    """
+    try:
+        found = np.asarray(values)
+        samples = None if np.iscomplexobj(found) else found.astype(np.float64, copy=False)
+    except (TypeError, ValueError):
+        samples = None
+    if samples is None:
+        raise AnalysisError(f"'{name}' holds what is no real number, one signal is needed: pass its samples")
+    if samples.ndim != 1:
+        raise AnalysisError(
+            f"'{name}' has the shape {samples.shape}, samples of shape (n,) are needed: pass one column, "
+            f"such as array[:, 0]"
+        )
+    return samples
+
+
+def require_rate(sample_rate_Hz: float) -> None:
+    """Refuse a sample rate that is none.
+
+    Raises:
+        AnalysisError: not positive, or not finite.
+    """
+    if not (sample_rate_Hz > 0.0 and math.isfinite(sample_rate_Hz)):
+        raise AnalysisError(
+            f"the sample rate is {sample_rate_Hz:g} Hz, a positive one is needed: state rows per second"
+        )
+
+
+def read_only(array: NDArray[np.generic]) -> NDArray[np.generic]:
+    """A view that cannot be written to."""
+    view = array.view()
+    view.flags.writeable = False
+    return view
 
 
 @dataclass(frozen=True)
@@ -45,6 +88,36 @@ class Block:
     def __post_init__(self) -> None:
         if self.data.ndim != 2 or self.data.shape[1] != len(self.channels):
             raise ValueError(f"data of shape {self.data.shape} for {len(self.channels)} channels")
+
+    @classmethod
+    def from_arrays(cls, rate_Hz: float, units: Mapping[str, str], /, **channels: ArrayLike) -> Self:
+        """Channels that were sampled together at `rate_Hz`, without gaps, each of shape (n,), by name.
+
+        `units` are theirs, such as {"i_a": "A", "torque": "Nm"}; what is not in it (counts, flags) has none.
+        The data are copied and cannot be written to.
+
+        Raises:
+            AnalysisError: no channel, arrays of several lengths or other shapes, the unit of none of them, or
+                a rate that is not positive.
+        """
+        require_rate(rate_Hz)
+        columns = {name: as_samples(values, name) for name, values in channels.items()}
+        if unknown := [name for name in units if name not in columns]:
+            raise AnalysisError(
+                f"a unit is stated for '{unknown[0]}', which is no channel: the channels are "
+                f"{', '.join(columns) or 'none'}, pass that one or leave out its unit"
+            )
+        lengths = {name: len(column) for name, column in columns.items()}
+        if len(set(lengths.values())) != 1:
+            seen = ", ".join(f"'{name}' has {rows} rows" for name, rows in lengths.items())
+            raise AnalysisError(
+                f"{seen or 'no channel was passed'}, as many of each and one channel at least are needed: "
+                f"pass what was sampled together"
+            )
+        data = np.column_stack(list(columns.values()))
+        data.flags.writeable = False
+        named = tuple(Channel(name, units.get(name, "")) for name in columns)
+        return cls(named, 0, 1, 1.0 / rate_Hz, data)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -91,7 +164,9 @@ class Block:
         """
         if self.gaps:
             missing = sum(gap.missing_rows for gap in self.gaps)
+            rows = "1 row is" if missing == 1 else f"{missing} rows are"
+            gaps = "1 gap" if len(self.gaps) == 1 else f"{len(self.gaps)} gaps"
             raise AnalysisError(
-                f"{missing} rows are missing in {len(self.gaps)} gaps, a uniformly sampled window is "
+                f"{rows} missing in {gaps}, a uniformly sampled window is "
                 f"needed: choose a window without a gap or record again"
             )

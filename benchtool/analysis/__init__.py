@@ -1,6 +1,13 @@
-"""Pure functions from samples to numbers that carry their definition."""
+"""Pure functions from samples to numbers that carry their definition.
 
+Those that take a `Block` take one of plain arrays too: `benchtool.block.Block.from_arrays`.
+"""
+
+from benchtool.analysis.angle import AngleCoverage, angle_coverage
+from benchtool.analysis.bode import Bode, analyze_response
 from benchtool.analysis.current import CurrentSpectrum, current_spectrum
+from benchtool.analysis.flux_trajectory import flux_trajectory
+from benchtool.analysis.frequency_response import FrequencyResponse, frequency_response
 from benchtool.analysis.groups import (
     GroupDistortion,
     HarmonicGroups,
@@ -27,7 +34,10 @@ from benchtool.analysis.measurement import (
     tables_to_json,
 )
 from benchtool.analysis.noise import NoiseFloor, harmonic_noise, noise_floor
+from benchtool.analysis.order_spectrum import OrderSpectrum, fitted_orders
+from benchtool.analysis.orders import Orders, order_analysis
 from benchtool.analysis.periods import PhaseTrack, track_angle, track_tone
+from benchtool.analysis.residual import torque_residual
 from benchtool.analysis.ripple import (
     Ripple,
     peak_to_peak_number,
@@ -49,34 +59,53 @@ from benchtool.analysis.spectrum import (
     spectrum_of,
 )
 from benchtool.analysis.steady_state import SteadyState, analyze_steady_state
-from benchtool.analysis.switching import mean_switching_frequency_Hz
+from benchtool.analysis.step import StepResponse, analyze_step
+from benchtool.analysis.switching import (
+    SwitchingStates,
+    mean_switching_frequency_Hz,
+    switching_frequency,
+    switching_states,
+)
 from benchtool.analysis.torque import torque_ripple, true_torque
 
 __all__ = [
+    "AngleCoverage",
     "Basis",
+    "Bode",
     "CoherentSamples",
     "CoherentSpectrum",
     "Component",
     "CurrentSpectrum",
     "Distortion",
+    "FrequencyResponse",
     "GroupDistortion",
     "HarmonicGroups",
     "Measurement",
     "NoiseFloor",
+    "OrderSpectrum",
+    "Orders",
     "PhaseTrack",
     "Reference",
     "Ripple",
     "Spectrum",
     "SteadyState",
+    "StepResponse",
+    "SwitchingStates",
     "Table",
     "Uncertainty",
     "amplitude_spectrum",
+    "analyze_response",
     "analyze_steady_state",
+    "analyze_step",
+    "angle_coverage",
     "coherent_samples",
     "coherent_spectrum",
     "current_spectrum",
     "cut_to_span",
     "distortion_and_noise",
+    "fitted_orders",
+    "flux_trajectory",
+    "frequency_response",
     "group_distortion",
     "group_table",
     "harmonic_groups",
@@ -88,6 +117,7 @@ __all__ = [
     "measurements_from_json",
     "measurements_to_json",
     "noise_floor",
+    "order_analysis",
     "peak_to_peak_number",
     "percentile_range",
     "relative_phase_rad",
@@ -95,7 +125,10 @@ __all__ = [
     "ripple",
     "ripple_numbers",
     "spectrum_of",
+    "switching_frequency",
+    "switching_states",
     "tables_to_json",
+    "torque_residual",
     "torque_ripple",
     "total_harmonic_distortion",
     "track_angle",

@@ -52,8 +52,7 @@ def angle_coverage(theta_m: NDArray[np.float64], name: str = "theta_m") -> Angle
         AnalysisError: not finite, constant, starting over at what is no whole turn (degrees, say), less than
             one revolution travelled, or more than there are samples.
     """
-    require_signal(theta_m, name)
-    angle = _unwrapped(theta_m, name)
+    angle = unwrapped_angle(theta_m, name)
     low = float(angle.min())
     revolutions = (float(angle.max()) - low) / TURN
     if revolutions < 1.0:
@@ -79,7 +78,23 @@ def angle_coverage(theta_m: NDArray[np.float64], name: str = "theta_m") -> Angle
     )
 
 
-def _unwrapped(theta_m: NDArray[np.float64], name: str) -> NDArray[np.float64]:
+def revolution_rows(angle_rad: NDArray[np.float64], turn_rad: float = TURN) -> NDArray[np.int64]:
+    """Rows at which turns of `turn_rad` are first complete, of an angle without wraps, shape (n,).
+
+    The times are any. From row 0, of shape (turns + 1,); a rotor that swings back begins no turn again.
+    """
+    travelled = np.maximum.accumulate((angle_rad - angle_rad[0]) * np.sign(angle_rad[-1] - angle_rad[0]))
+    turns = int(min(travelled[-1] / turn_rad, len(angle_rad)))
+    return np.searchsorted(travelled, turn_rad * np.arange(turns + 1)).astype(np.int64)
+
+
+def unwrapped_angle(theta_m: NDArray[np.float64], name: str = "theta_m") -> NDArray[np.float64]:
+    """The angle, rad, shape (n,), without its jumps where it starts over: by whole turns, or not at all.
+
+    Raises:
+        AnalysisError: not finite, constant, or starting over at what is no whole turn (degrees, say).
+    """
+    require_signal(theta_m, name)
     steps, span = np.diff(theta_m), float(np.ptp(theta_m))
     jumps = np.abs(steps) > _SMALLEST_JUMP * span
     if not jumps.any() or 2 * np.count_nonzero(jumps) >= len(steps):

@@ -103,6 +103,7 @@ def _ratio(above: str, below: str) -> str:
 
 def _measurements(found: FrequencyResponse, unit: str, basis: Basis) -> Iterator[Measurement]:
     trusted = found.trusted
+    trusted[: found.reference] = False  # below it no gain is known well
     frequency_Hz, error = found.frequency_Hz[trusted], found.error[trusted]
     gain_dB, phase = found.gain_dB[trusted], found.phase_rad[trusted]
     relative_dB = gain_dB - gain_dB[0]
@@ -110,7 +111,8 @@ def _measurements(found: FrequencyResponse, unit: str, basis: Basis) -> Iterator
 
     gain, text = (
         float(found.gain[trusted][0]),
-        "gain at the lowest frequency used, the reference of the others",
+        "gain at the lowest frequency used with 1 % of the greatest input power and a usual error, the "
+        "reference of the others",
     )
     gain_error = Uncertainty(gain * float(error[0]), statistical)
     yield Measurement("response_gain", gain, unit, f"{text}: {frequency_Hz[0]:.4g} Hz", basis, gain_error)

@@ -18,6 +18,7 @@ from benchtool.analysis.groups import (
 )
 from benchtool.analysis.harmonics import (
     HIGHEST_HARMONIC,
+    Distortion,
     Reference,
     distortion_and_noise,
     harmonic_table,
@@ -27,10 +28,12 @@ from benchtool.analysis.measurement import Basis, Measurement, Table, Uncertaint
 from benchtool.analysis.noise import NoiseFloor, harmonic_noise, noise_floor
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.spectrum import (
+    FIRST_ROW,
     CoherentSamples,
     CoherentSpectrum,
     coherent_samples,
     largest_low_component,
+    resampling_error,
     spectrum_of,
 )
 from benchtool.analysis.validity import require_unbroken
@@ -49,7 +52,12 @@ class CurrentSpectrum:
 
 
 def current_spectrum(
-    block: Block, channel: str, track: PhaseTrack, *, current_rated_A_rms: float | None = None
+    block: Block,
+    channel: str,
+    track: PhaseTrack,
+    *,
+    current_rated_A_rms: float | None = None,
+    rate_relative: float | None = None,
 ) -> CurrentSpectrum:
     """Fundamental, harmonics, distortion and noise of one ac current, in A.
 
@@ -58,6 +66,8 @@ def current_spectrum(
         channel: the current; its unit is that of the results.
         track: its electrical phase over the rows, by `track_angle` or `track_tone`.
         current_rated_A_rms: the base of `current_tdd`, which is left out without it.
+        rate_relative: standard uncertainty of the sample rate, relative to it, where it is known; it is then
+            part of the frequency's.
 
     Raises:
         AnalysisError: a gap, no such channel, a dead signal, fewer than two electrical periods, or a
@@ -71,7 +81,7 @@ def current_spectrum(
     floor = noise_floor(spectrum)
     groups = harmonic_groups(coherent, HIGHEST_HARMONIC)
     measurements = (
-        _frequency(spectrum, track, floor, basis),
+        _frequency(spectrum, track, floor, basis, rate_relative),
         *_lines(spectrum, unit, basis),
         *_distortions(spectrum, basis, current_rated_A_rms, unit),
         *_group_distortions(coherent, groups, basis),
@@ -90,38 +100,47 @@ def _basis(coherent: CoherentSamples, spectrum: CoherentSpectrum, track: PhaseTr
         sample_rate_Hz=coherent.sample_rate_Hz,
         duration_s=spectrum.duration_s,
         bandwidth_Hz=float(spectrum.frequency_Hz[-1]),
-        window=f"rectangular, {coherent.periods} whole electrical periods by {track.source}, resampled to "
-        f"{coherent.per_period} steps of phase each",
+        window=f"rectangular, {coherent.periods} whole electrical periods from row {FIRST_ROW} (from 0) on, "
+        f"by {track.source}, resampled to {coherent.per_period} steps of phase each",
         gaps=0,
     )
 
 
 def _frequency(
-    spectrum: CoherentSpectrum, track: PhaseTrack, floor: NoiseFloor | None, basis: Basis
+    spectrum: CoherentSpectrum,
+    track: PhaseTrack,
+    floor: NoiseFloor | None,
+    basis: Basis,
+    rate_relative: float | None,
 ) -> Measurement:
     turns, uncertain = 2 * math.pi * spectrum.duration_s, None
+    clock = "; the clock is left out" if rate_relative is None else ", and of the rate by the time stamps"
     fundamental = float(spectrum.amplitude[spectrum.periods])
     if track.residual_rad is not None:
         uncertain = Uncertainty(
             math.sqrt(2.0) * track.residual_rad / turns,
-            "rms deviation of the angle from the fit, at both ends; the drive's clock is left out",
+            f"rms deviation of the angle from the fit, at both ends{clock}",
         )
     elif floor is not None and fundamental > 0.0:
         # variance of omega 24 sigma^2 / (A^2 n^3), with sigma^2 = n floor^2 / 4
         uncertain = Uncertainty(
             math.sqrt(6.0) * floor.amplitude / (fundamental * turns),
-            "noise floor by the Cramér-Rao bound (Rife and Boorstyn 1974); the clock is left out",
+            f"noise floor by the Cramér-Rao bound (Rife and Boorstyn 1974){clock}",
         )
+    if rate_relative is not None and uncertain is not None:
+        of_rate = rate_relative * spectrum.fundamental_Hz
+        uncertain = Uncertainty(math.hypot(uncertain.standard, of_rate), uncertain.source)
     text = "mean electrical frequency of the window"
     return Measurement("fundamental_frequency", spectrum.fundamental_Hz, "Hz", text, basis, uncertain)
 
 
 def _lines(spectrum: CoherentSpectrum, unit: str, basis: Basis) -> Iterator[Measurement]:
     periods, f_1 = spectrum.periods, spectrum.fundamental_Hz
-    source = "noise floor around the fundamental / sqrt(2); the sensor's gain is left out"
+    source = "noise floor around the fundamental / sqrt(2), and the resampling; the sensor's gain is left out"
     text = f"peak amplitude at {f_1:.6g} Hz"
     amplitude, noise = float(spectrum.amplitude[periods]), float(harmonic_noise(spectrum, 1)[0])
-    yield Measurement("current_fundamental", amplitude, unit, text, basis, _uncertain(noise, source))
+    standard = math.hypot(noise, resampling_error(amplitude, amplitude))
+    yield Measurement("current_fundamental", amplitude, unit, text, basis, _uncertain(standard, source))
 
     largest = largest_low_component(spectrum, _LOW_ORDER)
     limit_Hz = min(_LOW_ORDER * f_1, float(spectrum.frequency_Hz[-1]))
@@ -130,8 +149,9 @@ def _lines(spectrum: CoherentSpectrum, unit: str, basis: Basis) -> Iterator[Meas
         f"{largest.frequency_Hz:.6g} Hz; all bins, {f_1 / periods:.4g} Hz apart"
     )
     floor = noise_floor(spectrum, 0, _LOW_ORDER)
-    standard = math.nan if floor is None else floor.standard
-    uncertain = _uncertain(standard, f"noise floor below {limit_Hz:.6g} Hz / sqrt(2)")
+    noise = math.nan if floor is None else floor.standard
+    standard = math.hypot(noise, resampling_error(largest.amplitude, amplitude))
+    uncertain = _uncertain(standard, f"noise floor below {limit_Hz:.6g} Hz / sqrt(2), and the resampling")
     low = replace(basis, bandwidth_Hz=limit_Hz)
     yield Measurement("current_max_low_harmonic", largest.amplitude, unit, text, low, uncertain)
 
@@ -158,10 +178,34 @@ def _distortions(
             reason = "no harmonic is within the band" if last < 2 else f"the {base} is zero"
             yield Measurement.undefined(name, "%", text, reason, to_last)
             continue
-        source = f"noise floor around each harmonic, which alone would read {100 * distortion.noise:.2g} %"
+        source = (
+            f"noise floor around each harmonic, which alone would read {100 * distortion.noise:.2g} %, "
+            f"the {100 * distortion.bias:.2g} % that it adds, and the resampling"
+        )
+        at_most = "; at most: less than twice what noise alone reads" if distortion.is_upper_bound else ""
         uncertain = _uncertain(100.0 * distortion.standard, source)
-        yield Measurement(name, 100.0 * distortion.ratio, "%", text, to_last, uncertain)
+        yield Measurement(name, 100.0 * distortion.ratio, "%", text + at_most, to_last, uncertain)
+        if reference is Reference.FUNDAMENTAL:
+            yield _corrected(distortion, last, to_last)
 
+    yield from _with_noise(spectrum, basis)
+
+
+def _corrected(distortion: Distortion, last: int, basis: Basis) -> Measurement:
+    name = "current_thd_corrected"
+    text = (
+        f"100 x root of (sum of squares of harmonics 2 to {last} - what the noise floor around them adds to "
+        f"it), at least 0, / fundamental"
+    )
+    if math.isnan(distortion.corrected):
+        reason = "fewer than 8 bins are between harmonics"
+        return Measurement.undefined(name, "%", text, reason, basis)
+    source = "scatter of the noise in the harmonics, and of the floor that is taken out"
+    uncertain = _uncertain(100.0 * distortion.corrected_standard, source)
+    return Measurement(name, 100.0 * distortion.corrected, "%", text, basis, uncertain)
+
+
+def _with_noise(spectrum: CoherentSpectrum, basis: Basis) -> Iterator[Measurement]:
     value = 100.0 * distortion_and_noise(spectrum)
     text = "100 x rms of all in the band but dc and the fundamental, noise included / fundamental"
     to_end = replace(basis, reference="fundamental")
@@ -204,9 +248,13 @@ def _group_basis(coherent: CoherentSamples, groups: HarmonicGroups, basis: Basis
         samples=coherent.samples * periods / coherent.periods,
         duration_s=periods / coherent.fundamental_Hz,
         bandwidth_Hz=(groups.orders + 1) * coherent.fundamental_Hz,
-        window=f"rectangular, {groups.periods_per_window} whole periods; rms over {groups.windows} of them",
+        window=f"rectangular, {groups.periods_per_window} whole periods; {_over(groups.windows)}",
         harmonics=groups.orders,
     )
+
+
+def _over(windows: int) -> str:
+    return "one of them" if windows == 1 else f"rms over {windows} of them"
 
 
 def _noise(floor: NoiseFloor | None, unit: str, basis: Basis) -> Iterator[Measurement]:

@@ -19,12 +19,17 @@ from benchtool.errors import AnalysisError
 
 _FEWEST_REVOLUTIONS = 2.0
 _LARGEST_LISTED = 10
+_STANDS_OUT = 4.5  # standard uncertainties: by chance once in a hundred records of 200 orders (Rayleigh)
 _SMALLEST_MEAN = 1e-3  # of the largest order: below it "percent of mean" says nothing
 
 
 @dataclass(frozen=True)
 class Orders:
-    """Result of `order_analysis`: NAME_order_largest, NAME_order_K for the largest ten, table NAME_orders."""
+    """Result of `order_analysis`: NAME_order_largest, NAME_order_K, table NAME_orders.
+
+    Measurements are of the largest ten orders that stand out of the noise, by more than 4.5 standard
+    uncertainties; the table has all.
+    """
 
     measurements: tuple[Measurement, ...]
     tables: tuple[Table, ...]
@@ -88,15 +93,9 @@ def describe_orders(
     highest = int(spectrum.order[-1])
     what = f"{spectrum.signal} per mechanical revolution, by {spectrum.method}"
     shares = f"in percent of |mean| {abs(spectrum.mean):.6g} {spectrum.unit} and of the largest"
-    largest = int(spectrum.largest[0])
+    listed = [order for order in map(int, spectrum.largest) if _stands_out(spectrum, order)]
     measurements = [
-        Measurement(
-            f"{name}_order_largest",
-            float(largest),
-            "",
-            f"order with the largest peak amplitude, of orders 1 to {highest} of {what}",
-            spectrum.basis,
-        ),
+        _largest(spectrum, name, f"of orders 1 to {highest} of {what}", listed),
         *(
             Measurement(
                 f"{name}_order_{order}",
@@ -106,7 +105,7 @@ def describe_orders(
                 spectrum.basis,
                 Uncertainty(float(spectrum.standard[order - 1]), spectrum.uncertainty_source),
             )
-            for order in map(int, spectrum.largest[:_LARGEST_LISTED])
+            for order in listed[:_LARGEST_LISTED]
         ),
     ]
     table = Table(
@@ -121,6 +120,20 @@ def describe_orders(
         spectrum.basis,
     )
     return Orders(tuple(measurements), (table,), spectrum)
+
+
+def _stands_out(spectrum: OrderSpectrum, order: int) -> bool:
+    """Whether an order is more than the largest that noise makes of some hundred."""
+    amplitude, standard = spectrum.amplitude[order - 1], spectrum.standard[order - 1]
+    return bool(amplitude > _STANDS_OUT * standard)
+
+
+def _largest(spectrum: OrderSpectrum, name: str, which: str, listed: list[int]) -> Measurement:
+    text = f"order with the largest peak amplitude above {_STANDS_OUT:g} standard uncertainties, {which}"
+    if listed:
+        return Measurement(f"{name}_order_largest", float(listed[0]), "", text, spectrum.basis)
+    reason = "no order stands out of the noise"
+    return Measurement.undefined(f"{name}_order_largest", "", text, reason, spectrum.basis)
 
 
 def order_meaning(order: int, pole_pairs: int | None = None, slots: int | None = None) -> str:

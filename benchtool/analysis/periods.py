@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -15,6 +16,11 @@ from benchtool.errors import AnalysisError
 
 _FEWEST_PERIODS = 2
 _LARGEST_SPEED_CHANGE = 0.1
+_LARGEST_CHANGE = 0.1  # of frequency and amplitude of a tone, between parts of the record
+_MOST_PARTS, _PERIODS_PER_PART = 4, 2
+_LEAST_SHARE = 0.1
+_SEARCH = 0.3  # of the frequency, to either side, where a part of the record has its tone
+_CLEARLY = 4.0  # standard uncertainties by the rest of the signal
 _SINE_FIT_STEPS = 8  # one to find amplitude and phase, then quadratic convergence
 _SINE_FIT_ENOUGH = 1e-9  # rad over half the record
 _NEWTON_STEPS = 6  # quadratic convergence from within 10 %: 1e-1, 1e-2, 1e-4, 1e-8, 1e-16, one to spare
@@ -95,25 +101,81 @@ def track_tone(samples: NDArray[np.float64], name: str = "signal") -> PhaseTrack
     of the speed is not followed and shows as sidebands.
 
     Raises:
-        AnalysisError: too short, not finite, constant, or fewer than two periods.
+        AnalysisError: too short, not finite, constant, fewer than two periods or samples for each, or
+            frequency or amplitude differs by more than 10 % between quarters of the record (or fewer
+            parts, of at least two periods).
     """
     require_signal(samples, name)
     count = len(samples)
+    omega, in_phase, quadrature = _sine_fit(samples)
+    _require_periods(omega * count, name)
+    if omega > np.pi:
+        raise AnalysisError(
+            f"no sinusoid below half the sample rate fits '{name}': record a steady state, at a higher rate"
+        )
+    _require_steady(samples, omega, float(np.hypot(in_phase, quadrature)), name)
+    # in_phase cos x + quadrature sin x = A cos(x - atan2(quadrature, in_phase))
+    begin = -omega * count / 2 - float(np.arctan2(quadrature, in_phase))
+    return PhaseTrack(
+        Polynomial([begin, omega]), count, f"the largest sinusoid of {name}, constant frequency"
+    )
+
+
+def _sine_fit(samples: NDArray[np.float64], about: float = 0.0) -> tuple[float, float, float]:
+    """Frequency, rad per sample, and amplitudes of cosine and sine of the largest sinusoid.
+
+    Phase zero is in the middle of the record. Where a frequency `about` is given, it is sought near that.
+    """
+    count = len(samples)
     window = np.hanning(count + 1)[:count]
     bins = np.abs(fft.rfft((samples - np.mean(samples)) * window))
-    omega = 2 * np.pi * int(np.argmax(bins)) / count
+    first, last = 0, len(bins)
+    if about > 0.0:
+        centre = about * count / (2 * np.pi)
+        reach = max(1.0, _SEARCH * centre)
+        first, last = min(max(1, int(centre - reach)), len(bins) - 1), int(centre + reach) + 2
+    omega = 2 * np.pi * (first + int(np.argmax(bins[first:last]))) / count
     in_phase, quadrature = 0.0, 0.0
     for attempt in range(_SINE_FIT_STEPS):
         in_phase, quadrature, step = _sine_fit_step(samples, window, omega, in_phase, quadrature)
         omega += step
         if attempt > 0 and abs(step) * count / 2 < _SINE_FIT_ENOUGH:
             break
-    _require_periods(omega * count, name)
-    # in_phase cos x + quadrature sin x = A cos(x - atan2(quadrature, in_phase))
-    begin = -omega * count / 2 - float(np.arctan2(quadrature, in_phase))
-    return PhaseTrack(
-        Polynomial([begin, omega]), count, f"the largest sinusoid of {name}, constant frequency"
-    )
+    return omega, in_phase, quadrature
+
+
+def _require_steady(samples: NDArray[np.float64], omega: float, whole: float, name: str) -> None:
+    """Refuse a tone whose frequency or amplitude differs between parts of the record by more than 10 %.
+
+    By more than that and what the rest of the signal, taken as noise, makes of each part. Of a signal with
+    less than a tenth of its power in the tone, of amplitude `whole`, parts would tell nothing.
+    """
+    if not 0.5 * whole**2 > _LEAST_SHARE * float(np.var(samples)):
+        return
+    parts = min(_MOST_PARTS, int(omega * len(samples) / (2 * np.pi)) // _PERIODS_PER_PART)
+    if parts < 2:
+        return
+    found = []
+    for part in np.array_split(samples, parts):
+        of_part, in_phase, quadrature = _sine_fit(part, omega)
+        found.append((of_part, float(np.hypot(in_phase, quadrature)), float(np.std(part))))
+    frequency, amplitude, deviation = np.array(found).T
+    count, middle = len(samples) / parts, max(float(np.mean(amplitude)), 1e-300)
+    rest = math.sqrt(max(0.0, float(np.mean(deviation**2)) - 0.5 * float(np.mean(amplitude**2))))
+    # of a fit with a Hann window squared, whose noise bandwidth is 35/18 of a bin; frequency: Cramér-Rao
+    of_amplitude = rest * math.sqrt(2 * 35 / 18 / count)
+    of_frequency = math.sqrt(24 * 35 / 18 / count) * rest / (middle * count)
+    # of a steady rise the parts' means span less than its ends do
+    rise = parts / (parts - 1)
+    for what, change, standard in (
+        ("amplitude", float(np.ptp(amplitude)) / middle, of_amplitude / middle),
+        ("frequency", rise * float(np.ptp(frequency)) / omega, rise * of_frequency / omega),
+    ):
+        if not change <= _LARGEST_CHANGE + _CLEARLY * math.sqrt(2.0) * standard:
+            raise AnalysisError(
+                f"the {what} of the largest sinusoid of '{name}' changes by {100 * change:.0f} % within the "
+                f"window, at most {100 * _LARGEST_CHANGE:.0f} % is allowed: choose a window in steady state"
+            )
 
 
 def _sine_fit_step(
@@ -189,8 +251,8 @@ def _abscissae(count: int) -> Iterator[tuple[slice, NDArray[np.float64]]]:
 
 
 def _require_periods(phase: float, name: str) -> None:
-    if phase < 2 * np.pi * _FEWEST_PERIODS:
+    if not phase >= 2 * np.pi * _FEWEST_PERIODS:
         raise AnalysisError(
-            f"'{name}' covers {max(0.0, phase) / (2 * np.pi):.2f} electrical periods, at least "
+            f"'{name}' covers {max(phase, 0.0) / (2 * np.pi):.2f} electrical periods, at least "
             f"{_FEWEST_PERIODS} are needed: record a longer window"
         )

@@ -36,8 +36,9 @@ def torque_residual(block: Block, motor: Motor, transducer: Block | None = None)
 
     The stator flux of row k, by the model from the currents and the angle measured there, moves by
     T_s (u - R_s i): u is the voltage asked in row k - 1, which is the one on the motor from row k to k + 1,
-    taken as its mean, and i the mean of the currents at both ends. The rotor turns on at the measured speed.
-    Flux and angle give currents and torque at row k + 1:
+    taken as its mean, and i the mean of the currents at both ends: that of row k + 1 is the predicted one,
+    first with the drop of row k alone, then once more with the mean. The rotor turns on at the measured
+    speed. Flux and angle give currents and torque at row k + 1:
 
         psi = (L_d i_d + psi_r) + j L_q i_q,     torque = 3/2 p (psi_d i_q - psi_q i_d)
 
@@ -127,7 +128,8 @@ def _torque(psi: Complex, i: Complex, motor: Motor) -> Floats:
 
 def _of_estimate(residual_Nm: Floats, ripple_Nm: float, basis: Basis) -> Iterator[Measurement]:
     what = (
-        "torque predicted one period ahead from currents, angle, speed and voltage minus the drive's estimate"
+        "torque predicted one period ahead from currents, angle, speed and voltage (for the resistive drop, "
+        "the current at its end as predicted) minus the drive's estimate"
     )
     yield from _mean_and_rms(residual_Nm, "torque_residual", what, basis)
     text = f"greatest magnitude of {what}"
@@ -146,7 +148,7 @@ def _of_transducer(
     each = round(transducer.sample_rate_Hz / block.sample_rate_Hz)
     torque_Nm = transducer.column("torque_transducer")
     rows = min(len(modelled_Nm), len(torque_Nm) // max(1, each) - 1)
-    what = "mean of modelled torque at both ends of a period minus mean of torque_transducer over it"
+    what = "modelled torque, of both ends of a period, minus torque_transducer, of all its rows in the period"
     if each < 1 or not math.isclose(each * block.sample_rate_Hz, transducer.sample_rate_Hz) or rows < 2:
         reason = f"{transducer.sample_rate_Hz:g} Hz is no multiple of {block.sample_rate_Hz:g} Hz"
         yield Measurement.undefined("true_torque_residual_mean", "Nm", what, reason, basis)

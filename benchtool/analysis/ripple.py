@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 from benchtool.analysis.measurement import Basis, Measurement, Uncertainty
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.validity import require_signal, require_unbroken
-from benchtool.block import Block
+from benchtool.block import Block, as_samples
 
 _SMALLEST_MEAN = 1e-6  # share of the peak-to-peak ripple below which "percent of mean" says nothing
+_COARSE = 1e-3  # of the peak-to-peak: a smaller step is the last digit of a number, and no resolution
 _FEWEST_PERIODS = 3  # whose scatter says something
 _LOW, _HIGH = 0.5, 99.5  # per cent
 _NEAR = 0.25  # per cent to either side, for the density there
@@ -36,6 +37,7 @@ class _Scatter:
     """Standard uncertainties of mean, rms and percentile range, and the spread of single peak-to-peaks."""
 
     periods: int
+    repeated: str
     mean: float
     rms: float
     percentile_range: float
@@ -50,8 +52,9 @@ def ripple(samples: NDArray[np.float64], unit: str, name: str = "signal") -> Rip
     the mean (divided by n, not n - 1). Nothing is filtered. `name` stands in the messages.
 
     Raises:
-        AnalysisError: too short, not finite, or constant.
+        AnalysisError: too short, not finite, constant, or not of shape (n,).
     """
+    samples = as_samples(samples, name)
     require_signal(samples, name)
     return Ripple(
         mean=float(np.mean(samples)),
@@ -101,7 +104,8 @@ def ripple_numbers(
         name: what the names of the measurements begin with, such as torque.
         rated: the base of the numbers "of rated", in the channel's unit; None leaves them out.
         track: phase over the rows, for uncertainties from the scatter over whole electrical periods; without
-            it, or with fewer than three periods, there are none but those from the resolution.
+            it, or with fewer than three periods, there are none but that of the peak-to-peak from a
+            resolution coarser than a thousandth of it.
         what: words for the channel in the definitions.
 
     Raises:
@@ -109,9 +113,36 @@ def ripple_numbers(
     """
     require_unbroken(block)
     samples, unit = np.ascontiguousarray(block.column(channel)), block.unit(channel)
-    whole = ripple(samples, unit, channel)
-    scatter = None if track is None else _scatter(samples, whole, track)
-    return tuple(_numbers(samples, whole, scatter, name, what or channel, rated, record_basis(block)))
+    begins = None if track is None else track.period_rows()
+    basis = record_basis(block)
+    return ripple_of_rows(
+        samples, unit, name, basis, rated=rated, begins=begins, what=what or channel, channel=channel
+    )
+
+
+def ripple_of_rows(
+    samples: NDArray[np.float64],
+    unit: str,
+    name: str,
+    basis: Basis,
+    *,
+    rated: float | None = None,
+    begins: NDArray[np.int64] | None = None,
+    repeated: str = "electrical periods",
+    what: str = "signal",
+    channel: str = "",
+) -> tuple[Measurement, ...]:
+    """`ripple_numbers` of samples, shape (n,), at any times, each counting the same.
+
+    `begins`, shape (m + 1,), are the rows at which what repeats begins, the first 0, and the row after the
+    last; `repeated` says what that is. Messages name `channel`, or `what` where it is not given.
+
+    Raises:
+        AnalysisError: too short, not finite, or constant.
+    """
+    whole = ripple(samples, unit, channel or what)
+    scatter = None if begins is None else _scatter(samples, whole, begins, repeated)
+    return tuple(_numbers(samples, whole, scatter, name, what, rated, basis))
 
 
 def peak_to_peak_number(
@@ -121,7 +152,7 @@ def peak_to_peak_number(
     require_unbroken(block)
     samples = np.ascontiguousarray(block.column(channel))
     whole = ripple(samples, block.unit(channel), channel)
-    scatter = None if track is None else _scatter(samples, whole, track, percentiles=False)
+    scatter = None if track is None else _scatter(samples, whole, track.period_rows(), percentiles=False)
     return _peak_to_peak(name, what or channel, whole, scatter, resolution(samples), record_basis(block))
 
 
@@ -143,7 +174,7 @@ def _numbers(
             return None
         if standard < floor:
             return Uncertainty(floor, f"resolution {step:.3g} {unit} / sqrt(12)")
-        source = f"scatter over {scatter.periods} electrical periods, and the share of the incomplete one"
+        source = f"scatter over {scatter.periods} {scatter.repeated}, and the share of the incomplete one"
         return Uncertainty(standard, source)
 
     mean = uncertainty(scatter.mean) if scatter else None
@@ -172,11 +203,13 @@ def _numbers(
 def _peak_to_peak(
     name: str, what: str, whole: Ripple, scatter: _Scatter | None, step: float, basis: Basis
 ) -> Measurement:
-    # of a difference of two readings, each known to within a step (JCGM 100:2008, F.2.2.1)
-    uncertain = Uncertainty(step / math.sqrt(6.0), f"resolution {step:.3g} {whole.unit} / sqrt(6) alone")
-    if scatter is not None and scatter.peak_to_peak > uncertain.standard:
+    uncertain, of_step = None, step / math.sqrt(6.0)
+    if step > _COARSE * whole.peak_to_peak:
+        # of a difference of two readings, each known to within a step (JCGM 100:2008, F.2.2.1)
+        uncertain = Uncertainty(of_step, f"resolution {step:.3g} {whole.unit} / sqrt(6) alone")
+    if scatter is not None and scatter.peak_to_peak > of_step:
         source = (
-            f"spread of the {scatter.periods} single electrical periods, of mean "
+            f"spread of the {scatter.periods} single {scatter.repeated}, of mean "
             f"{scatter.mean_peak_to_peak:.4g} {whole.unit}; a longer record reads more"
         )
         uncertain = Uncertainty(scatter.peak_to_peak, source)
@@ -200,10 +233,14 @@ def _percent(
 
 
 def _scatter(
-    samples: NDArray[np.float64], whole: Ripple, track: PhaseTrack, *, percentiles: bool = True
+    samples: NDArray[np.float64],
+    whole: Ripple,
+    rows: NDArray[np.int64],
+    repeated: str = "electrical periods",
+    *,
+    percentiles: bool = True,
 ) -> _Scatter | None:
     """Numbers of each whole period of the record, and how they scatter; None where that says nothing."""
-    rows = track.period_rows()
     periods = len(rows) - 1
     if periods < _FEWEST_PERIODS or np.min(np.diff(rows)) < 1:
         return None
@@ -219,6 +256,7 @@ def _scatter(
     of_rms = float(np.std(squares, ddof=1)) / (2.0 * rms * root) if rms > 0.0 else 0.0
     return _Scatter(
         periods=periods,
+        repeated=repeated,
         mean=math.hypot(float(np.std(means, ddof=1)) / root, incomplete[0]),
         rms=math.hypot(of_rms, incomplete[1]),
         percentile_range=_percentile_scatter(within, begin, counts) / root if percentiles else 0.0,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Literal
 
 import numpy as np
@@ -14,7 +14,11 @@ from scipy.signal import get_window
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.resampling import HALF_WIDTH, USABLE_BAND, interpolate
 from benchtool.analysis.validity import require_signal
+from benchtool.block import as_samples, read_only, require_rate
 from benchtool.errors import AnalysisError
+
+FIRST_ROW = HALF_WIDTH - 1
+"""Row at which the periods of a spectrum begin; those before, and the last 32, feed the interpolation."""
 
 _FEWEST_PERIODS = 2
 _CHUNK = 1 << 14  # of values at a time, so that intermediate arrays stay in the cache
@@ -23,24 +27,33 @@ _ANY_PERIODS = 100  # up to here every number of periods is transformed fast eno
 
 @dataclass(frozen=True)
 class Spectrum:
-    """Peak amplitude over frequency, both of shape (bins,), dc first."""
+    """Peak amplitude over frequency, both of shape (bins,), dc first; read-only."""
 
     frequency_Hz: NDArray[np.float64]
     amplitude: NDArray[np.float64]
+
+    def __post_init__(self) -> None:
+        for each in fields(self):
+            value = getattr(self, each.name)
+            if isinstance(value, np.ndarray):
+                object.__setattr__(self, each.name, read_only(value))
 
 
 @dataclass(frozen=True)
 class CoherentSamples:
     """A signal at equal steps of phase over whole periods.
 
-    `values` has shape (periods * per_period,); `samples` is how many of the recorded samples, taken at
-    `sample_rate_Hz`, the periods cover.
+    `values`, read-only, has shape (periods * per_period,); `samples` is how many of the recorded samples,
+    taken at `sample_rate_Hz`, the periods cover.
     """
 
     values: NDArray[np.float64]
     periods: int
     samples: float
     sample_rate_Hz: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "values", read_only(self.values))
 
     @property
     def per_period(self) -> int:
@@ -78,6 +91,14 @@ class CoherentSpectrum(Spectrum):
         return self.periods / self.fundamental_Hz
 
 
+def resampling_error(amplitude: float, largest: float) -> float:
+    """Standard uncertainty that the resampling leaves in an amplitude beside a `largest` one.
+
+    Its bound of 1e-4 of the amplitude and 1e-5 of the largest, evenly distributed (JCGM 100:2008, 4.3.7).
+    """
+    return (1e-4 * amplitude + 1e-5 * largest) / math.sqrt(3.0)
+
+
 @dataclass(frozen=True)
 class Component:
     """One line of a spectrum."""
@@ -96,8 +117,10 @@ def amplitude_spectrum(
     Proc. IEEE 66 (1978), no. 1).
 
     Raises:
-        AnalysisError: too short, not finite, or constant.
+        AnalysisError: too short, not finite, constant, not of shape (n,), or a rate that is not positive.
     """
+    require_rate(sample_rate_Hz)
+    samples = as_samples(samples)
     require_signal(samples, "signal")
     weights = get_window(window, len(samples))
     amplitude = 2.0 * np.abs(fft.rfft(samples * weights)) / np.sum(weights)
@@ -117,11 +140,13 @@ def coherent_samples(
     because a long transform of a large prime takes twenty times as long.
 
     Raises:
-        AnalysisError: too short (fewer than two periods), not finite, constant, or the fundamental is beyond
-            the usable band.
+        AnalysisError: too short (fewer than two periods), not finite, constant, not of shape (n,), a rate
+            that is not positive, or the fundamental is beyond the usable band.
     """
+    require_rate(sample_rate_Hz)
+    samples = as_samples(samples, name)
     require_signal(samples, name)
-    first, last = HALF_WIDTH - 1, len(samples) - 1 - HALF_WIDTH
+    first, last = FIRST_ROW, len(samples) - 1 - HALF_WIDTH
     begin = float(track.phase(first))
     periods = math.floor((float(track.phase(last)) - begin) / (2 * np.pi)) if last > first else 0
     if periods < _FEWEST_PERIODS:
@@ -154,11 +179,11 @@ def coherent_spectrum(
 
     Neither a drift of the speed nor a period of a fractional number of samples leaks the fundamental into
     other bins; the window is rectangular. Frequencies are orders times the mean fundamental. Error of an
-    amplitude below 0.45 of the sample rate: under 1e-4 of itself plus 1e-6 of the largest component.
+    amplitude below 0.45 of the sample rate: under 1e-4 of itself plus 1e-5 of the largest component.
 
     Raises:
-        AnalysisError: too short (fewer than two periods), not finite, constant, or the fundamental is beyond
-            the usable band.
+        AnalysisError: too short (fewer than two periods), not finite, constant, not of shape (n,), a rate
+            that is not positive, or the fundamental is beyond the usable band.
     """
     return spectrum_of(coherent_samples(samples, sample_rate_Hz, track, name))
 

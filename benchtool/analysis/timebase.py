@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,12 @@ from benchtool.block import Gap
 _FEWEST_STAMPS = 8
 _LARGEST_DEVIATION = 0.1  # of a step, peak to peak: a tone at a tenth of the rate keeps 3 % of phase
 _REPEATED_BY_RESOLUTION = 0.05  # share of equal stamps from which the resolution, not a repeat, is the cause
+_FEWEST_PER_STAMP = 2
+_ONE_COUNT = 1.0 + 1e-6
+_REGULAR = 4  # stamps of a row less, at equal distances, are those of a rate a little lower
+_SLOPES = 50
+_FEWEST_RUNS = 20
+_REGULAR_RUNS = 0.9
 _REFINEMENTS = 4
 _MOST_DECIMALS = 9
 
@@ -22,9 +28,12 @@ class TimeBase:
     """What a column of time stamps comes to.
 
     `refusal` says why the rows are not taken at equal steps, and is empty where they are; then row k was
-    taken at `begin_s + step_s * (k + rows missing before it)`, with the missing rows in `gaps`. `jitter_s` is
-    the rms deviation of the stamps from that line, `resolution_s` the step in which stamps count (nan if
-    there is none to be seen). Where they are refused, `step_s` is the median step between different stamps.
+    taken at `begin_s + step_s * (k + rows missing before it)`, with the missing rows in `gaps`; with
+    `gaps_known` false the stamps do not tell whether any are missing. `jitter_s` is the rms deviation of the
+    stamps from that line, `resolution_s` the step in which stamps count (nan if there is none to be seen),
+    `rate_relative` the standard uncertainty of the rate, relative to it (JCGM 100:2008, F.2.2.1): that of the
+    stamps at both ends, by resolution or jitter, over the duration. Where the stamps are refused, `step_s` is
+    the median step between different ones.
     """
 
     begin_s: float
@@ -33,6 +42,8 @@ class TimeBase:
     resolution_s: float
     gaps: tuple[Gap, ...] = ()
     refusal: str = ""
+    gaps_known: bool = True
+    rate_relative: float = math.nan
 
     @property
     def rate_Hz(self) -> float:
@@ -43,14 +54,19 @@ class TimeBase:
         return sum(gap.missing_rows for gap in self.gaps)
 
 
-def time_base(time_s: NDArray[np.float64]) -> TimeBase:
+def time_base(time_s: NDArray[np.float64], values: NDArray[np.float64] | None = None) -> TimeBase:
     """The time base behind stamps, shape (n,), in the order of the rows and finite.
+
+    With `values`, shape (n, columns), rows that repeat these with the stamp are refused.
 
     A line through row number and stamp by least squares gives the rate. Rows are missing where a stamp is
     later by a whole number of steps. Where stamps are coarser than the rows, such as 1 ms for rows at 10 kHz,
-    many are equal; the rows are uniform if the stamps follow the line within their resolution, and what is
-    missing is seen from that length on only. Stamps that deviate by more than their resolution and a
-    tenth of a step, peak to peak, that go back or that repeat are refused: nothing is interpolated.
+    many are equal; the rows are uniform if the stamps follow the line within their resolution. Where all
+    stamps but one stand for the same number of rows, or but a few at unequal distances, rows are missing
+    where there are fewer; else none is, if an even rate explains every stamp. If none does, or if two or
+    three stamps of fewer rows may as well be those of another rate, it cannot be told. Stamps that deviate by
+    more than their resolution and a tenth of a step, peak to peak, that go back or that repeat are refused:
+    nothing is interpolated.
     """
     if len(time_s) < _FEWEST_STAMPS:
         return _refused(time_s, f"{len(time_s)} rows, at least {_FEWEST_STAMPS} are needed")
@@ -67,17 +83,108 @@ def time_base(time_s: NDArray[np.float64]) -> TimeBase:
         )
     resolution_s = _resolution(time_s, steps)
     repeated = np.flatnonzero(steps == 0.0)
+    if values is not None and len(repeated) and len(twice := repeated_rows(time_s, values)):
+        return _refused(
+            time_s,
+            f"{len(twice)} rows repeat both time and values of the row before, first row {twice[0] + 1}",
+            resolution_s,
+        )
     if len(repeated) > _REPEATED_BY_RESOLUTION * len(steps):
-        advance = np.ones(len(steps), dtype=np.int64)
-    elif len(repeated):
+        return _coarse(time_s, steps, max(resolution_s, _resolution_of_the_last(time_s), key=_number))
+    if len(repeated):
         return _refused(
             time_s,
             f"{len(repeated)} rows repeat the time of the row before, first row {repeated[0] + 2}",
             resolution_s,
         )
-    else:
-        advance = _advance(steps)
-    return _on_a_line(time_s, np.concatenate(([0], np.cumsum(advance))), advance, resolution_s)
+    advance = _advance(steps)
+    return _on_a_line(time_s, _ticks(advance), advance, resolution_s)
+
+
+def _coarse(time_s: NDArray[np.float64], steps: NDArray[np.float64], resolution_s: float) -> TimeBase:
+    """Stamps that several rows have."""
+    advance = np.ones(len(steps), dtype=np.int64)
+    if not math.isfinite(resolution_s):
+        return replace(_on_a_line(time_s, _ticks(advance), advance, resolution_s), gaps_known=False)
+    count = (time_s - time_s[0]) / resolution_s
+    is_even = _least_spread(count) <= _ONE_COUNT
+    missing = _missing_of_equal_counts(np.round(count))
+    places = 0 if missing is None else int(np.count_nonzero(missing))
+    if missing is not None and (places == 1 or not is_even):
+        base = _on_a_line(time_s, _ticks(advance + missing), advance + missing, resolution_s)
+        if not base.refusal:
+            return base
+    base = _on_a_line(time_s, _ticks(advance), advance, resolution_s)
+    return replace(base, gaps_known=is_even and (places == 0 or places >= _REGULAR))
+
+
+def _ticks(advance: NDArray[np.int64]) -> NDArray[np.int64]:
+    return np.concatenate(([0], np.cumsum(advance)))
+
+
+def _missing_of_equal_counts(stamp: NDArray[np.float64]) -> NDArray[np.int64] | None:
+    """Rows missing before each row but the first, where all stamps but few stand for the same number of rows.
+
+    The first and the last stamp may stand for fewer. None where numbers differ more often, as those of a rate
+    that is no whole multiple do, where any is greater, or where none is missing.
+    """
+    first = np.flatnonzero(np.diff(stamp, prepend=-1.0))
+    counts = np.diff(first, append=len(stamp))
+    usual = int(np.median(counts))
+    inner = counts[1:-1]
+    short = np.flatnonzero(inner < usual) + 1
+    skipped = np.flatnonzero(np.diff(stamp[first]) > 1.0) + 1
+    if usual < _FEWEST_PER_STAMP or np.any(counts > usual) or 20 * len(short) > len(inner):
+        return None
+    if not len(short) and not len(skipped):
+        return None
+    missing = np.zeros(len(stamp) - 1, dtype=np.int64)
+    missing[first[short + 1] - 1] += usual - counts[short]
+    missing[first[skipped] - 1] += (np.diff(stamp[first])[skipped - 1].astype(np.int64) - 1) * usual
+    return missing
+
+
+def _least_spread(stamp: NDArray[np.float64]) -> float:
+    """Least peak-to-peak deviation of stamps from a line through row numbers, over all slopes.
+
+    Up to one count, rows at an even rate explain stamps in whole counts. The deviation is convex in the
+    slope, and each slope's extremes give a line below it; where two such lines meet is the next slope.
+    """
+    rows = np.arange(len(stamp), dtype=np.float64)
+    mean = float(stamp[-1] - stamp[0]) / max(1, len(stamp) - 1)
+    lines: dict[bool, tuple[float, float]] = {}
+    slope, least = mean, math.inf
+    for _ in range(_SLOPES):
+        deviation = stamp - slope * rows
+        high, low = int(np.argmax(deviation)), int(np.argmin(deviation))
+        spread = float(deviation[high] - deviation[low])
+        least = min(least, spread)
+        falls = high > low  # a greater slope spreads less
+        lines[falls] = (float(rows[low] - rows[high]), spread - float(rows[low] - rows[high]) * slope)
+        if len(lines) < 2:
+            slope += math.copysign(spread / abs(high - low), high - low) if high != low else 0.0
+            if high == low:
+                break
+            continue
+        (rise_a, at_a), (rise_b, at_b) = lines.values()
+        if rise_a == rise_b or (at_b - at_a) / (rise_a - rise_b) == slope:
+            break
+        slope = (at_b - at_a) / (rise_a - rise_b)
+    return least
+
+
+def _number(value: float) -> float:
+    return value if math.isfinite(value) else -math.inf
+
+
+def _resolution_of_the_last(time_s: NDArray[np.float64]) -> float:
+    """The resolution of the stamps with most digits before the point: of five digits in all it is coarser."""
+    largest = float(np.abs(time_s).max())
+    if not 0.0 < largest < math.inf:
+        return math.nan
+    last = time_s[np.abs(time_s) >= 10.0 ** math.floor(math.log10(largest))]
+    steps = np.diff(last)
+    return _resolution(last, steps) if np.any(steps > 0.0) else math.nan
 
 
 def _on_a_line(
@@ -101,12 +208,15 @@ def _on_a_line(
             resolution_s,
         )
     late = np.flatnonzero(advance > 1)
+    jitter_s = float(np.sqrt(np.mean(deviation**2)))
+    duration_s = step_s * float(tick[-1])
     return TimeBase(
         begin_s=float(time_s.mean() - step_s * tick.mean()),
         step_s=step_s,
-        jitter_s=float(np.sqrt(np.mean(deviation**2))),
+        jitter_s=jitter_s,
         resolution_s=resolution_s,
         gaps=tuple(Gap(int(row) + 1, int(advance[row]) - 1) for row in late),
+        rate_relative=math.sqrt(2.0) * max(jitter_s, coarse_s / math.sqrt(12.0)) / duration_s,
     )
 
 
@@ -132,6 +242,29 @@ def _resolution(time_s: NDArray[np.float64], steps: NDArray[np.float64]) -> floa
         if unit_s > 4 * rounding_s and np.all(np.abs(counts - np.round(counts)) * unit_s <= rounding_s):
             return unit_s
     return math.nan
+
+
+def repeated_rows(time_s: NDArray[np.float64], values: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Rows that repeat both stamp and values, shape (n, columns), of the row before; none if by coarseness.
+
+    Of rows under a coarse stamp some may be equal by chance, as may rows under different stamps.
+    """
+    equal = np.all(values[1:] == values[:-1], axis=1)
+    same = time_s[1:] == time_s[:-1]
+    if np.mean(equal[same]) > 0.5 and (same.all() or np.mean(equal[~same]) < 0.5 * np.mean(equal[same])):
+        return np.flatnonzero(equal & same) + 1
+    return np.empty(0, dtype=np.int64)
+
+
+def held_rows(values: NDArray[np.float64]) -> int:
+    """For how many rows, shape (n,), each value is held at regular times, by a slower converter say, or 1."""
+    changes = np.flatnonzero(np.diff(values))
+    runs = np.diff(changes)
+    if len(runs) < _FEWEST_RUNS:
+        return 1
+    usual = int(np.median(runs))
+    is_regular = np.mean(np.abs(runs - usual) <= 1) > _REGULAR_RUNS and np.mean(runs == usual) > 0.5
+    return usual if usual > 1 and is_regular else 1
 
 
 def _refused(time_s: NDArray[np.float64], refusal: str, resolution_s: float = math.nan) -> TimeBase:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 from numpy.polynomial import Polynomial
 
@@ -49,7 +50,12 @@ def true_torque(
     """
     inside = cut_to_span(transducer, block)
     rows = None if track is None else _at_rows_of(track, inside, block)
-    numbers = ripple_numbers(inside, "torque_transducer", "true_torque", track=rows)
+    first = (inside.first_tick - transducer.first_tick) // transducer.stride
+    what = (
+        f"torque_transducer in its rows {first} to {first + len(inside.data) - 1} (from 0), those at tick x "
+        f"tick_s from the capture's first row to one row past its last"
+    )
+    numbers = ripple_numbers(inside, "torque_transducer", "true_torque", track=rows, what=what)
     by_name = {each.name: each for each in numbers}
     shown = (by_name["true_torque_ripple_pp"], by_name["true_torque_ripple_rms"])
     if estimate is None:
@@ -58,9 +64,11 @@ def true_torque(
     if estimate.uncertainty is not None and mean.uncertainty is not None:
         both = math.hypot(estimate.uncertainty.standard, mean.uncertainty.standard)
         uncertain = Uncertainty(both, "those of both means, taken as independent")
-    text = "mean of the drive's estimate torque minus mean of torque_transducer over the same time"
+    text = f"mean of the drive's estimate torque minus mean of {what}"
     error_Nm = estimate.value - mean.value
-    return (*shown, Measurement("torque_error", error_Nm, "Nm", text, estimate.basis, uncertain))
+    reference = f"torque_transducer, {len(inside.data)} samples at {inside.sample_rate_Hz:g} Hz"
+    basis = replace(estimate.basis, reference=reference)
+    return (*shown, Measurement("torque_error", error_Nm, "Nm", text, basis, uncertain))
 
 
 def _at_rows_of(track: PhaseTrack, fine: Block, coarse: Block) -> PhaseTrack:

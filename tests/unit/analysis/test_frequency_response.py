@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from itertools import pairwise
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -140,6 +141,76 @@ def test_a_chirp_shows_its_band_and_nothing_beyond() -> None:
     np.testing.assert_allclose(found.response[inside], _truth(found.frequency_Hz[inside]), atol=0.06)
 
 
+def _lag(x: NDArray[np.float64]) -> NDArray[np.float64]:
+    """First order, 300 Hz."""
+    return np.asarray(signal.lfilter(*signal.butter(1, 300.0, fs=RATE_HZ), x))
+
+
+def _lag_truth(frequency_Hz: NDArray[np.float64]) -> NDArray[np.complex128]:
+    return np.asarray(signal.freqz(*signal.butter(1, 300.0, fs=RATE_HZ), frequency_Hz, fs=RATE_HZ)[1])
+
+
+@pytest.mark.parametrize("law", ["linear", "logarithmic"])
+@pytest.mark.parametrize("rest", [0, 2000])
+@pytest.mark.parametrize("noise", [0.0, 0.003])
+def test_one_sweep_through_a_lag_reads_the_lag_within_the_stated_errors(
+    law: Literal["linear", "logarithmic"], rest: int, noise: float
+) -> None:
+    sweep = signal.chirp(np.arange(20_000) / RATE_HZ, 5.0, 2.0, 2000.0, law, phi=-90.0)
+    x = np.concatenate([np.zeros(rest), sweep, np.zeros(rest)])
+    y = _lag(x) + _noise(len(x), noise)
+
+    bode = _bode(x, y)
+
+    found, response = {each.name: each for each in bode.measurements}, bode.response
+    assert ("at rest" in response.method) == (rest > 0)
+    off = response.response[response.trusted] / _lag_truth(response.frequency_Hz[response.trusted]) - 1.0
+    error = response.error[response.trusted]
+    if noise:
+        assert np.mean((np.abs(off) / error) ** 2) == pytest.approx(2.0, rel=0.5)
+    else:
+        assert np.median(np.abs(off)) < 1e-5
+    reference_Hz = response.frequency_Hz[response.reference]
+    expected = {
+        "response_gain": float(np.abs(_lag_truth(np.array([reference_Hz])))[0]),
+        "resonance_peak": 0.0,
+    }
+    if reference_Hz < 20.0:
+        expected["bandwidth_3dB"] = 300.0
+    for name, value in expected.items():
+        uncertainty = found[name].uncertainty
+        assert uncertainty is not None
+        # the greatest of many values is high by its error, and by more with more of them
+        spread = 4.0 if name == "resonance_peak" else 3.0
+        assert abs(found[name].value - value) < spread * uncertainty.standard + 1e-3
+        assert uncertainty.standard < (0.3 if name == "resonance_peak" else 0.1 * value)
+    assert reference_Hz < 20.0 or (law, rest) == ("linear", 0)
+
+
+def test_a_resonance_is_read_from_one_sweep() -> None:
+    x = np.concatenate([np.zeros(500), _chirp(40_000), np.zeros(3000)])
+    found = _values(_bode(x, _filtered(x) + _noise(len(x), 0.001)))
+    gain = np.abs(_truth(np.linspace(1.0, 3000.0, 300_000)))
+    assert found["resonance_peak"] == pytest.approx(20 * math.log10(np.max(gain)), abs=0.05)
+
+
+def test_the_reference_is_no_badly_excited_edge() -> None:
+    time_s = np.arange(20_000) / RATE_HZ
+    x = np.asarray(signal.chirp(time_s, 100.0, 2.0, 1000.0)) + _noise(20_000, 2e-3, 3)
+    found = _bode(x, 2.0 * x + _noise(len(x), 2e-3, 4)).response
+    assert found.frequency_Hz[found.trusted][0] < 80.0
+    assert found.frequency_Hz[found.reference] > 80.0
+
+
+def test_a_period_that_is_not_the_inputs_is_refused() -> None:
+    x = _prbs(8)
+    for wrong in (1000, 1022, 1024):
+        with pytest.raises(AnalysisError, match=f"repeats itself every {wrong} samples"):
+            _bode(x, _filtered(x), wrong)
+    noisy = x + _noise(len(x), 0.3)
+    assert frequency_response(noisy, _filtered(x), RATE_HZ, period=1023).averages == 8
+
+
 def test_noise_that_the_input_does_not_make_is_not_taken_for_a_response() -> None:
     x = _prbs(6)
     with pytest.raises(AnalysisError, match="no frequency of 'torque_reference' shows in 'torque'"):
@@ -147,15 +218,18 @@ def test_noise_that_the_input_does_not_make_is_not_taken_for_a_response() -> Non
 
 
 def test_few_averages_ask_for_more_coherence() -> None:
-    x = np.tile(_noise(4096, 1.0, 1), 10)
-    y = _noise(len(x), 1.0, 2)
-    least = [periodic_response(x, y, RATE_HZ, 4096 * 10 // n).least_coherence for n in (4, 5, 10, 20)]
+    y = _noise(40_960, 1.0, 2)
+    least = [
+        periodic_response(np.tile(_noise(len(y) // n, 1.0, 1), n), y, RATE_HZ, len(y) // n).least_coherence
+        for n in (4, 5, 10, 20)
+    ]
+    x = np.tile(_noise(4096, 1.0, 1), 5)
     assert least[0] > 0.95
     assert all(more >= fewer for more, fewer in pairwise(least))
     assert least[-1] == 0.8
     # by chance alone 0.2^4 of 2048 frequencies would have 0.8 of five averages: three of them
     wrong = [
-        np.count_nonzero(periodic_response(x[: 5 * 4096], _noise(5 * 4096, 1.0, seed), RATE_HZ, 4096).trusted)
+        np.count_nonzero(periodic_response(x, _noise(len(x), 1.0, seed), RATE_HZ, 4096).trusted)
         for seed in range(10)
     ]
     assert np.count_nonzero(wrong) <= 2

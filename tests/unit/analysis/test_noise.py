@@ -10,14 +10,17 @@ from numpy.typing import NDArray
 
 from benchtool.analysis import (
     CoherentSpectrum,
+    Measurement,
     Reference,
     coherent_spectrum,
+    current_spectrum,
     harmonic_noise,
     harmonics,
     noise_floor,
     total_harmonic_distortion,
     track_angle,
 )
+from benchtool.block import Block, Channel
 
 RATE_HZ = 10e3
 SAMPLES = 20_065  # 100 periods and the margins of the interpolation
@@ -125,3 +128,68 @@ def test_noise_alone_reads_the_distortion_that_is_foretold() -> None:
 
     ratios = np.array([each.ratio for each in found])
     assert np.sqrt(np.mean(ratios**2)) == pytest.approx(np.mean([each.noise for each in found]), rel=0.1)
+
+
+@pytest.mark.parametrize("third", [0.0, 0.001, 0.002, 0.005, 0.05])
+def test_what_noise_adds_is_within_the_uncertainty_and_is_taken_out_of_the_corrected(third: float) -> None:
+    # 49 harmonics of noise read 0.0022, so that the lines are from nothing to far above it
+    found = [
+        total_harmonic_distortion(spectrum_of({1: 1.0, 3: third}, seed, 4065), 50, reference)
+        for seed in range(60)
+        for reference in (Reference.FUNDAMENTAL, Reference.TOTAL)
+    ]
+
+    measured = [abs(each.ratio - third) < 2.0 * each.standard for each in found]
+    corrected = [abs(each.corrected - third) < 2.0 * each.corrected_standard for each in found]
+    assert np.mean(measured) > 0.9
+    assert np.mean(corrected) > 0.9
+    # the squares are right on average, the roots cannot be below zero
+    squares = np.array([each.ratio**2 - each.noise**2 for each in found])
+    assert np.mean(squares) == pytest.approx(third**2, abs=5 * np.std(squares) / math.sqrt(60))
+    assert all(each.is_upper_bound == (each.ratio < 2 * each.noise) for each in found)
+    assert {each.is_upper_bound for each in found} == {third < 0.002} or third == 0.002
+
+
+def test_the_corrected_distortion_scatters_by_its_uncertainty() -> None:
+    found = [
+        total_harmonic_distortion(spectrum_of({1: 1.0, 3: 0.006, 5: 0.006}, seed, 4065))
+        for seed in range(300)
+    ]
+
+    claimed = [each.corrected_standard for each in found]
+    scatter = float(np.std([each.corrected for each in found]))
+    assert np.sqrt(np.mean(np.square(claimed))) == pytest.approx(scatter, rel=0.25)
+
+
+def test_two_lengths_of_one_record_agree_within_their_uncertainty() -> None:
+    def thd(samples: int) -> dict[str, Measurement]:
+        theta_e = 2 * np.pi * 50.0 * np.arange(samples, dtype=np.float64) / RATE_HZ
+        noise = np.random.default_rng(samples).normal(0.0, 0.36, samples)
+        block = Block((Channel("i_a", "A"),), 0, 1, 1 / RATE_HZ, (np.cos(theta_e) + noise)[:, np.newaxis])
+        spectrum = current_spectrum(block, "i_a", track_angle(theta_e, 1), current_rated_A_rms=1.0)
+        return {each.name: each for each in spectrum.measurements}
+
+    short, long = thd(4_065), thd(100_065)
+
+    for name in ("current_thd", "current_thd_r", "current_tdd", "current_thd_corrected"):
+        one, two = short[name].uncertainty, long[name].uncertainty
+        assert one is not None
+        assert two is not None
+        assert abs(short[name].value - long[name].value) < 2.0 * math.hypot(one.standard, two.standard)
+        assert ("at most" in short[name].definition) == (name != "current_thd_corrected")
+    assert short["current_thd"].value > 3.0 * long["current_thd"].value
+
+
+@pytest.mark.parametrize("frequency_Hz", [43.7, 97.3, 411.0])
+def test_a_clean_tone_is_as_far_off_as_its_uncertainty_says(frequency_Hz: float) -> None:
+    theta_e = 2 * np.pi * frequency_Hz * np.arange(20_000, dtype=np.float64) / RATE_HZ
+    block = Block((Channel("i_a", "A"),), 0, 1, 1 / RATE_HZ, 4.0 * np.cos(theta_e)[:, np.newaxis])
+
+    found = {each.name: each for each in current_spectrum(block, "i_a", track_angle(theta_e, 1)).measurements}
+
+    expected = {"current_fundamental": 4.0, "current_max_low_harmonic": 0.0, "current_thd": 0.0}
+    for name, value in expected.items():
+        uncertainty = found[name].uncertainty
+        assert uncertainty is not None
+        assert abs(found[name].value - value) < 2.0 * uncertainty.standard
+        assert uncertainty.standard < 1e-3

@@ -267,7 +267,9 @@ def test_a_capture_in_steady_state_is_resampled_by_time() -> None:
 
     names = [each.name for each in orders.measurements]
     assert names[:4] == ["torque_order_largest", "torque_order_72", "torque_order_18", "torque_order_12"]
-    assert len(names) == 11
+    for each in orders.measurements[1:]:
+        assert each.uncertainty is not None
+        assert each.value > 4.5 * each.uncertainty.standard
     assert orders.measurements[0].value == 72
     assert orders.measurements[1].value == pytest.approx(0.2, rel=1e-4)
     assert "DFT over 6 whole revolutions" in orders.measurements[1].definition
@@ -335,3 +337,16 @@ def test_definitions_say_what_the_largest_orders_are() -> None:
         "peak amplitude of order 72 (6p, phase harmonics 5 and 7; cogging, lcm of 18"
     )
     assert orders.measurements[1].basis.harmonics == 200
+
+
+def test_only_orders_that_stand_out_of_the_noise_are_listed() -> None:
+    angle: Array = np.arange(40_000.0) * (40 * TURN / 40_000)
+    noise = np.random.default_rng(5).normal(size=len(angle))
+
+    found = describe_orders(fitted(angle, 0.2 * np.cos(72 * angle) + 0.5 * noise), "torque")
+    assert [each.name for each in found.measurements] == ["torque_order_largest", "torque_order_72"]
+    assert len(found.tables[0].rows) == 200
+
+    (none,) = describe_orders(fitted(angle, noise), "torque").measurements
+    assert math.isnan(none.value)
+    assert "undefined here: no order stands out of the noise" in none.definition

@@ -194,6 +194,15 @@ def test_a_percentile_range_scales_and_does_not_shift(
     assert percentile_range(samples) <= np.max(samples) - np.min(samples) + 1e-12
 
 
+def test_the_last_digit_of_a_computed_signal_is_no_resolution() -> None:
+    clean = 1.0 + 0.1 * np.cos(6 * angle(5000))
+
+    for name in ("torque_ripple_pp", "torque_ripple_percent_of_mean", "torque_ripple_percent_of_rated"):
+        assert numbers(clean)[name].uncertainty is None
+        assert numbers(np.round(clean, 5))[name].uncertainty is None
+        assert numbers(np.round(clean, 3))[name].uncertainty is not None
+
+
 def test_another_channel_gives_its_name_and_unit() -> None:
     measured = ripple_numbers(block(np.arange(100.0), unit="A"), "torque", "current", what="i_q")
 

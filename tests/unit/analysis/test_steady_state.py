@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from benchtool.analysis import SteadyState, analyze_steady_state, cut_to_span
+from benchtool.analysis import SteadyState, analyze_steady_state, coherent_samples, cut_to_span, track_angle
 from benchtool.block import Block, Channel, Gap
 from benchtool.errors import AnalysisError
 
@@ -29,6 +30,7 @@ NAMES = [
     "current_fundamental",
     "current_max_low_harmonic",
     "current_thd",
+    "current_thd_corrected",
     "current_thd_r",
     "current_tdd",
     "current_thd_n",
@@ -105,6 +107,7 @@ def test_every_number_of_a_known_capture() -> None:
             "fundamental_frequency": 10.0,
             "current_fundamental": 0.24,
             "current_thd": 100 * ratio,
+            "current_thd_corrected": 100 * ratio,
             "current_thd_r": 100 * ratio / np.hypot(1.0, ratio),
             "current_tdd": 100 * 0.007 / (3.0 * np.sqrt(2)),
             "current_thd_n": 100 * ratio,
@@ -257,6 +260,31 @@ def test_the_transducer_is_cut_to_the_time_of_the_capture() -> None:
     assert len(cut.data) == 20 * SAMPLES
     assert np.shares_memory(cut.data, longer.data)
     assert analyze(capture(), longer)["true_torque_ripple_pp"].value == pytest.approx(0.1)
+
+
+def test_a_definition_names_the_rows_that_were_used() -> None:
+    longer = transducer(6990, SAMPLES + 25)
+
+    steady = analyze(capture(), longer)
+
+    for name in ("true_torque_ripple_pp", "true_torque_ripple_rms", "torque_error"):
+        found = re.search(r"in its rows (\d+) to (\d+) \(from 0\)", steady[name].definition)
+        assert found is not None
+        rows = longer.column("torque_transducer")[int(found[1]) : int(found[2]) + 1]
+        value = {
+            "true_torque_ripple_pp": float(np.ptp(rows)),
+            "true_torque_ripple_rms": float(np.std(rows)),
+            "torque_error": steady["torque_mean"].value - float(np.mean(rows)),
+        }[name]
+        assert steady[name].value == pytest.approx(value, rel=1e-9, abs=1e-12)
+    assert steady["torque_error"].basis.reference == f"torque_transducer, {20 * SAMPLES} samples at 200000 Hz"
+    begun = re.search(r"from row (\d+) \(from 0\) on", steady["current_thd"].basis.window)
+    assert begun is not None
+    # the first sample of the periods is that row of the record
+    assert coherent_samples(
+        capture().column("i_a"), 1 / TICK_S, track_angle(capture().column("theta_m"), 4)
+    ).values[0] == pytest.approx(capture().column("i_a")[int(begun[1])], rel=1e-4)
+    assert "one of them" in steady["current_thdg"].basis.window
 
 
 @pytest.mark.parametrize(("first_tick", "ticks"), [(7002, SAMPLES), (7000, SAMPLES - 2), (90000, 10)])

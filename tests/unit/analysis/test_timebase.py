@@ -63,10 +63,75 @@ def test_a_gap_in_stamps_of_four_decimals_is_found_too() -> None:
     assert time_base(stamps).gaps == (Gap(1_000, 2),)
 
 
-def test_a_gap_in_stamps_coarser_than_the_rows_is_refused() -> None:
-    stamps = np.delete(np.floor(ROWS / 10_000.0 * 1_000 + 1e-6) / 1_000, np.s_[2_000:2_050])
-    base = time_base(stamps)
-    assert "not even: steps of 0 s to 0.006 s" in base.refusal
+def milliseconds(rows: Array, rate_Hz: float = 10_000.0) -> Array:
+    return np.floor(rows / rate_Hz * 1_000 + 1e-6) / 1_000
+
+
+@pytest.mark.parametrize("lost", [77, 503, 2_509, 4_000])
+def test_one_row_less_under_one_of_the_coarse_stamps_is_a_gap(lost: int) -> None:
+    base = time_base(milliseconds(np.delete(ROWS, lost)))
+
+    (gap,) = base.gaps
+    assert gap.missing_rows == 1
+    assert abs(gap.row - lost) < 10  # within its stamp
+    assert base.rate_Hz == pytest.approx(10_000.0, rel=1e-5)
+    assert base.gaps_known
+
+
+@pytest.mark.parametrize("first", [2_000, 2_003])
+def test_many_rows_missing_under_coarse_stamps_are_gaps(first: int) -> None:
+    base = time_base(milliseconds(np.delete(ROWS, np.s_[first : first + 50])))
+    assert base.missing_rows == 50
+    assert base.rate_Hz == pytest.approx(10_000.0, rel=2e-5)
+
+
+def test_a_rate_just_below_a_whole_number_of_rows_for_each_stamp_has_no_gaps() -> None:
+    base = time_base(milliseconds(np.arange(50_000.0), 9_950.0))
+    assert base.gaps == ()
+    assert base.gaps_known
+    assert base.rate_Hz == pytest.approx(9_950.0, rel=1e-5)
+
+
+def test_where_a_lost_row_and_another_rate_look_alike_gaps_are_not_known() -> None:
+    two = time_base(milliseconds(np.delete(ROWS, [1_255, 3_755])))
+    odd = time_base(np.round(np.delete(ROWS, 2_000) / 48_000.0, 3))
+    for base in (two, odd):
+        assert base.refusal == ""
+        assert base.gaps == ()
+        assert not base.gaps_known
+    assert time_base(np.round(ROWS / 48_000.0, 3)).gaps_known
+
+
+def test_stamps_of_five_digits_are_as_coarse_as_the_last() -> None:
+    base = time_base(np.array([float(f"{row / 2_000:.5g}") for row in range(60_000)]))
+    assert base.refusal == ""
+    assert base.resolution_s == pytest.approx(1e-3)
+    assert base.rate_Hz == pytest.approx(2_000.0, rel=1e-6)
+
+
+@given(
+    per_stamp=st.floats(1.2, 40.0),
+    begin=st.floats(0.0, 1.0),
+    lost=st.lists(st.integers(100, 3_900), max_size=3, unique=True),
+)
+@settings(max_examples=60, deadline=None)
+def test_the_rate_of_coarse_stamps_is_known_to_within_its_uncertainty(
+    per_stamp: float, begin: float, lost: list[int]
+) -> None:
+    rows = np.delete(np.arange(4_000.0), lost)
+    base = time_base(np.floor(begin + rows / per_stamp) / 1_000)
+    if not base.refusal and not lost:
+        assert abs(base.rate_Hz / (1_000 * per_stamp) - 1.0) < 3 * base.rate_relative
+        assert base.gaps == () or base.missing_rows == 1
+    if not base.refusal and len(lost) == 3 and base.gaps_known:
+        assert abs(base.missing_rows - 3) <= 1 or base.rate_relative > 3 / 4_000
+
+
+@pytest.mark.parametrize("decimals", [3, 4, 5, 9])
+def test_the_uncertainty_of_the_rate_is_that_of_both_ends_over_the_duration(decimals: int) -> None:
+    base = time_base(np.round(ROWS / 10_000.0, decimals))
+    step_s = max(1e-4, 10.0**-decimals)  # finer digits are zeros, which nobody can tell from none
+    assert base.rate_relative == pytest.approx(step_s / math.sqrt(6.0) / 0.5, rel=0.02)
 
 
 def test_little_jitter_is_stated_and_more_is_refused() -> None:
