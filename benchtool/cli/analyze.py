@@ -21,7 +21,9 @@ def _column(what: str) -> Any:
 
 
 def analyze(
-    run: Annotated[Path | None, typer.Argument(metavar="RUN", help="Folder of a run bundle.")] = None,
+    run: Annotated[
+        Path | None, typer.Argument(metavar="RUN", help="Run bundle, or folder of a run of several cases.")
+    ] = None,
     csv: Annotated[
         Path | None,
         typer.Option(
@@ -73,6 +75,15 @@ def analyze(
         )
     if rated_torque is not None and not (math.isfinite(rated_torque) and rated_torque > 0.0):
         raise UsageError(f"--rated-torque is {rated_torque:g}, a torque above zero in Nm is expected")
+    for option, without in (
+        ("--pole-pairs", pole_pairs is not None and angle is None and "--angle"),
+        ("--slots", slots is not None and angle is None and "--angle"),
+        ("--rated-torque", rated_torque is not None and torque is None and "--torque"),
+    ):
+        if without:
+            raise UsageError(f"{option} without {without}: name that column too, or leave {option} out")
+    if from_ is not None and to is not None and from_ > to:
+        raise UsageError(f"--from {from_:g} is after --to {to:g}: give the earlier first")
     columns = {"current": current, "torque": torque, "angle": angle, "speed": speed}
     answer = analyze_table(
         TableQuestion(
@@ -96,6 +107,7 @@ def _analyze_run(run: Path | None, as_json: bool, has_csv_options: bool) -> int:
     from benchtool.errors import UsageError
     from benchtool.experiment.assessment import RunResult, assess_bundle
     from benchtool.experiment.limits import Verdict
+    from benchtool.experiment.runs import complete_cases, recorded_runs
     from benchtool.recording import Bundle
 
     if run is None:
@@ -104,12 +116,25 @@ def _analyze_run(run: Path | None, as_json: bool, has_csv_options: bool) -> int:
         raise UsageError(
             f"{run} is measured by the plan that it carries, columns and motor go with --csv: leave them out"
         )
-    bundle = Bundle.open(run)
-    result = RunResult((assess_bundle(bundle),))
     output = Output(as_json=as_json)
-    show_run(output, bundle.manifest.what, result)
+    cut_short: list[str] = []
+    if (run / "manifest.json").is_file() or not run.is_dir():
+        bundle = Bundle.open(run)
+        result = RunResult((assess_bundle(bundle),))
+        what = bundle.manifest.what
+    else:
+        runs = recorded_runs(run)
+        if len(runs) > 1:
+            raise UsageError(
+                f"{run} holds {len(runs)} plans: give the folder of one, such as {runs[0].folder}"
+            )
+        cut_short = [case.name for case in runs[0].cases if not case.bundle.complete]
+        result, what = RunResult(tuple(complete_cases(run))), str(run)
+    show_run(output, what, result)
+    if cut_short:
+        output.line(f"left out, cut short: {', '.join(cut_short)}")
     output.document(result.to_json())
-    return 1 if result.verdict is Verdict.FAIL else 0
+    return 1 if result.verdict is Verdict.FAIL or cut_short else 0
 
 
 def _show(output: Output, answer: TableAnswer) -> None:
@@ -141,5 +166,6 @@ def _column_read(what: str, column: Mapping[str, Any]) -> str:
 
 def _timed(time: Mapping[str, Any]) -> str:
     if time["uniform"]:
-        return f"time: even, {time['rate_Hz']:.7g} Hz, jitter {time['jitter_s']:.2g} s rms"
+        untold = "" if time["gaps"] is not None else "; whether rows are missing cannot be told"
+        return f"time: even, {time['rate_Hz']:.7g} Hz, jitter {time['jitter_s']:.2g} s rms{untold}"
     return f"time: not even, {time['why_not']}"

@@ -11,12 +11,13 @@ import typer
 from rich.text import Text
 
 from benchtool.cli import options
-from benchtool.cli.output import Output, significant
+from benchtool.cli.output import Output
 from benchtool.cli.report import write_report
 
 if TYPE_CHECKING:
     from benchtool.experiment.deltas import Comparison, Delta
 
+_LEAST_PLACE = 1e-6  # of a value without uncertainty: smaller differences do not show in it
 _MOST_COLUMNS = 3  # runs beside each other in a terminal; more stand one below the other
 
 
@@ -42,6 +43,8 @@ def compare(
     output = Output(as_json=as_json)
     found = dict(zip(_labels(runs), map(complete_cases, runs), strict=True))
     comparisons, alone = compare_cases(found)
+    if len(found) == 1 and not any(comparison.deltas for comparison in comparisons):
+        raise UsageError(f"{runs[0]} is one run of one case, two are compared: name another run beside it")
     for comparison in comparisons:
         _show(output, comparison)
     if alone:
@@ -50,7 +53,8 @@ def compare(
     if html is not None:
         if not comparisons:
             raise UsageError("no case of the first run has a counterpart: compare runs of the same plan")
-        page, document = write_report(comparison_report(comparisons, alone), html, pdf=pdf, output=output)
+        report = comparison_report(comparisons, alone, [str(run) for run in runs])
+        page, document = write_report(report, html, pdf=pdf, output=output)
         written = {"report": str(page), "pdf": None if document is None else str(document)}
     output.document(
         {
@@ -103,6 +107,8 @@ def _show(output: Output, comparison: Comparison) -> None:
     else:
         _show_columns(output, title, comparison, letters)
     output.line("* beyond its uncertainty (k = 2), ~ within it; ✓ better, ✗ worse by a limit", "dim")
+    if comparison.lengths:
+        output.line(comparison.lengths, "yellow")
     for label, result in results.items():
         output.line(f"{letters[label]}  {label}: {result.bundle}")
 
@@ -115,7 +121,7 @@ def _show_columns(output: Output, title: str, comparison: Comparison, letters: M
     differences = (f">{letters[others[0]]}−A", ">%") if two else ()
     rows = []
     for name in comparison.names:
-        cells: list[str | Text] = [name, significant(_value(comparison, first, name))]
+        cells: list[str | Text] = [name, _value(comparison, first, name)]
         for label in others:
             if two:
                 cells += _apart(comparison, label, name)
@@ -140,9 +146,26 @@ def _show_many(output: Output, title: str, comparison: Comparison, letters: Mapp
     output.table(title, ("run", *(f">{name}" for name in names)), rows)
 
 
-def _value(comparison: Comparison, label: str, name: str) -> float:
-    found = (each.value for each in comparison.results[label].measurements if each.name == name)
-    return next(found, math.nan)
+def _value(comparison: Comparison, label: str, name: str) -> str:
+    """The value to the place of its uncertainty; where it has none, to that of the difference."""
+    from benchtool.report.numbers import NOTHING, placed
+
+    found = next((each for each in comparison.results[label].measurements if each.name == name), None)
+    if found is None:
+        return NOTHING
+    if found.uncertainty is not None:
+        return placed(found.value, found.uncertainty.standard)
+    apart = [
+        abs(each.absolute) for each in _deltas_of(comparison, label, name) if math.isfinite(each.absolute)
+    ]
+    least = min((each for each in apart if each > 0.0), default=math.nan)
+    return placed(found.value, max(least, _LEAST_PLACE * abs(found.value)))
+
+
+def _deltas_of(comparison: Comparison, label: str, name: str) -> list[Delta]:
+    """The differences of a run to the reference, or of all runs to it if it is the reference."""
+    labels = [label] if label in comparison.deltas else list(comparison.deltas)
+    return [delta for each in labels if (delta := _delta(comparison, each, name)) is not None]
 
 
 def _delta(comparison: Comparison, label: str, name: str) -> Delta | None:
@@ -150,15 +173,18 @@ def _delta(comparison: Comparison, label: str, name: str) -> Delta | None:
 
 
 def _apart(comparison: Comparison, label: str, name: str) -> list[str | Text]:
-    """Value, difference and percent."""
+    """Value, difference with its uncertainty, and percent."""
+    from benchtool.experiment.comparing import difference
+    from benchtool.report.numbers import NOTHING
+
     delta = _delta(comparison, label, name)
-    absolute = f"{delta.absolute:+.2g}" if delta is not None and math.isfinite(delta.absolute) else "–"
-    return [significant(_value(comparison, label, name)), absolute, _percent(delta)]
+    absolute = difference(delta) if delta is not None and math.isfinite(delta.absolute) else NOTHING
+    return [_value(comparison, label, name), absolute, _percent(delta)]
 
 
 def _together(comparison: Comparison, label: str, name: str) -> Text:
     """Value and percent in one cell."""
-    value = significant(_value(comparison, label, name))
+    value = _value(comparison, label, name)
     delta = _delta(comparison, label, name)
     if delta is None:
         return Text(value)
@@ -166,8 +192,10 @@ def _together(comparison: Comparison, label: str, name: str) -> Text:
 
 
 def _percent(delta: Delta | None, unit: str = "") -> Text:
+    from benchtool.report.numbers import signed
+
     if delta is None or not math.isfinite(delta.percent):
         return Text("–")
     sign = {True: "*", False: "~", None: ""}[delta.exceeds]
     judged, style = {"better": ("✓", "green"), "worse": ("✗", "red"), "": ("", "")}[delta.judgement]
-    return Text(f"{round(delta.percent, 1) + 0.0:+.1f}{unit}{sign}{judged}", style=style)
+    return Text(f"{signed(delta.percent, 2)}{unit}{sign}{judged}", style=style)

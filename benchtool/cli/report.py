@@ -25,10 +25,13 @@ def report(
     as_json: options.Json = False,
 ) -> int:
     """Measure a recorded run again and write a report that needs nothing else to be read."""
+    from benchtool.errors import UsageError
     from benchtool.experiment.limits import Verdict, worst
     from benchtool.experiment.reporting import case_label, run_report
     from benchtool.experiment.runs import recorded_runs
 
+    if out is not None and out.suffix.lower() == ".pdf" and not pdf:
+        raise UsageError(f"--out {out} names a PDF, the page is HTML: add --pdf, or name the page")
     output = Output(as_json=as_json)
     runs = recorded_runs(run)
     page, document = write_report(run_report(run, runs), out or run / "report.html", pdf=pdf, output=output)

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import math
+import shlex
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import zip_longest
 from typing import Any
 
+from benchtool.analysis import Measurement
 from benchtool.block import Block
 from benchtool.experiment.assessment import Assessment
 from benchtool.experiment.deltas import COVERAGE, Comparison, Delta
@@ -15,17 +18,21 @@ from benchtool.report.comparison import Panel, draw_spectra, draw_steady_traces,
 from benchtool.report.content import Cell, Facts, Grid, Item, Report, Section, Text
 from benchtool.report.numbers import NOTHING, raw, signed, stated
 from benchtool.report.origin import files_section
+from benchtool.report.results import measurement_notes
 
 _SHOWN_S = 0.2
 _MOST_PANELS = 9
 _LONGEST = 24  # characters of a label that heads a column
 
 
-def comparison_report(comparisons: Sequence[Comparison], alone: Sequence[str]) -> Report:
+def comparison_report(
+    comparisons: Sequence[Comparison], alone: Sequence[str], folders: Sequence[str]
+) -> Report:
     """The report of a comparison.
 
     Args:
         alone: cases without a counterpart.
+        folders: of the runs, as they were given.
     """
     first = next(iter(comparisons[0].results.values()))
     bundles = _bundles(comparisons)
@@ -40,9 +47,10 @@ def comparison_report(comparisons: Sequence[Comparison], alone: Sequence[str]) -
         items.append(Text(f"Without a counterpart in the other runs: {', '.join(alone)}.", "warning"))
     for each in comparisons:
         many = len(comparisons) > 1
-        body = (*_measured(each), *_figures(each), *_circumstances(each))
+        warned = (Text(each.lengths, "warning"),) if each.lengths else ()
+        body = (*warned, *_measured(each), *_figures(each), *_circumstances(each))
         items.append(Section(f"Case {each.case}" if many else "Comparison", body, listed=many))
-    items.append(files_section(bundles, ["benchtool compare RUN RUN"]))
+    items.append(files_section(bundles, [f"benchtool compare {shlex.join(folders)}"]))
     title = f"Comparison: {Bundle.open(first.bundle).manifest.what}"
     subtitle = f"Comparison of {len({label for label, _, _ in _runs(comparisons)})} runs · {newest}"
     return Report(title, subtitle, newest, tuple(items))
@@ -81,19 +89,45 @@ def _measured(comparison: Comparison) -> Iterator[Item]:
     labels = list(comparison.results)
     units = {each.name: each.unit for result in comparison.results.values() for each in result.measurements}
     rows: list[tuple[str | Cell, ...]] = [
-        (name, *(_value(result, name) for result in comparison.results.values()), units[name])
+        (
+            Cell(name, notes=tuple(_notes(comparison, name))),
+            *(_value(result, name) for result in comparison.results.values()),
+            units[name],
+        )
         for name in comparison.names
     ]
     values = Grid.of(("measurement", *(f">{_short(label)}" for label in labels), "unit"), rows)
     yield Section("Measurements", (values,))
     for label, deltas in comparison.deltas.items():
-        headings = ("measurement", ">difference", "unit", ">percent", "exceeds uncertainty", "judgement")
+        headings = (
+            "measurement",
+            ">difference ± standard uncertainty",
+            "unit",
+            ">percent",
+            "exceeds uncertainty",
+            "judgement",
+        )
         grid = Grid.of(headings, [delta_row(delta) for delta in deltas])
         yield Section(f"{label} against {labels[0]}", (grid,))
 
 
+def _notes(comparison: Comparison, name: str) -> Iterator[str]:
+    """Definition, basis and source of the uncertainty, once where all runs have the same."""
+    found = {label: _named(result, name) for label, result in comparison.results.items()}
+    notes = {label: measurement_notes(each) for label, each in found.items() if each is not None}
+    for sentences in zip_longest(*notes.values(), fillvalue=""):
+        if len(set(sentences)) == 1:
+            yield sentences[0]
+        else:
+            yield " ".join(f"{label}: {each}" for label, each in zip(notes, sentences, strict=True) if each)
+
+
+def _named(result: Assessment, name: str) -> Measurement | None:
+    return next((each for each in result.measurements if each.name == name), None)
+
+
 def _value(result: Assessment, name: str) -> Cell:
-    measured = next((each for each in result.measurements if each.name == name), None)
+    measured = _named(result, name)
     if measured is None:
         return Cell(NOTHING)
     text = stated(measured.value, measured.uncertainty.standard if measured.uncertainty else None)
@@ -101,11 +135,21 @@ def _value(result: Assessment, name: str) -> Cell:
 
 
 def delta_row(delta: Delta) -> tuple[str | Cell, ...]:
-    """Name, difference, unit, percent, whether it exceeds its uncertainty, better or worse."""
+    """Name, difference with its uncertainty, unit, percent, whether it exceeds that, better or worse."""
     exceeds = {True: "yes", False: "no", None: NOTHING}[delta.exceeds]
     judged = Cell(delta.judgement, delta.judgement) if delta.judgement else Cell("")
     percent = f"{signed(delta.percent)} %" if math.isfinite(delta.percent) else NOTHING
-    return delta.name, signed(delta.absolute), delta.unit, percent, exceeds, judged
+    return delta.name, difference(delta), delta.unit, percent, exceeds, judged
+
+
+def difference(delta: Delta) -> str:
+    """A difference with its sign and its standard uncertainty, as far as there is one."""
+    text = stated(delta.absolute, delta.standard)
+    if "±" not in text:
+        return signed(delta.absolute)
+    if delta.absolute <= 0.0:
+        return text
+    return f"(+{text[1:]}" if text.startswith("(") else f"+{text}"
 
 
 def _short(label: str) -> str:

@@ -13,16 +13,18 @@ from benchtool.experiment.limits import Limit
 
 COVERAGE: Final = 2.0  # k: of a normal distribution, 95 % of the differences that chance makes lie within
 
+_SAME_LENGTH = 0.01  # of the longer record: whole periods differ by less
+
 
 @dataclass(frozen=True)
 class Delta:
     """One measurement of a run against that of the reference, both in `unit`.
 
-    `absolute` is the value less the reference, `percent` of the reference's magnitude. `exceeds` tells
-    whether it is more than `COVERAGE` times the combined standard uncertainty sqrt(u_1^2 + u_2^2) (JCGM
-    100:2008, 5.1.2, of two values without correlation); None where one of them has no uncertainty.
-    `judgement` is empty where no limit tells which direction is good, or where the difference does not exceed
-    its uncertainty.
+    `absolute` is the value less the reference, `percent` of the reference's magnitude. `standard` is the
+    combined standard uncertainty sqrt(u_1^2 + u_2^2) (JCGM 100:2008, 5.1.2, of two values without
+    correlation), nan where one of them has none. `exceeds` tells whether the difference is more than
+    `COVERAGE` times that; None where there is none. `judgement` is empty where no limit tells which direction
+    is good, or where the difference is not known to exceed its uncertainty.
     """
 
     name: str
@@ -31,6 +33,7 @@ class Delta:
     value: float
     absolute: float
     percent: float
+    standard: float
     exceeds: bool | None
     judgement: Literal["", "better", "worse"]
 
@@ -42,6 +45,7 @@ class Delta:
             "value": _finite(self.value),
             "absolute": _finite(self.absolute),
             "percent": _finite(self.percent),
+            "standard_uncertainty": _finite(self.standard),
             "exceeds_uncertainty": self.exceeds,
             "judgement": self.judgement or None,
         }
@@ -66,6 +70,24 @@ class Comparison:
         """Every measurement that one of the runs has."""
         found = (each.name for result in self.results.values() for each in result.measurements)
         return tuple(dict.fromkeys(found))
+
+    @property
+    def lengths(self) -> str:
+        """A sentence where the runs were measured over other times than the first; else empty."""
+        lasting = {label: _duration_s(result) for label, result in self.results.items()}
+        first, *others = lasting
+        unlike = [
+            label
+            for label in others
+            if abs(lasting[label] - lasting[first]) > _SAME_LENGTH * max(lasting[label], lasting[first])
+        ]
+        if not unlike:
+            return ""
+        shown = ", ".join(f"{label} over {lasting[label]:.4g} s" for label in (first, *unlike))
+        return (
+            f"Measured over other times: {shown}. A peak-to-peak value grows with the length of a record, "
+            f"and what noise adds to amplitudes and distortions falls."
+        )
 
 
 def compare_cases(runs: Mapping[str, Sequence[Assessment]]) -> tuple[tuple[Comparison, ...], tuple[str, ...]]:
@@ -108,23 +130,30 @@ def _deltas(reference: Assessment, other: Assessment) -> Iterator[Delta]:
             continue
         absolute = two.value - one.value
         percent = 100.0 * absolute / abs(one.value) if one.value else math.nan
-        exceeds = _exceeds(one, two, absolute)
+        standard = _combined(one, two)
+        # nan where either is missing, and then nothing is decided
+        known = math.isfinite(absolute) and math.isfinite(standard)
+        exceeds = abs(absolute) > COVERAGE * standard if known else None
         limits = [each.limits[one.name] for each in (reference, other) if one.name in each.limits]
         judgement = _judge(absolute, exceeds, limits)
-        yield Delta(one.name, one.unit, one.value, two.value, absolute, percent, exceeds, judgement)
+        yield Delta(one.name, one.unit, one.value, two.value, absolute, percent, standard, exceeds, judgement)
 
 
-def _exceeds(one: Measurement, two: Measurement, absolute: float) -> bool | None:
-    if one.uncertainty is None or two.uncertainty is None or not math.isfinite(absolute):
-        return None
-    combined = math.hypot(one.uncertainty.standard, two.uncertainty.standard)
-    return abs(absolute) > COVERAGE * combined if math.isfinite(combined) else None
+def _duration_s(result: Assessment) -> float:
+    """Of the longest basis of all measurements; 0 if none says."""
+    return max((each.basis.duration_s or 0.0 for each in result.measurements), default=0.0)
+
+
+def _combined(one: Measurement, two: Measurement) -> float:
+    if one.uncertainty is None or two.uncertainty is None:
+        return math.nan
+    return math.hypot(one.uncertainty.standard, two.uncertainty.standard)
 
 
 def _judge(absolute: float, exceeds: bool | None, limits: Sequence[Limit]) -> Literal["", "better", "worse"]:
     """Less is better under limits from above, more under limits from below; between two bounds neither is."""
     signs = {(-1 if each.max is not None else 0) + (1 if each.min is not None else 0) for each in limits}
-    if len(signs) != 1 or exceeds is False or not math.isfinite(absolute):
+    if len(signs) != 1 or not exceeds:
         return ""
     gain = signs.pop() * absolute
     return "better" if gain > 0 else "worse" if gain < 0 else ""

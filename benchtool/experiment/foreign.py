@@ -4,22 +4,25 @@ from __future__ import annotations
 
 import math
 import re
+from collections import Counter
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis import Basis, Measurement, Table, measurements_to_json, tables_to_json
-from benchtool.analysis.angle import angle_coverage
+from benchtool.analysis.angle import angle_coverage, revolution_rows, unwrapped_angle
 from benchtool.analysis.current import CurrentSpectrum, current_spectrum
 from benchtool.analysis.order_spectrum import fitted_orders
 from benchtool.analysis.orders import Orders, describe_orders, order_analysis
 from benchtool.analysis.periods import PhaseTrack, track_angle, track_tone
-from benchtool.analysis.ripple import ripple, ripple_numbers
-from benchtool.analysis.timebase import TimeBase, time_base
+from benchtool.analysis.ripple import record_basis, ripple_of_rows
+from benchtool.analysis.timebase import TimeBase, held_rows, time_base
+from benchtool.analysis.validity import require_signal
 from benchtool.block import Block, Channel
 from benchtool.errors import AnalysisError
 from benchtool.recording.text_layout import BLANKS
@@ -31,12 +34,15 @@ QUANTITIES: Mapping[str, str] = {"current": "A", "torque": "Nm", "angle": "rad",
 _MEASURED = ("torque", "current", "speed")
 _LARGEST_MEAN = 0.5  # of the largest sinusoid: beyond it the current is not that of a phase
 _LEAST_SHARE = 0.1  # of the power of the ripple in the largest sinusoid
-_ROTATING_FRAME = re.compile(r"i[\s_]*[dq]\b|\b[dq][\s_-]*(axis|current)", re.IGNORECASE)
+_ROTATING_FRAME = re.compile(r"(?<![a-z])i[\s_]*[dq]\b|\b[dq][\s_-]*(axis|current)", re.IGNORECASE)
 _AC_NUMBERS = (
     ("fundamental_frequency", "Hz", "frequency of the largest sinusoid"),
     ("current_fundamental", "A", "peak amplitude of the largest sinusoid"),
     ("current_thd", "%", "harmonics in percent of the fundamental"),
 )
+
+
+_Result = TypeVar("_Result", Measurement, Table)
 
 
 @dataclass(frozen=True)
@@ -80,21 +86,31 @@ def analyze_table(question: TableQuestion) -> TableAnswer:
     Ripple and orders by angle need no even time steps. What does, a spectrum, is undefined with the reason
     where the time stamps are uneven or rows are missing. A current whose mean is above half of its largest
     sinusoid, in which no sinusoid has a tenth of the power, or whose name is that of a d- or q-current, is
-    taken as one in rotating coordinates: fundamental and distortion are undefined, its ripple is given.
+    taken as one in rotating coordinates: fundamental and distortion are undefined, its ripple is given. The
+    numbers of a dead column are undefined, those of the others are not.
 
     Raises:
         RecordingError: the file cannot be read as a table.
-        AnalysisError: a column is missing or dead, or no rows are left.
+        AnalysisError: a column is missing, or no rows are left.
     """
     table = TextTable.open(question.file)
     chosen = {"time": table.select(question.time, "s")}
     chosen |= {what: table.select(name, QUANTITIES[what]) for what, name in question.columns.items()}
+    for number, twice in Counter(each.number for each in chosen.values()).items():
+        if twice > 1:
+            which = " and ".join(what for what, each in chosen.items() if each.number == number)
+            raise AnalysisError(
+                f"column {number} of {question.file} is asked for as {which}: name a column for each"
+            )
     rows = table.rows(list(chosen.values()))
     if not len(rows.data):
         reasons = ", ".join(f"{count} with {why}" for why, count in rows.dropped.items())
+        cell = table.unreadable_cell(list(chosen.values()))
+        first = f", the first {cell}" if cell else ""
         raise AnalysisError(
             f"{question.file} has no row with a number in each column asked for, of {rows.read} rows"
-            f"{f' {reasons}' if reasons else ''}: check columns and decimal sign"
+            f"{f' {reasons}' if reasons else ''}{first}: check the columns; times "
+            f"in seconds, and numbers without thousands separators, are expected"
         )
     time_s = rows.data[:, 0]
     inside = (time_s >= question.from_s) & (time_s <= question.to_s)
@@ -104,7 +120,7 @@ def analyze_table(question: TableQuestion) -> TableAnswer:
             f"{time_s.min():g} s to {time_s.max():g} s: choose a span within"
         )
     data = rows.data if inside.all() else rows.data[inside]
-    record = _Record(data, time_base(data[:, 0]), _channels(chosen), question)
+    record = _Record(data, time_base(data[:, 0], data[:, 1:]), _channels(chosen), question)
     results = list(record.results())
     tables = tuple(each for each in results if isinstance(each, Table))
     measurements = tuple(each for each in results if isinstance(each, Measurement))
@@ -138,7 +154,7 @@ class _Record:
         """What the rows are, whatever is made of them."""
         duration_s = float(np.ptp(self.data[:, 0]))
         rate_Hz = None if self.base.refusal else self.base.rate_Hz
-        gaps = None if self.base.refusal else len(self.base.gaps)
+        gaps = None if self.base.refusal or not self.base.gaps_known else len(self.base.gaps)
         return Basis(len(self.data), rate_Hz, duration_s, gaps=gaps)
 
     @property
@@ -156,6 +172,9 @@ class _Record:
         for what in _MEASURED:
             if what not in self.channels:
                 continue
+            if reason := self._dead(what):
+                yield from self._undefined(what, reason)
+                continue
             if what == "current":
                 yield from self._current()
             else:
@@ -163,26 +182,68 @@ class _Record:
             if what != "speed" and "angle" in self.channels:
                 yield from self._orders(what)
 
+    def _dead(self, what: str) -> str:
+        """Why a column says nothing at all, or nothing."""
+        try:
+            require_signal(self.column(what), self.channels[what].name)
+        except AnalysisError as refused:
+            return str(refused)
+        return ""
+
+    def _undefined(self, what: str, reason: str) -> Iterator[Measurement]:
+        name, unit = self.channels[what].name, self.channels[what].unit
+        numbers = [
+            (f"{what}_mean", unit, "mean"),
+            (f"{what}_ripple_pp", unit, "maximum minus minimum"),
+            (f"{what}_ripple_rms", unit, "rms about the mean"),
+        ]
+        if what == "current":
+            numbers = [*_AC_NUMBERS, *numbers]
+        for number, of, definition in numbers:
+            yield Measurement.undefined(number, of, f"{definition} of {name}", reason, self.basis)
+
     def _ripple(self, what: str) -> Iterator[Measurement]:
-        rated = self.question.torque_rated_Nm if what == "torque" else None
-        channel = self.channels[what]
+        channel, basis, rows = self.channels[what], self.basis, ""
         if self.uniform is not None:
-            track = self._angle_track() if what == "torque" else None
-            yield from ripple_numbers(self.uniform, channel.name, what, rated=rated, track=track)
-            return
-        found = ripple(self.column(what), channel.unit, channel.name)
-        rows = f"over {len(self.data)} rows, each counting the same whatever the time between them"
-        values = (
-            (f"{what}_mean", found.mean, f"mean of {channel.name} {rows}"),
-            (f"{what}_ripple_pp", found.peak_to_peak, f"maximum minus minimum of {channel.name} {rows}"),
-            (f"{what}_ripple_rms", found.rms, f"rms of {channel.name} about its mean {rows}"),
-        )
-        for name, value, definition in values:
-            yield Measurement(name, value, channel.unit, definition, self.basis)
-        if rated is not None:
-            definition = f"100 x {what}_ripple_pp / rated torque of {rated:g} Nm {rows}"
-            percent = 100.0 * found.peak_to_peak / rated
-            yield Measurement(f"{what}_ripple_percent_of_rated", percent, "%", definition, self.basis)
+            basis = replace(record_basis(self.uniform), gaps=basis.gaps)
+        else:
+            rows = f", over {len(self.data)} rows, each counting the same whatever the time between them"
+        begins, repeated = self._repetition()
+        rated = self.question.torque_rated_Nm if what == "torque" else None
+        for each in ripple_of_rows(
+            np.ascontiguousarray(self.column(what)),
+            channel.unit,
+            what,
+            basis,
+            rated=rated,
+            begins=begins,
+            repeated=repeated,
+            what=channel.name,
+        ):
+            number = replace(each, definition=_before_reason(each.definition, rows))
+            yield self._limited(number, held_rows(self.column(what)))
+
+    def _repetition(self) -> tuple[NDArray[np.int64] | None, str]:
+        """The rows at which what repeats begins, and what that is: electrical periods, else revolutions."""
+        track = self._scatter_track() if self.uniform is not None else None
+        if track is not None:
+            return track.period_rows(), "electrical periods"
+        if "angle" not in self.channels:
+            return None, ""
+        angle = self.channels["angle"].name
+        try:
+            coverage = angle_coverage(self.column("angle"), angle)
+        except AnalysisError:
+            return None, ""
+        return revolution_rows(coverage.angle_rad), f"revolutions of {angle}"
+
+    def _limited(self, number: Measurement, held: int) -> Measurement:
+        """The number with a basis that claims no more than the rows hold."""
+        if held == 1 or number.basis.bandwidth_Hz is None:
+            return number
+        bandwidth_Hz = 0.5 * self.base.rate_Hz / held
+        definition = _before_reason(number.definition, f", each value held for {held} rows")
+        return replace(number, definition=definition, basis=replace(number.basis, bandwidth_Hz=bandwidth_Hz))
 
     def _current(self) -> Iterator[Measurement | Table]:
         name = self.channels["current"].name
@@ -200,37 +261,104 @@ class _Record:
         """Raises AnalysisError with the reason why there is none."""
         if self.uniform is None:
             raise AnalysisError(self.uneven)
-        track = self._angle_track() or track_tone(self.column("current"), name)
-        if reason := self._not_ac(name, track):
+        if (held := held_rows(self.column("current"))) > 1:
+            raise AnalysisError(
+                f"each value is held for {held} rows, the current was sampled at about "
+                f"{self.base.rate_Hz / held:.4g} Hz and not at {self.base.rate_Hz:.4g} Hz: export each once"
+            )
+        if _ROTATING_FRAME.search(name):
+            raise AnalysisError(
+                f"'{name}' is by its name a current in rotating coordinates, which has no fundamental"
+            )
+        track = self._angle_track()
+        if track is not None and (reason := self._contradiction(track)):
             raise AnalysisError(reason)
-        return current_spectrum(self.uniform, name, track)
+        if track is None:
+            track = track_tone(self.column("current"), name)
+        if reason := self._not_ac(track):
+            raise AnalysisError(reason)
+        found = current_spectrum(self.uniform, name, track, rate_relative=self.base.rate_relative)
+        if self.base.gaps_known:
+            return found
+        return replace(
+            found,
+            measurements=tuple(_without_gaps(each) for each in found.measurements),
+            tables=tuple(_without_gaps(each) for each in found.tables),
+        )
 
     def _angle_track(self) -> PhaseTrack | None:
-        """Electrical periods from angle and pole pairs, where both are there and the speed is steady."""
+        """Electrical periods from angle and pole pairs, where both are there.
+
+        Raises:
+            AnalysisError: the angle is in another unit, the speed is not steady, or the record too short or
+                too slow.
+        """
         if "angle" not in self.channels or self.question.pole_pairs is None:
             return None
-        try:
-            return track_angle(self.column("angle"), self.question.pole_pairs)
-        except AnalysisError:  # another speed within the record, or too short: a number without uncertainty
-            return None
+        angle = unwrapped_angle(self.column("angle"), self.channels["angle"].name)
+        track = track_angle(angle, self.question.pole_pairs)
+        if track.periods > 0.5 * track.samples:
+            raise AnalysisError(
+                f"'{self.channels['angle'].name}' has {track.periods:.4g} electrical periods in "
+                f"{track.samples} rows, at least two rows for each are needed: check the angle's unit, and "
+                f"the pole pairs"
+            )
+        return track
 
-    def _not_ac(self, name: str, track: PhaseTrack) -> str:
-        """Why this is no current of a phase, or nothing."""
-        if _ROTATING_FRAME.search(name):
-            return f"'{name}' is by its name a current in rotating coordinates, which has no fundamental"
+    def _scatter_track(self) -> PhaseTrack | None:
+        """Electrical periods for uncertainties: of the angle, else of an ac current, else none."""
+        try:
+            track = self._angle_track()
+        except AnalysisError:
+            track = None
+        if track is not None and not self._contradiction(track):
+            return track
+        return self._tone
+
+    @cached_property
+    def _tone(self) -> PhaseTrack | None:
+        """The current's own sinusoid, if it is that of a phase."""
+        if "current" not in self.channels:
+            return None
+        try:
+            track = track_tone(self.column("current"), self.channels["current"].name)
+        except AnalysisError:
+            return None
+        return None if self._not_ac(track) else track
+
+    def _contradiction(self, track: PhaseTrack) -> str:
+        """What speaks against a track by the angle: a current whose sinusoid is elsewhere; or nothing."""
+        if "current" not in self.channels or self._share(track) >= _LEAST_SHARE or self._tone is None:
+            return ""
+        per_period_Hz = self.base.rate_Hz / (track.samples - 1)
+        return (
+            f"the largest sinusoid of '{self.channels['current'].name}' is at "
+            f"{self._tone.periods * per_period_Hz:.4g} Hz, the angle with {self.question.pole_pairs} pole "
+            f"pairs says {track.periods * per_period_Hz:.4g} Hz: check the angle's unit and the pole pairs"
+        )
+
+    def _amplitude(self, track: PhaseTrack) -> float:
+        """Of the current's sinusoid at the track's frequency, by correlation under a Hann window."""
         samples = self.column("current")
-        mean = float(np.mean(samples))
-        # a sinusoid at the track's frequency, by correlation under a Hann window
         window = np.hanning(len(samples))
         carrier = np.exp(-1j * track.phase(np.arange(len(samples), dtype=np.float64)))
-        amplitude = 2.0 * abs(np.sum(window * carrier * (samples - mean))) / float(np.sum(window))
+        about = samples - np.mean(samples)
+        return float(2.0 * abs(np.sum(window * carrier * about)) / np.sum(window))
+
+    def _share(self, track: PhaseTrack) -> float:
+        """How much of the power of the current's ripple is in that sinusoid."""
+        deviation = float(np.std(self.column("current")))
+        return 0.5 * (self._amplitude(track) / deviation) ** 2 if deviation > 0.0 else 0.0
+
+    def _not_ac(self, track: PhaseTrack) -> str:
+        """Why this is no current of a phase, or nothing."""
+        mean, amplitude = float(np.mean(self.column("current"))), self._amplitude(track)
         if abs(mean) > _LARGEST_MEAN * amplitude:
             return (
                 f"its mean is {abs(mean):.3g} A and its fundamental {amplitude:.3g} A peak, that of a phase "
                 f"current has a mean near zero: it is taken as a current in rotating coordinates"
             )
-        share = 0.5 * (amplitude / float(np.std(samples))) ** 2
-        if share < _LEAST_SHARE:
+        if (share := self._share(track)) < _LEAST_SHARE:
             return f"no sinusoid stands out, the largest has {100 * share:.2g} % of the ripple's power"
         return ""
 
@@ -260,6 +388,17 @@ class _Record:
         return describe_orders(spectrum, what, pole_pairs, slots)
 
 
+def _without_gaps(number: _Result) -> _Result:
+    """With a basis that does not say how many gaps there are: the stamps do not tell."""
+    return replace(number, basis=replace(number.basis, gaps=None))
+
+
+def _before_reason(definition: str, words: str) -> str:
+    """The definition with more words, before the reason why the number is undefined, where there is one."""
+    text, mark, reason = definition.partition("; undefined here: ")
+    return f"{text}{words}{mark}{reason}"
+
+
 def _channels(chosen: Mapping[str, Selection]) -> dict[str, Channel]:
     """A channel for each column but the time, by its name in the file, or its number where that is none."""
     names = [each.name for each in chosen.values()]
@@ -282,8 +421,8 @@ def _source(table: TextTable, chosen: Mapping[str, Selection], rows: Rows, recor
         "rate_Hz": math.nan if base.refusal else base.rate_Hz,
         "jitter_s": base.jitter_s,
         "resolution_s": base.resolution_s,
-        "gaps": len(base.gaps),
-        "rows_missing": base.missing_rows,
+        "gaps": len(base.gaps) if base.gaps_known else None,
+        "rows_missing": base.missing_rows if base.gaps_known else None,
     }
     return {
         "file": str(table.path),

@@ -24,7 +24,6 @@ from benchtool.block import Block
 from benchtool.profile import Motor
 
 _FEWEST_REVOLUTIONS = 2.0
-_STANDS_OUT = 4.5  # standard uncertainties: by chance once in a hundred records of 200 orders (Rayleigh)
 
 
 @dataclass(frozen=True)
@@ -81,12 +80,7 @@ def _orders(window: Block, motor: Motor) -> Further:
     if _revolutions(window) < _FEWEST_REVOLUTIONS:
         return Further(())
     orders = order_analysis(window, "torque", pole_pairs=motor.pole_pairs, slots=motor.slots)
-    return Further(tuple(each for each in orders.measurements if _stands_out(each)), orders.tables)
-
-
-def _stands_out(order: Measurement) -> bool:
-    """Whether an order is more than the largest that noise makes of some hundred; the table has them all."""
-    return order.uncertainty is None or order.value > _STANDS_OUT * order.uncertainty.standard
+    return Further(orders.measurements, orders.tables)
 
 
 def _revolutions(window: Block) -> float:

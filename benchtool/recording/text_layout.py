@@ -30,6 +30,7 @@ _LAYOUTS = (
 )
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 _NO_NUMBER = frozenset(("", "nan", "inf", "+inf", "-inf", "infinity", "null", "na", "n/a"))
+_BRACKETED = re.compile(r"\(.*\)|\[.*\]")
 _UNIT_IN_NAME = re.compile(r"(?P<name>.*\S)\s*(\((?P<round>[^()]*)\)|\[(?P<square>[^\[\]]*)\])")
 
 
@@ -76,9 +77,11 @@ def find_layout(text: bytes, source: str) -> Layout:
     sample = [line for line in _sampled(text, lines) if line.strip() and not is_comment(line)]
     found = _best(sample)
     if found is None:
+        seen = _almost_a_number(sample)
         raise RecordingError(
-            f"{source}: no table of numbers found, lines of at least two numbers are expected, separated by "
-            f"comma, semicolon, tab or blanks: export it as such"
+            f"{source}: no table of numbers found{seen and f', {seen!r} is none'}; lines of at least two "
+            f"numbers are expected, separated by comma, semicolon, tab or blanks, times in seconds, no "
+            f"thousands separators: export it as such"
         )
     delimiter, decimal, width, numeric = found
     head_lines, begin = 0, 0
@@ -113,6 +116,17 @@ def split(line: str, delimiter: str) -> list[str]:
         except csv.Error:
             pass
     return [cell.strip() for cell in line.split(delimiter)]
+
+
+def _almost_a_number(sample: Sequence[bytes]) -> str:
+    """A cell of the lines that begins like a number and is none, such as a date; empty without one."""
+    for line in sample[1:]:
+        for delimiter in (",", ";", "\t", BLANKS):
+            cells = split(line.decode(errors="replace"), delimiter)
+            for cell in cells if len(cells) > 1 else ():
+                if cell[:1].isdigit() and not _is_number(cell, ".") and not _is_number(cell, ","):
+                    return cell[:40]
+    return ""
 
 
 def _sampled(text: bytes, head: Sequence[bytes]) -> Iterator[bytes]:
@@ -204,8 +218,13 @@ def _fitted(line: str, delimiter: str, width: int) -> list[str] | None:
 
 
 def _are_units(cells: Sequence[str]) -> bool:
-    bare = [cell.strip("()[] ") for cell in cells]
-    return any(map(is_unit, bare)) and all(is_unit(cell) or cell in ("", "-", "1", "%") for cell in bare)
+    """Whether most of what is there are units, perhaps with one that nobody knows, or all is in brackets."""
+    filled = [cell for cell in cells if cell]
+    bare = [cell.strip("()[] ") for cell in filled]
+    units = sum(is_unit(cell) for cell in bare)
+    others = sum(cell in ("-", "1", "%") for cell in bare)
+    bracketed = all(_BRACKETED.fullmatch(cell) for cell in filled)
+    return units > 0 and (bracketed or units + others == len(filled) or 2 * units > len(filled))
 
 
 def _unit_in(name: str) -> str:

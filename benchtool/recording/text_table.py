@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -20,6 +21,9 @@ from benchtool.recording.text_units import unit_factor, units_of
 _BLOCK_BYTES = 4 << 20
 _SNIFFED_BYTES = 64 * 1024
 _ZEROS_OF_UTF_16 = 0.35  # share of zero bytes among every other one; text in Latin letters has nearly all
+_NO_TEXT = {b"PAR1": "a Parquet file", b"ARROW1": "an Arrow file", b"PK\x03\x04": "a ZIP archive (or XLSX)"}
+_CONTROL = bytes({*range(1, 32)} - set(b"\t\n\v\f\r\x1a"))  # zeros fill the end of a text that was cut short
+_CONTROL_OF_BINARY = 0.04  # share of the bytes
 _NO_READING = 9.9e37  # instruments send 9.9e37 for infinity and 9.91e37 for no reading (SCPI-99)
 _ANYTHING = re.compile(rb"\S")
 _COMMENT = re.compile(rb"^[ \t]*[#%].*$", re.MULTILINE)
@@ -34,7 +38,7 @@ _ASCII_ONLY = bytes(byte if 0 < byte < 128 else (ord("?") if byte else ord(" "))
 class Selection:
     """A column that was asked for: `number` counts from 1, values times `factor` are in `si_unit`.
 
-    `unit_from` is "option", "head", or "assumed" where neither states a unit.
+    `unit_from` is "option", "head", or "assumed" where neither states anything.
     """
 
     number: int
@@ -85,7 +89,13 @@ class TextTable:
             ) from None
         if _ANYTHING.search(content) is None:
             raise RecordingError(f"{path} is empty, a text file with columns of numbers is expected")
+        for mark, what in _NO_TEXT.items():
+            if content.startswith(mark):
+                raise RecordingError(f"{path} is {what} and no text: export it as CSV")
         text, encoding = _to_utf_8(content)
+        sniffed = text[:_SNIFFED_BYTES]
+        if len(sniffed) - len(sniffed.translate(None, _CONTROL)) > _CONTROL_OF_BINARY * len(sniffed):
+            raise RecordingError(f"{path} is binary and no text: export it as text with columns of numbers")
         if b"\r" in text:
             text = text.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
         return cls(path, encoding, find_layout(text, str(path)), text)
@@ -98,7 +108,8 @@ class TextTable:
         case; only what is no name is taken as a number, and only what is neither is split at its last colon.
 
         Raises:
-            AnalysisError: no such column, several of that name, or the unit is not one of that kind.
+            AnalysisError: no such column, several of that name, or what the option or else the head states
+                as the unit is not one of that kind.
         """
         number = self._find(wanted)
         unit, unit_from = "", ""
@@ -112,13 +123,13 @@ class TextTable:
             )
         column = self.layout.columns[number]
         if unit_from == "":
-            known = unit_factor(column.unit, si_unit) is not None
-            unit, unit_from = (column.unit, "head") if known else (si_unit, "assumed")
+            unit, unit_from = (column.unit, "head") if column.unit else (si_unit, "assumed")
         factor = unit_factor(unit, si_unit)
         if factor is None:
+            stated = "which its head states" if unit_from == "head" else "as given"
             raise AnalysisError(
-                f"'{unit}' is no unit of column '{wanted}', expected is one of {units_of(si_unit)}: "
-                f"write '{wanted}:{units_of(si_unit).split(', ')[-1]}'"
+                f"'{unit}' is no unit of column '{wanted}', {stated}; expected is one of "
+                f"{units_of(si_unit)}: state it in the option, as '{wanted}:{si_unit}'"
             )
         return Selection(number + 1, column.name, unit, unit_from, factor, si_unit)
 
@@ -147,6 +158,18 @@ class TextTable:
         if no_number:
             data = np.asfortranarray(data[kept])
         return Rows(data, table.num_rows + wrong_width, {why: count for why, count in reasons if count})
+
+    def unreadable_cell(self, selections: Sequence[Selection]) -> str:
+        """The first cell of these columns that is no number, as it stands in the file; empty without one."""
+        wanted = list(dict.fromkeys(each.number - 1 for each in selections))
+        with suppress(pa.ArrowException):
+            table, _ = self._read(self._body(), wanted, pa.string())
+            for name in table.column_names:
+                bad = pc.is_null(self._numbers(table[name]))
+                if pc.any(bad).as_py():
+                    cell = str(table[name].filter(bad)[0].as_py() or "").strip()
+                    return f"'{cell:.40}' in column {int(name) + 1}"
+        return ""
 
     def _parse(self, wanted: Sequence[int]) -> tuple[pa.Table, int]:
         body = self._body()

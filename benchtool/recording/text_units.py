@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from functools import cache
 
 from benchtool.protocol.quantity import spellings
@@ -11,9 +12,31 @@ KNOWN = ("s", "A", "Nm", "rad", "rad/s", "V", "W", "Wb", "ohm", "Hz", "H", "F", 
 """Units that a head may state, each with its prefixes and synonyms."""
 
 _CHARACTERS = str.maketrans(
-    {"µ": "u", "μ": "u", "Ω": "ohm", "\N{OHM SIGN}": "ohm", "°": "deg", "²": "2", "·": "", "*": "", " ": ""}
+    {
+        "µ": "u",
+        "μ": "u",
+        "Ω": "ohm",
+        "\N{OHM SIGN}": "ohm",
+        "°": "deg",
+        "²": "2",
+        "⁻": "-",
+        "¹": "1",
+        **dict.fromkeys("·⋅*× ", ""),
+    }
 )
-_METRE = re.compile(r"(?<=N)[.-](?=m)")  # N.m and N-m
+_METRE = re.compile(r"(?<=N)[.-](?=[mc])")  # N.m, N-m and N-cm
+_POUND_N, _INCH_M = 0.45359237 * 9.80665, 0.0254  # exact: the international pound and inch, standard gravity
+_ELSEWHERE: Mapping[str, Mapping[str, float]] = {
+    "s": {"min": 60.0, "h": 3600.0},
+    "Nm": {
+        "Ncm": 1e-2,
+        "Nmm": 1e-3,
+        "lbf·ft": 12 * _POUND_N * _INCH_M,
+        "lbf·in": _POUND_N * _INCH_M,
+        "ozf·in": _POUND_N * _INCH_M / 16,
+        "kgf·cm": 9.80665e-2,
+    },
+}
 _PREFIXES = {"milli": "m", "micro": "u", "nano": "n", "kilo": "k", "mega": "M"}
 _WORDS = {
     "s": ("second", "sec"),
@@ -24,8 +47,16 @@ _WORDS = {
     "rad": ("radian",),
     "deg": ("degree",),
     "rev": ("revolution", "turn"),
-    "rpm": ("1/min", "r/min", "min-1", "min^-1"),
+    "rpm": ("1/min", "r/min", "u/min", "rev/min", "min-1", "min^-1", "upm"),
     "Hz": ("hertz",),
+    "min": ("minute",),
+    "h": ("hour", "hr"),
+    "Ncm": ("ncm",),
+    "Nmm": ("nmm",),
+    "lbf·ft": ("lbfft", "lbft", "ftlbf", "ftlb"),
+    "lbf·in": ("lbfin", "lbin", "inlbf", "inlb"),
+    "ozf·in": ("ozfin", "ozin", "inozf", "inoz"),
+    "kgf·cm": ("kgfcm", "kgcm"),
 }
 _WORD_UNITS = {word: unit for unit, words in _WORDS.items() for word in words}
 
@@ -33,10 +64,11 @@ _WORD_UNITS = {word: unit for unit, words in _WORDS.items() for word in words}
 def unit_factor(text: str, unit: str) -> float | None:
     """How many of the SI unit `unit` one of the unit `text` is, or None where it is not a unit of that kind.
 
-    `text` is as `protocol.quantity` reads it (mA, uNm, deg, rpm), or in words (`second`, `milliamps`).
+    `text` is as `protocol.quantity` reads it (mA, uNm, deg, rpm), in words (`second`, `milliamps`), or one of
+    those that instruments have besides (min, h, Ncm, lbf·ft, lb-ft, ozf·in).
     """
-    known = spellings(unit)
-    factor = known.get(_symbol(text))
+    symbol = _symbol(text)
+    factor = spellings(unit).get(symbol, _ELSEWHERE.get(unit, {}).get(symbol))
     return None if factor is None else float(factor)
 
 
@@ -50,7 +82,8 @@ def units_of(unit: str) -> str:
     """The unit and some others that stand for it, for a message."""
     names = list(spellings(unit))
     prefixed = [f"{prefix}{unit}" for prefix in "mu" if f"{prefix}{unit}" in names]
-    others = [name for name in ("deg", "rev", "rpm", "deg/s", "rev/s") if name in names]
+    others: list[str] = [name for name in ("deg", "rev", "rpm", "deg/s", "rev/s") if name in names]
+    others += _ELSEWHERE.get(unit, {})
     return ", ".join([unit, *prefixed[: None if unit in ("s", "A", "Nm") else 1], *others])
 
 
@@ -64,4 +97,8 @@ def _symbol(text: str) -> str:
 
 
 def _word(word: str) -> str | None:
-    return _WORD_UNITS.get(word, _WORD_UNITS.get(word.removesuffix("s")))
+    joined = re.sub(r"[.-]", "", word)  # lb-ft, oz.in
+    for spelt in (word, word.removesuffix("s"), joined, joined.removesuffix("s")):
+        if (unit := _WORD_UNITS.get(spelt)) is not None:
+            return unit
+    return None

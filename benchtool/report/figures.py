@@ -86,9 +86,10 @@ def _waveforms(block: Block, steady: SteadyState, transducer: Block | None, titl
     if transducer is not None:
         _draw_true_torque(torque, cut_to_span(transducer, shown), shown)
     rms_Nm = steady["torque_ripple_rms"].value
-    band = {"color": ORANGE, "alpha": 0.35, "linewidth": 0}
-    torque.axhspan(mean_Nm - rms_Nm, mean_Nm + rms_Nm, zorder=2.2, label="mean ± rms ripple", **band)
     torque.plot(*trace(shown, "torque"), color=BLUE, linewidth=0.8, zorder=2.4, label="estimate")
+    # over the trace, which would hide it: a band of light with an edge
+    band = {"facecolor": (1.0, 1.0, 1.0, 0.35), "edgecolor": ORANGE, "linewidth": 1.0, "zorder": 2.5}
+    torque.axhspan(mean_Nm - rms_Nm, mean_Nm + rms_Nm, label="mean ± rms ripple", **band)
     if "torque_reference" in shown.names:
         torque.plot(*trace(shown, "torque_reference"), zorder=2.6, label="reference", **REFERENCE)
     dress(torque, "", "torque (Nm)")
@@ -96,7 +97,8 @@ def _waveforms(block: Block, steady: SteadyState, transducer: Block | None, titl
 
     for name, color in PHASES.items():
         if name == "i_a" or name in shown.names:
-            current.plot(*trace(shown, name), color=color, linewidth=0.9, label=f"${name}$")
+            # thin and not quite opaque: a law that switches at every sample fills the area of its ripple
+            current.plot(*trace(shown, name), color=color, linewidth=0.5, alpha=0.6, label=f"${name}$")
     dress(current, "", "phase current (A)")
     add_legend(current)
 

@@ -44,6 +44,12 @@ def stated(value: float, standard: float | None) -> str:
     return f"({text}) × {_power(scaled)}" if scaled else text
 
 
+def placed(value: float, standard: float | None) -> str:
+    """A value alone, to the place of its standard uncertainty as `stated` has it."""
+    text, sign, rest = stated(value, standard).partition(" ± ")
+    return text.removeprefix("(") + rest.partition(")")[2] if sign else text
+
+
 def signed(value: float, digits: int = 3) -> str:
     """A difference, with its sign."""
     return f"+{number(value, digits)}" if value > 0 else number(value, digits)

@@ -12,6 +12,7 @@ from benchtool.report.content import Cell, Grid, Item, Mark, Section, Text
 from benchtool.report.numbers import NOTHING, number, raw, stated
 
 _SHOWN_ROWS = 10
+_GAPS = {0: "no gaps", 1: "1 gap"}
 
 
 @dataclass(frozen=True)
@@ -75,7 +76,11 @@ def measurements_section(
     headings += [">published"] * shown_published + ["limit", "verdict"] * limited
     rows = []
     for each in measurements:
-        row: list[str | Cell] = [Cell(each.name, notes=tuple(_notes(each))), _value(each), each.unit]
+        row: list[str | Cell] = [
+            Cell(each.name, notes=tuple(measurement_notes(each))),
+            _value(each),
+            each.unit,
+        ]
         if shown_published:
             row.append(raw(published[each.name]) if each.name in published else "")
         if limited:
@@ -107,7 +112,8 @@ def _value(measured: Measurement) -> str:
     return stated(measured.value, measured.uncertainty.standard if measured.uncertainty else None)
 
 
-def _notes(measured: Measurement) -> Iterator[str]:
+def measurement_notes(measured: Measurement) -> Iterator[str]:
+    """Definition, basis and source of the uncertainty, a sentence each; what there is not is left out."""
     yield _sentence(measured.definition)
     if basis := basis_text(measured.basis):
         yield basis
@@ -136,7 +142,7 @@ def basis_text(basis: Basis) -> str:
     if basis.reference:
         parts.append(f"relative to {basis.reference}")
     if basis.gaps is not None:
-        parts.append("no gaps" if basis.gaps == 0 else f"{basis.gaps} gaps")
+        parts.append(_GAPS.get(basis.gaps, f"{basis.gaps} gaps"))
     return f"Basis: {'; '.join(parts)}." if parts else ""
 
 

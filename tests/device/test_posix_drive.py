@@ -200,7 +200,7 @@ def test_network_states_are_confirmed(session: Session) -> None:
         (NmtCommand.ENTER_PRE_OPERATIONAL, NmtState.PRE_OPERATIONAL),
     ):
         link.nmt(command)
-        _until(session, lambda state=state: link._state is state)  # type: ignore[misc]
+        _until(session, lambda state=state: link.heartbeat_state() is state)  # type: ignore[misc]
 
 
 def test_a_setpoint_that_comes_again_is_ignored(session: Session) -> None:

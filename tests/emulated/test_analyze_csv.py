@@ -137,12 +137,67 @@ def test_stamps_of_a_millisecond_are_no_hindrance_at_10_kHz(invoke: Invoke) -> N
     assert case["source"]["time"]["jitter_s"] == pytest.approx(1e-3 / np.sqrt(12), rel=0.05)
 
 
+def test_the_frequency_is_known_as_well_as_the_stamps_and_no_better(invoke: Invoke) -> None:
+    time_s, current = phase_current()
+    noisy = current + 1e-3 * np.random.default_rng(4).normal(size=len(current))
+    for digits, expected in ((3, 50.0 * 1e-3 / np.sqrt(6) / 0.4), (4, 50.0 * 1e-4 / np.sqrt(6) / 0.4)):
+        write("stamps.csv", "t,I", [np.floor(time_s * 10**digits + 1e-6) / 10**digits, noisy])
+        case = measured(invoke("--csv", "stamps.csv", "--time", "t", "--current", "I", "--json"))
+        uncertainty = case["measurements"]["fundamental_frequency"]["uncertainty"]
+        assert uncertainty["standard"] == pytest.approx(expected, rel=0.02)
+        assert "of the rate by the time stamps" in uncertainty["source"]
+
+
+def test_a_row_lost_under_stamps_of_a_millisecond_is_seen(invoke: Invoke) -> None:
+    time_s, current = phase_current()
+    kept = np.delete(np.arange(4_000), 2_005)
+    write("coarse.csv", "t,I", [np.floor(time_s[kept] * 1e3 + 1e-9) / 1e3, current[kept]])
+    case = measured(invoke("--csv", "coarse.csv", "--time", "t", "--current", "I", "--json"))
+    assert "1 rows are missing in 1 gaps" in case["measurements"]["current_thd"]["definition"]
+    assert case["source"]["time"]["rows_missing"] == 1
+
+
+def test_where_it_cannot_be_told_the_number_of_gaps_is_not_stated(invoke: Invoke) -> None:
+    time_s, current = phase_current()
+    kept = np.delete(np.arange(4_000), [1_005, 3_005])
+    write("two.csv", "t,I,n", [np.floor(time_s[kept] * 1e3 + 1e-9) / 1e3, current[kept], 2 + current[kept]])
+    case = measured(invoke("--csv", "two.csv", "--time", "t", "--current", "I", "--speed", "n", "--json"))
+    assert case["source"]["time"]["gaps"] is None
+    for name in ("current_fundamental", "current_thd", "speed_mean"):
+        assert "gaps" not in case["measurements"][name]["basis"]
+    assert "gaps" not in case["tables"]["current_harmonics"]["basis"]
+
+
+def test_rows_written_twice_are_refused_as_a_time_base(invoke: Invoke) -> None:
+    columns = [np.repeat(column, 2) for column in phase_current()]
+    write("twice.csv", "t,I", columns)
+    case = measured(invoke("--csv", "twice.csv", "--time", "t", "--current", "I", "--json"))
+    assert (
+        "4000 rows repeat both time and values of the row before, first row 2"
+        in case["source"]["time"]["why_not"]
+    )
+    assert values(case)["current_fundamental"] is None
+
+
+def test_held_samples_claim_no_more_than_they_are(invoke: Invoke) -> None:
+    time_s, current = phase_current()
+    held = np.repeat(current[::10], 10)
+    write("held.csv", "t,I,T", [time_s, held, 2.0 + held])
+    case = measured(invoke("--csv", "held.csv", "--time", "t", "--current", "I", "--torque", "T", "--json"))
+    reason = "each value is held for 10 rows, the current was sampled at about 1000 Hz and not at 1e+04 Hz"
+    assert reason in case["measurements"]["current_thd"]["definition"]
+    ripple = case["measurements"]["torque_ripple_pp"]
+    assert ripple["basis"]["bandwidth_Hz"] == pytest.approx(500.0)
+    assert "each value held for 10 rows" in ripple["definition"]
+
+
 @pytest.mark.parametrize(
     ("mean", "name", "reason"),
     [
         (2.0, "I", "its mean is 2.02 A and its fundamental 3 A peak"),
         (0.0, "Iq", "'Iq' is by its name a current in rotating coordinates"),
         (0.0, "i_d", "'i_d' is by its name"),
+        (0.0, "motor i q", "'motor i q' is by its name"),
     ],
 )
 def test_a_current_in_rotating_coordinates_has_ripple_and_no_thd(
@@ -163,6 +218,121 @@ def test_noise_is_no_phase_current(invoke: Invoke) -> None:
     write("noise.csv", "t,I", [time_s, np.random.default_rng(2).normal(size=len(time_s))])
     case = measured(invoke("--csv", "noise.csv", "--time", "t", "--current", "I", "--json"))
     assert "no sinusoid stands out" in case["measurements"]["current_thd"]["definition"]
+
+
+def sinusoid(frequency_Hz: Array | float, amplitude: Array | float = 5.0) -> tuple[Array, Array, Array]:
+    """Time, current and the mechanical angle of four pole pairs, 1 s at 10 kHz."""
+    time_s = np.arange(10_000) / 10_000
+    theta_e = TURN * np.cumsum(np.broadcast_to(frequency_Hz, 10_000)) / 10_000
+    return time_s, amplitude * np.cos(theta_e), theta_e / 4
+
+
+RAMP = sinusoid(np.linspace(40.0, 48.0, 10_000))
+HALF = sinusoid(43.7, np.where(np.arange(10_000) < 5_000, 5.0, 0.0))
+
+
+@pytest.mark.parametrize(
+    ("record", "arguments", "reason"),
+    [
+        (
+            RAMP,
+            ("--angle", "3", "--pole-pairs", "4"),
+            "the speed changes by 18 % within the window, at most 10 %",
+        ),
+        (RAMP, (), "the frequency of the largest sinusoid of 'I' changes by 18 % within the window"),
+        (HALF, (), "the amplitude of the largest sinusoid of 'I' changes by 200 %"),
+        (
+            sinusoid(43.7),
+            ("--angle", "3", "--pole-pairs", "3"),
+            "the largest sinusoid of 'I' is at 43.7 Hz, the angle with 3 pole pairs says 32.77 Hz",
+        ),
+    ],
+)
+def test_a_current_that_is_not_steady_or_not_at_the_angles_frequency_has_no_fundamental(
+    invoke: Invoke, record: tuple[Array, Array, Array], arguments: tuple[str, ...], reason: str
+) -> None:
+    write("ramp.csv", "t,I,a", list(record))
+    case = measured(invoke("--csv", "ramp.csv", "--time", "t", "--current", "I", *arguments, "--json"))
+    for name in ("fundamental_frequency", "current_fundamental", "current_thd"):
+        assert values(case)[name] is None
+        assert f"undefined here: {reason}" in case["measurements"][name]["definition"]
+    assert values(case)["current_ripple_pp"] == pytest.approx(10.0, rel=1e-3)
+
+
+@pytest.mark.parametrize("rise_Hz", [0.0, 2.0])
+def test_a_slow_drift_is_no_hindrance(invoke: Invoke, rise_Hz: float) -> None:
+    write("drift.csv", "t,I,a", list(sinusoid(np.linspace(40.0, 40.0 + rise_Hz, 10_000))))
+    arguments = ("--csv", "drift.csv", "--time", "t", "--current", "I", "--json")
+    by_angle = values(measured(invoke(*arguments, "--angle", "a", "--pole-pairs", "4")))
+    assert by_angle["current_fundamental"] == pytest.approx(5.0, rel=1e-4)
+    by_tone = values(measured(invoke(*arguments)))
+    assert by_tone["fundamental_frequency"] == pytest.approx(40.0 + rise_Hz / 2, rel=1e-3)
+
+
+@pytest.mark.parametrize("wraps", [True, False])
+def test_an_angle_in_degrees_says_so_and_gives_no_scatter(invoke: Invoke, wraps: bool) -> None:
+    time_s, current, angle = sinusoid(43.7)
+    torque = 2.0 + 0.1 * np.cos(24 * angle) + 0.01 * np.random.default_rng(3).normal(size=len(angle))
+    degrees = np.degrees(angle)
+    write("degrees.csv", "t,I,T,a", [time_s, current, torque, np.mod(degrees, 360.0) if wraps else degrees])
+    arguments = ("--csv", "degrees.csv", "--time", "t", "--torque", "T", "--pole-pairs", "4", "--json")
+
+    if wraps:
+        alone = measured(invoke(*arguments, "--angle", "a"))
+        assert "uncertainty" not in alone["measurements"]["torque_mean"]
+
+    case = measured(invoke(*arguments, "--current", "I", "--angle", "a"))
+
+    reason = "'a' starts over at about 360" if wraps else "the angle with 4 pole pairs says 2504 Hz: check"
+    assert reason in case["measurements"]["current_fundamental"]["definition"]
+    mean = case["measurements"]["torque_mean"]["uncertainty"]
+    assert "scatter over 43 electrical periods" in mean["source"]  # the current's own
+
+
+@pytest.mark.parametrize("lost", [0, 1])
+def test_torque_has_the_scatter_of_what_repeats_and_all_its_numbers(invoke: Invoke, lost: int) -> None:
+    time_s, current, angle = sinusoid(40.0)
+    torque = 2.0 + 0.1 * np.cos(24 * angle) + 0.05 * np.random.default_rng(6).normal(size=len(angle))
+    kept = np.delete(np.arange(10_000), np.s_[5_000 : 5_000 + lost])
+    write("torque.csv", "t,I,T,a", [each[kept] for each in (time_s, current, torque, angle)])
+    arguments = ("--csv", "torque.csv", "--time", "t", "--torque", "T", "--rated-torque", "4", "--json")
+
+    by_angle = measured(invoke(*arguments, "--angle", "a"))["measurements"]
+    numbers = ("mean", "ripple_pp", "ripple_rms", "ripple_p99", "ripple_percent_of_mean")
+    for name in (*numbers, "ripple_rms_percent_of_mean", "ripple_rms_percent_of_rated"):
+        assert by_angle[f"torque_{name}"]["uncertainty"]["standard"] > 0.0
+    mean = by_angle["torque_mean"]
+    assert "scatter over 9 revolutions of a" in mean["uncertainty"]["source"]
+    assert 0.1e-3 < mean["uncertainty"]["standard"] < 2e-3  # 0.05 / sqrt(10000) = 0.5e-3
+    assert ("each counting the same" in mean["definition"]) == bool(lost)
+
+    by_current = measured(invoke(*arguments, "--current", "I"))["measurements"]["torque_mean"]
+    if lost:
+        assert "uncertainty" not in by_current
+    else:
+        assert "scatter over 39 electrical periods" in by_current["uncertainty"]["source"]
+
+
+@pytest.mark.parametrize("name", ["I grid", "ia valid", "CH1 grid"])
+def test_a_name_that_only_ends_in_id_is_that_of_a_phase(invoke: Invoke, name: str) -> None:
+    time_s, current = phase_current()
+    write("grid.csv", f"t,{name}", [time_s, current])
+    case = measured(invoke("--csv", "grid.csv", "--time", "t", "--current", name, "--json"))
+    assert values(case)["current_fundamental"] == pytest.approx(3.0, rel=1e-4)
+
+
+def test_a_dead_column_costs_its_own_numbers_only(invoke: Invoke) -> None:
+    time_s, current = phase_current()
+    write("dead.csv", "t,I,T,n", [time_s, current, 0 * time_s + 2.0, 10.0 + current])
+    columns = ("--current", "I", "--torque", "T", "--speed", "n")
+    case = measured(invoke("--csv", "dead.csv", "--time", "t", *columns, "--json"))
+    assert values(case)["current_fundamental"] == pytest.approx(3.0, rel=1e-4)
+    assert values(case)["speed_mean"] == pytest.approx(10.02, rel=1e-3)
+    assert values(case)["torque_mean"] is None
+    assert "undefined here: 'T' is constant at 2" in case["measurements"]["torque_mean"]["definition"]
+
+    dead = measured(invoke("--csv", "dead.csv", "--time", "t", "--current", "T", "--json"))
+    assert set(values(dead).values()) == {None}
 
 
 def test_a_lost_row_is_a_gap_and_nothing_is_filled_in(invoke: Invoke) -> None:
@@ -293,6 +463,19 @@ def test_for_people(invoke: Invoke) -> None:
             2,
             "no row of a.csv is from 9 s",
         ),
+        (
+            ("--csv", "a.csv", "--time", "t", "--current", "I", "--from", "0.5", "--to", "0.2"),
+            2,
+            "--from 0.5 is after --to 0.2",
+        ),
+        (("--csv", "a.csv", "--time", "t", "--current", "I", "--pole-pairs", "4"), 2, "without --angle"),
+        (("--csv", "a.csv", "--time", "t", "--current", "I", "--slots", "6"), 2, "--slots without --angle"),
+        (("--csv", "a.csv", "--time", "t", "--current", "I", "--rated-torque", "4"), 2, "without --torque"),
+        (
+            ("--csv", "a.csv", "--time", "t", "--current", "I", "--torque", "2"),
+            2,
+            "column 2 of a.csv is asked for as current and torque",
+        ),
     ],
 )
 def test_mistakes(invoke: Invoke, arguments: tuple[str, ...], code: int, complaint: str) -> None:
@@ -303,6 +486,19 @@ def test_mistakes(invoke: Invoke, arguments: tuple[str, ...], code: int, complai
     (line,) = result.stderr.strip().splitlines()
     assert line.startswith("benchtool: ")
     assert complaint in line
+
+
+def test_a_page_is_never_called_pdf(tmp_path: Path) -> None:
+    result = CliRunner().invoke(app, ("report", str(tmp_path), "--out", "x.pdf"))
+    assert result.exit_code == 2
+    assert "--out x.pdf names a PDF, the page is HTML: add --pdf" in result.stderr
+
+
+def test_a_date_in_place_of_seconds_is_named(invoke: Invoke) -> None:
+    Path("iso.csv").write_text("t,I,T\n" + "2026-11-21T12:00:00,1,2\n" * 9, encoding="utf-8")
+    result = invoke("--csv", "iso.csv", "--time", "t", "--current", "I")
+    assert result.exit_code == 2
+    assert "the first '2026-11-21T12:00:00' in column 1: check the columns; times in seconds" in result.stderr
 
 
 def test_the_help_says_how_columns_are_named(invoke: Invoke) -> None:

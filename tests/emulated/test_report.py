@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import hashlib
+import html
 import json
 import re
+import shlex
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -206,6 +208,17 @@ def test_a_recording_without_a_plan_is_shown_and_not_judged(tmp_path: Path) -> N
     assert "No limits" in text
 
 
+def test_a_folder_of_cases_is_measured_again_case_by_case(recorded: Path) -> None:
+    analysed = json.loads(done("analyze", recorded / "plans" / "two", "--json").stdout)
+    assert list(analysed["cases"]) == ["tpc", "foc"]
+    for name, case in analysed["cases"].items():
+        alone = json.loads(done("analyze", recorded / "plans" / "two" / name, "--json").stdout)
+        assert case["measurements"] == alone["cases"][name]["measurements"]
+    several = invoke("analyze", recorded / "plans")
+    assert several.exit_code == 2
+    assert "holds 2 plans: give the folder of one" in several.stderr
+
+
 def test_several_cases_and_several_plans(recorded: Path, tmp_path: Path) -> None:
     result = done("report", recorded / "plans" / "two", "--out", tmp_path / "two.html", "--json")
     assert list(json.loads(result.stdout)["cases"]) == ["tpc", "foc"]  # in the order in which they ran
@@ -236,6 +249,7 @@ def test_what_cannot_be_reported_is_one_line(demo: Path, tmp_path: Path) -> None
         assert line.startswith("benchtool: ")
         assert said in line
     assert "add --html FILE" in done("compare", demo, demo, "--pdf", code=2).stderr
+    assert "is one run of one case, two are compared" in done("compare", demo, code=2).stderr
 
 
 def test_compare_says_what_differs_and_whether_it_means_anything(demo: Path, tmp_path: Path) -> None:
@@ -255,7 +269,12 @@ def test_compare_says_what_differs_and_whether_it_means_anything(demo: Path, tmp
     assert ripple["absolute"] == pytest.approx(difference)
     assert ripple["percent"] == pytest.approx(100 * difference / values["demo:tpc"])
     text = text_of(page.read_text(encoding="utf-8"))
+    assert ripple["standard_uncertainty"] > 0.0
     assert "other against demo" in text
+    assert "difference ± standard uncertainty" in text
+    assert "Maximum minus minimum of the drive's estimate torque" in html.unescape(text)
+    assert re.search(r"other: Standard uncertainty \S+ Nm: spread of the 5 single electrical periods", text)
+    assert f"benchtool compare {shlex.join([str(demo), str(tmp_path / 'other')])}" in html.unescape(text)
     assert "seed 0 1" in text
     assert "the same in all runs drive parameters; plan; operating point" in text
 

@@ -11,9 +11,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from benchtool.analysis import Measurement
-from benchtool.analysis.measurement import Uncertainty
+from benchtool.analysis.measurement import Basis, Uncertainty
 from benchtool.block import Block, Channel
 from benchtool.experiment.assessment import Assessment
+from benchtool.experiment.comparing import difference
 from benchtool.experiment.deltas import Comparison, compare_cases, deltas
 from benchtool.experiment.limits import Limit
 
@@ -58,8 +59,40 @@ def test_the_two_directions_agree(one: float, two: float, u_one: float, u_two: f
     [(Limit(max=1.0), "better"), (Limit(min=0.0), "worse"), (Limit(min=0.0, max=1.0), ""), (None, "")],
 )
 def test_a_limit_tells_which_direction_is_good(limit: Limit | None, less: str) -> None:
-    (delta,) = deltas(result(x=(0.5, None), limit=limit), result(x=(0.4, None)))
+    (delta,) = deltas(result(x=(0.5, 0.01), limit=limit), result(x=(0.4, 0.01)))
     assert delta.judgement == less
+
+
+@pytest.mark.parametrize("standards", [(None, None), (0.01, None), (None, 0.01)])
+def test_a_difference_without_uncertainty_is_not_judged(standards: tuple[float | None, float | None]) -> None:
+    one, two = standards
+    (delta,) = deltas(result(x=(0.5, one), limit=Limit(max=1.0)), result(x=(0.4, two)))
+    assert (delta.exceeds, delta.judgement) == (None, "")
+
+
+def test_the_uncertainties_of_both_are_combined() -> None:
+    (delta,) = deltas(result(x=(1.0, 0.03)), result(x=(2.0, 0.04)))
+    assert delta.standard == pytest.approx(0.05)
+    assert delta.to_json()["standard_uncertainty"] == delta.standard
+    assert difference(delta) == "+1.000 ± 0.050"
+    (delta,) = deltas(result(x=(2.0e-7, 3e-9)), result(x=(1.0e-7, 4e-9)))
+    assert difference(delta) == "(−1.000 ± 0.050) × 10⁻⁷"
+    (delta,) = deltas(result(x=(1.0e-7, 3e-9)), result(x=(2.0e-7, 4e-9)))
+    assert difference(delta) == "(+1.000 ± 0.050) × 10⁻⁷"
+    (delta,) = deltas(result(x=(1.0, None)), result(x=(2.5, 0.04)))
+    assert difference(delta) == "+1.50"
+
+
+def test_runs_of_other_lengths_are_said_to_be() -> None:
+    def lasting(duration_s: float | None) -> Assessment:
+        number = Measurement("x", 1.0, "Nm", "", Basis(duration_s=duration_s))
+        return Assessment("a", Path("bundle"), (number,), (), {}, {}, BLOCK, None, None)
+
+    said = Comparison.of("", {"demo": lasting(0.52), "same": lasting(0.5201), "long": lasting(2.6)}).lengths
+    assert "demo over 0.52 s, long over 2.6 s" in said
+    assert "same" not in said
+    assert Comparison.of("", {"one": lasting(0.52), "two": lasting(0.5201)}).lengths == ""
+    assert Comparison.of("", {"one": lasting(None), "two": lasting(None)}).lengths == ""
 
 
 def test_what_chance_makes_is_neither_better_nor_worse() -> None:
@@ -68,7 +101,7 @@ def test_what_chance_makes_is_neither_better_nor_worse() -> None:
 
 
 def test_limits_that_contradict_each_other_tell_nothing() -> None:
-    one, two = result(x=(0.5, None), limit=Limit(max=1.0)), result(x=(0.4, None), limit=Limit(min=0.0))
+    one, two = result(x=(0.5, 0.01), limit=Limit(max=1.0)), result(x=(0.4, 0.01), limit=Limit(min=0.0))
     assert deltas(one, two)[0].judgement == ""
 
 
@@ -80,6 +113,7 @@ def test_what_has_no_value_has_no_difference() -> None:
         "value": 1.0,
         "absolute": None,
         "percent": None,
+        "standard_uncertainty": pytest.approx(math.hypot(0.1, 0.1)),
         "exceeds_uncertainty": None,
         "judgement": None,
     }

@@ -124,8 +124,43 @@ def test_an_option_overrides_the_unit_of_the_head(tmp_path: Path) -> None:
     assert table.select("2:kA", "A").unit_from == "option"
     assert table.select("t:1", "s").number == 1
     assert table.select("t:1:ms", "s").factor == 1e-3
-    raw = table.select("raw", "Nm")
-    assert (raw.unit, raw.unit_from, raw.factor) == ("Nm", "assumed", 1.0)
+    raw = table.select("raw:mNm", "Nm")
+    assert (raw.unit, raw.unit_from, raw.factor) == ("mNm", "option", 1e-3)
+
+
+@pytest.mark.parametrize(
+    ("head", "unit", "si_unit"),
+    [
+        *(
+            ("T (%)", "%", "Nm"),
+            ("CH1 (V)", "V", "A"),
+            ("raw [counts]", "counts", "rad"),
+            ("t [-]", "-", "s"),
+        ),
+        *(("I\nV", "V", "A"), ("T\n%", "%", "Nm")),
+    ],
+)
+def test_a_unit_of_the_head_that_is_none_of_the_kind_is_never_taken_as_si(
+    tmp_path: Path, head: str, unit: str, si_unit: str
+) -> None:
+    name, _, below = head.partition("\n")
+    second = f"s,{below},A\n" if below else ""
+    table = TextTable.open(write(tmp_path, f"t,{name},I2\n{second}" + lines(end=",7")))
+    with pytest.raises(AnalysisError, match=f"state it in the option, as '2:{si_unit}'") as refused:
+        table.select("2", si_unit)
+    assert f"'{unit}' is no unit of column '2', which its head states" in str(refused.value)
+    assert table.select(f"2:{si_unit}", si_unit).factor == 1.0
+
+
+@pytest.mark.parametrize("units", ["min,mA,Ncm", "min,mA,foo", "[min],[mA],[foo]"])
+def test_a_line_of_units_is_never_one_of_names(tmp_path: Path, units: str) -> None:
+    table = TextTable.open(write(tmp_path, f"t,I,T\n{units}\n" + lines(end=",7")))
+    assert (table.select("t", "s").factor, table.select("I", "A").factor) == (60.0, 1e-3)
+    if "Ncm" in units:
+        assert table.select("T", "Nm").factor == 1e-2
+    else:
+        with pytest.raises(AnalysisError, match="'foo' is no unit of column 'T'"):
+            table.select("T", "Nm")
 
 
 @pytest.mark.parametrize(
@@ -135,7 +170,7 @@ def test_an_option_overrides_the_unit_of_the_head(tmp_path: Path) -> None:
         ("Torque", "no column 'Torque', it has 1 't', 2 'Iq', 3 'Iq': give a name or a number"),
         ("4", "no column '4'"),
         ("0", "no column '0'"),
-        ("2:Nm", "'Nm' is no unit of column '2', expected is one of A, mA, uA"),
+        ("2:Nm", "'Nm' is no unit of column '2', as given; expected is one of A, mA, uA"),
         ("", "no column ''"),
     ],
 )
@@ -175,6 +210,14 @@ def test_rows_that_are_none_are_left_out_and_counted(tmp_path: Path) -> None:
     np.testing.assert_allclose(rows.data, np.stack([TIME, CURRENT], axis=1))
     assert rows.dropped == {"wrong number of cells": 3, "a cell is no number": 8}
     assert rows.read == 41
+
+
+@pytest.mark.parametrize("cell", ["2026-11-21T12:00:00.1", "00:00:01.5", "1.234.567"])
+def test_the_first_cell_that_is_no_number_is_named(tmp_path: Path, cell: str) -> None:
+    table = TextTable.open(write(tmp_path, "t,I,T\n" + lines(end=f",{cell}")))
+    chosen = [table.select("t", "s"), table.select("T", "Nm")]
+    assert table.unreadable_cell(chosen) == f"'{cell}' in column 3"
+    assert table.unreadable_cell(chosen[:1]) == ""
 
 
 def test_only_the_columns_asked_for_must_be_numbers(tmp_path: Path) -> None:
@@ -217,7 +260,11 @@ def test_a_later_decimal_comma_shows_the_layout(tmp_path: Path) -> None:
         (b"hello\nworld\n", "no table of numbers"),
         (b"1\n2\n3\n", "no table of numbers"),
         (b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR", "no table of numbers"),
-        (bytes(range(256)) * 4, "no table of numbers"),
+        (bytes(range(256)) * 4, "is binary and no text"),
+        (b"t,I\n2026-11-21T12:00:00.1,0.5\n", "'2026-11-21T12:00:00.1' is none; .* times in seconds"),
+        (b"t;I\n00:00:01.5;0.5\n00:00:01.6;0.5\n", "'00:00:01.5' is none"),
+        (b"PAR1\x15\x04", "is a Parquet file and no text"),
+        (np.arange(900, dtype=np.int16).tobytes() + bytes(300), "is binary and no text"),
     ],
 )
 def test_what_is_no_table_is_one_line(tmp_path: Path, content: bytes, complaint: str) -> None:
@@ -290,7 +337,16 @@ def test_numbers_survive_to_the_bit(
         *(("µs", "s", 1e-6), ("second", "s", 1.0), ("Seconds", "s", 1.0), ("ms", "s", 1e-3)),
         *(("N·m", "Nm", 1.0), ("N.m", "Nm", 1.0), ("mN·m", "Nm", 1e-3), ("N m", "Nm", 1.0)),
         *(("°", "rad", math.pi / 180), ("degrees", "rad", math.pi / 180), ("rev", "rad", 2 * math.pi)),
-        *(("RPM", "rad/s", math.pi / 30), ("1/min", "rad/s", math.pi / 30), ("°/s", "rad/s", math.pi / 180)),
+        *(("Ncm", "Nm", 1e-2), ("N·cm", "Nm", 1e-2), ("N-cm", "Nm", 1e-2), ("Nmm", "Nm", 1e-3)),
+        *(("lbf·ft", "Nm", 1.3558179), ("lb-ft", "Nm", 1.3558179), ("ft.lbs", "Nm", 1.3558179)),
+        *(("ozf·in", "Nm", 7.0615518e-3), ("oz-in", "Nm", 7.0615518e-3), ("lb-in", "Nm", 0.11298483)),
+        *(("min", "s", 60.0), ("h", "s", 3600.0), ("hours", "s", 3600.0), ("U/min", "rad/s", math.pi / 30)),
+        *(
+            ("RPM", "rad/s", math.pi / 30),
+            ("min⁻¹", "rad/s", math.pi / 30),
+            ("1/min", "rad/s", math.pi / 30),
+            ("°/s", "rad/s", math.pi / 180),
+        ),
     ],
 )
 def test_units_as_people_write_them(text: str, unit: str, factor: float) -> None:

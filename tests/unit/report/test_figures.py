@@ -73,6 +73,10 @@ def test_figures_show_the_signals_with_units_over_two_periods() -> None:
         assert any(
             name in label and f"({unit})" in label for label in texts(figures["waveforms"]).split("\n")
         )
+    (band,) = torque.patches
+    assert band.get_label() == "mean ± rms ripple"
+    assert band.get_zorder() > torque.lines[1].get_zorder(), "the estimate would hide it"
+    assert all((line.get_alpha() or 1.0) < 1.0 for line in current.lines), "the last would hide the others"
     shown = np.asarray(torque.lines[1].get_ydata())
     np.testing.assert_array_equal(shown, block.column("torque")[: len(shown)])
 
