@@ -9,14 +9,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from typer.testing import CliRunner, Result
 
 from benchtool.cli import app
+from tests.emulated.tables import TURN, Array, gimbal, phase_current, sinusoid, write
 
-Array = NDArray[np.float64]
 Invoke = Callable[..., Result]
-TURN = 2 * np.pi
 
 
 @pytest.fixture
@@ -41,35 +39,6 @@ def measured(result: Result) -> dict[str, Any]:
 
 def values(case: dict[str, Any]) -> dict[str, float | None]:
     return {name: each["value"] for name, each in case["measurements"].items()}
-
-
-def write(name: str, head: str, columns: list[Array], delimiter: str = ",", digits: int = 7) -> None:
-    rows = (delimiter.join(f"{value:.{digits}f}" for value in row) for row in zip(*columns, strict=True))
-    Path(name).write_text("\n".join([head, *rows]) + "\n", encoding="utf-8")
-
-
-def gimbal(name: str = "gimbal.txt", *, order: int = 72) -> None:
-    """A q-current that holds a small motor against its cogging, at stamps that jitter, angle in counts."""
-    random = np.random.default_rng(1)
-    steps = np.round(1e-3 + 4e-4 * random.standard_t(2, size=12_000).clip(-2, 5), 4)
-    time_s = np.cumsum(steps)
-    angle = 5.2 * time_s + 0.05 * np.sin(6 * 5.2 * time_s) - 6.3
-    current = 0.1 + 0.2 * np.cos(order * angle) + 0.04 * np.sin(18 * angle) + 0.015 * np.cos(12 * angle)
-    current += 0.03 * random.normal(size=len(angle))
-    counts = np.round(angle / TURN * 20_000) * TURN / 20_000
-    write(
-        name,
-        "Time, Position, Velocity, Iq, Active",
-        [time_s, counts, 0 * time_s, current, 0 * time_s + 1],
-        ", ",
-        5,
-    )
-
-
-def phase_current(rate_Hz: float = 10_000.0, samples: int = 4_000) -> tuple[Array, Array]:
-    time_s = np.arange(samples) / rate_Hz
-    angle = TURN * 50.0 * time_s
-    return time_s, 3.0 * np.cos(angle) + 0.15 * np.cos(5 * angle + 1.0) + 0.02
 
 
 def test_orders_of_a_q_current_at_jittered_stamps(invoke: Invoke) -> None:
@@ -218,13 +187,6 @@ def test_noise_is_no_phase_current(invoke: Invoke) -> None:
     write("noise.csv", "t,I", [time_s, np.random.default_rng(2).normal(size=len(time_s))])
     case = measured(invoke("--csv", "noise.csv", "--time", "t", "--current", "I", "--json"))
     assert "no sinusoid stands out" in case["measurements"]["current_thd"]["definition"]
-
-
-def sinusoid(frequency_Hz: Array | float, amplitude: Array | float = 5.0) -> tuple[Array, Array, Array]:
-    """Time, current and the mechanical angle of four pole pairs, 1 s at 10 kHz."""
-    time_s = np.arange(10_000) / 10_000
-    theta_e = TURN * np.cumsum(np.broadcast_to(frequency_Hz, 10_000)) / 10_000
-    return time_s, amplitude * np.cos(theta_e), theta_e / 4
 
 
 RAMP = sinusoid(np.linspace(40.0, 48.0, 10_000))
