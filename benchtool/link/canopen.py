@@ -59,7 +59,6 @@ class CanopenLink:
     ) -> None:
         self._bus = bus
         self._node_id = node_id
-        self._clock = clock
         self._host_node_id = host_node_id
         self._arrival_s = arrival_s or (lambda _: clock.now_s())
         self._receivers: dict[int, FrameReceiver] = {}
