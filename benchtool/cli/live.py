@@ -14,7 +14,6 @@ from benchtool.cli.output import Output
 
 if TYPE_CHECKING:
     from benchtool.bench import Session
-    from benchtool.live import LiveView
     from benchtool.telemetry import TelemetryStream
 
 _STEP_S = 0.05
@@ -78,24 +77,25 @@ def _show_drive(
     output: Output,
 ) -> int:
     from benchtool.bench import open_session
+    from benchtool.drive.parameters import snapshot
     from benchtool.telemetry import TelemetryStream
 
     # An emulated drive is looked at in the time that it would take.
     with open_session(profile, link, seed=seed, real_time=True, note=output.note) as session:
         drive = session.drive
-        drive.identify().require(drive.dictionary, profile)
+        drive.check()
         known = [name for name in _CHANNELS if name in drive.dictionary]
         names = [name.strip() for name in channels.split(",")] if channels else known
-        with viewing.stream_view(where, session, f"live: {profile}", output) as view:
+        with viewing.stream_view(where, session, f"live: {profile}", snapshot(drive), output) as view:
             assert view is not None  # there is a destination in any case
             sink = viewing.live_sink(view)
             with TelemetryStream(drive, [sink], names, rate_Hz) as stream:
                 output.note("live; Ctrl-C ends it" if duration_s is None else f"live for {duration_s:g} s")
                 if duration_s is None:
                     with suppress(KeyboardInterrupt):
-                        _watch(session, stream, view, math.inf)
+                        _watch(session, stream, math.inf)
                 else:
-                    _watch(session, stream, view, duration_s)
+                    _watch(session, stream, duration_s)
         report = stream.report()
         dropped = {"queue": sink.rows_dropped, **view.rows_dropped}
     received = report.counters.received
@@ -104,19 +104,18 @@ def _show_drive(
     return 0
 
 
-def _watch(session: Session, stream: TelemetryStream, view: LiveView, duration_s: float) -> None:
-    """Wait, with the drive's state and its emergencies as events."""
+def _watch(session: Session, stream: TelemetryStream, duration_s: float) -> None:
+    """Wait, and ask for the drive's state and its emergencies, which the view observes."""
     drive, clock = session.drive, session.clock
     start_s = asked_s = clock.now_s()
-    view.state(drive.state().value)
+    drive.state()
     while (left_s := start_s + duration_s - clock.now_s()) > _ROUNDING_S:
         clock.wait(min(_STEP_S, left_s))
         stream.check()
-        for emergency in drive.link.emergencies():
-            view.event(emergency.text, "ERROR" if emergency.code else "INFO")
+        drive.emergencies()
         if clock.now_s() - asked_s >= _STATE_S - _ROUNDING_S:
             asked_s = clock.now_s()
-            view.state(drive.state().value)
+            drive.state()
 
 
 def _show_run(

@@ -17,6 +17,7 @@ from benchtool.cli.output import Output, significant
 
 if TYPE_CHECKING:
     from benchtool.bench import Session
+    from benchtool.drive import Identity
     from benchtool.recording import BundleWriter, Manifest
     from benchtool.telemetry import Certificate, FrameLog, Sink, TelemetryStream
 
@@ -60,6 +61,7 @@ def record(
 ) -> int:
     """Record the stream of a drive, whatever it is doing; nothing is enabled."""
     from benchtool.bench import open_session
+    from benchtool.protocol.cia402 import State
     from benchtool.recording import BundleWriter
     from benchtool.telemetry import DEFAULT_CHANNELS, FrameLog, stream_source
 
@@ -76,23 +78,28 @@ def record(
         drive = session.drive
         # Before there is a folder: what cannot be streamed leaves nothing behind.
         stream_source(drive, names, rate)
-        manifest = _manifest(session, when.isoformat(timespec="seconds"), note, seed)
+        identity = drive.check()
+        manifest = _manifest(session, identity, when.isoformat(timespec="seconds"), note, seed)
         bundle = stack.enter_context(BundleWriter(folder, manifest))
-        with viewing.stream_view(where, session, f"record: {folder.name}", output) as view:
-            sinks = [] if view is None else [viewing.live_sink(view)]
+        title = f"record: {folder.name}"
+        with viewing.stream_view(where, session, title, manifest.parameters, output) as view:
+            sinks = []
+            if view is not None:
+                view.state(State(manifest.details["state"]))
+                sinks.append(viewing.live_sink(view))
             certificate = _record(session, bundle, names, rate, duration, reconnect, log, output, sinks)
+            if view is not None:
+                viewing.show_certificate(view, title, certificate)
         where.linger(output)
     _show(output, folder, certificate)
     return 0
 
 
-def _manifest(session: Session, when: str, note: str, seed: int) -> Manifest:
+def _manifest(session: Session, identity: Identity, when: str, note: str, seed: int) -> Manifest:
     from benchtool.drive.parameters import snapshot
     from benchtool.recording import Manifest, software_versions
 
     drive = session.drive
-    identity = drive.identify()
-    identity.require(drive.dictionary, drive.dictionary.source)
     return Manifest(
         what="record",
         when=when,
@@ -171,6 +178,8 @@ def _wait(
         try:
             clock.wait(min(_STEP_S, left_s))
             stream.check()
+            for emergency in session.drive.emergencies():
+                output.note(f"the drive reports {emergency.text}")
         except LinkClosed as lost:
             if not reconnect_s:
                 raise

@@ -77,7 +77,7 @@ def run_named(name: str, chosen: RunOptions) -> int:
     folder = options.bundle_folder(chosen.out, options.wall_time(), title)
     with viewing.places(chosen.live, output) as where:
         results = {
-            each: _run(each, folder if single else folder / Path(each).stem, chosen, output, where)
+            each: _run(each, folder, "" if single else Path(each).stem, chosen, output, where)
             for each in names
         }
         where.linger(output)
@@ -89,16 +89,20 @@ def run_named(name: str, chosen: RunOptions) -> int:
     return 1 if verdict is Verdict.FAIL else 0
 
 
-def _run(name: str, folder: Path, chosen: RunOptions, output: Output, where: viewing.Places) -> RunResult:
+def _run(
+    name: str, folder: Path, part: str, chosen: RunOptions, output: Output, where: viewing.Places
+) -> RunResult:
+    """Run one plan; `part` of the command it is, empty if it is all of it."""
     from benchtool.bench import dictionary_of, open_session
     from benchtool.cli.progress import RunProgress
+    from benchtool.cli.run_views import RunViews
     from benchtool.errors import UsageError
     from benchtool.experiment.parallel import run_in_processes
     from benchtool.experiment.plan import load_plan, plan_path
     from benchtool.experiment.runner import RunInfo, run_plan
     from benchtool.experiment.validation import require_known
 
-    plan = load_plan(name)
+    plan, folder = load_plan(name), folder / part
     place = chosen.profile or plan.profile
     require_known(plan, plan_path(name), dictionary_of(place))
     info = RunInfo(options.wall_time().isoformat(timespec="seconds"), chosen.seed, tuple(sys.argv[1:]))
@@ -109,7 +113,7 @@ def _run(name: str, folder: Path, chosen: RunOptions, output: Output, where: vie
     if chosen.jobs > 1 and chosen.live:
         raise UsageError(f"--jobs {chosen.jobs} runs elsewhere than --live can look: leave one of them out")
     with RunProgress(output) as bar:
-        progress = viewing.RunViews(where, bar, output)
+        progress = RunViews(where, bar, output, part)
         opener = partial(
             open_session,
             place,

@@ -5,8 +5,9 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -17,14 +18,11 @@ from benchtool.cli.output import Output
 from benchtool.errors import UsageError
 
 if TYPE_CHECKING:
+    from benchtool.analysis import Measurement
     from benchtool.bench import Session
-    from benchtool.block import Block
-    from benchtool.experiment.assessment import Assessment
-    from benchtool.experiment.cases import Case
-    from benchtool.experiment.conduct import Progress
-    from benchtool.experiment.plan import Plan
+    from benchtool.drive import RemoteDrive
     from benchtool.live import Destination, FileDestination, LiveView, Viewer
-    from benchtool.telemetry import Sink
+    from benchtool.telemetry import Certificate, Sink
 
 Live = Annotated[
     list[str] | None,
@@ -104,6 +102,21 @@ def live_sink(view: LiveView) -> Sink:
     return sink
 
 
+def show_certificate(view: LiveView, title: str, certificate: Certificate) -> None:
+    """How good a recording is, where nothing else is measured."""
+    from benchtool.live import certificate_document, results_document
+
+    rows = measured(certificate.measurements)
+    told = "complete" if certificate.complete else "not complete"
+    view.results(results_document(title, rows, remarks=[f"the recording is **{told}**"]))
+    view.quality(certificate_document(rows))
+
+
+def measured(measurements: Iterable[Measurement]) -> list[tuple[str, float, str]]:
+    """Names, values and units, as the documents of a view take them."""
+    return [(each.name, each.value, each.unit) for each in measurements]
+
+
 def tell_drops(view: LiveView, output: Output) -> None:
     """A line for each destination that missed something."""
     for name, rows in view.rows_dropped.items():
@@ -111,96 +124,30 @@ def tell_drops(view: LiveView, output: Output) -> None:
             output.note(f"{name}: {rows} rows were not shown; the recording of the run has them")
 
 
-class RunViews:
-    """Shows a run: one recording for each case, its steps as events. Watches as well as it is watched."""
-
-    def __init__(self, where: Places, progress: Progress, output: Output) -> None:
-        self._where = where
-        self._progress = progress
-        self._output = output
-        self._view: LiveView | None = None
-        self._several = False
-        self._title = ""
-
-    # ---- Progress --------------------------------------------------------------------------------------
-
-    def begin(self, case: str, number: int, count: int) -> None:
-        """Case `number` of `count` begins."""
-        self._several = count > 1
-        self._progress.begin(case, number, count)
-
-    def note(self, text: str) -> None:
-        """A step within the case begins."""
-        self._progress.note(text)
-        if self._view is not None:
-            self._view.event(text)
-
-    # ---- Watcher ---------------------------------------------------------------------------------------
-
-    def opened(self, session: Session, plan: Plan, case: Case) -> Sequence[Sink]:
-        """The sink of the case's slow stream."""
-        if not self._where.any:
-            return ()
-        from benchtool.live import LiveView, Setup
-
-        limits = {**plan.limits, **plan.case_limits.get(case.name, {})}
-        self._title = f"{plan.title}: {case.name}"
-        setup = Setup(
-            title=self._title,
-            psi_Wb=session.profile.motor.psi_r_Wb,
-            limits={name: (limit.min, limit.max) for name, limit in limits.items()},
-            parameters={**session.profile.drive.parameters, **plan.setup, **case.setup},
-        )
-        self._view = LiveView(setup, self._where.of(case.folder if self._several else ""), self._output.note)
-        return (live_sink(self._view),)
-
-    def captured(self, capture: Block, transducer: Block | None, trigger_row: int | None) -> None:
-        """Show what was captured at its place in drive time."""
-        if self._view is not None:
-            from benchtool.live import CAPTURE, TRANSDUCER
-
-            self._view.captured(capture, CAPTURE, trigger_row)
-            if transducer is not None:
-                self._view.captured(transducer, TRANSDUCER)
-
-    def closed(self, result: Assessment | None, failure: str) -> None:
-        """Show what the case came to, and end its recording."""
-        view, self._view = self._view, None
-        if view is None:
-            return
-        from benchtool.live import results_document
-
-        if result is not None:
-            limited = [each for each in result.quality if each.name in result.limits]
-            rows = [(each.name, each.value, each.unit) for each in (*result.measurements, *limited)]
-            bounds = {name: (limit.min, limit.max) for name, limit in result.limits.items()}
-            verdicts = {name: str(verdict) for name, verdict in result.verdicts.items()}
-            view.results(
-                results_document(self._title, rows, bounds, verdicts, [f"verdict: **{result.verdict}**"])
-            )
-        else:
-            view.event(failure, "ERROR")
-        view.close()
-        tell_drops(view, self._output)
+@contextmanager
+def observed(view: LiveView, drive: RemoteDrive) -> Iterator[None]:
+    """Have a view show the drive's states, its emergencies and the counters of its link."""
+    view.count(lambda: {f"link_{name}": count for name, count in asdict(drive.link.counters).items()})
+    with drive.observed(view):
+        yield
 
 
 @contextmanager
-def stream_view(where: Places, session: Session, title: str, output: Output) -> Iterator[LiveView | None]:
+def stream_view(
+    where: Places, session: Session, title: str, parameters: Mapping[str, object], output: Output
+) -> Iterator[LiveView | None]:
     """The view of a stream alone; what ends it too early becomes its last event. None if there is nowhere."""
     if not where.any:
         yield None
         return
     from benchtool.live import LiveView, Setup
 
-    setup = Setup(
-        title=title,
-        psi_Wb=session.profile.motor.psi_r_Wb,
-        parameters=session.profile.drive.parameters,
-    )
-    with LiveView(setup, where.of(), output.note) as view:
+    setup = Setup(title, psi_Wb=session.profile.motor.psi_r_Wb, parameters=parameters)
+    with LiveView(setup, where.of(), output.note) as view, observed(view, session.drive):
         try:
             yield view
         except BaseException as failure:
-            view.event(f"{type(failure).__name__}: {failure}".rstrip(": "), "ERROR")
+            reason = f"{type(failure).__name__}: {failure}".rstrip(": ")
+            view.event(reason, "ERROR", session.drive.tick_at(session.clock.now_s()))
             raise
     tell_drops(view, output)

@@ -135,10 +135,12 @@ def _run_case(
     if plan.stimulus is not None:
         plan.stimulus.require_rated(session.profile.motor)
     link = session.drive.link
-    with BundleWriter(place, _manifest(session, plan, case, info, identity)) as writer:
+    manifest = _manifest(session, plan, case, info, identity)
+    with BundleWriter(place, manifest) as writer:
         stream = None
         try:
-            with _telemetry(session, writer, watcher.opened(session, plan, case)) as stream:
+            sinks = watcher.opened(session, plan, case, manifest.parameters)
+            with _telemetry(session, writer, sinks) as stream:
                 capture, transducer = conduct(session, plan, case, progress)
             writer.append("capture", capture)
             if transducer is not None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Protocol
 
 from benchtool.bench import Session
@@ -16,8 +16,13 @@ from benchtool.telemetry import Sink
 class Watcher(Protocol):
     """Told of every case: `opened`, `captured` if it came to that, `closed`; must not raise or wait long."""
 
-    def opened(self, session: Session, plan: Plan, case: Case) -> Sequence[Sink]:
-        """A case begins, with nothing enabled yet; further sinks for its slow stream."""
+    def opened(
+        self, session: Session, plan: Plan, case: Case, parameters: Mapping[str, object]
+    ) -> Sequence[Sink]:
+        """A case begins, set up but with nothing enabled yet; further sinks for its slow stream.
+
+        `parameters` are the drive's. Nothing may be asked of the drive: that would take its time.
+        """
 
     def captured(self, capture: Block, transducer: Block | None, trigger_row: int | None) -> None:
         """What the drive and the transducer recorded; the drive is disabled again."""
@@ -29,7 +34,9 @@ class Watcher(Protocol):
 class Unwatched:
     """Nobody looks."""
 
-    def opened(self, session: Session, plan: Plan, case: Case) -> Sequence[Sink]:
+    def opened(
+        self, session: Session, plan: Plan, case: Case, parameters: Mapping[str, object]
+    ) -> Sequence[Sink]:
         """No sinks."""
         return ()
 

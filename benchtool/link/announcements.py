@@ -7,6 +7,7 @@ from collections.abc import Callable
 
 from benchtool.clock import Clock
 from benchtool.errors import NoAnswer
+from benchtool.link.interface import Alarm
 from benchtool.protocol.emcy import Emergency
 from benchtool.protocol.nmt import NmtState
 
@@ -31,7 +32,7 @@ class Announcements:
         self._require_open = require_open
         self._state: NmtState | None = None
         self._heartbeats = self._heard = self._overruns = 0
-        self._emergencies: deque[Emergency] = deque()
+        self._emergencies: deque[Alarm] = deque()
 
     @property
     def counts(self) -> dict[str, int]:
@@ -51,7 +52,7 @@ class Announcements:
         """Keep an emergency, or count it where there is no room."""
         self._heard += 1
         if len(self._emergencies) < _EMERGENCIES:
-            self._emergencies.append(emergency)
+            self._emergencies.append(Alarm(emergency, self._clock.now_s()))
         else:
             self._overruns += 1
 
@@ -75,7 +76,7 @@ class Announcements:
                 )
             self._clock.wait(min(_POLL_S, timeout_s))
 
-    def emergencies(self) -> tuple[Emergency, ...]:
+    def emergencies(self) -> tuple[Alarm, ...]:
         """See `Link.emergencies`."""
         self._require_open()
         return tuple(self._emergencies.popleft() for _ in range(len(self._emergencies)))

@@ -16,7 +16,7 @@ from canopen.sdo.exceptions import SdoAbortedError, SdoCommunicationError
 from benchtool.clock import Clock, VirtualClock
 from benchtool.errors import LinkClosed, LinkError, NoAnswer, SdoAbort
 from benchtool.link.announcements import Announcements
-from benchtool.link.interface import CountsMalformed, Frame, FrameReceiver, LinkCounters
+from benchtool.link.interface import Alarm, CountsMalformed, Frame, FrameReceiver, LinkCounters
 from benchtool.link.sdo_client import BlockNotOfferedError, SdoClient, SdoTimeoutError
 from benchtool.protocol.abort import abort_text
 from benchtool.protocol.emcy import Emergency
@@ -130,7 +130,7 @@ class CanopenLink:
         """See `Link.wait_heartbeat`."""
         return self._announced.wait_heartbeat(timeout_s)
 
-    def emergencies(self) -> tuple[Emergency, ...]:
+    def emergencies(self) -> tuple[Alarm, ...]:
         """See `Link.emergencies`. The first 256 are kept, as the cause is among the first."""
         return self._announced.emergencies()
 

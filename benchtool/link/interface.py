@@ -35,6 +35,13 @@ class Frame(NamedTuple):
     arrival_s: float
 
 
+class Alarm(NamedTuple):
+    """An emergency as it arrived, at `arrival_s` of the host's clock."""
+
+    emergency: Emergency
+    arrival_s: float
+
+
 FrameReceiver = Callable[[Frame], None]
 BatchReceiver = Callable[[Batch, float], None]
 """Takes a batch of telemetry, and when it arrived on the host's clock."""
@@ -97,7 +104,7 @@ class Link(Protocol):
             NoAnswer: none came within `timeout_s` of the link's clock.
         """
 
-    def emergencies(self) -> tuple[Emergency, ...]:
+    def emergencies(self) -> tuple[Alarm, ...]:
         """Emergencies since the last call, oldest first."""
 
     def close(self) -> None:

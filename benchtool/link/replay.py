@@ -13,7 +13,7 @@ from can.io import CanutilsLogReader
 
 from benchtool.clock import VirtualClock
 from benchtool.errors import LinkClosed, LinkError, NoAnswer, SdoAbort
-from benchtool.link.interface import Frame, FrameReceiver, LinkCounters
+from benchtool.link.interface import Alarm, Frame, FrameReceiver, LinkCounters
 from benchtool.link.sdo_transcript import Kind, Transfer, transfers
 from benchtool.protocol.abort import abort_text
 from benchtool.protocol.emcy import Emergency
@@ -54,7 +54,7 @@ class ReplayLink:
         self._position = 0
         self._receivers: dict[int, FrameReceiver] = {}
         self._state: NmtState | None = None
-        self._emergencies: deque[Emergency] = deque()
+        self._emergencies: deque[Alarm] = deque()
         self._counters = LinkCounters()
         self._reads: dict[tuple[int, int], deque[Transfer]] = defaultdict(deque)
         self._writes: dict[tuple[tuple[int, int], bytes], deque[Transfer]] = defaultdict(deque)
@@ -154,7 +154,7 @@ class ReplayLink:
                 return state
         raise NoAnswer(f"the recording {self._bundle} has no heartbeat of node {self._node_id} at this time")
 
-    def emergencies(self) -> tuple[Emergency, ...]:
+    def emergencies(self) -> tuple[Alarm, ...]:
         """See `Link.emergencies`."""
         self._require_open()
         return tuple(self._emergencies.popleft() for _ in range(len(self._emergencies)))
@@ -194,7 +194,7 @@ class ReplayLink:
             self._state = state
             self._count(heartbeats_received=1)
         elif can_id == _EMCY + self._node_id and (emergency := Emergency.decode(data)) is not None:
-            self._emergencies.append(emergency)
+            self._emergencies.append(Alarm(emergency, self._clock.now_s()))
             self._count(emcy_received=1)
 
     def _next(self, recorded: deque[Transfer]) -> Transfer:

@@ -12,10 +12,9 @@ from benchtool.clock import Clock, VirtualClock
 from benchtool.errors import LinkClosed, LinkError
 from benchtool.link.announcements import Announcements
 from benchtool.link.exchange import Exchange
-from benchtool.link.interface import BatchReceiver, LinkCounters
+from benchtool.link.interface import Alarm, BatchReceiver, LinkCounters
 from benchtool.link.port import Port
 from benchtool.link.serial_requests import SerialRequests
-from benchtool.protocol.emcy import Emergency
 from benchtool.protocol.nmt import NmtCommand, NmtState
 from benchtool.protocol.serial import (
     Batch,
@@ -129,7 +128,7 @@ class SerialLink:
         """See `Link.wait_heartbeat`."""
         return self._announced.wait_heartbeat(timeout_s)
 
-    def emergencies(self) -> tuple[Emergency, ...]:
+    def emergencies(self) -> tuple[Alarm, ...]:
         """See `Link.emergencies`. The first 256 are kept, as the cause is among the first."""
         return self._announced.emergencies()
 

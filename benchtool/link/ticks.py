@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
+_ROUNDING = 1e-6
 _WRAP = 1 << 32
 _SLACK_S = 0.5
 _CLOCKS = 1e-3  # by which two clocks may differ
@@ -16,6 +18,10 @@ class TickMark:
     tick: int
     at_s: float
     tick_s: float
+
+    def tick_at(self, at_s: float) -> int:
+        """Tick at another moment, of a drive that ran on with a clock like the host's."""
+        return self.tick + math.floor((at_s - self.at_s) / self.tick_s + _ROUNDING)
 
     def restarted_since(self, later: TickMark) -> bool:
         """Whether the ticks up to `later` are others than the time between would have brought.

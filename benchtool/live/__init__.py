@@ -5,7 +5,7 @@ from benchtool.live.names import CAPTURE, STREAM, TRANSDUCER
 from benchtool.live.outlet import Destination, Outlet
 from benchtool.live.view import LiveView, Setup
 from benchtool.live.viewer import LOOPBACK, FileDestination, Viewer
-from benchtool.live.words import results_document
+from benchtool.live.words import certificate_document, results_document
 
 __all__ = [
     "CAPTURE",
@@ -18,6 +18,7 @@ __all__ = [
     "Outlet",
     "Setup",
     "Viewer",
+    "certificate_document",
     "results_document",
     "setup_of",
     "show_bundle",

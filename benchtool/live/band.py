@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections import deque
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from benchtool.block import Block
 from benchtool.live import names
@@ -14,7 +14,8 @@ from benchtool.live.columns import Message, TimeAxis, lines, scalars
 Limits = Mapping[str, tuple[float | None, float | None]]
 """(min, max) by name of a measurement, in its unit."""
 
-_BAND_S = 1.0
+_BAND_S = 0.5
+_POINTS = 10  # of the band in a block
 _SEEN = ((150, 150, 150), 1.0)
 _RIPPLE = ((213, 94, 0), 1.0)
 _MEAN = ((204, 121, 167), 1.0)
@@ -28,49 +29,51 @@ class TorqueBand:
         """Mean torque of what was seen last."""
         self._limits = limits
         self._named: set[str] = set()
-        self._parts: deque[tuple[float, float, float, int]] = deque()
+        self._recent = np.empty(0)
 
     def running(self, block: Block, axis: TimeAxis) -> list[Message]:
-        """Band of the last second of a stream, from the first to the last row of its newest block."""
+        """Band of the half second before each of some rows of a stream's newest block."""
         if "torque" not in block.names:
             return []
-        torque = block.column("torque")
-        self._parts.append((float(torque.min()), float(torque.max()), float(torque.sum()), len(torque)))
-        while len(self._parts) > 1 and sum(part[3] for part in self._parts) > _BAND_S * block.sample_rate_Hz:
-            self._parts.popleft()
-        rows = sum(part[3] for part in self._parts)
-        self.mean_Nm = sum(part[2] for part in self._parts) / rows
-        return self._messages(
-            names.TORQUE_BAND,
-            block,
-            axis,
-            min(part[0] for part in self._parts),
-            max(part[1] for part in self._parts),
-        )
+        rows = max(1, round(_BAND_S * block.sample_rate_Hz))
+        before = len(self._recent)
+        torque = np.concatenate((self._recent, block.column("torque")))
+        self._recent = torque[-rows:]
+        # the last row is among them, so that the band ends where the torque does
+        ends = np.unique(np.ceil(np.linspace(0, len(block.data), _POINTS + 1)[1:]).astype(np.int64))
+        windows = [torque[max(0, before + end - rows) : before + end] for end in ends]
+        return self._messages(names.TORQUE_BAND, axis, axis.ticks(block)[ends - 1], windows)
 
     def whole(self, block: Block, axis: TimeAxis) -> list[Message]:
         """Band of a whole capture, from its first to its last row."""
         if "torque" not in block.names:
             return []
         torque = block.column("torque")
-        self.mean_Nm = float(torque.mean())
-        return self._messages(names.CAPTURE_BAND, block, axis, float(torque.min()), float(torque.max()))
+        return self._messages(names.CAPTURE_BAND, axis, axis.ticks(block)[[0, -1]], [torque, torque])
 
     def _messages(
-        self, entity: str, block: Block, axis: TimeAxis, lowest: float, highest: float
+        self,
+        entity: str,
+        axis: TimeAxis,
+        ticks: NDArray[np.int64],
+        windows: Sequence[NDArray[np.float64]],
     ) -> list[Message]:
-        values = {"lowest torque (Nm)": (lowest, _SEEN), "highest torque (Nm)": (highest, _SEEN)}
+        mean = np.array([window.mean() for window in windows])
+        self.mean_Nm = float(mean[-1])
+        values = {
+            "lowest torque (Nm)": (np.array([window.min() for window in windows]), _SEEN),
+            "highest torque (Nm)": (np.array([window.max() for window in windows]), _SEEN),
+        }
         _, ripple = self._limits.get("torque_ripple_pp", (None, None))
         if ripple is not None:
-            values["ripple limit, lower (Nm)"] = (self.mean_Nm - ripple / 2.0, _RIPPLE)
-            values["ripple limit, upper (Nm)"] = (self.mean_Nm + ripple / 2.0, _RIPPLE)
+            values["ripple limit, lower (Nm)"] = (mean - ripple / 2.0, _RIPPLE)
+            values["ripple limit, upper (Nm)"] = (mean + ripple / 2.0, _RIPPLE)
         least, most = self._limits.get("torque_mean", (None, None))
         for name, bound in (("least mean torque (Nm)", least), ("most mean torque (Nm)", most)):
             if bound is not None:
-                values[name] = (bound, _MEAN)
-        ends = np.array([axis.tick(block, 0), axis.tick(block, -1)], dtype=np.int64)
-        rows = np.tile(np.array([value for value, _ in values.values()]), (2, 1))
-        messages: list[Message] = [scalars(entity, axis, ends, rows)]
+                values[name] = (np.full(len(mean), bound), _MEAN)
+        rows = np.column_stack([value for value, _ in values.values()])
+        messages: list[Message] = [scalars(entity, axis, ticks, rows)]
         if entity not in self._named:
             self._named.add(entity)
             messages.insert(0, lines(entity, {name: style for name, (_, style) in values.items()}))

@@ -16,7 +16,10 @@ from benchtool.live.spectrum import chosen
 
 _PHASES = ("i_a", "i_b", "i_c")
 _VECTORS = ("i_d", "i_q", "i_alpha", "i_beta")
+_MARKERS = (names.FAULT, names.WARNING, names.TRIGGER)
 _FOLLOWED_S = 20.0
+_TOGETHER = rrb.TimeAxis(link=rrb.components.LinkAxis.LinkToGlobal)  # to zoom one plot is to zoom all
+_UNNAMED = rrb.PlotLegend(visible=False)  # bars have no names but their paths
 
 
 @dataclass(frozen=True)
@@ -62,7 +65,7 @@ class Layout:
 def blueprint(layout: Layout) -> rrb.Blueprint:
     """The layout as Rerun's blueprint: signals on the left, shapes and spectra in the middle, words right."""
     left = [
-        _plot(layout, "torque", "torque (Nm)", extra=(names.TORQUE_BAND, names.CAPTURE_BAND, names.MARKERS)),
+        _plot(layout, "torque", "torque (Nm)", extra=(names.TORQUE_BAND, names.CAPTURE_BAND, *_MARKERS)),
         _plot(layout, "current", "phase currents (A)"),
         _beside(
             _plot(layout, "speed", "speed (rad/s)"),
@@ -90,11 +93,15 @@ def blueprint(layout: Layout) -> rrb.Blueprint:
             ),
         ),
         rrb.StateTimelineView(origin=names.STATE, name="state") if layout.states else None,
-        rrb.TimeSeriesView(
-            origin=names.QUALITY,
-            name="data quality (rows)",
-            plot_legend=rrb.PlotLegend(rrb.Corner2D.LeftTop),
-            time_ranges=_range(layout),
+        rrb.Tabs(
+            rrb.TextDocumentView(origin=names.COUNTERS, name="data quality"),
+            rrb.TimeSeriesView(
+                origin=names.QUALITY,
+                name="data quality over time",
+                plot_legend=rrb.PlotLegend(rrb.Corner2D.LeftTop),
+                axis_x=_TOGETHER,
+                time_ranges=_range(layout),
+            ),
         ),
     ]
     return rrb.Blueprint(
@@ -146,6 +153,7 @@ def _plot(
         contents=[*entities, *extra],
         name=title,
         overrides=overrides,
+        axis_x=_TOGETHER,
         plot_legend=rrb.PlotLegend(rrb.Corner2D.LeftTop),
         time_ranges=_range(layout),
     )
@@ -182,20 +190,24 @@ def _flux_plane(layout: Layout) -> rrb.Spatial2DView:
 
 def _spectrum() -> rrb.BarChartView:
     return rrb.BarChartView(
-        origin=f"{names.SPECTRUM}/lines", name="spectrum: dB re 1 mA peak over Hz, fundamental marked"
+        origin=f"{names.SPECTRUM}/lines",
+        name="spectrum (dB re 1 mA) over Hz, fundamental red",
+        plot_legend=_UNNAMED,
     )
 
 
 def _harmonics() -> rrb.BarChartView:
     return rrb.BarChartView(
-        origin=f"{names.SPECTRUM}/harmonics", name="harmonics: % of fundamental, by order"
+        origin=f"{names.SPECTRUM}/harmonics",
+        name="harmonics (% of fundamental) by order",
+        plot_legend=_UNNAMED,
     )
 
 
 def _waterfall() -> rrb.TensorView:
     return rrb.TensorView(
         origin=f"{names.SPECTRUM}/waterfall",
-        name="waterfall: dB re 1 mA peak",
+        name="waterfall (dB re 1 mA)",
         scalar_mapping=rrb.TensorScalarMapping(colormap="inferno", mag_filter="nearest"),
         view_fit="fill",
         slice_selection=rrb.TensorSliceSelection(width=1, height=0),

@@ -13,7 +13,8 @@ from benchtool.live.columns import parts
 from benchtool.live.journal import ERROR, WARN
 from benchtool.live.outlet import Destination
 from benchtool.live.view import LiveView, Setup
-from benchtool.live.words import results_document
+from benchtool.live.words import certificate_document, results_document
+from benchtool.protocol.cia402 import State
 from benchtool.recording import Bundle
 
 _SLOW = "telemetry"
@@ -64,7 +65,7 @@ def show_bundle(
     if _TRANSDUCER in blocks:
         view.captured(blocks[_TRANSDUCER], names.TRANSDUCER)
     if "state" in details:
-        view.state(str(details["state"]))
+        view.state(State(details["state"]))
     if "failure" in details:
         view.event(str(details["failure"]), ERROR)
     elif not bundle.complete:
@@ -72,12 +73,14 @@ def show_bundle(
     certificate = bundle.certificate or {}
     found = {**certificate.get("measurements", {}), **bundle.measurements}
     rows = [
-        (name, _number(entry), str(entry["unit"]))
-        for name, entry in found.items()
-        if name in bundle.measurements or name in setup.limits or not bundle.measurements
+        row
+        for row in _rows(found)
+        if row[0] in bundle.measurements or row[0] in setup.limits or not bundle.measurements
     ]
     verdict = f"verdict: **{bundle.manifest.verdict}**" if bundle.manifest.verdict else ""
     remarks = [text for text in (bundle.manifest.note, verdict, str(details.get("failure", ""))) if text]
+    if certified := certificate.get("measurements", {}):
+        view.quality(certificate_document(_rows(certified)))
     view.results(results_document(setup.title, rows, setup.limits, details.get("verdicts", {}), remarks))
     return view
 
@@ -88,6 +91,10 @@ def _trigger_row(plan: Mapping[str, Any], capture: Block) -> int | None:
         return None
     row = round(float(plan.get("record", {}).get("pretrigger_s", 0.0)) * capture.sample_rate_Hz)
     return row if row < len(capture.data) else None
+
+
+def _rows(entries: Mapping[str, Mapping[str, Any]]) -> list[tuple[str, float, str]]:
+    return [(name, _number(entry), str(entry["unit"])) for name, entry in entries.items()]
 
 
 def _number(entry: Mapping[str, Any]) -> float:

@@ -35,6 +35,11 @@ class Still:
     entity: str
     content: rr.AsComponents
 
+    @property
+    def place(self) -> str:
+        """What a later one replaces this one by."""
+        return f"{self.entity}:{type(self.content).__name__}"
+
     def send(self, stream: rr.RecordingStream) -> None:
         """Into one recording."""
         stream.log(self.entity, self.content, static=True, strict=True)
@@ -45,6 +50,11 @@ class Arrangement:
     """How the viewer is laid out from now on."""
 
     blueprint: rrb.Blueprint
+
+    @property
+    def place(self) -> str:
+        """There is one layout at a time."""
+        return ""
 
     def send(self, stream: rr.RecordingStream) -> None:
         """Into one recording."""
@@ -85,12 +95,14 @@ class TimeAxis:
         """Ticks that moments of drive time fall into."""
         return np.floor(drive_s / self.tick_s + 1e-6).astype(np.int64)
 
+    def ticks(self, block: Block) -> NDArray[np.int64]:
+        """Drive ticks of a block's rows, shape (rows,)."""
+        ticks = block.ticks()
+        return ticks if block.tick_s == self.tick_s else self.of(np.asarray(ticks * block.tick_s, np.float64))
+
     def tick(self, block: Block, row: int) -> int:
         """Drive tick of one row of a block."""
-        tick = block.ticks()[row]
-        if block.tick_s == self.tick_s:
-            return int(tick)
-        return int(self.of(np.array([tick * block.tick_s]))[0])
+        return int(self.ticks(block)[row])
 
 
 def scalars(

@@ -19,6 +19,8 @@ from benchtool.live.columns import Columns, Still, TimeAxis, at
 NEEDED = ("psi_alpha", "psi_beta")
 _MOST_POINTS = 4000
 _REACH = 1.4
+_SAME = 0.005
+_ABOVE = 50.0  # the vectors
 _HEXAGON = 1.25  # radius of its vertices, of the circle's
 _AMBER, _BLUE, _GREY = (230, 159, 0), (86, 180, 233), (110, 110, 110)
 _GREEN = (0, 158, 115)
@@ -37,27 +39,45 @@ def hexagon(radius: float) -> NDArray[np.float64]:
     return radius * np.column_stack((np.cos(angle), -np.sin(angle)))
 
 
-def frame(psi_Wb: float) -> list[Still]:
-    """Axes and the circle of a flux magnitude."""
+def axes(psi_Wb: float) -> Still:
+    """The axes of a plane for vectors of about this magnitude."""
     reach = _REACH * psi_Wb
-    axes = [[[-reach, 0.0], [reach, 0.0]], [[0.0, reach], [0.0, -reach]]]
-    return [
-        Still(
-            f"{names.LOCUS}/axes",
-            rr.LineStrips2D(axes, colors=_GREY, radii=_LINE, labels=["alpha", "beta"], show_labels=False),
-        ),
-        Still(
-            f"{names.LOCUS}/reference",
-            rr.LineStrips2D(
-                [circle(psi_Wb)],
-                colors=_GREEN,
-                radii=_LINE,
-                labels=[f"reference {psi_Wb:.4g} Wb"],
-                show_labels=False,
-                draw_order=50.0,  # above the vectors
-            ),
-        ),
-    ]
+    lines = [[[-reach, 0.0], [reach, 0.0]], [[0.0, reach], [0.0, -reach]]]
+    return Still(
+        f"{names.LOCUS}/axes",
+        rr.LineStrips2D(lines, colors=_GREY, radii=_LINE, labels=["alpha", "beta"], show_labels=False),
+    )
+
+
+class ReferenceCircle:
+    """The circle of the flux that is asked for; of the motor's own flux where a drive does not tell.
+
+    Args:
+        psi_Wb: the motor's own, of its magnets.
+    """
+
+    def __init__(self, psi_Wb: float) -> None:
+        self._own_Wb = psi_Wb
+        self._drawn_Wb: float | None = None
+
+    def messages(self, block: Block, axis: TimeAxis) -> list[Columns]:
+        """The circle as of the block's first row, where it is another than before."""
+        asked_Wb = self._own_Wb
+        if "psi_s_reference" in block.names:
+            told = block.column("psi_s_reference")
+            asked_Wb = float(told[told > 0.0].mean()) if np.any(told > 0.0) else self._own_Wb
+        if self._drawn_Wb is not None and abs(asked_Wb - self._drawn_Wb) < _SAME * self._own_Wb:
+            return []
+        self._drawn_Wb = asked_Wb
+        columns = rr.LineStrips2D.columns(
+            strips=[circle(asked_Wb).astype(np.float32)],
+            colors=[rr.encodings.Rgba32(_GREEN).rgba],
+            radii=np.array([_LINE], dtype=np.float32),
+            labels=[f"reference {asked_Wb:.4g} Wb"],
+            show_labels=[False],
+            draw_order=[_ABOVE],
+        )
+        return [at(f"{names.LOCUS}/reference", axis, axis.tick(block, 0), columns)]
 
 
 def voltages(psi_Wb: float, u_dc_V: float) -> list[Still]:

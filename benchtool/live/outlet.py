@@ -9,7 +9,8 @@ from typing import Final, Protocol
 
 import rerun as rr
 
-from benchtool.live.columns import Message
+from benchtool.errors import EnvironmentFailure
+from benchtool.live.columns import Columns, Message
 
 APPLICATION: Final = "benchtool"
 PATIENCE_S: Final = 0.5
@@ -32,6 +33,10 @@ class Destination(Protocol):
     def closing_s(self) -> float:
         """How long the end of a recording may wait for it."""
 
+    @property
+    def another(self) -> str:
+        """What a person may do to have the rest shown, once it is gone; empty if nothing."""
+
     def connect(self, stream: rr.RecordingStream) -> None:
         """Have a recording go there.
 
@@ -40,7 +45,7 @@ class Destination(Protocol):
         """
 
     def alive(self) -> bool:
-        """Whether there is still somebody to take it."""
+        """Whether there is somebody to take it, the first one or one that was started in its place."""
 
     def give_up(self) -> None:
         """It takes nothing more: have it let go of the connection."""
@@ -53,6 +58,9 @@ class Outlet:
     batch at most, this queue eight, whatever the destination does. Who calls `send` waits for room, but once
     that has taken `patience_s` the destination is stuck: until there is room again, batches are discarded
     and counted at once.
+
+    A destination that was gone and is there again gets what holds at every time (names, layout, documents)
+    and the batches from then on.
 
     Args:
         destination: where to.
@@ -76,14 +84,15 @@ class Outlet:
     ) -> None:
         self.rows_dropped = 0
         self._destination = destination
+        self._recording_id = recording_id
+        self._title = title
         self._note = note
         self._patience_s = patience_s
         self._stuck = self._gone = False
+        self._standing: dict[str, Message] = {}
         self._lock = threading.Lock()
         self._batches: queue.Queue[_Batch | None] = queue.Queue(_BATCHES)
-        self._stream = rr.RecordingStream(APPLICATION, recording_id=recording_id)
-        destination.connect(self._stream)
-        self._stream.send_recording_name(title)
+        self._stream = self._open()
         self._thread = threading.Thread(target=self._run, name=f"benchtool-live-{self.name}", daemon=True)
         self._thread.start()
 
@@ -93,7 +102,10 @@ class Outlet:
 
     def send(self, messages: Iterable[Message], rows: int = 0) -> bool:
         """Have a batch sent, of so many rows of data, or discard it; whether it will be. Never raises."""
-        if self._put((tuple(messages), rows)):
+        batch = tuple(messages)
+        with self._lock:
+            self._standing |= {each.place: each for each in batch if not isinstance(each, Columns)}
+        if self._put((batch, rows)):
             return True
         self._drop(rows)
         return False
@@ -108,6 +120,12 @@ class Outlet:
             self._finish(_LETTING_GO_S, lambda: True)
         self._stream.disconnect()
 
+    def _open(self) -> rr.RecordingStream:
+        stream = rr.RecordingStream(APPLICATION, recording_id=self._recording_id)
+        self._destination.connect(stream)
+        stream.send_recording_name(self._title)
+        return stream
+
     def _finish(self, left_s: float, may_wait: Callable[[], bool]) -> None:
         """Have the thread end behind what waits, for so long at most."""
         told = False
@@ -119,12 +137,11 @@ class Outlet:
     def _put(self, batch: _Batch) -> bool:
         if not self._destination.alive():
             self._leave()
-        if self._gone:
             return False
         if self._offer(batch, 0.0 if self._stuck else self._patience_s):
             if self._stuck:
                 self._stuck = False
-                self._note(f"{self.name} is back; {self.rows_dropped} rows were not shown")
+                self._tell_back()
             return True
         if not self._stuck:
             self._stuck = True
@@ -135,11 +152,15 @@ class Outlet:
         with self._lock:
             self.rows_dropped += rows
 
+    def _tell_back(self) -> None:
+        self._note(f"{self.name} is back; {self.rows_dropped} rows were not shown")
+
     def _leave(self) -> None:
         with self._lock:
             known, self._gone = self._gone, True
         if not known:
-            self._note(f"{self.name} is gone, the measurement goes on without it")
+            another = f"; {self._destination.another}" if self._destination.another else ""
+            self._note(f"{self.name} is gone, the measurement goes on without it{another}")
 
     def _offer(self, batch: _Batch | None, wait_s: float) -> bool:
         try:
@@ -151,12 +172,31 @@ class Outlet:
     def _run(self) -> None:
         while (batch := self._batches.get()) is not None:
             messages, rows = batch
-            if not self._gone:
-                try:
-                    for message in messages:
-                        message.send(self._stream)
-                    self._stream.flush(timeout_sec=_WAIT_S)
+            try:
+                if self._gone and not self._come_back():
+                    self._drop(rows)
                     continue
-                except (RuntimeError, ValueError):  # what the SDK makes of a broken connection
-                    self._leave()
-            self._drop(rows)
+                self._pass_on(messages)
+            except (RuntimeError, ValueError):  # what the SDK makes of a broken connection
+                self._leave()
+                self._drop(rows)
+
+    def _come_back(self) -> bool:
+        """Begin anew with a destination that is there again; whether it is."""
+        if not self._destination.alive():
+            return False
+        self._stream.disconnect()
+        try:
+            self._stream = self._open()
+        except EnvironmentFailure:
+            return False
+        with self._lock:
+            standing, self._gone = tuple(self._standing.values()), False
+        self._pass_on(standing)
+        self._tell_back()
+        return True
+
+    def _pass_on(self, messages: Iterable[Message]) -> None:
+        for message in messages:
+            message.send(self._stream)
+        self._stream.flush(timeout_sec=_WAIT_S)

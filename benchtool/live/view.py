@@ -10,7 +10,6 @@ from dataclasses import dataclass, field, replace
 from types import TracebackType
 from typing import Self
 
-import numpy as np
 import rerun as rr
 
 from benchtool.block import Block
@@ -20,34 +19,32 @@ from benchtool.live.band import Limits, TorqueBand
 from benchtool.live.blueprint import Layout, blueprint
 from benchtool.live.columns import (
     Arrangement,
-    Columns,
     Message,
     Still,
     TimeAxis,
     block_columns,
-    lines,
     parts,
-    scalars,
     series,
 )
-from benchtool.live.journal import Journal
+from benchtool.live.journal import ERROR, INFO, WARN, Journal, markers
 from benchtool.live.outlet import PATIENCE_S, Destination, Outlet
+from benchtool.live.quality import Counters, Quality
 from benchtool.live.spectra import capture_spectra, running_spectra
 from benchtool.live.spectrum import RunningSpectrum, chosen
 from benchtool.live.words import parameters_document, results_document
+from benchtool.protocol.cia402 import State
+from benchtool.protocol.emcy import Emergency
 
 _WATERFALL_S = 1.0  # between two pictures, each of which is kept in the recording
 _ROWS = 20_000  # in a batch, so that a long record needs no more memory than itself
-_GOOD = ((0, 158, 115), 1.5)
-_BAD = ((213, 94, 0), 1.5)
-_UNSEEN = ((230, 159, 0), 1.5)
 
 
 @dataclass(frozen=True)
 class Setup:
     """What a view is told before the first block.
 
-    `psi_Wb` is the radius of the flux plane's circle; its hexagon is that of the first `u_dc` received.
+    `psi_Wb` is the flux of the motor's magnets, and the radius of the flux plane's circle where the drive
+    tells no reference; its hexagon is that of the first `u_dc` received.
     `limits` are (min, max) by measurement, `torque_ripple_pp` among them; `parameters` go into a document.
     `wall_s` is the wall time, seconds since 1970, of the first row; None for that of its arrival.
     """
@@ -63,8 +60,9 @@ class Setup:
 class LiveView:
     """A recording that is looked at while it grows; nothing that it does or fails to do disturbs the drive.
 
-    `take` is called in a thread of its own with a bounded queue (`telemetry.Sink`, lossless False); `event`
-    may be called from any thread and only leaves a note; the other methods are for when nothing is measured.
+    `take` is called in a thread of its own with a bounded queue (`telemetry.Sink`, lossless False); `event`,
+    `state` and `emergency` may be called from any thread and only leave a note; the other methods are for
+    when nothing is measured.
 
     Args:
         setup: see `Setup`.
@@ -85,13 +83,13 @@ class LiveView:
         self._layout = Layout(psi_Wb=setup.psi_Wb, followed=setup.followed)
         self._axis: TimeAxis | None = None
         self._journal = Journal()
-        self._stateful = False
         self._band = TorqueBand(setup.limits)
+        self._circle = locus.ReferenceCircle(setup.psi_Wb)
+        self._quality = Quality(self._not_shown)
         self._lock = threading.Lock()
         self._spectrum: RunningSpectrum | None = None
         self._next_tick: int | None = None
         self._last_tick = self._waterfall_tick = 0
-        self._received = self._missing = 0
         self._queue_dropped: Callable[[], int] = lambda: 0
         recording, title = str(uuid.uuid4()), setup.title
         self.outlets: list[Outlet] = []
@@ -101,11 +99,10 @@ class LiveView:
             except EnvironmentFailure as failure:
                 note(f"not shown by {destination.name}: {failure}")
         still: list[Message] = [
-            *locus.frame(setup.psi_Wb),
+            locus.axes(setup.psi_Wb),
             Still(names.RESULTS, results_document(setup.title, (), remarks=["nothing is measured yet"])),
             Still(names.PARAMETERS, parameters_document(setup.title, setup.parameters)),
-            lines(names.QUALITY, {"received": _GOOD, "missing": _BAD, "not shown": _UNSEEN}),
-            Still(names.MARKERS, rr.SeriesPoints(names=["event"], colors=[(213, 94, 0)], marker_sizes=[6.0])),
+            *markers(),
         ]
         self._send(still)
 
@@ -126,6 +123,10 @@ class LiveView:
         """Have the rows that were dropped on the way here shown as well."""
         self._queue_dropped = dropped
 
+    def count(self, counters: Counters) -> None:
+        """Have further counters shown, such as those of the link."""
+        self._quality.count(counters)
+
     # ---- while it is measured ---------------------------------------------------------------------------
 
     def take(self, block: Block) -> None:
@@ -134,14 +135,17 @@ class LiveView:
             with self._lock:
                 self._take(block)
 
-    def event(self, text: str, level: str = "INFO", tick: int | None = None) -> None:
-        """Leave a line for the log, at a tick or at that of the last row; INFO, WARN, ERROR or CRITICAL."""
+    def event(self, text: str, level: str = INFO, tick: int | None = None) -> None:
+        """Leave a line for the log, at a tick or at that of the last row; INFO, WARN or ERROR."""
         self._journal.event(text, level, tick)
 
-    def state(self, state: str) -> None:
-        """Say which state the drive is in now."""
-        self._stateful = True
-        self._journal.state(state)
+    def state(self, state: State, tick: int | None = None) -> None:
+        """Say which state the drive is in."""
+        self._journal.state(state, tick)
+
+    def emergency(self, emergency: Emergency, tick: int | None = None) -> None:
+        """Say what the drive reports."""
+        self._journal.event(f"emergency: {emergency.text}", ERROR if emergency.code else INFO, tick)
 
     # ---- when it was measured ---------------------------------------------------------------------------
 
@@ -159,7 +163,7 @@ class LiveView:
             for part in parts(block, _ROWS):
                 self._send(block_columns(part, axis, source, next_tick), len(part.data))
                 next_tick = int(part.ticks()[-1]) + part.stride
-            messages: list[Message] = [*locus.trace(block, axis, source)]
+            messages: list[Message] = [*self._circle.messages(block, axis), *locus.trace(block, axis, source)]
             if source == names.CAPTURE:
                 messages += self._band.whole(block, axis) + capture_spectra(block, axis)
             self._send(messages)
@@ -168,13 +172,18 @@ class LiveView:
             f"{source.strip('/')}: {len(block.data)} rows over {seconds:.3g} s", tick=axis.tick(block, 0)
         )
         if trigger_row is not None:
-            self.event("trigger", "WARN", tick=axis.tick(block, trigger_row))
+            self._journal.trigger("trigger", axis.tick(block, trigger_row))
         self._tell()
 
     def results(self, document: rr.TextDocument) -> None:
         """Show what was measured."""
         with self._lock:
             self._send([Still(names.RESULTS, document)])
+
+    def quality(self, document: rr.TextDocument) -> None:
+        """Show how good the data are, in place of the counters."""
+        with self._lock:
+            self._send([Still(names.COUNTERS, document)])
 
     def close(self) -> None:
         """Send what waits and end the recording."""
@@ -193,12 +202,13 @@ class LiveView:
         if broken and self._next_tick is not None:
             missing += (block.first_tick - self._next_tick) // block.stride
         if missing:
-            self.event(f"{missing} rows of the stream are missing", "WARN", tick=block.first_tick)
+            last_before = self._last_tick if broken else int(block.ticks()[block.gaps[0].row - 1])
+            self.event(f"{missing} rows of the stream are missing", WARN, tick=last_before + block.stride)
         self._last_tick = int(block.ticks()[-1])
         self._next_tick = self._last_tick + block.stride
-        self._received += len(block.data)
-        self._missing += missing
+        self._quality.add(len(block.data), missing)
         self._journal.notice(block)
+        messages += self._circle.messages(block, axis)
         messages += locus.trace(block, axis, names.STREAM)
         messages += self._band.running(block, axis)
         if self._spectrum is not None:
@@ -207,7 +217,7 @@ class LiveView:
             if due:
                 self._waterfall_tick = self._last_tick + round(_WATERFALL_S / axis.tick_s)
             messages += running_spectra(self._spectrum, axis, self._last_tick, waterfall=due)
-        messages.append(self._quality(axis))
+        messages += self._quality.messages(axis, self._last_tick)
         self._send(messages, len(block.data))
         self._send(self._journal.messages(axis, self._last_tick, self._band.mean_Nm))
 
@@ -220,7 +230,7 @@ class LiveView:
                 self._send(
                     [
                         *self._journal.messages(self._axis, self._last_tick, self._band.mean_Nm),
-                        self._quality(self._axis),
+                        *self._quality.messages(self._axis, self._last_tick, last=True),
                     ]
                 )
 
@@ -233,7 +243,7 @@ class LiveView:
 
     def _show(self, source: str, block: Block) -> None:
         """Name the series of a source, and lay the view out, when it appears."""
-        layout = replace(self._layout.with_source(source, block.channels), states=self._stateful)
+        layout = replace(self._layout.with_source(source, block.channels), states=self._journal.stateful)
         if layout == self._layout:
             return
         self._layout = layout
@@ -245,10 +255,8 @@ class LiveView:
             self._spectrum = RunningSpectrum(name, block.unit(name), block.sample_rate_Hz)
         self._send([Arrangement(blueprint(self._layout))])
 
-    def _quality(self, axis: TimeAxis) -> Columns:
-        dropped = self._queue_dropped() + sum(self.rows_dropped.values())
-        values = np.array([[self._received, self._missing, dropped]], dtype=np.float64)
-        return scalars(names.QUALITY, axis, np.array([self._last_tick], dtype=np.int64), values)
+    def _not_shown(self) -> int:
+        return self._queue_dropped() + sum(self.rows_dropped.values())
 
     def _send(self, messages: Iterable[Message], rows: int = 0) -> None:
         batch = tuple(messages)

@@ -6,6 +6,7 @@ import contextlib
 import ipaddress
 import os
 import re
+import socket
 import subprocess
 import sys
 import tempfile
@@ -23,6 +24,8 @@ LOOPBACK: Final = "127.0.0.1"
 _STARTING_S = 20.0
 _ENDING_S = 2.0
 _CLOSING_S = 3.0
+_LOOKING_S = 1.0
+_ANSWERING_S = 0.2
 _POLL_S = 0.02
 _ESCAPES = re.compile(r"\x1b\[[0-9;]*m")
 _LISTENING = re.compile(r"Listening for gRPC connections on \S+:(\d+)")
@@ -97,6 +100,11 @@ class FileDestination:
             f"choose another file"
         )
 
+    @property
+    def another(self) -> str:
+        """There is none."""
+        return ""
+
     def alive(self) -> bool:
         """Always."""
         return True
@@ -127,6 +135,8 @@ class Viewer:
                 "the view to a browser (web) or write it to a file (.rrd)"
             )
         program = viewer_program()
+        self._look_s = 0.0
+        self._replaced = False
         self._log = tempfile.TemporaryFile("a+b")  # noqa: SIM115 # closed by close; appended to, wherever read
         ports = ["--port", str(port) if port else "auto"]
         mode = (
@@ -186,9 +196,19 @@ class Viewer:
             raise EnvironmentFailure(f"{self.name} has been closed: start another one")
         stream.connect_grpc(f"rerun+http://{self.host}:{self.port}/proxy")
 
+    @property
+    def another(self) -> str:
+        """The command that starts another viewer where this one was."""
+        return f"'rerun --bind {self._bind} --port {self.port}' shows the rest"
+
     def alive(self) -> bool:
-        """Whether the process runs."""
-        return self.process.poll() is None
+        """Whether the process runs, or another listens in its place, which is looked for once a second."""
+        if self.process.poll() is None:
+            return True
+        if time.monotonic() >= self._look_s:
+            self._look_s = time.monotonic() + _LOOKING_S
+            self._replaced = self._answers()
+        return self._replaced
 
     def give_up(self) -> None:
         """End a viewer that takes nothing."""
@@ -210,6 +230,14 @@ class Viewer:
             except subprocess.TimeoutExpired:
                 self.process.kill()
         self.process.wait()
+
+    def _answers(self) -> bool:
+        """Whether somebody listens where the data go."""
+        try:
+            with socket.create_connection((self.host.strip("[]"), self.port), _ANSWERING_S):
+                return True
+        except OSError:
+            return False
 
     def _serve(self, port: int) -> Page:
         behind = self._announced(_HOSTING, "web", 0)

@@ -36,6 +36,13 @@ def results_document(
     return _markdown([f"**{title}**", "", *(f"{remark}\n" for remark in remarks), *(table if rows else [])])
 
 
+def certificate_document(measurements: Sequence[tuple[str, float, str]]) -> rr.TextDocument:
+    """How good the data are: (name, value, unit) each, those that are not zero first."""
+    ordered = sorted(measurements, key=lambda each: each[1] == 0.0)
+    rows = [f"| {_cell(name)} | {_text(value)} | {_cell(unit)} |" for name, value, unit in ordered]
+    return _markdown(["| data quality | value | unit |", "|---|---:|---|", *rows])
+
+
 def _limit(bounds: tuple[float | None, float | None] | None) -> str:
     if bounds is None:
         return ""

@@ -23,7 +23,7 @@ from benchtool.telemetry.worker import Worker
 
 DEFAULT_RATE_HZ = 100.0
 DEFAULT_CHANNELS = (
-    *("i_d", "i_q", "torque", "torque_reference", "psi_s"),
+    *("i_a", "i_b", "i_d", "i_q", "torque", "torque_reference", "psi_s", "psi_alpha", "psi_beta"),
     *("omega_m", "u_dc", "law_clipped", "adc_saturated"),
 )
 _BATCH_S = 0.2

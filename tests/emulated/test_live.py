@@ -12,6 +12,7 @@ import time
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner, Result
 
@@ -66,11 +67,32 @@ def test_a_run_is_shown_as_it_is_recorded(invoke: Invoke) -> None:
     assert bundle.complete
     for stream, source in (("telemetry", STREAM), ("capture", CAPTURE), ("transducer", TRANSDUCER)):
         assert_holds(recording, bundle.block(stream), source)
-    said = recording.texts(names.EVENTS)
-    assert "enabling" in said
-    assert recording.values(names.QUALITY)[-1].tolist() == [len(bundle.block("telemetry").data), 0.0, 0.0]
+    events = dict(zip(recording.texts(names.EVENTS), recording.ticks(names.EVENTS), strict=True))
+    assert events["enabling"] <= events["state: ready to switch on"] < events["state: operation enabled"]
+    assert events["state: operation enabled"] < bundle.block("capture").first_tick
+    assert bundle.block("capture").ticks()[-1] < events["state: switch on disabled"]
+    assert recording.values(names.RECEPTION)[-1][0] == len(bundle.block("telemetry").data)
+    assert np.all(recording.values(names.QUALITY) == 0.0)
     document = recording.still[names.RESULTS]["TextDocument:text"][0]
     assert "| capture\\_rows\\_missing | 0 |  | ≤ 0 | pass |" in document
+
+
+def test_a_fault_is_found_where_the_speed_passed_its_limit(invoke: Invoke) -> None:
+    plan = _PLAN.replace("[record]", "[setup]\nomega_m_trip_rad_s = 12.0\n\n[record]")
+    Path("fast.toml").write_text(plan, encoding="utf-8")
+    result = invoke("run", "fast.toml", "--out", "run", "--live", "a.rrd")
+    assert result.exit_code == 4, result.output
+    slow, recording = Bundle.open(Path("run")).block("telemetry"), Recording.read(Path("a.rrd"))
+    past = slow.ticks()[slow.column("omega_m") >= 12.0][0]
+    events = dict(zip(recording.texts(names.EVENTS), recording.ticks(names.EVENTS), strict=True))
+    fault = events["emergency: 0x8400 speed outside its limits"]
+    assert past - slow.stride <= fault <= past + 20  # the estimate's noise, and the frame's way
+    assert fault <= events["state: fault"]
+    assert fault in recording.ticks(names.FAULT)
+    levels = recording.rows[names.EVENTS].column("TextLog:level").to_pylist()
+    assert levels[recording.texts(names.EVENTS).index("emergency: 0x8400 speed outside its limits")] == [
+        "ERROR"
+    ]
 
 
 def test_looking_on_changes_no_bit(invoke: Invoke) -> None:

@@ -111,7 +111,7 @@ def test_frames_come_at_their_time(tmp_path: Path, clock: VirtualClock) -> None:
     assert seen[0].arrival_s == pytest.approx(0.2)
     assert link.emergencies() == ()
     clock.wait(0.1)
-    assert [emergency.code for emergency in link.emergencies()] == [0x2310]
+    assert [alarm.emergency.code for alarm in link.emergencies()] == [0x2310]
     link.unsubscribe([0x181])
     assert link.wait_heartbeat(2.0) is NmtState.PRE_OPERATIONAL
     assert len(seen) == 1

@@ -158,7 +158,7 @@ def test_emergencies_are_handed_out_once_and_the_first_are_kept(channel: str) ->
         for code in range(300):
             drive.send(frame(0x080 + NODE, Emergency(code, 1).encode().hex()))
         bus.settle()
-        assert [emergency.code for emergency in link.emergencies()] == list(range(256))
+        assert [alarm.emergency.code for alarm in link.emergencies()] == list(range(256))
         assert link.emergencies() == ()
         assert link.counters.emcy_received == 300
         assert link.counters.overruns == 300 - 256

@@ -13,9 +13,11 @@ from hypothesis import strategies as st
 import benchtool.live
 from benchtool.block import Block, Channel, Gap
 from benchtool.errors import EnvironmentFailure
-from benchtool.live import FileDestination, LiveView, Setup, names
+from benchtool.live import FileDestination, LiveView, Setup, certificate_document, names
 from benchtool.live.bundle import setup_of, show_bundle
 from benchtool.live.columns import parts
+from benchtool.protocol.cia402 import State
+from benchtool.protocol.emcy import Emergency
 from benchtool.recording import Bundle, BundleWriter, Manifest
 from tests.unit.live.readback import Recording, assert_holds
 
@@ -100,44 +102,107 @@ def test_a_capture_stands_at_its_place_beside_the_stream(tmp_path: Path) -> None
     assert recording.ticks("/bench/transducer/torque")[[0, 19, 20, 99]].tolist() == [1234, 1234, 1235, 1238]
     events = dict(zip(recording.texts(names.EVENTS), recording.ticks(names.EVENTS), strict=True))
     assert events["trigger"] == 1334
-    assert 1334 in recording.ticks(names.MARKERS)
+    assert recording.ticks(names.TRIGGER).tolist() == [1334]
+    assert not {names.FAULT, names.WARNING} & set(recording.rows)
 
 
 def test_faults_are_found_on_the_timeline(tmp_path: Path) -> None:
     path = tmp_path / "a.rrd"
     with LiveView(_SETUP, [FileDestination(path)]) as view:
-        view.state("operation enabled")
+        view.state(State.OPERATION_ENABLED)
         view.take(block(20))
-        view.event("0x2310 continuous over current", "ERROR")
-        view.state("fault")
-        view.state("fault")
+        view.emergency(Emergency(0x2310, 0x03), 215)
+        view.state(State.FAULT)
+        view.state(State.FAULT)
         view.take(block(20, first_tick=200))
+        view.emergency(Emergency(0, 0), 500)
     recording = Recording.read(path)
-    assert recording.texts(names.EVENTS) == [
-        "state: operation enabled", "0x2310 continuous over current", "state: fault",
-    ]  # fmt: skip
+    assert dict(zip(recording.texts(names.EVENTS), recording.ticks(names.EVENTS), strict=True)) == {
+        "state: operation enabled": 190,
+        "emergency: 0x2310 continuous overcurrent at the output": 215,
+        "state: fault": 390,
+        "emergency: 0x0000 no error: all errors are reset": 500,
+    }
     states = recording.rows[names.STATE].column("StateChange:state").to_pylist()
     assert states == [["operation enabled"], ["fault"]]
-    assert recording.ticks(names.MARKERS).tolist() == [390, 390]
+    assert recording.ticks(names.FAULT).tolist() == [215, 390]
+    assert recording.still[names.FAULT]["SeriesPoints:names"] == ["fault"]
 
 
 def test_counters_and_missing_rows_are_shown(tmp_path: Path) -> None:
     first, second = block(20), block(20, first_tick=350)
     second.data[:, 6] = 7.0
-    recording = recorded(tmp_path / "a.rrd", first, second)
-    assert recording.values(names.QUALITY)[-1].tolist() == [40.0, 15.0, 0.0]
-    assert "15 rows of the stream are missing" in recording.texts(names.EVENTS)
-    assert "law_clipped: 7 more" in recording.texts(names.EVENTS)
+    counted = {"link_frames_received": 100, "link_frames_dropped": 0}
+    path = tmp_path / "a.rrd"
+    with LiveView(_SETUP, [FileDestination(path)]) as view:
+        view.count(lambda: counted)
+        view.count_drops(lambda: 3)
+        view.take(first)
+        counted["link_frames_dropped"] = 2
+        view.take(second)
+    recording = Recording.read(path)
+    assert recording.series(names.RECEPTION) == ["telemetry_rows_received", "link_frames_received"]
+    assert recording.values(names.RECEPTION)[-1].tolist() == [40.0, 100.0]
+    assert recording.series(names.QUALITY) == [
+        "telemetry_rows_missing", "rows_not_shown", "link_frames_dropped",
+    ]  # fmt: skip
+    assert recording.values(names.QUALITY)[0].tolist() == [0.0, 3.0, 0.0]
+    assert recording.values(names.QUALITY)[-1].tolist() == [15.0, 3.0, 2.0]
+    told = recording.rows[names.COUNTERS].column("TextDocument:text").to_pylist()[-1][0]
+    assert "**telemetry rows missing 15**" in told
+    assert "**link frames dropped 2**" in told
+    events = dict(zip(recording.texts(names.EVENTS), recording.ticks(names.EVENTS), strict=True))
+    assert events == {"15 rows of the stream are missing": 200, "law_clipped: 7 more": 540}
+    assert recording.ticks(names.WARNING).tolist() == [200, 540]
 
 
 def test_the_limit_of_the_ripple_lies_about_the_mean(tmp_path: Path) -> None:
-    whole = block(100)
-    recording = recorded(tmp_path / "a.rrd", whole)
+    whole = block(1300)
+    recording = recorded(tmp_path / "a.rrd", *parts(whole, 200))
     torque = whole.column("torque")
-    lowest, highest, lower, upper = recording.values(names.TORQUE_BAND)[-1]
-    assert (lowest, highest) == (torque.min(), torque.max())
-    assert upper - lower == pytest.approx(0.06)
-    assert (upper + lower) / 2.0 == pytest.approx(torque.mean())
+    ticks = recording.ticks(names.TORQUE_BAND)
+    assert ticks[-1] == whole.ticks()[-1]
+    assert np.all(np.diff(ticks) == 200)  # ten to a block of two hundred rows
+    assert recording.series(names.TORQUE_BAND)[0] == "lowest torque (Nm)"
+    for tick, (lowest, highest, lower, upper) in zip(ticks, recording.values(names.TORQUE_BAND), strict=True):
+        end = int(tick) // whole.stride + 1
+        window = torque[max(0, end - 500) : end]  # half a second
+        assert (lowest, highest) == (window.min(), window.max())
+        assert upper - lower == pytest.approx(0.06)
+        assert (upper + lower) / 2.0 == pytest.approx(window.mean())
+
+
+@pytest.mark.parametrize("rows", [1, 3, 10, 11])
+def test_the_band_of_a_short_block_is_of_its_own_rows(tmp_path: Path, rows: int) -> None:
+    whole = block(rows)
+    recording = recorded(tmp_path / "a.rrd", whole)
+    ticks = recording.ticks(names.TORQUE_BAND)
+    assert set(ticks) <= set(whole.ticks())
+    assert ticks[-1] == whole.ticks()[-1]
+    assert len(ticks) == min(rows, 10)
+
+
+def test_the_circle_is_the_flux_that_is_asked_for(tmp_path: Path) -> None:
+    def asking(psi_Wb: float, first_tick: int) -> Block:
+        channels = (Channel("psi_s_reference", "Wb"),)
+        return Block(channels, first_tick, 10, 1e-4, np.full((20, 1), psi_Wb))
+
+    blocks = [asking(psi_Wb, 200 * k) for k, psi_Wb in enumerate((0.0, 0.0, 0.19, 0.1901, 0.12))]
+    recording = recorded(tmp_path / "a.rrd", *blocks)
+    entity = f"{names.LOCUS}/reference"
+    strips = recording.rows[entity].column("LineStrips2D:strips").to_pylist()
+    radii = [float(np.hypot(*np.array(strip[0]).T).max()) for strip in strips]
+    assert radii == pytest.approx([0.17, 0.19, 0.12])
+    assert recording.ticks(entity).tolist() == [0, 400, 800]
+
+
+def test_quality_of_the_whole_replaces_the_counters(tmp_path: Path) -> None:
+    path = tmp_path / "a.rrd"
+    with LiveView(_SETUP, [FileDestination(path)]) as view:
+        view.take(block(20))
+        view.quality(certificate_document([("rows_fine", 0.0, ""), ("jitter", 0.0012, "s")]))
+    text = Recording.read(path).still[names.COUNTERS]["TextDocument:text"][0]
+    assert text.splitlines()[2:] == ["| jitter | 0.0012 | s |", "| rows\\_fine | 0 |  |"]
 
 
 def test_a_bundle_is_shown_as_it_was_recorded(tmp_path: Path) -> None:

@@ -222,3 +222,39 @@ def test_the_page_is_gone_with_the_viewer() -> None:
         pass
     assert isinstance(viewer.process, subprocess.Popen)
     assert viewer.process.returncode is not None
+
+
+def test_another_viewer_in_the_place_of_one_that_was_killed_is_shown_the_rest(
+    web: Viewer, tmp_path: Path
+) -> None:
+    noted: list[str] = []
+    with LiveView(Setup("test", psi_Wb=0.1), [web], noted.append, patience_s=_PATIENCE_S) as view:
+        view.take(rows(0))
+        web.process.kill()
+        web.process.wait()
+        view.take(rows(1))
+        with Viewer(web=True, port=web.port) as another:
+            number = 2
+
+            def back() -> bool:
+                nonlocal number
+                view.take(rows(number))
+                number += 1
+                return len(noted) > 1
+
+            _until(back)
+            dropped = view.rows_dropped["the web viewer"]
+            view.take(rows(number))
+            view.close()
+            assert view.rows_dropped["the web viewer"] == dropped
+            recording = _held(another, tmp_path / "held.rrd")
+    assert noted == [
+        f"the web viewer is gone, the measurement goes on without it; 'rerun --bind 127.0.0.1 --port "
+        f"{web.port}' shows the rest",
+        f"the web viewer is back; {dropped} rows were not shown",
+    ]
+    assert recording.series("/stream/current") == [f"signal_{k} (A)" for k in range(16)]
+    assert recording.still[names.RESULTS]
+    ticks = recording.ticks("/stream/current")
+    assert ticks[-1] == (number + 1) * 2000 - 1
+    assert ticks[0] >= 4000

@@ -1,0 +1,119 @@
+"""A run in the live view, one recording for each of its cases."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
+from typing import TYPE_CHECKING
+
+from benchtool.cli import viewing
+from benchtool.cli.output import Output
+
+if TYPE_CHECKING:
+    from benchtool.bench import Session
+    from benchtool.block import Block
+    from benchtool.drive import RemoteDrive
+    from benchtool.experiment.assessment import Assessment
+    from benchtool.experiment.cases import Case
+    from benchtool.experiment.conduct import Progress
+    from benchtool.experiment.plan import Plan
+    from benchtool.live import LiveView
+    from benchtool.telemetry import Sink
+
+
+class RunViews:
+    """Shows a run: one recording for each case, its steps as events. Watches as well as it is watched.
+
+    Args:
+        where: what it is shown by.
+        progress: told what this is told.
+        output: where lines go.
+        plan: one of several of a command, for the names of files; empty if it is the only one.
+    """
+
+    def __init__(self, where: viewing.Places, progress: Progress, output: Output, plan: str = "") -> None:
+        self._where = where
+        self._plan = plan
+        self._progress = progress
+        self._output = output
+        self._view: LiveView | None = None
+        self._drive: RemoteDrive | None = None
+        self._observing = ExitStack()
+        self._several = False
+        self._title = ""
+
+    # ---- Progress --------------------------------------------------------------------------------------
+
+    def begin(self, case: str, number: int, count: int) -> None:
+        """Case `number` of `count` begins."""
+        self._several = count > 1
+        self._progress.begin(case, number, count)
+
+    def note(self, text: str) -> None:
+        """A step within the case begins."""
+        self._progress.note(text)
+        if self._view is not None:
+            self._view.event(text, tick=self._tick())
+
+    # ---- Watcher ---------------------------------------------------------------------------------------
+
+    def opened(
+        self, session: Session, plan: Plan, case: Case, parameters: Mapping[str, object]
+    ) -> Sequence[Sink]:
+        """The sink of the case's slow stream."""
+        if not self._where.any:
+            return ()
+        from benchtool.live import LiveView, Setup
+
+        limits = {**plan.limits, **plan.case_limits.get(case.name, {})}
+        self._title = f"{plan.title}: {case.name}"
+        setup = Setup(
+            title=self._title,
+            psi_Wb=session.profile.motor.psi_r_Wb,
+            limits={name: (limit.min, limit.max) for name, limit in limits.items()},
+            parameters=parameters,
+        )
+        self._view = LiveView(setup, self._where.of(self._name(case)), self._output.note)
+        self._drive = session.drive
+        self._observing.enter_context(viewing.observed(self._view, session.drive))
+        return (viewing.live_sink(self._view),)
+
+    def captured(self, capture: Block, transducer: Block | None, trigger_row: int | None) -> None:
+        """Show what was captured at its place in drive time."""
+        if self._view is not None:
+            from benchtool.live import CAPTURE, TRANSDUCER
+
+            self._view.captured(capture, CAPTURE, trigger_row)
+            if transducer is not None:
+                self._view.captured(transducer, TRANSDUCER)
+
+    def closed(self, result: Assessment | None, failure: str) -> None:
+        """Show what the case came to, and end its recording."""
+        view, self._view = self._view, None
+        if view is None:
+            return
+        self._observing.close()
+        from benchtool.live import certificate_document, results_document
+
+        if result is not None:
+            limited = [each for each in result.quality if each.name in result.limits]
+            rows = viewing.measured((*result.measurements, *limited))
+            bounds = {name: (limit.min, limit.max) for name, limit in result.limits.items()}
+            verdicts = {name: str(verdict) for name, verdict in result.verdicts.items()}
+            view.results(
+                results_document(self._title, rows, bounds, verdicts, [f"verdict: **{result.verdict}**"])
+            )
+            view.quality(certificate_document(viewing.measured(result.quality)))
+        else:
+            view.event(failure, "ERROR", self._tick())
+        view.close()
+        viewing.tell_drops(view, self._output)
+
+    def _name(self, case: Case) -> str:
+        """What sets this case's file apart from those of the command's others."""
+        parts = (self._plan, case.folder if self._several else "")
+        return "-".join(part for part in parts if part)
+
+    def _tick(self) -> int | None:
+        """The drive's now."""
+        return None if self._drive is None else self._drive.tick_at(self._drive.clock.now_s())

@@ -1,0 +1,135 @@
+"""A node at the other end of a link, its objects by the names and units of its dictionary."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from benchtool.clock import Clock
+from benchtool.drive.identity import Identity
+from benchtool.errors import SdoAbort, ValueRefused, WriteNotVerified
+from benchtool.link import Link
+from benchtool.link.ticks import TickMark
+from benchtool.protocol.abort import Abort
+from benchtool.protocol.dictionary import Dictionary
+from benchtool.protocol.variable import Value
+
+
+class RemoteNode:
+    """Objects of one node, read and written one at a time.
+
+    Args:
+        link: open link to the node.
+        dictionary: what its EDS says.
+        source: name of that EDS, for messages.
+        clock: the clock that waiting goes by.
+    """
+
+    def __init__(self, link: Link, dictionary: Dictionary, source: str, clock: Clock) -> None:
+        self.link = link
+        self.dictionary = dictionary
+        self.clock = clock
+        self._source = source
+        self._mark: TickMark | None = None
+
+    def check(self) -> Identity:
+        """Who answers, which is the drive of the dictionary; notes its tick. Only reads are sent.
+
+        Raises:
+            NoAnswer, IdentityMismatch, DictionaryMismatch: as their names say.
+        """
+        identity = self.identify()
+        identity.require(self.dictionary, self._source)
+        if all(name in self.dictionary for name in ("tick", "control_period")):
+            self._mark = TickMark(int(self.number("tick")), self.clock.now_s(), self.number("control_period"))
+        return identity
+
+    def tick_at(self, at_s: float) -> int | None:
+        """Tick of the drive at a moment of this node's clock, by the one that `check` noted.
+
+        Both clocks are taken as equal: 50 ppm between them make 3 ms a minute. None before `check`, and of a
+        drive that does not tell its tick.
+        """
+        return None if self._mark is None else self._mark.tick_at(at_s)
+
+    def identify(self) -> Identity:
+        """Who answers.
+
+        Raises:
+            NoAnswer: nobody does.
+        """
+        return Identity(
+            vendor_id=int(self.read("vendor_id")),
+            product_code=int(self.read("product_code")),
+            revision_number=self._optional_int("revision_number"),
+            serial_number=self._optional_int("serial_number"),
+            device_name=self._optional_text("device_name"),
+            hardware_version=self._optional_text("hardware_version"),
+            firmware_version=self._optional_text("firmware_version"),
+            dictionary_hash=self._optional_int("dictionary_hash"),
+        )
+
+    def read(self, name: str) -> Value:
+        """Physical value of `name`, in the unit of the dictionary; the name of an enumeration's value.
+
+        Raises:
+            ValueRefused: no such name.
+            NoAnswer, SdoAbort: the drive did not answer, or refused.
+        """
+        variable = self.dictionary[name]
+        with self._naming(f"reading '{name}'"):
+            return variable.decode(self.link.upload(variable.index, variable.sub))
+
+    def number(self, name: str) -> float:
+        """Raw or physical number of `name`, an enumeration's value as its number."""
+        variable = self.dictionary[name]
+        value = variable.decode(self.link.upload(variable.index, variable.sub))
+        if isinstance(value, str) and variable.values:
+            return variable.values[value]
+        if not isinstance(value, int | float):
+            raise ValueRefused(f"'{name}' is {value!r}, a number is expected: choose a numeric object")
+        return value
+
+    def write(self, name: str, value: Value) -> None:
+        """Check `value` against the dictionary, send it once, and read it back.
+
+        Raises:
+            ValueRefused: outside its limits; nothing was sent.
+            SdoAbort: the drive refused.
+            WriteNotVerified: the drive holds another value than was sent.
+        """
+        variable = self.dictionary[name]
+        sent = variable.encode(value)
+        with self._naming(f"writing {value!r} to '{name}'"):
+            self.link.download(variable.index, variable.sub, sent)
+            kept = self.link.upload(variable.index, variable.sub)
+        if kept != sent:
+            raise WriteNotVerified(
+                f"'{name}' reads back {variable.decode(kept)!r} after {value!r} was written: "
+                f"check whether another master writes it too"
+            )
+
+    def _optional_int(self, name: str) -> int | None:
+        value = self._optional(name)
+        return value if isinstance(value, int) else None
+
+    def _optional_text(self, name: str) -> str | None:
+        value = self._optional(name)
+        return value if isinstance(value, str) else None
+
+    def _optional(self, name: str) -> Value | None:
+        if name not in self.dictionary:
+            return None
+        try:
+            return self.read(name)
+        except SdoAbort as abort:
+            if abort.code in (Abort.NO_OBJECT, Abort.NO_SUB_INDEX):
+                return None
+            raise
+
+    @contextmanager
+    def _naming(self, doing: str) -> Iterator[None]:
+        try:
+            yield
+        except SdoAbort as abort:
+            raise SdoAbort(f"{doing}: {abort}", abort.code) from abort

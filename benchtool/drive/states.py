@@ -1,0 +1,172 @@
+"""A drive with the state machine of CiA 402: enabled and disabled step by step, each step confirmed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Protocol
+
+from benchtool.clock import Clock
+from benchtool.drive.node import RemoteNode
+from benchtool.errors import BenchError, DriveFault, StateError
+from benchtool.link import Link
+from benchtool.protocol.cia402 import Command, State, next_command, state_of
+from benchtool.protocol.dictionary import Dictionary
+from benchtool.protocol.emcy import Emergency, error_text
+from benchtool.protocol.modes import Mode
+from benchtool.protocol.nmt import NmtCommand
+
+_TRANSITION_TIMEOUT_S = 1.0
+_POLL_S = 0.001
+
+
+class Observer(Protocol):
+    """Told what is heard of a drive, by whoever asked the drive for it; must be quick and must not raise.
+
+    `tick` is the drive's at that moment, None where it is not known.
+    """
+
+    def state(self, state: State, tick: int | None) -> None:
+        """The statusword was read."""
+
+    def emergency(self, emergency: Emergency, tick: int | None) -> None:
+        """An emergency had arrived."""
+
+
+class Cia402Node(RemoteNode):
+    """A node that is enabled and disabled; arguments as of `RemoteNode`."""
+
+    def __init__(self, link: Link, dictionary: Dictionary, source: str, clock: Clock) -> None:
+        super().__init__(link, dictionary, source, clock)
+        self._touched = False
+        self._commanded = False
+        self._observers: list[Observer] = []
+
+    @contextmanager
+    def observed(self, observer: Observer) -> Iterator[None]:
+        """Have an observer told for the length of a `with` block."""
+        self._observers.append(observer)
+        try:
+            yield
+        finally:
+            self._observers.remove(observer)
+
+    def state(self) -> State:
+        """State of the CiA 402 state machine."""
+        state = state_of(int(self.read("statusword")))
+        tick = self.tick_at(self.clock.now_s())
+        for observer in self._observers:
+            observer.state(state, tick)
+        return state
+
+    def emergencies(self) -> tuple[Emergency, ...]:
+        """Emergencies that have arrived since the last call, oldest first."""
+        arrived = self.link.emergencies()
+        for emergency, arrival_s in arrived:
+            for observer in self._observers:
+                observer.emergency(emergency, self.tick_at(arrival_s))
+        return tuple(emergency for emergency, _ in arrived)
+
+    def raise_emergencies(self) -> None:
+        """Raise the first error that has arrived in an emergency.
+
+        Raises:
+            DriveFault: there was one.
+        """
+        for emergency in self.emergencies():
+            if emergency.code != 0:
+                raise DriveFault(
+                    f"the drive reports {emergency.text}: remove the cause, then reset the fault"
+                )
+
+    def enable(self, mode: Mode) -> None:
+        """Walk to operation enabled in `mode`.
+
+        Raises:
+            DriveFault: the drive is or goes into fault.
+            StateError: a transition does not happen.
+        """
+        self.link.nmt(NmtCommand.START)
+        self._touched = self._commanded = True
+        self.write("mode_of_operation", int(mode))
+        self._walk_to(State.OPERATION_ENABLED)
+
+    def disable(self) -> None:
+        """Switch the power stage off, from whatever state.
+
+        Raises:
+            StateError: the drive does not confirm; its link supervision will have to stop it.
+        """
+        try:
+            self._walk_to(State.SWITCH_ON_DISABLED)
+        except DriveFault:
+            return
+        except BenchError as reason:
+            self.link.nmt(NmtCommand.STOP)
+            raise StateError(
+                f"the drive did not confirm that it is disabled ({reason}); NMT stop was sent and the host's "
+                f"heartbeat ends now: check that the motor has stopped, or use the emergency stop"
+            ) from reason
+        finally:
+            self._touched = False
+
+    @contextmanager
+    def enabled(self, mode: Mode) -> Iterator[None]:
+        """Operation enabled in `mode` for the length of a `with` block, disabled on every way out of it.
+
+        Raises:
+            DriveFault, StateError: as `enable` and `disable`.
+        """
+        try:
+            self.enable(mode)
+            yield
+        except BaseException as error:
+            try:
+                self.disable()
+            except BenchError as failed:
+                error.add_note(str(failed))
+            raise
+        else:
+            self.disable()
+
+    def reset_fault(self) -> None:
+        """Leave the fault state by the rising edge of bit 7.
+
+        Raises:
+            StateError: the drive stays in fault.
+        """
+        self._ask(Command.FAULT_RESET)
+        if (state := self.state()) in (State.FAULT, State.FAULT_REACTION_ACTIVE):
+            raise StateError(
+                f"the drive is still in '{state.value}', {self._last_error()}: remove the cause first"
+            )
+
+    def _walk_to(self, target: State) -> None:
+        deadline_s = self.clock.now_s() + _TRANSITION_TIMEOUT_S
+        asked = None
+        while (state := self.state()) is not target:
+            command = next_command(state, target)
+            if state in (State.FAULT, State.FAULT_REACTION_ACTIVE):
+                raise DriveFault(
+                    f"the drive is in fault: {self._last_error()}; remove the cause, then reset it"
+                )
+            if command is not None and (state, command) != asked:
+                asked = (state, command)
+                self._ask(command)
+                continue
+            if self.clock.now_s() >= deadline_s:
+                raise StateError(
+                    f"the drive stays in '{state.value}' and '{target.value}' was asked for: "
+                    f"check supply, enable input and link supervision"
+                )
+            self.clock.wait(_POLL_S)
+
+    def _ask(self, command: Command) -> None:
+        variable = self.dictionary["controlword"]
+        with self._naming(f"asking for '{command.value}'"):
+            for word in command.controlwords:
+                self.link.download(variable.index, variable.sub, variable.encode(word))
+
+    def _last_error(self) -> str:
+        code = self._optional_int("error_code")
+        return "no error code" if code is None else f"0x{code:04X} {error_text(code)}"
