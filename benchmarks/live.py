@@ -141,7 +141,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "live.rrd"
         result: dict[str, object] = {
-            "file": stream_s(FileDestination(path), arguments.seconds, lambda: None),
+            "file": stream_s(FileDestination(path, endless=True), arguments.seconds, lambda: None),
             "file_MB_per_minute": round(path.stat().st_size / 1e6 / (arguments.seconds / 60.0), 1),
         }
         with Viewer(web=True) as viewer:

@@ -44,14 +44,17 @@ class Places:
     def any(self) -> bool:
         return bool(self._viewers or self._files)
 
-    def of(self, name: str = "") -> list[Destination]:
-        """Destinations of one recording; those of several go into files of their own names."""
+    def of(self, name: str = "", *, endless: bool = False) -> list[Destination]:
+        """Destinations of one recording; those of several go into files of their own names.
+
+        An `endless` one is of nobody knows how long, and takes no more memory the longer it lasts.
+        """
         from benchtool.live import FileDestination
 
         files = [each.path for each in self._files]
         if name:
             files = [path.with_stem(f"{path.stem}-{name}") for path in files]
-        return [*self._viewers, *map(FileDestination, files)]
+        return [*self._viewers, *(FileDestination(path, endless=endless) for path in files)]
 
     def linger(self, output: Output, duration_s: float | None = None) -> None:
         """Leave the web viewer's page up: so long, or for a person until Ctrl-C; a script goes on at once."""
@@ -143,7 +146,7 @@ def stream_view(
     from benchtool.live import LiveView, Setup
 
     setup = Setup(title, psi_Wb=session.profile.motor.psi_r_Wb, parameters=parameters)
-    with LiveView(setup, where.of(), output.note) as view, observed(view, session.drive):
+    with LiveView(setup, where.of(endless=True), output.note) as view, observed(view, session.drive):
         try:
             yield view
         except BaseException as failure:

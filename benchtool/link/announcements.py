@@ -48,11 +48,11 @@ class Announcements:
         self._state = state
         self._heartbeats += 1
 
-    def hear_emergency(self, emergency: Emergency) -> None:
+    def hear_emergency(self, emergency: Emergency, arrival_s: float) -> None:
         """Keep an emergency, or count it where there is no room."""
         self._heard += 1
         if len(self._emergencies) < _EMERGENCIES:
-            self._emergencies.append(Alarm(emergency, self._clock.now_s()))
+            self._emergencies.append(Alarm(emergency, arrival_s))
         else:
             self._overruns += 1
 

@@ -61,14 +61,13 @@ class CanopenLink:
         self._node_id = node_id
         self._host_node_id = host_node_id
         self._arrival_s = arrival_s or (lambda _: clock.now_s())
-        self._receivers: dict[int, FrameReceiver] = {}
+        self._receivers: dict[int, FrameReceiver] = {_EMCY + node_id: self._on_emergency}
         self._network = canopen.Network()
         self._network.bus = bus
         settle = clock.settle if isinstance(clock, VirtualClock) else None
         self._sdo = SdoClient(self._network, node_id, sdo_timeout_s, settle)
         self._network.subscribe(_SDO_RESPONSE + node_id, self._on_sdo_response)
         self._network.subscribe(_HEARTBEAT + node_id, self._on_heartbeat)
-        self._network.subscribe(_EMCY + node_id, self._on_emergency)
         self._transfer_lock = threading.Lock()
         self._close_lock = threading.Lock()
         self._stopping = threading.Event()
@@ -256,9 +255,9 @@ class CanopenLink:
             return
         self._announced.hear_heartbeat(state)
 
-    def _on_emergency(self, can_id: int, data: bytearray, timestamp: float) -> None:
-        emergency = Emergency.decode(bytes(data))
+    def _on_emergency(self, frame: Frame) -> None:
+        emergency = Emergency.decode(frame.data)
         if emergency is None:
             self._counts["frames_dropped"] += 1
             return
-        self._announced.hear_emergency(emergency)
+        self._announced.hear_emergency(emergency, frame.arrival_s)

@@ -194,7 +194,7 @@ class ReplayLink:
             self._state = state
             self._count(heartbeats_received=1)
         elif can_id == _EMCY + self._node_id and (emergency := Emergency.decode(data)) is not None:
-            self._emergencies.append(Alarm(emergency, self._clock.now_s()))
+            self._emergencies.append(Alarm(emergency, frame.timestamp))
             self._count(emcy_received=1)
 
     def _next(self, recorded: deque[Transfer]) -> Transfer:

@@ -219,7 +219,7 @@ class SerialLink:
             case Heartbeat():
                 self._on_heartbeat(message)
             case Event():
-                self._on_event(message)
+                self._on_event(message, arrival_s)
             case _:
                 self._exchange.take(message)
 
@@ -234,8 +234,8 @@ class SerialLink:
             self._requests.forget()
             self._event_sequence = None
 
-    def _on_event(self, event: Event) -> None:
+    def _on_event(self, event: Event, arrival_s: float) -> None:
         if self._event_sequence is not None:
             self._counts["emcy_lost"] += (event.sequence - self._event_sequence - 1) % 256
         self._event_sequence = event.sequence
-        self._announced.hear_emergency(event.emergency)
+        self._announced.hear_emergency(event.emergency, arrival_s)

@@ -55,10 +55,17 @@ def viewer_program() -> Path:
 
 
 class FileDestination:
-    """A recording as a file, for `rerun FILE.rrd`."""
+    """A recording as a file, for `rerun FILE.rrd`.
 
-    def __init__(self, path: Path) -> None:
+    Args:
+        path: the file.
+        endless: leave out the index at its end, which is kept in memory until then and takes 8 MB a minute;
+            `rerun rrd optimize` adds one.
+    """
+
+    def __init__(self, path: Path, *, endless: bool = False) -> None:
         self.path = path
+        self._endless = endless
 
     @property
     def name(self) -> str:
@@ -77,7 +84,7 @@ class FileDestination:
         """
         self.check()
         try:
-            stream.save(self.path)
+            stream.save(self.path, write_footer=not self._endless)
         except RuntimeError as reason:
             raise self._unwritable(str(reason)) from None
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -24,8 +25,10 @@ class Recording:
 
     @classmethod
     def read(cls, path: Path) -> Recording:
-        reader = RrdReader(path)
-        (store,) = reader.recordings()
+        with warnings.catch_warnings():
+            warnings.filterwarnings("ignore", "RRD file has no footer")
+            reader = RrdReader(path)
+            (store,) = reader.recordings()
         parts: dict[str, list[pa.RecordBatch]] = {}
         still: dict[str, dict[str, Any]] = {}
         for chunk in reader.stream(store=store):

@@ -157,7 +157,7 @@ def test_counters_and_missing_rows_are_shown(tmp_path: Path) -> None:
 
 
 def test_the_limit_of_the_ripple_lies_about_the_mean(tmp_path: Path) -> None:
-    whole = block(1300)
+    whole = block(1400)
     recording = recorded(tmp_path / "a.rrd", *parts(whole, 200))
     torque = whole.column("torque")
     ticks = recording.ticks(names.TORQUE_BAND)

@@ -9,9 +9,8 @@ import pytest
 
 from benchtool.clock import Clock, VirtualClock
 from benchtool.errors import ValueRefused
-from benchtool.link.interface import BatchReceiver, LinkCounters
+from benchtool.link.interface import Alarm, BatchReceiver, LinkCounters
 from benchtool.protocol.dictionary import Dictionary
-from benchtool.protocol.emcy import Emergency
 from benchtool.protocol.nmt import NmtCommand, NmtState
 from benchtool.protocol.serial import Batch, StreamReply
 from benchtool.protocol.variable import Value
@@ -69,7 +68,7 @@ class Link:
     def wait_heartbeat(self, timeout_s: float) -> NmtState:
         return NmtState.OPERATIONAL
 
-    def emergencies(self) -> tuple[Emergency, ...]:
+    def emergencies(self) -> tuple[Alarm, ...]:
         return ()
 
     def close(self) -> None: ...

@@ -1,0 +1,64 @@
+"""Who observes a drive hears every state and emergency, at the drive's tick."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from benchtool.clock import VirtualClock
+from benchtool.drive.states import Cia402Node
+from benchtool.errors import DriveFault
+from benchtool.link import Alarm
+from benchtool.link.ticks import TickMark
+from benchtool.protocol.cia402 import State
+from benchtool.protocol.emcy import Emergency
+
+_OVERCURRENT, _HEARTBEAT, _NONE = Emergency(0x2310, 0x03), Emergency(0x8130, 0x11), Emergency(0, 0)
+
+
+class Listener:
+    """Keeps what it is told."""
+
+    def __init__(self) -> None:
+        self.told: list[tuple[object, int | None]] = []
+
+    def state(self, state: State, tick: int | None) -> None:
+        self.told.append((state, tick))
+
+    def emergency(self, emergency: Emergency, tick: int | None) -> None:
+        self.told.append((emergency, tick))
+
+
+def node(*alarms: Alarm) -> Cia402Node:
+    """A node with a statusword of 'fault', and these alarms."""
+    link: Any = SimpleNamespace(emergencies=lambda: alarms, upload=lambda index, sub: b"\x08\x00")
+    variable = SimpleNamespace(index=0x6041, sub=0, decode=lambda data: int.from_bytes(data, "little"))
+    dictionary: Any = {"statusword": variable}
+    return Cia402Node(link, dictionary, "drive.eds", VirtualClock())
+
+
+def test_all_emergencies_are_told_though_the_first_error_is_raised() -> None:
+    drive, listener = node(Alarm(_NONE, 1.0), Alarm(_OVERCURRENT, 2.0), Alarm(_HEARTBEAT, 2.5)), Listener()
+    drive._mark = TickMark(1000, 1.5, 1e-3)
+    with drive.observed(listener), pytest.raises(DriveFault, match="0x2310"):
+        drive.raise_emergencies()
+    assert listener.told == [(_NONE, 500), (_OVERCURRENT, 1500), (_HEARTBEAT, 2000)]
+
+
+def test_a_state_that_was_read_is_told_until_nobody_listens() -> None:
+    drive, listener = node(), Listener()
+    with drive.observed(listener):
+        assert drive.state() is State.FAULT
+    assert drive.state() is State.FAULT
+    assert listener.told == [(State.FAULT, None)]  # the drive has told no tick yet
+
+
+@given(tick=st.integers(0, 1 << 32), at_s=st.floats(0.0, 1e5), ahead=st.integers(-100_000, 10_000_000))
+def test_a_tick_is_told_by_the_time_that_has_passed(tick: int, at_s: float, ahead: int) -> None:
+    mark = TickMark(tick, at_s, 1e-4)
+    assert mark.tick_at(at_s + ahead * 1e-4) == tick + ahead
+    assert mark.tick_at(at_s + (ahead + 0.5) * 1e-4) == tick + ahead
