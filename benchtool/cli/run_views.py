@@ -106,6 +106,7 @@ class RunViews:
             view.quality(certificate_document(viewing.measured(result.quality)))
         else:
             view.event(failure, "ERROR", self._tick())
+            view.results(results_document(self._title, (), remarks=[f"the run has failed: {failure}"]))
         view.close()
         viewing.tell_drops(view, self._output)
 

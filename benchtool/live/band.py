@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -14,9 +15,10 @@ from benchtool.live.columns import Message, TimeAxis, lines, scalars
 Limits = Mapping[str, tuple[float | None, float | None]]
 """(min, max) by name of a measurement, in its unit."""
 
-_BAND_S = 0.5
-_POINTS = 10  # of the band in a block
-_SEEN = ((150, 150, 150), 1.0)
+_HALF_BAND_S = 0.25
+_STEP_S = 0.02
+_BREAK = np.array([math.nan])  # in a line, where there is nothing to draw
+_SEEN = ((204, 204, 204), 1.0)
 _RIPPLE = ((213, 94, 0), 1.0)
 _MEAN = ((204, 121, 167), 1.0)
 
@@ -29,20 +31,30 @@ class TorqueBand:
         """Mean torque of what was seen last."""
         self._limits = limits
         self._named: set[str] = set()
-        self._recent = np.empty(0)
+        self._torque = np.empty(0)
+        self._ticks = np.empty(0, dtype=np.int64)
 
-    def running(self, block: Block, axis: TimeAxis) -> list[Message]:
-        """Band of the half second before each of some rows of a stream's newest block."""
+    def running(self, block: Block, axis: TimeAxis, *, broken: bool) -> list[Message]:
+        """Band of a stream, half a second wide, a quarter of a second behind the block.
+
+        `broken` if rows are missing before it; a gap begins anew.
+        """
         if "torque" not in block.names:
             return []
-        rows = max(1, round(_BAND_S * block.sample_rate_Hz))
-        before = len(self._recent)
-        torque = np.concatenate((self._recent, block.column("torque")))
-        self._recent = torque[-rows:]
-        # the last row is among them, so that the band ends where the torque does
-        ends = np.unique(np.ceil(np.linspace(0, len(block.data), _POINTS + 1)[1:]).astype(np.int64))
-        windows = [torque[max(0, before + end - rows) : before + end] for end in ends]
-        return self._messages(names.TORQUE_BAND, axis, axis.ticks(block)[ends - 1], windows)
+        begin = block.gaps[-1].row if block.gaps else 0
+        windows, ticks = [], np.empty(0, dtype=np.int64)
+        if broken or block.gaps:
+            self._torque, self._ticks = self._torque[:0], self._ticks[:0]
+            windows, ticks = [_BREAK], axis.ticks(block)[[begin]]
+        self._torque = np.concatenate((self._torque, block.column("torque")[begin:]))
+        self._ticks = np.concatenate((self._ticks, axis.ticks(block)[begin:]))
+        half, step = (max(1, round(s * block.sample_rate_Hz)) for s in (_HALF_BAND_S, _STEP_S))
+        places = np.arange(half, len(self._torque) - half, step)
+        windows += [self._torque[place - half : place + half + 1] for place in places]
+        ticks = np.concatenate((ticks, self._ticks[places]))
+        done = len(places) * step  # what no window needs any more
+        self._torque, self._ticks = self._torque[done:], self._ticks[done:]
+        return self._messages(names.TORQUE_BAND, axis, ticks, windows) if windows else []
 
     def whole(self, block: Block, axis: TimeAxis) -> list[Message]:
         """Band of a whole capture, from its first to its last row."""
@@ -59,7 +71,8 @@ class TorqueBand:
         windows: Sequence[NDArray[np.float64]],
     ) -> list[Message]:
         mean = np.array([window.mean() for window in windows])
-        self.mean_Nm = float(mean[-1])
+        if math.isfinite(mean[-1]):
+            self.mean_Nm = float(mean[-1])
         values = {
             "lowest torque (Nm)": (np.array([window.min() for window in windows]), _SEEN),
             "highest torque (Nm)": (np.array([window.max() for window in windows]), _SEEN),

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any
 
-import rerun as rr
 import rerun.blueprint as rrb
 
 from benchtool.block import Channel
@@ -14,8 +12,6 @@ from benchtool.live import names
 from benchtool.live.locus import NEEDED
 from benchtool.live.spectrum import chosen
 
-_PHASES = ("i_a", "i_b", "i_c")
-_VECTORS = ("i_d", "i_q", "i_alpha", "i_beta")
 _MARKERS = (names.FAULT, names.WARNING, names.TRIGGER)
 _FOLLOWED_S = 20.0
 _TOGETHER = rrb.TimeAxis(link=rrb.components.LinkAxis.LinkToGlobal)  # to zoom one plot is to zoom all
@@ -65,13 +61,13 @@ class Layout:
 def blueprint(layout: Layout) -> rrb.Blueprint:
     """The layout as Rerun's blueprint: signals on the left, shapes and spectra in the middle, words right."""
     left = [
-        _plot(layout, "torque", "torque (Nm)", extra=(names.TORQUE_BAND, names.CAPTURE_BAND, *_MARKERS)),
-        _plot(layout, "current", "phase currents (A)"),
+        _plot(layout, {"torque": "torque (Nm)"}, (names.TORQUE_BAND, names.CAPTURE_BAND, *_MARKERS)),
+        _plot(layout, {"current": "phase currents (A)", "current_vector": "current vector (A)"}),
         _beside(
-            _plot(layout, "speed", "speed (rad/s)"),
-            _plot(layout, "flux", "stator flux (Wb)", only=("psi_s", "psi_s_reference")),
+            _plot(layout, {"speed": "speed (rad/s)"}),
+            _plot(layout, {"flux": "stator flux (Wb)", "flux_vector": "stator flux vector (Wb)"}),
         ),
-        _beside(_plot(layout, "voltage", "voltage (V)")) if not layout.flux_plane else None,
+        _plot(layout, {"voltage": "voltage (V)"}) if not layout.flux_plane else None,
     ]
     middle = [
         _flux_plane(layout) if layout.flux_plane else None,
@@ -134,37 +130,25 @@ def _beside(*parts: rrb.View | None) -> rrb.Horizontal | None:
 
 
 def _plot(
-    layout: Layout, quantity: str, title: str, *, only: tuple[str, ...] = (), extra: tuple[str, ...] = ()
+    layout: Layout, titles: Mapping[str, str], extra: tuple[str, ...] = ()
 ) -> rrb.TimeSeriesView | None:
-    """A plot of one quantity from every source, `only` of some channels; None if there is none."""
-    overrides: dict[rr.encodings.EntityPath | str, Any] = {}
-    entities = []
-    for source, channels in layout.sources().items():
-        here = [channel.name for channel in channels if names.quantity(channel) == quantity]
-        wanted = _shown(here, only, layout)
-        if any(wanted):
-            entities.append(f"{source}/{quantity}")
-            if not all(wanted):
-                overrides[entities[-1]] = rr.SeriesLines(visible_series=wanted)
-    if not entities:
-        return None
-    return rrb.TimeSeriesView(
-        origin="/",
-        contents=[*entities, *extra],
-        name=title,
-        overrides=overrides,
-        axis_x=_TOGETHER,
-        plot_legend=rrb.PlotLegend(rrb.Corner2D.LeftTop),
-        time_ranges=_range(layout),
-    )
-
-
-def _shown(here: list[str], only: tuple[str, ...], layout: Layout) -> list[bool]:
-    """Which of an entity's channels a plot shows; of currents the phases, where any source has them."""
-    everywhere = set().union(*map(_names, layout.sources().values()))
-    if everywhere & set(_PHASES) and set(here) & {*_PHASES, *_VECTORS}:
-        return [name not in _VECTORS for name in here]
-    return [not only or name in only for name in here]
+    """A plot, from every source, of the first of these quantities that one has; None if none has any."""
+    for quantity, title in titles.items():
+        entities = [
+            f"{source}/{quantity}"
+            for source, channels in layout.sources().items()
+            if quantity in names.columns_by_quantity(channels)
+        ]
+        if entities:
+            return rrb.TimeSeriesView(
+                origin="/",
+                contents=[*entities, *extra],
+                name=title,
+                axis_x=_TOGETHER,
+                plot_legend=rrb.PlotLegend(rrb.Corner2D.LeftTop),
+                time_ranges=_range(layout),
+            )
+    return None
 
 
 def _range(layout: Layout) -> list[rrb.VisibleTimeRange] | None:

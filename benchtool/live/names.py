@@ -1,7 +1,9 @@
 """Where things are in a recording: entities, names of series, timelines and colours.
 
-A Block becomes one entity for each unit it holds, `/stream/torque`, `/stream/current` and so on, each with
-all its channels side by side: that costs less than an entity for each channel, and suits plots of one unit.
+A Block becomes one entity for each quantity it holds, `/stream/torque`, `/stream/current` and so on, each
+with all its channels side by side: that costs less than an entity for each channel, and suits plots of one
+unit. Components of vectors are quantities of their own, `/stream/current_vector`, as they are not plotted
+with phases and magnitudes.
 """
 
 from __future__ import annotations
@@ -50,6 +52,10 @@ _QUANTITIES: Final = {
     "": "counts",
 }
 _OTHER: Final = "other"
+_VECTORS: Final = {
+    **dict.fromkeys(("i_d", "i_q", "i_alpha", "i_beta"), "current_vector"),
+    **dict.fromkeys(("psi_alpha", "psi_beta"), "flux_vector"),
+}
 _SOURCES: Final = {STREAM: "", CAPTURE: ", capture", TRANSDUCER: ""}
 _COLOURS: Final = {  # Okabe and Ito (Color Universal Design, 2008), on the dark ground of the viewer
     "i_a": (86, 180, 233),
@@ -59,6 +65,7 @@ _COLOURS: Final = {  # Okabe and Ito (Color Universal Design, 2008), on the dark
     "torque_reference": (240, 228, 66),
     "torque_transducer": (120, 120, 120),
     "psi_s": (230, 159, 0),
+    "psi_s_reference": (240, 228, 66),
     "omega_m": (0, 158, 115),
 }
 _CYCLE: Final = ((86, 180, 233), (230, 159, 0), (0, 158, 115), (204, 121, 167), (213, 94, 0), (240, 228, 66))
@@ -68,7 +75,7 @@ Colour = tuple[int, int, int]
 
 def quantity(channel: Channel) -> str:
     """The last part of the entity that holds a channel."""
-    return _QUANTITIES.get(channel.unit, _OTHER)
+    return _VECTORS.get(channel.name) or _QUANTITIES.get(channel.unit, _OTHER)
 
 
 def columns_by_quantity(channels: Sequence[Channel]) -> dict[str, tuple[int, ...]]:

@@ -24,12 +24,16 @@ def running_spectra(running: RunningSpectrum, axis: TimeAxis, tick: int, *, wate
         return []
     messages = _bars(found, axis, tick)
     if waterfall:
-        messages.append(_waterfall(running.waterfall(), axis, tick, "newest below"))
+        messages.append(_waterfall(running.waterfall(), axis, tick, "newest below", running.sample_rate_Hz))
     return messages
 
 
-def capture_spectra(block: Block, axis: TimeAxis) -> list[Message]:
-    """Spectrum and waterfall of a capture, as of its last row; nothing of one with a gap."""
+def capture_spectra(block: Block, axis: TimeAxis, tick: int) -> list[Message]:
+    """Spectrum and waterfall of a capture, nothing of one with a gap.
+
+    `tick` is that of the newest row of all: of the spectra the last is shown, and that of a capture is finer
+    than those of a slow stream that ran beside it.
+    """
     name = chosen(block.names)
     if name is None or block.gaps:
         return []
@@ -38,7 +42,6 @@ def capture_spectra(block: Block, axis: TimeAxis) -> list[Message]:
     if found is None:
         return []
     picture, row_s = spectrogram(samples, rate_Hz)
-    tick = axis.tick(block, -1)
     title = f"{len(picture) * row_s:.2g} s, from above"
     return [*_bars(found, axis, tick), _waterfall(picture, axis, tick, title, rate_Hz)]
 
@@ -70,8 +73,7 @@ def _chart(
 
 
 def _waterfall(
-    picture: NDArray[np.uint8], axis: TimeAxis, tick: int, rows: str, rate_Hz: float = 0.0
+    picture: NDArray[np.uint8], axis: TimeAxis, tick: int, rows: str, sample_rate_Hz: float
 ) -> Message:
-    columns_of = f"0 to {rate_Hz / 2.0:g} Hz" if rate_Hz else "0 Hz to half the rate"
-    data = rr.TensorData(array=picture, dim_names=(rows, columns_of))
+    data = rr.TensorData(array=picture, dim_names=(rows, f"0 to {sample_rate_Hz / 2.0:g} Hz"))
     return at(_WATERFALL, axis, tick, rr.Tensor.columns(data=[data], value_range=[[0.0, 70.0]]))

@@ -29,6 +29,7 @@ _HISTORY = 150
 _ROWS = 16384
 _WINDOW_S = 4.0
 _FEWEST = 64
+_DISTINCT = 5.0  # of the median: of noise in 8192 bins the largest is about 3.6
 
 
 @dataclass(frozen=True)
@@ -36,7 +37,8 @@ class Bars:
     """A spectrum as bars, shape (n,): the largest peak amplitude about each frequency.
 
     `amplitude_dB` is relative to a thousandth of the channel's unit, and not below 0. The fundamental is the
-    largest component but dc; `harmonic_percent`, shape (orders,), has those of order 2, 3 ... relative to it.
+    largest component but dc; `harmonic_percent`, shape (orders,), has those of order 2, 3 ... relative to it,
+    and is all zero where the largest component does not stand out of noise.
     """
 
     channel: str
@@ -73,6 +75,8 @@ def bars(samples: NDArray[np.float64], sample_rate_Hz: float, channel: str, unit
     places = np.rint(orders * _between(amplitude, peak)).astype(np.int64)
     inside = places + 1 < len(amplitude)
     harmonic = np.array([amplitude[k - 1 : k + 2].max() for k in places[inside]])
+    if fundamental < _DISTINCT * float(np.median(amplitude)):
+        harmonic = np.zeros_like(harmonic)
     frequency_Hz, largest = _fewer(spectrum.frequency_Hz[1:], amplitude[1:], _MOST_BARS)
     return Bars(
         channel,
@@ -103,7 +107,7 @@ class RunningSpectrum:
     def __init__(self, channel: str, unit: str, sample_rate_Hz: float) -> None:
         self.channel = channel
         self._unit = unit
-        self._rate_Hz = sample_rate_Hz
+        self.sample_rate_Hz = sample_rate_Hz
         rows = max(_FEWEST, min(_ROWS, round(_WINDOW_S * sample_rate_Hz)))
         self._samples: deque[float] = deque(maxlen=rows)
         self._history: deque[NDArray[np.uint8]] = deque(maxlen=_HISTORY)
@@ -118,9 +122,9 @@ class RunningSpectrum:
     def bars(self) -> Bars | None:
         """The spectrum now; None while there are too few rows."""
         samples = np.array(self._samples)
-        found = bars(samples, self._rate_Hz, self.channel, self._unit)
+        found = bars(samples, self.sample_rate_Hz, self.channel, self._unit)
         if found is not None:
-            self._history.append(_line(samples, self._rate_Hz))
+            self._history.append(_line(samples, self.sample_rate_Hz))
         return found
 
     def waterfall(self) -> NDArray[np.uint8]:

@@ -165,7 +165,7 @@ class LiveView:
                 next_tick = int(part.ticks()[-1]) + part.stride
             messages: list[Message] = [*self._circle.messages(block, axis), *locus.trace(block, axis, source)]
             if source == names.CAPTURE:
-                messages += self._band.whole(block, axis) + capture_spectra(block, axis)
+                messages += self._band.whole(block, axis) + capture_spectra(block, axis, self._last_tick)
             self._send(messages)
         seconds = block.time_s()[-1]
         self.event(
@@ -210,7 +210,7 @@ class LiveView:
         self._journal.notice(block)
         messages += self._circle.messages(block, axis)
         messages += locus.trace(block, axis, names.STREAM)
-        messages += self._band.running(block, axis)
+        messages += self._band.running(block, axis, broken=broken)
         if self._spectrum is not None:
             self._spectrum.add(block, broken=broken)
             due = self._last_tick >= self._waterfall_tick

@@ -145,7 +145,8 @@ class Viewer:
         self._look_s = 0.0
         self._replaced = False
         self._log = tempfile.TemporaryFile("a+b")  # noqa: SIM115 # closed by close; appended to, wherever read
-        ports = ["--port", str(port) if port else "auto"]
+        # Not Rerun's own choice, 9876: whoever is looked for there later may be anybody's viewer.
+        ports = ["--port", str(port or _free_port(self._bind))]
         mode = (
             ["--serve-web", "--web-viewer-port", "0", "--server-memory-limit", "512MiB"]
             if web
@@ -286,6 +287,18 @@ def _address(bind: str) -> str:
         raise UsageError(
             f"'{bind}' is no address to listen on: {LOOPBACK} is this machine only, 0.0.0.0 everybody"
         ) from None
+
+
+def _free_port(bind: str) -> int:
+    with socket.socket(socket.AF_INET6 if ":" in bind else socket.AF_INET) as taken:
+        try:
+            taken.bind((bind, 0))
+        except OSError as reason:
+            raise EnvironmentFailure(
+                f"cannot listen on {bind}: {reason.strerror}; choose an address of this machine"
+            ) from None
+        port: int = taken.getsockname()[1]
+        return port
 
 
 def _display() -> bool:

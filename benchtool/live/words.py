@@ -37,8 +37,8 @@ def results_document(
 
 
 def certificate_document(measurements: Sequence[tuple[str, float, str]]) -> rr.TextDocument:
-    """How good the data are: (name, value, unit) each, those that are not zero first."""
-    ordered = sorted(measurements, key=lambda each: each[1] == 0.0)
+    """How good the data are: (name, value, unit) each, missing rows first, then what is not zero."""
+    ordered = sorted(measurements, key=lambda each: (not each[0].endswith("_rows_missing"), each[1] == 0.0))
     rows = [f"| {_cell(name)} | {_text(value)} | {_cell(unit)} |" for name, value, unit in ordered]
     return _markdown(["| data quality | value | unit |", "|---|---:|---|", *rows])
 

@@ -47,6 +47,16 @@ def test_what_has_no_spectrum_shows_none(samples: np.ndarray[tuple[int], np.dtyp
     assert bars(samples, RATE_HZ, "i_a", "A") is None
 
 
+def test_noise_has_no_harmonics() -> None:
+    random = np.random.default_rng(3)
+    found = bars(0.01 * random.standard_normal(16_384), RATE_HZ, "i_a", "A")
+    assert found is not None
+    assert not found.harmonic_percent.any()
+    with_a_sine = bars(signal(40.0, 16_384) + 0.01 * random.standard_normal(16_384), RATE_HZ, "i_a", "A")
+    assert with_a_sine is not None
+    assert with_a_sine.harmonic_percent[3] == pytest.approx(2.0, rel=0.3)
+
+
 def test_a_waterfall_follows_a_frequency_in_time() -> None:
     samples = np.concatenate((signal(50.0), signal(400.0)))
     picture, row_s = spectrogram(samples, RATE_HZ)

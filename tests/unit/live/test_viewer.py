@@ -251,7 +251,7 @@ def test_the_page_is_gone_with_the_viewer() -> None:
 
 def test_another_viewer_in_the_place_of_a_killed_one_gets_the_rest(web: Viewer, tmp_path: Path) -> None:
     noted: list[str] = []
-    with LiveView(Setup("test", psi_Wb=0.1), [web], noted.append, patience_s=_PATIENCE_S) as view:
+    with LiveView(Setup("test", psi_Wb=0.1), [web], noted.append, patience_s=20.0) as view:
         view.take(rows(0))
         web.process.kill()
         web.process.wait()
