@@ -48,7 +48,7 @@ class Destination(Protocol):
         """Whether there is somebody to take it, the first one or one that was started in its place."""
 
     def give_up(self) -> None:
-        """It takes nothing more: have it let go of the connection."""
+        """It takes nothing more: cut the connection."""
 
 
 class Outlet:
@@ -88,7 +88,7 @@ class Outlet:
         self._title = title
         self._note = note
         self._patience_s = patience_s
-        self._stuck = self._gone = False
+        self._stuck = self._gone = self._over = False
         self._standing: dict[str, Message] = {}
         self._lock = threading.Lock()
         self._batches: queue.Queue[_Batch | None] = queue.Queue(_BATCHES)
@@ -115,8 +115,8 @@ class Outlet:
         self._finish(self._destination.closing_s, self._destination.alive)
         if self._thread.is_alive():
             # The flush that the thread is in returns when there is nobody at the other end.
+            self._over = True
             self._destination.give_up()
-            self._gone = True
             self._finish(_LETTING_GO_S, lambda: True)
         self._stream.disconnect()
 
@@ -130,7 +130,7 @@ class Outlet:
         """Have the thread end behind what waits, for so long at most."""
         told = False
         while self._thread.is_alive() and left_s > 0.0 and may_wait():
-            told = told or self._offer(None, _POLL_S)
+            told = told or self._offer(None, 0.0)
             self._thread.join(_POLL_S)
             left_s -= _POLL_S
 
@@ -158,7 +158,7 @@ class Outlet:
     def _leave(self) -> None:
         with self._lock:
             known, self._gone = self._gone, True
-        if not known:
+        if not (known or self._over):
             another = f"; {self._destination.another}" if self._destination.another else ""
             self._note(f"{self.name} is gone, the measurement goes on without it{another}")
 
@@ -173,7 +173,7 @@ class Outlet:
         while (batch := self._batches.get()) is not None:
             messages, rows = batch
             try:
-                if self._gone and not self._come_back():
+                if self._over or (self._gone and not self._come_back()):
                     self._drop(rows)
                     continue
                 self._pass_on(messages)

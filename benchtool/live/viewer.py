@@ -19,6 +19,7 @@ import rerun as rr
 
 from benchtool.errors import EnvironmentFailure, UsageError
 from benchtool.live.page import Page
+from benchtool.live.relay import Relay
 
 LOOPBACK: Final = "127.0.0.1"
 _STARTING_S = 20.0
@@ -144,6 +145,7 @@ class Viewer:
         program = viewer_program()
         self._look_s = 0.0
         self._replaced = False
+        self._relay: Relay | None = None
         self._log = tempfile.TemporaryFile("a+b")  # noqa: SIM115 # closed by close; appended to, wherever read
         # Not Rerun's own choice, 9876: whoever is looked for there later may be anybody's viewer.
         ports = ["--port", str(port or _free_port(self._bind))]
@@ -202,7 +204,9 @@ class Viewer:
         """
         if not self.alive():  # else the SDK would look for it for five seconds
             raise EnvironmentFailure(f"{self.name} has been closed: start another one")
-        stream.connect_grpc(f"rerun+http://{self.host}:{self.port}/proxy")
+        self.give_up()
+        self._relay = Relay(self.host.strip("[]"), self.port)
+        stream.connect_grpc(f"rerun+http://{LOOPBACK}:{self._relay.port}/proxy")
 
     @property
     def another(self) -> str:
@@ -219,11 +223,13 @@ class Viewer:
         return self._replaced
 
     def give_up(self) -> None:
-        """End a viewer that takes nothing."""
-        self.end()
+        """Cut the way to it, if there is one."""
+        if self._relay is not None:
+            self._relay.close()
 
     def close(self) -> None:
         """End the web viewer; leave the native one to whoever looks at it."""
+        self.give_up()
         if self._page is not None:
             self._page.close()
             self.end()

@@ -226,10 +226,13 @@ def test_a_stuck_viewer_costs_its_patience_once_and_may_come_back(web: Viewer) -
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="stops a process by a signal")
-def test_a_viewer_that_is_stuck_at_the_end_is_ended(web: Viewer, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_viewer_that_is_stuck_at_the_end_is_left_to_itself(
+    web: Viewer, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(module, "_CLOSING_S", 0.5)
     monkeypatch.setattr(module, "_ENDING_S", 0.3)
-    view = LiveView(Setup("test", psi_Wb=0.1), [web], patience_s=_PATIENCE_S)
+    noted: list[str] = []
+    view = LiveView(Setup("test", psi_Wb=0.1), [web], noted.append, patience_s=_PATIENCE_S)
     view.take(rows(0))
     web.process.send_signal(signal.SIGSTOP)
     number = 1
@@ -237,7 +240,8 @@ def test_a_viewer_that_is_stuck_at_the_end_is_ended(web: Viewer, monkeypatch: py
         view.take(rows(number))
         number += 1
     view.close()
-    assert web.process.poll() is not None
+    assert web.process.poll() is None
+    assert len(noted) == 1  # that it is stuck, and nothing of its end
 
 
 def test_the_page_is_gone_with_the_viewer() -> None:
