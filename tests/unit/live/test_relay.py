@@ -82,6 +82,6 @@ def test_where_nobody_listens_a_connection_ends_at_once(there: socket.socket) ->
     with (
         closing(Relay("127.0.0.1", port)) as relay,
         socket.create_connection(("127.0.0.1", relay.port), 10.0) as here,
+        suppress(ConnectionResetError),
     ):
-        with suppress(ConnectionResetError):
-            assert received(here, 1) == b""
+        assert received(here, 1) == b""
