@@ -107,8 +107,13 @@ class Outlet:
             self._standing |= {each.place: each for each in batch if not isinstance(each, Columns)}
         if self._put((batch, rows)):
             return True
-        self._drop(rows)
+        self.discard(rows)
         return False
+
+    def discard(self, rows: int) -> None:
+        """Count rows that are not sent."""
+        with self._lock:
+            self.rows_dropped += rows
 
     def close(self) -> None:
         """Let what waits be sent, for `closing_s` at most, and end the recording."""
@@ -116,8 +121,7 @@ class Outlet:
         if self._thread.is_alive():
             # The flush that the thread is in returns when there is nobody at the other end.
             self._over = True
-            self._destination.give_up()
-            self._finish(_LETTING_GO_S, lambda: True)
+            self._finish(_LETTING_GO_S, self._insist)
         self._stream.disconnect()
 
     def _open(self) -> rr.RecordingStream:
@@ -134,8 +138,13 @@ class Outlet:
             self._thread.join(_POLL_S)
             left_s -= _POLL_S
 
+    def _insist(self) -> bool:
+        """Have the destination let go, at every turn: the thread may just have begun anew with it."""
+        self._destination.give_up()
+        return True
+
     def _put(self, batch: _Batch) -> bool:
-        if not self._destination.alive():
+        if (self._gone and not self._destination.another) or not self._destination.alive():
             self._leave()
             return False
         if self._offer(batch, 0.0 if self._stuck else self._patience_s):
@@ -147,10 +156,6 @@ class Outlet:
             self._stuck = True
             self._note(f"{self.name} took nothing for {self._patience_s:g} s: rows are dropped until it does")
         return False
-
-    def _drop(self, rows: int) -> None:
-        with self._lock:
-            self.rows_dropped += rows
 
     def _tell_back(self) -> None:
         self._note(f"{self.name} is back; {self.rows_dropped} rows were not shown")
@@ -174,16 +179,16 @@ class Outlet:
             messages, rows = batch
             try:
                 if self._over or (self._gone and not self._come_back()):
-                    self._drop(rows)
+                    self.discard(rows)
                     continue
                 self._pass_on(messages)
             except (RuntimeError, ValueError):  # what the SDK makes of a broken connection
                 self._leave()
-                self._drop(rows)
+                self.discard(rows)
 
     def _come_back(self) -> bool:
         """Begin anew with a destination that is there again; whether it is."""
-        if not self._destination.alive():
+        if not (self._destination.another and self._destination.alive()):
             return False
         self._stream.disconnect()
         try:

@@ -7,6 +7,7 @@ import time
 import uuid
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from types import TracebackType
 from typing import Self
 
@@ -87,6 +88,7 @@ class LiveView:
         self._circle = locus.ReferenceCircle(setup.psi_Wb)
         self._quality = Quality(self._not_shown)
         self._lock = threading.Lock()
+        self._failed = False
         self._spectrum: RunningSpectrum | None = None
         self._next_tick: int | None = None
         self._last_tick = self._waterfall_tick = 0
@@ -132,8 +134,7 @@ class LiveView:
     def take(self, block: Block) -> None:
         """Show the next rows of the slow stream."""
         if len(block.data):
-            with self._lock:
-                self._take(block)
+            self._harmlessly(partial(self._take, block), len(block.data))
 
     def event(self, text: str, level: str = INFO, tick: int | None = None) -> None:
         """Leave a line for the log, at a tick or at that of the last row; INFO, WARN or ERROR."""
@@ -154,44 +155,40 @@ class LiveView:
 
         `trigger_row` is where in it the drive was triggered.
         """
-        if not len(block.data):
-            return
-        with self._lock:
-            axis, next_tick = self._axis_of(block), None
-            self._last_tick = max(self._last_tick, axis.tick(block, len(block.data) - 1))
-            self._show(source, block)
-            for part in parts(block, _ROWS):
-                self._send(block_columns(part, axis, source, next_tick), len(part.data))
-                next_tick = int(part.ticks()[-1]) + part.stride
-            messages: list[Message] = [*self._circle.messages(block, axis), *locus.trace(block, axis, source)]
-            if source == names.CAPTURE:
-                messages += self._band.whole(block, axis) + capture_spectra(block, axis, self._last_tick)
-            self._send(messages)
-        seconds = block.time_s()[-1]
-        self.event(
-            f"{source.strip('/')}: {len(block.data)} rows over {seconds:.3g} s", tick=axis.tick(block, 0)
-        )
-        if trigger_row is not None:
-            self._journal.trigger("trigger", axis.tick(block, trigger_row))
-        self._tell()
+        if len(block.data):
+            self._harmlessly(partial(self._captured, block, source, trigger_row), len(block.data))
 
     def results(self, document: rr.TextDocument) -> None:
         """Show what was measured."""
-        with self._lock:
-            self._send([Still(names.RESULTS, document)])
+        self._harmlessly(lambda: self._send([Still(names.RESULTS, document)]))
 
     def quality(self, document: rr.TextDocument) -> None:
         """Show how good the data are, in place of the counters."""
-        with self._lock:
-            self._send([Still(names.COUNTERS, document)])
+        self._harmlessly(lambda: self._send([Still(names.COUNTERS, document)]))
 
     def close(self) -> None:
         """Send what waits and end the recording."""
-        self._tell()
+        self._harmlessly(self._tell)
         for outlet in self.outlets:
             outlet.close()
 
     # ---- inside -----------------------------------------------------------------------------------------
+
+    def _harmlessly(self, show: Callable[[], None], rows: int = 0) -> None:
+        """Show something, of so many rows; or say once that the view has failed, and end nothing else."""
+        if not self._failed:
+            try:
+                with self._lock:
+                    show()
+                return
+            except Exception as failure:  # noqa: BLE001
+                self._failed = True
+                self._note(
+                    f"the live view has failed and shows no more ({type(failure).__name__}: {failure}): "
+                    f"the measurement goes on without it"
+                )
+        for outlet in self.outlets:
+            outlet.discard(rows)
 
     def _take(self, block: Block) -> None:
         axis = self._axis_of(block)
@@ -221,18 +218,34 @@ class LiveView:
         self._send(messages, len(block.data))
         self._send(self._journal.messages(axis, self._last_tick, self._band.mean_Nm))
 
+    def _captured(self, block: Block, source: str, trigger_row: int | None) -> None:
+        axis, next_tick = self._axis_of(block), None
+        self._last_tick = max(self._last_tick, axis.tick(block, -1))
+        self._show(source, block)
+        for part in parts(block, _ROWS):
+            self._send(block_columns(part, axis, source, next_tick), len(part.data))
+            next_tick = int(part.ticks()[-1]) + part.stride
+        messages: list[Message] = [*self._circle.messages(block, axis), *locus.trace(block, axis, source)]
+        if source == names.CAPTURE:
+            messages += self._band.whole(block, axis) + capture_spectra(block, axis, self._last_tick)
+        self._send(messages)
+        rows, seconds = len(block.data), block.time_s()[-1]
+        self.event(f"{source.strip('/')}: {rows} rows over {seconds:.3g} s", tick=axis.tick(block, 0))
+        if trigger_row is not None:
+            self._journal.trigger("trigger", axis.tick(block, trigger_row))
+        self._tell()
+
     def _tell(self) -> None:
         """Send the events that wait, if there is a time axis to put them on."""
-        with self._lock:
-            if self._axis is None and self._journal.waiting:
-                self._axis = TimeAxis(1e-4, 0, self._setup.wall_s or time.time())
-            if self._axis is not None:
-                self._send(
-                    [
-                        *self._journal.messages(self._axis, self._last_tick, self._band.mean_Nm),
-                        *self._quality.messages(self._axis, self._last_tick, last=True),
-                    ]
-                )
+        if self._axis is None and self._journal.waiting:
+            self._axis = TimeAxis(1e-4, 0, self._setup.wall_s or time.time())
+        if self._axis is not None:
+            self._send(
+                [
+                    *self._journal.messages(self._axis, self._last_tick, self._band.mean_Nm),
+                    *self._quality.messages(self._axis, self._last_tick, last=True),
+                ]
+            )
 
     def _axis_of(self, block: Block) -> TimeAxis:
         if self._axis is None:

@@ -176,6 +176,24 @@ def _but_not_for_sinks(clock: object, settle: Callable[[], bool]) -> None:
         clock._settlers.append(settle)  # type: ignore[attr-defined]
 
 
+def test_a_view_that_fails_ends_nothing(invoke: Invoke, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(*_: object, **__: object) -> None:
+        raise ZeroDivisionError("spectrum of nothing")
+
+    monkeypatch.setattr("benchtool.live.view.running_spectra", fail)
+    result = invoke("record", "--duration", "2", "--out", "a", "--live", "a.rrd")
+    assert result.exit_code == 0, result.output
+    assert (
+        "the live view has failed and shows no more (ZeroDivisionError: spectrum of nothing)" in result.stderr
+    )
+    assert "a.rrd: 200 rows were not shown; the recording of the run has them" in result.stderr
+    assert len(Bundle.open(Path("a")).block("telemetry").data) == 200
+    monkeypatch.setattr("benchtool.live.view.capture_spectra", fail)
+    result = invoke("run", "short.toml", "--out", "b", "--live", "b.rrd")
+    assert result.exit_code == 0, result.output
+    assert result.stderr.count("the live view has failed") == 1
+
+
 def test_a_viewer_that_is_killed_ends_nothing(invoke: Invoke, monkeypatch: pytest.MonkeyPatch) -> None:
     started: list[Viewer] = []
     connect, send = Viewer.connect, Outlet.send

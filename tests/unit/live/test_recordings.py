@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import rerun as rr
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
@@ -15,7 +16,7 @@ from benchtool.block import Block, Channel, Gap
 from benchtool.errors import EnvironmentFailure
 from benchtool.live import FileDestination, LiveView, Setup, certificate_document, names
 from benchtool.live.bundle import setup_of, show_bundle
-from benchtool.live.columns import parts
+from benchtool.live.columns import Columns, parts
 from benchtool.protocol.cia402 import State
 from benchtool.protocol.emcy import Emergency
 from benchtool.recording import Bundle, BundleWriter, Manifest
@@ -246,6 +247,29 @@ def test_a_file_that_cannot_be_written_is_named(tmp_path: Path) -> None:
         view.take(block(20))
     assert view.outlets == []
     assert noted[0].startswith(f"not shown by {place}: cannot write")
+
+
+def test_a_file_that_fails_is_not_begun_anew(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """That would cut off what it holds."""
+    path, noted = tmp_path / "a.rrd", list[str]()
+    with LiveView(_SETUP, [FileDestination(path)], noted.append) as view:
+        view.take(block(20))
+        view.outlets[0].send([_Broken()], 7)  # type: ignore[list-item]
+        view.take(block(20, first_tick=200))
+        view.take(block(20, first_tick=400))
+    assert noted == [f"{path} is gone, the measurement goes on without it"]
+    assert Recording.read(path).ticks("/stream/torque").tolist() == list(range(0, 200, 10))
+    assert view.rows_dropped == {str(path): 47}
+
+
+class _Broken(Columns):
+    """What a disk does that is full."""
+
+    def __init__(self) -> None:
+        super().__init__("/broken", (), ())
+
+    def send(self, stream: rr.RecordingStream) -> None:
+        raise RuntimeError("no space left on device")
 
 
 def test_nothing_global_of_rerun_is_touched() -> None:
