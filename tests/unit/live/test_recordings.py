@@ -254,7 +254,7 @@ def test_a_file_that_fails_is_not_begun_anew(tmp_path: Path, monkeypatch: pytest
     path, noted = tmp_path / "a.rrd", list[str]()
     with LiveView(_SETUP, [FileDestination(path)], noted.append) as view:
         view.take(block(20))
-        view.outlets[0].send([_Broken()], 7)  # type: ignore[list-item]
+        view.outlets[0].send([_Broken()], 7)
         view.take(block(20, first_tick=200))
         view.take(block(20, first_tick=400))
     assert noted == [f"{path} is gone, the measurement goes on without it"]
