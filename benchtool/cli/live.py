@@ -78,7 +78,7 @@ def _show_drive(
 ) -> int:
     from benchtool.bench import open_session
     from benchtool.drive.parameters import snapshot
-    from benchtool.telemetry import TelemetryStream
+    from benchtool.telemetry import TelemetryStream, keep_journal
 
     # An emulated drive is looked at in the time that it would take.
     with open_session(profile, link, seed=seed, real_time=True, note=output.note) as session:
@@ -89,7 +89,10 @@ def _show_drive(
         with viewing.stream_view(where, session, f"live: {profile}", snapshot(drive), output) as view:
             assert view is not None  # there is a destination in any case
             sink = viewing.live_sink(view)
-            with TelemetryStream(drive, [sink], names, rate_Hz) as stream:
+            with (
+                keep_journal(drive, [view.event]),
+                TelemetryStream(drive, [sink], names, rate_Hz) as stream,
+            ):
                 output.note("live; Ctrl-C ends it" if duration_s is None else f"live for {duration_s:g} s")
                 if duration_s is None:
                     with suppress(KeyboardInterrupt):
@@ -105,7 +108,7 @@ def _show_drive(
 
 
 def _watch(session: Session, stream: TelemetryStream, duration_s: float) -> None:
-    """Wait, and ask for the drive's state and its emergencies, which the view observes."""
+    """Wait, and ask for the drive's state and its emergencies, which the view is told of."""
     drive, clock = session.drive, session.clock
     start_s = asked_s = clock.now_s()
     drive.state()

@@ -62,8 +62,8 @@ def record(
     """Record the stream of a drive, whatever it is doing; nothing is enabled."""
     from benchtool.bench import open_session
     from benchtool.protocol.cia402 import State
-    from benchtool.recording import BundleWriter
-    from benchtool.telemetry import DEFAULT_CHANNELS, FrameLog, stream_source
+    from benchtool.recording import BundleWriter, EventFile
+    from benchtool.telemetry import DEFAULT_CHANNELS, FrameLog, keep_journal, stream_source
 
     output = Output(as_json=as_json)
     when = options.wall_time()
@@ -83,11 +83,13 @@ def record(
         bundle = stack.enter_context(BundleWriter(folder, manifest))
         title = f"record: {folder.name}"
         with viewing.stream_view(where, session, title, manifest.parameters, output) as view:
-            sinks = []
+            sinks, takers = [], [EventFile(folder).append]
             if view is not None:
-                view.state(State(manifest.details["state"]))
+                takers.append(view.event)
                 sinks.append(viewing.live_sink(view))
-            certificate = _record(session, bundle, names, rate, duration, reconnect, log, output, sinks)
+            with keep_journal(drive, takers) as journal:
+                journal.state(State(manifest.details["state"]), drive.tick_now())
+                certificate = _record(session, bundle, names, rate, duration, reconnect, log, output, sinks)
             if view is not None:
                 viewing.show_certificate(view, title, certificate)
         where.linger(output)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
 from benchtool.cli import viewing
@@ -12,17 +11,17 @@ from benchtool.cli.output import Output
 if TYPE_CHECKING:
     from benchtool.bench import Session
     from benchtool.block import Block
-    from benchtool.drive import RemoteDrive
     from benchtool.experiment.assessment import Assessment
     from benchtool.experiment.cases import Case
     from benchtool.experiment.conduct import Progress
     from benchtool.experiment.plan import Plan
     from benchtool.live import LiveView
+    from benchtool.recording import Event
     from benchtool.telemetry import Sink
 
 
 class RunViews:
-    """Shows a run: one recording for each case, its steps as events. Watches as well as it is watched.
+    """Shows a run, one recording for each case. Watches as well as it is watched.
 
     Args:
         where: what it is shown by.
@@ -37,8 +36,6 @@ class RunViews:
         self._progress = progress
         self._output = output
         self._view: LiveView | None = None
-        self._drive: RemoteDrive | None = None
-        self._observing = ExitStack()
         self._several = False
         self._title = ""
 
@@ -52,8 +49,6 @@ class RunViews:
     def note(self, text: str) -> None:
         """A step within the case begins."""
         self._progress.note(text)
-        if self._view is not None:
-            self._view.event(text, tick=self._tick())
 
     # ---- Watcher ---------------------------------------------------------------------------------------
 
@@ -74,9 +69,13 @@ class RunViews:
             parameters=parameters,
         )
         self._view = LiveView(setup, self._where.of(self._name(case)), self._output.note)
-        self._drive = session.drive
-        self._observing.enter_context(viewing.observed(self._view, session.drive))
+        viewing.count_link(self._view, session.drive)
         return (viewing.live_sink(self._view),)
+
+    def happened(self, event: Event) -> None:
+        """Show it at its place in time."""
+        if self._view is not None:
+            self._view.event(event)
 
     def captured(self, capture: Block, transducer: Block | None, trigger_row: int | None) -> None:
         """Show what was captured at its place in drive time."""
@@ -92,7 +91,6 @@ class RunViews:
         view, self._view = self._view, None
         if view is None:
             return
-        self._observing.close()
         from benchtool.live import certificate_document, results_document
 
         if result is not None:
@@ -105,7 +103,6 @@ class RunViews:
             )
             view.quality(certificate_document(viewing.measured(result.quality)))
         else:
-            view.event(failure, "ERROR", self._tick())
             view.results(results_document(self._title, (), remarks=[f"the run has failed: {failure}"]))
         view.close()
         viewing.tell_drops(view, self._output)
@@ -114,7 +111,3 @@ class RunViews:
         """What sets this case's file apart from those of the command's others."""
         parts = (self._plan, case.folder if self._several else "")
         return "-".join(part for part in parts if part)
-
-    def _tick(self) -> int | None:
-        """The drive's now."""
-        return None if self._drive is None else self._drive.tick_at(self._drive.clock.now_s())

@@ -127,30 +127,23 @@ def tell_drops(view: LiveView, output: Output) -> None:
             output.note(f"{name}: {rows} rows were not shown; the recording of the run has them")
 
 
-@contextmanager
-def observed(view: LiveView, drive: RemoteDrive) -> Iterator[None]:
-    """Have a view show the drive's states, its emergencies and the counters of its link."""
+def count_link(view: LiveView, drive: RemoteDrive) -> None:
+    """Have a view show the counters of the drive's link."""
     view.count(lambda: {f"link_{name}": count for name, count in asdict(drive.link.counters).items()})
-    with drive.observed(view):
-        yield
 
 
 @contextmanager
 def stream_view(
     where: Places, session: Session, title: str, parameters: Mapping[str, object], output: Output
 ) -> Iterator[LiveView | None]:
-    """The view of a stream alone; what ends it too early becomes its last event. None if there is nowhere."""
+    """The view of a stream alone; None if there is nowhere."""
     if not where.any:
         yield None
         return
     from benchtool.live import LiveView, Setup
 
     setup = Setup(title, psi_Wb=session.profile.motor.psi_r_Wb, parameters=parameters)
-    with LiveView(setup, where.of(endless=True), output.note) as view, observed(view, session.drive):
-        try:
-            yield view
-        except BaseException as failure:
-            reason = f"{type(failure).__name__}: {failure}".rstrip(": ")
-            view.event(reason, "ERROR", session.drive.tick_at(session.clock.now_s()))
-            raise
+    with LiveView(setup, where.of(endless=True), output.note) as view:
+        count_link(view, session.drive)
+        yield view
     tell_drops(view, output)

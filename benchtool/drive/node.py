@@ -44,6 +44,10 @@ class RemoteNode:
             self._mark = TickMark(int(self.number("tick")), self.clock.now_s(), self.number("control_period"))
         return identity
 
+    def tick_now(self) -> int | None:
+        """Tick of the drive now, as `tick_at`."""
+        return self.tick_at(self.clock.now_s())
+
     def tick_at(self, at_s: float) -> int | None:
         """Tick of the drive at a moment of this node's clock, by the one that `check` noted.
 

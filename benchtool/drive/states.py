@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import Protocol
 
 from benchtool.clock import Clock
@@ -21,9 +21,9 @@ _POLL_S = 0.001
 
 
 class Observer(Protocol):
-    """Told what is heard of a drive, by whoever asked the drive for it; must be quick and must not raise.
+    """Told what is heard of a drive, by whoever asked the drive for it; must be quick.
 
-    `tick` is the drive's at that moment, None where it is not known.
+    What it raises is lost. `tick` is the drive's at that moment, None where it is not known.
     """
 
     def state(self, state: State, tick: int | None) -> None:
@@ -54,9 +54,10 @@ class Cia402Node(RemoteNode):
     def state(self) -> State:
         """State of the CiA 402 state machine."""
         state = state_of(int(self.read("statusword")))
-        tick = self.tick_at(self.clock.now_s())
+        tick = self.tick_now()
         for observer in self._observers:
-            observer.state(state, tick)
+            with suppress(Exception):  # whoever looks on must not keep a drive from being disabled
+                observer.state(state, tick)
         return state
 
     def emergencies(self) -> tuple[Emergency, ...]:
@@ -64,7 +65,8 @@ class Cia402Node(RemoteNode):
         arrived = self.link.emergencies()
         for emergency, arrival_s in arrived:
             for observer in self._observers:
-                observer.emergency(emergency, self.tick_at(arrival_s))
+                with suppress(Exception):
+                    observer.emergency(emergency, self.tick_at(arrival_s))
         return tuple(emergency for emergency, _ in arrived)
 
     def raise_emergencies(self) -> None:

@@ -21,8 +21,16 @@ from benchtool.experiment.limits import Verdict
 from benchtool.experiment.plan import Plan
 from benchtool.experiment.repetition import over_repetitions
 from benchtool.experiment.watching import Unwatched, Watcher
-from benchtool.recording import Bundle, BundleWriter, Manifest, software_versions
-from benchtool.telemetry import FanOut, Sink, TelemetryStream, certify_recording, record_stream
+from benchtool.recording import Bundle, BundleWriter, EventFile, Manifest, software_versions
+from benchtool.telemetry import (
+    FanOut,
+    Journal,
+    Sink,
+    TelemetryStream,
+    certify_recording,
+    keep_journal,
+    record_stream,
+)
 
 
 @dataclass(frozen=True)
@@ -138,18 +146,20 @@ def _run_case(
     manifest = _manifest(session, plan, case, info, identity)
     with BundleWriter(place, manifest) as writer:
         stream = None
+        takers = (EventFile(place).append, watcher.happened)
         try:
             sinks = watcher.opened(session, plan, case, manifest.parameters)
-            with _telemetry(session, writer, sinks) as stream:
-                capture, transducer = conduct(session, plan, case, progress)
-            writer.append("capture", capture)
-            if transducer is not None:
-                writer.append("transducer", transducer)
-            watcher.captured(capture, transducer, _trigger_row(plan, capture))
-            progress.note("analysing")
-            certificate, facts = certify_recording(stream, {"capture": capture}, link.counters)
-            motor, quality = session.profile.motor, certificate.measurements
-            result = assess(plan, case.name, motor, place, capture, transducer, quality)
+            with keep_journal(session.drive, takers) as journal:
+                with _telemetry(session, writer, sinks) as stream:
+                    capture, transducer = conduct(session, plan, case, _Steps(progress, journal))
+                writer.append("capture", capture)
+                if transducer is not None:
+                    writer.append("transducer", transducer)
+                watcher.captured(capture, transducer, _trigger_row(plan, capture))
+                progress.note("analysing")
+                certificate, facts = certify_recording(stream, {"capture": capture}, link.counters)
+                motor, quality = session.profile.motor, certificate.measurements
+                result = assess(plan, case.name, motor, place, capture, transducer, quality)
         except BaseException as failure:
             try:
                 reason = f"{type(failure).__name__}: {failure}".rstrip(": ")
@@ -178,6 +188,23 @@ def _run_case(
     progress.note("drawing")
     draw_case(plan, result)
     return result
+
+
+class _Steps:
+    """Steps of a case, to whoever watches and into the case's log."""
+
+    def __init__(self, progress: Progress, journal: Journal) -> None:
+        self._progress = progress
+        self._journal = journal
+
+    def begin(self, case: str, number: int, count: int) -> None:
+        """See `Progress.begin`."""
+        self._progress.begin(case, number, count)
+
+    def note(self, text: str) -> None:
+        """See `Progress.note`."""
+        self._progress.note(text)
+        self._journal.note(text)
 
 
 def _trigger_row(plan: Plan, capture: Block) -> int | None:

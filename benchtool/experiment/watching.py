@@ -10,6 +10,7 @@ from benchtool.block import Block
 from benchtool.experiment.assessment import Assessment
 from benchtool.experiment.cases import Case
 from benchtool.experiment.plan import Plan
+from benchtool.recording import Event
 from benchtool.telemetry import Sink
 
 
@@ -23,6 +24,9 @@ class Watcher(Protocol):
 
         `parameters` are the drive's. Nothing may be asked of the drive: that would take its time.
         """
+
+    def happened(self, event: Event) -> None:
+        """A step of the case, a state of the drive, a fault."""
 
     def captured(self, capture: Block, transducer: Block | None, trigger_row: int | None) -> None:
         """What the drive and the transducer recorded; the drive is disabled again."""
@@ -39,6 +43,9 @@ class Unwatched:
     ) -> Sequence[Sink]:
         """No sinks."""
         return ()
+
+    def happened(self, event: Event) -> None:
+        """Nothing."""
 
     def captured(self, capture: Block, transducer: Block | None, trigger_row: int | None) -> None:
         """Nothing."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from datetime import datetime
 from typing import Any
@@ -10,12 +11,10 @@ from benchtool.block import Block
 from benchtool.live import names
 from benchtool.live.band import Limits
 from benchtool.live.columns import parts
-from benchtool.live.journal import ERROR, WARN
 from benchtool.live.outlet import Destination
 from benchtool.live.view import LiveView, Setup
 from benchtool.live.words import certificate_document, results_document
-from benchtool.protocol.cia402 import State
-from benchtool.recording import Bundle
+from benchtool.recording import Bundle, Event, Level
 
 _SLOW = "telemetry"
 _CAPTURE = "capture"
@@ -55,21 +54,22 @@ def show_bundle(
     blocks = {stream: bundle.block(stream) for stream in bundle.streams}
     view = LiveView(setup, destinations, note)
     details = bundle.manifest.details
+    events = deque(bundle.events)
     if _SLOW in blocks:
         slow = blocks[_SLOW]
         for part in parts(slow, max(1, round(_PART_S * slow.sample_rate_Hz))):
+            while events and (events[0].tick is None or events[0].tick <= part.ticks()[-1]):
+                view.event(events.popleft())
             view.take(part)
+    for event in events:
+        view.event(event)
     if _CAPTURE in blocks:
         plan = details.get("plan", {})
         view.captured(blocks[_CAPTURE], trigger_row=_trigger_row(plan, blocks[_CAPTURE]))
     if _TRANSDUCER in blocks:
         view.captured(blocks[_TRANSDUCER], names.TRANSDUCER)
-    if "state" in details:
-        view.state(State(details["state"]))
-    if "failure" in details:
-        view.event(str(details["failure"]), ERROR)
-    elif not bundle.complete:
-        view.event("the run was cut short", WARN)
+    if not bundle.complete and "failure" not in details:
+        view.event(Event(text="the run was cut short", level=Level.WARN))
     certificate = bundle.certificate or {}
     found = {**certificate.get("measurements", {}), **bundle.measurements}
     rows = [

@@ -27,14 +27,13 @@ from benchtool.live.columns import (
     parts,
     series,
 )
-from benchtool.live.journal import ERROR, INFO, WARN, Journal, markers
+from benchtool.live.events import EventLog, markers
 from benchtool.live.outlet import PATIENCE_S, Destination, Outlet
 from benchtool.live.quality import Counters, Quality
 from benchtool.live.spectra import capture_spectra, running_spectra
 from benchtool.live.spectrum import RunningSpectrum, chosen
 from benchtool.live.words import parameters_document, results_document
-from benchtool.protocol.cia402 import State
-from benchtool.protocol.emcy import Emergency
+from benchtool.recording import Event, Level
 
 _WATERFALL_S = 1.0  # between two pictures, each of which is kept in the recording
 _ROWS = 20_000  # in a batch, so that a long record needs no more memory than itself
@@ -61,9 +60,8 @@ class Setup:
 class LiveView:
     """A recording that is looked at while it grows; nothing that it does or fails to do disturbs the drive.
 
-    `take` is called in a thread of its own with a bounded queue (`telemetry.Sink`, lossless False); `event`,
-    `state` and `emergency` may be called from any thread and only leave a note; the other methods are for
-    when nothing is measured.
+    `take` is called in a thread of its own with a bounded queue (`telemetry.Sink`, lossless False); `event`
+    may be called from any thread and only leaves a note; the other methods are for when nothing is measured.
 
     Args:
         setup: see `Setup`.
@@ -83,7 +81,7 @@ class LiveView:
         self._note = note
         self._layout = Layout(psi_Wb=setup.psi_Wb, followed=setup.followed)
         self._axis: TimeAxis | None = None
-        self._journal = Journal()
+        self._events = EventLog()
         self._band = TorqueBand(setup.limits)
         self._circle = locus.ReferenceCircle(setup.psi_Wb)
         self._quality = Quality(self._not_shown)
@@ -136,17 +134,9 @@ class LiveView:
         if len(block.data):
             self._harmlessly(partial(self._take, block), len(block.data))
 
-    def event(self, text: str, level: str = INFO, tick: int | None = None) -> None:
-        """Leave a line for the log, at a tick or at that of the last row; INFO, WARN or ERROR."""
-        self._journal.event(text, level, tick)
-
-    def state(self, state: State, tick: int | None = None) -> None:
-        """Say which state the drive is in."""
-        self._journal.state(state, tick)
-
-    def emergency(self, emergency: Emergency, tick: int | None = None) -> None:
-        """Say what the drive reports."""
-        self._journal.event(f"emergency: {emergency.text}", ERROR if emergency.code else INFO, tick)
+    def event(self, event: Event) -> None:
+        """Leave a line for the log, at its tick or at that of the last row."""
+        self._events.add(event)
 
     # ---- when it was measured ---------------------------------------------------------------------------
 
@@ -200,11 +190,12 @@ class LiveView:
             missing += (block.first_tick - self._next_tick) // block.stride
         if missing:
             last_before = self._last_tick if broken else int(block.ticks()[block.gaps[0].row - 1])
-            self.event(f"{missing} rows of the stream are missing", WARN, tick=last_before + block.stride)
+            text = f"{missing} rows of the stream are missing"
+            self._events.add(Event(text=text, level=Level.WARN, tick=last_before + block.stride))
         self._last_tick = int(block.ticks()[-1])
         self._next_tick = self._last_tick + block.stride
         self._quality.add(len(block.data), missing)
-        self._journal.notice(block)
+        self._events.notice(block)
         messages += self._circle.messages(block, axis)
         messages += locus.trace(block, axis, names.STREAM)
         messages += self._band.running(block, axis, broken=broken)
@@ -216,7 +207,7 @@ class LiveView:
             messages += running_spectra(self._spectrum, axis, self._last_tick, waterfall=due)
         messages += self._quality.messages(axis, self._last_tick)
         self._send(messages, len(block.data))
-        self._send(self._journal.messages(axis, self._last_tick, self._band.mean_Nm))
+        self._send(self._events.messages(axis, self._last_tick, self._band.mean_Nm))
 
     def _captured(self, block: Block, source: str, trigger_row: int | None) -> None:
         axis, next_tick = self._axis_of(block), None
@@ -230,19 +221,20 @@ class LiveView:
             messages += self._band.whole(block, axis) + capture_spectra(block, axis, self._last_tick)
         self._send(messages)
         rows, seconds = len(block.data), block.time_s()[-1]
-        self.event(f"{source.strip('/')}: {rows} rows over {seconds:.3g} s", tick=axis.tick(block, 0))
+        text = f"{source.strip('/')}: {rows} rows over {seconds:.3g} s"
+        self._events.add(Event(text=text, tick=axis.tick(block, 0)))
         if trigger_row is not None:
-            self._journal.trigger("trigger", axis.tick(block, trigger_row))
+            self._events.trigger(axis.tick(block, trigger_row))
         self._tell()
 
     def _tell(self) -> None:
         """Send the events that wait, if there is a time axis to put them on."""
-        if self._axis is None and self._journal.waiting:
+        if self._axis is None and self._events.waiting:
             self._axis = TimeAxis(1e-4, 0, self._setup.wall_s or time.time())
         if self._axis is not None:
             self._send(
                 [
-                    *self._journal.messages(self._axis, self._last_tick, self._band.mean_Nm),
+                    *self._events.messages(self._axis, self._last_tick, self._band.mean_Nm),
                     *self._quality.messages(self._axis, self._last_tick, last=True),
                 ]
             )
@@ -256,7 +248,7 @@ class LiveView:
 
     def _show(self, source: str, block: Block) -> None:
         """Name the series of a source, and lay the view out, when it appears."""
-        layout = replace(self._layout.with_source(source, block.channels), states=self._journal.stateful)
+        layout = replace(self._layout.with_source(source, block.channels), states=self._events.stateful)
         if layout == self._layout:
             return
         self._layout = layout

@@ -3,14 +3,25 @@
 manifest.json         what, when, with which profile, parameters, versions; how it ended
 data/NAME.arrows      a stream while it is recorded: every acknowledged batch survives the process
 data/NAME.parquet     the same stream once the run is finished; columns carry units, metadata the time base
+data/events.jsonl     what happened: steps, states, emergencies, each with its tick
 data/frames.log       every frame, as `candump -L` writes them, where that was asked for
 measurements.json     results with unit and definition
 certificate.json      how good the data are: rows, gaps, jitter, saturation, clipping, link counters
 plots/*.png           figures
 """
 
+from benchtool.recording.events import Event, EventFile, Level
 from benchtool.recording.manifest import Manifest, StreamInfo, software_versions
 from benchtool.recording.reader import Bundle
 from benchtool.recording.writer import BundleWriter
 
-__all__ = ["Bundle", "BundleWriter", "Manifest", "StreamInfo", "software_versions"]
+__all__ = [
+    "Bundle",
+    "BundleWriter",
+    "Event",
+    "EventFile",
+    "Level",
+    "Manifest",
+    "StreamInfo",
+    "software_versions",
+]

@@ -8,6 +8,7 @@ from typing import Any
 
 from benchtool.block import Block
 from benchtool.errors import RecordingError
+from benchtool.recording.events import Event, read_events
 from benchtool.recording.failures import reading
 from benchtool.recording.manifest import CERTIFICATE, MEASUREMENTS, Manifest, read_json, read_manifest
 from benchtool.recording.stream import read_parquet, read_stream
@@ -55,6 +56,15 @@ class Bundle:
         """
         path = self.directory / CERTIFICATE
         return read_json(path) if path.is_file() else None
+
+    @property
+    def events(self) -> tuple[Event, ...]:
+        """What happened, in the order in which it was noted; none of a run that noted nothing.
+
+        Raises:
+            RecordingError: it cannot be read.
+        """
+        return read_events(self.directory)
 
     @property
     def plots(self) -> Path:

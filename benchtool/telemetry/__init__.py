@@ -4,6 +4,7 @@ from benchtool.telemetry.certificate import Certificate, StreamFacts, certify, c
 from benchtool.telemetry.clock_fit import ArrivalStatistics, ClockFit
 from benchtool.telemetry.fanout import FanOut, Sink
 from benchtool.telemetry.frames import FrameLog
+from benchtool.telemetry.journal import Journal, keep_journal
 from benchtool.telemetry.recorder import STREAM, record_stream
 from benchtool.telemetry.setpoints import Setpoints
 from benchtool.telemetry.sources import stream_source
@@ -18,6 +19,7 @@ __all__ = [
     "ClockFit",
     "FanOut",
     "FrameLog",
+    "Journal",
     "Setpoints",
     "Sink",
     "StreamFacts",
@@ -25,6 +27,7 @@ __all__ = [
     "TelemetryStream",
     "certify",
     "certify_recording",
+    "keep_journal",
     "record_stream",
     "stream_source",
 ]

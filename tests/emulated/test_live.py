@@ -93,6 +93,12 @@ def test_a_fault_is_found_where_the_speed_passed_its_limit(invoke: Invoke) -> No
     assert past - slow.stride <= fault <= past + 20  # the estimate's noise, and the frame's way
     assert fault <= events["state: fault"]
     assert fault in recording.ticks(names.FAULT)
+    later = invoke("live", "run", "--save", "later.rrd")
+    assert later.exit_code == 0, later.output
+    again = Recording.read(Path("later.rrd"))
+    shown = dict(zip(again.texts(names.EVENTS), again.ticks(names.EVENTS), strict=True))
+    assert shown == events
+    assert np.array_equal(again.ticks(names.FAULT), recording.ticks(names.FAULT))
     levels = recording.rows[names.EVENTS].column("TextLog:level").to_pylist()
     assert levels.count(["ERROR"]) >= 3  # the emergency, the state, and what ended the run
 

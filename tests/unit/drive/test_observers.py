@@ -62,3 +62,14 @@ def test_a_tick_is_told_by_the_time_that_has_passed(tick: int, at_s: float, ahea
     mark = TickMark(tick, at_s, 1e-4)
     assert mark.tick_at(at_s + ahead * 1e-4) == tick + ahead
     assert mark.tick_at(at_s + (ahead + 0.5) * 1e-4) == tick + ahead
+
+
+def test_an_observer_that_fails_keeps_no_drive_from_telling_its_state() -> None:
+    class Broken(Listener):
+        def state(self, state: State, tick: int | None) -> None:
+            raise ZeroDivisionError
+
+    drive, listener = node(), Listener()
+    with drive.observed(Broken()), drive.observed(listener):
+        assert drive.state() is State.FAULT
+    assert listener.told == [(State.FAULT, None)]

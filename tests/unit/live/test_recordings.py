@@ -17,9 +17,7 @@ from benchtool.errors import EnvironmentFailure
 from benchtool.live import FileDestination, LiveView, Setup, certificate_document, names
 from benchtool.live.bundle import setup_of, show_bundle
 from benchtool.live.columns import Columns, parts
-from benchtool.protocol.cia402 import State
-from benchtool.protocol.emcy import Emergency
-from benchtool.recording import Bundle, BundleWriter, Manifest
+from benchtool.recording import Bundle, BundleWriter, Event, EventFile, Level, Manifest
 from tests.unit.live.readback import Recording, assert_holds
 
 _CHANNELS = (
@@ -110,19 +108,18 @@ def test_a_capture_stands_at_its_place_beside_the_stream(tmp_path: Path) -> None
 def test_faults_are_found_on_the_timeline(tmp_path: Path) -> None:
     path = tmp_path / "a.rrd"
     with LiveView(_SETUP, [FileDestination(path)]) as view:
-        view.state(State.OPERATION_ENABLED)
+        view.event(Event(text="enabled", state="operation enabled"))
         view.take(block(20))
-        view.emergency(Emergency(0x2310, 0x03), 215)
-        view.state(State.FAULT)
-        view.state(State.FAULT)
+        view.event(Event(text="0x2310 continuous overcurrent", level=Level.ERROR, tick=215))
+        view.event(Event(text="in fault", level=Level.ERROR, state="fault"))
         view.take(block(20, first_tick=200))
-        view.emergency(Emergency(0, 0), 500)
+        view.event(Event(text="over", tick=500))
     recording = Recording.read(path)
     assert dict(zip(recording.texts(names.EVENTS), recording.ticks(names.EVENTS), strict=True)) == {
-        "state: operation enabled": 190,
-        "emergency: 0x2310 continuous overcurrent at the output": 215,
-        "state: fault": 390,
-        "emergency: 0x0000 no error: all errors are reset": 500,
+        "enabled": 190,
+        "0x2310 continuous overcurrent": 215,
+        "in fault": 390,
+        "over": 500,
     }
     states = recording.rows[names.STATE].column("StateChange:state").to_pylist()
     assert states == [["operation enabled"], ["fault"]]
@@ -221,6 +218,9 @@ def test_a_bundle_is_shown_as_it_was_recorded(tmp_path: Path) -> None:
     with BundleWriter(tmp_path / "run", manifest) as writer:
         writer.append("telemetry", slow)
         writer.append("capture", capture)
+        happened = EventFile(tmp_path / "run").append
+        happened(Event(text="enabled", tick=100, state="operation enabled"))
+        happened(Event(text="too fast", level=Level.ERROR, tick=5000))
         value = {"value": 0.07, "unit": "Nm", "definition": "peak to peak"}
         writer.finish({"torque_ripple_pp": value}, verdict="fail")
     bundle, path = Bundle.open(tmp_path / "run"), tmp_path / "a.rrd"
@@ -232,6 +232,10 @@ def test_a_bundle_is_shown_as_it_was_recorded(tmp_path: Path) -> None:
     assert wall_ns[0] == 1_767_268_800_000_000_000
     events = dict(zip(recording.texts(names.EVENTS), recording.ticks(names.EVENTS), strict=True))
     assert events["trigger"] == 5100
+    assert (events["enabled"], events["too fast"]) == (100, 5000)
+    assert recording.ticks(names.FAULT).tolist() == [5000]
+    (mean_Nm,) = recording.values(names.FAULT)[0]
+    assert abs(mean_Nm) < 0.5  # where the torque was, so that it is seen
     text = recording.still[names.RESULTS]["TextDocument:text"][0]
     assert "| torque\\_ripple\\_pp | 0.07 | Nm | ≤ 0.06 | fail |" in text
     assert "| R\\_s\\_ohm | 0.123 |" in recording.still[names.PARAMETERS]["TextDocument:text"][0]

@@ -12,62 +12,44 @@ import rerun as rr
 from benchtool.block import Block
 from benchtool.live import names
 from benchtool.live.columns import Message, Still, TimeAxis, at, scalars
-from benchtool.protocol.cia402 import State
-
-INFO: Final = "INFO"
-WARN: Final = "WARN"
-ERROR: Final = "ERROR"
+from benchtool.recording import Event, Level
 
 _MOST = 1000
 _COUNTING = ("law_clipped", "adc_saturated")
-_FAULTS = (State.FAULT, State.FAULT_REACTION_ACTIVE)
 _MARKERS: Final = {
     names.FAULT: ("fault", (213, 94, 0), rr.components.MarkerShape.Cross, 8.0),
     names.WARNING: ("warning", (230, 159, 0), rr.components.MarkerShape.Circle, 4.0),
     names.TRIGGER: ("trigger", (0, 158, 115), rr.components.MarkerShape.Up, 8.0),
 }
-_MARKED: Final = {INFO: None, WARN: names.WARNING, ERROR: names.FAULT}
+_MARKED: Final = {Level.INFO: None, Level.WARN: names.WARNING, Level.ERROR: names.FAULT}
 
 
-class _Event(NamedTuple):
-    text: str
-    level: str
-    tick: int | None
+class _Waiting(NamedTuple):
+    event: Event
     marker: str | None
-    state: State | None = None
 
 
-class Journal:
+class EventLog:
     """Events from any thread, kept until they are sent; of more than a thousand the oldest go."""
 
     def __init__(self) -> None:
-        self._waiting: deque[_Event] = deque(maxlen=_MOST)
+        self.stateful = False
+        """Whether a state of the drive has been noted."""
+        self._waiting: deque[_Waiting] = deque(maxlen=_MOST)
         self._counted: dict[str, float] = {}
-        self._state: State | None = None
 
     @property
     def waiting(self) -> bool:
         return bool(self._waiting)
 
-    @property
-    def stateful(self) -> bool:
-        """Whether a state of the drive has been noted."""
-        return self._state is not None
+    def add(self, event: Event) -> None:
+        """Note an event, at its drive tick or at that of the last row."""
+        self.stateful = self.stateful or event.state is not None
+        self._waiting.append(_Waiting(event, _MARKED[event.level]))
 
-    def event(self, text: str, level: str = INFO, tick: int | None = None) -> None:
-        """Note a line, at a drive tick or at that of the last row."""
-        self._waiting.append(_Event(text, level, tick, _MARKED[level]))
-
-    def trigger(self, text: str, tick: int) -> None:
-        """Note what a capture was triggered by."""
-        self._waiting.append(_Event(text, INFO, tick, names.TRIGGER))
-
-    def state(self, state: State, tick: int | None = None) -> None:
-        """Note the drive's state, if it is another than before."""
-        if state is not self._state:
-            self._state = state
-            level = ERROR if state in _FAULTS else INFO
-            self._waiting.append(_Event(f"state: {state.value}", level, tick, _MARKED[level], state))
+    def trigger(self, tick: int) -> None:
+        """Note where a capture was triggered."""
+        self._waiting.append(_Waiting(Event(text="trigger", tick=tick), names.TRIGGER))
 
     def notice(self, block: Block) -> None:
         """Note where a counter of the drive has gone up."""
@@ -76,7 +58,8 @@ class Journal:
                 last = float(block.column(name)[-1])
                 before = self._counted.get(name, float(block.column(name)[0]))
                 if last > before:
-                    self.event(f"{name}: {last - before:.0f} more", WARN, int(block.ticks()[-1]))
+                    text = f"{name}: {last - before:.0f} more"
+                    self.add(Event(text=text, level=Level.WARN, tick=int(block.ticks()[-1])))
                 self._counted[name] = last
 
     def messages(self, axis: TimeAxis, last_tick: int, marker_Nm: float) -> list[Message]:
@@ -84,16 +67,16 @@ class Journal:
         messages: list[Message] = []
         with suppress(IndexError):
             while True:
-                event = self._waiting.popleft()
+                event, marker = self._waiting.popleft()
                 tick = last_tick if event.tick is None else event.tick
-                line = rr.TextLog.columns(text=[event.text], level=[event.level])
+                line = rr.TextLog.columns(text=[event.text], level=[event.level.value])
                 messages.append(at(names.EVENTS, axis, tick, line))
                 if event.state is not None:
-                    band = rr.StateChange.columns(state=[event.state.value])
+                    band = rr.StateChange.columns(state=[event.state])
                     messages.append(at(names.STATE, axis, tick, band))
-                if event.marker is not None:
+                if marker is not None:
                     place, value = np.array([tick], dtype=np.int64), np.array([[marker_Nm]])
-                    messages.append(scalars(event.marker, axis, place, value))
+                    messages.append(scalars(marker, axis, place, value))
         return messages
 
 
