@@ -17,6 +17,7 @@ __all__ = ["HungUp", "PtyPort"]
 _MOST = 1 << 16
 _NO_CLIENT_S = 0.01  # nothing tells that a client opens the other end
 _WRITE_POLL_ms = 50
+_SETTLING_S = 0.02
 
 
 class PtyPort:
@@ -33,6 +34,7 @@ class PtyPort:
         os.set_blocking(self._master, False)
         self._renew()
         self._has_client = False
+        self._clients = 0  # who have left
         self._closing = threading.Event()
         self._reading = threading.Lock()
         self._writing = threading.Lock()
@@ -59,6 +61,7 @@ class PtyPort:
                 if self._has_client:
                     self._has_client = False
                     with self._writing:  # a write under way ends, as nobody has the other end open
+                        self._clients += 1
                         self._renew()
                     raise HungUp(f"the client of {self.path} hung up") from None
                 self._closing.wait(_NO_CLIENT_S)
@@ -73,8 +76,11 @@ class PtyPort:
             HungUp: nobody has the other end open; the data are lost.
             OSError: the port is closed.
         """
+        clients = self._clients
         with self._writing:
             self._require_open()
+            if clients != self._clients:  # the lock was waited for, and it is another client's turn
+                raise HungUp(f"the client of {self.path} hung up")
             poll = select.poll()
             poll.register(self._master, select.POLLOUT)
             left = memoryview(data)
@@ -100,8 +106,12 @@ class PtyPort:
         client = os.open(self.path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
         try:
             tty.setraw(client)
-            # Flushing from the master's side would leave what the line discipline already holds.
-            termios.tcflush(client, termios.TCIFLUSH)
+            # Flushing from the master's side would leave what the line discipline already holds, and the
+            # kernel hands it more for a while.
+            more = True
+            while more:
+                termios.tcflush(client, termios.TCIFLUSH)
+                more = bool(select.select([client], [], [], _SETTLING_S)[0])
         finally:
             os.close(client)
 

@@ -26,6 +26,7 @@ from benchtool.protocol.slcan import (
 VERSION = "1010"  # hardware 1.0, software 1.0
 _LINES_AT_ONCE = 64
 _ANSWERS = 64
+_WRITING_S = 0.5
 
 # Status flags of the command F.
 _RECEIVE_FIFO_FULL = 0x01
@@ -81,7 +82,7 @@ class SlcanAdapter(can.BusABC):
         self._outgoing: deque[bytes] = deque()
         self._changed = threading.Condition()
         self._failure: OSError | None = None
-        self._stopping = False
+        self._stopping = self._writing = False
         self._is_open = self._listen_only = self._stamps = self._is_set_up = False
         self._bitrate: int | None = None
         self._acceptance = ACCEPT_ALL
@@ -156,6 +157,9 @@ class SlcanAdapter(can.BusABC):
         try:
             data = self._port.read()
         except HungUp:
+            with self._changed:  # what is being written is for the client who has gone
+                self._outgoing.clear()
+                self._changed.wait_for(lambda: not self._writing, _WRITING_S)
             self._power_up()
             return
         except OSError as reason:
@@ -267,13 +271,18 @@ class SlcanAdapter(can.BusABC):
                     return
                 count = min(len(self._outgoing), _LINES_AT_ONCE)
                 lines = b"".join(self._outgoing.popleft() for _ in range(count))
+                self._writing = True
             try:
                 self._port.write(lines)
             except HungUp:
-                continue  # lost with the client; the receiving thread learns of it as well
+                pass  # lost with the client; the receiving thread learns of it as well
             except OSError as reason:
                 self._fail(reason)
                 return
+            finally:
+                with self._changed:
+                    self._writing = False
+                    self._changed.notify_all()
 
     def _fail(self, reason: OSError) -> None:
         with self._changed:
