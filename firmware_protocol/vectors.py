@@ -13,32 +13,8 @@ import struct
 from dataclasses import dataclass, fields
 from typing import Any
 
+from benchtool.protocol import serial as wire
 from benchtool.protocol.emcy import Emergency
-from benchtool.protocol.serial import (
-    VERSION,
-    Batch,
-    ChunkReply,
-    Chunks,
-    Event,
-    Heartbeat,
-    HostHeartbeat,
-    Identify,
-    Identity,
-    Message,
-    Nmt,
-    Open,
-    OpenReply,
-    Read,
-    ReadReply,
-    Reject,
-    Setpoint,
-    Stream,
-    StreamReply,
-    Write,
-    WriteReply,
-    encode_frame,
-    encode_message,
-)
 
 _RUN = bytes(range(1, 255))  # 254 bytes without a zero
 _LIMIT = 128
@@ -61,45 +37,45 @@ COBS: dict[str, tuple[bytes, bytes]] = {
     "two_runs_254": (_RUN + _RUN, b"\xff" + _RUN + b"\xff" + _RUN),
 }
 
-MESSAGES: dict[str, Message] = {
-    "identify": Identify(7, VERSION),
-    "identity": Identity(
-        *(7, 0, VERSION, 1, 127, 0xA928D4B2, 0xB7C, 0x2011, 0x00010000, 1, 100_000, 256, 4096, "Drive")
+MESSAGES: dict[str, wire.Message] = {
+    "identify": wire.Identify(7, wire.VERSION),
+    "identity": wire.Identity(
+        *(7, 0, wire.VERSION, 1, 127, 0xA928D4B2, 0xB7C, 0x2011, 0x00010000, 1, 100_000, 256, 4096, "Drive")
     ),
-    "identity_refused": Identity(
-        *(8, 0x08000020, VERSION, 1, 5, 0xA928D4B2, 0xB7C, 0x2011, 0x00010000, 1, 100_000, 256, 4096, "")
+    "identity_refused": wire.Identity(
+        *(8, 0x08000020, wire.VERSION, 1, 5, 0xA928D4B2, 0xB7C, 0x2011, 0x00010000, 1, 100_000, 256, 4096, "")
     ),
-    "read": Read(9, 0x6041, 0),
-    "read_reply": ReadReply(9, 0, 0x6041, 0, bytes.fromhex("3702")),
-    "read_refused": ReadReply(10, 0x06020000, 0x5FFF, 1),
-    "write": Write(11, 0x2020, 1, struct.pack("<f", -1.5)),
-    "write_reply": WriteReply(11, 0, 0x2020, 1),
-    "write_refused": WriteReply(12, 0x06090031, 0x2000, 2),
-    "open": Open(13, 0x2042, 0),
-    "open_reply": OpenReply(13, 0, 0x2042, 0, 3, 2500, 1024, 0xCBF43926),
-    "open_refused": OpenReply(14, 0x08000024, 0x2042, 0),
-    "chunks": Chunks(15, 3, 1, 2),
-    "chunk_reply": ChunkReply(15, 0, 3, 2, b"\x01\0\x02\0"),
-    "chunk_refused": ChunkReply(16, 0x08000022, 2, 0),
-    "stream_words": Stream(17, 1, 20, 0, (0x20300220, 0x20300C20)),
-    "stream_scaled": Stream(18, 2, 40, 1, (0x20300220, 0x20300C20), (0.0078125, 0.001953125)),
-    "stream_stop": Stream(19),
-    "stream_reply": StreamReply(18, 0, 2, 12_000, 40),
-    "stream_refused": StreamReply(20, 0x06040042, 2, 12_000, 40),
-    "setpoint": Setpoint(1, 0.625, 15.75),
-    "host_heartbeat": HostHeartbeat(127, 5),
-    "nmt_start": Nmt(1),
-    "nmt_reset_node": Nmt(129),
-    "heartbeat_boot_up": Heartbeat(0, 0),
-    "heartbeat_operational": Heartbeat(5, 0xFFFFFFFF),
-    "batch_words": Batch(1, 0, 1000, 1, 2, struct.pack("<ffff", 1.5, -0.25, 0.0, math.inf)),
-    "batch_scaled": Batch(
+    "read": wire.Read(9, 0x6041, 0),
+    "read_reply": wire.ReadReply(9, 0, 0x6041, 0, bytes.fromhex("3702")),
+    "read_refused": wire.ReadReply(10, 0x06020000, 0x5FFF, 1),
+    "write": wire.Write(11, 0x2020, 1, struct.pack("<f", -1.5)),
+    "write_reply": wire.WriteReply(11, 0, 0x2020, 1),
+    "write_refused": wire.WriteReply(12, 0x06090031, 0x2000, 2),
+    "open": wire.Open(13, 0x2042, 0),
+    "open_reply": wire.OpenReply(13, 0, 0x2042, 0, 3, 2500, 1024, 0xCBF43926),
+    "open_refused": wire.OpenReply(14, 0x08000024, 0x2042, 0),
+    "chunks": wire.Chunks(15, 3, 1, 2),
+    "chunk_reply": wire.ChunkReply(15, 0, 3, 2, b"\x01\0\x02\0"),
+    "chunk_refused": wire.ChunkReply(16, 0x08000022, 2, 0),
+    "stream_words": wire.Stream(17, 1, 20, 0, (0x20300220, 0x20300C20)),
+    "stream_scaled": wire.Stream(18, 2, 40, 1, (0x20300220, 0x20300C20), (0.0078125, 0.001953125)),
+    "stream_stop": wire.Stream(19),
+    "stream_reply": wire.StreamReply(18, 0, 2, 12_000, 40),
+    "stream_refused": wire.StreamReply(20, 0x06040042, 2, 12_000, 40),
+    "setpoint": wire.Setpoint(1, 0.625, 15.75),
+    "host_heartbeat": wire.HostHeartbeat(127, 5),
+    "nmt_start": wire.Nmt(1),
+    "nmt_reset_node": wire.Nmt(129),
+    "heartbeat_boot_up": wire.Heartbeat(0, 0),
+    "heartbeat_operational": wire.Heartbeat(5, 0xFFFFFFFF),
+    "batch_words": wire.Batch(1, 0, 1000, 1, 2, struct.pack("<ffff", 1.5, -0.25, 0.0, math.inf)),
+    "batch_scaled": wire.Batch(
         2, 0x00010000, 0xFFFFFFFE, 2, 3, struct.pack("<6h", 1, -1, 0, 32767, -32767, -32768)
     ),
-    "event": Event(4, 123_456, Emergency(0x8130, 0x11, bytes(5))),
-    "reject_unknown_type": Reject(21, 0x07, 1),
-    "reject_wrong_length": Reject(22, 0x02, 2),
-    "reject_busy": Reject(23, 0x06, 3),
+    "event": wire.Event(4, 123_456, Emergency(0x8130, 0x11, bytes(5))),
+    "reject_unknown_type": wire.Reject(21, 0x07, 1),
+    "reject_wrong_length": wire.Reject(22, 0x02, 2),
+    "reject_busy": wire.Reject(23, 0x06, 3),
 }
 
 # Payloads of good frames that are no message of a host of this version, and the REJECT, if it is answered.
@@ -164,7 +140,7 @@ SCALED: list[tuple[float, float, int]] = [  # value, scale, what is sent; NaN is
 def render() -> str:
     """The vectors as JSON; the same text every time."""
     document = {
-        "version": VERSION,
+        "version": wire.VERSION,
         "crc": [
             {"data": b"123456789".hex(), "crc": 0xCBF43926},
             {"data": "", "crc": 0},
@@ -207,8 +183,8 @@ class Line:
 
 def lines() -> dict[str, Line]:
     """Whole frames and damaged ones."""
-    read, chunks = encode_message(MESSAGES["read"]), encode_message(MESSAGES["chunks"])
-    good, other = encode_frame(read), encode_frame(chunks)
+    read, chunks = wire.encode_message(MESSAGES["read"]), wire.encode_message(MESSAGES["chunks"])
+    good, other = wire.encode_frame(read), wire.encode_frame(chunks)
     full = bytes([0x03, 1]) + bytes(range(1, _LIMIT - 1))
     run = b"\x02" + b"\x11" * 249  # with its CRC one full run without a zero
     return {
@@ -218,9 +194,9 @@ def lines() -> dict[str, Line]:
         "without_the_first_zero": Line(good[1:] + other, (read, chunks)),
         "noise_before": Line(b"\x07\x15\xa3" + good, (read,), bad_stuffing=1),
         "not_yet_ended": Line(good + b"\x07\x15\xa3", (read,)),
-        "longest_payload": Line(encode_frame(full), (full,)),
-        "one_byte_too_long": Line(encode_frame(full + b"\x01") + good, (read,), too_long=1),
-        "zeros_too_long": Line(encode_frame(bytes(_LIMIT + 1)) + good, (read,), too_long=1),
+        "longest_payload": Line(wire.encode_frame(full), (full,)),
+        "one_byte_too_long": Line(wire.encode_frame(full + b"\x01") + good, (read,), too_long=1),
+        "zeros_too_long": Line(wire.encode_frame(bytes(_LIMIT + 1)) + good, (read,), too_long=1),
         "endless": Line(b"\0" + b"\x55" * 300 + good, (read,), too_long=1),
         "endless_and_not_yet_ended": Line(good + b"\x55" * 300, (read,), too_long=1),
         "no_data": Line(b"\0\x01" + good, (read,), too_short=1),
@@ -234,39 +210,39 @@ def lines() -> dict[str, Line]:
         "zero_between_lost": Line(good[:-1] + other[1:] + good, (read,), bad_crc=1),
         "zero_within": Line(good[:4] + b"\0" + good[4:] + good, (read,), bad_stuffing=2),
         "closed_by_an_empty_run": Line(
-            encode_frame(run)[:-1] + b"\x01\0" + good, (run, read), max_payload=len(run)
+            wire.encode_frame(run)[:-1] + b"\x01\0" + good, (run, read), max_payload=len(run)
         ),
     }
 
 
-def _message(name: str, message: Message) -> dict[str, Any]:
-    payload = encode_message(message)
+def _message(name: str, message: wire.Message) -> dict[str, Any]:
+    payload = wire.encode_message(message)
     return {
         "name": name,
         "from": "host" if payload[0] < 0x41 else "drive",
         "type": payload[0],
         "fields": _fields(message),
         "payload": payload.hex(),
-        "frame": encode_frame(payload).hex(),
+        "frame": wire.encode_frame(payload).hex(),
     }
 
 
-def _fields(message: Message) -> dict[str, Any]:
+def _fields(message: wire.Message) -> dict[str, Any]:
     """Fields as they stand on the wire."""
     found = {each.name: getattr(message, each.name) for each in fields(message)}
     match message:
-        case Identity():
+        case wire.Identity():
             found["name_length"] = len(message.device_name.encode())
-        case Stream():
+        case wire.Stream():
             found["n"] = len(message.mappings)
-        case Event():
+        case wire.Event():
             emergency = found.pop("emergency")
             found |= {
                 "error_code": emergency.code,
                 "error_register": emergency.register,
                 "vendor": emergency.vendor,
             }
-        case Reject():
+        case wire.Reject():
             found["request_type"] = found.pop("type")
         case _:
             pass

@@ -5,18 +5,15 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from dataclasses import fields
-from types import TracebackType
-from typing import Self
 
 import can
 import canopen
 from canopen.sdo.exceptions import SdoAbortedError, SdoCommunicationError
 
 from benchtool.clock import Clock, VirtualClock
-from benchtool.errors import LinkClosed, LinkError, NoAnswer, SdoAbort
-from benchtool.link.announcements import Announcements
-from benchtool.link.interface import Alarm, CountsMalformed, Frame, FrameReceiver, LinkCounters
+from benchtool.errors import LinkError, NoAnswer, SdoAbort
+from benchtool.link.interface import CountsMalformed, Frame, FrameReceiver, LinkCounters
+from benchtool.link.receiving import ReceivingLink
 from benchtool.link.sdo_client import BlockNotOfferedError, SdoClient, SdoTimeoutError
 from benchtool.protocol.abort import abort_text
 from benchtool.protocol.emcy import Emergency
@@ -29,9 +26,11 @@ _HEARTBEAT = 0x700
 _RECEIVE_S = 0.05
 _ERROR_PAUSE_S = 0.001
 _ERRORS_IN_A_ROW = 100
+_FAILING_S = _ERRORS_IN_A_ROW * _ERROR_PAUSE_S * 4.0
+_CHECK_SENDING = "that the bus is powered and terminated and that another node acknowledges"
 
 
-class CanopenLink:
+class CanopenLink(ReceivingLink):
     """A `FrameLink` over CANopen, with one receive thread that no frame and no driver error ends.
 
     Errors of the driver are counted and reception goes on; only a hundred in a row, without a frame or
@@ -57,8 +56,10 @@ class CanopenLink:
         sdo_timeout_s: float = 0.5,
         arrival_s: Callable[[can.Message], float] | None = None,
     ) -> None:
+        super().__init__(
+            node_id, clock, thread_name="canopen-link", device="adapter", check="its cable and driver"
+        )
         self._bus = bus
-        self._node_id = node_id
         self._host_node_id = host_node_id
         self._arrival_s = arrival_s or (lambda _: clock.now_s())
         self._receivers: dict[int, FrameReceiver] = {_EMCY + node_id: self._on_emergency}
@@ -69,25 +70,7 @@ class CanopenLink:
         self._network.subscribe(_SDO_RESPONSE + node_id, self._on_sdo_response)
         self._network.subscribe(_HEARTBEAT + node_id, self._on_heartbeat)
         self._transfer_lock = threading.Lock()
-        self._close_lock = threading.Lock()
-        self._stopping = threading.Event()
-        self._failure: Exception | None = None
-        self._announced = Announcements(node_id, clock, self._require_open)
-        self._counts = dict.fromkeys((field.name for field in fields(LinkCounters)), 0)
-        self._thread = threading.Thread(target=self._receive, name="canopen-link", daemon=True)
         self._thread.start()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
-
-    @property
-    def node_id(self) -> int:
-        return self._node_id
 
     @property
     def counters(self) -> LinkCounters:
@@ -121,18 +104,6 @@ class CanopenLink:
         """See `Link.send_heartbeat`; the message says operational (CiA 301, 7.2.8.3.2.2)."""
         self._send(_HEARTBEAT + self._host_node_id, bytes([NmtState.OPERATIONAL]))
 
-    def heartbeat_state(self) -> NmtState | None:
-        """See `Link.heartbeat_state`."""
-        return self._announced.heartbeat_state()
-
-    def wait_heartbeat(self, timeout_s: float) -> NmtState:
-        """See `Link.wait_heartbeat`."""
-        return self._announced.wait_heartbeat(timeout_s)
-
-    def emergencies(self) -> tuple[Alarm, ...]:
-        """See `Link.emergencies`. The first 256 are kept, as the cause is among the first."""
-        return self._announced.emergencies()
-
     def subscribe(self, can_ids: Iterable[int], receiver: FrameReceiver) -> None:
         """See `FrameLink.subscribe`."""
         self._receivers = self._receivers | dict.fromkeys(can_ids, receiver)
@@ -145,15 +116,6 @@ class CanopenLink:
     def send_pdo(self, can_id: int, data: bytes) -> None:
         """See `FrameLink.send_pdo`."""
         self._send(can_id, data)
-
-    def close(self) -> None:
-        """See `Link.close`."""
-        with self._close_lock:
-            if self._stopping.is_set():
-                return
-            self._stopping.set()
-            self._thread.join()
-            self._bus.shutdown()
 
     # ---- transfers ---------------------------------------------------------------------------------------
 
@@ -187,32 +149,17 @@ class CanopenLink:
                 f"check the wiring, and that no other SDO client talks to this node"
             ) from None
         except (can.CanError, OSError) as reason:
-            raise self._send_failure(reason) from reason
+            raise self._send_failure(reason, _FAILING_S, _CHECK_SENDING) from reason
 
     def _send(self, can_id: int, data: bytes) -> None:
         self._require_open()
         try:
             self._network.send_message(can_id, data)
         except (can.CanError, OSError) as reason:
-            raise self._send_failure(reason) from reason
+            raise self._send_failure(reason, _FAILING_S, _CHECK_SENDING) from reason
 
-    def _send_failure(self, reason: Exception) -> LinkError:
-        # An adapter that is gone makes reception fail too, a moment later: then that is the finding.
-        self._thread.join(_ERRORS_IN_A_ROW * _ERROR_PAUSE_S * 4.0)
-        self._require_open()
-        return LinkError(
-            f"sending to node {self._node_id} failed: {reason}; "
-            f"check that the bus is powered and terminated and that another node acknowledges"
-        )
-
-    def _require_open(self) -> None:
-        if self._failure is not None:
-            raise LinkClosed(
-                f"the adapter of node {self._node_id} stopped working: {self._failure}; "
-                f"check its cable and driver, then connect again"
-            ) from self._failure
-        if self._stopping.is_set():
-            raise LinkClosed(f"the link to node {self._node_id} is closed; connect again")
+    def _close_device(self) -> None:
+        self._bus.shutdown()
 
     # ---- receive thread ------------------------------------------------------------------------------------
 

@@ -4,16 +4,12 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Sequence
-from dataclasses import fields
-from types import TracebackType
-from typing import Self
 
 from benchtool.clock import Clock, VirtualClock
-from benchtool.errors import LinkClosed, LinkError
-from benchtool.link.announcements import Announcements
 from benchtool.link.exchange import Exchange
-from benchtool.link.interface import Alarm, BatchReceiver, LinkCounters
+from benchtool.link.interface import BatchReceiver, LinkCounters
 from benchtool.link.port import Port
+from benchtool.link.receiving import ReceivingLink
 from benchtool.link.serial_requests import SerialRequests
 from benchtool.protocol.nmt import NmtCommand, NmtState
 from benchtool.protocol.serial import (
@@ -32,9 +28,10 @@ from benchtool.protocol.serial import (
 )
 
 _FAILING_S = 0.2
+_CHECK_SENDING = "that the other end of the line reads, and that there is no flow control"
 
 
-class SerialLink:
+class SerialLink(ReceivingLink):
     """A `BatchLink` over a byte port, with one receive thread that only the end of the port ends.
 
     Messages are handled in the receive thread, requests run in the caller's, one at a time. The first one,
@@ -51,8 +48,10 @@ class SerialLink:
     def __init__(
         self, port: Port, node_id: int, clock: Clock, *, host_node_id: int = 127, timeout_s: float = 0.5
     ) -> None:
+        super().__init__(
+            node_id, clock, thread_name="serial-link", device="serial port", check="its cable and adapter"
+        )
         self._port = port
-        self._node_id = node_id
         self._clock = clock
         self._host_node_id = host_node_id
         self._splitter = FrameSplitter()
@@ -62,26 +61,8 @@ class SerialLink:
         self._batch_receiver: BatchReceiver | None = None
         self._setpoint_sequence = 0
         self._send_lock = threading.Lock()
-        self._close_lock = threading.Lock()
-        self._stopping = threading.Event()
-        self._failure: Exception | None = None
-        self._announced = Announcements(node_id, clock, self._require_open)
         self._event_sequence: int | None = None
-        self._counts = dict.fromkeys((field.name for field in fields(LinkCounters)), 0)
-        self._thread = threading.Thread(target=self._receive, name="serial-link", daemon=True)
         self._thread.start()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
-
-    @property
-    def node_id(self) -> int:
-        return self._node_id
 
     @property
     def counters(self) -> LinkCounters:
@@ -120,18 +101,6 @@ class SerialLink:
         """See `Link.send_heartbeat`."""
         self._send(HostHeartbeat(self._host_node_id, NmtState.OPERATIONAL))
 
-    def heartbeat_state(self) -> NmtState | None:
-        """See `Link.heartbeat_state`."""
-        return self._announced.heartbeat_state()
-
-    def wait_heartbeat(self, timeout_s: float) -> NmtState:
-        """See `Link.wait_heartbeat`."""
-        return self._announced.wait_heartbeat(timeout_s)
-
-    def emergencies(self) -> tuple[Alarm, ...]:
-        """See `Link.emergencies`. The first 256 are kept, as the cause is among the first."""
-        return self._announced.emergencies()
-
     # ---- process data ------------------------------------------------------------------------------------
 
     def batch_rows(self, channels: int) -> int:
@@ -152,15 +121,6 @@ class SerialLink:
         self._setpoint_sequence = self._setpoint_sequence + 1 & 0xFFFFFFFF
         self._send(Setpoint(self._setpoint_sequence, torque_Nm, omega_m_rad_s))
 
-    def close(self) -> None:
-        """See `Link.close`."""
-        with self._close_lock:
-            if self._stopping.is_set():
-                return
-            self._stopping.set()
-            self._thread.join()
-            self._port.close()
-
     # ---- inside ------------------------------------------------------------------------------------------
 
     def _send(self, message: Request) -> None:
@@ -170,22 +130,10 @@ class SerialLink:
             with self._send_lock:
                 self._port.write(frame)
         except OSError as reason:
-            # A port that is gone makes reception fail too, a moment later: then that is the finding.
-            self._thread.join(_FAILING_S)
-            self._require_open()
-            raise LinkError(
-                f"sending to node {self._node_id} failed: {reason}; "
-                f"check that the other end of the line reads, and that there is no flow control"
-            ) from reason
+            raise self._send_failure(reason, _FAILING_S, _CHECK_SENDING) from reason
 
-    def _require_open(self) -> None:
-        if self._failure is not None:
-            raise LinkClosed(
-                f"the serial port of node {self._node_id} stopped working: {self._failure}; "
-                f"check its cable and adapter, then connect again"
-            ) from self._failure
-        if self._stopping.is_set():
-            raise LinkClosed(f"the link to node {self._node_id} is closed; connect again")
+    def _close_device(self) -> None:
+        self._port.close()
 
     # ---- receive thread ----------------------------------------------------------------------------------
 

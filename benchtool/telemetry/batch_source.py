@@ -5,14 +5,13 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Sequence
 
-from benchtool.block import Block
 from benchtool.errors import ValueRefused
 from benchtool.link import BatchLink
 from benchtool.protocol.nmt import NmtCommand
 from benchtool.protocol.serial import Batch, BatchDecoder, StreamFormat
-from benchtool.protocol.telemetry import StreamCounters, stream_channel
+from benchtool.protocol.telemetry import stream_channel
 from benchtool.telemetry.node import Node
-from benchtool.telemetry.source import Sent
+from benchtool.telemetry.source import Sent, control_period_s
 
 MOST_CHANNELS = 16
 _LATENCY_S = 0.02  # how long the first record of a batch may wait for the last
@@ -43,29 +42,13 @@ class BatchSource:
                 f"channels are '{','.join(channels)}', 1 to {MOST_CHANNELS} different signals are expected: "
                 f"name each once, and fewer"
             )
-        self.tick_s = round(node.number("control_period") * 1e9) * 1e-9
+        self.tick_s = control_period_s(node)
         self.stride = _stride(rate_Hz, self.tick_s)
         self._lock = threading.Lock()
         self._receive: Callable[[TimedBatch], None] | None = None
         self._early: list[TimedBatch] = []
         self._schema: int | None = None
-        self._decoder = self._decoder_of(0)
-
-    @property
-    def counters(self) -> StreamCounters:
-        return self._decoder.counters
-
-    @property
-    def rows(self) -> int:
-        return self._decoder.rows
-
-    @property
-    def tick(self) -> int:
-        return self._decoder.tick
-
-    @property
-    def arrival_s(self) -> float:
-        return self._decoder.arrival_s
+        self.decoder = self._decoder_of(0)
 
     def start(self, receive: Callable[[TimedBatch], None]) -> None:
         """See `Source.start`."""
@@ -81,7 +64,7 @@ class BatchSource:
         mappings = [channel.mapping for channel in self._channels]
         schema = self._link.configure_stream(mappings, self.stride, batch).schema
         with self._lock:
-            self._decoder, self._schema = self._decoder_of(schema), schema
+            self.decoder, self._schema = self._decoder_of(schema), schema
             early, self._early = self._early, []
             for each in early:
                 self._pass_on(each)
@@ -98,11 +81,7 @@ class BatchSource:
 
     def feed(self, item: TimedBatch) -> bool:
         """See `Source.feed`."""
-        return self._decoder.feed(*item) > 0
-
-    def take(self) -> Block | None:
-        """See `Source.take`."""
-        return self._decoder.take()
+        return self.decoder.feed(*item) > 0
 
     def _on_batch(self, batch: Batch, arrival_s: float) -> None:
         # An operational drive streams at once: batches may be here before the number of their schema is.

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from benchtool.block import Block
 from benchtool.link import Frame, FrameLink
 from benchtool.protocol.nmt import NmtCommand
 from benchtool.protocol.pdo import INVALID, TPDO_COB_IDS
-from benchtool.protocol.telemetry import RecordDecoder, StreamCounters, stream_layout
+from benchtool.protocol.telemetry import RecordDecoder, stream_layout
 from benchtool.telemetry.node import Node
-from benchtool.telemetry.source import Sent
+from benchtool.telemetry.source import Sent, control_period_s
 
 
 class PdoSource:
@@ -29,30 +28,14 @@ class PdoSource:
     def __init__(self, node: Node, link: FrameLink, channels: Sequence[str], rate_Hz: float) -> None:
         self._node = node
         self._link = link
-        self.tick_s = round(node.number("control_period") * 1e9) * 1e-9
+        self.tick_s = control_period_s(node)
         self._layout = stream_layout(node.dictionary, link.node_id, channels, rate_Hz, self.tick_s)
-        self._decoder = RecordDecoder(self._layout)
+        self.decoder = RecordDecoder(self._layout)
         self._sequence_before = 0
 
     @property
     def stride(self) -> int:
         return self._layout.stride
-
-    @property
-    def counters(self) -> StreamCounters:
-        return self._decoder.counters
-
-    @property
-    def rows(self) -> int:
-        return self._decoder.rows
-
-    @property
-    def tick(self) -> int:
-        return self._decoder.tick
-
-    @property
-    def arrival_s(self) -> float:
-        return self._decoder.arrival_s
 
     def start(self, receive: Callable[[Frame], None]) -> None:
         """See `Source.start`."""
@@ -79,11 +62,7 @@ class PdoSource:
 
     def feed(self, item: Frame) -> bool:
         """See `Source.feed`."""
-        return self._decoder.feed(*item)
-
-    def take(self) -> Block | None:
-        """See `Source.take`."""
-        return self._decoder.take()
+        return self.decoder.feed(*item)
 
     def _switch_off(self, number: int) -> None:
         label = f"0x{0x1800 + number - 1:04X}:1"

@@ -8,6 +8,7 @@ from typing import Protocol, TypeVar
 
 from benchtool.block import Block
 from benchtool.protocol.telemetry import StreamCounters
+from benchtool.telemetry.node import Node
 
 Item = TypeVar("Item")
 
@@ -23,20 +24,8 @@ class Sent:
     dropped: int = 0
 
 
-class Source(Protocol[Item]):
-    """One configuration of a stream over one wire: `start`, then `feed` and `take`, `stop`, `detach`.
-
-    `start`, `stop` and `detach` are called by whoever owns the stream; `feed` and `take` in one thread, which
-    handles what `start`'s receiver was given.
-    """
-
-    @property
-    def stride(self) -> int:
-        """Ticks between two records."""
-
-    @property
-    def tick_s(self) -> float:
-        """The drive's control period."""
+class Decoder(Protocol):
+    """What makes Blocks of what has come, as the stream sees it: how it is fed differs by wire."""
 
     @property
     def counters(self) -> StreamCounters:
@@ -54,6 +43,29 @@ class Source(Protocol[Item]):
     def arrival_s(self) -> float:
         """When that record arrived."""
 
+    def take(self) -> Block | None:
+        """The rows since the last call, which are given away; None if there are none."""
+
+
+class Source(Protocol[Item]):
+    """One configuration of a stream over one wire: `start`, then `feed`, `stop`, `detach`.
+
+    `start`, `stop` and `detach` are called by whoever owns the stream; `feed`, and `take` of the decoder, in
+    one thread, which handles what `start`'s receiver was given.
+    """
+
+    @property
+    def stride(self) -> int:
+        """Ticks between two records."""
+
+    @property
+    def tick_s(self) -> float:
+        """The drive's control period."""
+
+    @property
+    def decoder(self) -> Decoder:
+        """Fed by `feed`; `start` may put another in its place."""
+
     def start(self, receive: Callable[[Item], None]) -> None:
         """Set the drive up; `receive` is called in the link's receive thread, and must be quick.
 
@@ -68,7 +80,9 @@ class Source(Protocol[Item]):
         """Take the receiver back; nothing is asked of the drive."""
 
     def feed(self, item: Item) -> bool:
-        """Take what was received; whether it completed a record. Never raises."""
+        """Give the decoder what was received; whether it completed a record. Never raises."""
 
-    def take(self) -> Block | None:
-        """The rows since the last call, which are given away; None if there are none."""
+
+def control_period_s(node: Node) -> float:
+    """The drive's control period, to whole nanoseconds: the drive has it as a float32."""
+    return round(node.number("control_period") * 1e9) * 1e-9

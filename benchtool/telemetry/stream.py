@@ -153,7 +153,7 @@ class TelemetryStream:
         self._hand_on()
         self._earlier = self._counters()
         if self._taken:
-            self._before = TickMark(self._source.tick, self._source.arrival_s, self._source.tick_s)
+            self._before = self._mark()
         self._resumptions += 1
         self._arrivals = ArrivalStatistics(self._source.tick_s)
         self._source = stream_source(self._node, self._channels, self._rate_Hz)
@@ -169,7 +169,7 @@ class TelemetryStream:
                 while its link was lost.
         """
         self._check_threads()
-        silent_s = self._node.clock.now_s() - max(self._started_s, self._source.arrival_s)
+        silent_s = self._node.clock.now_s() - max(self._started_s, self._source.decoder.arrival_s)
         if not self._running or silent_s <= max(_SILENCE_S, _SILENT_PERIODS * self.period_s):
             return
         state = self._node.link.heartbeat_state()
@@ -228,12 +228,13 @@ class TelemetryStream:
             if self._before is not None:
                 self._require_same_run(self._before)
                 self._before = None
-            self._arrivals.add(self._source.tick, self._source.arrival_s)
-            if self._source.rows >= self._rows:
+            decoder = self._source.decoder
+            self._arrivals.add(decoder.tick, decoder.arrival_s)
+            if decoder.rows >= self._rows:
                 self._hand_on()
 
     def _hand_on(self) -> None:
-        block = self._source.take()
+        block = self._source.decoder.take()
         if block is None:
             return
         if self._taken:
@@ -250,15 +251,21 @@ class TelemetryStream:
         self._fan_out.put(block)
 
     def _require_same_run(self, before: TickMark) -> None:
-        if before.restarted_since(TickMark(self._source.tick, self._source.arrival_s, self._source.tick_s)):
+        later = self._mark()
+        if before.restarted_since(later):
             raise StateError(
                 f"node {self._node.link.node_id} restarted while its link was lost: tick {before.tick} was "
-                f"followed by {self._source.tick}; its rows cannot stand in one stream, record again"
+                f"followed by {later.tick}; its rows cannot stand in one stream, record again"
             )
+
+    def _mark(self) -> TickMark:
+        """That of the last record received."""
+        decoder = self._source.decoder
+        return TickMark(decoder.tick, decoder.arrival_s, self._source.tick_s)
 
     def _counters(self) -> StreamCounters:
         """Those of all sources so far."""
-        parts = (asdict(self._earlier), asdict(self._source.counters))
+        parts = (asdict(self._earlier), asdict(self._source.decoder.counters))
         return StreamCounters(**{name: sum(part[name] for part in parts) for name in parts[0]})
 
     def _check_threads(self) -> None:

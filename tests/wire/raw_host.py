@@ -10,21 +10,9 @@ from typing import TypeVar
 
 from benchtool.emulator.bench import EmulatedBench
 from benchtool.emulator.servers.client import HungUp
+from benchtool.protocol import serial as wire
 from benchtool.protocol.modes import Mode
 from benchtool.protocol.objects import DataType, Entry, load_table
-from benchtool.protocol.serial import (
-    FrameSplitter,
-    Message,
-    Nmt,
-    Read,
-    ReadReply,
-    Reply,
-    Write,
-    WriteReply,
-    decode_reply,
-    encode_frame,
-    encode_message,
-)
 from benchtool.shipped import shipped
 
 TABLE = load_table(shipped("firmware_protocol") / "objects.toml")
@@ -111,26 +99,26 @@ class RawHost:
         self.bench = bench
         self.port = HeldPort()
         self.lost: list[OSError] = []
-        self._splitter = FrameSplitter()
+        self._splitter = wire.FrameSplitter()
         self._tag = 0
         bench.add_serial(self.port, self.lost.append, buffered=buffered)
 
-    def tell(self, *messages: Message | bytes) -> list[Reply]:
+    def tell(self, *messages: wire.Message | bytes) -> list[wire.Reply]:
         """Send messages, or bytes as they are; everything that came since the last call."""
         for message in messages:
-            raw = message if isinstance(message, bytes) else encode_frame(encode_message(message))
+            raw = message if isinstance(message, bytes) else wire.encode_frame(wire.encode_message(message))
             self.port.deliver(raw)
         return self.hear()
 
-    def hear(self) -> list[Reply]:
+    def hear(self) -> list[wire.Reply]:
         """Everything that came since the last call."""
         payloads = self._splitter.feed(self.port.taken())
         assert self._splitter.dropped == 0
-        messages = [decode_reply(payload) for payload in payloads]
+        messages = [wire.decode_reply(payload) for payload in payloads]
         assert None not in messages
         return [message for message in messages if message is not None]
 
-    def ask(self, request: Message, kind: type[R]) -> R:
+    def ask(self, request: wire.Message, kind: type[R]) -> R:
         """The one answer of this kind."""
         (answer,) = [each for each in self.tell(request) if isinstance(each, kind)]
         return answer
@@ -138,7 +126,7 @@ class RawHost:
     def read(self, name: str) -> float:
         """Raw value of an object."""
         entry = TABLE.by_name[name]
-        answer = self.ask(Read(self.tag(), entry.index, entry.sub), ReadReply)
+        answer = self.ask(wire.Read(self.tag(), entry.index, entry.sub), wire.ReadReply)
         assert answer.status == 0, hex(answer.status)
         value: float = _struct(entry).unpack(answer.data)[0]
         return value
@@ -147,7 +135,7 @@ class RawHost:
         """Write an object; the status."""
         entry = TABLE.by_name[name]
         data = _struct(entry).pack(raw)
-        return self.ask(Write(self.tag(), entry.index, entry.sub, data), WriteReply).status
+        return self.ask(wire.Write(self.tag(), entry.index, entry.sub, data), wire.WriteReply).status
 
     def tag(self) -> int:
         """A new tag."""
@@ -156,7 +144,7 @@ class RawHost:
 
     def enable(self, mode: int = Mode.VELOCITY) -> None:
         """To NMT state operational and operation enabled."""
-        self.tell(Nmt(1))
+        self.tell(wire.Nmt(1))
         assert self.write("mode_of_operation", mode) == 0
         for word in (6, 7, 15):
             assert self.write("controlword", word) == 0

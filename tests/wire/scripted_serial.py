@@ -8,30 +8,10 @@ from collections.abc import Callable, Iterable
 
 from benchtool.clock import VirtualClock
 from benchtool.link.pipe import pipe
-from benchtool.protocol.serial import (
-    ChunkReply,
-    Chunks,
-    FrameSplitter,
-    Identify,
-    Identity,
-    Message,
-    Open,
-    OpenReply,
-    Read,
-    ReadReply,
-    Reject,
-    Request,
-    Stream,
-    StreamReply,
-    Write,
-    WriteReply,
-    decode_request,
-    encode_frame,
-    encode_message,
-)
+from benchtool.protocol import serial as wire
 
 NODE = 5
-IDENTITY = Identity(
+IDENTITY = wire.Identity(
     tag=0,
     status=0,
     version=1,
@@ -44,25 +24,26 @@ IDENTITY = Identity(
     device_name="scripted",
 )
 
-Step = Message | bytes
+Step = wire.Message | bytes
 """What the other end sends: a message, or bytes as they are."""
 
 
-def frame(message: Message) -> bytes:
-    return encode_frame(encode_message(message))
+def frame(message: wire.Message) -> bytes:
+    return wire.encode_frame(wire.encode_message(message))
 
 
 class ScriptedPort:
     """A port in virtual time whose other end answers each request as `answer` says; it knows itself."""
 
     def __init__(self, clock: VirtualClock) -> None:
-        self.answer: Callable[[Request], Iterable[Step]] = lambda _: ()
-        self.identity: Identity | None = IDENTITY
-        self.requests: list[Request] = []
+        self.answer: Callable[[wire.Request], Iterable[Step]] = lambda _: ()
+        self.identity: wire.Identity | None = IDENTITY
+        self.requests: list[wire.Request] = []
+        self.closed = 0
         self.sent = b""
         self.broken: OSError | None = None
         self._near, self._far = pipe(clock)
-        self._heard = FrameSplitter()
+        self._heard = wire.FrameSplitter()
         clock.settle_with(self._near.settle)
 
     def read(self) -> bytes:
@@ -76,10 +57,10 @@ class ScriptedPort:
             raise self.broken
         self.sent += data
         for payload in self._heard.feed(data):
-            request = decode_request(payload)
+            request = wire.decode_request(payload)
             assert request is not None
-            assert not isinstance(request, Reject)
-            if isinstance(request, Identify) and self.identity is not None:
+            assert not isinstance(request, wire.Reject)
+            if isinstance(request, wire.Identify) and self.identity is not None:
                 self.say(dataclasses.replace(self.identity, tag=request.tag))
                 continue
             self.requests.append(request)
@@ -95,6 +76,7 @@ class ScriptedPort:
         self._far.close()
 
     def close(self) -> None:
+        self.closed += 1
         self._near.close()
 
 
@@ -104,33 +86,33 @@ class Objects:
     def __init__(self, chunk_size: int = 16) -> None:
         self.values: dict[tuple[int, int], bytes] = {}
         self.chunk_size = chunk_size
-        self.spoil: Callable[[ChunkReply], Iterable[Step]] = lambda reply: [reply]
+        self.spoil: Callable[[wire.ChunkReply], Iterable[Step]] = lambda reply: [reply]
         self._open = b""
 
-    def __call__(self, request: Request) -> Iterable[Step]:
+    def __call__(self, request: wire.Request) -> Iterable[Step]:
         match request:
-            case Read(tag, index, sub):
+            case wire.Read(tag, index, sub):
                 data = self.values.get((index, sub))
                 if data is None:
-                    return [ReadReply(tag, 0x06020000, index, sub)]
+                    return [wire.ReadReply(tag, 0x06020000, index, sub)]
                 if len(data) > IDENTITY.max_reply - 9:
-                    return [ReadReply(tag, 0x05040005, index, sub)]
-                return [ReadReply(tag, 0, index, sub, data)]
-            case Write(tag, index, sub, data):
+                    return [wire.ReadReply(tag, 0x05040005, index, sub)]
+                return [wire.ReadReply(tag, 0, index, sub, data)]
+            case wire.Write(tag, index, sub, data):
                 self.values[index, sub] = data
-                return [WriteReply(tag, 0, index, sub)]
-            case Open(tag, index, sub):
+                return [wire.WriteReply(tag, 0, index, sub)]
+            case wire.Open(tag, index, sub):
                 self._open = self.values[index, sub]
                 crc = zlib.crc32(self._open)
-                return [OpenReply(tag, 0, index, sub, 7, len(self._open), self.chunk_size, crc)]
-            case Chunks(tag, upload, first, count):
+                return [wire.OpenReply(tag, 0, index, sub, 7, len(self._open), self.chunk_size, crc)]
+            case wire.Chunks(tag, upload, first, count):
                 size = self.chunk_size
                 replies = (
-                    ChunkReply(tag, 0, upload, number, self._open[number * size : (number + 1) * size])
+                    wire.ChunkReply(tag, 0, upload, number, self._open[number * size : (number + 1) * size])
                     for number in range(first, first + count)
                 )
                 return [step for reply in replies for step in self.spoil(reply)]
-            case Stream(tag):
-                return [StreamReply(tag, 0, schema=3, sent=10, dropped=1)]
+            case wire.Stream(tag):
+                return [wire.StreamReply(tag, 0, schema=3, sent=10, dropped=1)]
             case _:
                 return []

@@ -13,22 +13,12 @@ from benchtool.emulator.bench import EmulatedBench
 from benchtool.emulator.servers.client import HungUp
 from benchtool.emulator.servers.tcp import TcpPort
 from benchtool.emulator.servers.transmitter import QueuedTransmitter
+from benchtool.protocol import serial as wire
 from benchtool.protocol.abort import Abort
-from benchtool.protocol.serial import (
-    ChunkReply,
-    Chunks,
-    Nmt,
-    Open,
-    OpenReply,
-    Reject,
-    Setpoint,
-    Stream,
-    StreamReply,
-)
 from tests.wire.raw_host import TABLE, RawHost, mapping
 
 READS = 200
-STREAM = Stream(1, stride=10, batch=4, mappings=(mapping("torque"),))
+STREAM = wire.Stream(1, stride=10, batch=4, mappings=(mapping("torque"),))
 
 
 @pytest.fixture
@@ -146,28 +136,28 @@ class TestTcpPort:
 class TestSerialServer:
     def test_the_stream_of_a_client_that_left_is_free_for_the_next(self, bench: EmulatedBench) -> None:
         one, other = RawHost(bench), RawHost(bench)
-        assert one.ask(STREAM, StreamReply).status == 0
-        assert isinstance(other.tell(STREAM)[-1], Reject)
+        assert one.ask(STREAM, wire.StreamReply).status == 0
+        assert isinstance(other.tell(STREAM)[-1], wire.Reject)
         one.port.depart()
-        assert other.ask(STREAM, StreamReply).status == 0
+        assert other.ask(STREAM, wire.StreamReply).status == 0
         assert one.lost == [], "the line itself is there"
-        assert isinstance(one.tell(STREAM)[-1], Reject)
+        assert isinstance(one.tell(STREAM)[-1], wire.Reject)
 
     def test_what_a_client_began_is_not_the_next_ones(self, bench: EmulatedBench) -> None:
         host = RawHost(bench)
         entry = TABLE.by_name["device_name"]
-        opened = host.ask(Open(1, entry.index, entry.sub), OpenReply)
+        opened = host.ask(wire.Open(1, entry.index, entry.sub), wire.OpenReply)
         host.port.depart()
-        assert host.ask(Chunks(2, opened.upload, 0, 1), ChunkReply).status == Abort.DEVICE_STATE
+        assert host.ask(wire.Chunks(2, opened.upload, 0, 1), wire.ChunkReply).status == Abort.DEVICE_STATE
 
     def test_setpoints_are_numbered_anew_and_fed_by_nobody(self, bench: EmulatedBench) -> None:
         host = RawHost(bench)
-        host.tell(Nmt(1))
-        host.tell(Setpoint(1000, 0.0, 1.0))
-        host.tell(Setpoint(7, 0.0, 2.0))
+        host.tell(wire.Nmt(1))
+        host.tell(wire.Setpoint(1000, 0.0, 1.0))
+        host.tell(wire.Setpoint(7, 0.0, 2.0))
         assert host.read("omega_m_command") == 1.0, "an old one"
         host.port.depart()
-        host.tell(Setpoint(7, 0.0, 2.0))
+        host.tell(wire.Setpoint(7, 0.0, 2.0))
         assert host.read("omega_m_command") == 2.0
 
 

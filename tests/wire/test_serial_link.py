@@ -14,27 +14,10 @@ from benchtool.clock import VirtualClock
 from benchtool.errors import IdentityMismatch, LinkClosed, LinkError, NoAnswer, SdoAbort, ValueRefused
 from benchtool.link import BatchLink, FrameLink
 from benchtool.link.serial import SerialLink
+from benchtool.protocol import serial as wire
 from benchtool.protocol.abort import Abort
 from benchtool.protocol.emcy import Emergency
 from benchtool.protocol.nmt import NmtCommand, NmtState
-from benchtool.protocol.serial import (
-    Batch,
-    ChunkReply,
-    Chunks,
-    Event,
-    Heartbeat,
-    HostHeartbeat,
-    Nmt,
-    Open,
-    Read,
-    ReadReply,
-    Reject,
-    Request,
-    Setpoint,
-    Stream,
-    Write,
-    WriteReply,
-)
 from tests.wire.scripted_serial import IDENTITY, NODE, Objects, ScriptedPort, Step, frame
 
 VALUE = bytes.fromhex("78563412")
@@ -89,10 +72,10 @@ def test_every_message_without_an_answer(port: ScriptedPort, link: SerialLink) -
     link.send_setpoint(1.5, -20.0)
     link.send_setpoint(1.5, -20.0)
     assert port.requests == [
-        Nmt(1),
-        HostHeartbeat(127, 5),
-        Setpoint(1, 1.5, -20.0),
-        Setpoint(2, 1.5, -20.0),
+        wire.Nmt(1),
+        wire.HostHeartbeat(127, 5),
+        wire.Setpoint(1, 1.5, -20.0),
+        wire.Setpoint(2, 1.5, -20.0),
     ]
 
 
@@ -102,7 +85,7 @@ def test_every_message_without_an_answer(port: ScriptedPort, link: SerialLink) -
 def test_values_are_read_and_written(port: ScriptedPort, objects: Objects, link: SerialLink) -> None:
     link.download(0x2000, 1, b"\x01\x02")
     assert link.upload(0x2000, 1) == b"\x01\x02"
-    assert [type(request) for request in port.requests] == [Write, Read]
+    assert [type(request) for request in port.requests] == [wire.Write, wire.Read]
     counters = link.counters
     assert (counters.frames_received, counters.frames_dropped, counters.retries) == (3, 0, 0)
 
@@ -123,7 +106,7 @@ def test_chunks_under_way_at_a_time_are_few(port: ScriptedPort, objects: Objects
     objects.chunk_size = 1024
     objects.values[0x2100, 0] = bytes(50_000)
     assert link.upload(0x2100, 0, block=True) == bytes(50_000)
-    asked = [request for request in port.requests if isinstance(request, Chunks)]
+    asked = [request for request in port.requests if isinstance(request, wire.Chunks)]
     assert [request.first for request in asked] == [0, 8, 16, 24, 32, 40, 48]
     assert asked[-1].count == 1
 
@@ -132,7 +115,7 @@ def test_a_refusal_names_node_object_code_and_remedy(port: ScriptedPort, link: S
     port.answer = Objects()
     with pytest.raises(SdoAbort, match="node 5 refused reading 0x3000:2: 0x06020000 object does not exist: "):
         link.upload(0x3000, 2)
-    port.answer = lambda _: [WriteReply(3, 0x06010002, 0x1000, 0)]
+    port.answer = lambda _: [wire.WriteReply(3, 0x06010002, 0x1000, 0)]
     with pytest.raises(SdoAbort, match="node 5 refused writing 0x1000:0: 0x06010002 ") as refused:
         link.download(0x1000, 0, b"\x01")
     assert refused.value.code == Abort.READ_ONLY
@@ -155,14 +138,14 @@ def test_a_read_is_asked_twice_and_then_given_up(port: ScriptedPort, link: Seria
     said = r"^node 5 did not answer within 0.5 s when reading 0x6041:0, asked twice; check [^\n]*$"
     with pytest.raises(NoAnswer, match=said):
         link.upload(0x6041, 0)
-    assert port.requests == [Read(2, 0x6041, 0), Read(3, 0x6041, 0)]
+    assert port.requests == [wire.Read(2, 0x6041, 0), wire.Read(3, 0x6041, 0)]
     assert link.counters.retries == 1
 
 
 def test_a_write_is_sent_once(port: ScriptedPort, link: SerialLink) -> None:
     with pytest.raises(NoAnswer, match="when writing 0x2000:1, asked once"):
         link.download(0x2000, 1, b"\x01")
-    assert port.requests == [Write(2, 0x2000, 1, b"\x01")]
+    assert port.requests == [wire.Write(2, 0x2000, 1, b"\x01")]
     with pytest.raises(NoAnswer, match="when starting the stream, asked once"):
         link.configure_stream([0x20300120], 1, 4)
     assert len(port.requests) == 2
@@ -178,15 +161,19 @@ def test_a_drive_that_does_not_say_who_it_is(port: ScriptedPort, objects: Object
 
 def test_late_and_wrong_answers_are_passed_over_and_counted(port: ScriptedPort, link: SerialLink) -> None:
     wrong: list[Step] = [
-        ReadReply(1, 0, 0x2000, 1, b"late"),
-        ReadReply(2, 0, 0x2000, 2, b"another object"),
-        WriteReply(2, 0, 0x2000, 1),
-        ChunkReply(2, 0, 7, 0, b"chunk"),
-        Reject(1, 2, 1),
-        Reject(2, 3, 1),
+        wire.ReadReply(1, 0, 0x2000, 1, b"late"),
+        wire.ReadReply(2, 0, 0x2000, 2, b"another object"),
+        wire.WriteReply(2, 0, 0x2000, 1),
+        wire.ChunkReply(2, 0, 7, 0, b"chunk"),
+        wire.Reject(1, 2, 1),
+        wire.Reject(2, 3, 1),
         dataclasses.replace(IDENTITY, tag=2),
     ]
-    port.answer = lambda _: [*wrong, ReadReply(2, 0, 0x2000, 1, VALUE), ReadReply(2, 0, 0x2000, 1, b"again")]
+    port.answer = lambda _: [
+        *wrong,
+        wire.ReadReply(2, 0, 0x2000, 1, VALUE),
+        wire.ReadReply(2, 0, 0x2000, 1, b"again"),
+    ]
     assert link.upload(0x2000, 1) == VALUE
     port.answer = Objects()
     link.download(0x2000, 1, b"\x01")
@@ -194,8 +181,8 @@ def test_late_and_wrong_answers_are_passed_over_and_counted(port: ScriptedPort, 
 
 
 def test_a_damaged_answer_is_silence(port: ScriptedPort, link: SerialLink) -> None:
-    def answer(request: Request) -> Iterable[Step]:
-        good = frame(ReadReply(len(port.requests) + 1, 0, 0x2000, 1, VALUE))
+    def answer(request: wire.Request) -> Iterable[Step]:
+        good = frame(wire.ReadReply(len(port.requests) + 1, 0, 0x2000, 1, VALUE))
         return [good[:-3] + bytes([good[-3] ^ 1]) + good[-2:] if len(port.requests) == 1 else good]
 
     port.answer = answer
@@ -236,7 +223,7 @@ def test_lost_chunks_are_asked_for_again_by_themselves(
 ) -> None:
     lost = {3, 7, 62}
 
-    def spoil(reply: ChunkReply) -> Iterable[Step]:
+    def spoil(reply: wire.ChunkReply) -> Iterable[Step]:
         if reply.chunk in lost:
             lost.discard(reply.chunk)
             return []
@@ -244,7 +231,7 @@ def test_lost_chunks_are_asked_for_again_by_themselves(
 
     objects.spoil = spoil
     assert link.upload(0x2100, 0, block=True) == LONG
-    again = [request for request in port.requests if isinstance(request, Chunks)][1:]
+    again = [request for request in port.requests if isinstance(request, wire.Chunks)][1:]
     assert [(request.first, request.count) for request in again] == [(3, 1), (7, 1), (62, 1)]
     assert link.counters.retries == 3
 
@@ -254,7 +241,7 @@ def test_damaged_and_alien_chunks_are_not_taken(
 ) -> None:
     spoilt = {4, 5, 6}
 
-    def spoil(reply: ChunkReply) -> Iterable[Step]:
+    def spoil(reply: wire.ChunkReply) -> Iterable[Step]:
         if reply.chunk not in spoilt:
             return [reply]
         spoilt.discard(reply.chunk)
@@ -278,7 +265,7 @@ def test_a_chunk_that_never_comes_ends_the_upload(
     objects.spoil = lambda reply: [] if reply.chunk == 9 else [reply]
     with pytest.raises(NoAnswer, match="did not send 1 of 63 chunks when reading 0x2100:0, each asked for 4"):
         link.upload(0x2100, 0, block=True)
-    assert [r.first for r in port.requests if isinstance(r, Chunks)] == [0, 9, 9, 9]
+    assert [r.first for r in port.requests if isinstance(r, wire.Chunks)] == [0, 9, 9, 9]
 
 
 def test_data_that_change_meanwhile_are_refused(objects: Objects, link: SerialLink) -> None:
@@ -292,7 +279,7 @@ def test_a_wrong_crc_is_read_again_and_then_an_error(
 ) -> None:
     bad = [4]
 
-    def spoil(reply: ChunkReply) -> Iterable[Step]:
+    def spoil(reply: wire.ChunkReply) -> Iterable[Step]:
         if reply.chunk == 5 and bad:
             bad.pop()
             return [dataclasses.replace(reply, data=bytes(16))]
@@ -300,7 +287,7 @@ def test_a_wrong_crc_is_read_again_and_then_an_error(
 
     objects.spoil = spoil
     assert link.upload(0x2100, 0, block=True) == LONG
-    assert [type(request) for request in port.requests] == [Open, Chunks, Open, Chunks]
+    assert [type(request) for request in port.requests] == [wire.Open, wire.Chunks, wire.Open, wire.Chunks]
     objects.spoil = lambda reply: [dataclasses.replace(reply, data=bytes(len(reply.data)))]
     with pytest.raises(LinkError, match="the CRC of 1000 bytes is wrong"):
         link.upload(0x2100, 0, block=True)
@@ -331,14 +318,14 @@ def test_a_reset_of_the_drive_makes_the_host_ask_again(
     assert link.upload(0x2000, 1) == VALUE
     port.identity = dataclasses.replace(IDENTITY, version=2)
     assert link.upload(0x2000, 1) == VALUE
-    port.say(Heartbeat(0, 0))
+    port.say(wire.Heartbeat(0, 0))
     clock.settle()
     with pytest.raises(LinkError, match="speaks version 2"):
         link.upload(0x2000, 1)
 
 
 def test_a_request_the_drive_does_not_know(port: ScriptedPort, link: SerialLink) -> None:
-    port.answer = lambda request: [Reject(2, 2, 1)]
+    port.answer = lambda request: [wire.Reject(2, 2, 1)]
     with pytest.raises(LinkError, match="reading 0x2000:1: it rejects message type 0x02, unknown type; "):
         link.upload(0x2000, 1)
 
@@ -349,8 +336,13 @@ def test_a_request_the_drive_does_not_know(port: ScriptedPort, link: SerialLink)
 def test_heartbeats_and_events(port: ScriptedPort, link: SerialLink, clock: VirtualClock) -> None:
     assert link.heartbeat_state() is None
     fault = Emergency(0x2310, 3, bytes(5))
-    port.say(Heartbeat(127, 10), Event(250, 11, fault), Event(251, 12, fault), Event(2, 13, fault))
-    port.say(Heartbeat(99, 0))
+    port.say(
+        wire.Heartbeat(127, 10),
+        wire.Event(250, 11, fault),
+        wire.Event(251, 12, fault),
+        wire.Event(2, 13, fault),
+    )
+    port.say(wire.Heartbeat(99, 0))
     clock.settle()
     assert link.heartbeat_state() is NmtState.PRE_OPERATIONAL
     assert [alarm.emergency for alarm in link.emergencies()] == [fault, fault, fault]
@@ -364,7 +356,7 @@ def test_events_after_a_reset_count_from_anew(
     port: ScriptedPort, link: SerialLink, clock: VirtualClock
 ) -> None:
     fault = Emergency(0x2310, 3, bytes(5))
-    port.say(Event(200, 1, fault), Heartbeat(0, 0), Event(0, 1, fault))
+    port.say(wire.Event(200, 1, fault), wire.Heartbeat(0, 0), wire.Event(0, 1, fault))
     clock.settle()
     assert link.counters.emcy_lost == 0
 
@@ -379,9 +371,9 @@ def test_batches_go_to_who_takes_them_and_his_failure_ends_nothing(
     port: ScriptedPort, objects: Objects, link: SerialLink, clock: VirtualClock
 ) -> None:
     assert link.configure_stream([0x20300120], 1, 4).schema == 3
-    assert port.requests == [Stream(2, 1, 4, 0, (0x20300120,))]
-    seen: list[tuple[Batch, float]] = []
-    batch = Batch(3, 0, 100, 1, 2, bytes(8))
+    assert port.requests == [wire.Stream(2, 1, 4, 0, (0x20300120,))]
+    seen: list[tuple[wire.Batch, float]] = []
+    batch = wire.Batch(3, 0, 100, 1, 2, bytes(8))
     port.say(batch)
     clock.settle()
     link.on_batch(lambda each, arrival_s: seen.append((each, arrival_s)))
@@ -390,7 +382,7 @@ def test_batches_go_to_who_takes_them_and_his_failure_ends_nothing(
     clock.settle()
     assert seen == [(batch, 0.25)]
 
-    def fail(each: Batch, arrival_s: float) -> None:
+    def fail(each: wire.Batch, arrival_s: float) -> None:
         raise RuntimeError
 
     link.on_batch(fail)
@@ -441,5 +433,6 @@ def test_a_closed_link_says_so(port: ScriptedPort, clock: VirtualClock) -> None:
     link = SerialLink(port, NODE, clock)
     link.close()
     link.close()
+    assert port.closed == 1
     with pytest.raises(LinkClosed, match="the link to node 5 is closed"):
         link.upload(0x2000, 1)

@@ -12,54 +12,31 @@ from hypothesis import strategies as st
 from benchtool.emulator.bench import EmulatedBench
 from benchtool.emulator.servers.serial import MAX_REPLY, MAX_REQUEST
 from benchtool.emulator.servers.upload import CHUNK_BYTES
+from benchtool.protocol import serial as wire
 from benchtool.protocol.abort import Abort
 from benchtool.protocol.capture import decode_header
 from benchtool.protocol.modes import Mode
-from benchtool.protocol.serial import (
-    ChunkReply,
-    Chunks,
-    Event,
-    Heartbeat,
-    HostHeartbeat,
-    Identify,
-    Identity,
-    Message,
-    Nmt,
-    Open,
-    OpenReply,
-    Read,
-    ReadReply,
-    Reject,
-    Reply,
-    Setpoint,
-    Stream,
-    StreamReply,
-    Write,
-    WriteReply,
-    encode_frame,
-    encode_message,
-)
 from tests.wire.raw_host import HOST, SUPERVISION, TABLE, RawHost, mapping
 
 START, STOP, PRE_OPERATIONAL, RESET_NODE, RESET_COMMUNICATION = 1, 2, 128, 129, 130
 CAPTURE_DATA = TABLE.by_name["capture_data"]
 
 
-def _heartbeats(replies: list[Reply]) -> list[int]:
-    return [each.nmt_state for each in replies if isinstance(each, Heartbeat)]
+def _heartbeats(replies: list[wire.Reply]) -> list[int]:
+    return [each.nmt_state for each in replies if isinstance(each, wire.Heartbeat)]
 
 
 # ---- requests --------------------------------------------------------------------------------------------
 
 
 def test_a_drive_that_is_switched_on_announces_itself(bench: EmulatedBench) -> None:
-    assert RawHost(bench).hear() == [Heartbeat(0, 0)]
+    assert RawHost(bench).hear() == [wire.Heartbeat(0, 0)]
     bench.clock.wait(0.05)
-    assert RawHost(bench).hear() == [Heartbeat(127, 500)], "a line that comes later is told the state"
+    assert RawHost(bench).hear() == [wire.Heartbeat(127, 500)], "a line that comes later is told the state"
 
 
 def test_identity_is_that_of_the_dictionary(raw: RawHost) -> None:
-    expected = Identity(
+    expected = wire.Identity(
         tag=9,
         status=0,
         version=1,
@@ -75,8 +52,8 @@ def test_identity_is_that_of_the_dictionary(raw: RawHost) -> None:
         max_reply=MAX_REPLY,
         device_name="benchtool reference drive",
     )
-    assert raw.tell(Identify(9)) == [expected]
-    other = raw.ask(Identify(10, version=2), Identity)
+    assert raw.tell(wire.Identify(9)) == [expected]
+    other = raw.ask(wire.Identify(10, version=2), wire.Identity)
     assert (other.tag, other.status, other.version) == (10, Abort.NOT_STORED, 1)
 
 
@@ -92,9 +69,9 @@ def test_identity_is_that_of_the_dictionary(raw: RawHost) -> None:
 def test_reads_are_answered_by_bytes_or_by_the_reason(
     raw: RawHost, index: int, sub: int, status: int
 ) -> None:
-    (answer,) = raw.tell(Read(200, index, sub))
+    (answer,) = raw.tell(wire.Read(200, index, sub))
     data = struct.pack("<f", 0.123) if status == 0 else b""
-    assert answer == ReadReply(200, status, index, sub, data)
+    assert answer == wire.ReadReply(200, status, index, sub, data)
 
 
 @pytest.mark.parametrize(
@@ -108,16 +85,16 @@ def test_reads_are_answered_by_bytes_or_by_the_reason(
     ],
 )
 def test_writes_are_taken_or_refused_with_the_reason(raw: RawHost, data: bytes, status: int) -> None:
-    (answer,) = raw.tell(Write(7, 0x2000, 2, data))
-    assert answer == WriteReply(7, status, 0x2000, 2)
+    (answer,) = raw.tell(wire.Write(7, 0x2000, 2, data))
+    assert answer == wire.WriteReply(7, status, 0x2000, 2)
     assert raw.read("R_s") == pytest.approx(0.123 if status else 0.2)
     assert raw.write("statusword", 0) == Abort.READ_ONLY
 
 
 # ---- what is no message ----------------------------------------------------------------------------------
 
-GOOD = encode_frame(encode_message(Read(1, 0x2000, 2)))
-LONG_REQUEST = encode_message(Write(1, 0x2000, 2, bytes(MAX_REQUEST)))
+GOOD = wire.encode_frame(wire.encode_message(wire.Read(1, 0x2000, 2)))
+LONG_REQUEST = wire.encode_message(wire.Write(1, 0x2000, 2, bytes(MAX_REQUEST)))
 
 
 def _wrong_crc() -> bytes:
@@ -132,11 +109,11 @@ def _wrong_crc() -> bytes:
         _wrong_crc(),
         b"\x00\x09\x01\x00",
         b"\x00\x04\x01\x02\x03\x00",
-        encode_frame(LONG_REQUEST),
-        encode_frame(b"\x13\x00"),
-        encode_frame(b"\x10\x00"),
-        encode_frame(b"\x12\x01\x02"),
-        encode_frame(encode_message(Heartbeat(5, 0))),
+        wire.encode_frame(LONG_REQUEST),
+        wire.encode_frame(b"\x13\x00"),
+        wire.encode_frame(b"\x10\x00"),
+        wire.encode_frame(b"\x12\x01\x02"),
+        wire.encode_frame(wire.encode_message(wire.Heartbeat(5, 0))),
     ],
     ids=["crc", "stuffing", "too short", "too long", "unknown", "setpoint", "nmt", "of a drive"],
 )
@@ -150,18 +127,18 @@ def test_what_is_damaged_or_unknown_is_dropped_and_counted(raw: RawHost, data: b
 @pytest.mark.parametrize(
     ("payload", "reject"),
     [
-        (b"\x07\x2a", Reject(0x2A, 0x07, 1)),
-        (b"\x0f", Reject(0, 0x0F, 1)),
-        (b"\x02\x2a\x00\x20", Reject(0x2A, 0x02, 2)),
-        (b"\x03\x2a\x00\x20\x02", Reject(0x2A, 0x03, 2)),
-        (b"\x01", Reject(0, 0x01, 2)),
-        (b"\x06\x2a\x01\x00\x01\x00\x02\x00\x00\x00\x00", Reject(0x2A, 0x06, 2)),
+        (b"\x07\x2a", wire.Reject(0x2A, 0x07, 1)),
+        (b"\x0f", wire.Reject(0, 0x0F, 1)),
+        (b"\x02\x2a\x00\x20", wire.Reject(0x2A, 0x02, 2)),
+        (b"\x03\x2a\x00\x20\x02", wire.Reject(0x2A, 0x03, 2)),
+        (b"\x01", wire.Reject(0, 0x01, 2)),
+        (b"\x06\x2a\x01\x00\x01\x00\x02\x00\x00\x00\x00", wire.Reject(0x2A, 0x06, 2)),
     ],
 )
 def test_a_whole_request_that_makes_no_sense_is_rejected(
-    raw: RawHost, payload: bytes, reject: Reject
+    raw: RawHost, payload: bytes, reject: wire.Reject
 ) -> None:
-    assert raw.tell(encode_frame(payload)) == [reject]
+    assert raw.tell(wire.encode_frame(payload)) == [reject]
     assert raw.read("serial_dropped") == 1
 
 
@@ -173,11 +150,13 @@ def test_frames_come_together_from_pieces(raw: RawHost) -> None:
 
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=300)
 @given(
-    st.lists(st.binary(max_size=80) | st.builds(encode_frame, st.binary(min_size=1, max_size=40)), max_size=5)
+    st.lists(
+        st.binary(max_size=80) | st.builds(wire.encode_frame, st.binary(min_size=1, max_size=40)), max_size=5
+    )
 )
 def test_nothing_that_is_sent_ends_the_server(raw: RawHost, noise: list[bytes]) -> None:
-    raw.tell(*noise, b"\x00", encode_frame(encode_message(Nmt(PRE_OPERATIONAL))))
-    assert raw.ask(Identify(77), Identity).status == 0
+    raw.tell(*noise, b"\x00", wire.encode_frame(wire.encode_message(wire.Nmt(PRE_OPERATIONAL))))
+    assert raw.ask(wire.Identify(77), wire.Identity).status == 0
     raw.bench.clock.wait(0.001)
 
 
@@ -193,19 +172,21 @@ def _capture(host: RawHost, rows: int) -> None:
     host.bench.clock.wait(rows * 1e-4 + 0.01)
 
 
-def _open(host: RawHost) -> OpenReply:
-    return host.ask(Open(host.tag(), CAPTURE_DATA.index, CAPTURE_DATA.sub), OpenReply)
+def _open(host: RawHost) -> wire.OpenReply:
+    return host.ask(wire.Open(host.tag(), CAPTURE_DATA.index, CAPTURE_DATA.sub), wire.OpenReply)
 
 
-def _chunks(host: RawHost, upload: int, first: int, count: int) -> list[ChunkReply]:
+def _chunks(host: RawHost, upload: int, first: int, count: int) -> list[wire.ChunkReply]:
     return [
-        each for each in host.tell(Chunks(host.tag(), upload, first, count)) if isinstance(each, ChunkReply)
+        each
+        for each in host.tell(wire.Chunks(host.tag(), upload, first, count))
+        if isinstance(each, wire.ChunkReply)
     ]
 
 
 def test_a_long_object_is_read_in_chunks_of_one_moment(raw: RawHost) -> None:
     _capture(raw, 1000)
-    refused = raw.ask(Read(1, CAPTURE_DATA.index, CAPTURE_DATA.sub), ReadReply)
+    refused = raw.ask(wire.Read(1, CAPTURE_DATA.index, CAPTURE_DATA.sub), wire.ReadReply)
     assert (refused.status, refused.data) == (Abort.OUT_OF_MEMORY, b"")
     opened = _open(raw)
     assert (opened.status, opened.size, opened.chunk_size) == (0, 32 + 8000, CHUNK_BYTES)
@@ -245,12 +226,12 @@ def test_chunks_beyond_the_end_are_refused_with_one_message(
 
 
 def test_an_object_that_cannot_be_read_is_not_opened_and_a_reset_forgets_an_upload(raw: RawHost) -> None:
-    assert _open(raw) == OpenReply(raw._tag, Abort.DEVICE_STATE, CAPTURE_DATA.index, CAPTURE_DATA.sub)
+    assert _open(raw) == wire.OpenReply(raw._tag, Abort.DEVICE_STATE, CAPTURE_DATA.index, CAPTURE_DATA.sub)
     (refusal,) = _chunks(raw, 0, 0, 1)
     assert refusal.status == Abort.DEVICE_STATE
     _capture(raw, 10)
     opened = _open(raw)
-    raw.tell(Nmt(RESET_COMMUNICATION))
+    raw.tell(wire.Nmt(RESET_COMMUNICATION))
     (refusal,) = _chunks(raw, opened.upload, 0, 1)
     assert refusal.status == Abort.DEVICE_STATE
 
@@ -260,30 +241,32 @@ def test_an_object_that_cannot_be_read_is_not_opened_and_a_reset_forgets_an_uplo
 
 def test_every_command_is_confirmed_at_once(raw: RawHost) -> None:
     told = [
-        _heartbeats(raw.tell(Nmt(each)))
+        _heartbeats(raw.tell(wire.Nmt(each)))
         for each in (START, START, STOP, PRE_OPERATIONAL, RESET_NODE, RESET_COMMUNICATION)
     ]
     assert told == [[5], [5], [4], [127], [0], [0]]
-    assert raw.tell(Nmt(3)) == []
-    assert raw.ask(Identify(1), Identity).nmt_state == 127
+    assert raw.tell(wire.Nmt(3)) == []
+    assert raw.ask(wire.Identify(1), wire.Identity).nmt_state == 127
 
 
 def test_heartbeats_follow_the_drives_time(raw: RawHost) -> None:
     raw.write("producer_heartbeat", 50)
     raw.bench.clock.wait(0.2)
-    assert raw.hear() == [Heartbeat(127, tick) for tick in (500, 1000, 1500, 2000)]
+    assert raw.hear() == [wire.Heartbeat(127, tick) for tick in (500, 1000, 1500, 2000)]
     raw.write("producer_heartbeat", 0)
     raw.bench.clock.wait(0.2)
     assert raw.hear() == []
 
 
 def test_a_stopped_drive_says_so(raw: RawHost) -> None:
-    raw.tell(Nmt(STOP))
+    raw.tell(wire.Nmt(STOP))
     assert raw.write("R_s", 0.2) == Abort.DEVICE_STATE
-    assert raw.ask(Read(1, 0x2000, 2), ReadReply) == ReadReply(1, Abort.DEVICE_STATE, 0x2000, 2)
-    assert raw.ask(Stream(1, 1, 1, 0, (mapping("tick"),)), StreamReply).status == Abort.DEVICE_STATE
-    assert raw.ask(Identify(1), Identity).nmt_state == 4
-    raw.tell(Nmt(PRE_OPERATIONAL))
+    assert raw.ask(wire.Read(1, 0x2000, 2), wire.ReadReply) == wire.ReadReply(
+        1, Abort.DEVICE_STATE, 0x2000, 2
+    )
+    assert raw.ask(wire.Stream(1, 1, 1, 0, (mapping("tick"),)), wire.StreamReply).status == Abort.DEVICE_STATE
+    assert raw.ask(wire.Identify(1), wire.Identity).nmt_state == 4
+    raw.tell(wire.Nmt(PRE_OPERATIONAL))
     assert raw.read("R_s") == pytest.approx(0.123)
 
 
@@ -292,7 +275,7 @@ def test_a_command_that_ends_operation_switches_the_power_stage_off(raw: RawHost
     raw.enable()
     raw.write("omega_m_command", 15.0)
     raw.bench.clock.wait(0.2)
-    raw.tell(Nmt(command), Nmt(PRE_OPERATIONAL))
+    raw.tell(wire.Nmt(command), wire.Nmt(PRE_OPERATIONAL))
     assert not raw.enabled()
     assert raw.read("omega_m_command") == 0.0
     _is_still(raw)
@@ -311,7 +294,7 @@ def test_a_fault_is_an_event_with_its_tick(raw: RawHost) -> None:
     raw.enable(Mode.TORQUE)
     raw.write("torque_command", 5.0)
     raw.bench.clock.wait(0.05)
-    (event,) = [each for each in raw.hear() if isinstance(each, Event)]
+    (event,) = [each for each in raw.hear() if isinstance(each, wire.Event)]
     assert (event.sequence, event.emergency.code) == (0, 0x2310)
     assert 0 < event.tick < 500
     raw.write("controlword", 0x80)
@@ -328,42 +311,53 @@ def _commands(host: RawHost) -> tuple[float, float]:
 
 
 def test_setpoints_are_taken_in_their_order_and_never_twice(raw: RawHost) -> None:
-    raw.tell(Nmt(START))
-    raw.tell(Setpoint(0xFFFFFFFE, 0.25, 1.0))
+    raw.tell(wire.Nmt(START))
+    raw.tell(wire.Setpoint(0xFFFFFFFE, 0.25, 1.0))
     assert _commands(raw) == (0.25, 1.0)
-    raw.tell(Setpoint(1, 0.5, 2.0))
+    raw.tell(wire.Setpoint(1, 0.5, 2.0))
     assert _commands(raw) == (0.5, 2.0), "the sequence wraps"
     for replayed in (1, 0, 0xFFFFFFFE, (1 + 2**31) % 2**32):
-        raw.tell(Setpoint(replayed, 0.75, 3.0))
+        raw.tell(wire.Setpoint(replayed, 0.75, 3.0))
     assert _commands(raw) == (0.5, 2.0)
     assert raw.read("rpdo_dropped") == 4
-    raw.tell(Setpoint(2**31, 0.75, 3.0))
+    raw.tell(wire.Setpoint(2**31, 0.75, 3.0))
     assert _commands(raw) == (0.75, 3.0), "the farthest that is ahead"
 
 
 def test_a_new_host_begins_anew(raw: RawHost) -> None:
-    raw.tell(Nmt(START), Setpoint(1000, 0.25, 1.0), Identify(1, version=9), Setpoint(5, 0.5, 2.0))
+    raw.tell(
+        wire.Nmt(START),
+        wire.Setpoint(1000, 0.25, 1.0),
+        wire.Identify(1, version=9),
+        wire.Setpoint(5, 0.5, 2.0),
+    )
     assert _commands(raw) == (0.25, 1.0), "a host of another version is none"
-    raw.tell(Identify(1), Setpoint(5, 0.5, 2.0))
+    raw.tell(wire.Identify(1), wire.Setpoint(5, 0.5, 2.0))
     assert _commands(raw) == (0.5, 2.0)
 
 
 @pytest.mark.parametrize("torque_command", [float("nan"), float("inf"), 0.5])
 def test_a_setpoint_is_taken_whole_or_not_at_all(raw: RawHost, torque_command: float) -> None:
-    raw.tell(Nmt(START), Setpoint(1, 0.25, 1.0))
+    raw.tell(wire.Nmt(START), wire.Setpoint(1, 0.25, 1.0))
     omega_m_command = float("nan") if torque_command == 0.5 else 5.0
-    raw.tell(Setpoint(2, torque_command, omega_m_command))
+    raw.tell(wire.Setpoint(2, torque_command, omega_m_command))
     assert _commands(raw) == (0.25, 1.0)
     assert raw.read("rpdo_dropped") == 1
-    raw.tell(Setpoint(2, 0.5, 2.0))
+    raw.tell(wire.Setpoint(2, 0.5, 2.0))
     assert _commands(raw) == (0.5, 2.0), "the number of one that was dropped is not used up"
 
 
 def test_setpoints_count_in_operational_only(raw: RawHost) -> None:
-    raw.tell(Setpoint(1, 0.25, 1.0), Nmt(START), Nmt(STOP), Setpoint(2, 0.25, 1.0), Nmt(PRE_OPERATIONAL))
+    raw.tell(
+        wire.Setpoint(1, 0.25, 1.0),
+        wire.Nmt(START),
+        wire.Nmt(STOP),
+        wire.Setpoint(2, 0.25, 1.0),
+        wire.Nmt(PRE_OPERATIONAL),
+    )
     assert _commands(raw) == (0.0, 0.0)
     assert raw.read("rpdo_dropped") == 0
-    raw.tell(Nmt(START), Setpoint(1, 0.25, 1.0))
+    raw.tell(wire.Nmt(START), wire.Setpoint(1, 0.25, 1.0))
     assert _commands(raw) == (0.25, 1.0)
 
 
@@ -372,7 +366,7 @@ def test_setpoints_count_in_operational_only(raw: RawHost) -> None:
 
 def _supervised(host: RawHost) -> None:
     host.write("host_heartbeat", SUPERVISION)
-    host.tell(HostHeartbeat(HOST, 5))
+    host.tell(wire.HostHeartbeat(HOST, 5))
     host.enable()
     host.write("omega_m_command", 15.0)
 
@@ -382,35 +376,35 @@ def test_a_host_that_is_heard_keeps_the_motor_running(raw: RawHost, how: str) ->
     _supervised(raw)
     for number in range(8):
         raw.bench.clock.wait(0.3)
-        raw.tell(HostHeartbeat(HOST, 5) if how == "heartbeat" else Setpoint(number, 0.0, 15.0))
+        raw.tell(wire.HostHeartbeat(HOST, 5) if how == "heartbeat" else wire.Setpoint(number, 0.0, 15.0))
     assert raw.enabled()
     assert raw.read("omega_m") == pytest.approx(15.0, abs=1.0)
 
 
 OMEGA_M_COMMAND = TABLE.by_name["omega_m_command"]
-WRITE_SETPOINT = Write(1, OMEGA_M_COMMAND.index, OMEGA_M_COMMAND.sub, struct.pack("<f", 15.0))
+WRITE_SETPOINT = wire.Write(1, OMEGA_M_COMMAND.index, OMEGA_M_COMMAND.sub, struct.pack("<f", 15.0))
 
 
 @pytest.mark.parametrize(
     "messages",
     [
         pytest.param((), id="silence"),
-        pytest.param((Read(1, 0x2000, 2),), id="reads"),
+        pytest.param((wire.Read(1, 0x2000, 2),), id="reads"),
         pytest.param((WRITE_SETPOINT,), id="writes"),
-        pytest.param((Open(1, 0x1008, 0), Chunks(1, 1, 0, 1)), id="uploads"),
-        pytest.param((Identify(1, version=2),), id="identify"),
-        pytest.param((Nmt(START),), id="nmt"),
-        pytest.param((Stream(1, 1, 8, 0, (mapping("tick"),)),), id="stream"),
-        pytest.param((HostHeartbeat(HOST - 1, 5),), id="another host"),
-        pytest.param((HostHeartbeat(0, 5),), id="host zero"),
-        pytest.param((Setpoint(100, 0.0, 15.0),), id="replay"),
-        pytest.param((Setpoint(101, 0.0, float("nan")),), id="no number"),
+        pytest.param((wire.Open(1, 0x1008, 0), wire.Chunks(1, 1, 0, 1)), id="uploads"),
+        pytest.param((wire.Identify(1, version=2),), id="identify"),
+        pytest.param((wire.Nmt(START),), id="nmt"),
+        pytest.param((wire.Stream(1, 1, 8, 0, (mapping("tick"),)),), id="stream"),
+        pytest.param((wire.HostHeartbeat(HOST - 1, 5),), id="another host"),
+        pytest.param((wire.HostHeartbeat(0, 5),), id="host zero"),
+        pytest.param((wire.Setpoint(100, 0.0, 15.0),), id="replay"),
+        pytest.param((wire.Setpoint(101, 0.0, float("nan")),), id="no number"),
         pytest.param((_wrong_crc(),), id="noise"),
     ],
 )
-def test_nothing_else_keeps_it_running(raw: RawHost, messages: tuple[Message | bytes, ...]) -> None:
+def test_nothing_else_keeps_it_running(raw: RawHost, messages: tuple[wire.Message | bytes, ...]) -> None:
     _supervised(raw)
-    raw.tell(Setpoint(100, 0.0, 15.0))
+    raw.tell(wire.Setpoint(100, 0.0, 15.0))
     for _ in range(49):
         raw.bench.clock.wait(0.01)
         raw.tell(*messages)

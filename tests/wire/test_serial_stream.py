@@ -15,26 +15,10 @@ from benchtool.emulator.servers.serial import MAX_REPLY
 from benchtool.emulator.servers.stream import ControlRateStream
 from benchtool.emulator.servers.transmitter import CAPACITY, RESERVE
 from benchtool.emulator.stream import RING_ROWS
+from benchtool.protocol import serial as wire
 from benchtool.protocol.abort import Abort
 from benchtool.protocol.capture import HEADER_SIZE, decode_header
 from benchtool.protocol.objects import DataType
-from benchtool.protocol.serial import (
-    Batch,
-    ChunkReply,
-    Chunks,
-    Heartbeat,
-    Nmt,
-    Open,
-    OpenReply,
-    Read,
-    ReadReply,
-    Reject,
-    Reply,
-    Stream,
-    StreamReply,
-    Write,
-    WriteReply,
-)
 from tests.physics.paper_machine import make_core
 from tests.wire.raw_host import TABLE, RawHost, mapping
 
@@ -44,28 +28,30 @@ SIGNALS = [e.name for e in TABLE if e.role == "signal" and e.type in (DataType.F
 
 def _stream(
     host: RawHost, *names: str, stride: int = 1, batch: int = 10, scales: tuple[float, ...] = ()
-) -> StreamReply:
+) -> wire.StreamReply:
     mappings = tuple(map(mapping, names))
-    return host.ask(Stream(host.tag(), stride, batch, int(bool(scales)), mappings, scales), StreamReply)
+    return host.ask(
+        wire.Stream(host.tag(), stride, batch, int(bool(scales)), mappings, scales), wire.StreamReply
+    )
 
 
-def _stop(host: RawHost) -> tuple[StreamReply, list[Batch]]:
+def _stop(host: RawHost) -> tuple[wire.StreamReply, list[wire.Batch]]:
     """The answer, and every batch since the last call."""
-    replies = host.tell(Stream(host.tag()))
-    (answer,) = [each for each in replies if isinstance(each, StreamReply)]
-    assert isinstance(replies[-1], StreamReply), "what was recorded comes before the answer"
+    replies = host.tell(wire.Stream(host.tag()))
+    (answer,) = [each for each in replies if isinstance(each, wire.StreamReply)]
+    assert isinstance(replies[-1], wire.StreamReply), "what was recorded comes before the answer"
     return answer, _batches(replies)
 
 
-def _batches(replies: list[Reply]) -> list[Batch]:
-    return [each for each in replies if isinstance(each, Batch)]
+def _batches(replies: list[wire.Reply]) -> list[wire.Batch]:
+    return [each for each in replies if isinstance(each, wire.Batch)]
 
 
-def _words(batches: list[Batch]) -> NDArray[np.uint32]:
+def _words(batches: list[wire.Batch]) -> NDArray[np.uint32]:
     return np.concatenate([np.frombuffer(each.data, "<u4").reshape(each.n, -1) for each in batches])
 
 
-def _ticks(batches: list[Batch]) -> list[int]:
+def _ticks(batches: list[wire.Batch]) -> list[int]:
     return [each.first_tick + each.stride * row for each in batches for row in range(each.n)]
 
 
@@ -93,10 +79,12 @@ def test_three_seconds_of_sixteen_signals_are_every_tick_and_the_bits_of_a_captu
     assert rows[:, 0].tolist() == _ticks(batches)
     raw.bench.clock.wait(0.001)
     entry = TABLE.by_name["capture_data"]
-    opened = raw.ask(Open(1, entry.index, entry.sub), OpenReply)
+    opened = raw.ask(wire.Open(1, entry.index, entry.sub), wire.OpenReply)
     count = -(-opened.size // opened.chunk_size)
     data = b"".join(
-        each.data for each in raw.tell(Chunks(1, opened.upload, 0, count)) if isinstance(each, ChunkReply)
+        each.data
+        for each in raw.tell(wire.Chunks(1, opened.upload, 0, count))
+        if isinstance(each, wire.ChunkReply)
     )
     header = decode_header(data)
     assert (header.first_tick, header.rows) == (1, 30_000)
@@ -105,7 +93,7 @@ def test_three_seconds_of_sixteen_signals_are_every_tick_and_the_bits_of_a_captu
 
 
 def test_records_stand_on_the_grid_of_their_stride(raw: RawHost) -> None:
-    raw.tell(Nmt(START))
+    raw.tell(wire.Nmt(START))
     raw.bench.clock.wait(0.0007)
     _stream(raw, "tick", stride=25, batch=4)
     raw.bench.clock.wait(0.05)
@@ -116,7 +104,7 @@ def test_records_stand_on_the_grid_of_their_stride(raw: RawHost) -> None:
 
 
 def test_scaled_records_hold_steps_and_what_does_not_fit_is_marked(raw: RawHost) -> None:
-    raw.tell(Nmt(START))
+    raw.tell(wire.Nmt(START))
     _stream(raw, "u_dc", "tick", "u_dc", scales=(0.01, 0.5, 1e-4))
     raw.bench.clock.wait(0.01)
     _, batches = _stop(raw)
@@ -127,13 +115,13 @@ def test_scaled_records_hold_steps_and_what_does_not_fit_is_marked(raw: RawHost)
 
 
 def test_streams_run_in_operational_only(raw: RawHost) -> None:
-    assert _stream(raw, "tick", batch=10) == StreamReply(raw._tag, 0, 1)
+    assert _stream(raw, "tick", batch=10) == wire.StreamReply(raw._tag, 0, 1)
     raw.bench.clock.wait(0.01)
-    assert _batches(raw.tell(Nmt(START))) == []
+    assert _batches(raw.tell(wire.Nmt(START))) == []
     raw.bench.clock.wait(0.0015)
-    batches = _batches(raw.tell(Nmt(PRE_OPERATIONAL)))
+    batches = _batches(raw.tell(wire.Nmt(PRE_OPERATIONAL)))
     raw.bench.clock.wait(0.01)
-    batches += _batches(raw.tell(Nmt(START)))
+    batches += _batches(raw.tell(wire.Nmt(START)))
     raw.bench.clock.wait(0.001)
     answer, rest = _stop(raw)
     assert _ticks(batches + rest) == [*range(101, 116), *range(216, 226)]
@@ -142,45 +130,45 @@ def test_streams_run_in_operational_only(raw: RawHost) -> None:
 
 
 def test_every_accepted_configuration_is_another_schema_with_counts_of_its_own(raw: RawHost) -> None:
-    raw.tell(Nmt(START))
-    assert _stop(raw)[0] == StreamReply(raw._tag, 0, 0, 0, 0)
+    raw.tell(wire.Nmt(START))
+    assert _stop(raw)[0] == wire.StreamReply(raw._tag, 0, 0, 0, 0)
     assert _stream(raw, "tick").schema == 1
     raw.bench.clock.wait(0.002)
     second = _stream(raw, "i_a", "tick")
     assert (second.schema, second.sent) == (2, 20)
     raw.bench.clock.wait(0.001)
-    replies = raw.tell(Stream(1, 1, 1, 0, (mapping("law"),)))
-    assert StreamReply(1, Abort.NOT_MAPPABLE, 2, 10, 0) in replies
+    replies = raw.tell(wire.Stream(1, 1, 1, 0, (mapping("law"),)))
+    assert wire.StreamReply(1, Abort.NOT_MAPPABLE, 2, 10, 0) in replies
     raw.bench.clock.wait(0.001)
     answer, batches = _stop(raw)
     assert (answer.schema, answer.sent, answer.dropped) == (2, 20, 0)
     told = [(each.schema, each.sequence) for each in _batches(replies) + batches]
     assert told == [(2, 0), (2, 1)], "a refusal changes nothing"
-    assert _stop(raw)[0] == StreamReply(raw._tag, 0, 2, 20, 0), "of the last one"
+    assert _stop(raw)[0] == wire.StreamReply(raw._tag, 0, 2, 20, 0), "of the last one"
 
 
 @pytest.mark.parametrize(
     ("message", "status"),
     [
-        (Stream(1, 1, 0, 0, (mapping("tick"),)), Abort.VALUE_LOW),
-        (Stream(1, 1, 1, 0, ()), Abort.VALUE_LOW),
-        (Stream(1, 1, 1, 0, (mapping("tick"),) * 17), Abort.VALUE_HIGH),
-        (Stream(1, 1, 64, 0, (mapping("tick"),) * 16), Abort.MAPPING_TOO_LONG),
-        (Stream(1, 1, 63, 0, (mapping("tick"),) * 16), 0),
-        (Stream(1, 1, 127, 1, (mapping("tick"),) * 16, (1.0,) * 16), 0),
-        (Stream(1, 1, 128, 1, (mapping("tick"),) * 16, (1.0,) * 16), Abort.MAPPING_TOO_LONG),
-        (Stream(1, 1, 1, 1, (mapping("tick"),), (0.0,)), Abort.VALUE),
-        (Stream(1, 1, 1, 1, (mapping("tick"),), (float("nan"),)), Abort.VALUE),
-        (Stream(1, 1, 1, 0, (mapping("tick") ^ 0x30,)), Abort.NOT_MAPPABLE),
-        (Stream(1, 1, 1, 0, (0x55550020,)), Abort.NO_OBJECT),
-        (Stream(1, 1, 1, 0, (mapping("R_s"),)), Abort.NOT_MAPPABLE),
-        (Stream(1, 1, 1, 0, (mapping("velocity_actual"),)), Abort.NOT_MAPPABLE),
-        (Stream(1, 1, 1, 0, (mapping("torque_command"),)), 0),
+        (wire.Stream(1, 1, 0, 0, (mapping("tick"),)), Abort.VALUE_LOW),
+        (wire.Stream(1, 1, 1, 0, ()), Abort.VALUE_LOW),
+        (wire.Stream(1, 1, 1, 0, (mapping("tick"),) * 17), Abort.VALUE_HIGH),
+        (wire.Stream(1, 1, 64, 0, (mapping("tick"),) * 16), Abort.MAPPING_TOO_LONG),
+        (wire.Stream(1, 1, 63, 0, (mapping("tick"),) * 16), 0),
+        (wire.Stream(1, 1, 127, 1, (mapping("tick"),) * 16, (1.0,) * 16), 0),
+        (wire.Stream(1, 1, 128, 1, (mapping("tick"),) * 16, (1.0,) * 16), Abort.MAPPING_TOO_LONG),
+        (wire.Stream(1, 1, 1, 1, (mapping("tick"),), (0.0,)), Abort.VALUE),
+        (wire.Stream(1, 1, 1, 1, (mapping("tick"),), (float("nan"),)), Abort.VALUE),
+        (wire.Stream(1, 1, 1, 0, (mapping("tick") ^ 0x30,)), Abort.NOT_MAPPABLE),
+        (wire.Stream(1, 1, 1, 0, (0x55550020,)), Abort.NO_OBJECT),
+        (wire.Stream(1, 1, 1, 0, (mapping("R_s"),)), Abort.NOT_MAPPABLE),
+        (wire.Stream(1, 1, 1, 0, (mapping("velocity_actual"),)), Abort.NOT_MAPPABLE),
+        (wire.Stream(1, 1, 1, 0, (mapping("torque_command"),)), 0),
     ],
 )
-def test_what_can_be_streamed(raw: RawHost, message: Stream, status: int) -> None:
-    raw.tell(Nmt(START))
-    assert raw.ask(message, StreamReply).status == status
+def test_what_can_be_streamed(raw: RawHost, message: wire.Stream, status: int) -> None:
+    raw.tell(wire.Nmt(START))
+    assert raw.ask(message, wire.StreamReply).status == status
     raw.bench.clock.wait(0.03)
     batches = _batches(raw.hear())
     assert bool(batches) == (status == 0)
@@ -189,14 +177,14 @@ def test_what_can_be_streamed(raw: RawHost, message: Stream, status: int) -> Non
 
 def test_there_is_one_stream_which_ends_with_its_line_or_a_reset(bench: EmulatedBench, raw: RawHost) -> None:
     other = RawHost(bench)
-    raw.tell(Nmt(START))
+    raw.tell(wire.Nmt(START))
     _stream(raw, "tick")
-    busy = other.ask(Stream(9, 1, 1, 0, (mapping("tick"),)), Reject)
-    assert busy == Reject(9, 0x06, 3)
+    busy = other.ask(wire.Stream(9, 1, 1, 0, (mapping("tick"),)), wire.Reject)
+    assert busy == wire.Reject(9, 0x06, 3)
     assert _stop(other)[0].status == 0
     bench.clock.wait(0.002)
     assert len(_batches(raw.hear())) == 2
-    raw.tell(Nmt(RESET_COMMUNICATION), Nmt(START))
+    raw.tell(wire.Nmt(RESET_COMMUNICATION), wire.Nmt(START))
     bench.clock.wait(0.002)
     assert _batches(raw.hear()) == []
     _stream(raw, "tick")
@@ -225,7 +213,7 @@ class Valve:
         self._keep(data)
 
 
-def _until(host: RawHost, kind: type[Reply], replies: list[Reply]) -> list[Reply]:
+def _until(host: RawHost, kind: type[wire.Reply], replies: list[wire.Reply]) -> list[wire.Reply]:
     """Everything that comes up to an answer of this kind from a line with a thread of its own."""
     pause = threading.Event()
     for _ in range(500):
@@ -238,19 +226,19 @@ def _until(host: RawHost, kind: type[Reply], replies: list[Reply]) -> list[Reply
 
 def test_a_line_that_is_held_up_loses_telemetry_counts_it_and_keeps_answers(bench: EmulatedBench) -> None:
     host = RawHost(bench, buffered=True)
-    told = host.tell(Nmt(START), Stream(1, 1, 63, 0, (mapping("tick"),) * 16))
-    replies = _until(host, StreamReply, told)
+    told = host.tell(wire.Nmt(START), wire.Stream(1, 1, 63, 0, (mapping("tick"),) * 16))
+    replies = _until(host, wire.StreamReply, told)
     valve = Valve(host)
     try:
         bench.clock.wait(0.5)
         assert valve.entered.wait(5.0)
-        replies += host.tell(Read(7, 0x2000, 2))
+        replies += host.tell(wire.Read(7, 0x2000, 2))
         bench.clock.wait(0.5)
     finally:
         valve.opened.set()
-    replies = _until(host, ReadReply, replies)
-    answers = _until(host, StreamReply, host.tell(Stream(2)))
-    (answer,) = [each for each in answers if isinstance(each, StreamReply)]
+    replies = _until(host, wire.ReadReply, replies)
+    answers = _until(host, wire.StreamReply, host.tell(wire.Stream(2)))
+    (answer,) = [each for each in answers if isinstance(each, wire.StreamReply)]
     batches = _batches(replies + answers)
     received = sum(each.n for each in batches)
     assert answer.sent == 10_000
@@ -271,28 +259,28 @@ def test_chunks_wait_for_the_line_and_are_all_sent(bench: EmulatedBench) -> None
     for name, number in CAPTURE.items():
         entry = TABLE.by_name[name]
         data = number.to_bytes(entry.type.bits // 8, "little")
-        _until(host, WriteReply, host.tell(Write(1, entry.index, entry.sub, data)))
+        _until(host, wire.WriteReply, host.tell(wire.Write(1, entry.index, entry.sub, data)))
     bench.clock.wait(5.1)
     entry = TABLE.by_name["capture_data"]
-    told = _until(host, OpenReply, host.tell(Open(1, entry.index, entry.sub)))
-    (opened,) = [each for each in told if isinstance(each, OpenReply)]
+    told = _until(host, wire.OpenReply, host.tell(wire.Open(1, entry.index, entry.sub)))
+    (opened,) = [each for each in told if isinstance(each, wire.OpenReply)]
     assert opened.size > 2 * CAPACITY
     count = -(-opened.size // opened.chunk_size)
-    chunks = host.tell(Chunks(1, opened.upload, 0, count))
+    chunks = host.tell(wire.Chunks(1, opened.upload, 0, count))
     pause = threading.Event()
     for _ in range(500):
         if len(chunks) >= count:
             break
         pause.wait(0.01)
         chunks += host.hear()
-    numbers = [each.chunk for each in chunks if isinstance(each, ChunkReply)]
+    numbers = [each.chunk for each in chunks if isinstance(each, wire.ChunkReply)]
     assert numbers == list(range(count))
 
 
 @pytest.mark.parametrize("reason", [TimeoutError("full"), serial.SerialTimeoutException("full")])
 def test_a_write_that_times_out_loses_its_bytes_alone(bench: EmulatedBench, reason: OSError) -> None:
     host = RawHost(bench, buffered=True)
-    _until(host, Heartbeat, [])
+    _until(host, wire.Heartbeat, [])
     tried = threading.Event()
 
     def give_up(_: bytes) -> None:
@@ -301,10 +289,10 @@ def test_a_write_that_times_out_loses_its_bytes_alone(bench: EmulatedBench, reas
         raise reason
 
     host.port.on_write = give_up
-    host.tell(Read(1, 0x2000, 2))
+    host.tell(wire.Read(1, 0x2000, 2))
     assert tried.wait(5.0)
-    told = _until(host, ReadReply, host.tell(Read(2, 0x2000, 2)))
-    assert [each.tag for each in told if isinstance(each, ReadReply)] == [2]
+    told = _until(host, wire.ReadReply, host.tell(wire.Read(2, 0x2000, 2)))
+    assert [each.tag for each in told if isinstance(each, wire.ReadReply)] == [2]
     bench.clock.wait(0.001)
     assert host.lost == []
 
@@ -326,15 +314,15 @@ def test_a_line_that_fails_on_writing_is_gone(bench: EmulatedBench) -> None:
 
 def test_rows_that_the_ring_lost_count_as_a_batch_that_was_dropped() -> None:
     core = make_core()
-    batches: list[Batch] = []
+    batches: list[wire.Batch] = []
 
-    def take(batch: Batch) -> bool:
+    def take(batch: wire.Batch) -> bool:
         batches.append(batch)
         return True
 
     objects = ObjectStore(TABLE, core.memory, lambda: False)
     stream = ControlRateStream(objects, core.stream, take, MAX_REPLY)
-    layout = stream.layout(Stream(1, 2, 64, 0, (mapping("tick"),)))
+    layout = stream.layout(wire.Stream(1, 2, 64, 0, (mapping("tick"),)))
     assert layout is not None
     stream.begin(layout)
     stream.resume()

@@ -102,11 +102,11 @@ def test_batches_that_come_before_the_answer_are_kept_and_others_are_not() -> No
     link.say(batch(SCHEMA - 1, 41, 9.0))
     link.say(batch(SCHEMA, 2, 5.0, 6.0))
     assert [made.feed(each) for each in received] == [True, True, True]
-    block = made.take()
+    block = made.decoder.take()
     assert block is not None
     assert block.data[:, 0].tolist() == [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]
     assert (block.first_tick, block.stride, block.tick_s, block.gaps) == (100, 1, 1e-4, ())
-    assert made.counters.off_grid == made.counters.malformed == 0
+    assert made.decoder.counters.off_grid == made.decoder.counters.malformed == 0
     assert made.stop() == Sent(30, 2)
     made.detach()
     link.say(batch(SCHEMA, 3, 7.0))
