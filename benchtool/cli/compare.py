@@ -135,7 +135,7 @@ def _show_columns(output: Output, title: str, comparison: Comparison, letters: M
 
 def _show_many(output: Output, title: str, comparison: Comparison, letters: Mapping[str, str]) -> None:
     """A row for each run, with what is asked first; the whole is in the documents."""
-    from benchtool.experiment.reporting import FOREMOST
+    from benchtool.experiment.plan_reporting import FOREMOST
 
     known = comparison.names
     names: list[str] = [name for name in FOREMOST if name in known] or list(known[:4])

@@ -27,7 +27,8 @@ def report(
     """Measure a recorded run again and write a report that needs nothing else to be read."""
     from benchtool.errors import UsageError
     from benchtool.experiment.limits import Verdict, worst
-    from benchtool.experiment.reporting import case_label, run_report
+    from benchtool.experiment.plan_reporting import case_label
+    from benchtool.experiment.reporting import run_report
     from benchtool.experiment.runs import recorded_runs
 
     if out is not None and out.suffix.lower() == ".pdf" and not pdf:

@@ -12,7 +12,7 @@ from benchtool.analysis import Measurement
 from benchtool.block import Block
 from benchtool.experiment.assessment import Assessment
 from benchtool.experiment.deltas import COVERAGE, Comparison, Delta
-from benchtool.experiment.reporting import mark, picture, read_already
+from benchtool.experiment.presenting import mark, picture, read_already
 from benchtool.recording import Bundle
 from benchtool.report.comparison import Panel, draw_spectra, draw_steady_traces, draw_torque_traces
 from benchtool.report.content import Cell, Facts, Grid, Item, Report, Section, Text
