@@ -21,6 +21,7 @@ from benchtool.report.content import Item, Picture, Section, Text
 from benchtool.report.numbers import number, raw
 from benchtool.report.origin import (
     choices_section,
+    events_section,
     parameters_section,
     plan_section,
     quality_section,
@@ -46,6 +47,8 @@ def case_items(case: RecordedCase, *, alone: bool = True) -> Iterator[Item]:
             yield tables
     if figures := _figures(case):
         yield Section("Figures", tuple(figures))
+    if (events := events_section(case.bundle.events)) is not None:
+        yield events
     yield quality_section(case.bundle, limits)
     if alone:
         yield from circumstances(case.bundle)

@@ -12,14 +12,14 @@ from benchtool.analysis.measurement import measurements_from_json
 from benchtool.block import Block
 from benchtool.errors import BenchError
 from benchtool.profile import Choice
-from benchtool.recording import Bundle, Manifest
+from benchtool.recording import Bundle, Event, Level, Manifest
 from benchtool.recording.failures import reading
 from benchtool.report.content import Cell, Facts, Grid, Item, Section, Text
 from benchtool.report.numbers import number, raw
 from benchtool.report.results import Bounds, measurements_section
 
 _RESULTS = ("manifest.json", "measurements.json", "tables.json", "certificate.json")
-_SHOWN_PARAMETERS = 60
+_SHOWN_EVENTS = 30
 
 
 def run_facts(manifest: Manifest, plan_name: str = "") -> Facts:
@@ -77,6 +77,23 @@ def quality_section(bundle: Bundle, limits: Mapping[str, Bounds]) -> Section:
     )
     numbers = measurements_section("The certificate's numbers", measured, limits, {})
     return Section(title, (verdict, *numbers.items))
+
+
+def events_section(events: Sequence[Event]) -> Section | None:
+    """The log of a run: its steps, the drive's states and faults, at the drive's ticks; None without any."""
+    if not events:
+        return None
+    rows = [
+        (
+            event.text,
+            Cell(event.level.value, "fail" if event.level is Level.ERROR else ""),
+            "–" if event.tick is None else number(event.tick),
+        )
+        for event in events
+    ]
+    return Section(
+        "What happened", (Grid.of(("event", "level", ">tick of the drive"), rows, shown=_SHOWN_EVENTS),)
+    )
 
 
 def parameters_section(

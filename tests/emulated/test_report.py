@@ -175,6 +175,8 @@ def test_a_run_that_failed_has_a_report_that_says_why(demo: Path) -> None:
     assert "✗ Fail" in text
     assert "This case did not come to its end: DriveFault: overcurrent &lt;0x2310&gt;." in text
     assert "Every channel of stream telemetry over its whole length" in text
+    assert "What happened" in text
+    assert "state: operation enabled" in text
 
 
 def test_a_run_that_was_cut_short_without_a_word(demo: Path) -> None:
