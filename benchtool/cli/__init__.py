@@ -37,8 +37,9 @@ INTERRUPTED = 130
 Arguments = ParamSpec("Arguments")
 
 
-def _reporting(verb: Callable[Arguments, int]) -> Callable[Arguments, None]:
-    """`verb` with its failures as one line each and as an exit code."""
+def _reporting(verb: Callable[Arguments, int], *, enables: bool = False) -> Callable[Arguments, None]:
+    """`verb`, which may have enabled the drive, with its failures as one line each and as an exit code."""
+    interrupted = "interrupted; the drive was left disabled" if enables else "interrupted"
 
     @functools.wraps(verb)
     def command(*args: Arguments.args, **kwargs: Arguments.kwargs) -> None:
@@ -49,7 +50,7 @@ def _reporting(verb: Callable[Arguments, int]) -> Callable[Arguments, None]:
                 sys.stderr.write(f"benchtool: {line}\n")
             code = error.exit_code
         except KeyboardInterrupt as interrupt:
-            for line in ("interrupted; the drive was left disabled", *getattr(interrupt, "__notes__", ())):
+            for line in (interrupted, *getattr(interrupt, "__notes__", ())):
                 sys.stderr.write(f"benchtool: {line}\n")
             code = INTERRUPTED
         raise typer.Exit(code)
@@ -67,6 +68,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
+_ENABLING = (demo.demo, run.run, jog.jog)
 for _verb in (
     demo.demo,
     run.run,
@@ -83,7 +85,7 @@ for _verb in (
     emulate.emulate,
     doctor.doctor,
 ):
-    app.command(_verb.__name__)(_reporting(_verb))
+    app.command(_verb.__name__)(_reporting(_verb, enables=_verb in _ENABLING))
 
 _params = typer.Typer(
     help="Parameters of a drive: list, get, set; dump, diff and load as a file; save and restore.",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from contextlib import suppress
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 _STEP_S = 0.05
 _STATE_S = 0.5
 _ROUNDING_S = 1e-9
+_RATE_HZ = 250.0
 _CHANNELS = (
     *("i_a", "i_b", "i_c", "torque", "torque_reference", "psi_s", "psi_alpha", "psi_beta"),
     *("omega_m", "u_dc", "law_clipped", "adc_saturated"),
@@ -48,7 +50,7 @@ def live(
     channels: Annotated[
         str, typer.Option(metavar="A,B,C", help="Signals to show.", show_default="i_a,i_b,i_c,torque,...")
     ] = "",
-    rate: Annotated[float, typer.Option(metavar="HZ", help="Records per second, as of 'record'.")] = 250.0,
+    rate: Annotated[float, typer.Option(metavar="HZ", help="Records per second, as of 'record'.")] = _RATE_HZ,
     seed: options.Seed = 0,
     as_json: options.Json = False,
 ) -> int:
@@ -58,6 +60,11 @@ def live(
     output = Output(as_json=as_json)
     if save is not None and save.suffix != ".rrd":
         raise UsageError(f"--save {save}: a file that ends in .rrd is expected")
+    if run is not None and (channels, rate, link, seed) != ("", _RATE_HZ, "emulated", 0):
+        raise UsageError(
+            f"--channels, --rate, --link and --seed are for a drive, and {run} is a recorded run: "
+            f"leave them out, or leave out the run"
+        )
     asked = [name for name, wanted in (("viewer", viewer), ("web", web)) if wanted]
     asked += [] if save is None else [str(save)]
     with viewing.places(asked or ["viewer"], output, bind) as where:
@@ -78,6 +85,7 @@ def _show_drive(
 ) -> int:
     from benchtool.bench import open_session
     from benchtool.drive.parameters import snapshot
+    from benchtool.recording import Manifest
     from benchtool.telemetry import TelemetryStream, keep_journal
 
     # An emulated drive is looked at in the time that it would take.
@@ -86,7 +94,15 @@ def _show_drive(
         drive.check()
         known = [name for name in _CHANNELS if name in drive.dictionary]
         names = [name.strip() for name in channels.split(",")] if channels else known
-        with viewing.stream_view(where, session, f"live: {profile}", snapshot(drive), output) as view:
+        now = options.wall_time()
+        mark = drive.wall_mark(now.timestamp())
+        manifest = Manifest(
+            what="live",
+            when=now.isoformat(timespec="seconds"),
+            parameters=snapshot(drive),
+            details={"wall": None if mark is None else asdict(mark)},
+        )
+        with viewing.stream_view(where, session, f"live: {profile}", manifest, output) as view:
             assert view is not None  # there is a destination in any case
             sink = viewing.live_sink(view)
             with (
@@ -111,14 +127,14 @@ def _watch(session: Session, stream: TelemetryStream, duration_s: float) -> None
     """Wait, and ask for the drive's state and its emergencies, which the view is told of."""
     drive, clock = session.drive, session.clock
     start_s = asked_s = clock.now_s()
-    drive.state()
+    drive.look()
     while (left_s := start_s + duration_s - clock.now_s()) > _ROUNDING_S:
         clock.wait(min(_STEP_S, left_s))
         stream.check()
         drive.emergencies()
         if clock.now_s() - asked_s >= _STATE_S - _ROUNDING_S:
             asked_s = clock.now_s()
-            drive.state()
+            drive.look()
 
 
 def _show_run(
@@ -134,7 +150,8 @@ def _show_run(
     shown = []
     for number, case in enumerate(cases, start=1):
         name = f"{number:03d}" if len(cases) > 1 else ""
-        view = show_bundle(case.bundle, setup_of(case.bundle, psi_r_Wb), where.of(name), output.note)
+        setup = setup_of(case.bundle.manifest, case.bundle.directory.name, psi_r_Wb)
+        view = show_bundle(case.bundle, setup, where.of(name), output.note)
         view.close()
         viewing.tell_drops(view, output)
         shown.append({"bundle": str(case.bundle.directory), "rows_not_shown": view.rows_dropped})

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Sequence
-from contextlib import ExitStack
+from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 _STEP_S = 0.05
 _TELL_S = 1.0
+_STATE_S = 0.5
 _ROUNDING_S = 1e-9
 
 
@@ -61,7 +62,6 @@ def record(
 ) -> int:
     """Record the stream of a drive, whatever it is doing; nothing is enabled."""
     from benchtool.bench import open_session
-    from benchtool.protocol.cia402 import State
     from benchtool.recording import BundleWriter, EventFile
     from benchtool.telemetry import DEFAULT_CHANNELS, FrameLog, keep_journal, stream_source
 
@@ -70,30 +70,32 @@ def record(
     folder = options.bundle_folder(out, when, "record")
     names = [name.strip() for name in channels.split(",")] if channels else list(DEFAULT_CHANNELS)
     log = FrameLog() if frames else None
-    with ExitStack() as stack:
-        where = stack.enter_context(viewing.places(live or (), output))
-        session = stack.enter_context(
-            open_session(profile, link, seed=seed, real_time=real_time, note=output.note, frames=log)
-        )
-        drive = session.drive
-        # Before there is a folder: what cannot be streamed leaves nothing behind.
-        stream_source(drive, names, rate)
-        identity = drive.check()
-        manifest = _manifest(session, identity, when.isoformat(timespec="seconds"), note, seed)
-        bundle = stack.enter_context(BundleWriter(folder, manifest))
-        title = f"record: {folder.name}"
-        with viewing.stream_view(where, session, title, manifest.parameters, output) as view:
-            sinks, takers = [], [EventFile(folder).append]
-            if view is not None:
-                takers.append(view.event)
-                sinks.append(viewing.live_sink(view))
-            with keep_journal(drive, takers) as journal:
-                journal.state(State(manifest.details["state"]), drive.tick_now())
-                certificate = _record(session, bundle, names, rate, duration, reconnect, log, output, sinks)
-            if view is not None:
-                viewing.show_certificate(view, title, certificate)
+    with viewing.places(live or (), output) as where:
+        with open_session(
+            profile, link, seed=seed, real_time=real_time, note=output.note, frames=log
+        ) as session:
+            drive = session.drive
+            # Before there is a folder: what cannot be streamed leaves nothing behind.
+            stream_source(drive, names, rate)
+            identity = drive.check()
+            manifest = _manifest(session, identity, when.isoformat(timespec="seconds"), note, seed)
+            title = f"record: {folder.name}"
+            with (
+                BundleWriter(folder, manifest) as bundle,
+                viewing.stream_view(where, session, title, manifest, output) as view,
+            ):
+                sinks, takers = [], [EventFile(folder).append]
+                if view is not None:
+                    takers.append(view.event)
+                    sinks.append(viewing.live_sink(view))
+                with keep_journal(drive, takers):
+                    certificate = _record(
+                        session, bundle, names, rate, duration, reconnect, log, output, sinks
+                    )
+                if view is not None:
+                    viewing.show_certificate(view, title, certificate)
+        _show(output, folder, certificate)
         where.linger(output)
-    _show(output, folder, certificate)
     return 0
 
 
@@ -102,6 +104,7 @@ def _manifest(session: Session, identity: Identity, when: str, note: str, seed: 
     from benchtool.recording import Manifest, software_versions
 
     drive = session.drive
+    mark = drive.wall_mark(options.wall_time().timestamp())
     return Manifest(
         what="record",
         when=when,
@@ -114,7 +117,7 @@ def _manifest(session: Session, identity: Identity, when: str, note: str, seed: 
         seed=seed,
         command_line=tuple(sys.argv[1:]),
         note=note,
-        details={"state": drive.state().value},
+        details={"state": drive.state().value, "wall": None if mark is None else asdict(mark)},
     )
 
 
@@ -171,22 +174,27 @@ def _wait(
     log: FrameLog | None,
     output: Output,
 ) -> None:
-    from benchtool.errors import LinkClosed
+    from benchtool.errors import LinkClosed, NoAnswer
 
-    clock = session.drive.clock
+    clock, drive = session.drive.clock, session.drive
     start_s = clock.now_s()
     told_s = 0.0
+    asked_s = -math.inf
     while (left_s := start_s + duration_s - clock.now_s()) > _ROUNDING_S:
         try:
+            if clock.now_s() - asked_s >= _STATE_S - _ROUNDING_S:
+                asked_s = clock.now_s()
+                with suppress(NoAnswer):  # whether the drive is still there is the stream's to find
+                    drive.look()
             clock.wait(min(_STEP_S, left_s))
             stream.check()
-            for emergency in session.drive.emergencies():
+            for emergency in drive.emergencies():
                 output.note(f"the drive reports {emergency.text}")
         except LinkClosed as lost:
             if not reconnect_s:
                 raise
             output.note(f"{lost}; waiting for it for {reconnect_s:g} s")
-            session.drive.reconnect(reconnect_s)
+            drive.reconnect(reconnect_s)
             stream.resume()
         if log is not None:
             log.check()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from benchtool.cli import viewing
@@ -14,9 +14,8 @@ if TYPE_CHECKING:
     from benchtool.experiment.assessment import Assessment
     from benchtool.experiment.cases import Case
     from benchtool.experiment.conduct import Progress
-    from benchtool.experiment.plan import Plan
     from benchtool.live import LiveView
-    from benchtool.recording import Event
+    from benchtool.recording import Event, Manifest
     from benchtool.telemetry import Sink
 
 
@@ -52,22 +51,14 @@ class RunViews:
 
     # ---- Watcher ---------------------------------------------------------------------------------------
 
-    def opened(
-        self, session: Session, plan: Plan, case: Case, parameters: Mapping[str, object]
-    ) -> Sequence[Sink]:
+    def opened(self, session: Session, case: Case, manifest: Manifest) -> Sequence[Sink]:
         """The sink of the case's slow stream."""
         if not self._where.any:
             return ()
-        from benchtool.live import LiveView, Setup
+        from benchtool.live import LiveView, setup_of
 
-        limits = {**plan.limits, **plan.case_limits.get(case.name, {})}
-        self._title = f"{plan.title}: {case.name}"
-        setup = Setup(
-            title=self._title,
-            psi_Wb=session.profile.motor.psi_r_Wb,
-            limits={name: (limit.min, limit.max) for name, limit in limits.items()},
-            parameters=parameters,
-        )
+        setup = setup_of(manifest, case.name, session.profile.motor.psi_r_Wb)
+        self._title = setup.title
         self._view = LiveView(setup, self._where.of(self._name(case)), self._output.note)
         viewing.count_link(self._view, session.drive)
         return (viewing.live_sink(self._view),)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from benchtool.bench import Session
     from benchtool.drive import RemoteDrive
     from benchtool.live import Destination, FileDestination, LiveView, Viewer
+    from benchtool.recording import Manifest
     from benchtool.telemetry import Certificate, Sink
 
 Live = Annotated[
@@ -82,7 +83,8 @@ def places(where: Sequence[str], output: Output, bind: str = "") -> Iterator[Pla
     unknown = [each for each in where if each not in ("viewer", "web") and not each.endswith(".rrd")]
     if unknown:
         raise UsageError(f"--live {unknown[0]}: 'viewer', 'web' or a file that ends in .rrd is expected")
-    files = [FileDestination(Path(each)) for each in dict.fromkeys(where) if each.endswith(".rrd")]
+    paths = {Path(each).resolve(): Path(each) for each in where if each.endswith(".rrd")}
+    files = [FileDestination(path) for path in paths.values()]  # one for each, however it is spelt
     for file in files:
         file.check()
     viewers: list[Viewer] = []
@@ -134,16 +136,22 @@ def count_link(view: LiveView, drive: RemoteDrive) -> None:
 
 @contextmanager
 def stream_view(
-    where: Places, session: Session, title: str, parameters: Mapping[str, object], output: Output
+    where: Places, session: Session, title: str, manifest: Manifest, output: Output
 ) -> Iterator[LiveView | None]:
-    """The view of a stream alone; None if there is nowhere."""
+    """The view of a stream alone, with parameters and wall time as a manifest has them; None if there is
+    nowhere."""
     if not where.any:
         yield None
         return
-    from benchtool.live import LiveView, Setup
+    from benchtool.live import LiveView, results_document, setup_of
 
-    setup = Setup(title, psi_Wb=session.profile.motor.psi_r_Wb, parameters=parameters)
+    setup = replace(setup_of(manifest, title, session.profile.motor.psi_r_Wb), title=title)
     with LiveView(setup, where.of(endless=True), output.note) as view:
         count_link(view, session.drive)
-        yield view
+        try:
+            yield view
+        except BaseException as failure:
+            reason = f"{type(failure).__name__}: {failure}".rstrip(": ")
+            view.results(results_document(title, (), remarks=[f"ended by {reason}"]))
+            raise
     tell_drops(view, output)

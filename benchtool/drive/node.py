@@ -9,7 +9,7 @@ from benchtool.clock import Clock
 from benchtool.drive.identity import Identity
 from benchtool.errors import SdoAbort, ValueRefused, WriteNotVerified
 from benchtool.link import Link
-from benchtool.link.ticks import TickMark
+from benchtool.link.ticks import TickMark, WallMark
 from benchtool.protocol.abort import Abort
 from benchtool.protocol.dictionary import Dictionary
 from benchtool.protocol.variable import Value
@@ -40,16 +40,25 @@ class RemoteNode:
         """
         identity = self.identify()
         identity.require(self.dictionary, self._source)
-        if all(name in self.dictionary for name in ("tick", "control_period")):
-            self._mark = TickMark(int(self.number("tick")), self.clock.now_s(), self.number("control_period"))
+        self._note_tick()
         return identity
+
+    def _note_tick(self) -> None:
+        if all(name in self.dictionary for name in ("tick", "control_period")):
+            tick_s = round(self.number("control_period") * 1e9) * 1e-9  # the drive has it as a float32
+            self._mark = TickMark(int(self.number("tick")), self.clock.now_s(), tick_s)
+
+    def wall_mark(self, wall_s: float) -> WallMark | None:
+        """The drive's tick now, which is `wall_s` of wall time; None as `tick_at`."""
+        tick = self.tick_now()
+        return None if tick is None or self._mark is None else WallMark(tick, self._mark.tick_s, wall_s)
 
     def tick_now(self) -> int | None:
         """Tick of the drive now, as `tick_at`."""
         return self.tick_at(self.clock.now_s())
 
     def tick_at(self, at_s: float) -> int | None:
-        """Tick of the drive at a moment of this node's clock, by the one that `check` noted.
+        """Tick of the drive at a moment of this node's clock, by the last one that was read.
 
         Both clocks are taken as equal: 50 ppm between them make 3 ms a minute. None before `check`, and of a
         drive that does not tell its tick.

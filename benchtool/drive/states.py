@@ -18,6 +18,7 @@ from benchtool.protocol.nmt import NmtCommand
 
 _TRANSITION_TIMEOUT_S = 1.0
 _POLL_S = 0.001
+_NOTING_S = 60.0
 
 
 class Observer(Protocol):
@@ -59,6 +60,12 @@ class Cia402Node(RemoteNode):
             with suppress(Exception):  # whoever looks on must not keep a drive from being disabled
                 observer.state(state, tick)
         return state
+
+    def look(self) -> State:
+        """Read the state, for whoever observes it, and once a minute the tick that events are placed by."""
+        if self._mark is not None and self.clock.now_s() - self._mark.at_s >= _NOTING_S:
+            self._note_tick()
+        return self.state()
 
     def emergencies(self) -> tuple[Emergency, ...]:
         """Emergencies that have arrived since the last call, oldest first."""

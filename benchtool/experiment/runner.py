@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import asdict, dataclass
@@ -35,11 +36,12 @@ from benchtool.telemetry import (
 
 @dataclass(frozen=True)
 class RunInfo:
-    """What only the caller knows of a run; `when` is wall time in ISO 8601."""
+    """What only the caller knows of a run; `when` is wall time in ISO 8601, `wall_s` tells that of now."""
 
     when: str
     seed: int
     command_line: tuple[str, ...]
+    wall_s: Callable[[], float] = time.time
 
 
 Opener = Callable[[Case, int], AbstractContextManager[Session]]
@@ -148,7 +150,7 @@ def _run_case(
         stream = None
         takers = (EventFile(place).append, watcher.happened)
         try:
-            sinks = watcher.opened(session, plan, case, manifest.parameters)
+            sinks = watcher.opened(session, case, manifest)
             with keep_journal(session.drive, takers) as journal:
                 with _telemetry(session, writer, sinks) as stream:
                     capture, transducer = conduct(session, plan, case, _Steps(progress, journal))
@@ -227,6 +229,7 @@ def _telemetry(
 
 def _manifest(session: Session, plan: Plan, case: Case, info: RunInfo, identity: Identity) -> Manifest:
     facts: Mapping[str, int | float | str | None] = asdict(identity)
+    mark = session.drive.wall_mark(info.wall_s())
     return Manifest(
         what=plan.title,
         when=info.when,
@@ -243,5 +246,6 @@ def _manifest(session: Session, plan: Plan, case: Case, info: RunInfo, identity:
             "operating_point": case.operating_point.model_dump(mode="json"),
             "plan": plan.model_dump(mode="json"),
             "motor": session.profile.motor.model_dump(mode="json"),
+            "wall": None if mark is None else asdict(mark),
         },
     )

@@ -2,27 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Protocol
 
 from benchtool.bench import Session
 from benchtool.block import Block
 from benchtool.experiment.assessment import Assessment
 from benchtool.experiment.cases import Case
-from benchtool.experiment.plan import Plan
-from benchtool.recording import Event
+from benchtool.recording import Event, Manifest
 from benchtool.telemetry import Sink
 
 
 class Watcher(Protocol):
     """Told of every case: `opened`, `captured` if it came to that, `closed`; must not raise or wait long."""
 
-    def opened(
-        self, session: Session, plan: Plan, case: Case, parameters: Mapping[str, object]
-    ) -> Sequence[Sink]:
+    def opened(self, session: Session, case: Case, manifest: Manifest) -> Sequence[Sink]:
         """A case begins, set up but with nothing enabled yet; further sinks for its slow stream.
 
-        `parameters` are the drive's. Nothing may be asked of the drive: that would take its time.
+        `manifest` is that of its bundle. Nothing may be asked of the drive: that would take its time.
         """
 
     def happened(self, event: Event) -> None:
@@ -38,9 +35,7 @@ class Watcher(Protocol):
 class Unwatched:
     """Nobody looks."""
 
-    def opened(
-        self, session: Session, plan: Plan, case: Case, parameters: Mapping[str, object]
-    ) -> Sequence[Sink]:
+    def opened(self, session: Session, case: Case, manifest: Manifest) -> Sequence[Sink]:
         """No sinks."""
         return ()
 

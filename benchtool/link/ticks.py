@@ -1,4 +1,4 @@
-"""Whether a drive ran on while nothing was heard of it, by the ticks it counts."""
+"""The ticks that a drive counts, beside the clocks of the host."""
 
 from __future__ import annotations
 
@@ -9,6 +9,15 @@ _ROUNDING = 1e-6
 _WRAP = 1 << 32
 _SLACK_S = 0.5
 _CLOCKS = 1e-3  # by which two clocks may differ
+
+
+@dataclass(frozen=True)
+class WallMark:
+    """The drive's tick at a wall time, in seconds since 1970, and the length of a tick."""
+
+    tick: int
+    tick_s: float
+    wall_s: float
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from benchtool.live import names
 from benchtool.live.locus import NEEDED
 from benchtool.live.spectrum import chosen
 
-_MARKERS = (names.FAULT, names.WARNING, names.TRIGGER)
+_MARKERS = (names.ERROR, names.WARNING, names.TRIGGER)
 _FOLLOWED_S = 20.0
 _TOGETHER = rrb.TimeAxis(link=rrb.components.LinkAxis.LinkToGlobal)  # to zoom one plot is to zoom all
 _UNNAMED = rrb.PlotLegend(visible=False)  # bars have no names but their paths

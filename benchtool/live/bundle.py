@@ -4,35 +4,43 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
-from datetime import datetime
+from dataclasses import replace
 from typing import Any
 
 from benchtool.block import Block
+from benchtool.link.ticks import WallMark
 from benchtool.live import names
 from benchtool.live.band import Limits
 from benchtool.live.columns import parts
 from benchtool.live.outlet import Destination
 from benchtool.live.view import LiveView, Setup
 from benchtool.live.words import certificate_document, results_document
-from benchtool.recording import Bundle, Event, Level
+from benchtool.recording import Bundle, Event, Level, Manifest
 
 _SLOW = "telemetry"
 _CAPTURE = "capture"
 _TRANSDUCER = "transducer"
 _PART_S = 0.2  # as a stream comes
+_PATIENCE_S = 60.0  # nothing waits for it
 
 
-def setup_of(bundle: Bundle, psi_r_Wb: float) -> Setup:
-    """What the view of a bundle is told; `psi_r_Wb` is the motor's flux where the bundle names none."""
-    manifest = bundle.manifest
-    motor = manifest.details.get("motor", {})
+def setup_of(manifest: Manifest, name: str, psi_r_Wb: float) -> Setup:
+    """What the view of a run is told by its manifest.
+
+    Args:
+        manifest: as it was begun, or finished.
+        name: of the run, where the manifest has no case.
+        psi_r_Wb: the motor's flux, where the manifest has none.
+    """
+    details = manifest.details
+    mark = details.get("wall")
     return Setup(
-        title=f"{manifest.what}: {manifest.details.get('case', bundle.directory.name)}",
-        psi_Wb=float(motor.get("psi_r_Wb", psi_r_Wb)),
-        limits=limits_of(manifest.details.get("plan", {}), str(manifest.details.get("case", ""))),
+        title=f"{manifest.what}: {details.get('case', name)}",
+        psi_Wb=float(details.get("motor", {}).get("psi_r_Wb", psi_r_Wb)),
+        limits=limits_of(details.get("plan", {}), str(details.get("case", ""))),
         parameters=manifest.parameters,
-        wall_s=_wall_s(manifest.when),
-        followed=False,
+        mark=None if mark is None else WallMark(**mark),
+        followed=not manifest.complete,
     )
 
 
@@ -52,7 +60,8 @@ def show_bundle(
         EnvironmentFailure: a destination cannot be opened.
     """
     blocks = {stream: bundle.block(stream) for stream in bundle.streams}
-    view = LiveView(setup, destinations, note)
+    setup = replace(setup, followed=False)
+    view = LiveView(setup, destinations, note, patience_s=_PATIENCE_S)
     details = bundle.manifest.details
     events = deque(bundle.events)
     if _SLOW in blocks:
@@ -100,10 +109,3 @@ def _rows(entries: Mapping[str, Mapping[str, Any]]) -> list[tuple[str, float, st
 def _number(entry: Mapping[str, Any]) -> float:
     value = entry.get("value")
     return float("nan") if value is None else float(value)
-
-
-def _wall_s(when: str) -> float | None:
-    try:
-        return datetime.fromisoformat(when).timestamp()
-    except ValueError:
-        return None

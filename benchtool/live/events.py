@@ -17,11 +17,11 @@ from benchtool.recording import Event, Level
 _MOST = 1000
 _COUNTING = ("law_clipped", "adc_saturated")
 _MARKERS: Final = {
-    names.FAULT: ("fault", (213, 94, 0), rr.components.MarkerShape.Cross, 8.0),
+    names.ERROR: ("error", (213, 94, 0), rr.components.MarkerShape.Cross, 8.0),
     names.WARNING: ("warning", (230, 159, 0), rr.components.MarkerShape.Circle, 4.0),
     names.TRIGGER: ("trigger", (0, 158, 115), rr.components.MarkerShape.Up, 8.0),
 }
-_MARKED: Final = {Level.INFO: None, Level.WARN: names.WARNING, Level.ERROR: names.FAULT}
+_MARKED: Final = {Level.INFO: None, Level.WARN: names.WARNING, Level.ERROR: names.ERROR}
 
 
 class _Waiting(NamedTuple):

@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
+import os
+import shutil
+import time
 from pathlib import Path
+from typing import Final
 
 import rerun as rr
 
 from benchtool.errors import EnvironmentFailure
+
+_LOOKING_S: Final = 1.0
+_ROOM_B: Final = 32 << 20
+"""What is left free: the SDK may never return from writing to a disk that is full."""
 
 
 class FileDestination:
@@ -21,6 +29,8 @@ class FileDestination:
     def __init__(self, path: Path, *, endless: bool = False) -> None:
         self.path = path
         self._endless = endless
+        self._look_s = 0.0
+        self._room = True
 
     @property
     def name(self) -> str:
@@ -30,6 +40,16 @@ class FileDestination:
     def closing_s(self) -> float:
         """A slow disk gets its time."""
         return 60.0
+
+    @property
+    def taking_s(self) -> float:
+        """As `closing_s`."""
+        return 60.0
+
+    @property
+    def replaceable(self) -> bool:
+        """To begin it anew would cut off what it holds."""
+        return False
 
     def connect(self, stream: rr.RecordingStream) -> None:
         """Begin the file; an older one is replaced.
@@ -44,17 +64,23 @@ class FileDestination:
             raise self._unwritable(str(reason)) from None
 
     def check(self) -> None:
-        """Make the file, empty if it is new, where no recording is begun yet.
+        """Try whether it can be written, and leave things as they are, but for its folder.
 
         Raises:
-            EnvironmentFailure: it cannot be written.
+            EnvironmentFailure: it cannot.
         """
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True)
+            new = not self.path.exists()
             with self.path.open("ab"):
                 pass
+            if new:
+                self.path.unlink()
+            free_B = shutil.disk_usage(self.path.parent).free
         except OSError as reason:
             raise self._unwritable(reason.strerror or str(reason)) from None
+        if free_B < _ROOM_B:
+            raise self._unwritable(f"{free_B >> 20} MiB are free there, {_ROOM_B >> 20} MiB are needed")
 
     def _unwritable(self, reason: str) -> EnvironmentFailure:
         return EnvironmentFailure(
@@ -62,14 +88,19 @@ class FileDestination:
             f"choose another file"
         )
 
-    @property
-    def another(self) -> str:
-        """There is none."""
-        return ""
-
     def alive(self) -> bool:
-        """Always."""
-        return True
+        """Whether there is room for more, which is looked for once a second."""
+        if time.monotonic() >= self._look_s:
+            self._look_s = time.monotonic() + _LOOKING_S
+            try:
+                self._room = shutil.disk_usage(os.fspath(self.path.parent)).free >= _ROOM_B
+            except OSError:
+                self._room = False
+        return self._room
+
+    def farewell(self) -> str:
+        """Why, if it is for want of room."""
+        return "" if self._room else f"less than {_ROOM_B >> 20} MiB are free on its disk"
 
     def give_up(self) -> None:
         """Nothing to let go of."""

@@ -15,7 +15,6 @@ from benchtool.live.columns import Columns, Message
 APPLICATION: Final = "benchtool"
 PATIENCE_S: Final = 0.5
 _BATCHES = 8
-_WAIT_S = 1e6  # for a flush; what ends it sooner is the end of the viewer
 _POLL_S = 0.05
 _LETTING_GO_S = 10.0
 
@@ -34,8 +33,15 @@ class Destination(Protocol):
         """How long the end of a recording may wait for it."""
 
     @property
-    def another(self) -> str:
-        """What a person may do to have the rest shown, once it is gone; empty if nothing."""
+    def taking_s(self) -> float:
+        """How long it may take over one batch before it counts as lost."""
+
+    @property
+    def replaceable(self) -> bool:
+        """Whether there may be another in its place, once it is gone."""
+
+    def farewell(self) -> str:
+        """What a person should know or do once it is gone; empty if nothing."""
 
     def connect(self, stream: rr.RecordingStream) -> None:
         """Have a recording go there.
@@ -54,10 +60,11 @@ class Destination(Protocol):
 class Outlet:
     """Sends to one destination from a thread of its own, with a bounded queue.
 
-    After every batch that thread flushes the recording and waits for as long as it takes: the SDK holds one
-    batch at most, this queue eight, whatever the destination does. Who calls `send` waits for room, but once
-    that has taken `patience_s` the destination is stuck: until there is room again, batches are discarded
-    and counted at once.
+    After every batch that thread flushes the recording and waits for as long as the destination may take:
+    the SDK holds one batch at most, this queue eight, whatever the destination does. Who calls `send` waits
+    for room, but once that has taken `patience_s` the destination is stuck: until there is room again,
+    batches are discarded and counted at once. That thread ends the recording as well, as the SDK may wait
+    without end for that too.
 
     A destination that was gone and is there again gets what holds at every time (names, layout, documents)
     and the batches from then on.
@@ -118,11 +125,9 @@ class Outlet:
     def close(self) -> None:
         """Let what waits be sent, for `closing_s` at most, and end the recording."""
         self._finish(self._destination.closing_s, self._destination.alive)
-        if self._thread.is_alive():
-            # The flush that the thread is in returns when there is nobody at the other end.
-            self._over = True
-            self._finish(_LETTING_GO_S, self._insist)
-        self._stream.disconnect()
+        self._over = True
+        # What the thread waits for in the SDK ends when there is nobody at the other end.
+        self._finish(_LETTING_GO_S, self._insist)
 
     def _open(self) -> rr.RecordingStream:
         stream = rr.RecordingStream(APPLICATION, recording_id=self._recording_id)
@@ -144,7 +149,7 @@ class Outlet:
         return True
 
     def _put(self, batch: _Batch) -> bool:
-        if (self._gone and not self._destination.another) or not self._destination.alive():
+        if (self._gone and not self._destination.replaceable) or not self._destination.alive():
             self._leave()
             return False
         if self._offer(batch, 0.0 if self._stuck else self._patience_s):
@@ -160,12 +165,12 @@ class Outlet:
     def _tell_back(self) -> None:
         self._note(f"{self.name} is back; {self.rows_dropped} rows were not shown")
 
-    def _leave(self) -> None:
+    def _leave(self, reason: str = "") -> None:
         with self._lock:
             known, self._gone = self._gone, True
         if not (known or self._over):
-            another = f"; {self._destination.another}" if self._destination.another else ""
-            self._note(f"{self.name} is gone, the measurement goes on without it{another}")
+            more = "".join(f"; {text}" for text in (reason, self._destination.farewell()) if text)
+            self._note(f"{self.name} is gone, the measurement goes on without it{more}")
 
     def _offer(self, batch: _Batch | None, wait_s: float) -> bool:
         try:
@@ -182,13 +187,14 @@ class Outlet:
                     self.discard(rows)
                     continue
                 self._pass_on(messages)
-            except (RuntimeError, ValueError):  # what the SDK makes of a broken connection
-                self._leave()
+            except (RuntimeError, ValueError) as reason:  # what the SDK makes of a broken connection
+                self._leave("" if self._destination.replaceable else str(reason))
                 self.discard(rows)
+        self._stream.disconnect()
 
     def _come_back(self) -> bool:
         """Begin anew with a destination that is there again; whether it is."""
-        if not (self._destination.another and self._destination.alive()):
+        if not (self._destination.replaceable and self._destination.alive()):
             return False
         self._stream.disconnect()
         try:
@@ -204,4 +210,4 @@ class Outlet:
     def _pass_on(self, messages: Iterable[Message]) -> None:
         for message in messages:
             message.send(self._stream)
-        self._stream.flush(timeout_sec=_WAIT_S)
+        self._stream.flush(timeout_sec=self._destination.taking_s)

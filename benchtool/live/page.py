@@ -8,7 +8,9 @@ browser enforces.
 from __future__ import annotations
 
 import http.client
+import ipaddress
 import shutil
+import socket
 import threading
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from urllib.parse import quote
@@ -41,8 +43,9 @@ class Page:
     """
 
     def __init__(self, bind: str, port: int, host: str, viewer_port: int, data_port: int) -> None:
-        # Others reach the data by another name of this machine, which is not known here.
-        sources = f"http://*:{data_port}" if host != bind else f"http://{host}:{data_port}"
+        # Of a wildcard others reach the data by whatever name of this machine they use.
+        everybody = ipaddress.ip_address(bind).is_unspecified
+        sources = f"http://*:{data_port}" if everybody else f"http://{host}:{data_port}"
 
         class Handler(BaseHTTPRequestHandler):
             def do_GET(self) -> None:
@@ -51,15 +54,19 @@ class Page:
             def log_message(self, format: str, *args: object) -> None:
                 """Nobody reads it."""
 
+        class Server(ThreadingHTTPServer):
+            address_family = socket.AF_INET6 if ":" in bind else socket.AF_INET
+
         try:
-            self._server = ThreadingHTTPServer((bind, port), Handler)
+            self._server = Server((bind, port), Handler)
         except OSError as reason:
             raise EnvironmentFailure(
                 f"cannot serve the live view at {bind}:{port}: {reason.strerror}; choose another port"
             ) from None
         self._server.daemon_threads = True
-        self._data = f"rerun+http://{host}:{data_port}/proxy"
-        self._host = host
+        self._data_port = data_port
+        # The name of this machine is the best guess at what others call it.
+        self._host = socket.gethostname() if everybody else host
         self._thread = threading.Thread(
             target=self._server.serve_forever, args=(0.05,), name="benchtool-page", daemon=True
         )
@@ -72,7 +79,8 @@ class Page:
     @property
     def url(self) -> str:
         """Address of the page, with the data that it shows."""
-        return f"http://{self._host}:{self.port}/?url={quote(self._data, safe='')}&theme=dark"
+        data = f"rerun+http://{self._host}:{self._data_port}/proxy"
+        return f"http://{self._host}:{self.port}/?url={quote(data, safe='')}&theme=dark"
 
     def close(self) -> None:
         """Stop serving."""

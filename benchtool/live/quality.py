@@ -26,10 +26,10 @@ class Quality:
     """Rows received and missing, rows not shown, and what else is counted.
 
     Args:
-        not_shown: rows that did not get to a destination.
+        not_shown: rows that did not get there, by place.
     """
 
-    def __init__(self, not_shown: Callable[[], int]) -> None:
+    def __init__(self, not_shown: Counters) -> None:
         self._not_shown = not_shown
         self._others: Counters | None = None
         self._received = self._missing = 0
@@ -48,7 +48,7 @@ class Quality:
     def messages(self, axis: TimeAxis, tick: int, *, last: bool = False) -> list[Message]:
         """The counters now; as text once a second of drive time, and at the end."""
         counts = {"telemetry_rows_received": self._received, "telemetry_rows_missing": self._missing}
-        counts["rows_not_shown"] = self._not_shown()
+        counts |= {f"rows_not_shown ({place})": count for place, count in self._not_shown().items()}
         counts |= {} if self._others is None else self._others()
         messages: list[Message] = []
         for entity, names_of in _entities(counts).items():

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from benchtool.block import Block
 from benchtool.live import names
 from benchtool.live.columns import Message, TimeAxis, at
-from benchtool.live.spectrum import Bars, RunningSpectrum, bars, chosen, spectrogram
+from benchtool.live.spectrum import Bars, RunningSpectrum, bars, chosen, decibels, spectrogram
 
 _BLUE, _RED = (86, 180, 233), (213, 94, 0)
 _LINES = f"{names.SPECTRUM}/lines"
@@ -48,12 +48,11 @@ def capture_spectra(block: Block, axis: TimeAxis, tick: int) -> list[Message]:
 
 def _bars(found: Bars, axis: TimeAxis, tick: int) -> list[Message]:
     step_Hz = float(found.frequency_Hz[1] - found.frequency_Hz[0])
-    nearest = int(np.argmin(np.abs(found.frequency_Hz - found.fundamental_Hz)))
-    peak = slice(nearest, nearest + 1)
+    peak_Hz, peak = np.array([found.fundamental_Hz]), decibels(np.array([found.fundamental]))
     order = np.arange(2, 2 + len(found.harmonic_percent), dtype=np.float64)
     mark_Hz = max(step_Hz, 0.01 * float(found.frequency_Hz[-1]))
     spectrum = _chart(found.frequency_Hz, found.amplitude_dB, step_Hz, _BLUE)
-    fundamental = _chart(found.frequency_Hz[peak], found.amplitude_dB[peak], mark_Hz, _RED)
+    fundamental = _chart(peak_Hz, peak, mark_Hz, _RED)
     return [
         at(f"{_LINES}/amplitude", axis, tick, spectrum),
         at(f"{_LINES}/fundamental", axis, tick, fundamental),

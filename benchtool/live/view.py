@@ -6,6 +6,7 @@ import threading
 import time
 import uuid
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
 from functools import partial
 from types import TracebackType
@@ -15,6 +16,7 @@ import rerun as rr
 
 from benchtool.block import Block
 from benchtool.errors import EnvironmentFailure
+from benchtool.link.ticks import WallMark
 from benchtool.live import locus, names
 from benchtool.live.band import Limits, TorqueBand
 from benchtool.live.blueprint import Layout, blueprint
@@ -36,6 +38,7 @@ from benchtool.live.words import parameters_document, results_document
 from benchtool.recording import Event, Level
 
 _WATERFALL_S = 1.0  # between two pictures, each of which is kept in the recording
+_SAME = 0.05
 _ROWS = 20_000  # in a batch, so that a long record needs no more memory than itself
 
 
@@ -44,16 +47,17 @@ class Setup:
     """What a view is told before the first block.
 
     `psi_Wb` is the flux of the motor's magnets, and the radius of the flux plane's circle where the drive
-    tells no reference; its hexagon is that of the first `u_dc` received.
+    tells no reference; its hexagon is that of `u_dc`.
     `limits` are (min, max) by measurement, `torque_ripple_pp` among them; `parameters` go into a document.
-    `wall_s` is the wall time, seconds since 1970, of the first row; None for that of its arrival.
+    `mark` tells wall time; without it the first row has that of its arrival. `followed` shows the last
+    seconds, else everything is shown.
     """
 
     title: str
     psi_Wb: float
     limits: Limits = field(default_factory=dict)
     parameters: Mapping[str, object] = field(default_factory=dict)
-    wall_s: float | None = None
+    mark: WallMark | None = None
     followed: bool = True
 
 
@@ -80,13 +84,15 @@ class LiveView:
         self._setup = setup
         self._note = note
         self._layout = Layout(psi_Wb=setup.psi_Wb, followed=setup.followed)
-        self._axis: TimeAxis | None = None
+        mark = setup.mark
+        self._axis = None if mark is None else TimeAxis(mark.tick_s, mark.tick, mark.wall_s)
         self._events = EventLog()
         self._band = TorqueBand(setup.limits)
         self._circle = locus.ReferenceCircle(setup.psi_Wb)
         self._quality = Quality(self._not_shown)
         self._lock = threading.Lock()
         self._failed = False
+        self._u_dc_V = 0.0  # that the hexagon is drawn for
         self._spectrum: RunningSpectrum | None = None
         self._next_tick: int | None = None
         self._last_tick = self._waterfall_tick = 0
@@ -159,8 +165,9 @@ class LiveView:
     def close(self) -> None:
         """Send what waits and end the recording."""
         self._harmlessly(self._tell)
-        for outlet in self.outlets:
-            outlet.close()
+        with ExitStack() as stack:  # each is closed, whatever another one raises
+            for outlet in self.outlets:
+                stack.callback(outlet.close)
 
     # ---- inside -----------------------------------------------------------------------------------------
 
@@ -230,7 +237,7 @@ class LiveView:
     def _tell(self) -> None:
         """Send the events that wait, if there is a time axis to put them on."""
         if self._axis is None and self._events.waiting:
-            self._axis = TimeAxis(1e-4, 0, self._setup.wall_s or time.time())
+            self._axis = TimeAxis(1e-4, 0, time.time())
         if self._axis is not None:
             self._send(
                 [
@@ -242,26 +249,32 @@ class LiveView:
     def _axis_of(self, block: Block) -> TimeAxis:
         if self._axis is None:
             took_s = (block.ticks()[-1] - block.first_tick) * block.tick_s
-            wall_s = time.time() - took_s if self._setup.wall_s is None else self._setup.wall_s
-            self._axis = TimeAxis(block.tick_s, block.first_tick, wall_s)
+            self._axis = TimeAxis(block.tick_s, block.first_tick, time.time() - took_s)
         return self._axis
 
     def _show(self, source: str, block: Block) -> None:
         """Name the series of a source, and lay the view out, when it appears."""
+        self._draw_hexagon(block)
         layout = replace(self._layout.with_source(source, block.channels), states=self._events.stateful)
         if layout == self._layout:
             return
         self._layout = layout
         self._send(series(block.channels, source))
-        if "u_dc" in block.names and (u_dc_V := float(block.column("u_dc").mean())) > 0.0:
-            self._send(locus.voltages(self._setup.psi_Wb, u_dc_V))
         name = chosen(block.names)
         if source == names.STREAM and name is not None and self._spectrum is None:
             self._spectrum = RunningSpectrum(name, block.unit(name), block.sample_rate_Hz)
         self._send([Arrangement(blueprint(self._layout))])
 
-    def _not_shown(self) -> int:
-        return self._queue_dropped() + sum(self.rows_dropped.values())
+    def _draw_hexagon(self, block: Block) -> None:
+        """The hexagon of the dc link, where that is another than before."""
+        if "u_dc" in block.names:
+            u_dc_V = float(block.column("u_dc").mean())
+            if u_dc_V > 0.0 and abs(u_dc_V - self._u_dc_V) > _SAME * u_dc_V:
+                self._u_dc_V = u_dc_V
+                self._send(locus.voltages(self._setup.psi_Wb, u_dc_V))
+
+    def _not_shown(self) -> dict[str, int]:
+        return {"queue": self._queue_dropped(), **self.rows_dropped}
 
     def _send(self, messages: Iterable[Message], rows: int = 0) -> None:
         batch = tuple(messages)

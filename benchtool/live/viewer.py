@@ -30,7 +30,7 @@ _ANSWERING_S = 0.2
 _POLL_S = 0.02
 _ESCAPES = re.compile(r"\x1b\[[0-9;]*m")
 _LISTENING = re.compile(r"Listening for gRPC connections on \S+:(\d+)")
-_HOSTING = re.compile(r"Hosting a web-viewer at http://\S+?:(\d+)\b")
+_HOSTING = re.compile(r"Hosting a web-viewer at http://(?:\[[^]]+\]|[^:/\s]+):(\d+)")
 _QUIET: Final = {
     "CI": "true",  # what the viewer takes as a reason to collect no usage data
     "RUST_LOG": "info",  # the ports are read from its log
@@ -80,7 +80,6 @@ class Viewer:
         self._look_s = 0.0
         self._replaced = False
         self._relay: Relay | None = None
-        self._log = tempfile.TemporaryFile("a+b")  # noqa: SIM115 # closed by close; appended to, wherever read
         # Not Rerun's own choice, 9876: whoever is looked for there later may be anybody's viewer.
         ports = ["--port", str(port or _free_port(self._bind))]
         mode = (
@@ -88,14 +87,21 @@ class Viewer:
             if web
             else ["--memory-limit", "50%", "--hide-welcome-screen", "--expect-data-soon"]
         )
-        self.process = subprocess.Popen(
-            [program, "--bind", self._bind, *ports, *mode],
-            stdin=subprocess.DEVNULL,
-            stdout=self._log,
-            stderr=subprocess.STDOUT,
-            env=viewer_environment(),
-            start_new_session=True,  # Ctrl-C is for the measurement
-        )
+        self._log = tempfile.TemporaryFile("a+b")  # noqa: SIM115 # closed by close; appended to, wherever read
+        try:
+            self.process = subprocess.Popen(
+                [program, "--bind", self._bind, *ports, *mode],
+                stdin=subprocess.DEVNULL,
+                stdout=self._log,
+                stderr=subprocess.STDOUT,
+                env=viewer_environment(),
+                start_new_session=True,  # Ctrl-C is for the measurement
+            )
+        except OSError as reason:
+            self._log.close()
+            raise EnvironmentFailure(
+                f"{self.name} cannot be started: {reason}; install rerun-sdk again, or write a file (.rrd)"
+            ) from None
         try:
             self.port = self._announced(_LISTENING, "gRPC", port)
             self._page = self._serve(web_port) if web else None
@@ -143,7 +149,16 @@ class Viewer:
         stream.connect_grpc(f"rerun+http://{LOOPBACK}:{self._relay.port}/proxy")
 
     @property
-    def another(self) -> str:
+    def taking_s(self) -> float:
+        """Without end: what ends the waiting is the end of the connection."""
+        return 1e6
+
+    @property
+    def replaceable(self) -> bool:
+        """By another one at the same port."""
+        return True
+
+    def farewell(self) -> str:
         """The command that starts another viewer where this one was."""
         return f"'rerun --bind {self._bind} --port {self.port}' shows the rest"
 

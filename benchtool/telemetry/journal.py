@@ -33,7 +33,10 @@ def keep_journal(drive: Observable, takers: Sequence[Callable[[Event], None]]) -
         try:
             yield journal
         except BaseException as failure:
-            journal.note(f"{type(failure).__name__}: {failure}".rstrip(": "), Level.ERROR)
+            if isinstance(failure, KeyboardInterrupt):
+                journal.note("interrupted", Level.WARN)
+            else:
+                journal.note(f"{type(failure).__name__}: {failure}".rstrip(": "), Level.ERROR)
             raise
     journal.check()
 

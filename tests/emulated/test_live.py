@@ -92,15 +92,29 @@ def test_a_fault_is_found_where_the_speed_passed_its_limit(invoke: Invoke) -> No
     fault = events["emergency: 0x8400 speed outside its limits"]
     assert past - slow.stride <= fault <= past + 20  # the estimate's noise, and the frame's way
     assert fault <= events["state: fault"]
-    assert fault in recording.ticks(names.FAULT)
+    assert fault in recording.ticks(names.ERROR)
     later = invoke("live", "run", "--save", "later.rrd")
     assert later.exit_code == 0, later.output
     again = Recording.read(Path("later.rrd"))
     shown = dict(zip(again.texts(names.EVENTS), again.ticks(names.EVENTS), strict=True))
     assert shown == events
-    assert np.array_equal(again.ticks(names.FAULT), recording.ticks(names.FAULT))
+    assert np.array_equal(again.ticks(names.ERROR), recording.ticks(names.ERROR))
     levels = recording.rows[names.EVENTS].column("TextLog:level").to_pylist()
     assert levels.count(["ERROR"]) >= 3  # the emergency, the state, and what ended the run
+
+
+def test_one_file_is_written_once_however_it_is_spelt(invoke: Invoke) -> None:
+    result = invoke("record", "--duration", "1", "--out", "run", "--live", "a.rrd", "--live", "./a.rrd")
+    assert result.exit_code == 0, result.output
+    assert_holds(Recording.read(Path("a.rrd")), Bundle.open(Path("run")).block("telemetry"), STREAM)
+
+
+def test_a_recorded_drive_shows_the_states_that_another_master_brings_it_into(invoke: Invoke) -> None:
+    result = invoke("record", "--duration", "2", "--out", "run", "--live", "a.rrd")
+    assert result.exit_code == 0, result.output
+    asked = Bundle.open(Path("run")).manifest.quality["frames_received"]
+    assert Recording.read(Path("a.rrd")).texts(names.EVENTS) == ["state: switch on disabled"]
+    assert asked > 200
 
 
 def test_looking_on_changes_no_bit(invoke: Invoke) -> None:
@@ -119,6 +133,7 @@ def test_a_recorded_run_opens_in_the_same_view(invoke: Invoke) -> None:
     assert result.exit_code == 0, result.output
     shown = [Path(each["bundle"]) for each in json.loads(result.stdout)["shown"]]
     assert len(shown) == 2
+    assert not Path("live.rrd").exists()
     written = sorted(Path.cwd().glob("live-*.rrd")), sorted(Path.cwd().glob("later-*.rrd"))
     assert [len(each) for each in written] == [2, 2]
     for place, live, later in zip(shown, *written, strict=True):
@@ -131,6 +146,7 @@ def test_a_recorded_run_opens_in_the_same_view(invoke: Invoke) -> None:
 
 @pytest.mark.parametrize("wire", ["emulated", "emulated?wire=serial"])
 def test_a_drive_is_shown_without_being_enabled(invoke: Invoke, wire: str) -> None:
+    before_s = time.time()
     options = ("--rate", "1000") if "serial" in wire else ()
     result = invoke("live", "--duration", "1", "--save", "a.rrd", "--link", wire, "--json", *options)
     assert result.exit_code == 0, result.output
@@ -139,6 +155,8 @@ def test_a_drive_is_shown_without_being_enabled(invoke: Invoke, wire: str) -> No
     assert document["rows_not_shown"] == {"queue": 0, "a.rrd": 0}
     recording = Recording.read(Path("a.rrd"))
     assert recording.texts(names.EVENTS) == ["state: switch on disabled"]
+    begun_s = recording.nanoseconds("/stream/torque", names.WALL_TIME)[0] * 1e-9
+    assert abs(begun_s - before_s) < 60.0
     assert len(recording.values("/stream/torque")) == document["rows"]
     assert recording.series("/stream/current") == ["i_a (A)", "i_b (A)", "i_c (A)"]
 
@@ -237,6 +255,11 @@ def test_a_viewer_that_is_killed_ends_nothing(invoke: Invoke, monkeypatch: pytes
         (("live", "nowhere", "--save", "a.rrd"), 3, "there is no nowhere"),
         (("run", "short.toml", "--jobs", "2", "--live", "a.rrd"), 2, "--jobs 2 runs elsewhere than --live"),
         (("live", "--web", "--bind", "x"), 2, "'x' is no address to listen on"),
+        (
+            ("live", "run", "--rate", "10", "--save", "a.rrd"),
+            2,
+            "--channels, --rate, --link and --seed are for",
+        ),
     ],
 )
 def test_what_cannot_be_shown_is_said_before_anything_runs(
@@ -250,6 +273,7 @@ def test_what_cannot_be_shown_is_said_before_anything_runs(
     assert len(lines) == 1
     assert lines[0].startswith(f"benchtool: {line}")
     assert not Path("runs").exists()
+    assert not list(Path.cwd().glob("*.rrd"))
 
 
 def _rerun(*arguments: str) -> str:

@@ -237,7 +237,7 @@ def test_an_interrupted_recording_is_readable(tmp_path: Path, number: int) -> No
         out, err = process.communicate(timeout=60)
     assert process.returncode == 130
     assert out == ""
-    assert "benchtool: interrupted; the drive was left disabled" in err
+    assert err.splitlines()[-2] == "benchtool: interrupted"  # it was not this that enabled it, if it was
     assert "Traceback" not in err
     bundle = Bundle.open(tmp_path / "a")
     assert bundle.manifest.details["failure"] == "KeyboardInterrupt"

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import re
+import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,6 +16,7 @@ from hypothesis import strategies as st
 import benchtool.live
 from benchtool.block import Block, Channel, Gap
 from benchtool.errors import EnvironmentFailure
+from benchtool.link.ticks import WallMark
 from benchtool.live import FileDestination, LiveView, Setup, certificate_document, names
 from benchtool.live.bundle import setup_of, show_bundle
 from benchtool.live.columns import Columns, parts
@@ -24,7 +27,7 @@ _CHANNELS = (
     *(Channel("i_a", "A"), Channel("torque", "Nm"), Channel("psi_alpha", "Wb"), Channel("u_s", "V")),
     *(Channel("psi_beta", "Wb"), Channel("u_dc", "V"), Channel("law_clipped", ""), Channel("power", "W")),
 )
-_SETUP = Setup("test", psi_Wb=0.17, limits={"torque_ripple_pp": (None, 0.06)}, wall_s=1.7e9)
+_SETUP = Setup("test", psi_Wb=0.17, limits={"torque_ripple_pp": (None, 0.06)}, mark=WallMark(0, 1e-4, 1.7e9))
 
 
 def block(rows: int, *, first_tick: int = 0, stride: int = 10, gaps: tuple[Gap, ...] = ()) -> Block:
@@ -83,7 +86,48 @@ def test_moments_are_told_on_three_timelines(tmp_path: Path) -> None:
     drive_ns = recording.nanoseconds(entity, names.DRIVE_TIME)
     assert drive_ns.tolist() == [2_000_000_000 + k * 1_000_000 for k in range(5)]
     wall_ns = recording.nanoseconds(entity, names.WALL_TIME)
-    assert wall_ns.tolist() == [1_700_000_000_000_000_000 + k * 1_000_000 for k in range(5)]
+    assert wall_ns.tolist() == [1_700_000_002_000_000_000 + k * 1_000_000 for k in range(5)]
+
+
+def test_without_a_mark_the_first_row_is_of_the_time_of_its_arrival(tmp_path: Path) -> None:
+    before_s = time.time()
+    recording = recorded(tmp_path / "a.rrd", block(100), setup=Setup("test", psi_Wb=0.17))
+    wall_s = recording.nanoseconds("/stream/torque", names.WALL_TIME) * 1e-9
+    assert wall_s[-1] - wall_s[0] == pytest.approx(0.099, abs=1e-6)
+    assert before_s - 1e-3 <= wall_s[-1] <= time.time()
+
+
+def test_the_fundamental_is_marked_where_it_is(tmp_path: Path) -> None:
+    path = tmp_path / "a.rrd"
+    rows = block(20_000, stride=1)
+    with LiveView(_SETUP, [FileDestination(path)]) as view:
+        view.captured(rows)
+    recording = Recording.read(path)
+
+    def drawn(entity: str, component: str) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+        data = recording.rows[entity].column(f"BarChart:{component}").to_pylist()[-1][0]
+        return np.asarray(data["buffer"], dtype=np.float64)
+
+    mark = f"{names.SPECTRUM}/lines/fundamental"
+    assert drawn(mark, "abscissa") == pytest.approx([25.0], abs=0.01)
+    assert drawn(mark, "values") == pytest.approx([20.0 * np.log10(600.0)], abs=0.2)  # 0.6 A
+    assert len(drawn(f"{names.SPECTRUM}/lines/amplitude", "values")) <= 400
+
+
+def test_the_hexagon_follows_the_dc_link(tmp_path: Path) -> None:
+    charging = [block(20, first_tick=200 * k) for k in range(4)]
+    for each, u_dc_V in zip(charging, (0.0, 30.0, 122.5, 123.0), strict=True):
+        each.data[:, 5] = u_dc_V
+    label = recorded(tmp_path / "a.rrd", *charging).still[f"{names.LOCUS}/scale"]["Points2D:labels"]
+    assert label == ["122.5 V dc: vertices 81.67 V, 1 mWb is 0.384 V"]
+
+
+def test_an_error_before_any_row_is_of_the_time_that_the_drive_tells(tmp_path: Path) -> None:
+    path = tmp_path / "a.rrd"
+    with LiveView(_SETUP, [FileDestination(path)]) as view:
+        view.event(Event(text="refused", level=Level.ERROR, tick=36_000_000))
+    recording = Recording.read(path)
+    assert recording.nanoseconds(names.EVENTS, names.WALL_TIME).tolist() == [1_700_003_600_000_000_000]
 
 
 def test_a_capture_stands_at_its_place_beside_the_stream(tmp_path: Path) -> None:
@@ -102,7 +146,7 @@ def test_a_capture_stands_at_its_place_beside_the_stream(tmp_path: Path) -> None
     events = dict(zip(recording.texts(names.EVENTS), recording.ticks(names.EVENTS), strict=True))
     assert events["trigger"] == 1334
     assert recording.ticks(names.TRIGGER).tolist() == [1334]
-    assert not {names.FAULT, names.WARNING} & set(recording.rows)
+    assert not {names.ERROR, names.WARNING} & set(recording.rows)
 
 
 def test_faults_are_found_on_the_timeline(tmp_path: Path) -> None:
@@ -123,8 +167,8 @@ def test_faults_are_found_on_the_timeline(tmp_path: Path) -> None:
     }
     states = recording.rows[names.STATE].column("StateChange:state").to_pylist()
     assert states == [["operation enabled"], ["fault"]]
-    assert recording.ticks(names.FAULT).tolist() == [215, 390]
-    assert recording.still[names.FAULT]["SeriesPoints:names"] == ["fault"]
+    assert recording.ticks(names.ERROR).tolist() == [215, 390]
+    assert recording.still[names.ERROR]["SeriesPoints:names"] == ["error"]
 
 
 def test_counters_and_missing_rows_are_shown(tmp_path: Path) -> None:
@@ -142,10 +186,10 @@ def test_counters_and_missing_rows_are_shown(tmp_path: Path) -> None:
     assert recording.series(names.RECEPTION) == ["telemetry_rows_received", "link_frames_received"]
     assert recording.values(names.RECEPTION)[-1].tolist() == [40.0, 100.0]
     assert recording.series(names.QUALITY) == [
-        "telemetry_rows_missing", "rows_not_shown", "link_frames_dropped",
+        "telemetry_rows_missing", "rows_not_shown (queue)", f"rows_not_shown ({path})", "link_frames_dropped",
     ]  # fmt: skip
-    assert recording.values(names.QUALITY)[0].tolist() == [0.0, 3.0, 0.0]
-    assert recording.values(names.QUALITY)[-1].tolist() == [15.0, 3.0, 2.0]
+    assert recording.values(names.QUALITY)[0].tolist() == [0.0, 3.0, 0.0, 0.0]
+    assert recording.values(names.QUALITY)[-1].tolist() == [15.0, 3.0, 0.0, 2.0]
     told = recording.rows[names.COUNTERS].column("TextDocument:text").to_pylist()[-1][0]
     assert "**telemetry rows missing 15**" in told
     assert "**link frames dropped 2**" in told
@@ -211,6 +255,7 @@ def test_a_bundle_is_shown_as_it_was_recorded(tmp_path: Path) -> None:
             "record": {"pretrigger_s": 0.01},
         },
         "verdicts": {"torque_ripple_pp": "fail"},
+        "wall": {"tick": 20_000, "tick_s": 1e-4, "wall_s": 1.7e9},
     }
     manifest = Manifest(
         what="ripple", when="2026-01-01T12:00:00+00:00", details=details, parameters={"R_s_ohm": 0.123}
@@ -224,17 +269,18 @@ def test_a_bundle_is_shown_as_it_was_recorded(tmp_path: Path) -> None:
         value = {"value": 0.07, "unit": "Nm", "definition": "peak to peak"}
         writer.finish({"torque_ripple_pp": value}, verdict="fail")
     bundle, path = Bundle.open(tmp_path / "run"), tmp_path / "a.rrd"
-    show_bundle(bundle, setup_of(bundle, 0.17), [FileDestination(path)], print).close()
+    setup = setup_of(bundle.manifest, "run", 0.17)
+    show_bundle(bundle, setup, [FileDestination(path)], print).close()
     recording = Recording.read(path)
     assert_holds(recording, slow, names.STREAM)
     assert_holds(recording, capture, names.CAPTURE)
     wall_ns = recording.nanoseconds("/stream/torque", names.WALL_TIME)
-    assert wall_ns[0] == 1_767_268_800_000_000_000
+    assert wall_ns[0] == 1_699_999_998_000_000_000  # the first row is of tick 0
     events = dict(zip(recording.texts(names.EVENTS), recording.ticks(names.EVENTS), strict=True))
     assert events["trigger"] == 5100
     assert (events["enabled"], events["too fast"]) == (100, 5000)
-    assert recording.ticks(names.FAULT).tolist() == [5000]
-    (mean_Nm,) = recording.values(names.FAULT)[0]
+    assert recording.ticks(names.ERROR).tolist() == [5000]
+    (mean_Nm,) = recording.values(names.ERROR)[0]
     assert abs(mean_Nm) < 0.5  # where the torque was, so that it is seen
     text = recording.still[names.RESULTS]["TextDocument:text"][0]
     assert "| torque\\_ripple\\_pp | 0.07 | Nm | ≤ 0.06 | fail |" in text
@@ -261,7 +307,7 @@ def test_a_file_that_fails_is_not_begun_anew(tmp_path: Path, monkeypatch: pytest
         view.outlets[0].send([_Broken()], 7)
         view.take(block(20, first_tick=200))
         view.take(block(20, first_tick=400))
-    assert noted == [f"{path} is gone, the measurement goes on without it"]
+    assert noted == [f"{path} is gone, the measurement goes on without it; no space left on device"]
     assert Recording.read(path).ticks("/stream/torque").tolist() == list(range(0, 200, 10))
     assert view.rows_dropped == {str(path): 47}
 
@@ -274,6 +320,40 @@ class _Broken(Columns):
 
     def send(self, stream: rr.RecordingStream) -> None:
         raise RuntimeError("no space left on device")
+
+
+def test_trying_a_file_leaves_nothing_behind(tmp_path: Path) -> None:
+    path = tmp_path / "new" / "a.rrd"
+    FileDestination(path).check()
+    assert list(path.parent.iterdir()) == []
+    path.write_bytes(b"kept")
+    FileDestination(path).check()
+    assert path.read_bytes() == b"kept"
+
+
+def test_a_disk_that_is_about_to_be_full_is_left_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    free = {"B": 1 << 30}
+    monkeypatch.setattr("shutil.disk_usage", lambda _: SimpleNamespace(free=free["B"]))
+    monkeypatch.setattr("benchtool.live.file._LOOKING_S", 0.0)
+    path, noted = tmp_path / "a.rrd", list[str]()
+    with LiveView(_SETUP, [FileDestination(path)], noted.append) as view:
+        view.take(block(20))
+        free["B"] = 1 << 20
+        view.take(block(20, first_tick=200))
+        free["B"] = 1 << 30
+        view.take(block(20, first_tick=400))
+    assert noted == [
+        f"{path} is gone, the measurement goes on without it; less than 32 MiB are free on its disk"
+    ]
+    rows = Recording.read(path).rows
+    shown = len(rows["/stream/torque"]) if "/stream/torque" in rows else 0
+    assert shown in (0, 20)  # the first block may have waited still
+    assert view.rows_dropped == {str(path): 60 - shown}
+    free["B"] = 0
+    with pytest.raises(EnvironmentFailure, match="0 MiB are free there, 32 MiB are needed"):
+        FileDestination(path).check()
 
 
 def test_nothing_global_of_rerun_is_touched() -> None:

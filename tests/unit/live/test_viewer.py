@@ -244,6 +244,40 @@ def test_a_viewer_that_is_stuck_at_the_end_is_left_to_itself(
     assert len(noted) == 1  # that it is stuck, and nothing of its end
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="stops a process by a signal")
+def test_a_viewer_that_is_stuck_with_little_on_its_way_holds_up_no_end(
+    web: Viewer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What fits the buffers on the way is flushed; it is the end of the recording that is waited for."""
+    monkeypatch.setattr(module, "_CLOSING_S", 0.5)
+    monkeypatch.setattr(module, "_ENDING_S", 0.3)
+    view = LiveView(Setup("test", psi_Wb=0.1), [web], patience_s=_PATIENCE_S)
+    view.take(rows(0, 20))
+    _until(view.outlets[0]._batches.empty)
+    web.process.send_signal(signal.SIGSTOP)
+    view.take(rows(1, 20))
+    view.close()
+    assert not view.outlets[0]._thread.is_alive()
+
+
+def test_other_addresses_are_served_as_well() -> None:
+    with Viewer(web=True, bind="::1") as viewer:
+        assert viewer.page.startswith("http://[::1]:")
+        with LiveView(Setup("test", psi_Wb=0.1), [viewer]) as view:
+            view.take(rows(0))
+        assert view.rows_dropped == {"the web viewer": 0}
+        port = int(viewer.page.split("]:")[1].split("/")[0])
+        connection = http.client.HTTPConnection("::1", port, timeout=10.0)
+        try:
+            connection.request("GET", "/re_viewer.js")
+            answer = connection.getresponse()
+            policy = answer.getheader("Content-Security-Policy") or ""
+            answer.read()
+        finally:
+            connection.close()
+    assert f"http://[::1]:{viewer.port}" in policy
+
+
 def test_the_page_is_gone_with_the_viewer() -> None:
     with Viewer(web=True) as viewer:
         place = viewer.page.split("/")[2].split(":")

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 
 import pytest
 
-from benchtool.errors import RecordingError
+from benchtool.errors import DriveFault, RecordingError
 from benchtool.protocol.cia402 import State
 from benchtool.protocol.emcy import Emergency
 from benchtool.recording import Event, Level
@@ -53,7 +53,12 @@ def test_what_ends_a_run_is_its_last_event() -> None:
     drive = Drive()
     with pytest.raises(KeyboardInterrupt), keep_journal(drive, [events.append]):
         raise KeyboardInterrupt
-    assert events == [Event(text="KeyboardInterrupt", level=Level.ERROR, tick=77)]
+    with pytest.raises(DriveFault), keep_journal(drive, [events.append]):
+        raise DriveFault("too hot")
+    assert events == [
+        Event(text="interrupted", level=Level.WARN, tick=77),
+        Event(text="DriveFault: too hot", level=Level.ERROR, tick=77),
+    ]
 
 
 def test_a_disk_that_is_full_is_told_at_the_end_and_not_in_the_middle() -> None:
