@@ -67,6 +67,8 @@ def _until(session: Session, holds: Callable[[], bool]) -> None:
 
 
 def test_info_tells_the_identity_and_the_dictionary(url: str) -> None:
+    with open_session("zhu2011", url) as before:
+        before.drive.link.nmt(NmtCommand.RESET_NODE)
     result = CliRunner().invoke(app, ("info", "--link", url, "--json"))
     assert result.exit_code == 0, result.output
     facts = json.loads(result.stdout)
