@@ -198,7 +198,7 @@ def test_counters_and_missing_rows_are_shown(tmp_path: Path) -> None:
     assert recording.ticks(names.WARNING).tolist() == [200, 540]
 
 
-@pytest.mark.parametrize(("rows", "length"), [(1, 560), (7, 700), (200, 1400)])
+@pytest.mark.parametrize(("rows", "length"), [(4, 560), (7, 700), (200, 1400)])
 def test_the_limit_of_the_ripple_lies_about_the_mean(tmp_path: Path, rows: int, length: int) -> None:
     whole = block(length)
     recording = recorded(tmp_path / "a.rrd", *parts(whole, rows))
