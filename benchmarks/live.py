@@ -1,8 +1,8 @@
 """What the live view costs: `python -m benchmarks.live [--json] [--seconds N]`.
 
 A stream of 16 channels at 10 kHz, in blocks of a fifth of a second and in real time, through a sink that may
-drop into a view: written to an .rrd for N seconds, and for a quarter of that each to a viewer that takes it,
-to one that is stopped and to one that was killed. Processor time is that of all threads of this process,
+drop into a view: written to an .rrd for N seconds, and for an eighth of that each to a viewer that takes it,
+to one that is stopped, to one that is killed, and to one that is killed and started again. Processor time is that of all threads of this process,
 those of Rerun among them; memory is resident, at the end over that after a tenth of the time. The baseline,
 in the same run, is how many of the same rows go one by one through `log` in a second of processor time; then
 the same with an entity for each channel.
@@ -16,6 +16,7 @@ import signal
 import tempfile
 import time
 from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 
@@ -137,7 +138,7 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=60.0, help="of the stream into a file")
     arguments = parser.parse_args()
 
-    short_s = max(4.0, arguments.seconds / 4.0)
+    short_s = max(4.0, arguments.seconds / 8.0)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "live.rrd"
         result: dict[str, object] = {
@@ -152,6 +153,13 @@ def main() -> None:
             )
         with Viewer(web=True) as viewer:
             result["killed_viewer"] = stream_s(viewer, short_s, viewer.process.kill)
+        with Viewer(web=True) as viewer, ExitStack() as stack:
+
+            def restart() -> None:
+                viewer.end()
+                stack.enter_context(Viewer(web=True, port=viewer.port))
+
+            result["restarted_viewer"] = stream_s(viewer, short_s, restart)
         result |= {
             "baseline_rows_per_s_log": rows_per_s(one_by_one, Path(folder)),
             "rows_per_s_by_quantity": rows_per_s(by_quantity, Path(folder)),
