@@ -2,10 +2,10 @@
 
 A stream of 16 channels at 10 kHz, in blocks of a fifth of a second and in real time, through a sink that may
 drop into a view: written to an .rrd for N seconds, and for an eighth of that each to a viewer that takes it,
-to one that is stopped, to one that is killed, and to one that is killed and started again. Processor time is that of all threads of this process,
-those of Rerun among them; memory is resident, at the end over that after a tenth of the time. The baseline,
-in the same run, is how many of the same rows go one by one through `log` in a second of processor time; then
-the same with an entity for each channel.
+to one that is stopped, to one that is killed, and to one that is killed and started again. Processor time is
+that of all threads of this process, those of Rerun among them; memory is resident, at the end over that after
+a tenth of the time. The baseline, in the same run, is how many of the same rows go one by one through `log`
+in a second of processor time; then the same with an entity for each channel.
 """
 
 from __future__ import annotations
