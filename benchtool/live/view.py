@@ -95,7 +95,8 @@ class LiveView:
         self._u_dc_V = 0.0  # that the hexagon is drawn for
         self._spectrum: RunningSpectrum | None = None
         self._next_tick: int | None = None
-        self._last_tick = self._waterfall_tick = 0
+        self._last_tick = 0 if mark is None else mark.tick
+        self._waterfall_tick = 0
         self._queue_dropped: Callable[[], int] = lambda: 0
         recording, title = str(uuid.uuid4()), setup.title
         self.outlets: list[Outlet] = []

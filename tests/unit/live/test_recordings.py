@@ -128,6 +128,12 @@ def test_an_error_before_any_row_is_of_the_time_that_the_drive_tells(tmp_path: P
         view.event(Event(text="refused", level=Level.ERROR, tick=36_000_000))
     recording = Recording.read(path)
     assert recording.nanoseconds(names.EVENTS, names.WALL_TIME).tolist() == [1_700_003_600_000_000_000]
+    later = Setup("test", psi_Wb=0.17, mark=WallMark(36_000_000, 1e-4, 1.7e9))
+    with LiveView(later, [FileDestination(path)]) as view:
+        view.event(Event(text="refused"))
+    recording = Recording.read(path)
+    for entity in (names.EVENTS, names.QUALITY):
+        assert recording.nanoseconds(entity, names.WALL_TIME).tolist() == [1_700_000_000_000_000_000]
 
 
 def test_a_capture_stands_at_its_place_beside_the_stream(tmp_path: Path) -> None:
