@@ -22,8 +22,8 @@ _STATE_S = 0.5
 _ROUNDING_S = 1e-9
 _RATE_HZ = 250.0
 _CHANNELS = (
-    *("i_a", "i_b", "i_c", "torque", "torque_reference", "psi_s", "psi_alpha", "psi_beta"),
-    *("omega_m", "u_dc", "law_clipped", "adc_saturated"),
+    *("torque", "torque_reference", "omega_m", "i_a", "i_b"),  # those of a record of five
+    *("i_c", "psi_s", "psi_alpha", "psi_beta", "u_dc", "law_clipped", "adc_saturated"),
 )
 
 
@@ -48,7 +48,7 @@ def live(
     profile: options.Profile = "zhu2011",
     link: options.Link = "emulated",
     channels: Annotated[
-        str, typer.Option(metavar="A,B,C", help="Signals to show.", show_default="i_a,i_b,i_c,torque,...")
+        str, typer.Option(metavar="A,B,C", help="Signals to show.", show_default="torque,omega_m,i_a,...")
     ] = "",
     rate: Annotated[float, typer.Option(metavar="HZ", help="Records per second, as of 'record'.")] = _RATE_HZ,
     seed: options.Seed = 0,
@@ -86,14 +86,13 @@ def _show_drive(
     from benchtool.bench import open_session
     from benchtool.drive.parameters import snapshot
     from benchtool.recording import Manifest
-    from benchtool.telemetry import TelemetryStream, keep_journal
+    from benchtool.telemetry import TelemetryStream, fitting, keep_journal
 
     # An emulated drive is looked at in the time that it would take.
     with open_session(profile, link, seed=seed, real_time=True, note=output.note) as session:
         drive = session.drive
         drive.check()
-        known = [name for name in _CHANNELS if name in drive.dictionary]
-        names = [name.strip() for name in channels.split(",")] if channels else known
+        names = [name.strip() for name in channels.split(",")] if channels else fitting(drive, _CHANNELS)
         now = options.wall_time()
         mark = drive.wall_mark(now.timestamp())
         manifest = Manifest(

@@ -37,7 +37,7 @@ def record(
         typer.Option(
             metavar="A,B,C",
             help="Signals: 13 at most over CAN, 16 over a serial line.",
-            show_default="i_d,i_q,torque,...",
+            show_default="torque,omega_m,i_q,...",
         ),
     ] = "",
     rate: Annotated[
@@ -63,18 +63,19 @@ def record(
     """Record the stream of a drive, whatever it is doing; nothing is enabled."""
     from benchtool.bench import open_session
     from benchtool.recording import BundleWriter, EventFile
-    from benchtool.telemetry import DEFAULT_CHANNELS, FrameLog, keep_journal, stream_source
+    from benchtool.telemetry import DEFAULT_CHANNELS, FrameLog, fitting, keep_journal, stream_source
 
     output = Output(as_json=as_json)
     when = options.wall_time()
     folder = options.bundle_folder(out, when, "record")
-    names = [name.strip() for name in channels.split(",")] if channels else list(DEFAULT_CHANNELS)
     log = FrameLog() if frames else None
     with viewing.places(live or (), output) as where:
         with open_session(
             profile, link, seed=seed, real_time=real_time, note=output.note, frames=log
         ) as session:
             drive = session.drive
+            names = channels.split(",") if channels else fitting(drive, DEFAULT_CHANNELS)
+            names = [name.strip() for name in names]
             # Before there is a folder: what cannot be streamed leaves nothing behind.
             stream_source(drive, names, rate)
             identity = drive.check()

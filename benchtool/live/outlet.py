@@ -202,8 +202,9 @@ class Outlet:
         except EnvironmentFailure:
             return False
         with self._lock:
-            standing, self._gone = tuple(self._standing.values()), False
+            standing = tuple(self._standing.values())
         self._pass_on(standing)
+        self._gone = False  # not before: a viewer that is just ending may seem to be there
         self._tell_back()
         return True
 

@@ -71,13 +71,18 @@ def rpdo(node_id: int, mappings: Sequence[int], number: int = 1) -> Pdo:
     return Pdo(number, RPDO_COB_IDS[number - 1] + node_id, tuple(mappings), transmit=False)
 
 
+def most_tpdos(node_id: int) -> int:
+    """How many TPDOs a node has whose COB-IDs are no other node's."""
+    return len(TPDO_COB_IDS) if node_id <= _LAST_NODE_OF_EIGHT else 4
+
+
 def tpdo_numbers(node_id: int, count: int) -> list[int]:
     """Numbers of the first `count` TPDOs in the order in which they are on the wire: that of their COB-IDs.
 
     Raises:
         ValueError: there are not as many, or their COB-IDs would be another node's.
     """
-    most = len(TPDO_COB_IDS) if node_id <= _LAST_NODE_OF_EIGHT else 4
+    most = most_tpdos(node_id)
     if count > most:
         raise ValueError(f"{count} TPDOs of node {node_id}, which has {most}")
     return sorted(range(1, count + 1), key=lambda number: TPDO_COB_IDS[number - 1])

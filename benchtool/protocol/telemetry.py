@@ -23,7 +23,7 @@ from benchtool.block import Block, Channel, Gap
 from benchtool.errors import ValueRefused
 from benchtool.protocol.dictionary import Dictionary
 from benchtool.protocol.objects import DataType
-from benchtool.protocol.pdo import Pdo, tpdo, tpdo_numbers
+from benchtool.protocol.pdo import Pdo, most_tpdos, tpdo, tpdo_numbers
 from benchtool.protocol.variable import Variable
 
 _WORD = 4
@@ -87,6 +87,11 @@ def stream_layout(
         )
     pdos = (tpdo(node_id, pair, number) for number, pair in zip(numbers, pairs, strict=True))
     return StreamLayout(channels, tuple(pdos), round(_period_s(rate_Hz) / tick_s), tick_s)
+
+
+def most_channels(node_id: int) -> int:
+    """How many channels a record of this node can hold: 13, or 5 of node ids from 64."""
+    return most_tpdos(node_id) * _WORDS_PER_PDO - _FRAMING_WORDS
 
 
 def _period_s(rate_Hz: float) -> float:

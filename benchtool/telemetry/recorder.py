@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from benchtool.recording import BundleWriter
 from benchtool.telemetry.fanout import Sink
 from benchtool.telemetry.node import Node
-from benchtool.telemetry.stream import DEFAULT_CHANNELS, DEFAULT_RATE_HZ, TelemetryStream
+from benchtool.telemetry.stream import DEFAULT_RATE_HZ, TelemetryStream
 
 STREAM = "telemetry"
 
@@ -17,7 +17,7 @@ STREAM = "telemetry"
 def record_stream(
     node: Node,
     bundle: BundleWriter,
-    channels: Sequence[str] = DEFAULT_CHANNELS,
+    channels: Sequence[str] = (),
     rate_Hz: float = DEFAULT_RATE_HZ,
     *,
     others: Sequence[Sink] = (),

@@ -7,10 +7,17 @@ from typing import Any
 
 from benchtool.errors import ValueRefused
 from benchtool.link import BatchLink, FrameLink
+from benchtool.protocol.telemetry import most_channels
 from benchtool.telemetry.batch_source import BatchSource
 from benchtool.telemetry.node import Node
 from benchtool.telemetry.pdo_source import PdoSource
 from benchtool.telemetry.source import Source
+
+
+def fitting(node: Node, channels: Sequence[str]) -> tuple[str, ...]:
+    """Of these signals those that the drive has, the first ones, as many as a record over its link holds."""
+    known = tuple(name for name in channels if name in node.dictionary)
+    return known[: most_channels(node.link.node_id)] if isinstance(node.link, FrameLink) else known
 
 
 def stream_source(node: Node, channels: Sequence[str], rate_Hz: float) -> Source[Any]:

@@ -18,13 +18,13 @@ from benchtool.telemetry.clock_fit import ArrivalStatistics, ClockFit
 from benchtool.telemetry.fanout import FanOut, Sink
 from benchtool.telemetry.node import Node
 from benchtool.telemetry.source import Sent
-from benchtool.telemetry.sources import stream_source
+from benchtool.telemetry.sources import fitting, stream_source
 from benchtool.telemetry.worker import Worker
 
 DEFAULT_RATE_HZ = 100.0
 DEFAULT_CHANNELS = (
-    *("i_a", "i_b", "i_d", "i_q", "torque", "torque_reference", "psi_s", "psi_alpha", "psi_beta"),
-    *("omega_m", "u_dc", "law_clipped", "adc_saturated"),
+    *("torque", "torque_reference", "omega_m", "i_q", "i_d"),  # those of a record of five
+    *("i_a", "i_b", "psi_s", "psi_alpha", "psi_beta", "u_dc", "law_clipped", "adc_saturated"),
 )
 _BATCH_S = 0.2
 _ITEMS = 4096
@@ -68,7 +68,8 @@ class TelemetryStream:
     Args:
         node: connected drive.
         sinks: what the blocks go to; theirs from now on is this stream's to close.
-        channels: signals of four bytes: 13 at most over CAN, 16 over a serial line.
+        channels: signals of four bytes: 13 at most over CAN, 16 over a serial line; without any, those of
+            `DEFAULT_CHANNELS` that fit.
         rate_Hz: records per second: over CAN a whole number of milliseconds apart, over a serial line of the
             drive's ticks.
 
@@ -81,16 +82,16 @@ class TelemetryStream:
         self,
         node: Node,
         sinks: Sequence[Sink],
-        channels: Sequence[str] = DEFAULT_CHANNELS,
+        channels: Sequence[str] = (),
         rate_Hz: float = DEFAULT_RATE_HZ,
     ) -> None:
         self._node = node
-        self._channels = tuple(channels)
+        self._channels = tuple(channels) or fitting(node, DEFAULT_CHANNELS)
         self._rate_Hz = rate_Hz
         self._fan_out = FanOut(sinks)
         with ExitStack() as stack:
             stack.callback(self._fan_out.close)
-            self._source = stream_source(node, channels, rate_Hz)
+            self._source = stream_source(node, self._channels, rate_Hz)
             stack.pop_all()
         self._rows = max(1, round(_BATCH_S * rate_Hz))
         self._arrivals = ArrivalStatistics(self._source.tick_s)

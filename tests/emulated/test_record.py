@@ -23,6 +23,7 @@ from benchtool.cli import app
 from benchtool.emulator.bench import EmulatedBench
 from benchtool.profile import load_profile
 from benchtool.recording import Bundle
+from benchtool.shipped import shipped
 from benchtool.telemetry import TelemetryStream
 
 from .test_telemetry import power_off
@@ -227,6 +228,18 @@ def test_a_killed_recording_loses_at_most_the_last_second(tmp_path: Path) -> Non
     assert again.exit_code == 0, again.output
     replayed = Bundle.open(tmp_path / "b").block("telemetry").data
     np.testing.assert_array_equal(replayed, bundle.block("telemetry").data[: len(replayed)])
+
+
+def test_a_node_with_few_pdos_streams_what_matters_most(tmp_path: Path) -> None:
+    text = (shipped("profiles") / "zhu2011" / "profile.toml").read_text(encoding="utf-8")
+    profile = tmp_path / "far.toml"
+    profile.write_text(text.replace("node_id = 1\n", "node_id = 70\n"), encoding="utf-8")
+    folder = tmp_path / "run"
+    options = ("--profile", str(profile), "--duration", "1", "--out", str(folder))
+    result = CliRunner().invoke(app, ("record", *options))
+    assert result.exit_code == 0, result.output
+    names = Bundle.open(folder).block("telemetry").names
+    assert names == ("torque", "torque_reference", "omega_m", "i_q", "i_d")
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])

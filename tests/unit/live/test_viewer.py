@@ -301,7 +301,7 @@ def test_another_viewer_in_the_place_of_a_killed_one_gets_the_rest(web: Viewer, 
                 nonlocal number
                 view.take(rows(number))
                 number += 1
-                return len(noted) > 1
+                return "is back" in noted[-1]
 
             _until(back)
             dropped = view.rows_dropped["the web viewer"]

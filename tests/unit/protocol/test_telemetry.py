@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from benchtool.block import Block
 from benchtool.errors import ValueRefused
 from benchtool.protocol.dictionary import Dictionary
-from benchtool.protocol.telemetry import RecordDecoder, StreamLayout, stream_layout
+from benchtool.protocol.telemetry import RecordDecoder, StreamLayout, most_channels, stream_layout
 from benchtool.shipped import shipped
 
 NODE = 3
@@ -181,5 +181,6 @@ def test_what_cannot_be_streamed_is_refused(names: tuple[str, ...], rate_Hz: flo
 
 def test_a_high_node_id_has_four_tpdos() -> None:
     assert len(stream_layout(DICTIONARY, 64, CHANNELS[:5], 100.0, 1e-4).pdos) == 4
+    assert [most_channels(node_id) for node_id in (1, 63, 64, 127)] == [13, 13, 5, 5]
     with pytest.raises(ValueRefused, match="choose fewer"):
         stream_layout(DICTIONARY, 64, CHANNELS, 100.0, 1e-4)
