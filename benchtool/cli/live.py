@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from contextlib import suppress
-from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -18,7 +17,6 @@ if TYPE_CHECKING:
     from benchtool.telemetry import TelemetryStream
 
 _STEP_S = 0.05
-_STATE_S = 0.5
 _ROUNDING_S = 1e-9
 _RATE_HZ = 250.0
 _CHANNELS = (
@@ -92,16 +90,15 @@ def _show_drive(
     with open_session(profile, link, seed=seed, real_time=True, note=output.note) as session:
         drive = session.drive
         drive.check()
-        names = [name.strip() for name in channels.split(",")] if channels else fitting(drive, _CHANNELS)
+        names = options.listed(channels) or fitting(drive, _CHANNELS)
         now = options.wall_time()
-        mark = drive.wall_mark(now.timestamp())
         manifest = Manifest(
             what="live",
             when=now.isoformat(timespec="seconds"),
             parameters=snapshot(drive),
-            details={"wall": None if mark is None else asdict(mark)},
+            details={"wall": drive.wall_mark(now.timestamp())},
         )
-        with viewing.stream_view(where, session, f"live: {profile}", manifest, output) as view:
+        with viewing.stream_view(where, session, profile, manifest, output) as view:
             assert view is not None  # there is a destination in any case
             sink = viewing.live_sink(view)
             with (
@@ -125,15 +122,13 @@ def _show_drive(
 def _watch(session: Session, stream: TelemetryStream, duration_s: float) -> None:
     """Wait, and ask for the drive's state and its emergencies, which the view is told of."""
     drive, clock = session.drive, session.clock
-    start_s = asked_s = clock.now_s()
+    start_s = clock.now_s()
     drive.look()
     while (left_s := start_s + duration_s - clock.now_s()) > _ROUNDING_S:
         clock.wait(min(_STEP_S, left_s))
         stream.check()
         drive.emergencies()
-        if clock.now_s() - asked_s >= _STATE_S - _ROUNDING_S:
-            asked_s = clock.now_s()
-            drive.look()
+        drive.look()
 
 
 def _show_run(

@@ -25,6 +25,11 @@ Out = Annotated[
 RealTime = Annotated[bool, typer.Option("--real-time", help="Pace the emulated bench by the wall clock.")]
 
 
+def listed(names: str) -> tuple[str, ...]:
+    """Names that an option lists with commas; none of an option that was not given."""
+    return tuple(name.strip() for name in names.split(",")) if names else ()
+
+
 def wall_time() -> datetime:
     """Now, with its offset from UTC."""
     return datetime.now().astimezone()

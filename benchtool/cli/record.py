@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 
 _STEP_S = 0.05
 _TELL_S = 1.0
-_STATE_S = 0.5
 _ROUNDING_S = 1e-9
 
 
@@ -74,16 +73,14 @@ def record(
             profile, link, seed=seed, real_time=real_time, note=output.note, frames=log
         ) as session:
             drive = session.drive
-            names = channels.split(",") if channels else fitting(drive, DEFAULT_CHANNELS)
-            names = [name.strip() for name in names]
+            names = options.listed(channels) or fitting(drive, DEFAULT_CHANNELS)
             # Before there is a folder: what cannot be streamed leaves nothing behind.
             stream_source(drive, names, rate)
             identity = drive.check()
             manifest = _manifest(session, identity, when.isoformat(timespec="seconds"), note, seed)
-            title = f"record: {folder.name}"
             with (
                 BundleWriter(folder, manifest) as bundle,
-                viewing.stream_view(where, session, title, manifest, output) as view,
+                viewing.stream_view(where, session, folder.name, manifest, output) as view,
             ):
                 sinks, takers = [], [EventFile(folder).append]
                 if view is not None:
@@ -94,7 +91,7 @@ def record(
                         session, bundle, names, rate, duration, reconnect, log, output, sinks
                     )
                 if view is not None:
-                    viewing.show_certificate(view, title, certificate)
+                    viewing.show_certificate(view, certificate)
         _show(output, folder, certificate)
         where.linger(output)
     return 0
@@ -105,7 +102,7 @@ def _manifest(session: Session, identity: Identity, when: str, note: str, seed: 
     from benchtool.recording import Manifest, software_versions
 
     drive = session.drive
-    mark = drive.wall_mark(options.wall_time().timestamp())
+    wall = drive.wall_mark(options.wall_time().timestamp())
     return Manifest(
         what="record",
         when=when,
@@ -118,14 +115,14 @@ def _manifest(session: Session, identity: Identity, when: str, note: str, seed: 
         seed=seed,
         command_line=tuple(sys.argv[1:]),
         note=note,
-        details={"state": drive.state().value, "wall": None if mark is None else asdict(mark)},
+        details={"state": drive.state().value, "wall": wall},
     )
 
 
 def _record(
     session: Session,
     bundle: BundleWriter,
-    names: list[str],
+    names: Sequence[str],
     rate_Hz: float,
     duration_s: float,
     reconnect_s: float,
@@ -180,13 +177,10 @@ def _wait(
     clock, drive = session.drive.clock, session.drive
     start_s = clock.now_s()
     told_s = 0.0
-    asked_s = -math.inf
     while (left_s := start_s + duration_s - clock.now_s()) > _ROUNDING_S:
         try:
-            if clock.now_s() - asked_s >= _STATE_S - _ROUNDING_S:
-                asked_s = clock.now_s()
-                with suppress(NoAnswer):  # whether the drive is still there is the stream's to find
-                    drive.look()
+            with suppress(NoAnswer):  # whether the drive is still there is the stream's to find
+                drive.look()
             clock.wait(min(_STEP_S, left_s))
             stream.check()
             for emergency in drive.emergencies():

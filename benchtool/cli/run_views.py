@@ -36,7 +36,6 @@ class RunViews:
         self._output = output
         self._view: LiveView | None = None
         self._several = False
-        self._title = ""
 
     # ---- Progress --------------------------------------------------------------------------------------
 
@@ -58,7 +57,6 @@ class RunViews:
         from benchtool.live import LiveView, setup_of
 
         setup = setup_of(manifest, case.name, session.profile.motor.psi_r_Wb)
-        self._title = setup.title
         self._view = LiveView(setup, self._where.of(self._name(case)), self._output.note)
         viewing.count_link(self._view, session.drive)
         return (viewing.live_sink(self._view),)
@@ -90,11 +88,11 @@ class RunViews:
             bounds = {name: (limit.min, limit.max) for name, limit in result.limits.items()}
             verdicts = {name: str(verdict) for name, verdict in result.verdicts.items()}
             view.results(
-                results_document(self._title, rows, bounds, verdicts, [f"verdict: **{result.verdict}**"])
+                results_document(view.title, rows, bounds, verdicts, [f"verdict: **{result.verdict}**"])
             )
             view.quality(certificate_document(viewing.measured(result.quality)))
         else:
-            view.results(results_document(self._title, (), remarks=[f"the run has failed: {failure}"]))
+            view.results(results_document(view.title, (), remarks=[f"the run has failed: {failure}"]))
         view.close()
         viewing.tell_drops(view, self._output)
 

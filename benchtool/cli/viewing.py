@@ -7,7 +7,7 @@ import subprocess
 import sys
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -107,13 +107,13 @@ def live_sink(view: LiveView) -> Sink:
     return sink
 
 
-def show_certificate(view: LiveView, title: str, certificate: Certificate) -> None:
+def show_certificate(view: LiveView, certificate: Certificate) -> None:
     """How good a recording is, where nothing else is measured."""
     from benchtool.live import certificate_document, results_document
 
     rows = measured(certificate.measurements)
     told = "complete" if certificate.complete else "not complete"
-    view.results(results_document(title, rows, remarks=[f"the recording is **{told}**"]))
+    view.results(results_document(view.title, rows, remarks=[f"the recording is **{told}**"]))
     view.quality(certificate_document(rows))
 
 
@@ -136,7 +136,7 @@ def count_link(view: LiveView, drive: RemoteDrive) -> None:
 
 @contextmanager
 def stream_view(
-    where: Places, session: Session, title: str, manifest: Manifest, output: Output
+    where: Places, session: Session, name: str, manifest: Manifest, output: Output
 ) -> Iterator[LiveView | None]:
     """The view of a stream alone, with parameters and wall time as a manifest has them; None if there is
     nowhere."""
@@ -145,13 +145,13 @@ def stream_view(
         return
     from benchtool.live import LiveView, results_document, setup_of
 
-    setup = replace(setup_of(manifest, title, session.profile.motor.psi_r_Wb), title=title)
+    setup = setup_of(manifest, name, session.profile.motor.psi_r_Wb)
     with LiveView(setup, where.of(endless=True), output.note) as view:
         count_link(view, session.drive)
         try:
             yield view
         except BaseException as failure:
             reason = f"{type(failure).__name__}: {failure}".rstrip(": ")
-            view.results(results_document(title, (), remarks=[f"ended by {reason}"]))
+            view.results(results_document(setup.title, (), remarks=[f"ended by {reason}"]))
             raise
     tell_drops(view, output)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import asdict
 
 from benchtool.clock import Clock
 from benchtool.drive.identity import Identity
@@ -48,10 +49,13 @@ class RemoteNode:
             tick_s = round(self.number("control_period") * 1e9) * 1e-9  # the drive has it as a float32
             self._mark = TickMark(int(self.number("tick")), self.clock.now_s(), tick_s)
 
-    def wall_mark(self, wall_s: float) -> WallMark | None:
-        """The drive's tick now, which is `wall_s` of wall time; None as `tick_at`."""
+    def wall_mark(self, wall_s: float) -> dict[str, int | float] | None:
+        """The drive's tick now, which is `wall_s` of wall time, as a manifest keeps it: the fields of a
+        `WallMark`; None as `tick_at`."""
         tick = self.tick_now()
-        return None if tick is None or self._mark is None else WallMark(tick, self._mark.tick_s, wall_s)
+        if tick is None or self._mark is None:
+            return None
+        return asdict(WallMark(tick, self._mark.tick_s, wall_s))
 
     def tick_now(self) -> int | None:
         """Tick of the drive now, as `tick_at`."""

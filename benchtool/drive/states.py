@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from typing import Protocol
@@ -18,7 +19,9 @@ from benchtool.protocol.nmt import NmtCommand
 
 _TRANSITION_TIMEOUT_S = 1.0
 _POLL_S = 0.001
+_LOOKING_S = 0.5
 _NOTING_S = 60.0
+_ROUNDING_S = 1e-9
 
 
 class Observer(Protocol):
@@ -42,6 +45,7 @@ class Cia402Node(RemoteNode):
         self._touched = False
         self._commanded = False
         self._observers: list[Observer] = []
+        self._looked_s = -math.inf
 
     @contextmanager
     def observed(self, observer: Observer) -> Iterator[None]:
@@ -61,11 +65,16 @@ class Cia402Node(RemoteNode):
                 observer.state(state, tick)
         return state
 
-    def look(self) -> State:
-        """Read the state, for whoever observes it, and once a minute the tick that events are placed by."""
-        if self._mark is not None and self.clock.now_s() - self._mark.at_s >= _NOTING_S:
+    def look(self) -> None:
+        """Read the state, at most every half second, for whoever observes it; and once a minute the tick that
+        events are placed by."""
+        now_s = self.clock.now_s()
+        if now_s - self._looked_s < _LOOKING_S - _ROUNDING_S:
+            return
+        self._looked_s = now_s
+        if self._mark is not None and now_s - self._mark.at_s >= _NOTING_S:
             self._note_tick()
-        return self.state()
+        self.state()
 
     def emergencies(self) -> tuple[Emergency, ...]:
         """Emergencies that have arrived since the last call, oldest first."""

@@ -229,7 +229,6 @@ def _telemetry(
 
 def _manifest(session: Session, plan: Plan, case: Case, info: RunInfo, identity: Identity) -> Manifest:
     facts: Mapping[str, int | float | str | None] = asdict(identity)
-    mark = session.drive.wall_mark(info.wall_s())
     return Manifest(
         what=plan.title,
         when=info.when,
@@ -246,6 +245,6 @@ def _manifest(session: Session, plan: Plan, case: Case, info: RunInfo, identity:
             "operating_point": case.operating_point.model_dump(mode="json"),
             "plan": plan.model_dump(mode="json"),
             "motor": session.profile.motor.model_dump(mode="json"),
-            "wall": None if mark is None else asdict(mark),
+            "wall": session.drive.wall_mark(info.wall_s()),
         },
     )

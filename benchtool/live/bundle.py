@@ -40,7 +40,6 @@ def setup_of(manifest: Manifest, name: str, psi_r_Wb: float) -> Setup:
         limits=limits_of(details.get("plan", {}), str(details.get("case", ""))),
         parameters=manifest.parameters,
         mark=None if mark is None else WallMark(**mark),
-        followed=not manifest.complete,
     )
 
 

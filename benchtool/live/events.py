@@ -12,10 +12,10 @@ import rerun as rr
 from benchtool.block import Block
 from benchtool.live import names
 from benchtool.live.columns import Message, Still, TimeAxis, at, scalars
+from benchtool.protocol.telemetry import COUNTING_SIGNALS
 from benchtool.recording import Event, Level
 
 _MOST = 1000
-_COUNTING = ("law_clipped", "adc_saturated")
 _MARKERS: Final = {
     names.ERROR: ("error", (213, 94, 0), rr.components.MarkerShape.Cross, 8.0),
     names.WARNING: ("warning", (230, 159, 0), rr.components.MarkerShape.Circle, 4.0),
@@ -53,7 +53,7 @@ class EventLog:
 
     def notice(self, block: Block) -> None:
         """Note where a counter of the drive has gone up."""
-        for name in _COUNTING:
+        for name in COUNTING_SIGNALS:
             if name in block.names:
                 last = float(block.column(name)[-1])
                 before = self._counted.get(name, float(block.column(name)[0]))

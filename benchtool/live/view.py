@@ -122,6 +122,11 @@ class LiveView:
         self.close()
 
     @property
+    def title(self) -> str:
+        """Of the recording."""
+        return self._setup.title
+
+    @property
     def rows_dropped(self) -> dict[str, int]:
         """Rows that a destination did not take, by its name."""
         return {outlet.name: outlet.rows_dropped for outlet in self.outlets}
@@ -179,7 +184,7 @@ class LiveView:
                 with self._lock:
                     show()
                 return
-            except Exception as failure:  # noqa: BLE001
+            except Exception as failure:  # noqa: BLE001 # whatever it is, it may end no measurement
                 self._failed = True
                 self._note(
                     f"the live view has failed and shows no more ({type(failure).__name__}: {failure}): "

@@ -26,6 +26,12 @@ from benchtool.protocol.objects import DataType
 from benchtool.protocol.pdo import Pdo, most_tpdos, tpdo, tpdo_numbers
 from benchtool.protocol.variable import Variable
 
+COUNTING_SIGNALS = {
+    "adc_saturated": "current samples at either end of the converter's range",
+    "law_clipped": "ticks in which the law could not reach its reference and clipped",
+}
+"""Signals that are counters of the drive, and what they count."""
+
 _WORD = 4
 _WORDS_PER_PDO = 2
 _FRAMING_WORDS = 3  # tick, and the sequence number twice

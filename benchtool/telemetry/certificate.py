@@ -11,13 +11,10 @@ from benchtool.analysis import Measurement
 from benchtool.analysis.measurement import measurements_to_json
 from benchtool.block import Block, Gap
 from benchtool.link import LinkCounters
+from benchtool.protocol.telemetry import COUNTING_SIGNALS
 from benchtool.telemetry.recorder import STREAM
 from benchtool.telemetry.stream import StreamReport, TelemetryStream
 
-COUNTING_SIGNALS = {
-    "adc_saturated": "current samples at either end of the converter's range",
-    "law_clipped": "ticks in which the law could not reach its reference and clipped",
-}
 _WRAP = 1 << 32
 
 

@@ -7,7 +7,8 @@ import os
 import shutil
 import struct
 import subprocess
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,18 @@ FOLDER = Path(__file__).parents[2] / "firmware_protocol" / "c"
 TICK_NS = 100_000
 _AT_ONCE = 100
 _CAPACITY = 1 << 18
+
+
+@contextmanager
+def lasting(*command: str | Path) -> Iterator[str]:
+    """The link of a drive in a process of its own, as its first line tells it; it must not end by itself."""
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as child:
+        try:
+            assert child.stdout is not None
+            yield child.stdout.readline().strip()
+            assert child.poll() is None, "the drive has ended by itself"
+        finally:
+            child.kill()
 
 
 def make(build: Path, *targets: str, **variables: str) -> str:

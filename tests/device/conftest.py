@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
+from benchtool.bench import Session, open_session
 from benchtool.emulator.bench import EmulatedBench
 from benchtool.profile import load_profile
+from benchtool.protocol.nmt import NmtCommand
 from tests.device.c_drive import CHost, Library, make, raw_parameters
 from tests.wire.raw_host import RawHost
 
@@ -33,6 +36,14 @@ def parameters(build: Path) -> list[int]:
         return raw_parameters(RawHost(bench))
     finally:
         bench.close()
+
+
+@pytest.fixture
+def session(url: str) -> Iterator[Session]:
+    """A session with the drive at `url`, of the module that asks, as it is after a reset."""
+    with open_session("zhu2011", url) as opened:
+        opened.drive.link.nmt(NmtCommand.RESET_NODE)
+        yield opened
 
 
 @pytest.fixture

@@ -5,7 +5,6 @@ Left out are those of what a serial line alone has: confirmations, sequence numb
 
 from __future__ import annotations
 
-import subprocess
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -13,13 +12,12 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from benchtool.bench import Session, open_session
+from benchtool.bench import Session
 from benchtool.cli import app
 from benchtool.drive import Capture, CaptureRequest, Mode
-from benchtool.protocol.nmt import NmtCommand
 from benchtool.recording import Bundle
 from benchtool.telemetry import TelemetryStream
-from tests.device.c_drive import make
+from tests.device.c_drive import lasting, make
 from tests.device.test_posix_drive import (
     _until,
     test_a_capture_with_pretrigger_shows_the_setpoint_step,
@@ -55,20 +53,8 @@ def url(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     """The link of a drive that lives as long as the module: one drive, one host after the other."""
     folder = tmp_path_factory.mktemp("can")
     make(folder, "drive-canopen")
-    with subprocess.Popen([folder / "posix_can_drive"], stdout=subprocess.PIPE, text=True) as child:
-        try:
-            assert child.stdout is not None
-            yield child.stdout.readline().strip()
-            assert child.poll() is None, "the drive has ended by itself"
-        finally:
-            child.kill()
-
-
-@pytest.fixture
-def session(url: str) -> Iterator[Session]:
-    with open_session("zhu2011", url) as opened:
-        opened.drive.link.nmt(NmtCommand.RESET_NODE)
-        yield opened
+    with lasting(folder / "posix_can_drive") as link:
+        yield link
 
 
 def test_process_data_of_every_tick_are_the_rows_of_a_capture(session: Session) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import subprocess
 import time
 from collections.abc import Callable, Iterator
 from contextlib import nullcontext
@@ -26,6 +25,7 @@ from benchtool.protocol.cia402 import State
 from benchtool.protocol.nmt import NmtCommand, NmtState
 from benchtool.recording import Bundle
 from benchtool.telemetry import TelemetryStream
+from tests.device.c_drive import lasting
 from tests.emulated.test_runs import CHANNELS, INFO, Watcher, _plan
 from tests.emulated.test_telemetry import Kept
 
@@ -40,22 +40,8 @@ PATIENCE_S = 20.0
 @pytest.fixture(params=[(), ("--tcp", "0")], ids=["pty", "tcp"], scope="module")
 def url(build: Path, request: pytest.FixtureRequest) -> Iterator[str]:
     """The link of a drive that lives as long as the module: one drive, one host after the other."""
-    with subprocess.Popen(
-        [build / "posix_drive", *request.param], stdout=subprocess.PIPE, text=True
-    ) as child:
-        try:
-            assert child.stdout is not None
-            yield child.stdout.readline().strip()
-            assert child.poll() is None, "the drive has ended by itself"
-        finally:
-            child.kill()
-
-
-@pytest.fixture
-def session(url: str) -> Iterator[Session]:
-    with open_session("zhu2011", url) as opened:
-        opened.drive.link.nmt(NmtCommand.RESET_NODE)
-        yield opened
+    with lasting(build / "posix_drive", *request.param) as link:
+        yield link
 
 
 def _until(session: Session, holds: Callable[[], bool]) -> None:
