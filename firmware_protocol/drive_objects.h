@@ -2,7 +2,7 @@
 #ifndef BENCHTOOL_DRIVE_OBJECTS_H
 #define BENCHTOOL_DRIVE_OBJECTS_H
 
-#define BT_DICTIONARY_HASH 0xC3893CA2u
+#define BT_DICTIONARY_HASH 0x180FA8C6u
 #define BT_VENDOR_ID 0x00000B7Cu
 #define BT_PRODUCT_CODE 0x00002011u
 #define BT_REVISION 0x00010000u
@@ -109,6 +109,7 @@ enum bt_role {
 #define BT_INDEX_CONTROLWORD 0x6040u
 #define BT_INDEX_STATUSWORD 0x6041u
 #define BT_INDEX_QUICK_STOP_OPTION 0x605Au
+#define BT_INDEX_HALT_OPTION 0x605Du
 #define BT_INDEX_FAULT_REACTION_OPTION 0x605Eu
 #define BT_INDEX_MODE_OF_OPERATION 0x6060u
 #define BT_INDEX_MODE_OF_OPERATION_DISPLAY 0x6061u
@@ -372,6 +373,7 @@ enum bt_role {
 #define BT_SUB_CONTROLWORD 0u
 #define BT_SUB_STATUSWORD 0u
 #define BT_SUB_QUICK_STOP_OPTION 0u
+#define BT_SUB_HALT_OPTION 0u
 #define BT_SUB_FAULT_REACTION_OPTION 0u
 #define BT_SUB_MODE_OF_OPERATION 0u
 #define BT_SUB_MODE_OF_OPERATION_DISPLAY 0u
@@ -479,7 +481,13 @@ enum bt_abort_connection_option {
 
 enum bt_quick_stop_option {
     BT_QUICK_STOP_OPTION_DISABLE = 0,
-    BT_QUICK_STOP_OPTION_RAMP = 2
+    BT_QUICK_STOP_OPTION_RAMP = 2,
+    BT_QUICK_STOP_OPTION_SLOW_DOWN_AND_HOLD = 5,
+    BT_QUICK_STOP_OPTION_RAMP_AND_HOLD = 6
+};
+
+enum bt_halt_option {
+    BT_HALT_OPTION_TORQUE_LIMIT = 3
 };
 
 enum bt_fault_reaction_option {
@@ -746,12 +754,13 @@ enum bt_mode_of_operation_display {
     X(0x2051u, 1u, stream_sequence, U32, RO, SIGNAL, 1, 0, 0u, 4294967295u, 0u) \
     X(0x2051u, 2u, rpdo_dropped, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 0u) \
     X(0x2051u, 3u, serial_dropped, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 0u) \
-    X(0x2060u, 0u, dictionary_hash, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 3280551074u) \
+    X(0x2060u, 0u, dictionary_hash, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 403679430u) \
     X(0x6007u, 0u, abort_connection_option, I16, RW, PARAMETER, 0, 0, -32768, 32767, 1) \
     X(0x603Fu, 0u, error_code, U16, RO, STATUS, 1, 0, 0u, 65535u, 0u) \
     X(0x6040u, 0u, controlword, U16, RW, STATUS, 1, 0, 0u, 65535u, 0u) \
     X(0x6041u, 0u, statusword, U16, RO, STATUS, 1, 0, 0u, 65535u, 0u) \
     X(0x605Au, 0u, quick_stop_option, I16, RW, PARAMETER, 1, 0, -32768, 32767, 2) \
+    X(0x605Du, 0u, halt_option, I16, RW, PARAMETER, 1, 0, -32768, 32767, 3) \
     X(0x605Eu, 0u, fault_reaction_option, I16, RW, PARAMETER, 1, 0, -32768, 32767, 0) \
     X(0x6060u, 0u, mode_of_operation, I8, RW, STATUS, 1, 0, -128, 127, 4) \
     X(0x6061u, 0u, mode_of_operation_display, I8, RO, STATUS, 1, 0, -128, 127, 4) \
@@ -767,7 +776,7 @@ enum bt_mode_of_operation_display {
     X(0x6502u, 0u, supported_modes, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 65548u) \
     /* end */
 
-#define BT_ENTRY_COUNT 261u
+#define BT_ENTRY_COUNT 262u
 
 /* What an enumeration may be: X(name, value) for each of its values, in the order of BT_ENTRIES. Any other is
  * refused. */
@@ -825,6 +834,9 @@ enum bt_mode_of_operation_display {
     X(abort_connection_option, 3) \
     X(quick_stop_option, 0) \
     X(quick_stop_option, 2) \
+    X(quick_stop_option, 5) \
+    X(quick_stop_option, 6) \
+    X(halt_option, 3) \
     X(fault_reaction_option, 0) \
     X(mode_of_operation, -1) \
     X(mode_of_operation, 3) \
@@ -834,6 +846,6 @@ enum bt_mode_of_operation_display {
     X(mode_of_operation_display, 4) \
     /* end */
 
-#define BT_VALUE_COUNT 60u
+#define BT_VALUE_COUNT 63u
 
 #endif

@@ -13,7 +13,7 @@ from benchtool.link import Link
 from benchtool.link.ticks import TickMark, WallMark
 from benchtool.protocol.abort import Abort
 from benchtool.protocol.dictionary import Dictionary
-from benchtool.protocol.variable import Value
+from benchtool.protocol.variable import Value, Variable
 
 
 class RemoteNode:
@@ -95,12 +95,12 @@ class RemoteNode:
         """
         variable = self.dictionary[name]
         with self._naming(f"reading '{name}'"):
-            return variable.decode(self.link.upload(variable.index, variable.sub))
+            return variable.decode(self._upload(variable))
 
     def number(self, name: str) -> float:
         """Raw or physical number of `name`, an enumeration's value as its number."""
         variable = self.dictionary[name]
-        value = variable.decode(self.link.upload(variable.index, variable.sub))
+        value = variable.decode(self._upload(variable))
         if isinstance(value, str) and variable.values:
             return variable.values[value]
         if not isinstance(value, int | float):
@@ -119,12 +119,15 @@ class RemoteNode:
         sent = variable.encode(value)
         with self._naming(f"writing {value!r} to '{name}'"):
             self.link.download(variable.index, variable.sub, sent)
-            kept = self.link.upload(variable.index, variable.sub)
+            kept = self._upload(variable)
         if kept != sent:
             raise WriteNotVerified(
                 f"'{name}' reads back {variable.decode(kept)!r} after {value!r} was written: "
                 f"check whether another master writes it too"
             )
+
+    def _upload(self, variable: Variable) -> bytes:
+        return self.link.upload(variable.index, variable.sub, length=variable.type.bits // 8 or None)
 
     def _optional_int(self, name: str) -> int | None:
         value = self._optional(name)

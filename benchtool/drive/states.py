@@ -9,8 +9,9 @@ from typing import Protocol
 
 from benchtool.clock import Clock
 from benchtool.drive.node import RemoteNode
-from benchtool.errors import BenchError, DriveFault, StateError
+from benchtool.errors import BenchError, DriveFault, SdoAbort, StateError
 from benchtool.link import Link
+from benchtool.protocol.abort import Abort
 from benchtool.protocol.cia402 import Command, State, next_command, state_of
 from benchtool.protocol.dictionary import Dictionary
 from benchtool.protocol.emcy import Emergency, error_text
@@ -20,6 +21,10 @@ from benchtool.protocol.nmt import NmtCommand
 _TRANSITION_TIMEOUT_S = 1.0
 _POLL_S = 0.001
 _LOOKING_S = 0.5
+_TARGETS: tuple[str | tuple[int, int], ...] = (
+    *((0x6071, 0), (0x60FF, 0)),  # of torque and velocity (CiA 402)
+    *("torque_command", "omega_m_command"),  # last: the standard's objects set these
+)
 _NOTING_S = 60.0
 _ROUNDING_S = 1e-9
 
@@ -98,19 +103,21 @@ class Cia402Node(RemoteNode):
                 )
 
     def enable(self, mode: Mode) -> None:
-        """Walk to operation enabled in `mode`.
+        """Walk to operation enabled in `mode`, with every target at zero: a drive keeps what it was told before.
 
         Raises:
             DriveFault: the drive is or goes into fault.
             StateError: a transition does not happen.
+            SdoAbort, WriteNotVerified: a target cannot be set to zero; the drive was not enabled.
         """
         self.link.nmt(NmtCommand.START)
         self._touched = self._commanded = True
         self.write("mode_of_operation", int(mode))
+        self._zero_targets()
         self._walk_to(State.OPERATION_ENABLED)
 
     def disable(self) -> None:
-        """Switch the power stage off, from whatever state.
+        """Switch the power stage off, from whatever state, and leave no target for the next to enable.
 
         Raises:
             StateError: the drive does not confirm; its link supervision will have to stop it.
@@ -127,6 +134,8 @@ class Cia402Node(RemoteNode):
             ) from reason
         finally:
             self._touched = False
+        with suppress(BenchError):  # the power stage is off, and `enable` sees to it again
+            self._zero_targets()
 
     @contextmanager
     def enabled(self, mode: Mode) -> Iterator[None]:
@@ -158,6 +167,16 @@ class Cia402Node(RemoteNode):
             raise StateError(
                 f"the drive is still in '{state.value}', {self._last_error()}: remove the cause first"
             )
+
+    def _zero_targets(self) -> None:
+        for name in _TARGETS:
+            if name not in self.dictionary or not (target := self.dictionary[name]).writable:
+                continue
+            try:
+                self.write(target.name, 0)
+            except SdoAbort as abort:
+                if abort.code not in (Abort.NO_OBJECT, Abort.NO_SUB_INDEX):
+                    raise
 
     def _walk_to(self, target: State) -> None:
         deadline_s = self.clock.now_s() + _TRANSITION_TIMEOUT_S

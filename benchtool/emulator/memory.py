@@ -49,8 +49,10 @@ COMMAND = record_type(
         ("mode", "i4"),  # a `Mode`, as object 0x6060
         ("pwm_enabled", "u4"),
         ("quick_stop", "u4"),  # brake to standstill, whatever the setpoint
+        ("off_at_standstill", "u4"),  # and switch the power stage off there, else hold it
+        ("halt", "u4"),  # stand still, or make no torque, for as long as this is set
         ("trip", "u4"),  # mask of `Trip`, latched by control, cleared by the firmware
-        ("standstill", "u4"),  # a quick stop has reached standstill
+        ("standstill", "u4"),  # a quick stop or a halt has come to that
     ]
 )
 
@@ -102,6 +104,14 @@ CONTROL = record_type(
         ("duty_a_next", "f8"),
         ("duty_b_next", "f8"),
         ("duty_c_next", "f8"),
+        # Of a quick stop or a halt: ticks braked up to 2, the observer's angle before, low-passed speed and torque.
+        ("braking", "u4"),
+        ("braking_theta", "f8"),
+        ("braking_omega", "f8"),
+        ("braking_torque", "f8"),
+        ("braking_sign", "f8"),  # of the speed that is braked
+        ("turned", "u4"),  # the speed has reached zero or passed it
+        ("rest_ticks", "u4"),  # ticks below the speed of standstill
         ("limited", "u4"),  # the voltage computed last was beyond the hexagon
         # Of the laws, cleared while the power stage is off.
         ("torque_state", "i4"),

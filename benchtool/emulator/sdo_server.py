@@ -66,6 +66,8 @@ class SdoServer(server.SdoServer):
         read: bytes of (index, sub); may raise canopen.SdoAbortedError.
         write: takes (index, sub, data), all of a transfer at once; may raise canopen.SdoAbortedError.
         send: takes the eight bytes of every answer.
+        length: bytes of (index, sub), None if it has no length of its own: how many of the four bytes of an
+            expedited download without size indication count.
     """
 
     _index: int
@@ -76,7 +78,9 @@ class SdoServer(server.SdoServer):
         read: Callable[[int, int], bytes],
         write: Callable[[int, int, bytes], None],
         send: Callable[[bytes], None],
+        length: Callable[[int, int], int | None] = lambda index, sub: None,
     ) -> None:
+        self._length = length
         self._objects = _Objects(read, write)
         super().__init__(0, 0, self._objects)
         self._send = send
@@ -164,7 +168,15 @@ class SdoServer(server.SdoServer):
         announces = segmented and request[0] & SIZE_SPECIFIED
         self._objects.announced = int.from_bytes(request[4:], "little") if announces else None
         self._stage = _Stage.SEGMENT_DOWNLOAD if segmented else _Stage.IDLE
+        if not segmented and not request[0] & SIZE_SPECIFIED:
+            request = self._with_size(request)
         self.init_download(request)
+
+    def _with_size(self, request: bytes) -> bytes:
+        """An expedited download as it would have been with the size of its object indicated (7.2.4.3.3, s)."""
+        _, index, sub = SDO_STRUCT.unpack_from(request)
+        size = min(self._length(index, sub) or 4, 4)
+        return bytes([request[0] & ~0x0C | SIZE_SPECIFIED | (4 - size) << 2]) + request[1:]
 
     # ---- block upload ------------------------------------------------------------------------------------
 

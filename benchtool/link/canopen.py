@@ -80,15 +80,15 @@ class CanopenLink(ReceivingLink):
             counts["frames_dropped"] += self._bus.malformed
         return LinkCounters(**counts)
 
-    def upload(self, index: int, sub: int, *, block: bool = False) -> bytes:
+    def upload(self, index: int, sub: int, *, block: bool = False, length: int | None = None) -> bytes:
         """See `Link.upload`. A server without block upload is read by segmented transfer instead."""
         with self._transfer_lock, self._translating(f"reading 0x{index:04X}:{sub}, asked twice"):
             try:
-                return self._read(index, sub, block)
+                return self._read(index, sub, block, length)
             except SdoCommunicationError:
                 self._require_open()
                 self._counts["retries"] += 1
-                return self._read(index, sub, block)
+                return self._read(index, sub, block, length)
 
     def download(self, index: int, sub: int, data: bytes, *, block: bool = False) -> None:
         """See `Link.download`."""
@@ -119,13 +119,13 @@ class CanopenLink(ReceivingLink):
 
     # ---- transfers ---------------------------------------------------------------------------------------
 
-    def _read(self, index: int, sub: int, block: bool) -> bytes:
+    def _read(self, index: int, sub: int, block: bool, length: int | None) -> bytes:
         if block:
             try:
                 return self._sdo.block_upload(index, sub)
             except BlockNotOfferedError:
                 pass  # a read may be asked again in another way; a write never is
-        return self._sdo.upload(index, sub)
+        return self._sdo.upload(index, sub, length)
 
     @contextmanager
     def _translating(self, doing: str) -> Iterator[None]:

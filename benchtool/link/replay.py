@@ -71,7 +71,7 @@ class ReplayLink:
     def counters(self) -> LinkCounters:
         return self._counters
 
-    def upload(self, index: int, sub: int, *, block: bool = False) -> bytes:
+    def upload(self, index: int, sub: int, *, block: bool = False, length: int | None = None) -> bytes:
         """See `Link.upload`.
 
         Raises:
@@ -94,8 +94,8 @@ class ReplayLink:
             raise SdoAbort(
                 f"node {self._node_id} refused reading 0x{index:04X}:{sub}: {abort_text(code)}", code
             )
-        self._known[key] = transfer.data
-        return transfer.data
+        self._known[key] = transfer.data if transfer.sized else transfer.data[:length]
+        return self._known[key]
 
     def download(self, index: int, sub: int, data: bytes, *, block: bool = False) -> None:
         """See `Link.download`.

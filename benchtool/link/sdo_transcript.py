@@ -20,12 +20,16 @@ class Kind(Enum):
 
 @dataclass(frozen=True)
 class Transfer:
-    """One transfer, ended by frame number `position`; `data` of an abort are the four bytes of its code."""
+    """One transfer, ended by frame number `position`; `data` of an abort are the four bytes of its code.
+
+    Not `sized` is one that brought four bytes and does not say how many of them count.
+    """
 
     position: int
     kind: Kind
     key: tuple[int, int]
     data: bytes
+    sized: bool = True
 
 
 def transfers(frames: Iterable[tuple[int, bool, bytes]]) -> Iterator[Transfer]:
@@ -41,7 +45,7 @@ def transfers(frames: Iterable[tuple[int, bool, bytes]]) -> Iterator[Transfer]:
         if len(data) == 8:
             ended = conversation.answer(data) if of_server else conversation.request(data)
             if ended is not None:
-                yield Transfer(position, *ended)
+                yield Transfer(position, *ended, sized=conversation.sized)
 
 
 _Ended = tuple[Kind, tuple[int, int], bytes]
@@ -54,13 +58,15 @@ class _Conversation:
         self._in_blocks = False
         self._segment = 0
         self._writing = False
+        self.sized = True
+        """Whether the transfer said how many bytes it has."""
 
     def request(self, data: bytes) -> _Ended | None:
         """Take a frame of the client."""
         command = data[0] >> 5
         if command in (1, 2) or (command == 5 and not data[0] & 0x03):
             self._key, self._content, self._in_blocks = _key(data), b"", False
-            self._writing = command == 1
+            self._writing, self.sized = command == 1, not _is_unsized(data)
             if command == 1 and data[0] & 0x02:
                 self._content = _expedited(data)
         elif command == 0 and self._writing:
@@ -81,7 +87,7 @@ class _Conversation:
             self._in_blocks = False
             return Kind.ABORTED, self._key, data[4:8]
         if command == 2 and _key(data) == self._key:
-            self._content = b""
+            self._content, self.sized = b"", not _is_unsized(data)
             return (Kind.READ, self._key, _expedited(data)) if data[0] & 0x02 else None
         if command == 0:
             self._content += data[1 : 8 - (data[0] >> 1 & 0x07)]
@@ -115,6 +121,11 @@ class _Conversation:
 
 def _key(data: bytes) -> tuple[int, int]:
     return int.from_bytes(data[1:3], "little"), data[3]
+
+
+def _is_unsized(data: bytes) -> bool:
+    """Of an initiate of a download, or the answer to one of an upload: expedited, without size indication."""
+    return data[0] >> 5 in (1, 2) and data[0] & 0x03 == 0x02
 
 
 def _expedited(data: bytes) -> bytes:

@@ -43,6 +43,7 @@ def control_tick(drive: Any, command: Any, control: Any, stimulus: Any, measurem
     if drive.delay_compensation != 0:
         at = predict(now, control.u_alpha, control.u_beta, drive)
     if command.mode == _VOLTAGE_MODE and command.quick_stop == 0:
+        command.standstill = command.halt
         _apply_voltage(added, stimulus, at, drive, control, measurement.u_dc)
         return new_trip
     torque_added = added if stimulus.quantity == _TORQUE else 0.0
@@ -116,7 +117,9 @@ def _stand_by(drive: Any, command: Any, control: Any) -> None:
     control.gated_next = 0
     control.u_alpha_next, control.u_beta_next = 0.0, 0.0
     control.speed_integral = 0.0
-    command.standstill = 0
+    control.braking = 0
+    if command.quick_stop == 0:  # else what has just ended it is for the firmware to see
+        command.standstill = 0
     drive.u_alpha, drive.u_beta = 0.0, 0.0
     drive.torque_reference, drive.psi_s_reference, drive.law_angle = 0.0, 0.0, 0.0
     drive.stimulus = 0.0

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
+from benchtool.emulator.control.braking import at_rest, brake
 from benchtool.emulator.jit import njit
 from benchtool.protocol.modes import Mode
 
 _VELOCITY = int(Mode.VELOCITY)
-_STANDSTILL = 0.01  # of the rated speed
 
 
 @njit
@@ -23,13 +23,24 @@ def torque_reference(
 ) -> float:
     """Torque asked of the law, within `torque_limit`; what a stimulus adds counts as part of the setpoint.
 
-    Velocity mode and quick stop close the speed loop; a quick stop is a speed setpoint of zero in either
-    mode, and marks `standstill` below 1 % of the rated speed.
+    Quick stop, in any mode, and halt in velocity mode brake to rest and hold it; halt in torque mode makes no
+    torque. `standstill` tells that they have come to that, and once a quick stop has, `off_at_standstill` switches
+    the power stage off in the same tick.
     """
-    if command.quick_stop != 0:
-        if abs(omega_m) <= _STANDSTILL * drive.omega_m_N:
+    if command.quick_stop != 0 or (command.halt != 0 and command.mode == _VELOCITY):
+        torque = brake(drive, control, omega_m)
+        if command.quick_stop == 0:
+            command.standstill = 1 if control.rest_ticks > 0 else 0
+        elif at_rest(drive, control):
             command.standstill = 1
-        return speed_pi(0.0 - omega_m, drive, control)
+            if command.off_at_standstill != 0:
+                command.pwm_enabled = 0
+        return torque
+    control.braking = 0
+    if command.halt != 0:
+        control.speed_integral = 0.0
+        command.standstill = 1
+        return 0.0
     command.standstill = 0
     if command.mode == _VELOCITY:
         return speed_pi(drive.omega_m_command + omega_added - omega_m, drive, control)

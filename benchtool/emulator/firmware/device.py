@@ -20,7 +20,10 @@ from benchtool.protocol.objects import Number, ObjectTable
 _SAVE = 0x65766173
 _LOAD = 0x64616F6C
 _FAULT_RESET_BIT = 0x80
+_HALT_BIT = 0x100
 _QUICK_STOP_POLL_TICKS = 10
+_HOLDING_OPTIONS = (5, 6)
+_TARGETS = ("torque_command", "omega_m_command", "target_torque", "target_velocity")
 
 _ERROR_OF_TRIP = {
     Trip.OVERCURRENT: ErrorCode.OVERCURRENT,
@@ -74,7 +77,7 @@ class Firmware:
     def reset(self) -> None:
         """Start afresh, as after NMT reset node: power stage off, stored parameters in force."""
         self._enter(State.SWITCH_ON_DISABLED)
-        self._controlword = 0
+        self._controlword = self.core.command.halt = 0
         for entry in self.objects.table:
             if entry.role != "signal" and isinstance(entry.default, int | float):
                 offset = self._node_id if entry.add_node_id else 0
@@ -95,9 +98,10 @@ class Firmware:
         self.supervision.feed(self.now_s)
 
     def stop(self) -> None:
-        """Switch the power stage off without a fault, as NMT stop does."""
+        """Switch the power stage off without a fault and forget the targets, as NMT stop does."""
         if self.state.power_stage_on:
             self._enter(State.SWITCH_ON_DISABLED)
+        self._forget_targets()
 
     def advance_to(self, tick: int) -> None:
         """Run control and machine up to a drive tick."""
@@ -117,7 +121,7 @@ class Firmware:
             trips = int(self.core.command.trip)
             first = next(trip for trip in Trip if trips & trip)
             self._fault(_ERROR_OF_TRIP[first])
-        if self.state is State.QUICK_STOP_ACTIVE and self.core.command.standstill:
+        if self._at_the_end_of_a_quick_stop() and self.core.command.off_at_standstill:
             self._enter(State.SWITCH_ON_DISABLED)
         if self.supervision.expire(self.now_s + 0.5 * self.period_s):
             self._lose_link()
@@ -125,10 +129,12 @@ class Firmware:
     def _fault(self, code: ErrorCode) -> None:
         self._report(code)
         self._enter(State.FAULT)
+        self._forget_targets()
 
     def _report(self, code: ErrorCode) -> None:
         self.objects["error_code"] = int(code)
-        self._history = [int(code), *self._history][:8]
+        if code is not ErrorCode.NO_ERROR:
+            self._history = [int(code), *self._history][:8]
         self.objects["error_register"] = error_register(code)
         self._emit(Emergency(int(code), error_register(code)))
 
@@ -138,10 +144,17 @@ class Firmware:
             self._fault(ErrorCode.HEARTBEAT)
             return
         self._report(ErrorCode.HEARTBEAT)
+        if action != 0:
+            self._forget_targets()
         if action == 2:
             self.stop()
-        elif action == 3 and self.state is State.OPERATION_ENABLED:
-            self._quick_stop()
+        elif action == 3 and self.state.power_stage_on:
+            self._quick_stop(hold=False)  # nobody is there who could end a hold
+
+    def _forget_targets(self) -> None:
+        """Have the next start wait for a fresh command."""
+        for name in _TARGETS:
+            self.objects[name] = 0
 
     # ---- state machine ---------------------------------------------------------------------------------
 
@@ -151,6 +164,7 @@ class Firmware:
         reset_edge = bool(word & _FAULT_RESET_BIT and not before & _FAULT_RESET_BIT)
         if reset_edge and self.supervision.state is LinkState.LOST:
             self.supervision.rearm()
+        self._set_halt(bool(word & _HALT_BIT))
         after = transition(self.state, word, before)
         if after is self.state:
             return
@@ -167,23 +181,32 @@ class Firmware:
         if after is State.OPERATION_ENABLED and self.state is not after and not self.supervision.may_enable:
             raise Refused(Abort.DEVICE_STATE)
 
-    def _quick_stop(self) -> None:
-        if self.objects["quick_stop_option"] == 0:
+    def _set_halt(self, halted: bool) -> None:
+        self.core.command.halt = halted
+        if halted:
+            self._stimulus.stop()
+
+    def _quick_stop(self, *, hold: bool = True) -> None:
+        """Brake to standstill, and hold it if the option says so and `hold` permits."""
+        option = self.objects["quick_stop_option"]
+        if option == 0:
             self._enter(State.SWITCH_ON_DISABLED)
             return
         self._stimulus.stop()
+        self.core.command.off_at_standstill = not (hold and option in _HOLDING_OPTIONS)
         self.core.command.quick_stop = 1
         self.state = State.QUICK_STOP_ACTIVE
 
+    def _at_the_end_of_a_quick_stop(self) -> bool:
+        return self.state is State.QUICK_STOP_ACTIVE and bool(self.core.command.standstill)
+
     def _enter(self, state: State) -> None:
-        """Take a state; setpoints do not outlive the power stage."""
+        """Take a state; a stimulus does not outlive the power stage, targets do."""
         self.state = state
         self.core.command.pwm_enabled = state is State.OPERATION_ENABLED
-        self.core.command.quick_stop = 0
+        self.core.command.quick_stop = self.core.command.standstill = 0
         if state is not State.OPERATION_ENABLED:
             self._stimulus.stop()
-            for name in ("torque_command", "omega_m_command", "target_torque", "target_velocity"):
-                self.objects[name] = 0
 
     def _statusword(self) -> int:
         limited = abs(self.objects["torque_reference"]) >= self.objects["torque_limit"] > 0
@@ -191,8 +214,15 @@ class Firmware:
             self.state,
             voltage_enabled=self.objects["u_dc"] > self.objects["u_dc_min"],
             warning=self.supervision.state is LinkState.LOST,
+            target_reached=self._stands(),
             internal_limit=self.state.power_stage_on and bool(limited),
         )
+
+    def _stands(self) -> bool:
+        """Whether a halt or a quick stop that holds has brought the axis to standstill."""
+        command = self.core.command
+        halted = self.state is State.OPERATION_ENABLED and bool(command.halt)
+        return bool(command.standstill) and (halted or self.state is State.QUICK_STOP_ACTIVE)
 
     # ---- objects with a meaning beyond their value -------------------------------------------------------
 
@@ -248,6 +278,7 @@ class Firmware:
         mode = Mode(int(raw))
         if mode != self.core.command.mode:
             self._stimulus.stop()  # it was started for the mode that ends
+            self._forget_targets()
         self.core.command.mode = int(mode)
         self.objects["mode_of_operation_display"] = int(mode)
 

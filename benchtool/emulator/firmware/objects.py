@@ -93,6 +93,11 @@ class ObjectStore:
             return value.encode("ascii")
         return np.asarray(value, dtype=entry.type.numpy).tobytes()
 
+    def length(self, index: int, sub: int) -> int | None:
+        """Bytes of an entry; None if there is no such entry or its length varies."""
+        entry = self.table.by_key.get((index, sub))
+        return entry.type.bits // 8 or None if entry is not None else None
+
     def write(self, index: int, sub: int, data: bytes) -> None:
         """Check and take raw bytes for an entry.
 
@@ -101,13 +106,7 @@ class ObjectStore:
                 is as it was.
         """
         entry = self._entry(index, sub)
-        if entry.access not in ("rw", "wo"):
-            raise Refused(Abort.READ_ONLY)
-        raw = _raw(entry, data)
-        if not entry.enabled_write and self._power_stage_is_on():
-            raise Refused(Abort.DEVICE_STATE)
-        if entry.name in self._checks:
-            self._checks[entry.name](raw)
+        raw = self._accept(entry, data)
         self[entry.name] = raw
         if entry.name in self._effects:
             self._effects[entry.name](raw)
@@ -116,16 +115,30 @@ class ObjectStore:
         """Write several entries, or none of them.
 
         Raises:
-            Refused: one of them was; those before it have their old values again.
+            Refused: one of them was. What came before a write that only those before it made impossible has
+                its old value again.
         """
+        for entry, data in values:
+            self._accept(entry, data)
         before = [self.read(entry.index, entry.sub) for entry, _ in values]
         for number, (entry, data) in enumerate(values):
             try:
                 self.write(entry.index, entry.sub, data)
             except Refused:
-                for (taken, _), old in zip(values[:number], before, strict=False):
+                for (taken, _), old in reversed(list(zip(values[:number], before, strict=False))):
                     self.write(taken.index, taken.sub, old)
                 raise
+
+    def _accept(self, entry: Entry, data: bytes) -> Number:
+        """Raw number of `data`, which may be written to the entry now."""
+        if entry.access not in ("rw", "wo"):
+            raise Refused(Abort.READ_ONLY)
+        raw = _raw(entry, data)
+        if not entry.enabled_write and self._power_stage_is_on():
+            raise Refused(Abort.DEVICE_STATE)
+        if entry.name in self._checks:
+            self._checks[entry.name](raw)
+        return raw
 
     def _entry(self, index: int, sub: int) -> Entry:
         if (entry := self.table.by_key.get((index, sub))) is not None:

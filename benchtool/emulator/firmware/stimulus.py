@@ -46,7 +46,7 @@ class StimulusObjects:
             return
         command, objects = self._core.command, self._objects
         running = self._core.stimulus.state == StimulusState.RUNNING
-        if running or not command.pwm_enabled or command.quick_stop:
+        if running or not command.pwm_enabled or command.quick_stop or command.halt:
             raise Refused(Abort.DEVICE_STATE)
         quantity, shape = Quantity(int(objects["stimulus_quantity"])), Shape(int(objects["stimulus_shape"]))
         if Mode(int(command.mode)) not in _MODES[quantity] or not self._is_consistent(shape):

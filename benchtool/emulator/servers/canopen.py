@@ -41,7 +41,10 @@ class CanopenServer:
         self._node = node
         self._errors = 0
         self._sdo = SdoServer(
-            self._read, self._write, lambda data: self._send(_SDO_RESPONSE + node.node_id, data)
+            self._read,
+            self._write,
+            lambda data: self._send(_SDO_RESPONSE + node.node_id, data),
+            node.firmware.objects.length,
         )
 
     def boot(self) -> None:

@@ -56,7 +56,7 @@ class Link:
         self.receiver = receiver
 
     def send_setpoint(self, torque_Nm: float, omega_m_rad_s: float) -> None: ...
-    def upload(self, index: int, sub: int, *, block: bool = False) -> bytes:
+    def upload(self, index: int, sub: int, *, block: bool = False, length: int | None = None) -> bytes:
         return b""
 
     def download(self, index: int, sub: int, data: bytes, *, block: bool = False) -> None: ...
