@@ -103,7 +103,7 @@ class Cia402Node(RemoteNode):
                 )
 
     def enable(self, mode: Mode) -> None:
-        """Walk to operation enabled in `mode`, with every target at zero: a drive keeps what it was told before.
+        """Walk to operation enabled in `mode`, with every target at zero: a drive keeps what it was told.
 
         Raises:
             DriveFault: the drive is or goes into fault.

@@ -33,8 +33,8 @@ class Core:
 
     Attributes:
         memory: structured array of shape (1,), a field for every number of the table.
-        command: record between firmware and control: `mode`, `pwm_enabled`, `quick_stop`, `off_at_standstill`,
-            `halt`, `trip` (a mask of `Trip`), `standstill`.
+        command: record between firmware and control: `mode`, `pwm_enabled`, `quick_stop`,
+            `off_at_standstill`, `halt`, `trip` (a mask of `Trip`), `standstill`.
         load: record of the other end of the shaft: `torque_Nm` against positive rotation, or, while `held` is
             not zero, the speed `omega_m_rad_s`.
         stimulus: record of the stimulus that plays, taken over from its table by the firmware.

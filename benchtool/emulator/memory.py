@@ -104,14 +104,16 @@ CONTROL = record_type(
         ("duty_a_next", "f8"),
         ("duty_b_next", "f8"),
         ("duty_c_next", "f8"),
-        # Of a quick stop or a halt: ticks braked up to 2, the observer's angle before, low-passed speed and torque.
-        ("braking", "u4"),
+        # Of a quick stop or a halt, see `braking`.
+        ("braking", "i8"),  # ticks so far
         ("braking_theta", "f8"),
         ("braking_omega", "f8"),
-        ("braking_torque", "f8"),
         ("braking_sign", "f8"),  # of the speed that is braked
-        ("turned", "u4"),  # the speed has reached zero or passed it
-        ("rest_ticks", "u4"),  # ticks below the speed of standstill
+        ("torque_lag_1", "f8"),
+        ("torque_lag_2", "f8"),
+        ("load", "f8"),
+        ("turned_ticks", "i8"),
+        ("rest_ticks", "i8"),
         ("limited", "u4"),  # the voltage computed last was beyond the hexagon
         # Of the laws, cleared while the power stage is off.
         ("torque_state", "i4"),

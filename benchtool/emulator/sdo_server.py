@@ -173,7 +173,7 @@ class SdoServer(server.SdoServer):
         self.init_download(request)
 
     def _with_size(self, request: bytes) -> bytes:
-        """An expedited download as it would have been with the size of its object indicated (7.2.4.3.3, s)."""
+        """An expedited download as it would be with the size of its object indicated (7.2.4.3.3, s)."""
         _, index, sub = SDO_STRUCT.unpack_from(request)
         size = min(self._length(index, sub) or 4, 4)
         return bytes([request[0] & ~0x0C | SIZE_SPECIFIED | (4 - size) << 2]) + request[1:]

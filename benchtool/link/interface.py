@@ -73,8 +73,8 @@ class Link(Protocol):
     def upload(self, index: int, sub: int, *, block: bool = False, length: int | None = None) -> bytes:
         """Bytes of one object; `block` for a transfer that is fast for long ones. Asked twice if need be.
 
-        `length` is how many bytes the object has: so many are taken of an answer that brings four and does not
-        say how many of them count, as an expedited SDO transfer may. It does not change any other answer.
+        `length` is how many bytes the object has: so many are taken of an answer that brings four and does
+        not say how many of them count, as an expedited SDO transfer may. It changes no other answer.
 
         Raises:
             NoAnswer: nothing came back.

@@ -202,8 +202,8 @@ class SdoClient(client.SdoClient):
     def upload(self, index: int, subindex: int, length: int | None = None) -> bytes:
         """Read by expedited or segmented transfer, as the server chooses.
 
-        Of an expedited answer without size indication (7.2.4.3.6, s = 0) the first `length` bytes are taken, all
-        four if it is None.
+        Of an expedited answer without size indication (7.2.4.3.6, s = 0) the first `length` bytes are taken,
+        all four if it is None.
         """
         with self.open(index, subindex, buffering=0) as stream:
             data, announced, expedited = bytes(stream.read()), stream.size, stream.exp_data is not None

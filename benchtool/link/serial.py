@@ -80,7 +80,10 @@ class SerialLink(ReceivingLink):
     # ---- objects -----------------------------------------------------------------------------------------
 
     def upload(self, index: int, sub: int, *, block: bool = False, length: int | None = None) -> bytes:
-        """See `Link.upload`; every answer tells its length. An object too long for one answer is read in chunks in any case."""
+        """See `Link.upload`; every answer tells its length.
+
+        An object too long for one answer is read in chunks in any case.
+        """
         return self._requests.upload(index, sub, in_chunks=block)
 
     def download(self, index: int, sub: int, data: bytes, *, block: bool = False) -> None:

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import pytest
 
 from benchtool.drive import Mode, RemoteDrive
-from benchtool.errors import DriveFault, SdoAbort, StateError
+from benchtool.errors import DriveFault, SdoAbort, StateError, WriteNotVerified
 from benchtool.protocol.abort import Abort
 from benchtool.protocol.cia402 import State
 
 from .conftest import Wire, over_both_wires
 
 NODE = 1
+TARGET_VELOCITY = 0x60FF, 0
 
 
 def _statusword(wire: Wire) -> int:
@@ -82,14 +85,38 @@ def test_any_exception_disables_and_passes_through(wire: Wire, error: type[BaseE
 
 
 @over_both_wires
-def test_setpoints_do_not_outlive_the_power_stage(wire: Wire) -> None:
+def test_the_host_starts_and_leaves_with_targets_of_zero(wire: Wire) -> None:
     _run_up(wire)
     drive = wire.session.drive
     drive.disable()
     assert drive.number("omega_m_command") == 0.0
-    drive.enable(Mode.VELOCITY)
-    drive.wait(0.1)
-    assert drive.number("omega_m_command") == 0.0
+    drive.write("target_velocity", 12.0)  # what another master may have left
+    drive.write("torque_command", 1.0)
+    with drive.enabled(Mode.VELOCITY):
+        assert drive.number("target_velocity") == drive.number("omega_m_command") == 0.0
+        assert drive.number("torque_command") == 0.0
+        drive.wait(0.5)
+        assert abs(drive.number("omega_m")) < 0.5
+
+
+@over_both_wires
+def test_a_drive_that_keeps_a_target_is_not_enabled(wire: Wire, monkeypatch: pytest.MonkeyPatch) -> None:
+    drive = wire.session.drive
+    drive.connect()
+    drive.write("mode_of_operation", "velocity")
+    drive.write("target_velocity", 12.0)
+    monkeypatch.setattr(drive.link, "download", _all_but(drive.link.download, TARGET_VELOCITY))
+    with pytest.raises(WriteNotVerified, match="'target_velocity' reads back"):
+        drive.enable(Mode.VELOCITY)
+    assert not _is_enabled(wire)
+
+
+def _all_but(download: Callable[..., None], ignored: tuple[int, int]) -> Callable[..., None]:
+    def without(index: int, sub: int, data: bytes, *, block: bool = False) -> None:
+        if (index, sub) != ignored:
+            download(index, sub, data, block=block)
+
+    return without
 
 
 @over_both_wires
@@ -180,7 +207,7 @@ def test_quick_stop_brakes_to_standstill(wire: Wire) -> None:
     assert wire.session.drive.state() is State.QUICK_STOP_ACTIVE
     wire.session.clock.wait(0.2)
     assert wire.session.drive.state() is State.SWITCH_ON_DISABLED
-    assert abs(wire.session.drive.number("omega_m")) < 2.0
+    assert abs(wire.session.drive.number("omega_m")) < 0.5
 
 
 @over_both_wires
@@ -197,8 +224,9 @@ def test_overcurrent_trips_and_is_reported_once(wire: Wire) -> None:
         drive.enable(Mode.TORQUE)
     drive.reset_fault()
     assert drive.state() is State.SWITCH_ON_DISABLED
-    assert drive.number("error_1") == 0
-    assert drive.number("error_2") == 0x2310
+    assert drive.number("error_code") == 0
+    assert drive.number("error_history_count") == 1, "an error reset is no error"
+    assert drive.number("error_1") == 0x2310
 
 
 def test_a_drive_that_does_not_confirm_is_stopped_by_nmt(wire: Wire) -> None:

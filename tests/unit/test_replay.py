@@ -57,6 +57,12 @@ def clock() -> VirtualClock:
     return VirtualClock()
 
 
+UNSIZED = """\
+(100.000000) can0 601#4041600000000000 T
+(100.000100) can0 581#4241600027020000 R
+"""
+
+
 def replay(folder: Path, clock: VirtualClock, log: str = LOG) -> ReplayLink:
     path = folder / FRAMES
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -151,3 +157,10 @@ def test_addresses_of_replays() -> None:
     assert (address.kind, address.channel, address.node_id(1)) == ("replay", "C:/runs/a b", 7)
     with pytest.raises(UsageError, match="unknown option 'bitrate'"):
         Address.parse("replay:a?bitrate=5")
+
+
+def test_an_answer_without_size_has_the_length_of_its_object(tmp_path: Path, clock: VirtualClock) -> None:
+    link = replay(tmp_path, clock, UNSIZED)
+    assert link.upload(0x6041, 0, length=2) == bytes.fromhex("2702")
+    link = replay(tmp_path, clock, UNSIZED)
+    assert link.upload(0x6041, 0) == bytes.fromhex("27020000")

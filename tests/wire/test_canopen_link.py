@@ -150,6 +150,33 @@ def end(crc: int) -> list[Step]:
     return [sdo(f"C5 {crc.to_bytes(2, 'little').hex()} 00 00 00 00 00")]
 
 
+@pytest.mark.parametrize(
+    ("length", "taken"), [(1, "27"), (2, "27 02"), (4, "27 02 AA BB"), (None, "27 02 AA BB")]
+)
+@pytest.mark.parametrize("command", ["42", "4A", "4E"])
+def test_an_expedited_answer_without_size_has_the_length_of_its_object(
+    scripted: ScriptedBus, host: CanopenLink, command: str, length: int | None, taken: str
+) -> None:
+    scripted.answer = script([sdo(f"{command} 41 60 00 27 02 AA BB")])
+    assert host.upload(0x6041, 0, length=length) == bytes.fromhex(taken)
+
+
+@pytest.mark.parametrize("length", [None, 1, 2, 4])
+def test_a_length_changes_no_answer_that_tells_its_own(
+    scripted: ScriptedBus, host: CanopenLink, length: int | None
+) -> None:
+    scripted.answer = script([sdo("47 41 60 00 27 02 AA 00")])
+    assert host.upload(0x6041, 0, length=length) == bytes.fromhex("27 02 AA")
+
+
+def test_a_segmented_answer_without_size_ends_with_its_last_segment(
+    scripted: ScriptedBus, host: CanopenLink
+) -> None:
+    segments = [sdo("00 30 31 32 33 34 35 36")], [sdo("19 37 38 39 00 00 00 00")]
+    scripted.answer = script([sdo("40 08 10 00 00 00 00 00")], *segments)
+    assert host.upload(0x1008, 0, length=2) == b"0123456789"
+
+
 def test_a_lost_segment_is_asked_for_again(scripted: ScriptedBus, host: CanopenLink) -> None:
     again: list[Step] = [sdo("01" + SECOND[2:]), sdo("82" + THIRD[2:])]
     scripted.answer = script(BEGUN, [sdo(FIRST), sdo(THIRD)], again, end(CRC))

@@ -53,6 +53,25 @@ def test_expedited_download(served: Served, wire: Wire, request_: str, value: by
     assert served.writes == [(0x2000, 3, value)]
 
 
+@pytest.mark.parametrize("n", [0x0, 0x4, 0xC])  # reserved without a size indicated (7.2.4.3.3)
+@pytest.mark.parametrize(("length", "taken"), [(1, 1), (2, 2), (4, 4), (8, 4), (None, 4)])
+def test_expedited_download_without_size(n: int, length: int | None, taken: int) -> None:
+    answers: list[bytes] = []
+    written: list[bytes] = []
+    server = SdoServer(
+        lambda *_: TEN, lambda index, sub, data: written.append(data), answers.append, lambda *_: length
+    )
+    server.on_request(bytes([0x22 | n]) + bytes.fromhex("00 20 03 11 22 33 44"))
+    assert written == [bytes.fromhex("11223344")[:taken]]
+    assert answers == [bytes.fromhex("60 00 20 03 00 00 00 00")]
+
+
+def test_segmented_download_without_size(served: Served, wire: Wire) -> None:
+    answers = wire.ask("20 00 20 03 00 00 00 00", "00 30 31 32 33 34 35 36", "19 37 38 39 00 00 00 00")
+    assert answers == ["60 00 20 03 00 00 00 00", "20 00 00 00 00 00 00 00", "30 00 00 00 00 00 00 00"]
+    assert served.writes == [(0x2000, 3, TEN)]
+
+
 def test_refusals_carry_object_and_code(wire: Wire) -> None:
     assert wire.ask("40 34 12 05 00 00 00 00") == ["80 34 12 05 00 00 02 06"]
     assert wire.ask("A4 34 12 05 7F 00 00 00") == ["80 34 12 05 00 00 02 06"]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from benchtool.emulator.control.braking import at_rest, brake
+from benchtool.emulator.control.braking import at_rest, brake, stands
 from benchtool.emulator.jit import njit
 from benchtool.protocol.modes import Mode
 
@@ -24,13 +24,13 @@ def torque_reference(
     """Torque asked of the law, within `torque_limit`; what a stimulus adds counts as part of the setpoint.
 
     Quick stop, in any mode, and halt in velocity mode brake to rest and hold it; halt in torque mode makes no
-    torque. `standstill` tells that they have come to that, and once a quick stop has, `off_at_standstill` switches
-    the power stage off in the same tick.
+    torque. `standstill` tells that they have come to that, and once a quick stop has, `off_at_standstill`
+    switches the power stage off in the same tick.
     """
     if command.quick_stop != 0 or (command.halt != 0 and command.mode == _VELOCITY):
         torque = brake(drive, control, omega_m)
         if command.quick_stop == 0:
-            command.standstill = 1 if control.rest_ticks > 0 else 0
+            command.standstill = 1 if stands(control) else 0
         elif at_rest(drive, control):
             command.standstill = 1
             if command.off_at_standstill != 0:
