@@ -75,6 +75,7 @@ def open_session(
     note: Callable[[str], None] = lambda _: None,
     alter: Mapping[str, float] = MappingProxyType({}),
     frames: FrameLog | None = None,
+    first_tick: int = 0,
 ) -> Iterator[Session]:
     """A session whose drive is not yet checked; on the way out it is disabled and everything is closed.
 
@@ -86,6 +87,7 @@ def open_session(
         note: takes a line where something takes its time.
         alter: what differs on an emulated bench, as `profile.altered` takes it.
         frames: takes every frame of the session.
+        first_tick: the tick at which an emulated drive is powered up.
 
     Raises:
         ProfileError, DictionaryError, UsageError: what was asked for cannot be.
@@ -116,7 +118,9 @@ def open_session(
                 note("compiling the emulated drive, once on this machine: a few seconds")
             # A bus that is named may have listeners, whatever the host itself goes over.
             wire: Literal["can", "serial"] = "can" if address.channel or address.wire == "can" else "serial"
-            bench = EmulatedBench(profile, address.channel, seed=seed, paced=real_time, wire=wire)
+            bench = EmulatedBench(
+                profile, address.channel, seed=seed, paced=real_time, first_tick=first_tick, wire=wire
+            )
             stack.callback(bench.close)
 
             def open_emulated() -> Link:

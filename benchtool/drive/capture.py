@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from benchtool.block import Block
 from benchtool.drive.remote import RemoteDrive
 from benchtool.errors import CaptureError
 from benchtool.protocol.capture import decode_capture
+from benchtool.ticks import counted_on
 
 _POLL_S = 0.01
 _SLACK_S = 1.0
@@ -87,4 +88,5 @@ class Capture:
         """
         variable = self._drive.dictionary["capture_data"]
         data = self._drive.link.upload(variable.index, variable.sub, block=True)
-        return decode_capture(data, self._channels, self._sequence)
+        block = decode_capture(data, self._channels, self._sequence)
+        return replace(block, first_tick=counted_on(block.first_tick, self._drive.tick_now()))

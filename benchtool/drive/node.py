@@ -14,6 +14,7 @@ from benchtool.link.ticks import TickMark, WallMark
 from benchtool.protocol.abort import Abort
 from benchtool.protocol.dictionary import Dictionary
 from benchtool.protocol.variable import Value, Variable
+from benchtool.ticks import counted_on
 
 
 class RemoteNode:
@@ -47,7 +48,8 @@ class RemoteNode:
     def _note_tick(self) -> None:
         if all(name in self.dictionary for name in ("tick", "control_period")):
             tick_s = round(self.number("control_period") * 1e9) * 1e-9  # the drive has it as a float32
-            self._mark = TickMark(int(self.number("tick")), self.clock.now_s(), tick_s)
+            tick = counted_on(int(self.number("tick")), self.tick_now())
+            self._mark = TickMark(tick, self.clock.now_s(), tick_s)
 
     def wall_mark(self, wall_s: float) -> dict[str, int | float] | None:
         """The drive's tick now, which is `wall_s` of wall time, as a manifest keeps it: the fields of a

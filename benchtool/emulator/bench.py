@@ -42,6 +42,7 @@ class EmulatedBench:
         seed: of the sensors' noise.
         paced: hold virtual time to the wall clock.
         speed, step_s, catch_up_s: of a paced clock, as `VirtualClock` takes them.
+        first_tick: the drive's tick at power-up, for a drive that is about to reach 2**32.
         wire: `can` for a drive that is on the virtual CAN bus from power-up; `serial` for one without a CAN
             bus. Other wires are added at will.
 
@@ -60,6 +61,7 @@ class EmulatedBench:
         speed: float = 1.0,
         step_s: float = 0.02,
         catch_up_s: float = 1.0,
+        first_tick: int = 0,
         wire: Literal["can", "serial"] = "can",
     ) -> None:
         if profile.emulator is None:
@@ -68,7 +70,7 @@ class EmulatedBench:
                 f"add one, or name the drive's link with --link"
             )
         table = load_table(shipped("firmware_protocol") / "objects.toml")
-        core = _core(table, profile, profile.emulator, seed)
+        core = _core(table, profile, profile.emulator, seed, first_tick)
         stored = _stored_parameters(profile, profile.emulator)
         node_id = profile.drive.node_id
         self.channel = channel or f"benchtool-{next(_channels)}"
@@ -187,7 +189,7 @@ class EmulatedTransducer:
         return self._core.transducer.block()
 
 
-def _core(table: ObjectTable, profile: Profile, emulator: Emulator, seed: int) -> Core:
+def _core(table: ObjectTable, profile: Profile, emulator: Emulator, seed: int, first_tick: int) -> Core:
     motor, true = profile.motor, emulator.motor
     believed = motor.model_dump(include={"pole_pairs", "R_s_ohm", "L_d_H", "L_q_H", "psi_r_Wb", "J_kgm2"})
     return Core(
@@ -196,6 +198,7 @@ def _core(table: ObjectTable, profile: Profile, emulator: Emulator, seed: int) -
         InverterTruth(**emulator.inverter.model_dump()),
         SensorTruth(**emulator.sensors.model_dump()),
         seed=seed,
+        first_tick=first_tick,
     )
 
 

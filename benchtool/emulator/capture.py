@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from benchtool.emulator.jit import njit
 from benchtool.emulator.memory import Record, record_type, word_offset, words
 from benchtool.errors import ValueRefused
+from benchtool.ticks import on_wire
 
 MAX_ROWS = 200_000
 MAX_CHANNELS = 16
@@ -208,7 +209,7 @@ class Capture:
     def first_tick(self) -> int:
         """Tick of the first kept row."""
         capture = self.record[0]
-        return (int(capture.armed_tick) + int(capture.first) * int(capture.stride)) % 2**32
+        return on_wire(int(capture.armed_tick) + int(capture.first) * int(capture.stride))
 
     @property
     def rows_done(self) -> int:

@@ -18,6 +18,7 @@ from benchtool.emulator.transducer import Transducer
 from benchtool.emulator.truth import InverterTruth, MotorTruth, SensorTruth
 from benchtool.protocol.modes import Mode
 from benchtool.protocol.objects import ObjectTable
+from benchtool.ticks import on_wire
 
 __all__ = ["Core", "Trip"]
 
@@ -28,6 +29,7 @@ class Core:
     Args:
         table: objects, whose numbers make up the drive's memory.
         motor, inverter, sensors: the truth, which control never sees.
+        first_tick: the drive's tick at power-up, which is 0 of a drive that was not on before.
         seed: of the measurement noise; the same seed and commands give the same bits, however the ticks are
             divided over calls of `run`.
 
@@ -39,6 +41,7 @@ class Core:
             not zero, the speed `omega_m_rad_s`.
         stimulus: record of the stimulus that plays, taken over from its table by the firmware.
         shaft: record of the machine's true state: `i_d`, `i_q`, `omega_m`, `theta_e`, `u_dc`.
+        tick: the drive's tick, counted on past 2**32 where memory has it modulo that.
         capture, stream, transducer: the recorders.
     """
 
@@ -49,9 +52,12 @@ class Core:
         inverter: InverterTruth,
         sensors: SensorTruth,
         seed: int = 0,
+        first_tick: int = 0,
     ) -> None:
         self.motor, self.inverter, self.sensors = motor, inverter, sensors
         self.memory = new_memory(table)
+        self.memory["tick"] = on_wire(first_tick)
+        self.first_tick = self.tick = first_tick
         # As the table states it; the float32 in memory is what control computes with.
         period = table.by_name["control_period"].default
         assert isinstance(period, float)
@@ -65,8 +71,8 @@ class Core:
         self.shaft.u_dc = inverter.u_dc_V
         self.turn_rotor(0.0)
         self.capture = Capture(self.memory)
-        self.stream = StreamRecorder(self.memory)
-        self.transducer = Transducer(self.memory, self.control_period_s)
+        self.stream = StreamRecorder(self.memory, lambda: self.tick)
+        self.transducer = Transducer(lambda: self.tick, self.control_period_s)
         self._truth = motor.machine(), inverter.power_stage(self.control_period_s), sensors.sensing()
         self._noise = Noise(sensors.current_noise_A_rms, seed)
 
@@ -90,6 +96,7 @@ class Core:
             noise = self._noise.ahead()
             ran = self._run(kernel, min(ticks - done, len(noise)), noise)
             self._noise.use(ran)
+            self.tick += ran
             done += ran
         return done
 

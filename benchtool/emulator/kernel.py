@@ -36,10 +36,12 @@ from benchtool.emulator.plant import (
 from benchtool.emulator.sensors import Sensing, measure
 from benchtool.emulator.stream import stream_row
 from benchtool.emulator.transducer import sample
+from benchtool.ticks import TICKS
 
 # rad of the fastest process in one step: fourth order leaves less than 1e-8 of it
 _TURN = 0.05
 _TICKS_BETWEEN_DIRECTIONS = 64
+_LAST_TICK = TICKS - 1
 
 
 @entry
@@ -88,7 +90,7 @@ def run_ticks(
         shaft.theta_e, shaft.cos_theta, shaft.sin_theta = x.theta_e, x.cos_theta, x.sin_theta
         if transducer.recording == 1 and transducer.filled >= torque.size:
             transducer.recording = 0
-        drive.tick += 1
+        drive.tick = (int(drive.tick) + 1) & _LAST_TICK
         measure(x, shaft.u_dc, machine.p, sensing, noise[done], measurement)
         tripped = control_tick(drive, command, control, stimulus, measurement)
         began = stimulus.began != 0

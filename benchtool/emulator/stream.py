@@ -6,7 +6,7 @@ oldest ones overwritten, and is told how many.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from benchtool.emulator.jit import njit
 from benchtool.emulator.memory import Record, record_type, word_offset
 from benchtool.errors import ValueRefused
+from benchtool.ticks import on_wire
 
 MAX_CHANNELS = 16
 RING_ROWS = 4096
@@ -55,10 +56,12 @@ class StreamRecorder:
 
     Args:
         memory: the drive's.
+        tick: tells its tick, counted on past 2**32: the grid of a stream does not shift where that wraps.
     """
 
-    def __init__(self, memory: Record) -> None:
+    def __init__(self, memory: Record, tick: Callable[[], int]) -> None:
         self._memory = memory
+        self._tick = tick
         self.record: Record = np.zeros(1, STREAM)
         self.channels = np.zeros(0, np.uint32)
         self.ring = np.zeros((1, 0), np.uint32)
@@ -81,7 +84,7 @@ class StreamRecorder:
             raise ValueRefused(f"{len(names)} channels to stream, 1 to {MAX_CHANNELS} can be: choose fewer")
         if stride < 1:
             raise ValueRefused(f"stride of {stride}, 1 or more is needed: correct it")
-        tick = int(self._memory[0].tick)
+        tick = self._tick()
         self.channels = np.array([word_offset(self._memory, name) for name in names], np.uint32)
         self.ring = np.zeros((RING_ROWS, len(names)), np.uint32)
         self._origin = (tick // stride + 1) * stride
@@ -112,5 +115,5 @@ class StreamRecorder:
         lost = max(0, self.waiting - len(self.ring))
         first = self._read + lost
         self._read = min(first + rows, int(self.record[0].written))
-        first_tick = (self._origin + first * int(self.record[0].stride)) % 2**32
+        first_tick = on_wire(self._origin + first * int(self.record[0].stride))
         return StreamRows(lost, first_tick, self.ring[np.arange(first, self._read) % len(self.ring)])

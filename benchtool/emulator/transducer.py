@@ -6,6 +6,7 @@ rates, which is of fourth order like the step itself, so that sampling costs no 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -81,13 +82,13 @@ class Transducer:
     """The transducer's recorder; the kernel fills its buffer while the core runs.
 
     Args:
-        memory: the drive's, for its tick.
+        tick: tells the drive's tick, counted on past 2**32.
         control_period_s: length of a drive tick.
         samples_per_tick: samples in it, the first at the tick itself.
     """
 
-    def __init__(self, memory: Record, control_period_s: float, samples_per_tick: int = 20) -> None:
-        self._memory = memory
+    def __init__(self, tick: Callable[[], int], control_period_s: float, samples_per_tick: int = 20) -> None:
+        self._tick = tick
         self.samples_per_tick = samples_per_tick
         self.tick_s = control_period_s / samples_per_tick
         self.record: Record = np.zeros(1, TRANSDUCER)
@@ -105,7 +106,7 @@ class Transducer:
         if not 1 <= ticks <= MAX_TICKS:
             raise ValueRefused(f"transducer: {ticks} ticks asked, 1 to {MAX_TICKS} can be: record in parts")
         self.torque = np.zeros(ticks * self.samples_per_tick)
-        self._first_tick = int(self._memory[0].tick)
+        self._first_tick = self._tick()
         self.record[0].filled = 0
         self.record[0].recording = 1
 

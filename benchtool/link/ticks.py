@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from benchtool.ticks import apart
+
 _ROUNDING = 1e-6
-_WRAP = 1 << 32
 _SLACK_S = 0.5
 _CLOCKS = 1e-3  # by which two clocks may differ
 
@@ -22,7 +23,7 @@ class WallMark:
 
 @dataclass(frozen=True)
 class TickMark:
-    """The drive's tick at a moment of the host's clock, and the length of a tick."""
+    """The drive's tick, counted on past 2**32, at a moment of the host's clock, and the length of a tick."""
 
     tick: int
     at_s: float
@@ -38,6 +39,6 @@ class TickMark:
         Within half a second of a power-up a restart cannot be told.
         """
         past_s = later.at_s - self.at_s
-        behind = (round(past_s / self.tick_s) - (later.tick - self.tick)) % _WRAP
-        apart_s = min(behind, _WRAP - behind) * self.tick_s
+        expected = self.tick + round(past_s / self.tick_s)
+        apart_s = apart(later.tick, expected) * self.tick_s
         return apart_s > _SLACK_S + _CLOCKS * past_s

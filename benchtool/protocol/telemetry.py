@@ -25,6 +25,7 @@ from benchtool.protocol.dictionary import Dictionary
 from benchtool.protocol.objects import DataType
 from benchtool.protocol.pdo import Pdo, most_tpdos, tpdo, tpdo_numbers
 from benchtool.protocol.variable import Variable
+from benchtool.ticks import TICKS, ahead, counted_on
 
 COUNTING_SIGNALS = {
     "adc_saturated": "current samples at either end of the converter's range",
@@ -35,7 +36,7 @@ COUNTING_SIGNALS = {
 _WORD = 4
 _WORDS_PER_PDO = 2
 _FRAMING_WORDS = 3  # tick, and the sequence number twice
-_WRAP = 1 << 32
+_SEQUENCES = 1 << 32
 _STAMP = struct.Struct("<LL")
 _SEQUENCE = struct.Struct("<L")
 
@@ -141,9 +142,14 @@ class StreamCounters:
 
 
 class RecordDecoder:
-    """Puts records together from PDOs and rows into Blocks. It never raises at what it is fed."""
+    """Puts records together from PDOs and rows into Blocks. It never raises at what it is fed.
 
-    def __init__(self, layout: StreamLayout) -> None:
+    Args:
+        layout: of a record.
+        near: a tick of the drive at about this time, counted on, which the ticks of the records follow.
+    """
+
+    def __init__(self, layout: StreamLayout, near: int | None = None) -> None:
         self.layout = layout
         self.arrival_s = 0.0
         """Arrival of the first PDO of the last record received."""
@@ -152,6 +158,7 @@ class RecordDecoder:
         self._places = {pdo.can_id: place for place, pdo in enumerate(layout.pdos)}
         self._lengths = [_WORD * len(pdo.mappings) for pdo in layout.pdos]
         self._parts = [b""] * len(layout.pdos)
+        self._near = near
         self._next = 0
         self._begun_s = 0.0
         self._sequence = 0
@@ -228,16 +235,16 @@ class RecordDecoder:
             return False
         self._next = 0
         if self._received:
-            ahead = (tick - self.tick) % _WRAP
-            steps, rest = divmod(ahead, self.layout.stride)
-            if rest or not 0 < ahead < _WRAP // 2:
+            ticks = ahead(tick, self.tick)
+            steps, rest = divmod(ticks, self.layout.stride)
+            if rest or not 0 < ticks < TICKS // 2:
                 self._off_grid += 1
                 return False
             self._missing += steps - 1
-            self._lost += max(0, (sequence - self._sequence) % _WRAP - 1)
-            self.tick += ahead
+            self._lost += max(0, (sequence - self._sequence) % _SEQUENCES - 1)
+            self.tick += ticks
         else:
-            self.tick = tick
+            self.tick = counted_on(tick, self._near)
         self._sequence = sequence
         self._received += 1
         self.arrival_s = self._begun_s

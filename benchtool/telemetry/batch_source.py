@@ -97,7 +97,8 @@ class BatchSource:
             self._receive(item)
 
     def _decoder_of(self, schema: int) -> BatchDecoder:
-        return BatchDecoder(self._channels, self.stride, self.tick_s, StreamFormat.WORDS, (), schema)
+        near = self._node.tick_now()
+        return BatchDecoder(self._channels, self.stride, self.tick_s, StreamFormat.WORDS, (), schema, near)
 
 
 def _stride(rate_Hz: float, tick_s: float) -> int:

@@ -11,6 +11,8 @@ from benchtool.protocol.telemetry import RecordDecoder, stream_layout
 from benchtool.telemetry.node import Node
 from benchtool.telemetry.source import Sent, control_period_s
 
+_SEQUENCES = 1 << 32
+
 
 class PdoSource:
     """A `Source` of frames.
@@ -30,7 +32,7 @@ class PdoSource:
         self._link = link
         self.tick_s = control_period_s(node)
         self._layout = stream_layout(node.dictionary, link.node_id, channels, rate_Hz, self.tick_s)
-        self.decoder = RecordDecoder(self._layout)
+        self.decoder = RecordDecoder(self._layout, node.tick_now())
         self._sequence_before = 0
 
     @property
@@ -54,7 +56,7 @@ class PdoSource:
         """See `Source.stop`."""
         for pdo in self._layout.pdos:
             self._node.write(*pdo.switch_off)
-        return Sent(int(self._node.number("stream_sequence")) - self._sequence_before)
+        return Sent((int(self._node.number("stream_sequence")) - self._sequence_before) % _SEQUENCES)
 
     def detach(self) -> None:
         """See `Source.detach`."""

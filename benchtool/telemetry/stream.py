@@ -20,6 +20,7 @@ from benchtool.telemetry.node import Node
 from benchtool.telemetry.source import Sent
 from benchtool.telemetry.sources import fitting, stream_source
 from benchtool.telemetry.worker import Worker
+from benchtool.ticks import ahead
 
 DEFAULT_RATE_HZ = 100.0
 DEFAULT_CHANNELS = (
@@ -31,7 +32,6 @@ _ITEMS = 4096
 _ROOM_S = 5.0
 _SILENCE_S = 1.0
 _SILENT_PERIODS = 5
-_WRAP = 1 << 32
 
 
 @dataclass(frozen=True)
@@ -240,8 +240,8 @@ class TelemetryStream:
             return
         if self._taken:
             # A source that was begun anew does not know how often the drive's counter has wrapped.
-            ahead = (block.first_tick - self._next_tick) % _WRAP
-            block = replace(block, first_tick=self._next_tick + ahead)
+            first_tick = self._next_tick + ahead(block.first_tick, self._next_tick)
+            block = replace(block, first_tick=first_tick)
         missing = (block.first_tick - self._next_tick) // block.stride if self._taken else 0
         self._gaps += [Gap(self._taken, missing)] if missing else []
         self._gaps += [Gap(self._taken + gap.row, gap.missing_rows) for gap in block.gaps]

@@ -179,13 +179,10 @@ def test_a_start_with_halt_is_a_start_that_waits(drive: RemoteDrive) -> None:
 @over_both_wires
 def test_halt_ends_a_stimulus_and_admits_none(drive: RemoteDrive) -> None:
     up(drive)
-    for name, value in {
-        "stimulus_quantity": "speed",
-        "stimulus_shape": "constant",
-        "stimulus_amplitude": 5.0,
-        "stimulus_ticks": 100_000,
-    }.items():
-        drive.write(name, value)
+    drive.write("stimulus_quantity", "speed")
+    drive.write("stimulus_shape", "constant")
+    drive.write("stimulus_amplitude", 5.0)
+    drive.write("stimulus_ticks", 100_000)
     drive.write("stimulus_control", "start")
     drive.clock.wait(0.1)
     assert drive.read("stimulus_state") == "running"

@@ -172,8 +172,9 @@ def test_a_length_changes_no_answer_that_tells_its_own(
 def test_a_segmented_answer_without_size_ends_with_its_last_segment(
     scripted: ScriptedBus, host: CanopenLink
 ) -> None:
-    segments = [sdo("00 30 31 32 33 34 35 36")], [sdo("19 37 38 39 00 00 00 00")]
-    scripted.answer = script([sdo("40 08 10 00 00 00 00 00")], *segments)
+    initiated = sdo("40 08 10 00 00 00 00 00")
+    segments = sdo("00 30 31 32 33 34 35 36"), sdo("19 37 38 39 00 00 00 00")
+    scripted.answer = script([initiated], [segments[0]], [segments[1]])
     assert host.upload(0x1008, 0, length=2) == b"0123456789"
 
 

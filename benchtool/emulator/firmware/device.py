@@ -72,7 +72,7 @@ class Firmware:
     @property
     def now_s(self) -> float:
         """Drive time: ticks since power-up times the control period."""
-        return int(self.objects["tick"]) * self.period_s
+        return (self.core.tick - self.core.first_tick) * self.period_s
 
     def reset(self) -> None:
         """Start afresh, as after NMT reset node: power stage off, stored parameters in force."""
@@ -104,8 +104,8 @@ class Firmware:
         self._forget_targets()
 
     def advance_to(self, tick: int) -> None:
-        """Run control and machine up to a drive tick."""
-        while (present := int(self.objects["tick"])) < tick:
+        """Run control and machine up to a drive tick, counted on past 2**32."""
+        while (present := self.core.tick) < tick:
             ahead = tick - present
             if self.state is State.QUICK_STOP_ACTIVE:
                 ahead = min(ahead, _QUICK_STOP_POLL_TICKS)

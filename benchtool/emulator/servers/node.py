@@ -80,8 +80,8 @@ class DriveNode:
 
     @property
     def tick(self) -> int:
-        """Control ticks since power-up."""
-        return int(self.firmware.objects["tick"])
+        """The drive's tick, counted on past 2**32."""
+        return self.firmware.core.tick
 
     def add(self, server: Server, on_gone: OnGone = lambda _: None) -> None:
         """Put a wire to the drive into service.
@@ -92,7 +92,7 @@ class DriveNode:
         """
         with self.lock:
             self._servers.append((server, on_gone))
-            if self.tick:
+            if self.firmware.now_s > 0.0:
                 server.heartbeat(self.nmt_state)
             else:
                 server.boot()
@@ -107,7 +107,7 @@ class DriveNode:
         self._raise_failure()
         self._let_go()
         with self.lock:
-            end = int(now_s / self.firmware.period_s + 1e-6)
+            end = self.firmware.core.first_tick + int(now_s / self.firmware.period_s + 1e-6)
             while (tick := self.tick) < end:
                 every = self._heartbeat_ticks()
                 beat = (tick // every + 1) * every if every else end

@@ -46,6 +46,7 @@ from benchtool.protocol.serial import (
     encode_frame,
     encode_message,
 )
+from benchtool.ticks import on_wire
 
 MAX_REQUEST = 256
 """Longest request that this drive takes, bytes; a stream of 16 scaled signals has 135."""
@@ -271,7 +272,7 @@ class SerialServer:
             self._stream.pause()
 
     def _tick(self) -> int:
-        return self._node.tick & 0xFFFFFFFF
+        return on_wire(self._node.tick)
 
     def _send(self, message: Reply) -> None:
         self._line.send(_frame(message))

@@ -19,8 +19,9 @@ from benchtool.protocol.objects import DataType
 from benchtool.protocol.serial.messages import Batch, StreamFormat
 from benchtool.protocol.telemetry import StreamCounters
 from benchtool.protocol.variable import Variable
+from benchtool.ticks import TICKS, ahead, counted_on
 
-_WRAP = 1 << 32
+_SEQUENCES = 1 << 32
 _NO_VALUE = -(1 << 15)  # what a drive sends for a value that is not finite or beyond the int16's reach
 
 
@@ -34,6 +35,7 @@ class BatchDecoder:
         format: a `StreamFormat`.
         scales: of format INT16 the object's unit per bit of each channel, else empty.
         schema: number that the drive gave the configuration.
+        near: a tick of the drive at about this time, counted on, which the ticks of the records follow.
 
     Raises:
         ValueRefused: these cannot be the channels or scales of a stream.
@@ -47,6 +49,7 @@ class BatchDecoder:
         format: int,
         scales: Sequence[float],
         schema: int,
+        near: int | None = None,
     ) -> None:
         words = format == StreamFormat.WORDS
         if not channels or any(
@@ -74,6 +77,7 @@ class BatchDecoder:
         self._factors = steps * np.array([each.factor for each in channels])
         self._words = words
         self._record_bytes = (4 if words else 2) * len(channels)
+        self._near = near
         self._sequence = 0
         self._batches: list[bytes] = []
         self._spans: list[tuple[int, int]] = []  # first tick and number of rows of each batch
@@ -112,13 +116,13 @@ class BatchDecoder:
         ):
             self._malformed += 1
             return 0
-        first_tick = batch.first_tick
+        first_tick = counted_on(batch.first_tick, self._near)
         if self._received:
-            ticks_ahead = (batch.first_tick - self.tick) % _WRAP
-            batches_ahead = (batch.sequence - self._sequence) % _WRAP
+            ticks_ahead = ahead(batch.first_tick, self.tick)
+            batches_ahead = (batch.sequence - self._sequence) % _SEQUENCES
             records_ahead, rest = divmod(ticks_ahead, self._stride)
             # Every batch on the way to this one, and this one, has one record or more of those on the way.
-            if rest or ticks_ahead >= _WRAP // 2 or not 0 < batches_ahead <= records_ahead:
+            if rest or ticks_ahead >= TICKS // 2 or not 0 < batches_ahead <= records_ahead:
                 self._off_grid += batch.n
                 return 0
             self._missing += records_ahead - 1

@@ -16,6 +16,8 @@ from benchtool.link import Alarm
 from benchtool.link.ticks import TickMark
 from benchtool.protocol.cia402 import State
 from benchtool.protocol.emcy import Emergency
+from benchtool.protocol.objects import DataType
+from benchtool.protocol.variable import Variable
 
 _OVERCURRENT, _HEARTBEAT, _NONE = Emergency(0x2310, 0x03), Emergency(0x8130, 0x11), Emergency(0, 0)
 
@@ -35,8 +37,8 @@ class Listener:
 
 def node(*alarms: Alarm) -> Cia402Node:
     """A node with a statusword of 'fault', and these alarms."""
-    link: Any = SimpleNamespace(emergencies=lambda: alarms, upload=lambda index, sub: b"\x08\x00")
-    variable = SimpleNamespace(index=0x6041, sub=0, decode=lambda data: int.from_bytes(data, "little"))
+    link: Any = SimpleNamespace(emergencies=lambda: alarms, upload=lambda index, sub, length: b"\x08\x00")
+    variable = Variable(0x6041, 0, "statusword", DataType.U16)
     dictionary: Any = {"statusword": variable}
     return Cia402Node(link, dictionary, "drive.eds", VirtualClock())
 
