@@ -110,7 +110,10 @@ def _entry(entry: Entry, item: Object, table: ObjectTable) -> Iterator[str]:
     if default is not None:
         text = _plain(default) if isinstance(default, str) else _number(entry, default)
         yield f"DefaultValue={'$NODEID+' if entry.add_node_id else ''}{text}"
-    yield f"PDOMapping={int(entry.mappable)}"
+    if (
+        entry.type is not DataType.DOMAIN
+    ):  # which has no mapping (CiA 306-1, table 5); strict readers refuse it
+        yield f"PDOMapping={int(entry.mappable)}"
 
 
 def _section(entry: Entry, item: Object) -> str:

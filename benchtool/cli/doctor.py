@@ -101,4 +101,8 @@ def _drive(profile: str, link: str, output: Output) -> str:
         identity = session.drive.identify()
         identity.require(session.drive.dictionary, session.drive.dictionary.source)
         state = session.drive.state()
-        return f"{identity.device_name} at {link}, node {session.drive.link.node_id}: {state.value}"
+        warnings = session.drive.dictionary.warnings
+        for warning in warnings:
+            output.note(f"{session.drive.dictionary.source}: {warning}")
+        noted = f"; {len(warnings)} warnings about its EDS, above" if warnings else ""
+        return f"{identity.device_name} at {link}, node {session.drive.link.node_id}: {state.value}{noted}"

@@ -28,9 +28,12 @@ def info(
             **asdict(identity),
             "objects": len(dictionary),
             "state": session.drive.state().value,
+            "warnings": list(dictionary.warnings),
         }
-    rows = [(key, _shown(key, value)) for key, value in facts.items()]
+    rows = [(key, _shown(key, value)) for key, value in facts.items() if key != "warnings"]
     output.table(f"drive of profile {profile}", ("what", "value"), rows)
+    for warning in dictionary.warnings:
+        output.note(f"{dictionary.source}: {warning}")
     output.document(facts)
     return 0
 

@@ -57,12 +57,15 @@ def list_(
         if not chosen:
             raise ValueRefused(f"no parameter matches '{pattern}': see benchtool params list")
         facts = [_facts(variable, drive.read(variable.name)) for variable in chosen]
+        source, warnings = drive.dictionary.source, drive.dictionary.warnings
+    for warning in warnings:
+        output.note(f"{source}: {warning}")
     for variable, each in zip(chosen, facts, strict=True):
         output.line(_headline(each), "bold" if each["differs"] else "")
         output.line(f"    {about(variable)}", "dim")
     differing = sum(each["differs"] for each in facts)
     output.line(f"{len(facts)} parameters; the {differing} with * differ from their default")
-    output.document({"parameters": facts})
+    output.document({"parameters": facts, "warnings": list(warnings)})
     return 0
 
 

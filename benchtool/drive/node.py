@@ -72,19 +72,19 @@ class RemoteNode:
         return None if self._mark is None else self._mark.tick_at(at_s)
 
     def identify(self) -> Identity:
-        """Who answers.
+        """Who answers, by the objects that CiA 301 has for it, whether the EDS lists them or not.
 
         Raises:
             NoAnswer: nobody does.
         """
         return Identity(
-            vendor_id=int(self.read("vendor_id")),
-            product_code=int(self.read("product_code")),
-            revision_number=self._optional_int("revision_number"),
-            serial_number=self._optional_int("serial_number"),
-            device_name=self._optional_text("device_name"),
-            hardware_version=self._optional_text("hardware_version"),
-            firmware_version=self._optional_text("firmware_version"),
+            vendor_id=self._told_number(1),
+            product_code=self._told_number(2),
+            revision_number=self._told_number(3),
+            serial_number=self._told_number(4),
+            device_name=self._told_text(0x1008),
+            hardware_version=self._told_text(0x1009),
+            firmware_version=self._told_text(0x100A),
             dictionary_hash=self._optional_int("dictionary_hash"),
         )
 
@@ -131,13 +131,25 @@ class RemoteNode:
     def _upload(self, variable: Variable) -> bytes:
         return self.link.upload(variable.index, variable.sub, length=variable.type.bits // 8 or None)
 
+    def _told_number(self, sub: int) -> int | None:
+        """An entry of 0x1018."""
+        data = self._told(0x1018, sub)
+        return int.from_bytes(data, "little") if data else None
+
+    def _told_text(self, index: int) -> str | None:
+        data = self._told(index, 0)
+        return None if data is None else data.rstrip(b"\0").decode(errors="replace")
+
+    def _told(self, index: int, sub: int) -> bytes | None:
+        """Bytes of an object; None if the drive refuses it, with whatever reason."""
+        try:
+            return self.link.upload(index, sub)
+        except SdoAbort:
+            return None
+
     def _optional_int(self, name: str) -> int | None:
         value = self._optional(name)
         return value if isinstance(value, int) else None
-
-    def _optional_text(self, name: str) -> str | None:
-        value = self._optional(name)
-        return value if isinstance(value, str) else None
 
     def _optional(self, name: str) -> Value | None:
         if name not in self.dictionary:

@@ -30,8 +30,8 @@ class Origin(Section):
     device_name: str = ""
     firmware_version: str = ""
     dictionary_hash: Hash | None = None
-    vendor_id: Annotated[int, Field(ge=0)]
-    product_code: Annotated[int, Field(ge=0)]
+    vendor_id: Annotated[int, Field(ge=0)] | None = None
+    product_code: Annotated[int, Field(ge=0)] | None = None
     revision_number: Annotated[int, Field(ge=0)] | None = None
     serial_number: Annotated[int, Field(ge=0)] | None = None
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from benchtool.drive.identity import Identity
+from benchtool.drive.identity import Identity, described, differs
 from benchtool.drive.migration import Migrations
 from benchtool.drive.parameter_file import ParameterFile
 from benchtool.errors import ParameterFileError, ValueRefused
@@ -50,11 +50,10 @@ def settings(
             value is outside its limits.
     """
     origin = file.drive
-    if (origin.vendor_id, origin.product_code) != (identity.vendor_id, identity.product_code):
+    if differs(origin.vendor_id, identity.vendor_id) or differs(origin.product_code, identity.product_code):
         raise ParameterFileError(
-            f"{source} is of vendor 0x{origin.vendor_id:08X}, product 0x{origin.product_code:08X}; the drive "
-            f"is vendor 0x{identity.vendor_id:08X}, product 0x{identity.product_code:08X}: load a file of "
-            f"such a drive"
+            f"{source} is of {described(origin.vendor_id, origin.product_code)}; the drive is "
+            f"{described(identity.vendor_id, identity.product_code)}: load a file of such a drive"
         )
     try:
         migrated = file.migrated(dictionary.hash, migrations)

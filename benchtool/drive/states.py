@@ -12,7 +12,15 @@ from benchtool.drive.node import RemoteNode
 from benchtool.errors import BenchError, DriveFault, SdoAbort, StateError
 from benchtool.link import Link
 from benchtool.protocol.abort import Abort
-from benchtool.protocol.cia402 import Command, State, next_command, state_of
+from benchtool.protocol.cia402 import (
+    CONTROLWORD,
+    MODE_OF_OPERATION,
+    STATUSWORD,
+    Command,
+    State,
+    next_command,
+    state_of,
+)
 from benchtool.protocol.dictionary import Dictionary
 from benchtool.protocol.emcy import Emergency, error_text
 from benchtool.protocol.modes import Mode
@@ -63,7 +71,7 @@ class Cia402Node(RemoteNode):
 
     def state(self) -> State:
         """State of the CiA 402 state machine."""
-        state = state_of(int(self.read("statusword")))
+        state = state_of(int(self.read(self.dictionary[STATUSWORD].name)))
         tick = self.tick_now()
         for observer in self._observers:
             with suppress(Exception):  # whoever looks on must not keep a drive from being disabled
@@ -112,7 +120,7 @@ class Cia402Node(RemoteNode):
         """
         self.link.nmt(NmtCommand.START)
         self._touched = self._commanded = True
-        self.write("mode_of_operation", int(mode))
+        self.write(self.dictionary[MODE_OF_OPERATION].name, int(mode))
         self._zero_targets()
         self._walk_to(State.OPERATION_ENABLED)
 
@@ -199,7 +207,7 @@ class Cia402Node(RemoteNode):
             self.clock.wait(_POLL_S)
 
     def _ask(self, command: Command) -> None:
-        variable = self.dictionary["controlword"]
+        variable = self.dictionary[CONTROLWORD]
         with self._naming(f"asking for '{command.value}'"):
             for word in command.controlwords:
                 self.link.download(variable.index, variable.sub, variable.encode(word))

@@ -69,9 +69,11 @@ class EdsObjects:
             section = f"{index:04x}"
             keys = self._sections.get(section, {})
             name = keys.get("parametername") or f"0x{index:04X}"
-            if rows:
-                for sub, row in sorted(rows.items()):
-                    yield name, self._variable(index, sub, row, self._sections[row])
+            described = self._described(index, section, keys, rows)
+            if described:
+                yield from (
+                    (name, self._variable(index, sub, row, each)) for sub, (row, each) in described.items()
+                )
             elif self._parsed(section, keys, "CompactSubObj", parse_integer):
                 yield from ((name, variable) for variable in self._compact(index, section, keys))
             elif self._kind(section, keys) in (8, 9):
@@ -91,9 +93,32 @@ class EdsObjects:
                 self._warn(section, f"sub-index {sub} again; left out")
         return indices
 
+    def _described(
+        self, index: int, section: str, keys: Keys, rows: Mapping[int, str]
+    ) -> dict[int, tuple[str, Keys]]:
+        """Section and keys of every sub-index that the file describes.
+
+        Some editors leave a sub-section without a type and a name. That of sub-index 0 then is of an object
+        without sub-indices, which its own section describes; of any other nothing is known.
+        """
+        plain = self._kind(section, keys) not in (8, 9) and "datatype" in keys
+        described: dict[int, tuple[str, Keys]] = {}
+        for sub, row in sorted(rows.items()):
+            own = self._sections[row]
+            if own.keys() & {"datatype", "parametername"} or self._kind(row, own) == _DOMAIN_OBJECT:
+                described[sub] = row, {**keys, **own} if plain and sub == 0 else own
+            elif plain and sub == 0:
+                self._warn(row, f"it is empty; '{keys.get('parametername', '')}' is read from [{section}]")
+            else:
+                self._warn(
+                    row, f"it is empty; sub-index {sub} of '{keys.get('parametername', '')}' is left out"
+                )
+        return described
+
     def _compact(self, index: int, section: str, keys: Keys) -> Iterator[Variable]:
         count = min(self._parsed(section, keys, "CompactSubObj", parse_integer) or 0, 0xFE)
         names = self._sections.get(f"{section}name", {})
+        configured = self._sections.get(f"{section}value", {})
         head = {
             "parametername": "NrOfObjects",
             "datatype": "5",
@@ -103,7 +128,9 @@ class EdsObjects:
         yield self._variable(index, 0, section, head)
         for sub in range(1, count + 1):
             name = names.get(str(sub)) or f"{keys.get('parametername', section)}{sub}"
-            yield self._variable(index, sub, section, {**keys, "parametername": name})
+            value = configured.get(str(sub), keys.get("parametervalue", ""))
+            each = {**keys, "parametername": name, "parametervalue": value}
+            yield self._variable(index, sub, section, each)
 
     def _variable(self, index: int, sub: int, section: str, keys: Keys) -> Variable:
         type_ = self._type(section, keys)
@@ -122,7 +149,8 @@ class EdsObjects:
             factor=self._parsed(section, keys, "Factor", _parse_factor) or 1.0,
             raw_minimum=minimum,
             raw_maximum=maximum,
-            raw_default=self._default(section, keys, type_),
+            raw_default=self._value(section, keys, "DefaultValue", type_),
+            raw_configured=self._configured(section, keys, type_),
             access=self._access(section, keys),
             role=keys.get("role", "status"),
             values=values,
@@ -164,12 +192,17 @@ class EdsObjects:
             self._warn(section, f"AccessType '{given}' is unknown; ro is used")
         return _ACCESS.get(given, "ro")
 
-    def _default(self, section: str, keys: Keys, type_: DataType) -> Value | None:
+    def _value(self, section: str, keys: Keys, key: str, type_: DataType) -> Value | None:
         if type_ is DataType.STRING:
-            return keys.get("defaultvalue", "")
+            return keys.get(key.lower(), "")
         if type_ is DataType.DOMAIN:
             return None
-        return self._number(section, keys, "DefaultValue", type_)
+        return self._number(section, keys, key, type_)
+
+    def _configured(self, section: str, keys: Keys, type_: DataType) -> Value | None:
+        if not keys.get("parametervalue"):
+            return None
+        return self._value(section, keys, "ParameterValue", type_)
 
     def _number(self, section: str, keys: Keys, key: str, type_: DataType) -> Number | None:
         if type_.numpy is None:

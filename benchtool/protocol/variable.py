@@ -21,7 +21,9 @@ _LARGEST = 1e300
 class Variable:
     """One value of the dictionary as the host knows it; `raw * factor` is the physical value in `unit`.
 
-    `role` is parameter, command, signal or status, `access` ro, rw, wo or const, as `objects.toml` describes.
+    `raw_configured` is the value that a DCF configures the device with (its `ParameterValue`, CiA 306-1); an
+    EDS has none. `role` is parameter, command, signal or status, `access` ro, rw, wo or const, as
+    `objects.toml` describes.
     """
 
     index: int
@@ -33,6 +35,7 @@ class Variable:
     raw_minimum: Number | None = None
     raw_maximum: Number | None = None
     raw_default: Value | None = None
+    raw_configured: Value | None = None
     access: str = "rw"
     role: str = "status"
     values: Mapping[str, int] | None = None
@@ -69,6 +72,12 @@ class Variable:
     def default(self) -> Value | None:
         """Default in `unit`, an enumeration's as its name; None without one."""
         raw = self.raw_default
+        return raw if raw is None or isinstance(raw, str | bytes) else self._named(raw)
+
+    @property
+    def configured(self) -> Value | None:
+        """What a DCF configures, in `unit`, an enumeration's as its name; None without it."""
+        raw = self.raw_configured
         return raw if raw is None or isinstance(raw, str | bytes) else self._named(raw)
 
     @property

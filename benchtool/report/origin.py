@@ -28,7 +28,7 @@ def run_facts(manifest: Manifest, plan_name: str = "") -> Facts:
     numbers = [
         f"{name.replace('_', ' ')} {identity[name]}"
         for name in ("vendor_id", "product_code", "revision_number", "serial_number")
-        if name in identity
+        if identity.get(name) is not None
     ]
     commit = versions.pop("commit", "")
     point = manifest.details.get("operating_point")

@@ -14,7 +14,7 @@ from benchtool.drive.states import Cia402Node
 from benchtool.errors import DriveFault
 from benchtool.link import Alarm
 from benchtool.link.ticks import TickMark
-from benchtool.protocol.cia402 import State
+from benchtool.protocol.cia402 import STATUSWORD, State
 from benchtool.protocol.emcy import Emergency
 from benchtool.protocol.objects import DataType
 from benchtool.protocol.variable import Variable
@@ -39,7 +39,7 @@ def node(*alarms: Alarm) -> Cia402Node:
     """A node with a statusword of 'fault', and these alarms."""
     link: Any = SimpleNamespace(emergencies=lambda: alarms, upload=lambda index, sub, length: b"\x08\x00")
     variable = Variable(0x6041, 0, "statusword", DataType.U16)
-    dictionary: Any = {"statusword": variable}
+    dictionary: Any = {STATUSWORD: variable, "statusword": variable}
     return Cia402Node(link, dictionary, "drive.eds", VirtualClock())
 
 

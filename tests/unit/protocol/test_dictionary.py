@@ -305,3 +305,129 @@ def test_any_values_of_any_keys_are_survived(keys: dict[str, str]) -> None:
         assert variable.factor != 0
         assert math.isfinite(variable.factor)
         assert isinstance(variable.default, int | float | str | None)
+
+
+# ---- sub-sections without content, and the values of a DCF -------------------------------------------------
+
+EMPTY_SUBS = """\
+[100B]
+ParameterName=Node number
+ObjectType=0x7
+DataType=0x0005
+AccessType=rw
+DefaultValue=0x01
+LowLimit=0x00
+HighLimit=0x7F
+[100BSub0]
+SubNumber=1
+[2001]
+ParameterName=Half described
+ObjectType=0x7
+DataType=0x0006
+AccessType=rw
+[2001sub0]
+ParameterName=By its sub-section
+[2002]
+ParameterName=Gains
+ObjectType=0x8
+SubNumber=3
+[2002sub0]
+ParameterName=Entries
+DataType=5
+AccessType=ro
+[2002sub1]
+ParameterName=K_p
+DataType=8
+AccessType=rw
+[2002sub2]
+[2003]
+ParameterName=Nothing
+[2003sub0]
+"""
+
+
+def test_an_empty_sub_section_makes_no_domain_of_its_object() -> None:
+    dictionary = Dictionary.from_bytes(EMPTY_SUBS.encode(), 1, "empty.eds")
+    number = dictionary[0x100B, 0]
+    assert (number.name, number.type, number.access) == ("Node number", DataType.U8, "rw")
+    assert (number.raw_default, number.raw_minimum, number.raw_maximum) == (1, 0, 127)
+    half = dictionary[0x2001, 0]
+    assert (half.name, half.type, half.access) == ("By its sub-section", DataType.U16, "rw")
+    assert dictionary[0x2002, 1].type is DataType.F32
+    assert (0x2002, 2) not in dictionary
+    named = [each for each in dictionary.warnings if "empty" in each]
+    assert [each.partition("]")[0] for each in named] == ["[100bsub0", "[2002sub2", "[2003sub0"]
+    assert "'Node number'" in named[0]
+    assert "'Gains'" in named[1]
+
+
+DCF = """\
+[1017]
+ParameterName=Producer heartbeat
+DataType=6
+AccessType=rw
+DefaultValue=0
+ParameterValue=100
+[1400sub1]
+ParameterName=COB-ID
+DataType=7
+AccessType=rw
+ParameterValue=$NODEID+0x200
+[2000]
+ParameterName=Gain
+DataType=8
+AccessType=rw
+ParameterValue=0x3F000000
+[2001]
+ParameterName=Label
+DataType=9
+AccessType=rw
+ParameterValue=axis 1
+[2002]
+ParameterName=Table
+ObjectType=8
+DataType=3
+AccessType=rw
+DefaultValue=5
+CompactSubObj=3
+[2002Value]
+NrOfEntries=1
+2=-7
+[2003]
+ParameterName=Broken
+DataType=5
+AccessType=rw
+ParameterValue=much
+[2004]
+ParameterName=Not configured
+DataType=5
+AccessType=rw
+DefaultValue=3
+ParameterValue=
+"""
+
+
+def test_a_dcf_tells_what_it_configures() -> None:
+    dictionary = Dictionary.from_bytes(DCF.encode(), 5, "any.dcf")
+    configured = {each.label: each.configured for each in dictionary if each.configured is not None}
+    assert configured == {
+        "0x1017:0": 100,
+        "0x1400:1": 0x205,
+        "0x2000:0": 0.5,
+        "0x2001:0": "axis 1",
+        "0x2002:2": -7,
+    }
+    assert dictionary[0x1017, 0].default == 0
+    assert dictionary[0x2002, 2].default == 5
+    assert any("[2003] ParameterValue 'much'" in each for each in dictionary.warnings)
+
+
+def test_the_drive_s_own_file_has_no_mapping_of_a_domain() -> None:
+    section = ""
+    domains: dict[str, list[str]] = {}
+    for line in (shipped("firmware_protocol") / "drive.eds").read_text(encoding="utf-8").splitlines():
+        section = line if line.startswith("[") else section
+        domains.setdefault(section, []).append(line)
+    of_domains = [lines for lines in domains.values() if "DataType=0x000F" in lines]
+    assert of_domains
+    assert not any(line.startswith("PDOMapping") for lines in of_domains for line in lines)

@@ -83,6 +83,9 @@ class Node:
     def __init__(self, link: Link) -> None:
         self.link = link
 
+    def tick_now(self) -> int | None:
+        return None
+
     def number(self, name: str) -> float:
         return 9.9999997e-05  # as a float32 holds it
 
