@@ -43,6 +43,10 @@ class Announcements:
             "overruns": self._overruns,
         }
 
+    def learn_state(self, state: NmtState) -> None:
+        """Take a state that the drive told when it was asked: it is newer than any heartbeat before."""
+        self._state = state
+
     def hear_heartbeat(self, state: NmtState) -> None:
         """Note the state that a heartbeat tells."""
         self._state = state

@@ -13,11 +13,13 @@ from benchtool.link.receiving import ReceivingLink
 from benchtool.link.serial_requests import SerialRequests
 from benchtool.protocol.nmt import NmtCommand, NmtState
 from benchtool.protocol.serial import (
+    VERSION,
     Batch,
     Event,
     FrameSplitter,
     Heartbeat,
     HostHeartbeat,
+    Identity,
     Nmt,
     Request,
     Setpoint,
@@ -172,7 +174,14 @@ class SerialLink(ReceivingLink):
             case Event():
                 self._on_event(message, arrival_s)
             case _:
+                if isinstance(message, Identity):
+                    self._on_identity(message)
                 self._exchange.take(message)
+
+    def _on_identity(self, identity: Identity) -> None:
+        # Heartbeats before it may have waited in a buffer for longer than this host is there.
+        if identity.version == VERSION and identity.nmt_state in set(NmtState):
+            self._announced.learn_state(NmtState(identity.nmt_state))
 
     def _on_heartbeat(self, heartbeat: Heartbeat) -> None:
         if heartbeat.nmt_state not in set(NmtState):
