@@ -61,8 +61,8 @@ def _file(
     values: dict[str, int | float | str],
     *,
     hash_: int | None = HASH,
-    vendor_id: int = IDENTITY.vendor_id,
-    product_code: int = IDENTITY.product_code,
+    vendor_id: int | None = IDENTITY.vendor_id,
+    product_code: int | None = IDENTITY.product_code,
     serial_number: int | None = None,
 ) -> ParameterFile:
     origin = Origin(
