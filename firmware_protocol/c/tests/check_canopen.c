@@ -1,3 +1,5 @@
+/* SPDX-FileCopyrightText: 2026 The benchtool authors
+ * SPDX-License-Identifier: MIT */
 /* The CAN side without a host: what its rings do when they are full, and an upload in blocks through all of them. */
 #undef NDEBUG
 #include <assert.h>
