@@ -119,26 +119,39 @@ size_t bt_tpdos_tick(struct bt_tpdos *tpdos, struct bt_device *device, bool oper
 
 /* ---- from the host -------------------------------------------------------------------------------------- */
 
-/* One after the other; when one is refused, those before it have their old values again. */
+static bool may_write_all(const struct bt_device *device, const uint16_t *ids, uint8_t count, const uint8_t *data)
+{
+    uint8_t k;
+    for (k = 0; k < count; k++) {
+        if (bt_check(device, (enum bt_id)ids[k], data, bt_entries[ids[k]].size) != BT_OK)
+            return false;
+        data += bt_entries[ids[k]].size;
+    }
+    return true;
+}
+
+static uint32_t write(struct bt_device *device, uint16_t id, const uint8_t *data)
+{
+    return bt_write(device, bt_entries[id].index, bt_entries[id].sub, data, bt_entries[id].size);
+}
+
+/* None is written unless all may be; one that only those before it made impossible gives them their old values. */
 static bool write_all(struct bt_device *device, const uint16_t *ids, uint8_t count, const uint8_t *data)
 {
     struct bt_value before[BT_PDO_ENTRIES];
-    uint8_t k, taken;
+    uint8_t k;
+    if (!may_write_all(device, ids, count, data))
+        return false;
     for (k = 0; k < count; k++) {
         if (bt_read(device, bt_entries[ids[k]].index, bt_entries[ids[k]].sub, &before[k]) != BT_OK)
             return false;
     }
-    for (taken = 0; taken < count; taken++) {
-        const struct bt_entry *entry = &bt_entries[ids[taken]];
-        if (bt_write(device, entry->index, entry->sub, data, entry->size) != BT_OK)
-            break;
-        data += entry->size;
-    }
-    if (taken == count)
+    for (k = 0; k < count && write(device, ids[k], data) == BT_OK; k++)
+        data += bt_entries[ids[k]].size;
+    if (k == count)
         return true;
-    for (k = 0; k < taken; k++) {
-        const struct bt_entry *entry = &bt_entries[ids[k]];
-        if (bt_write(device, entry->index, entry->sub, before[k].number, before[k].n) != BT_OK)
+    while (k-- > 0) {
+        if (write(device, ids[k], before[k].number) != BT_OK)
             break;
     }
     return false;

@@ -37,6 +37,7 @@ static void enter(struct bt_device *device, enum bt_state state)
 {
     BT_LOCK();
     device->state = (uint8_t)state;
+    device->rests = false;
     if (state == BT_STATE_OPERATION_ENABLED)
         device->standstill = false;
     if (state == BT_STATE_FAULT)
@@ -151,28 +152,31 @@ void bt_device_reset(struct bt_device *device)
 
 void bt_device_stop(struct bt_device *device)
 {
+    BT_LOCK();
+    bt_device_zero_targets(device);
+    BT_UNLOCK();
     if (bt_cia402_power_stage_on((enum bt_state)device->state))
         enter(device, BT_STATE_SWITCH_ON_DISABLED);
 }
 
+/* No target outlives the link, and a quick stop without a host does not hold: there is none to end it. */
 static void lose_link(struct bt_device *device)
 {
     const int16_t action = device->variables.abort_connection_option;
     report(device, BT_ERROR_HEARTBEAT);
     if (action == BT_ABORT_CONNECTION_OPTION_NONE)
         return;
-    if (action == BT_ABORT_CONNECTION_OPTION_FAULT) {
-        enter(device, BT_STATE_FAULT);
-        return;
-    }
     BT_LOCK();
     bt_device_zero_targets(device);
-    device->quick_stop_holds = false; /* no host is there to end it */
     BT_UNLOCK();
-    if (action == BT_ABORT_CONNECTION_OPTION_DISABLE_VOLTAGE)
-        bt_device_stop(device);
-    else if (device->state == BT_STATE_OPERATION_ENABLED)
+    if (action == BT_ABORT_CONNECTION_OPTION_FAULT)
+        enter(device, BT_STATE_FAULT);
+    else if (!bt_cia402_power_stage_on((enum bt_state)device->state))
+        return;
+    else if (action == BT_ABORT_CONNECTION_OPTION_QUICK_STOP)
         quick_stop(device, false);
+    else
+        enter(device, BT_STATE_SWITCH_ON_DISABLED);
 }
 
 static bool has_braked(struct bt_device *device)
@@ -277,11 +281,11 @@ bool bt_device_may_switch(const struct bt_device *device)
 bool bt_device_is_quick_stopping(const struct bt_device *device)
 {
     const struct bt_variables *variables = &device->variables;
-    if (is_lost(device) && variables->abort_connection_option != BT_ABORT_CONNECTION_OPTION_QUICK_STOP)
-        return false;
-    if (device->state == BT_STATE_OPERATION_ENABLED)
-        return is_lost(device) && variables->quick_stop_option != BT_QUICK_STOP_OPTION_DISABLE;
-    return device->state == BT_STATE_QUICK_STOP_ACTIVE;
+    if (!is_lost(device))
+        return device->state == BT_STATE_QUICK_STOP_ACTIVE;
+    return bt_cia402_power_stage_on((enum bt_state)device->state) &&
+           variables->abort_connection_option == BT_ABORT_CONNECTION_OPTION_QUICK_STOP &&
+           variables->quick_stop_option != BT_QUICK_STOP_OPTION_DISABLE;
 }
 
 void bt_device_standstill(struct bt_device *device)
@@ -310,23 +314,26 @@ float bt_device_omega_m_setpoint(const struct bt_device *device)
     return follows_setpoints(device) ? device->variables.omega_m_command : 0.0f;
 }
 
-/* ---- statusword ----------------------------------------------------------------------------------------- */
-
 static float magnitude(float value)
 {
     return value < 0.0f ? -value : value;
 }
 
+/* A halt without speed control makes no torque, and has come to its end with that. */
+void bt_device_tick(struct bt_device *device)
+{
+    const struct bt_variables *variables = &device->variables;
+    device->rests = bt_device_is_halted(device) &&
+                    (variables->mode_of_operation_display != BT_MODE_OF_OPERATION_VELOCITY ||
+                     magnitude(variables->omega_m) <= STANDSTILL * variables->omega_m_N);
+}
+
 /* Of a halt or a quick stop that holds; other targets are the host's to judge. */
 static bool target_is_reached(const struct bt_device *device)
 {
-    const struct bt_variables *variables = &device->variables;
     if (device->state == BT_STATE_QUICK_STOP_ACTIVE)
         return device->quick_stop_holds && device->standstill;
-    if (!bt_device_is_halted(device))
-        return false;
-    return variables->mode_of_operation_display != BT_MODE_OF_OPERATION_VELOCITY ||
-           magnitude(variables->omega_m) <= STANDSTILL * variables->omega_m_N;
+    return device->rests && bt_device_is_halted(device);
 }
 
 uint16_t bt_device_statusword(const struct bt_device *device)

@@ -64,6 +64,7 @@ struct bt_device {
     volatile uint32_t tick_wraps; /* of the variable `tick`; of the control interrupt */
     volatile uint8_t state;       /* enum bt_state */
     volatile bool standstill;     /* a quick stop has braked */
+    volatile bool rests;          /* a halt has come to its end, as of the last tick */
     volatile bool trip_edge;      /* since the last tick */
     volatile uint16_t trip_code;  /* 0: none; set by whoever trips, cleared by the main loop once it is in trip_seen */
     uint16_t trip_seen;           /* by the main loop */
@@ -86,7 +87,8 @@ void bt_device_reset(struct bt_device *device);
 /* What the control interrupt has found becomes a state: trips, a lost link, the end of a quick stop. */
 void bt_device_look_after(struct bt_device *device);
 
-/* Switch the power stage off without a fault, as NMT stop does. */
+/* Switch the power stage off without a fault, and forget the targets, as NMT stop does: to CiA 402 (0x6007) that is a
+ * connection lost. */
 void bt_device_stop(struct bt_device *device);
 
 /* Takes a controlword, or says why not; the same for what a write of the object does. */
@@ -105,6 +107,9 @@ void bt_device_trip(struct bt_device *device, uint16_t code);
 bool bt_device_may_switch(const struct bt_device *device);
 bool bt_device_is_quick_stopping(const struct bt_device *device);
 void bt_device_standstill(struct bt_device *device);
+
+/* Control interrupt: looks at the signals of this tick. */
+void bt_device_tick(struct bt_device *device);
 
 /* Control interrupt: whether bit 8 of the controlword halts the axis; and the setpoints that control is to follow in
  * this tick, which are 0 while it does and outside of Operation enabled. The commands themselves are kept. */
@@ -138,6 +143,9 @@ uint32_t bt_number(const struct bt_device *device, enum bt_id id, union bt_numbe
 /* BT_OK or an abort code; a refused write changes nothing. */
 uint32_t bt_read(const struct bt_device *device, uint16_t index, uint8_t sub, struct bt_value *value);
 uint32_t bt_write(struct bt_device *device, uint16_t index, uint8_t sub, const uint8_t *data, size_t n);
+
+/* Whether an entry would take these bytes now; only storing and restoring may still fail. */
+uint32_t bt_check(const struct bt_device *device, enum bt_id id, const uint8_t *data, size_t n);
 
 /* n bytes of a value. */
 void bt_value_copy(struct bt_device *device, const struct bt_value *value, size_t from, uint8_t *data, size_t n);

@@ -120,6 +120,7 @@ void bt_node_tick(struct bt_node *node)
         BT_STORE(&device->trip_edge, false);
     if (++device->variables.tick == 0)
         device->tick_wraps = device->tick_wraps + 1u;
+    bt_device_tick(device);
     bt_watchdog_tick(&device->watchdog, device->variables.tick);
     bt_capture_tick(&device->capture, &device->variables, tripped);
     bt_stream_tick(&node->stream, &device->variables);

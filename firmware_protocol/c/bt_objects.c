@@ -172,8 +172,8 @@ static bool is_supported(const struct bt_device *device, int32_t mode)
     return device->variables.supported_modes & BT_MODE_BIT(mode);
 }
 
-/* What an entry demands besides its limits. The last thing that can refuse: it may act where that can fail. */
-static uint32_t check(struct bt_device *device, enum bt_id id, union bt_number number)
+/* What an entry demands besides its limits. */
+static uint32_t check(const struct bt_device *device, enum bt_id id, union bt_number number)
 {
     switch (id) {
     case BT_ID_controlword:
@@ -189,12 +189,39 @@ static uint32_t check(struct bt_device *device, enum bt_id id, union bt_number n
     case BT_ID_error_history_count:
         return number.u == 0 ? BT_OK : BT_ABORT_VALUE;
     case BT_ID_store_all:
-        return number.u == SIGNATURE_SAVE ? save(device) : BT_ABORT_NOT_STORED;
+        return number.u == SIGNATURE_SAVE ? BT_OK : BT_ABORT_NOT_STORED;
     case BT_ID_restore_all:
-        return number.u == SIGNATURE_LOAD ? forget(device) : BT_ABORT_NOT_STORED;
+        return number.u == SIGNATURE_LOAD ? BT_OK : BT_ABORT_NOT_STORED;
     default:
         return bt_pdo_check(&device->variables, id, number.u);
     }
+}
+
+static uint32_t accept(const struct bt_device *device, enum bt_id id, const uint8_t *data, size_t n,
+                       union bt_number *number)
+{
+    uint32_t status;
+    if (bt_entries[id].access != BT_ACCESS_RW && bt_entries[id].access != BT_ACCESS_WO)
+        return BT_ABORT_READ_ONLY;
+    status = bt_decode(id, data, n, number);
+    if (status != BT_OK)
+        return status;
+    if (!(bt_entries[id].flags & BT_FLAG_ENABLED_WRITE) &&
+        bt_cia402_power_stage_on((enum bt_state)device->state))
+        return BT_ABORT_DEVICE_STATE;
+    return check(device, id, *number);
+}
+
+uint32_t bt_check(const struct bt_device *device, enum bt_id id, const uint8_t *data, size_t n)
+{
+    union bt_number number;
+    return accept(device, id, data, n, &number);
+}
+
+/* What can fail though the value may be written. */
+static uint32_t perform(struct bt_device *device, enum bt_id id)
+{
+    return id == BT_ID_store_all ? save(device) : id == BT_ID_restore_all ? forget(device) : BT_OK;
 }
 
 /* What follows a write in other variables, with the lock held: the control interrupt sees them change together. */
@@ -249,17 +276,10 @@ uint32_t bt_write(struct bt_device *device, uint16_t index, uint8_t sub, const u
     union bt_number number;
     enum bt_id id;
     uint32_t status = bt_find(index, sub, &id);
-    if (status != BT_OK)
-        return status;
-    if (bt_entries[id].access != BT_ACCESS_RW && bt_entries[id].access != BT_ACCESS_WO)
-        return BT_ABORT_READ_ONLY;
-    status = bt_decode(id, data, n, &number);
-    if (status != BT_OK)
-        return status;
-    if (!(bt_entries[id].flags & BT_FLAG_ENABLED_WRITE) &&
-        bt_cia402_power_stage_on((enum bt_state)device->state))
-        return BT_ABORT_DEVICE_STATE;
-    status = check(device, id, number);
+    if (status == BT_OK)
+        status = accept(device, id, data, n, &number);
+    if (status == BT_OK)
+        status = perform(device, id);
     if (status != BT_OK)
         return status;
     BT_LOCK();

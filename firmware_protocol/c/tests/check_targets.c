@@ -75,7 +75,6 @@ static void check_kept(void)
         host_enable(&drive);
         assert(are_kept() && bt_omega_m_setpoint(&drive) == 20.0f);
     }
-    host_nmt(&drive, BT_NMT_STOP);
     host_nmt(&drive, BT_NMT_RESET_COMMUNICATION);
     assert(are_kept());
     assert(host_write(&drive, BT_ID_mode_of_operation, 4) == BT_OK && are_kept()); /* no change */
@@ -108,6 +107,11 @@ static void check_zeroed(void)
     host_nmt(&drive, BT_NMT_RESET_NODE);
     assert(are_zero());
 
+    enabled_with_targets();
+    host_nmt(&drive, BT_NMT_STOP); /* to CiA 402 a connection lost */
+    host_nmt(&drive, BT_NMT_START);
+    assert(are_zero());
+
     lose_link(BT_ABORT_CONNECTION_OPTION_FAULT);
     assert(bt_torque_setpoint(&drive) == 0.0f); /* before the main loop knows */
     assert(are_zero());
@@ -119,6 +123,13 @@ static void check_zeroed(void)
     assert(bt_omega_m_setpoint(&drive) == 20.0f && are_kept());
 }
 
+/* State and "target reached" after the next tick. */
+static uint32_t status(void)
+{
+    bt_tick(&drive);
+    return host_read(&drive, BT_ID_statusword) & 0x46Fu;
+}
+
 static void check_halt(void)
 {
     struct bt_variables *v = bt_variables(&drive);
@@ -127,22 +138,24 @@ static void check_halt(void)
     control(HALT);
     assert(bt_is_halted(&drive) && bt_may_switch(&drive) && are_kept());
     assert(bt_torque_setpoint(&drive) == 0.0f && bt_omega_m_setpoint(&drive) == 0.0f);
-    assert((host_read(&drive, BT_ID_statusword) & 0x46Fu) == 0x427u); /* torque mode: torque is zero at once */
+    assert(status() == 0x427u); /* torque mode: the reference is zero from then on */
     assert(host_write(&drive, BT_ID_mode_of_operation, 3) == BT_OK);
     write_targets();
-    assert((host_read(&drive, BT_ID_statusword) & 0x46Fu) == 0x027u);
+    assert(status() == 0x027u);
     v->omega_m = -0.011f * v->omega_m_N;
-    assert(!(host_read(&drive, BT_ID_statusword) & TARGET_REACHED));
+    assert(status() == 0x027u);
     v->omega_m = -0.009f * v->omega_m_N;
-    assert(host_read(&drive, BT_ID_statusword) & TARGET_REACHED);
+    assert(status() == 0x427u);
     control(0x0F);
-    assert(!bt_is_halted(&drive) && bt_omega_m_setpoint(&drive) == 20.0f);
-    assert((host_read(&drive, BT_ID_statusword) & 0x46Fu) == 0x027u);
+    assert(!(host_read(&drive, BT_ID_statusword) & TARGET_REACHED));
+    assert(!bt_is_halted(&drive) && bt_omega_m_setpoint(&drive) == 20.0f && status() == 0x027u);
     control(0x06);
-    control(0x10F); /* enabled, and halted */
-    assert((host_read(&drive, BT_ID_statusword) & 0x46Fu) == 0x427u && bt_is_halted(&drive));
-    control(0x106);
-    assert(!bt_is_halted(&drive) && !(host_read(&drive, BT_ID_statusword) & TARGET_REACHED));
+    control(HALT); /* enabled, and halted */
+    assert(!(host_read(&drive, BT_ID_statusword) & TARGET_REACHED) && bt_is_halted(&drive) && status() == 0x427u);
+    control(0x102); /* a quick stop of a halted axis has not come to its end */
+    assert(bt_is_quick_stopping(&drive) && bt_may_switch(&drive) && status() == 0x007u);
+    bt_standstill(&drive);
+    assert(status() == 0x040u && !bt_is_halted(&drive));
 }
 
 /* The power stage is off from the tick in which the shaft stands, though the main loop hangs. */
