@@ -14,7 +14,7 @@ check-cxx: $(CXX_COMPILERS:%=$(BUILD)/passed-cxx-%)
 $(CXX_COMPILERS:%=$(BUILD)/passed-cxx-%): $(BUILD)/passed-cxx-%: tests/from_cxx.cpp $(CAN_SOURCES) $(SOURCES) $(HEADERS)
 	@mkdir -p $(BUILD)/cxx
 	@for header in $(PUBLIC); do \
-	    printf '#include "%s"\n\n' $$header | $* $(CXXFLAGS) -fsyntax-only -x c++ - || exit 1; done
+	    printf '#include "%s"\n' $$header | $* $(CXXFLAGS) -fsyntax-only -x c++ - || exit 1; done
 	cd $(BUILD)/cxx && $(CC_HERE) -std=c99 -O1 -DBT_ONE_THREAD -I$(CURDIR) -I$(CURDIR)/.. \
 	    -c $(addprefix $(CURDIR)/,$(CAN_SOURCES) $(SOURCES))
 	$* $(CXXFLAGS) tests/from_cxx.cpp $(patsubst %.c,$(BUILD)/cxx/%.o,$(CAN_SOURCES) $(SOURCES)) -o $(BUILD)/from-$*
