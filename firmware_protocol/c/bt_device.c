@@ -89,7 +89,7 @@ void bt_device_init(struct bt_device *device, const struct bt_config *config)
 {
     memset(device, 0, sizeof *device);
     device->config = *config;
-    device->variables.tick = config->initial_tick;
+    device->variables.tick = config->first_tick;
     bt_device_reset(device);
 }
 

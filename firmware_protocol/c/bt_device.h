@@ -46,7 +46,7 @@ struct bt_config {
     uint32_t vendor_id, product_code, revision_number; /* 0: those of the table */
     uint32_t serial_number;
     uint32_t supported_modes; /* BT_MODE_BIT of each; 0: velocity and torque */
-    uint32_t initial_tick;    /* that of power-up: 0, or just before 2^32 to test the wrap */
+    uint32_t first_tick;    /* that of power-up: 0, or just before 2^32 to test the wrap */
     float i_full_scale;       /* A, peak: what the current sensors reach */
     uint8_t node_id;          /* 1 to 127 */
     const char *device_name, *hardware_version, *firmware_version; /* NULL: those of the table */

@@ -69,10 +69,10 @@ class Library:
         function.restype = result
         return function(*arguments)
 
-    def power_up(self, parameters: list[int], initial_tick: int = 0) -> None:
+    def power_up(self, parameters: list[int], first_tick: int = 0) -> None:
         """A drive just switched on, which keeps these raw parameters in the order of the table."""
         words = kept_words(parameters)
-        settings = TICK_NS, ctypes.c_uint32(initial_tick), words, ctypes.c_size_t(len(words))
+        settings = TICK_NS, ctypes.c_uint32(first_tick), words, ctypes.c_size_t(len(words))
         assert self.call("shared_power_up", *settings, result=ctypes.c_int)
 
     def run(self, ticks: int) -> None:
@@ -133,8 +133,8 @@ class _CBench:
 class CHost(RawHost):
     """A host on the line of a drive of the C library."""
 
-    def __init__(self, library: Library, parameters: list[int], initial_tick: int = 0) -> None:
-        library.power_up(parameters, initial_tick)
+    def __init__(self, library: Library, parameters: list[int], first_tick: int = 0) -> None:
+        library.power_up(parameters, first_tick)
         port = CPort(library)
 
         def add_serial(_: object, *__: object, **___: object) -> None:
@@ -148,7 +148,7 @@ class CHost(RawHost):
 
 
 def kept_words(parameters: list[int]) -> ctypes.Array[ctypes.c_uint32]:
-    """What a drive of the C library keeps of these parameters: the hash of their dictionary goes before them."""
+    """What a drive of the C library keeps of these parameters: before them the hash of their dictionary."""
     words = [TABLE.hash, *parameters]
     return (ctypes.c_uint32 * len(words))(*words)
 

@@ -76,14 +76,15 @@ class HeldBus:
 class EmulatedEnd:
     """The emulated drive of the paper's bench."""
 
-    def __init__(self, initial_tick: int = 0) -> None:
+    def __init__(self, first_tick: int = 0) -> None:
         self._bus = HeldBus()
-        self._bench = EmulatedBench(load_profile("zhu2011"), wire="serial")
+        begun: dict[str, Any] = {"first_tick": first_tick} if first_tick else {}
+        self._bench = EmulatedBench(load_profile("zhu2011"), wire="serial", **begun)
+        self._ticks = 0
         self._node = self._bench._node
         self.memory = self._node.firmware.core.memory
         bus: Any = self._bus
         self._bench.add_can(bus)
-        self.memory["tick"][0] = initial_tick
 
     @property
     def state(self) -> State:
@@ -99,7 +100,8 @@ class EmulatedEnd:
         return self._bus.taken()
 
     def tick(self) -> Frames:
-        self._node.advance_to((self._node.tick + 1) * self._node.firmware.period_s)
+        self._ticks += 1
+        self._node.advance_to(self._ticks * self._node.firmware.period_s)
         return self._bus.taken()
 
     def taken(self) -> Frames:
@@ -117,7 +119,7 @@ class CEnd:
     """The C library's drive; its signals are those that a test writes into `memory`."""
 
     def __init__(
-        self, library: Path, parameters: list[int], i_full_scale: float, initial_tick: int = 0
+        self, library: Path, parameters: list[int], i_full_scale: float, first_tick: int = 0
     ) -> None:
         self._functions = ctypes.CDLL(str(library))
         self._functions.can_variables.restype = ctypes.c_void_p
@@ -125,7 +127,7 @@ class CEnd:
         kept = kept_words(parameters)
         assert self._functions.can_power_up(
             ctypes.c_uint32(TICK_NS),
-            ctypes.c_uint32(initial_tick),
+            ctypes.c_uint32(first_tick),
             ctypes.c_uint8(NODE),
             ctypes.c_float(i_full_scale),
             kept,
@@ -191,9 +193,9 @@ Step = Frame | Ticks | Tripped
 class Pair:
     """Both drives just switched on, with the same parameters; the C library's sees the other's signals."""
 
-    def __init__(self, library: Path, parameters: list[int], initial_tick: int = 0) -> None:
-        self.emulated = EmulatedEnd(initial_tick)
-        self.c = CEnd(library, parameters, float(self.emulated.memory["i_full_scale"][0]), initial_tick)
+    def __init__(self, library: Path, parameters: list[int], first_tick: int = 0) -> None:
+        self.emulated = EmulatedEnd(first_tick)
+        self.c = CEnd(library, parameters, float(self.emulated.memory["i_full_scale"][0]), first_tick)
         self._copy_signals()
         booted = self.emulated.taken()
         assert self.c.taken() == booted == [(0x700 + NODE, b"\x00")]

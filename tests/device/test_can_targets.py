@@ -1,8 +1,9 @@
-"""Targets, halt, quick stop, sizes and the wrap of the tick: both drives answer alike, and as CiA 301 and 402 have it."""
+"""Targets, halt, quick stop, sizes, the wrap of the tick: both drives answer alike, as CiA 301 and 402 have it."""
 
 from __future__ import annotations
 
 import struct
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -106,8 +107,8 @@ def test_a_halt_keeps_the_state_and_the_target_and_tells_when_it_stands(pair: Pa
 
 
 def test_a_quick_stop_of_a_halted_axis_brakes_first(pair: Pair) -> None:
-    pair.play([write("mode_of_operation", VELOCITY_MODE), write("omega_m_command", 20.0), *ENABLE, Ticks(500)])
-    pair.play([write("controlword", 0x102)])
+    pair.play([write("mode_of_operation", VELOCITY_MODE), write("omega_m_command", 20.0), *ENABLE])
+    pair.play([Ticks(500), write("controlword", HALT), Ticks(1), write("controlword", 0x102)])
     assert _read(pair, "statusword") & 0x6F == 0x07
     pair.play([Ticks(1500), upload("statusword")])
 
@@ -189,13 +190,13 @@ def test_a_capture_spans_the_wrap(can_library: Path, parameters: list[int]) -> N
         data = b"".join(bytes.fromhex(answer)[1:] for answer in answers[1:])
         rows = struct.unpack("<40I", data[32 : 32 + 160])
         assert rows[0] > 2**31 > rows[-1]
-        assert [(after - before) % 2**32 for before, after in zip(rows, rows[1:], strict=False)] == [3] * 39
+        assert [(after - before) % 2**32 for before, after in pairwise(rows)] == [3] * 39
     finally:
         both.close()
 
 
-def test_a_frame_of_nothing_is_no_process_data(pair: Pair) -> None:
-    """An RPDO whose last value is refused leaves the controlword before it alone."""
+def test_process_data_with_a_refused_value_do_nothing(pair: Pair) -> None:
+    """Not even what stands before that value: here the controlword."""
     pair.play(set_up_pdo("rpdo1", 0x201, ["controlword", "torque_command"]))
     pair.play([nmt(START), write("controlword", 6), Frame(0x201, struct.pack("<Hf", 7, float("nan")))])
     assert _read(pair, "statusword") & 0x6F == 0x21

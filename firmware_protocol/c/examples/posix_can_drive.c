@@ -91,7 +91,7 @@ int main(int count, char **arguments)
     config.tick_period_ns = (uint32_t)step_ns;
     config.node_id = 1;
     config.serial_number = 1;
-    config.initial_tick = (uint32_t)tick;
+    config.first_tick = (uint32_t)tick;
     config.i_full_scale = 20.0f;
     config.hardware_version = "posix";
     bt_init(&drive, &config);

@@ -163,7 +163,7 @@ int main(int count, char **arguments)
     config.tick_period_ns = (uint32_t)(1000000000 / rate_Hz);
     config.node_id = 1;
     config.serial_number = 1;
-    config.initial_tick = (uint32_t)tick;
+    config.first_tick = (uint32_t)tick;
     config.i_full_scale = 20.0f;
     config.hardware_version = "posix";
     bt_init(&drive, &config);

@@ -13,10 +13,10 @@ static struct bt_node node;
 static struct bt_can can;
 static struct bt_can_frame frame;
 
-static void power_up_at(uint32_t initial_tick)
+static void power_up_at(uint32_t first_tick)
 {
     struct bt_config config = { 0 };
-    config.initial_tick = initial_tick;
+    config.first_tick = first_tick;
     config.tick_period_ns = 1000000u;
     config.node_id = 5;
     memset(&can, 0x5A, sizeof can); /* what was there does not matter */

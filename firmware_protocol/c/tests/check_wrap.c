@@ -20,7 +20,7 @@ static uint8_t message[BT_MAX_REPLY];
 static void power_up(void)
 {
     struct bt_config config = check_config();
-    config.initial_tick = FIRST_TICK;
+    config.first_tick = FIRST_TICK;
     check_power_up_as(&drive, &config);
     assert(host_read(&drive, BT_ID_tick) == FIRST_TICK);
 }

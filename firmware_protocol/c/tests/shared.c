@@ -9,13 +9,13 @@
 
 static struct bt_drive drive;
 
-int shared_power_up(uint32_t tick_period_ns, uint32_t initial_tick, const uint32_t *kept, size_t n)
+int shared_power_up(uint32_t tick_period_ns, uint32_t first_tick, const uint32_t *kept, size_t n)
 {
     struct bt_config config = { 0 };
     config.tick_period_ns = tick_period_ns;
     config.node_id = 1;
     config.serial_number = 1;
-    config.initial_tick = initial_tick;
+    config.first_tick = first_tick;
     config.supported_modes = bt_entries[BT_ID_supported_modes].initial.u; /* all of the emulated drive */
     config.hardware_version = "shared object";
     toy_motor_at_rest();

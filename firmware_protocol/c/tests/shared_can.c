@@ -9,7 +9,7 @@
 static struct bt_node node;
 static struct bt_can can;
 
-int can_power_up(uint32_t tick_period_ns, uint32_t initial_tick, uint8_t node_id, float i_full_scale,
+int can_power_up(uint32_t tick_period_ns, uint32_t first_tick, uint8_t node_id, float i_full_scale,
                  const uint32_t *kept, size_t n)
 {
     struct bt_config config = { 0 };
@@ -17,7 +17,7 @@ int can_power_up(uint32_t tick_period_ns, uint32_t initial_tick, uint8_t node_id
     config.node_id = node_id;
     config.serial_number = 1;
     config.i_full_scale = i_full_scale;
-    config.initial_tick = initial_tick;
+    config.first_tick = first_tick;
     config.supported_modes = bt_entries[BT_ID_supported_modes].initial.u; /* all of the emulated drive */
     bt_node_init(&node, &config);
     if (n > 0 && !bt_preset(&node.device, kept, n))
