@@ -79,8 +79,12 @@ void pthread_lock_give(void)
     const bool is_main = pthread_equal(main_thread, pthread_self());
     const bool waits = is_main && ++given % 3u == 0;
     assert(pthread_mutex_unlock(&mutex) == 0);
-    if (waits)
-        wait_for(&ticks);
+    if (waits) {
+        const unsigned before = seen(&ticks);
+        unsigned patience = 10;
+        while (patience-- > 0 && seen(&ticks) == before)
+            sched_yield();
+    }
 }
 
 /* ---- control -------------------------------------------------------------------------------------------- */
