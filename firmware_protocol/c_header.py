@@ -27,9 +27,15 @@ def render(table: ObjectTable) -> str:
         ValueError: two names differ only in case.
     """
     lines = [
+        "/* SPDX-FileCopyrightText: 2026 The benchtool authors",
+        " * SPDX-License-Identifier: MIT */",
         "/* Generated from objects.toml by python -m firmware_protocol.generate; do not edit. */",
         "#ifndef BENCHTOOL_DRIVE_OBJECTS_H",
         "#define BENCHTOOL_DRIVE_OBJECTS_H",
+        "",
+        "#ifdef __cplusplus",
+        'extern "C" {',
+        "#endif",
         "",
         f"#define BT_DICTIONARY_HASH 0x{table.hash:08X}u",
         f"#define BT_VENDOR_ID 0x{table.device['vendor_id']:08X}u",
@@ -67,6 +73,10 @@ def render(table: ObjectTable) -> str:
         "    /* end */",
         "",
         f"#define BT_VALUE_COUNT {sum(len(entry.values or {}) for entry in table)}u",
+        "",
+        "#ifdef __cplusplus",
+        "}",
+        "#endif",
         "",
         "#endif",
     ]

@@ -1,6 +1,12 @@
+/* SPDX-FileCopyrightText: 2026 The benchtool authors
+ * SPDX-License-Identifier: MIT */
 /* Generated from objects.toml by python -m firmware_protocol.generate; do not edit. */
 #ifndef BENCHTOOL_DRIVE_OBJECTS_H
 #define BENCHTOOL_DRIVE_OBJECTS_H
+
+#ifdef __cplusplus
+extern "C" {
+#endif
 
 #define BT_DICTIONARY_HASH 0x180FA8C6u
 #define BT_VENDOR_ID 0x00000B7Cu
@@ -847,5 +853,9 @@ enum bt_mode_of_operation_display {
     /* end */
 
 #define BT_VALUE_COUNT 63u
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -1,3 +1,5 @@
+/* SPDX-FileCopyrightText: 2026 The benchtool authors
+ * SPDX-License-Identifier: MIT */
 #include "benchtool.h"
 
 void bt_init(struct bt_drive *drive, const struct bt_config *config)
@@ -8,10 +10,9 @@ void bt_init(struct bt_drive *drive, const struct bt_config *config)
 
 bool bt_restore(struct bt_drive *drive, const uint32_t *raw, size_t n)
 {
-    if (!bt_preset(&drive->node.device, raw, n))
-        return false;
+    const bool restored = bt_preset(&drive->node.device, raw, n);
     bt_device_reset(&drive->node.device);
-    return true;
+    return restored;
 }
 
 size_t bt_receive(struct bt_drive *drive, const uint8_t *data, size_t n)

@@ -1,3 +1,5 @@
+/* SPDX-FileCopyrightText: 2026 The benchtool authors
+ * SPDX-License-Identifier: MIT */
 /* A drive of the bench, for its firmware: all that it includes.
  *
  *     static struct bt_drive drive;                      once; bt_init before anything else
@@ -6,20 +8,28 @@
  *         struct bt_variables *v = bt_variables(&drive);
  *         v->i_a = ...; v->omega_m = ...;                every signal of this tick
  *         if (overcurrent) bt_trip(&drive, BT_ERROR_OVERCURRENT);
- *         if (bt_may_switch(&drive)) control(v->torque_command) else all_switches_off();
- *         if (bt_is_quick_stopping(&drive)) brake, and bt_standstill(&drive) at its end
+ *         if (bt_is_quick_stopping(&drive)) brake, and bt_standstill(&drive) when the shaft stands or has turned back
+ *         else control(bt_torque_setpoint(&drive)) or control(bt_omega_m_setpoint(&drive)), by mode
+ *         if (!bt_may_switch(&drive)) all_switches_off();
  *         bt_tick(&drive);                               last
  *
  *     receive interrupt:   bt_receive(&drive, bytes, n)
  *     transmit interrupt:  n = bt_transmit(&drive, bytes, capacity)
  *     main loop:           bt_poll(&drive), at least every 10 ms
  *
- * The four may interrupt each other in any order, but none itself. bt_tick takes a constant number of steps for a
+ *     break interrupt:     bt_trip(&drive, code), from anywhere
+ *
+ * The four may interrupt each other in any order, but none itself. Threads in their place need BT_LOCK (bt_sync.h),
+ * which the thread of the control interrupt holds for the whole of its tick. bt_tick takes a constant number of steps for a
  * given capture and stream, and neither waits nor loops over anything but their at most 16 channels each. */
 #ifndef BENCHTOOL_H
 #define BENCHTOOL_H
 
 #include "bt_server.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
 
 struct bt_drive {
     struct bt_node node;
@@ -30,7 +40,8 @@ struct bt_drive {
  * bt_restore before anything is received. */
 void bt_init(struct bt_drive *drive, const struct bt_config *config);
 
-/* Puts kept parameters in force, as `save` of the configuration was given them; false if they are not this table's. */
+/* Puts kept parameters in force, as `save` of the configuration was given them. False if they are of another dictionary
+ * or not what they may be: then all parameters have their defaults, which the firmware may want to tell. */
 bool bt_restore(struct bt_drive *drive, const uint32_t *raw, size_t n);
 
 /* Bytes from the line; how many were taken. The rest is lost, and the frame with them. */
@@ -47,7 +58,7 @@ static inline struct bt_variables *bt_variables(struct bt_drive *drive)
     return &drive->node.device.variables;
 }
 
-/* Switch off and go into fault with this code of CiA 402: from now on bt_may_switch is false. */
+/* Switch off and go into fault with this code of CiA 402: from now on bt_may_switch is false. Code 0 does nothing. */
 static inline void bt_trip(struct bt_drive *drive, uint16_t code)
 {
     bt_device_trip(&drive->node.device, code);
@@ -63,10 +74,31 @@ static inline bool bt_is_quick_stopping(const struct bt_drive *drive)
     return bt_device_is_quick_stopping(&drive->node.device);
 }
 
+/* A quick stop has braked: the power stage goes off with this tick, or holds zero speed if the option says so. */
 static inline void bt_standstill(struct bt_drive *drive)
 {
-    if (drive->node.device.state == BT_STATE_QUICK_STOP_ACTIVE)
-        drive->node.device.standstill = true;
+    bt_device_standstill(&drive->node.device);
 }
+
+/* Whether the host has halted the axis: both setpoints are 0 then. */
+static inline bool bt_is_halted(const struct bt_drive *drive)
+{
+    return bt_device_is_halted(&drive->node.device);
+}
+
+/* N·m and rad/s: what control is to follow now; torque_command and omega_m_command are what the host has written. */
+static inline float bt_torque_setpoint(const struct bt_drive *drive)
+{
+    return bt_device_torque_setpoint(&drive->node.device);
+}
+
+static inline float bt_omega_m_setpoint(const struct bt_drive *drive)
+{
+    return bt_device_omega_m_setpoint(&drive->node.device);
+}
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -1,3 +1,5 @@
+/* SPDX-FileCopyrightText: 2026 The benchtool authors
+ * SPDX-License-Identifier: MIT */
 /* Why an access is refused: the SDO abort codes of CiA 301 (7.2.4.3.17) that the library gives. 0 is success. */
 #ifndef BT_ABORT_H
 #define BT_ABORT_H

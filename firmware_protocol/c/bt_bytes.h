@@ -1,4 +1,6 @@
-/* Little-endian numbers in bytes, and what orders memory between the control interrupt and the main loop. */
+/* SPDX-FileCopyrightText: 2026 The benchtool authors
+ * SPDX-License-Identifier: MIT */
+/* Little-endian numbers in bytes, and the bits of a float. */
 #ifndef BT_BYTES_H
 #define BT_BYTES_H
 
@@ -6,33 +8,8 @@
 #include <stdint.h>
 #include <string.h>
 
-/* Between the write of data and that of the counter or flag that hands them over, and the same when reading.
- * On one core the compiler must not reorder; the fence also serves two cores. */
-#ifndef BT_BARRIER
-#define BT_BARRIER() __atomic_thread_fence(__ATOMIC_SEQ_CST)
-#endif
-
-/* Around the few stores that the control interrupt must see together. On a Cortex-M interrupts are masked, for
- * some ten cycles; elsewhere the firmware defines both, or calls bt_tick and bt_poll from one thread. */
-#ifndef BT_LOCK
-#if defined(__ARM_ARCH_PROFILE) && __ARM_ARCH_PROFILE == 'M'
-static inline uint32_t bt_lock_(void)
-{
-    uint32_t primask;
-    __asm__ volatile("mrs %0, primask\n\tcpsid i" : "=r"(primask) : : "memory");
-    return primask;
-}
-
-static inline void bt_unlock_(uint32_t primask)
-{
-    __asm__ volatile("msr primask, %0" : : "r"(primask) : "memory");
-}
-#define BT_LOCK() const uint32_t bt_primask_ = bt_lock_()
-#define BT_UNLOCK() bt_unlock_(bt_primask_)
-#else
-#define BT_LOCK() BT_BARRIER()
-#define BT_UNLOCK() BT_BARRIER()
-#endif
+#ifdef __cplusplus
+extern "C" {
 #endif
 
 static inline uint16_t bt_get_u16(const uint8_t *from)
@@ -79,5 +56,9 @@ static inline int bt_is_finite(float value)
 {
     return (bt_word_of(value) & 0x7F800000u) != 0x7F800000u;
 }
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

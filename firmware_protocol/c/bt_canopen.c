@@ -1,6 +1,9 @@
+/* SPDX-FileCopyrightText: 2026 The benchtool authors
+ * SPDX-License-Identifier: MIT */
 #include "bt_canopen.h"
 
 #include "bt_bytes.h"
+#include "bt_sync.h"
 
 #define ID_NMT 0x000u
 #define ID_EMERGENCY 0x080u
@@ -19,7 +22,7 @@ static void ring_init(struct bt_can_ring *ring, struct bt_can_frame *frames, uin
 
 static uint32_t room(const struct bt_can_ring *ring)
 {
-    return ring->mask + 1u - (ring->head - ring->tail);
+    return ring->mask + 1u - (BT_LOAD(&ring->head) - BT_LOAD(&ring->tail));
 }
 
 static bool put(struct bt_can_ring *ring, const struct bt_can_frame *frame)
@@ -29,24 +32,21 @@ static bool put(struct bt_can_ring *ring, const struct bt_can_frame *frame)
         return false;
     }
     ring->frames[ring->head & ring->mask] = *frame;
-    BT_BARRIER();
-    ring->head++;
+    BT_STORE(&ring->head, ring->head + 1u);
     return true;
 }
 
 /* The frame that is next, or NULL. */
 static const struct bt_can_frame *first(const struct bt_can_ring *ring)
 {
-    if (ring->head == ring->tail)
+    if (BT_LOAD(&ring->head) == ring->tail)
         return NULL;
-    BT_BARRIER();
     return &ring->frames[ring->tail & ring->mask];
 }
 
 static void drop_first(struct bt_can_ring *ring)
 {
-    BT_BARRIER();
-    ring->tail++;
+    BT_STORE(&ring->tail, ring->tail + 1u);
 }
 
 /* ---- to the bus ----------------------------------------------------------------------------------------- */
@@ -67,8 +67,7 @@ static void heartbeat(void *context, uint8_t state)
 
 static void renew(struct bt_can *can)
 {
-    const struct bt_device *device = &can->node->device;
-    bt_tpdos_renew(&can->tpdos, &device->variables, device->config.tick_period_ns);
+    bt_tpdos_renew(&can->tpdos, &can->node->device);
 }
 
 static void boot(void *context)
@@ -121,10 +120,9 @@ bool bt_can_transmit(struct bt_can *can, struct bt_can_frame *frame)
 void bt_can_tick(struct bt_can *can)
 {
     struct bt_can_frame due[BT_TPDOS];
-    size_t n, k;
-    if (*(const volatile uint8_t *)&can->node->nmt_state != BT_NMT_OPERATIONAL)
-        return;
-    n = bt_tpdos_tick(&can->tpdos, &can->node->device, due);
+    const bool operational = BT_LOAD(&can->node->nmt_state) == BT_NMT_OPERATIONAL;
+    const size_t n = bt_tpdos_tick(&can->tpdos, &can->node->device, operational, due);
+    size_t k;
     if (room(&can->pdo) < n) {
         can->pdo.lost += (uint32_t)n;
         return;
@@ -189,11 +187,12 @@ void bt_can_init(struct bt_can *can, struct bt_node *node)
 
 void bt_can_poll(struct bt_can *can)
 {
-    uint32_t left = can->rx.head - can->rx.tail;
+    uint32_t left = BT_LOAD(&can->rx.head) - can->rx.tail;
     renew(can); /* another line may have written the objects */
     for (; left > 0; left--) {
         const struct bt_can_frame frame = *first(&can->rx);
         drop_first(&can->rx);
+        bt_device_look_after(&can->node->device); /* no frame undoes what the interrupt has found */
         handle(can, &frame);
     }
     send_segments(can);

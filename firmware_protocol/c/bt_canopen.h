@@ -1,3 +1,5 @@
+/* SPDX-FileCopyrightText: 2026 The benchtool authors
+ * SPDX-License-Identifier: MIT */
 /* The drive on a CAN bus (CiA 301): network management, heartbeat, emergencies, SDO server and process data.
  *
  *     static struct bt_node node;                        bt_node_init before anything else
@@ -8,13 +10,17 @@
  *     transmit interrupt:  bt_can_transmit(&can, &frame)
  *     main loop:           bt_node_poll(&node), bt_can_poll(&can), at least every 10 ms
  *
- * The four may interrupt each other in any order, but none itself. A drive that has a serial line as well gives
+ * The four may interrupt each other in any order, but none itself; threads in their place do as bt_sync.h says. A drive that has a serial line as well gives
  * the node of its struct bt_drive, and calls bt_tick and bt_poll in place of bt_node_tick and bt_node_poll. */
 #ifndef BT_CANOPEN_H
 #define BT_CANOPEN_H
 
 #include "bt_canopen_pdo.h"
 #include "bt_canopen_sdo.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
 
 /* Frames that may arrive between two calls of bt_can_poll; all of these are powers of two. */
 #ifndef BT_CAN_RX_FRAMES
@@ -82,5 +88,9 @@ void bt_can_tick(struct bt_can *can);
 
 /* Main loop: deal with what has come, and send what is due. */
 void bt_can_poll(struct bt_can *can);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -1,6 +1,9 @@
+/* SPDX-FileCopyrightText: 2026 The benchtool authors
+ * SPDX-License-Identifier: MIT */
 #include "bt_canopen_pdo.h"
 
 #include "bt_bytes.h"
+#include "bt_sync.h"
 
 #define INVALID 0x80000000u
 #define CAN_ID 0x7FFu
@@ -29,15 +32,19 @@ static uint8_t entries(const struct bt_variables *variables, unsigned mapping_in
 
 /* ---- to the host ---------------------------------------------------------------------------------------- */
 
-void bt_tpdos_renew(struct bt_tpdos *tpdos, const struct bt_variables *variables, uint32_t tick_period_ns)
+void bt_tpdos_renew(struct bt_tpdos *tpdos, const struct bt_device *device)
 {
+    const struct bt_variables *variables = &device->variables;
+    const uint32_t tick_period_ns = device->config.tick_period_ns;
     const uint8_t *objects = (const uint8_t *)variables + BT_TPDO_FIRST;
     const uint8_t next = tpdos->active ^ 1u;
     struct bt_tpdo *pdos = tpdos->sets[next].pdos;
+    uint64_t present;
     unsigned number;
     uint8_t count = 0;
     if (memcmp(tpdos->seen, objects, BT_TPDO_BYTES) == 0)
         return;
+    present = bt_device_ticks(device);
     memcpy(tpdos->seen, objects, BT_TPDO_BYTES);
     for (number = 0; number < BT_TPDOS; number++) {
         const uint32_t cob_id = load(variables, 0x1800u + number, 1);
@@ -47,6 +54,7 @@ void bt_tpdos_renew(struct bt_tpdos *tpdos, const struct bt_variables *variables
         pdo.ticks = (uint32_t)((timer_ns + tick_period_ns / 2u) / tick_period_ns);
         if (cob_id & INVALID || pdo.ticks == 0)
             continue;
+        pdo.due = (uint32_t)((present / pdo.ticks + 1u) * pdo.ticks);
         pdo.can_id = cob_id & CAN_ID;
         pdo.is_first = number == COUNTING_TPDO;
         pdo.count = entries(variables, 0x1A00u + number, pdo.ids);
@@ -55,41 +63,50 @@ void bt_tpdos_renew(struct bt_tpdos *tpdos, const struct bt_variables *variables
         pdos[place] = pdo;
     }
     tpdos->sets[next].count = count;
-    BT_BARRIER();
+    BT_LOCK();
     tpdos->active = next;
+    BT_UNLOCK();
 }
 
-/* Signals and commands are their variables; the rest is computed. */
-static size_t sample(struct bt_device *device, enum bt_id id, uint8_t *data)
+/* Little-endian bytes of an entry; how many. */
+static size_t sample(const struct bt_device *device, enum bt_id id, uint8_t *data)
 {
-    const struct bt_entry *entry = &bt_entries[id];
-    uint8_t number[4];
-    if (entry->role == BT_ROLE_STATUS) {
-        struct bt_value value;
-        (void)bt_read(device, entry->index, entry->sub, &value);
-        memcpy(number, value.number, sizeof number);
-    } else {
-        (void)bt_encode(id, bt_load(&device->variables, id), number);
-    }
-    memcpy(data, number, entry->size);
-    return entry->size;
+    union bt_number number;
+    uint8_t bytes[4];
+    (void)bt_number(device, id, &number);
+    (void)bt_encode(id, number, bytes);
+    memcpy(data, bytes, bt_entries[id].size);
+    return bt_entries[id].size;
 }
 
-size_t bt_tpdos_tick(const struct bt_tpdos *tpdos, struct bt_device *device, struct bt_can_frame *frames)
+/* Whether it is to be sent in this tick. A set that was handed over late goes on at its next multiple. */
+static bool falls_due(struct bt_tpdo *pdo, uint32_t tick)
 {
-    const uint8_t active = tpdos->active;
-    const struct bt_tpdo *pdos = tpdos->sets[active].pdos;
-    const uint32_t tick = device->variables.tick;
+    const uint32_t late = tick - pdo->due;
+    uint32_t past;
+    if (late > INT32_MAX)
+        return false;
+    past = late % pdo->ticks;
+    pdo->due = tick - past + pdo->ticks;
+    return past == 0;
+}
+
+size_t bt_tpdos_tick(struct bt_tpdos *tpdos, struct bt_device *device, bool operational, struct bt_can_frame *frames)
+{
+    struct bt_tpdo *pdos = tpdos->sets[tpdos->active].pdos;
+    const unsigned count = tpdos->sets[tpdos->active].count;
+    bool due[BT_TPDOS];
     size_t n = 0;
     unsigned number, k;
-    for (number = 0; number < tpdos->sets[active].count; number++) {
-        if (pdos[number].is_first && tick % pdos[number].ticks == 0)
+    for (number = 0; number < count; number++) {
+        due[number] = falls_due(&pdos[number], device->variables.tick) && operational;
+        if (due[number] && pdos[number].is_first)
             device->variables.stream_sequence++;
     }
-    for (number = 0; number < tpdos->sets[active].count; number++) {
+    for (number = 0; number < count; number++) {
         const struct bt_tpdo *pdo = &pdos[number];
         struct bt_can_frame *frame = &frames[n];
-        if (tick % pdo->ticks != 0)
+        if (!due[number])
             continue;
         frame->id = pdo->can_id;
         frame->n = 0;
@@ -102,26 +119,39 @@ size_t bt_tpdos_tick(const struct bt_tpdos *tpdos, struct bt_device *device, str
 
 /* ---- from the host -------------------------------------------------------------------------------------- */
 
-/* One after the other; when one is refused, those before it have their old values again. */
+static bool may_write_all(const struct bt_device *device, const uint16_t *ids, uint8_t count, const uint8_t *data)
+{
+    uint8_t k;
+    for (k = 0; k < count; k++) {
+        if (bt_check(device, (enum bt_id)ids[k], data, bt_entries[ids[k]].size) != BT_OK)
+            return false;
+        data += bt_entries[ids[k]].size;
+    }
+    return true;
+}
+
+static uint32_t write(struct bt_device *device, uint16_t id, const uint8_t *data)
+{
+    return bt_write(device, bt_entries[id].index, bt_entries[id].sub, data, bt_entries[id].size);
+}
+
+/* None is written unless all may be; one that only those before it made impossible gives them their old values. */
 static bool write_all(struct bt_device *device, const uint16_t *ids, uint8_t count, const uint8_t *data)
 {
     struct bt_value before[BT_PDO_ENTRIES];
-    uint8_t k, taken;
+    uint8_t k;
+    if (!may_write_all(device, ids, count, data))
+        return false;
     for (k = 0; k < count; k++) {
         if (bt_read(device, bt_entries[ids[k]].index, bt_entries[ids[k]].sub, &before[k]) != BT_OK)
             return false;
     }
-    for (taken = 0; taken < count; taken++) {
-        const struct bt_entry *entry = &bt_entries[ids[taken]];
-        if (bt_write(device, entry->index, entry->sub, data, entry->size) != BT_OK)
-            break;
-        data += entry->size;
-    }
-    if (taken == count)
+    for (k = 0; k < count && write(device, ids[k], data) == BT_OK; k++)
+        data += bt_entries[ids[k]].size;
+    if (k == count)
         return true;
-    for (k = 0; k < taken; k++) {
-        const struct bt_entry *entry = &bt_entries[ids[k]];
-        if (bt_write(device, entry->index, entry->sub, before[k].number, before[k].n) != BT_OK)
+    while (k-- > 0) {
+        if (write(device, ids[k], before[k].number) != BT_OK)
             break;
     }
     return false;
@@ -134,7 +164,7 @@ static bool take(struct bt_node *node, const uint16_t *ids, uint8_t count, const
         return bt_node_take_setpoint(node, data, data + 4);
     if (!write_all(&node->device, ids, count, data))
         return false;
-    bt_watchdog_feed(&node->device.watchdog, node->device.variables.tick);
+    bt_watchdog_feed(&node->device.watchdog, &node->device.variables.tick);
     return true;
 }
 
@@ -153,7 +183,7 @@ void bt_rpdo_take(struct bt_node *node, uint16_t can_id, const uint8_t *data, si
         for (k = 0; k < count; k++)
             length += bt_entries[ids[k]].size;
         if (n < length || !take(node, ids, count, data))
-            variables->rpdo_dropped++;
+            bt_device_count(&variables->rpdo_dropped, 1);
         return;
     }
 }

@@ -1,9 +1,15 @@
+/* SPDX-FileCopyrightText: 2026 The benchtool authors
+ * SPDX-License-Identifier: MIT */
 /* Process data on the bus (CiA 301, 7.2.2): TPDOs by their event timer, sampled in the control interrupt, and RPDOs.
  * Their mapping is in the objects 0x1400 to 0x1BFF, whose rules are those of bt_pdo.h. */
 #ifndef BT_CANOPEN_PDO_H
 #define BT_CANOPEN_PDO_H
 
 #include "bt_node.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
 
 #define BT_TPDOS 8u
 #define BT_RPDOS 2u
@@ -21,6 +27,7 @@ struct bt_can_frame {
 
 struct bt_tpdo {
     uint32_t ticks; /* between two of them */
+    uint32_t due;   /* the tick of the next one, a multiple of these since power-up; of the control interrupt */
     uint16_t can_id;
     bool is_first; /* TPDO1, which counts them */
     uint8_t count;
@@ -28,7 +35,7 @@ struct bt_tpdo {
 };
 
 /* TPDOs in use, lowest identifier first. The main loop makes the next set while the control interrupt goes by the
- * active one, and hands over by writing `active`; on one core, as it may make two sets in a row. */
+ * active one, and hands over by writing `active` with the lock held: from then on the other set is its own. */
 struct bt_tpdos {
     volatile uint8_t active;
     struct {
@@ -39,14 +46,19 @@ struct bt_tpdos {
 };
 
 /* Main loop: goes by what the objects say now. */
-void bt_tpdos_renew(struct bt_tpdos *tpdos, const struct bt_variables *variables, uint32_t tick_period_ns);
+void bt_tpdos_renew(struct bt_tpdos *tpdos, const struct bt_device *device);
 
-/* Control interrupt: the frames that are due in this tick; how many. `frames` takes BT_TPDOS of them. */
-size_t bt_tpdos_tick(const struct bt_tpdos *tpdos, struct bt_device *device, struct bt_can_frame *frames);
+/* Control interrupt, in every tick: the frames that are due in it, none unless `operational`; how many. `frames` takes
+ * BT_TPDOS of them. */
+size_t bt_tpdos_tick(struct bt_tpdos *tpdos, struct bt_device *device, bool operational, struct bt_can_frame *frames);
 
 /* Takes setpoints as a whole or not at all; identifiers of no RPDO are not ours. The control interrupt sees
  * torque_command and omega_m_command change together if they are mapped in this order, and nothing else; entries of
  * other mappings change one after the other. */
 void bt_rpdo_take(struct bt_node *node, uint16_t can_id, const uint8_t *data, size_t n);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -1,3 +1,5 @@
+/* SPDX-FileCopyrightText: 2026 The benchtool authors
+ * SPDX-License-Identifier: MIT */
 #include "bt_canopen_sdo.h"
 
 #include "bt_bytes.h"
@@ -64,9 +66,7 @@ static void name_object(struct bt_sdo *sdo, const uint8_t *request)
 
 static bool is_there(const struct bt_sdo *sdo)
 {
-    const struct bt_capture *capture = &sdo->device->capture;
-    return !sdo->value.is_capture ||
-           (capture->state == BT_CAPTURE_STATE_COMPLETE && capture->sequence == sdo->sequence);
+    return !sdo->value.is_capture || bt_capture_is_complete(&sdo->device->capture, sdo->sequence);
 }
 
 static uint32_t read_object(struct bt_sdo *sdo, const uint8_t *request)
@@ -216,18 +216,26 @@ static uint32_t write_object(struct bt_sdo *sdo)
     return bt_write(sdo->device, sdo->index, sdo->sub, sdo->data, n);
 }
 
+/* Bytes of an expedited transfer; without size indication, as many as the object takes (7.2.4.3.3). */
+static size_t expedited_bytes(const struct bt_sdo *sdo, uint8_t command)
+{
+    enum bt_id id;
+    if (command & SIZE_INDICATED)
+        return 4u - (command >> 2 & 3u);
+    return bt_find(sdo->index, sdo->sub, &id) == BT_OK && bt_entries[id].size > 0 ? bt_entries[id].size : 4u;
+}
+
 static uint32_t begin_download(struct bt_sdo *sdo, const uint8_t *request, uint8_t *answer)
 {
-    const bool sized = request[0] & SIZE_INDICATED;
     uint32_t status = BT_OK;
     name_object(sdo, request);
     sdo->taken = 0;
     sdo->announced = false;
     if (request[0] & EXPEDITED) {
-        take_bytes(sdo, request + 4, sized ? 4u - (request[0] >> 2 & 3u) : 4u);
+        take_bytes(sdo, request + 4, expedited_bytes(sdo, request[0]));
         status = write_object(sdo);
     } else {
-        sdo->announced = sized;
+        sdo->announced = request[0] & SIZE_INDICATED;
         sdo->announced_bytes = bt_get_u32(request + 4);
         sdo->toggle = 0;
         sdo->stage = BT_SDO_SEGMENT_DOWNLOAD;

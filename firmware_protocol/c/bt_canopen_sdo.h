@@ -1,3 +1,5 @@
+/* SPDX-FileCopyrightText: 2026 The benchtool authors
+ * SPDX-License-Identifier: MIT */
 /* The SDO server (CiA 301, 7.2.4.3): expedited, segmented and block transfer, one at a time, both ways.
  *
  * A frame that does not fit the stage of the transfer ends it with abort 0x05040001; a new request ends one that
@@ -7,6 +9,10 @@
 #define BT_CANOPEN_SDO_H
 
 #include "bt_device.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
 
 #define BT_SDO_SEGMENT 7u
 
@@ -59,5 +65,9 @@ bool bt_sdo_take(struct bt_sdo *sdo, const uint8_t request[8], uint8_t answer[8]
 
 /* The next segment of a block upload that the client waits for; false if there is none. */
 bool bt_sdo_next(struct bt_sdo *sdo, uint8_t segment[8]);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

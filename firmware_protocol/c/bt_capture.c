@@ -1,7 +1,10 @@
+/* SPDX-FileCopyrightText: 2026 The benchtool authors
+ * SPDX-License-Identifier: MIT */
 #include "bt_capture.h"
 
 #include "bt_bytes.h"
 #include "bt_crc.h"
+#include "bt_sync.h"
 
 static const uint8_t magic[4] = { 'B', 'T', 'C', '1' };
 
@@ -50,12 +53,20 @@ static void set_level(struct bt_capture *capture, float level)
     capture->level_ceiling = capture->level_floor + ((float)capture->level_floor < bounded ? 1 : 0);
 }
 
+static void hand_over(struct bt_capture *capture)
+{
+    BT_LOCK();
+    capture->state = BT_CAPTURE_STATE_ARMED;
+    BT_UNLOCK();
+}
+
 void bt_capture_arm(struct bt_capture *capture, const struct bt_variables *variables)
 {
     const enum bt_id trigger = signal_of(variables->capture_trigger_signal);
     uint8_t channels = 0;
+    BT_LOCK();
     capture->state = BT_CAPTURE_STATE_IDLE;
-    BT_BARRIER();
+    BT_UNLOCK();
     while (channels < BT_CAPTURE_CHANNELS) {
         const uint32_t mapping = channel_mapping(variables, channels);
         if (mapping == 0)
@@ -80,8 +91,7 @@ void bt_capture_arm(struct bt_capture *capture, const struct bt_variables *varia
     capture->trigger_tick = 0;
     capture->sealed = false;
     capture->sequence++;
-    BT_BARRIER();
-    capture->state = BT_CAPTURE_STATE_ARMED;
+    hand_over(capture);
 }
 
 void bt_capture_abort(struct bt_capture *capture)
@@ -90,6 +100,15 @@ void bt_capture_abort(struct bt_capture *capture)
     if (capture->state == BT_CAPTURE_STATE_ARMED || capture->state == BT_CAPTURE_STATE_TRIGGERED)
         capture->state = BT_CAPTURE_STATE_ABORTED;
     BT_UNLOCK();
+}
+
+bool bt_capture_is_complete(const struct bt_capture *capture, uint32_t sequence)
+{
+    bool complete;
+    BT_LOCK();
+    complete = capture->state == BT_CAPTURE_STATE_COMPLETE && capture->sequence == sequence;
+    BT_UNLOCK();
+    return complete;
 }
 
 /* ---- in the control interrupt --------------------------------------------------------------------------- */
@@ -149,7 +168,6 @@ void bt_capture_tick(struct bt_capture *capture, const struct bt_variables *vari
     unsigned channel;
     if (capture->state != BT_CAPTURE_STATE_ARMED && capture->state != BT_CAPTURE_STATE_TRIGGERED)
         return;
-    BT_BARRIER();
     if (capture->state == BT_CAPTURE_STATE_ARMED && triggers(capture, variables, tripped)) {
         capture->trigger_tick = variables->tick;
         capture->first_tick = variables->tick + capture->until_row - capture->rows_done * capture->stride;
@@ -168,7 +186,6 @@ void bt_capture_tick(struct bt_capture *capture, const struct bt_variables *vari
         if (capture->rows_done < capture->pretrigger)
             capture->rows_done++;
     } else if (++capture->rows_done == capture->rows) {
-        BT_BARRIER();
         capture->state = BT_CAPTURE_STATE_COMPLETE;
     }
 }

@@ -1,7 +1,9 @@
+/* SPDX-FileCopyrightText: 2026 The benchtool authors
+ * SPDX-License-Identifier: MIT */
 /* On-drive capture: rows of up to 16 signals at the control rate, around a trigger; object 0x2040 and its data.
  *
  * The control interrupt owns the rows while `state` is armed or triggered, the main loop at any other time. Each
- * hands over by a write of `state`, after everything else. */
+ * hands over by a write of `state`, after everything else; the main loop reads and writes it with the lock held. */
 #ifndef BT_CAPTURE_H
 #define BT_CAPTURE_H
 
@@ -11,6 +13,10 @@
 
 #include "bt_config.h"
 #include "bt_dictionary.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
 
 #define BT_CAPTURE_CHANNELS 16u
 #define BT_CAPTURE_HEADER_BYTES 32u
@@ -47,11 +53,18 @@ void bt_capture_arm(struct bt_capture *capture, const struct bt_variables *varia
 /* Ends a capture that is under way; its rows are gone. */
 void bt_capture_abort(struct bt_capture *capture);
 
+/* Whether the capture with this sequence number is complete, so that its rows stay until another is armed. */
+bool bt_capture_is_complete(const struct bt_capture *capture, uint32_t sequence);
+
 /* In the control interrupt, when all signals of the tick are there. */
 void bt_capture_tick(struct bt_capture *capture, const struct bt_variables *variables, bool tripped);
 
 /* Bytes of object 0x2042 of a complete capture, and n of them. */
 size_t bt_capture_size(const struct bt_capture *capture);
 void bt_capture_read(struct bt_capture *capture, uint32_t tick_period_ns, size_t from, uint8_t *data, size_t n);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

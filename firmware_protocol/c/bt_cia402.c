@@ -1,3 +1,5 @@
+/* SPDX-FileCopyrightText: 2026 The benchtool authors
+ * SPDX-License-Identifier: MIT */
 #include "bt_cia402.h"
 
 enum command { SHUTDOWN, SWITCH_ON, ENABLE_OPERATION, DISABLE_VOLTAGE, QUICK_STOP, COMMAND_COUNT };

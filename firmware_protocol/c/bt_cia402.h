@@ -1,9 +1,15 @@
+/* SPDX-FileCopyrightText: 2026 The benchtool authors
+ * SPDX-License-Identifier: MIT */
 /* The power drive state machine of CiA 402-2 (IEC 61800-7-201) as total functions. */
 #ifndef BT_CIA402_H
 #define BT_CIA402_H
 
 #include <stdbool.h>
 #include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
 
 enum bt_state {
     BT_STATE_NOT_READY_TO_SWITCH_ON,
@@ -17,7 +23,9 @@ enum bt_state {
     BT_STATE_COUNT
 };
 
+/* Bits of the controlword beside the commands. */
 #define BT_CONTROL_FAULT_RESET 0x80u
+#define BT_CONTROL_HALT 0x100u
 
 /* Flags of the statusword besides the state. */
 #define BT_STATUS_VOLTAGE_ENABLED 0x0010u
@@ -34,5 +42,9 @@ uint16_t bt_cia402_statusword(enum bt_state state, uint16_t flags);
 
 /* Whether the inverter may be switching. */
 bool bt_cia402_power_stage_on(enum bt_state state);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -1,3 +1,5 @@
+/* SPDX-FileCopyrightText: 2026 The benchtool authors
+ * SPDX-License-Identifier: MIT */
 #include "bt_cobs.h"
 
 static void begin_piece(struct bt_cobs_encoder *encoder)

@@ -1,9 +1,15 @@
+/* SPDX-FileCopyrightText: 2026 The benchtool authors
+ * SPDX-License-Identifier: MIT */
 /* Consistent overhead byte stuffing (Cheshire and Baker, 1999). */
 #ifndef BT_COBS_H
 #define BT_COBS_H
 
 #include <stddef.h>
 #include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
 
 /* Bytes that n bytes take at most, stuffed; one more than the tightest stuffing where it ends with a full piece. */
 #define BT_COBS_LONGEST(n) ((n) + (n) / 254u + 1u)
@@ -27,5 +33,9 @@ uint32_t bt_cobs_end(struct bt_cobs_encoder *encoder);
 
 /* Unstuffs n bytes that hold no zero, in place: the number of bytes, or BT_COBS_BAD. */
 size_t bt_cobs_decode(uint8_t *data, size_t n);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

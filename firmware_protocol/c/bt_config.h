@@ -1,3 +1,5 @@
+/* SPDX-FileCopyrightText: 2026 The benchtool authors
+ * SPDX-License-Identifier: MIT */
 /* Sizes of the library's buffers. Give others to the compiler, as -DBT_TX_BYTES=4096u. */
 #ifndef BT_CONFIG_H
 #define BT_CONFIG_H

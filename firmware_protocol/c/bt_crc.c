@@ -1,3 +1,5 @@
+/* SPDX-FileCopyrightText: 2026 The benchtool authors
+ * SPDX-License-Identifier: MIT */
 #include "bt_crc.h"
 
 /* The remainders of four bits; a table of 64 bytes costs two look-ups per byte. */

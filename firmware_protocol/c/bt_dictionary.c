@@ -1,6 +1,9 @@
+/* SPDX-FileCopyrightText: 2026 The benchtool authors
+ * SPDX-License-Identifier: MIT */
 #include "bt_dictionary.h"
 
 #include "bt_bytes.h"
+#include "bt_sync.h"
 
 #define LIMIT_I8(value) { .i = (value) }
 #define LIMIT_I16(value) { .i = (value) }
@@ -237,19 +240,31 @@ void bt_store(struct bt_variables *variables, enum bt_id id, union bt_number num
     }
 }
 
-void bt_set_defaults(struct bt_variables *variables, uint8_t node_id, uint16_t first, uint16_t last)
+static union bt_number default_of(const struct bt_entry *entry, uint8_t node_id)
+{
+    union bt_number number;
+    number.u = entry->initial.u;
+    if (entry->type == BT_TYPE_F32)
+        number.f = entry->initial.f;
+    if (entry->flags & BT_FLAG_ADD_NODE_ID)
+        number.u += node_id;
+    return number;
+}
+
+/* Each is stored once: control never sees the default of a parameter that was kept. */
+void bt_set_defaults(struct bt_variables *variables, uint8_t node_id, uint16_t first, uint16_t last,
+                     const uint32_t *parameters)
 {
     uint32_t id;
     for (id = 0; id < BT_ENTRY_COUNT; id++) {
         const struct bt_entry *entry = &bt_entries[id];
-        union bt_number number;
+        union bt_number number = default_of(entry, node_id);
+        if (entry->role == BT_ROLE_PARAMETER && parameters != NULL)
+            number.u = *parameters++;
         if (entry->size == 0 || entry->role == BT_ROLE_SIGNAL || entry->index < first || entry->index > last)
             continue;
-        number.u = entry->initial.u;
-        if (entry->type == BT_TYPE_F32)
-            number.f = entry->initial.f;
-        if (entry->flags & BT_FLAG_ADD_NODE_ID)
-            number.u += node_id;
+        BT_LOCK();
         bt_store(variables, (enum bt_id)id, number);
+        BT_UNLOCK();
     }
 }

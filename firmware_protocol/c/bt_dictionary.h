@@ -1,7 +1,9 @@
+/* SPDX-FileCopyrightText: 2026 The benchtool authors
+ * SPDX-License-Identifier: MIT */
 /* The object dictionary: a table from drive_objects.h, and a variable for every number in it.
  *
- * The firmware's control reads its parameters and commands from these variables and writes its signals to them.
- * A variable of up to 32 bits that is aligned is read and written whole, so both sides may touch it at any time. */
+ * The firmware's control reads its parameters and commands from these variables and writes its signals to them. A
+ * variable of up to 32 bits that is aligned is read and written whole; the main loop does so with the lock held. */
 #ifndef BT_DICTIONARY_H
 #define BT_DICTIONARY_H
 
@@ -11,6 +13,10 @@
 
 #include "bt_abort.h"
 #include "drive_objects.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
 
 #define BT_MEMBER_I8(name) int8_t name;
 #define BT_MEMBER_U8(name) uint8_t name;
@@ -83,10 +89,17 @@ uint32_t bt_decode(enum bt_id id, const uint8_t *data, size_t n, union bt_number
 /* Little-endian bytes of a number; how many. */
 size_t bt_encode(enum bt_id id, union bt_number number, uint8_t data[4]);
 
+/* In the control interrupt, or with the lock held; the main loop also reads without it what it alone writes. */
 union bt_number bt_load(const struct bt_variables *variables, enum bt_id id);
 void bt_store(struct bt_variables *variables, enum bt_id id, union bt_number number);
 
-/* Give every variable of the objects `first` to `last` that is no signal its default. */
-void bt_set_defaults(struct bt_variables *variables, uint8_t node_id, uint16_t first, uint16_t last);
+/* Give every variable of the objects `first` to `last` that is no signal its default; a parameter the value that was
+ * kept, unless `parameters`, which has all of them in the order of the table, is NULL. */
+void bt_set_defaults(struct bt_variables *variables, uint8_t node_id, uint16_t first, uint16_t last,
+                     const uint32_t *parameters);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -1,7 +1,10 @@
+/* SPDX-FileCopyrightText: 2026 The benchtool authors
+ * SPDX-License-Identifier: MIT */
 #include "bt_frame.h"
 
 #include "bt_bytes.h"
 #include "bt_crc.h"
+#include "bt_sync.h"
 
 void bt_ring_init(struct bt_ring *ring, uint8_t *data, uint32_t size)
 {
@@ -13,7 +16,7 @@ void bt_ring_init(struct bt_ring *ring, uint8_t *data, uint32_t size)
 
 uint32_t bt_ring_waiting(const struct bt_ring *ring)
 {
-    return ring->head - ring->tail;
+    return BT_LOAD(&ring->head) - BT_LOAD(&ring->tail);
 }
 
 uint32_t bt_ring_free(const struct bt_ring *ring)
@@ -28,11 +31,9 @@ size_t bt_ring_put(struct bt_ring *ring, const uint8_t *data, size_t n)
     size_t k;
     if (n > room)
         n = room;
-    BT_BARRIER();
     for (k = 0; k < n; k++)
         ring->data[(head + k) & ring->mask] = data[k];
-    BT_BARRIER();
-    ring->head = head + (uint32_t)n;
+    BT_STORE(&ring->head, head + (uint32_t)n);
     return n;
 }
 
@@ -43,11 +44,9 @@ size_t bt_ring_get(struct bt_ring *ring, uint8_t *data, size_t n)
     size_t k;
     if (n > waiting)
         n = waiting;
-    BT_BARRIER();
     for (k = 0; k < n; k++)
         data[k] = ring->data[(tail + k) & ring->mask];
-    BT_BARRIER();
-    ring->tail = tail + (uint32_t)n;
+    BT_STORE(&ring->tail, tail + (uint32_t)n);
     return n;
 }
 
@@ -58,7 +57,6 @@ bool bt_frame_send(struct bt_ring *ring, const uint8_t *payload, size_t n, uint3
     uint32_t head = ring->head;
     if (bt_ring_free(ring) < BT_FRAME_LONGEST(n) + reserve)
         return false;
-    BT_BARRIER();
     bt_put_u32(crc, bt_crc(0, payload, n));
     ring->data[head++ & ring->mask] = 0;
     bt_cobs_begin(&encoder, ring->data, ring->mask, head);
@@ -66,8 +64,7 @@ bool bt_frame_send(struct bt_ring *ring, const uint8_t *payload, size_t n, uint3
     bt_cobs_put(&encoder, crc, sizeof crc);
     head = bt_cobs_end(&encoder);
     ring->data[head++ & ring->mask] = 0;
-    BT_BARRIER();
-    ring->head = head;
+    BT_STORE(&ring->head, head);
     return true;
 }
 

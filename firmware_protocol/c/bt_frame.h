@@ -1,3 +1,5 @@
+/* SPDX-FileCopyrightText: 2026 The benchtool authors
+ * SPDX-License-Identifier: MIT */
 /* Frames of the serial line: a receiver that bytes go into, and frames into a ring of bytes that the line drains.
  *
  * Each ring has one that writes and one that reads. Either may interrupt the other, as each alone moves its own
@@ -11,6 +13,10 @@
 
 #include "bt_cobs.h"
 #include "bt_config.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
 
 #define BT_CRC_BYTES 4u
 
@@ -52,5 +58,9 @@ size_t bt_receiver_take(struct bt_receiver *receiver, uint8_t byte);
 
 /* Frames dropped for whatever cause. */
 uint32_t bt_receiver_dropped(const struct bt_receiver *receiver);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -1,9 +1,15 @@
+/* SPDX-FileCopyrightText: 2026 The benchtool authors
+ * SPDX-License-Identifier: MIT */
 /* The drive as its lines share it: one device, one NMT state (CiA 301, 7.3.2), one stream. */
 #ifndef BT_NODE_H
 #define BT_NODE_H
 
 #include "bt_device.h"
 #include "bt_stream.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
 
 enum bt_nmt_state {
     BT_NMT_BOOT_UP = 0,
@@ -35,8 +41,9 @@ struct bt_node {
     struct bt_device device;
     struct bt_stream stream;
     const void *stream_owner; /* the line that has configured the stream, or NULL */
-    uint8_t nmt_state;        /* enum bt_nmt_state */
-    uint32_t heartbeat_ticks, heartbeat_next;
+    volatile uint8_t nmt_state; /* enum bt_nmt_state */
+    uint32_t heartbeat_ticks; /* of its period */
+    uint64_t heartbeat_next;  /* ticks since power-up */
     unsigned line_count;
     struct bt_line lines[BT_LINES];
 };
@@ -60,5 +67,9 @@ void bt_node_poll(struct bt_node *node);
 
 /* Control interrupt: after control has written its signals. Counts the tick, watches the link, captures, streams. */
 void bt_node_tick(struct bt_node *node);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -1,7 +1,10 @@
+/* SPDX-FileCopyrightText: 2026 The benchtool authors
+ * SPDX-License-Identifier: MIT */
 /* Access to the dictionary: what is more than a variable, what may not be written now, what a write does. */
 #include "bt_bytes.h"
 #include "bt_device.h"
 #include "bt_pdo.h"
+#include "bt_sync.h"
 
 #define SIGNATURE_SAVE 0x65766173u
 #define SIGNATURE_LOAD 0x64616F6Cu
@@ -30,9 +33,7 @@ static int32_t in_32_bits(float value)
     return rounded(value, -2147483648.0f, 2147483520.0f);
 }
 
-
-/* The number of an entry, computed or from its variable: BT_OK or an abort code. */
-static uint32_t number_of(const struct bt_device *device, enum bt_id id, union bt_number *number)
+uint32_t bt_number(const struct bt_device *device, enum bt_id id, union bt_number *number)
 {
     const struct bt_variables *variables = &device->variables;
     number->u = 0;
@@ -118,13 +119,15 @@ uint32_t bt_read(const struct bt_device *device, uint16_t index, uint8_t sub, st
         return BT_OK;
     }
     if (id == BT_ID_capture_data) {
-        if (device->capture.state != BT_CAPTURE_STATE_COMPLETE)
+        if (!bt_capture_is_complete(&device->capture, device->capture.sequence))
             return BT_ABORT_DEVICE_STATE;
         value->is_capture = true;
         value->n = bt_capture_size(&device->capture);
         return BT_OK;
     }
-    status = number_of(device, id, &number);
+    BT_LOCK();
+    status = bt_number(device, id, &number);
+    BT_UNLOCK();
     if (status == BT_OK)
         value->n = bt_encode(id, number, value->number);
     return status;
@@ -140,29 +143,37 @@ void bt_value_copy(struct bt_device *device, const struct bt_value *value, size_
 
 /* ---- writing -------------------------------------------------------------------------------------------- */
 
+/* What could not be kept is not in force after a reset either. */
 static uint32_t save(struct bt_device *device)
 {
-    uint32_t id, place = 0;
+    uint32_t words[BT_STORED_WORDS] = { BT_DICTIONARY_HASH };
+    uint32_t id, place = 1;
     for (id = 0; id < BT_ENTRY_COUNT; id++) {
         if (bt_entries[id].role == BT_ROLE_PARAMETER)
-            device->stored[place++] = bt_load(&device->variables, (enum bt_id)id).u;
+            words[place++] = bt_load(&device->variables, (enum bt_id)id).u;
     }
-    device->has_stored = true;
-    if (device->config.save && !device->config.save(device->config.context, device->stored, place))
+    if (device->config.save && !device->config.save(device->config.context, words, place))
         return ABORT_HARDWARE;
+    memcpy(device->stored, words, sizeof device->stored);
+    device->has_stored = true;
     return BT_OK;
 }
 
 static uint32_t forget(struct bt_device *device)
 {
-    device->has_stored = false;
     if (device->config.save && !device->config.save(device->config.context, device->stored, 0))
         return ABORT_HARDWARE;
+    device->has_stored = false;
     return BT_OK;
 }
 
-/* What an entry demands besides its limits. The last thing that can refuse: it may act where that can fail. */
-static uint32_t check(struct bt_device *device, enum bt_id id, union bt_number number)
+static bool is_supported(const struct bt_device *device, int32_t mode)
+{
+    return device->variables.supported_modes & BT_MODE_BIT(mode);
+}
+
+/* What an entry demands besides its limits. */
+static uint32_t check(const struct bt_device *device, enum bt_id id, union bt_number number)
 {
     switch (id) {
     case BT_ID_controlword:
@@ -173,37 +184,54 @@ static uint32_t check(struct bt_device *device, enum bt_id id, union bt_number n
         if (number.u != BT_STIMULUS_CONTROL_START)
             return BT_OK;
         return device->state == BT_STATE_OPERATION_ENABLED ? BT_ABORT_DEVICE_INCOMPATIBLE : BT_ABORT_DEVICE_STATE;
+    case BT_ID_mode_of_operation:
+        return is_supported(device, number.i) ? BT_OK : BT_ABORT_VALUE;
     case BT_ID_error_history_count:
         return number.u == 0 ? BT_OK : BT_ABORT_VALUE;
     case BT_ID_store_all:
-        return number.u == SIGNATURE_SAVE ? save(device) : BT_ABORT_NOT_STORED;
+        return number.u == SIGNATURE_SAVE ? BT_OK : BT_ABORT_NOT_STORED;
     case BT_ID_restore_all:
-        return number.u == SIGNATURE_LOAD ? forget(device) : BT_ABORT_NOT_STORED;
+        return number.u == SIGNATURE_LOAD ? BT_OK : BT_ABORT_NOT_STORED;
     default:
         return bt_pdo_check(&device->variables, id, number.u);
     }
 }
 
-static void effect(struct bt_device *device, enum bt_id id, union bt_number number)
+static uint32_t accept(const struct bt_device *device, enum bt_id id, const uint8_t *data, size_t n,
+                       union bt_number *number)
+{
+    uint32_t status;
+    if (bt_entries[id].access != BT_ACCESS_RW && bt_entries[id].access != BT_ACCESS_WO)
+        return BT_ABORT_READ_ONLY;
+    status = bt_decode(id, data, n, number);
+    if (status != BT_OK)
+        return status;
+    if (!(bt_entries[id].flags & BT_FLAG_ENABLED_WRITE) &&
+        bt_cia402_power_stage_on((enum bt_state)device->state))
+        return BT_ABORT_DEVICE_STATE;
+    return check(device, id, *number);
+}
+
+uint32_t bt_check(const struct bt_device *device, enum bt_id id, const uint8_t *data, size_t n)
+{
+    union bt_number number;
+    return accept(device, id, data, n, &number);
+}
+
+/* What can fail though the value may be written. */
+static uint32_t perform(struct bt_device *device, enum bt_id id)
+{
+    return id == BT_ID_store_all ? save(device) : id == BT_ID_restore_all ? forget(device) : BT_OK;
+}
+
+/* What follows a write in other variables, with the lock held: the control interrupt sees them change together. */
+static void follow(struct bt_device *device, enum bt_id id, union bt_number number)
 {
     struct bt_variables *variables = &device->variables;
     switch (id) {
-    case BT_ID_controlword:
-        bt_device_control(device, (uint16_t)number.u);
-        break;
-    case BT_ID_capture_control:
-        if (number.u == BT_CAPTURE_CONTROL_ARM)
-            bt_capture_arm(&device->capture, variables);
-        else
-            bt_capture_abort(&device->capture);
-        break;
-    case BT_ID_error_history_count:
-        device->history_count = 0;
-        break;
-    case BT_ID_host_heartbeat:
-        bt_watchdog_configure(&device->watchdog, number.u, device->config.tick_period_ns);
-        break;
     case BT_ID_mode_of_operation:
+        if (variables->mode_of_operation_display != number.i)
+            bt_device_zero_targets(device);
         variables->mode_of_operation_display = (int8_t)number.i;
         break;
     case BT_ID_target_torque:
@@ -220,25 +248,44 @@ static void effect(struct bt_device *device, enum bt_id id, union bt_number numb
     }
 }
 
+static void effect(struct bt_device *device, enum bt_id id, union bt_number number)
+{
+    switch (id) {
+    case BT_ID_controlword:
+        bt_device_control(device, (uint16_t)number.u);
+        break;
+    case BT_ID_capture_control:
+        if (number.u == BT_CAPTURE_CONTROL_ARM)
+            bt_capture_arm(&device->capture, &device->variables);
+        else
+            bt_capture_abort(&device->capture);
+        break;
+    case BT_ID_error_history_count:
+        device->history_count = 0;
+        break;
+    case BT_ID_host_heartbeat:
+        bt_watchdog_configure(&device->watchdog, number.u, device->config.tick_period_ns);
+        break;
+    default:
+        break;
+    }
+}
+
 uint32_t bt_write(struct bt_device *device, uint16_t index, uint8_t sub, const uint8_t *data, size_t n)
 {
     union bt_number number;
     enum bt_id id;
     uint32_t status = bt_find(index, sub, &id);
+    if (status == BT_OK)
+        status = accept(device, id, data, n, &number);
+    if (status == BT_OK)
+        status = perform(device, id);
     if (status != BT_OK)
         return status;
-    if (bt_entries[id].access != BT_ACCESS_RW && bt_entries[id].access != BT_ACCESS_WO)
-        return BT_ABORT_READ_ONLY;
-    status = bt_decode(id, data, n, &number);
-    if (status != BT_OK)
-        return status;
-    if (!(bt_entries[id].flags & BT_FLAG_ENABLED_WRITE) &&
-        bt_cia402_power_stage_on((enum bt_state)device->state))
-        return BT_ABORT_DEVICE_STATE;
-    status = check(device, id, number);
-    if (status != BT_OK)
-        return status;
+    BT_LOCK();
     bt_store(&device->variables, id, number);
+    follow(device, id, number);
+    BT_UNLOCK();
     effect(device, id, number);
     return BT_OK;
 }
@@ -260,8 +307,9 @@ uint32_t bt_take_setpoint(struct bt_device *device, const uint8_t torque[4], con
 
 bool bt_preset(struct bt_device *device, const uint32_t *raw, size_t n)
 {
-    uint32_t id, place = 0;
-    if (n != BT_PARAMETER_COUNT)
+    uint32_t id, place = 1;
+    device->has_stored = false;
+    if (n != BT_STORED_WORDS || raw[0] != BT_DICTIONARY_HASH)
         return false;
     for (id = 0; id < BT_ENTRY_COUNT; id++) {
         union bt_number number;

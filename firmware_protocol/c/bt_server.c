@@ -1,3 +1,5 @@
+/* SPDX-FileCopyrightText: 2026 The benchtool authors
+ * SPDX-License-Identifier: MIT */
 #include "bt_server.h"
 
 #include "bt_bytes.h"
@@ -8,6 +10,11 @@
 #define BATCHES_PER_POLL 8u
 #define IDENTITY_HEAD 39u
 #define READ_REPLY_HEAD 9u
+
+static uint32_t tick(const struct bt_server *server)
+{
+    return (uint32_t)bt_device_ticks(&server->node->device);
+}
 
 static struct bt_variables *variables(const struct bt_server *server)
 {
@@ -151,7 +158,7 @@ static void run_stream(struct bt_server *server)
     if (node->stream_owner != server)
         return;
     if (node->nmt_state == BT_NMT_OPERATIONAL)
-        bt_stream_resume(&node->stream, node->device.variables.tick);
+        bt_stream_resume(&node->stream, &node->device);
     else
         bt_stream_pause(&node->stream, server->reply, send_batch, server);
 }
@@ -205,7 +212,7 @@ static void setpoint(struct bt_server *server, const uint8_t *message)
         server->has_sequence = true;
         server->last_sequence = sequence;
     } else {
-        variables(server)->rpdo_dropped++;
+        bt_device_count(&variables(server)->rpdo_dropped, 1);
     }
 }
 
@@ -242,7 +249,7 @@ static void handle(struct bt_server *server, const uint8_t *message, size_t n)
 {
     const uint8_t type = message[0];
     if (!is_known(type) || !has_its_length(message, n)) {
-        variables(server)->serial_dropped++;
+        bt_device_count(&variables(server)->serial_dropped, 1);
         if (type >= BT_IDENTIFY && type <= BT_LAST_REQUEST)
             reject(server, message, n, is_known(type) ? REJECT_WRONG_LENGTH : REJECT_UNKNOWN_TYPE);
         return;
@@ -285,7 +292,7 @@ static void heartbeat(void *context, uint8_t state)
     struct bt_server *server = context;
     server->reply[0] = BT_HEARTBEAT;
     server->reply[1] = state;
-    bt_put_u32(server->reply + 2, variables(server)->tick);
+    bt_put_u32(server->reply + 2, tick(server));
     send(server, 6);
 }
 
@@ -309,7 +316,7 @@ static void emergency(void *context, uint16_t code, uint8_t error_register)
     struct bt_server *server = context;
     uint8_t event[14] = { BT_EVENT }; /* an answer may be half made in `reply` */
     event[1] = server->event_sequence++;
-    bt_put_u32(event + 2, variables(server)->tick);
+    bt_put_u32(event + 2, tick(server));
     bt_put_u16(event + 6, code);
     event[8] = error_register;
     (void)bt_frame_send(&server->tx, event, sizeof event, 0);
@@ -333,7 +340,8 @@ void bt_server_poll(struct bt_server *server)
     while (left-- > 0 && bt_ring_get(&server->rx, &byte, 1) == 1) {
         const size_t n = bt_receiver_take(&server->receiver, byte);
         const uint32_t dropped = bt_receiver_dropped(&server->receiver);
-        variables(server)->serial_dropped += dropped - server->dropped_before;
+        if (dropped != server->dropped_before)
+            bt_device_count(&variables(server)->serial_dropped, dropped - server->dropped_before);
         server->dropped_before = dropped;
         if (n > 0) {
             bt_device_look_after(&server->node->device); /* no message undoes what the interrupt has found */

@@ -1,3 +1,5 @@
+/* SPDX-FileCopyrightText: 2026 The benchtool authors
+ * SPDX-License-Identifier: MIT */
 /* The serial line in front of a node: every message of the protocol, version 1. */
 #ifndef BT_SERVER_H
 #define BT_SERVER_H
@@ -5,6 +7,10 @@
 #include "bt_frame.h"
 #include "bt_node.h"
 #include "bt_upload.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
 
 #define BT_PROTOCOL_VERSION 1u
 
@@ -48,5 +54,9 @@ void bt_server_poll(struct bt_server *server);
 
 /* Whether a setpoint of this sequence is newer than the last one taken. */
 bool bt_server_is_newer(const struct bt_server *server, uint32_t sequence);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

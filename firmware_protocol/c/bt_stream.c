@@ -1,6 +1,9 @@
+/* SPDX-FileCopyrightText: 2026 The benchtool authors
+ * SPDX-License-Identifier: MIT */
 #include "bt_stream.h"
 
 #include "bt_bytes.h"
+#include "bt_sync.h"
 
 #define NO_VALUE INT16_MIN
 
@@ -65,19 +68,25 @@ void bt_stream_begin(struct bt_stream *stream, const struct bt_stream_layout *la
     stream->dropped = 0;
 }
 
-void bt_stream_resume(struct bt_stream *stream, uint32_t tick)
+/* The tick goes on while this computes: what has passed meanwhile is left out with the lock held. */
+void bt_stream_resume(struct bt_stream *stream, const struct bt_device *device)
 {
     const uint32_t stride = stream->layout.stride;
+    uint32_t next;
     if (!stream->configured || stream->running)
         return;
-    stream->expected_tick = (tick / stride + 1u) * stride;
-    stream->until_row = (uint16_t)(stream->expected_tick - tick - 1u);
+    next = (uint32_t)((bt_device_ticks(device) / stride + 1u) * stride);
     stream->slots = BT_STREAM_WORDS / (stream->layout.channels + 1u);
     stream->write_slot = stream->read_slot = 0;
     stream->head = stream->tail = 0;
     stream->due = stream->accounted = 0;
-    BT_BARRIER();
+    BT_LOCK();
+    while ((int32_t)(next - device->variables.tick) <= 0)
+        next += stride;
+    stream->next_tick = next;
     stream->running = true;
+    BT_UNLOCK();
+    stream->expected_tick = next;
 }
 
 /* ---- in the control interrupt --------------------------------------------------------------------------- */
@@ -86,24 +95,18 @@ void bt_stream_tick(struct bt_stream *stream, const struct bt_variables *variabl
 {
     uint32_t *row;
     unsigned k;
-    if (!stream->running)
+    if (!stream->running || variables->tick != stream->next_tick)
         return;
-    if (stream->until_row > 0) {
-        stream->until_row--;
-        return;
-    }
-    stream->until_row = (uint16_t)(stream->layout.stride - 1u);
+    stream->next_tick += stream->layout.stride;
     stream->due = stream->due + 1u;
-    if (stream->head - stream->tail == stream->slots)
+    if (stream->head - BT_LOAD(&stream->tail) == stream->slots)
         return;
-    BT_BARRIER();
     row = &stream->words[stream->write_slot * (stream->layout.channels + 1u)];
     *row++ = variables->tick;
     for (k = 0; k < stream->layout.channels; k++)
         memcpy(row++, (const uint8_t *)variables + stream->layout.offsets[k], 4);
     stream->write_slot = stream->write_slot + 1u < stream->slots ? stream->write_slot + 1u : 0u;
-    BT_BARRIER();
-    stream->head = stream->head + 1u;
+    BT_STORE(&stream->head, stream->head + 1u);
 }
 
 /* ---- batches -------------------------------------------------------------------------------------------- */
@@ -164,22 +167,25 @@ static const uint32_t *oldest(const struct bt_stream *stream)
     return &stream->words[stream->read_slot * (stream->layout.channels + 1u)];
 }
 
+static uint32_t waiting_records(const struct bt_stream *stream)
+{
+    return BT_LOAD(&stream->head) - stream->tail;
+}
+
 /* A batch of the records that wait, up to the first one that is missing. */
 static void send_batch(struct bt_stream *stream, uint8_t *buffer, bt_send_batch send, void *context)
 {
     const uint32_t stride = stream->layout.stride;
     uint8_t *at = buffer + BT_BATCH_HEADER_BYTES;
     const uint32_t first_tick = oldest(stream)[0];
-    uint32_t waiting = stream->head - stream->tail;
+    uint32_t waiting = waiting_records(stream);
     uint8_t n = 0;
-    BT_BARRIER();
     if (first_tick != stream->expected_tick)
         count(stream, (first_tick - stream->expected_tick) / stride, false);
     while (n < stream->layout.batch && waiting > 0 && oldest(stream)[0] == first_tick + n * stride) {
         at = put_record(&stream->layout, oldest(stream) + 1, at);
         stream->read_slot = stream->read_slot + 1u < stream->slots ? stream->read_slot + 1u : 0u;
-        BT_BARRIER();
-        stream->tail = stream->tail + 1u;
+        BT_STORE(&stream->tail, stream->tail + 1u);
         waiting--;
         n++;
     }
@@ -198,7 +204,7 @@ void bt_stream_transmit(struct bt_stream *stream, unsigned most, uint8_t *buffer
     /* A batch longer than the ring goes out when the ring is half full. */
     const uint32_t half = stream->slots / 2u;
     const uint32_t enough = stream->layout.batch < half ? stream->layout.batch : half;
-    while (stream->running && most-- > 0 && stream->head - stream->tail >= enough)
+    while (stream->running && most-- > 0 && waiting_records(stream) >= enough)
         send_batch(stream, buffer, send, context);
 }
 
@@ -206,9 +212,10 @@ void bt_stream_pause(struct bt_stream *stream, uint8_t *buffer, bt_send_batch se
 {
     if (!stream->running)
         return;
+    BT_LOCK();
     stream->running = false;
-    BT_BARRIER();
-    while (stream->head != stream->tail)
+    BT_UNLOCK();
+    while (waiting_records(stream) > 0)
         send_batch(stream, buffer, send, context);
     if (stream->due != stream->accounted)
         count(stream, stream->due - stream->accounted, false);

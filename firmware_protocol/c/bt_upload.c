@@ -1,3 +1,5 @@
+/* SPDX-FileCopyrightText: 2026 The benchtool authors
+ * SPDX-License-Identifier: MIT */
 #include "bt_upload.h"
 
 #include "bt_bytes.h"
@@ -9,7 +11,7 @@ static bool is_there(const struct bt_upload *upload, const struct bt_device *dev
 {
     if (!upload->is_open || !upload->value.is_capture)
         return upload->is_open;
-    return device->capture.state == BT_CAPTURE_STATE_COMPLETE && device->capture.sequence == upload->sequence;
+    return bt_capture_is_complete(&device->capture, upload->sequence);
 }
 
 uint32_t bt_upload_open(struct bt_upload *upload, struct bt_device *device, const struct bt_value *value)

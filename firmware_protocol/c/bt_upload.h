@@ -1,3 +1,5 @@
+/* SPDX-FileCopyrightText: 2026 The benchtool authors
+ * SPDX-License-Identifier: MIT */
 /* Long objects in chunks that the host asks for: one upload at a time, and the next one takes its place.
  *
  * Numbers and strings are kept from OPEN on. A capture's bytes stay where they are: when another one is armed, the
@@ -7,6 +9,10 @@
 
 #include "bt_device.h"
 #include "bt_frame.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
 
 #define BT_CHUNK_HEAD 11u
 #define BT_CHUNK_BYTES (BT_MAX_REPLY - BT_CHUNK_HEAD < 1024u ? BT_MAX_REPLY - BT_CHUNK_HEAD : 1024u)
@@ -29,5 +35,9 @@ uint32_t bt_upload_ask(struct bt_upload *upload, const struct bt_device *device,
 void bt_upload_send(struct bt_upload *upload, struct bt_device *device, struct bt_ring *line, uint8_t *buffer);
 
 void bt_upload_end(struct bt_upload *upload);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

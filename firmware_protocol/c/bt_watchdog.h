@@ -1,3 +1,5 @@
+/* SPDX-FileCopyrightText: 2026 The benchtool authors
+ * SPDX-License-Identifier: MIT */
 /* Supervision of the link: object 0x1016 sets it up, the host's heartbeat and taken setpoints feed it, nothing else.
  *
  * The main loop configures and feeds; time is watched in the control interrupt, so that a main loop that hangs
@@ -7,6 +9,10 @@
 
 #include <stdbool.h>
 #include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
 
 struct bt_watchdog {
     uint32_t timeout_ticks;
@@ -23,7 +29,8 @@ void bt_watchdog_configure(struct bt_watchdog *watchdog, uint32_t host_heartbeat
 /* Forget a loss, and wait for the next feed. */
 void bt_watchdog_rearm(struct bt_watchdog *watchdog);
 
-void bt_watchdog_feed(struct bt_watchdog *watchdog, uint32_t tick);
+/* The host was heard in the present tick, which is read where no other can come between. */
+void bt_watchdog_feed(struct bt_watchdog *watchdog, const volatile uint32_t *tick);
 
 /* Whether the power stage may be switched on: heard, or not supervised. */
 bool bt_watchdog_may_enable(const struct bt_watchdog *watchdog);
@@ -31,7 +38,14 @@ bool bt_watchdog_may_enable(const struct bt_watchdog *watchdog);
 /* The loss that the control interrupt found becomes the state; false if it found none. */
 bool bt_watchdog_lose(struct bt_watchdog *watchdog);
 
+/* The loss has been dealt with: the state of the drive is what stops the motor from here on. */
+void bt_watchdog_settle(struct bt_watchdog *watchdog);
+
 /* In the control interrupt. */
 void bt_watchdog_tick(struct bt_watchdog *watchdog, uint32_t tick);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -1,3 +1,5 @@
+# SPDX-FileCopyrightText: 2026 The benchtool authors
+# SPDX-License-Identifier: MIT
 # The CAN side: part of `make check` and `make size`.
 # make drive-canopen     the example on this machine
 # make fuzz-canopen      its fuzzer; SECONDS=600 for longer
@@ -49,7 +51,7 @@ size-canopen: $(CAN_SOURCES) $(HEADERS)
 	@command -v $(CROSS)gcc >/dev/null || { echo "no size: $(CROSS)gcc is not installed"; exit 1; }
 	@mkdir -p $(BUILD)/m4
 	@for source in $(CAN_SOURCES) tests/ram_can.c; do \
-	    $(CROSS)gcc $(CFLAGS) $(M4) -c $$source -o $(BUILD)/m4/$$(basename $$source .c).o || exit 1; done
+	    $(CROSS)gcc $(C99) $(M4) -c $$source -o $(BUILD)/m4/$$(basename $$source .c).o || exit 1; done
 	@echo "CAN module  code and constants (bytes)"
 	@for source in $(CAN_SOURCES); do $(CROSS)size $(BUILD)/m4/$$(basename $$source .c).o | \
 	    awk -v name=$$(basename $$source .c) 'NR == 2 { printf "%-16s %6d\n", name, $$1 }'; done

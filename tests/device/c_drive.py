@@ -69,12 +69,11 @@ class Library:
         function.restype = result
         return function(*arguments)
 
-    def power_up(self, parameters: list[int]) -> None:
+    def power_up(self, parameters: list[int], first_tick: int = 0) -> None:
         """A drive just switched on, which keeps these raw parameters in the order of the table."""
-        kept = (ctypes.c_uint32 * len(parameters))(*parameters)
-        assert self.call(
-            "shared_power_up", TICK_NS, kept, ctypes.c_size_t(len(parameters)), result=ctypes.c_int
-        )
+        words = kept_words(parameters)
+        settings = TICK_NS, ctypes.c_uint32(first_tick), words, ctypes.c_size_t(len(words))
+        assert self.call("shared_power_up", *settings, result=ctypes.c_int)
 
     def run(self, ticks: int) -> None:
         self.call("shared_run", ctypes.c_uint32(ticks), result=None)
@@ -134,8 +133,8 @@ class _CBench:
 class CHost(RawHost):
     """A host on the line of a drive of the C library."""
 
-    def __init__(self, library: Library, parameters: list[int]) -> None:
-        library.power_up(parameters)
+    def __init__(self, library: Library, parameters: list[int], first_tick: int = 0) -> None:
+        library.power_up(parameters, first_tick)
         port = CPort(library)
 
         def add_serial(_: object, *__: object, **___: object) -> None:
@@ -148,8 +147,14 @@ class CHost(RawHost):
         port.keep(library.transmitted())
 
 
+def kept_words(parameters: list[int]) -> ctypes.Array[ctypes.c_uint32]:
+    """What a drive of the C library keeps of these parameters: before them the hash of their dictionary."""
+    words = [TABLE.hash, *parameters]
+    return (ctypes.c_uint32 * len(words))(*words)
+
+
 def raw_parameters(host: RawHost) -> list[int]:
-    """Kept parameters of another drive, as the C library keeps them."""
+    """Parameters of another drive, raw and in the order of the table."""
     return [_word(entry.type, host.read(entry.name)) for entry in TABLE if entry.role == "parameter"]
 
 

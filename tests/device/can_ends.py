@@ -18,6 +18,7 @@ from benchtool.emulator.core import Trip
 from benchtool.emulator.memory import new_memory
 from benchtool.profile import load_profile
 from benchtool.protocol.cia402 import State
+from tests.device.c_drive import kept_words
 from tests.wire.raw_host import TABLE
 
 NODE = 1
@@ -75,9 +76,11 @@ class HeldBus:
 class EmulatedEnd:
     """The emulated drive of the paper's bench."""
 
-    def __init__(self) -> None:
+    def __init__(self, first_tick: int = 0) -> None:
         self._bus = HeldBus()
-        self._bench = EmulatedBench(load_profile("zhu2011"), wire="serial")
+        begun: dict[str, Any] = {"first_tick": first_tick} if first_tick else {}
+        self._bench = EmulatedBench(load_profile("zhu2011"), wire="serial", **begun)
+        self._ticks = 0
         self._node = self._bench._node
         self.memory = self._node.firmware.core.memory
         bus: Any = self._bus
@@ -87,12 +90,18 @@ class EmulatedEnd:
     def state(self) -> State:
         return self._node.firmware.state
 
+    @property
+    def has_braked(self) -> bool:
+        """Whether a quick stop has come to standstill: it has ended with that, or holds it."""
+        return self.state is State.SWITCH_ON_DISABLED or bool(self._node.firmware.core.command.standstill)
+
     def send(self, can_id: int, data: bytes) -> Frames:
         self._bus.deliver(can_id, data)
         return self._bus.taken()
 
     def tick(self) -> Frames:
-        self._node.advance_to((self._node.tick + 1) * self._node.firmware.period_s)
+        self._ticks += 1
+        self._node.advance_to(self._ticks * self._node.firmware.period_s)
         return self._bus.taken()
 
     def taken(self) -> Frames:
@@ -109,17 +118,20 @@ class EmulatedEnd:
 class CEnd:
     """The C library's drive; its signals are those that a test writes into `memory`."""
 
-    def __init__(self, library: Path, parameters: list[int], i_full_scale: float) -> None:
+    def __init__(
+        self, library: Path, parameters: list[int], i_full_scale: float, first_tick: int = 0
+    ) -> None:
         self._functions = ctypes.CDLL(str(library))
         self._functions.can_variables.restype = ctypes.c_void_p
         self._functions.can_size_of_variables.restype = ctypes.c_size_t
-        kept = (ctypes.c_uint32 * len(parameters))(*parameters)
+        kept = kept_words(parameters)
         assert self._functions.can_power_up(
             ctypes.c_uint32(TICK_NS),
+            ctypes.c_uint32(first_tick),
             ctypes.c_uint8(NODE),
             ctypes.c_float(i_full_scale),
             kept,
-            ctypes.c_size_t(len(parameters)),
+            ctypes.c_size_t(len(kept)),
         )
         layout = new_memory(TABLE).dtype
         assert self._functions.can_size_of_variables() == layout.itemsize
@@ -181,9 +193,9 @@ Step = Frame | Ticks | Tripped
 class Pair:
     """Both drives just switched on, with the same parameters; the C library's sees the other's signals."""
 
-    def __init__(self, library: Path, parameters: list[int]) -> None:
-        self.emulated = EmulatedEnd()
-        self.c = CEnd(library, parameters, float(self.emulated.memory["i_full_scale"][0]))
+    def __init__(self, library: Path, parameters: list[int], first_tick: int = 0) -> None:
+        self.emulated = EmulatedEnd(first_tick)
+        self.c = CEnd(library, parameters, float(self.emulated.memory["i_full_scale"][0]), first_tick)
         self._copy_signals()
         booted = self.emulated.taken()
         assert self.c.taken() == booted == [(0x700 + NODE, b"\x00")]
@@ -224,7 +236,7 @@ class Pair:
         # In the order in which a bus would let them pass.
         expected = sorted(self.emulated.tick(), key=lambda frame: frame[0])
         self._copy_signals()
-        if was is State.QUICK_STOP_ACTIVE and self.emulated.state is State.SWITCH_ON_DISABLED:
+        if was is State.QUICK_STOP_ACTIVE and self.emulated.has_braked:
             self.c.stand_still()
         seen = sorted(self.c.tick(), key=lambda frame: frame[0])
         tick = int(self.emulated.memory["tick"][0])
@@ -279,3 +291,9 @@ def set_up_pdo(name: str, can_id: int, mapped: Sequence[str], timer_ms: int | No
 
 def _text(frames: Frames) -> str:
     return ", ".join(f"{can_id:03X} {data.hex(' ').upper()}" for can_id, data in frames) or "nothing"
+
+
+HOST = 127
+HEARD = Frame(0x700 + HOST, b"\x05")
+START, STOP, PRE_OPERATIONAL, RESET, RESET_COMMUNICATION = 1, 2, 128, 129, 130
+ENABLE: list[Step] = [nmt(START), *(write("controlword", word) for word in (6, 7, 15))]

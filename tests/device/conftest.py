@@ -12,6 +12,7 @@ from benchtool.emulator.bench import EmulatedBench
 from benchtool.profile import load_profile
 from benchtool.protocol.nmt import NmtCommand
 from tests.device.c_drive import CHost, Library, make, raw_parameters
+from tests.device.can_ends import Pair
 from tests.wire.raw_host import RawHost
 
 
@@ -36,6 +37,22 @@ def parameters(build: Path) -> list[int]:
         return raw_parameters(RawHost(bench))
     finally:
         bench.close()
+
+
+@pytest.fixture(scope="session")
+def can_library(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The drive on a CAN bus, to be held in a test's hand."""
+    folder = tmp_path_factory.mktemp("can")
+    make(folder, "library-canopen")
+    return folder / "libbenchtool_can.so"
+
+
+@pytest.fixture
+def pair(can_library: Path, parameters: list[int]) -> Iterator[Pair]:
+    """The C library's drive and the emulated drive, just switched on."""
+    both = Pair(can_library, parameters)
+    yield both
+    both.close()
 
 
 @pytest.fixture

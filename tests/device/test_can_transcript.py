@@ -9,20 +9,23 @@ from __future__ import annotations
 
 import binascii
 import struct
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
-from benchtool.emulator.bench import EmulatedBench
-from benchtool.profile import load_profile
 from benchtool.protocol.capture import decode_header
 from benchtool.protocol.objects import Entry
-from tests.device.c_drive import make, raw_parameters
 from tests.device.can_ends import (
+    ENABLE,
+    HEARD,
+    HOST,
     NODE,
+    RESET,
+    RESET_COMMUNICATION,
+    START,
+    STOP,
     TRIPS,
     Frame,
     Pair,
@@ -36,36 +39,9 @@ from tests.device.can_ends import (
     upload,
     write,
 )
-from tests.wire.raw_host import TABLE, RawHost
+from tests.wire.raw_host import TABLE
 
-HOST = 127
 ABORT = sdo("80 00 00 00 00 00 00 08")
-HEARD = Frame(0x700 + HOST, b"\x05")
-START, STOP, PRE_OPERATIONAL, RESET, RESET_COMMUNICATION = 1, 2, 128, 129, 130
-ENABLE = [nmt(START), *(write("controlword", word) for word in (6, 7, 15))]
-
-
-@pytest.fixture(scope="module")
-def library(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("can")
-    make(folder, "library-canopen")
-    return folder / "libbenchtool_can.so"
-
-
-@pytest.fixture(scope="module")
-def parameters() -> list[int]:
-    bench = EmulatedBench(load_profile("zhu2011"), wire="serial")
-    try:
-        return raw_parameters(RawHost(bench))
-    finally:
-        bench.close()
-
-
-@pytest.fixture
-def pair(library: Path, parameters: list[int]) -> Iterator[Pair]:
-    both = Pair(library, parameters)
-    yield both
-    both.close()
 
 
 # ---- objects -----------------------------------------------------------------------------------------------
@@ -436,7 +412,7 @@ _life: st.SearchStrategy[list[Step]] = st.one_of(
     st.integers(1, 30).map(lambda n: [Ticks(n)]),
     st.integers(1, 30).map(lambda n: [nmt(START), Ticks(n)]),
     st.sampled_from([1, 2, 128, 129, 130, 77]).map(lambda command: [ABORT, nmt(command)]),
-    st.sampled_from([6, 7, 15, 0, 2, 0x80]).map(lambda word: [write("controlword", word)]),
+    st.sampled_from([6, 7, 15, 0, 2, 0x80, 0x10F]).map(lambda word: [write("controlword", word)]),
     st.just([write("controlword", 0x80), *ENABLE]),
     st.binary(max_size=2).map(lambda data: [Frame(0x700 + HOST, data)]),
     st.integers(0, 5).map(
@@ -449,8 +425,10 @@ _steps = st.one_of(_transfers, _transfers, _process_data, _life, _life)
 
 @settings(max_examples=60, phases=[Phase.explicit, Phase.generate])  # to shrink one takes minutes
 @given(st.lists(_steps, min_size=10, max_size=60))
-def test_nothing_tells_the_two_apart(library: Path, parameters: list[int], steps: list[list[Step]]) -> None:
-    both = Pair(library, parameters)
+def test_nothing_tells_the_two_apart(
+    can_library: Path, parameters: list[int], steps: list[list[Step]]
+) -> None:
+    both = Pair(can_library, parameters)
     try:
         both.play(step for some in steps for step in some)
     finally:

@@ -25,7 +25,8 @@ def test_the_program_of_the_page_answers(tmp_path: Path) -> None:
     (program,) = re.findall(r"```c\n(.*?)```", PAGE, flags=re.DOTALL)
     (tmp_path / "main.c").write_text(program)
     sources = [path for path in FOLDER.glob("*.c") if not path.name.startswith(OTHERS)]
-    flags = ["-std=c99", "-O1", "-Wall", "-Wextra", "-Werror", f"-I{FOLDER}", f"-I{FOLDER.parent}"]
+    (named,) = re.findall(r"`gcc (.*?) -Ibt", PAGE)
+    flags = [*named.split(), "-Wall", "-Wextra", "-Werror", f"-I{FOLDER}", f"-I{FOLDER.parent}"]
     drive = tmp_path / "drive"
     subprocess.run([compiler, *flags, tmp_path / "main.c", *sources, "-o", drive], check=True, timeout=120)
     with subprocess.Popen([drive], stdout=subprocess.PIPE, text=True) as child:

@@ -137,8 +137,8 @@ def test_an_overcurrent_is_a_fault_with_its_event(session: Session) -> None:
         drive.wait(PATIENCE_S)
     assert drive.state() is State.FAULT
     drive.reset_fault()
-    assert drive.number("error_1") == 0
-    assert drive.number("error_2") == 0x2310
+    assert drive.number("error_1") == 0x2310
+    assert drive.number("error_code") == 0
 
 
 def test_sixteen_signals_at_the_control_rate_have_no_gap_and_are_those_of_a_capture(session: Session) -> None:

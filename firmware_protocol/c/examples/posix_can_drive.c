@@ -1,8 +1,10 @@
+/* SPDX-FileCopyrightText: 2026 The benchtool authors
+ * SPDX-License-Identifier: MIT */
 /* A drive on a CAN bus on a PC: behind a serial CAN adapter (slcan) on a pseudo-terminal, with a toy motor.
  *
- *     posix_can_drive [--rate HZ]
+ *     posix_can_drive [--rate HZ] [--tick TICK]
  *
- * prints the link that the host is to be given. One loop stands for control interrupt, bus and main loop: it runs
+ * prints the link that the host is to be given; its first tick is 0 unless it is told otherwise. One loop stands for control interrupt, bus and main loop: it runs
  * the ticks that are due, moves frames, and sleeps for a millisecond. */
 #define _XOPEN_SOURCE 700
 #include <stdio.h>
@@ -69,18 +71,27 @@ int main(int count, char **arguments)
     struct bt_config config = { 0 };
     const char *path;
     long rate_Hz = 1000;
+    unsigned long tick = 0;
+    int k;
     int64_t due_ns, step_ns;
     int line;
-    if (count == 3 && strcmp(arguments[1], "--rate") == 0)
-        rate_Hz = strtol(arguments[2], NULL, 10);
-    if ((count != 1 && count != 3) || rate_Hz < 10 || rate_Hz > 20000) {
-        fprintf(stderr, "posix_can_drive [--rate 10..20000]\n");
+    for (k = 1; k + 1 < count; k += 2) {
+        if (strcmp(arguments[k], "--rate") == 0)
+            rate_Hz = strtol(arguments[k + 1], NULL, 10);
+        else if (strcmp(arguments[k], "--tick") == 0)
+            tick = strtoul(arguments[k + 1], NULL, 10);
+        else
+            break;
+    }
+    if (k != count || rate_Hz < 10 || rate_Hz > 20000) {
+        fprintf(stderr, "posix_can_drive [--rate 10..20000] [--tick TICK]\n");
         return 2;
     }
     step_ns = 1000000000 / rate_Hz;
     config.tick_period_ns = (uint32_t)step_ns;
     config.node_id = 1;
     config.serial_number = 1;
+    config.first_tick = (uint32_t)tick;
     config.i_full_scale = 20.0f;
     config.hardware_version = "posix";
     bt_init(&drive, &config);

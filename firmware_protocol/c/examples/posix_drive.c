@@ -1,8 +1,10 @@
+/* SPDX-FileCopyrightText: 2026 The benchtool authors
+ * SPDX-License-Identifier: MIT */
 /* A drive on a PC: it speaks the protocol on a pseudo-terminal or a TCP port, and turns a toy motor.
  *
- *     posix_drive [--rate HZ] [--tcp PORT]
+ *     posix_drive [--rate HZ] [--tcp PORT] [--tick TICK]
  *
- * prints the link that the host is to be given. One loop stands for control interrupt, line and main loop: it runs
+ * prints the link that the host is to be given; its first tick is 0 unless it is told otherwise. One loop stands for control interrupt, line and main loop: it runs
  * the ticks that are due, moves bytes, and sleeps for a millisecond. */
 #define _XOPEN_SOURCE 700
 #include <arpa/inet.h>
@@ -141,23 +143,27 @@ int main(int count, char **arguments)
     struct bt_config config = { 0 };
     int listener = -1, line = -1, k;
     long rate_Hz = 1000, port = -1;
+    unsigned long tick = 0;
     int64_t due_ns, step_ns;
     for (k = 1; k + 1 < count; k += 2) {
         if (strcmp(arguments[k], "--rate") == 0)
             rate_Hz = strtol(arguments[k + 1], NULL, 10);
         else if (strcmp(arguments[k], "--tcp") == 0)
             port = strtol(arguments[k + 1], NULL, 10);
+        else if (strcmp(arguments[k], "--tick") == 0)
+            tick = strtoul(arguments[k + 1], NULL, 10);
         else
             break;
     }
     if (k != count || rate_Hz < 10 || rate_Hz > 20000 || port > 65535) {
-        fprintf(stderr, "posix_drive [--rate 10..20000] [--tcp PORT]\n");
+        fprintf(stderr, "posix_drive [--rate 10..20000] [--tcp PORT] [--tick TICK]\n");
         return 2;
     }
     signal(SIGPIPE, SIG_IGN);
     config.tick_period_ns = (uint32_t)(1000000000 / rate_Hz);
     config.node_id = 1;
     config.serial_number = 1;
+    config.first_tick = (uint32_t)tick;
     config.i_full_scale = 20.0f;
     config.hardware_version = "posix";
     bt_init(&drive, &config);

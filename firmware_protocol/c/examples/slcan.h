@@ -1,3 +1,5 @@
+/* SPDX-FileCopyrightText: 2026 The benchtool authors
+ * SPDX-License-Identifier: MIT */
 /* A serial CAN adapter in front of a drive: lines of text from and to the host (LAWICEL's slcan), frames from and to
  * the drive. It has what a host needs: bit rate, open, close, version, serial number, flags, data frames. */
 #ifndef SLCAN_H

@@ -1,3 +1,5 @@
+/* SPDX-FileCopyrightText: 2026 The benchtool authors
+ * SPDX-License-Identifier: MIT */
 /* A pseudo-terminal in place of an adapter's device file, and the clock, on a POSIX system. */
 #ifndef TERMINAL_H
 #define TERMINAL_H

@@ -1,3 +1,5 @@
+/* SPDX-FileCopyrightText: 2026 The benchtool authors
+ * SPDX-License-Identifier: MIT */
 #include "toy_motor.h"
 
 #include <math.h>
@@ -6,35 +8,57 @@
 #define TORQUE_LAG_S 2e-3f
 #define FRICTION_Nms 5e-5f
 #define RIPPLE 0.02f
+#define STANDSTILL 0.01f /* of the rated speed */
 #define U_DC_V 122.5f
 
 static float torque_Nm, omega_m, theta_m;
+static float braking_from; /* rad/s, the speed at which a quick stop began; 0: none is under way */
 
 static float within(float value, float limit)
 {
     return value > limit ? limit : value < -limit ? -limit : value;
 }
 
+/* Brakes; at standstill, or when the shaft has turned back since, the quick stop has come to its end. */
+static float brake(struct bt_drive *drive)
+{
+    const struct bt_variables *v = bt_variables(drive);
+    if (braking_from == 0.0f)
+        braking_from = omega_m;
+    if (braking_from * omega_m <= 0.0f || fabsf(omega_m) <= STANDSTILL * v->omega_m_N)
+        bt_standstill(drive);
+    return -v->K_p_speed * omega_m;
+}
+
+/* The torque that is asked for, by mode. A halt is a speed or torque of zero, which the setpoints are then. */
+static float reference_of(struct bt_drive *drive)
+{
+    const struct bt_variables *v = bt_variables(drive);
+    if (bt_is_quick_stopping(drive))
+        return brake(drive);
+    braking_from = 0.0f;
+    switch (v->mode_of_operation_display) {
+    case BT_MODE_OF_OPERATION_VELOCITY:
+        return v->K_p_speed * (bt_omega_m_setpoint(drive) - omega_m);
+    case BT_MODE_OF_OPERATION_TORQUE:
+        return bt_torque_setpoint(drive);
+    default:
+        return 0.0f;
+    }
+}
+
 static void control(struct bt_drive *drive)
 {
     struct bt_variables *v = bt_variables(drive);
     const float T_s = v->control_period;
-    const bool on = bt_may_switch(drive);
-    float reference = v->torque_command;
-    if (bt_is_quick_stopping(drive))
-        reference = -v->K_p_speed * omega_m;
-    else if (v->mode_of_operation_display == BT_MODE_OF_OPERATION_VELOCITY)
-        reference = v->K_p_speed * (v->omega_m_command - omega_m);
-    else if (v->mode_of_operation_display != BT_MODE_OF_OPERATION_TORQUE)
-        reference = 0.0f;
+    const float reference = reference_of(drive);
+    const bool on = bt_may_switch(drive); /* not in the tick in which a quick stop has come to its end */
     v->torque_reference = on ? within(reference, v->torque_limit) : 0.0f;
     v->law_clipped += on && v->torque_reference != reference;
     torque_Nm = on ? torque_Nm + (v->torque_reference - torque_Nm) * fminf(1.0f, T_s / TORQUE_LAG_S) : 0.0f;
     omega_m += (torque_Nm - FRICTION_Nms * omega_m) / v->J * T_s;
     theta_m = fmodf(theta_m + omega_m * T_s, 2.0f * PI);
     theta_m += theta_m < 0.0f ? 2.0f * PI : 0.0f;
-    if (bt_is_quick_stopping(drive) && fabsf(omega_m) <= 0.01f * v->omega_m_N)
-        bt_standstill(drive);
 }
 
 /* Amplitude-invariant vectors in the stator frame from those of the rotor. */
@@ -88,5 +112,5 @@ void toy_motor_tick(struct bt_drive *drive)
 
 void toy_motor_at_rest(void)
 {
-    torque_Nm = omega_m = theta_m = 0.0f;
+    torque_Nm = omega_m = theta_m = braking_from = 0.0f;
 }

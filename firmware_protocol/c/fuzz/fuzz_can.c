@@ -1,3 +1,5 @@
+/* SPDX-FileCopyrightText: 2026 The benchtool authors
+ * SPDX-License-Identifier: MIT */
 /* Hostile frames for libFuzzer. What must hold whatever comes: no access out of bounds (the sanitizers see to it), a
  * request that is answered by an abort changes no variable, every number is within the limits of its entry, and what
  * the drive sends are frames that can be. */

@@ -1,3 +1,5 @@
+/* SPDX-FileCopyrightText: 2026 The benchtool authors
+ * SPDX-License-Identifier: MIT */
 /* Hostile input for libFuzzer: bytes, damaged and whole frames, accesses anywhere. What must hold whatever comes:
  * no access out of bounds (the sanitizers see to it), a refused write and a damaged frame change no variable, a
  * write that was taken is within the limits of its entry, and all that the drive sends is whole. */

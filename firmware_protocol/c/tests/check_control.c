@@ -1,3 +1,5 @@
+/* SPDX-FileCopyrightText: 2026 The benchtool authors
+ * SPDX-License-Identifier: MIT */
 /* States, trips and the watchdog: what stops the motor. */
 #undef NDEBUG
 #include <assert.h>
@@ -94,6 +96,7 @@ static void check_actions(void)
     bt_poll(&drive);
     assert(bt_may_switch(&drive) && bt_is_quick_stopping(&drive));
     bt_standstill(&drive);
+    assert(!bt_may_switch(&drive));
     bt_poll(&drive);
     assert(!bt_may_switch(&drive) && !bt_is_quick_stopping(&drive));
 }
@@ -126,6 +129,8 @@ static void check_trips(void)
     check_power_up(&drive);
     host_enable(&drive);
     host_write(&drive, BT_ID_torque_command, bt_word_of(0.5f));
+    bt_trip(&drive, 0);
+    assert(bt_may_switch(&drive));
     bt_trip(&drive, BT_ERROR_OVERCURRENT);
     bt_trip(&drive, BT_ERROR_OVERSPEED);
     assert(!bt_may_switch(&drive));
@@ -138,10 +143,35 @@ static void check_trips(void)
     host_write(&drive, BT_ID_controlword, 0);
     host_write(&drive, BT_ID_controlword, 0x80);
     assert((host_read(&drive, BT_ID_statusword) & 0x4Fu) == 0x40u);
-    assert(host_read(&drive, BT_ID_error_1) == 0 && host_read(&drive, BT_ID_error_2) == BT_ERROR_OVERCURRENT);
+    assert(host_read(&drive, BT_ID_error_1) == BT_ERROR_OVERCURRENT && host_read(&drive, BT_ID_error_history_count) == 1);
+    assert(host_hear(&drive, event, sizeof event) == 0 && host_read(&drive, BT_ID_error_code) == 0);
     host_enable(&drive);
     host_nmt(&drive, BT_NMT_STOP);
     assert(!bt_may_switch(&drive));
+}
+
+/* A trip of a break interrupt that comes between the steps of the main loop is there after them. */
+static void check_trips_between(void)
+{
+    struct bt_device *device = &drive.node.device;
+    supervised(BT_ABORT_CONNECTION_OPTION_FAULT);
+    run(500);
+    assert((host_read(&drive, BT_ID_statusword) & 0x4Fu) == 0x08u); /* a fault without a trip */
+    bt_trip(&drive, BT_ERROR_OVERCURRENT);
+    bt_device_control(device, 0x80); /* before the main loop has looked */
+    assert(!bt_may_switch(&drive));
+    bt_poll(&drive);
+    assert(device->state == BT_STATE_FAULT && device->history[0] == BT_ERROR_OVERCURRENT);
+
+    check_power_up(&drive);
+    bt_trip(&drive, BT_ERROR_OVERSPEED);
+    bt_device_reset(device);
+    bt_poll(&drive);
+    assert(device->state == BT_STATE_FAULT && device->history[0] == BT_ERROR_OVERSPEED);
+    bt_device_control(device, 0);
+    bt_device_control(device, 0x80);
+    bt_poll(&drive);
+    assert(device->state == BT_STATE_SWITCH_ON_DISABLED); /* what was seen is cleared */
 }
 
 void check_control(void)
@@ -151,5 +181,6 @@ void check_control(void)
     check_actions();
     check_feeds();
     check_trips();
+    check_trips_between();
     printf("control: silence, its actions, what feeds, trips\n");
 }

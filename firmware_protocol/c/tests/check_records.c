@@ -1,3 +1,5 @@
+/* SPDX-FileCopyrightText: 2026 The benchtool authors
+ * SPDX-License-Identifier: MIT */
 /* Capture and stream: which ticks they hold, and what they say of those they do not. */
 #undef NDEBUG
 #include <assert.h>

@@ -1,3 +1,5 @@
+/* SPDX-FileCopyrightText: 2026 The benchtool authors
+ * SPDX-License-Identifier: MIT */
 /* The golden vectors of the protocol. */
 #undef NDEBUG
 #include <assert.h>

@@ -1,3 +1,5 @@
+/* SPDX-FileCopyrightText: 2026 The benchtool authors
+ * SPDX-License-Identifier: MIT */
 /* The host's side in C, as little as the tests and the fuzzer need of it. */
 #ifndef HOST_H
 #define HOST_H

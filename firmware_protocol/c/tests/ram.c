@@ -1,3 +1,5 @@
+/* SPDX-FileCopyrightText: 2026 The benchtool authors
+ * SPDX-License-Identifier: MIT */
 /* Never run: `make size` reads from it how much of a drive's RAM is whose. */
 #include "benchtool.h"
 

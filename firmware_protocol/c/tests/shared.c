@@ -1,3 +1,5 @@
+/* SPDX-FileCopyrightText: 2026 The benchtool authors
+ * SPDX-License-Identifier: MIT */
 /* A drive in its own time for tests from another language: built as a shared object by `make library`. */
 #include "shared.h"
 
@@ -7,16 +9,18 @@
 
 static struct bt_drive drive;
 
-int shared_power_up(uint32_t tick_period_ns, const uint32_t *parameters, size_t n)
+int shared_power_up(uint32_t tick_period_ns, uint32_t first_tick, const uint32_t *kept, size_t n)
 {
     struct bt_config config = { 0 };
     config.tick_period_ns = tick_period_ns;
     config.node_id = 1;
     config.serial_number = 1;
+    config.first_tick = first_tick;
+    config.supported_modes = bt_entries[BT_ID_supported_modes].initial.u; /* all of the emulated drive */
     config.hardware_version = "shared object";
     toy_motor_at_rest();
     bt_init(&drive, &config);
-    return n == 0 || bt_restore(&drive, parameters, n);
+    return n == 0 || bt_restore(&drive, kept, n);
 }
 
 void shared_run(uint32_t ticks)

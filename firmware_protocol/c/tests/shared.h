@@ -1,11 +1,13 @@
+/* SPDX-FileCopyrightText: 2026 The benchtool authors
+ * SPDX-License-Identifier: MIT */
 /* See shared.c. */
 #ifndef SHARED_H
 #define SHARED_H
 
 #include "benchtool.h"
 
-/* A drive just powered up, with these kept parameters; 0 if they are none. */
-int shared_power_up(uint32_t tick_period_ns, const uint32_t *parameters, size_t n);
+/* A drive just powered up, with what was kept; 0 if that is not in force. */
+int shared_power_up(uint32_t tick_period_ns, uint32_t first_tick, const uint32_t *kept, size_t n);
 /* Control and main loop, tick by tick. */
 void shared_run(uint32_t ticks);
 size_t shared_receive(const uint8_t *data, size_t n);

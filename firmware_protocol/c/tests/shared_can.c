@@ -1,3 +1,5 @@
+/* SPDX-FileCopyrightText: 2026 The benchtool authors
+ * SPDX-License-Identifier: MIT */
 /* A drive on a CAN bus for tests from another language, without a motor: the test writes the signals. Built as a
  * shared object by `make library-canopen`. */
 #include "shared_can.h"
@@ -7,15 +9,18 @@
 static struct bt_node node;
 static struct bt_can can;
 
-int can_power_up(uint32_t tick_period_ns, uint8_t node_id, float i_full_scale, const uint32_t *parameters, size_t n)
+int can_power_up(uint32_t tick_period_ns, uint32_t first_tick, uint8_t node_id, float i_full_scale,
+                 const uint32_t *kept, size_t n)
 {
     struct bt_config config = { 0 };
     config.tick_period_ns = tick_period_ns;
     config.node_id = node_id;
     config.serial_number = 1;
     config.i_full_scale = i_full_scale;
+    config.first_tick = first_tick;
+    config.supported_modes = bt_entries[BT_ID_supported_modes].initial.u; /* all of the emulated drive */
     bt_node_init(&node, &config);
-    if (n > 0 && !bt_preset(&node.device, parameters, n))
+    if (n > 0 && !bt_preset(&node.device, kept, n))
         return 0;
     bt_device_reset(&node.device);
     bt_can_init(&can, &node);
@@ -73,5 +78,5 @@ int can_arm_capture(void)
 
 void can_standstill(void)
 {
-    node.device.standstill = true;
+    bt_device_standstill(&node.device);
 }

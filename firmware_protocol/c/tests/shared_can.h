@@ -1,11 +1,14 @@
+/* SPDX-FileCopyrightText: 2026 The benchtool authors
+ * SPDX-License-Identifier: MIT */
 /* What tests from another language call; see shared_can.c. */
 #ifndef SHARED_CAN_H
 #define SHARED_CAN_H
 
 #include "bt_canopen.h"
 
-/* A drive just switched on that keeps these parameters, raw and in the order of the table; 0 if they are wrong. */
-int can_power_up(uint32_t tick_period_ns, uint8_t node_id, float i_full_scale, const uint32_t *parameters, size_t n);
+/* A drive just switched on with what was kept; 0 if that is not in force. */
+int can_power_up(uint32_t tick_period_ns, uint32_t first_tick, uint8_t node_id, float i_full_scale,
+                 const uint32_t *kept, size_t n);
 
 struct bt_variables *can_variables(void);
 size_t can_size_of_variables(void);

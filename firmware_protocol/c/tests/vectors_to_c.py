@@ -1,3 +1,5 @@
+# SPDX-FileCopyrightText: 2026 The benchtool authors
+# SPDX-License-Identifier: MIT
 """The golden vectors of the serial protocol as a C header: vectors_to_c.py VECTORS.json HEADER.h"""
 
 import json
