@@ -12,7 +12,7 @@ from typing import Annotated
 
 from pydantic import Field, ValidationError
 
-from benchtool.document import Section, document_path, explain, load_document
+from benchtool.document import Array, Section, document_path, explain, load_document
 from benchtool.errors import ProfileError
 from benchtool.shipped import shipped
 
@@ -102,7 +102,7 @@ class Profile(Section):
     motor: Motor
     drive: Drive
     emulator: Emulator | None = None
-    choices: tuple[Choice, ...] = ()
+    choices: Array[Choice] = ()
 
 
 def profile_path(name: str) -> Path:
@@ -164,5 +164,5 @@ def eds_path(profile: Profile, source: Path) -> Path:
     )
 
 
-def _names() -> str:
-    return ", ".join(sorted(path.parent.name for path in shipped("profiles").glob("*/profile.toml")))
+def _names() -> list[str]:
+    return sorted(path.parent.name for path in shipped("profiles").glob("*/profile.toml"))

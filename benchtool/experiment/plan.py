@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from benchtool.document import Section, document_path, load_document
+from benchtool.document import Array, Section, document_path, load_document
 from benchtool.drive import Mode, Stimulus
 from benchtool.errors import PlanError
 from benchtool.experiment.limits import Limit
@@ -56,7 +56,7 @@ class Record(Section):
     """What the drive captures, `stride` control ticks per row, from `pretrigger_s` before a stimulus on."""
 
     duration_s: Seconds
-    channels: Annotated[tuple[str, ...], Field(min_length=1, max_length=16)]
+    channels: Annotated[Array[str], Field(min_length=1, max_length=16)]
     stride: Annotated[int, Field(ge=1, le=10000)] = 1
     pretrigger_s: Annotated[float, Field(ge=0)] = 0.01
 
@@ -68,11 +68,11 @@ class Sweep(Section):
     """
 
     order: Literal["grid", "list"] = "grid"
-    setup: dict[str, Annotated[tuple[Setting, ...], Field(min_length=1)]] = Field(default_factory=dict)
-    emulator: dict[str, Annotated[tuple[float, ...], Field(min_length=1)]] = Field(default_factory=dict)
+    setup: dict[str, Annotated[Array[Setting], Field(min_length=1)]] = Field(default_factory=dict)
+    emulator: dict[str, Annotated[Array[float], Field(min_length=1)]] = Field(default_factory=dict)
     operating_point: dict[
         Literal["omega_m_rad_s", "load_torque_Nm", "torque_Nm", "hold_speed_rad_s"],
-        Annotated[tuple[float, ...], Field(min_length=1)],
+        Annotated[Array[float], Field(min_length=1)],
     ] = Field(default_factory=dict)
 
     @model_validator(mode="after")
@@ -122,7 +122,7 @@ class Plan(Section):
     repetitions: Annotated[int, Field(ge=1, le=1000)] = 1
     setup: dict[str, Setting] = Field(default_factory=dict)
     operating_point: OperatingPoint
-    variants: tuple[Variant, ...] = ()
+    variants: Array[Variant] = ()
     sweep: Sweep = Sweep()
     record: Record
     stimulus: Stimulus | None = None
@@ -130,10 +130,10 @@ class Plan(Section):
     limits: dict[str, Limit] = Field(default_factory=dict)
     case_limits: dict[str, dict[str, Limit]] = Field(default_factory=dict)
     published: dict[str, dict[str, float]] = Field(default_factory=dict)
-    readings: tuple[str, ...] = ()
+    readings: Array[str] = ()
     figure: Literal["none", "torque", "steady", "spectra", "sweep", "bode"] = "none"
     figure_of: str = "torque_ripple_pp"
-    tabulate: tuple[str, ...] = ()
+    tabulate: Array[str] = ()
     emulator: dict[str, float] = Field(default_factory=dict)
 
     @model_validator(mode="after")
@@ -185,7 +185,7 @@ def load_plan(name: str) -> Plan:
     return load_document(plan_path(name), Plan, PlanError)
 
 
-def _names() -> str:
+def _names() -> list[str]:
     root = shipped("profiles")
     plans = (path for path in root.glob("*/*.toml") if path.name != "profile.toml")
-    return ", ".join(sorted(str(path.relative_to(root).with_suffix("")) for path in plans))
+    return sorted(str(path.relative_to(root).with_suffix("")) for path in plans)
