@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import itertools
 import re
 import tomllib
 from collections.abc import Callable, Sequence
@@ -56,11 +57,11 @@ def document_path(
             return given
         raise error(f"no {kind} file {given}: give an existing TOML file or a name ({', '.join(names())})")
     if place is None or not place.is_file():
-        raise error(f"no {kind} '{name}': {nearest(name, names())}; or give a TOML file")
+        raise error(f"no {kind} '{name}': {closest(name, names())}; or give a TOML file")
     return place
 
 
-def nearest(name: str, names: Sequence[str]) -> str:
+def closest(name: str, names: Sequence[str]) -> str:
     """`did you mean 'x'?` where one of `names` is like `name`, and then all of them."""
     close = difflib.get_close_matches(name, names, n=1)
     meant = f"did you mean '{close[0]}'? " if close else ""
@@ -150,7 +151,7 @@ def line_of(text: str, location: Path_) -> str:
     A number in `location` counts the tables of an array (`[[variants]]`) from 0.
     """
     wanted = [part for part in location if isinstance(part, str)]
-    counts = {str(name): at for name, at in zip(location, location[1:], strict=False) if isinstance(at, int)}
+    counts = {str(name): at for name, at in itertools.pairwise(location) if isinstance(at, int)}
     table: list[str] = []
     seen: dict[str, int] = {}
     best: tuple[int, int] | None = None

@@ -104,6 +104,12 @@ class Profile(Section):
     emulator: Emulator | None = None
     choices: Array[Choice] = ()
 
+    @property
+    def stated_parameters(self) -> dict[str, float | str]:
+        """What the drive is to hold, by TOML key: the motor, and `[drive.parameters]`."""
+        motor = self.motor.model_dump(exclude={"I_N_A_rms", "slots"})  # slots are for the host alone
+        return {**motor, "motor_rated_current_A": self.motor.I_N_A_rms, **self.drive.parameters}
+
 
 def profile_path(name: str) -> Path:
     """File of a shipped profile's name, or of a path.

@@ -1,8 +1,9 @@
 """Every analysis of a steady state: the channels it needs, how it is made, and by that the names it measures.
 
-`STEADY` is what a steady state is measured by, in the order in which the numbers are printed. The names of an
-analysis are those that it gives of `benchtool.analysis.specimen`, a capture that was computed, so that no list of names stands
-beside the code that makes them. Names that hang on the data (`torque_order_24`) are stated as `patterns`.
+`STEADY` is what a steady state is measured by, in the order in which the numbers are printed. The names of
+an analysis are those that it gives of `benchtool.analysis.specimen`, a capture that was computed, so that no
+list of names stands beside the code that makes them. Names that hang on the data (`torque_order_24`) are
+stated as `patterns`.
 """
 
 from __future__ import annotations
@@ -79,9 +80,7 @@ class Window:
     def current(self) -> CurrentSpectrum:
         """Spectrum of i_a."""
         assert self.track is not None  # i_a alone gives one
-        return current_spectrum(
-            self.block, "i_a", self.track, current_rated_A_rms=self.current_rated_A_rms
-        )
+        return current_spectrum(self.block, "i_a", self.track, current_rated_A_rms=self.current_rated_A_rms)
 
     @cached_property
     def torque(self) -> tuple[Measurement, ...]:
@@ -92,7 +91,7 @@ class Window:
 
     @cached_property
     def true_torque(self) -> tuple[Measurement, ...]:
-        """Mean and ripple of the transducer's torque, and after them, where there is an estimate, its error."""
+        """Mean and ripple of the transducer's torque and, where there is an estimate, the error of that."""
         assert self.transducer is not None
         estimate = self.torque[0] if "torque" in self.block.names else None
         rated = self.torque_rated_Nm

@@ -1,4 +1,4 @@
-"""Computed captures that every analysis can answer: by them the catalogue knows what each of them measures."""
+"""Computed captures that every analysis can answer, by which the catalogue knows what each measures."""
 
 from __future__ import annotations
 

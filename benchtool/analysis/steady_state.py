@@ -14,7 +14,7 @@ from benchtool.errors import AnalysisError
 
 @dataclass(frozen=True)
 class SteadyState:
-    """Result of `analyze_steady_state`; `spectrum` is that of phase current a, in A peak, None without i_a."""
+    """Result of `analyze_steady_state`; `spectrum` is that of i_a, in A peak; None without that channel."""
 
     measurements: tuple[Measurement, ...]
     spectrum: CoherentSpectrum | None

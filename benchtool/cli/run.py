@@ -31,6 +31,7 @@ class RunOptions:
     resume: bool = False
     page: Path | None = None
     jobs: int = 1
+    allow_different: bool = False
     live: tuple[str, ...] = ()
 
 
@@ -50,6 +51,10 @@ def run(
         Path | None, typer.Option(metavar="FILE", help="Write published and measured figures as Markdown.")
     ] = None,
     jobs: Annotated[int, typer.Option(min=1, help="Emulated benches to run at a time.")] = 1,
+    allow_different: Annotated[
+        bool,
+        typer.Option("--allow-different", help="Run a drive whose parameters contradict the profile."),
+    ] = False,
     live: viewing.Live = None,
     seed: options.Seed = 0,
     real_time: options.RealTime = False,
@@ -57,7 +62,17 @@ def run(
 ) -> int:
     """Run a test plan: set up, run, capture, measure, judge; the drive is disabled afterwards."""
     chosen = RunOptions(
-        profile, link, resume or out, seed, real_time, as_json, bool(resume), page, jobs, tuple(live or ())
+        profile,
+        link,
+        resume or out,
+        seed,
+        real_time,
+        as_json,
+        bool(resume),
+        page,
+        jobs,
+        allow_different,
+        tuple(live or ()),
     )
     return run_named(plan, chosen)
 
@@ -93,19 +108,26 @@ def _run(
     name: str, folder: Path, part: str, chosen: RunOptions, output: Output, where: viewing.Places
 ) -> RunResult:
     """Run one plan; `part` of the command it is, empty if it is all of it."""
-    from benchtool.bench import dictionary_of, open_session
-    from benchtool.cli.progress import RunProgress
-    from benchtool.cli.run_views import RunViews
     from benchtool.errors import UsageError
-    from benchtool.experiment.parallel import run_in_processes
     from benchtool.experiment.plan import load_plan, plan_path
-    from benchtool.experiment.runner import RunInfo, run_plan
-    from benchtool.experiment.validation import require_known
+    from benchtool.profile import load_profile
 
     plan, folder = load_plan(name), folder / part
     place = chosen.profile or plan.profile
-    require_known(plan, plan_path(name), dictionary_of(place))
-    info = RunInfo(options.wall_time().isoformat(timespec="seconds"), chosen.seed, tuple(sys.argv[1:]))
+    profile = load_profile(place)
+
+    # Imported once plan and profile are known to be there: a slip of the pen is answered at once.
+    from benchtool.bench import dictionary_of, has_transducer, open_session
+    from benchtool.cli.progress import RunProgress
+    from benchtool.cli.run_views import RunViews
+    from benchtool.experiment.parallel import run_in_processes
+    from benchtool.experiment.runner import RunInfo, run_plan
+    from benchtool.experiment.validation import require_known
+
+    dictionary, transducer = dictionary_of(place), has_transducer(chosen.link)
+    require_known(plan, plan_path(name), profile, dictionary, transducer=transducer)
+    when, arguments = options.wall_time().isoformat(timespec="seconds"), tuple(sys.argv[1:])
+    info = RunInfo(when, chosen.seed, arguments, chosen.allow_different)
     if chosen.jobs > 1 and (chosen.real_time or chosen.link != "emulated"):
         raise UsageError(
             f"--jobs {chosen.jobs} is for emulated benches in virtual time: leave out --link and --real-time"
