@@ -21,6 +21,7 @@ Array = Annotated[tuple[Item, ...], Strict(False)]
 """An array of TOML or JSON, which is a list when it is read, as a tuple."""
 
 _UNION_MEMBERS = frozenset({"float", "int", "str"})  # that pydantic appends to where a value stands
+_SHORT_LIST = 24
 _PART = r"""(?:"[^"]*"|'[^']*'|[\w-]+)"""
 _KEYS = rf"{_PART}(?:\s*\.\s*{_PART})*"
 
@@ -62,9 +63,11 @@ def document_path(
 
 
 def closest(name: str, names: Sequence[str]) -> str:
-    """`did you mean 'x'?` where one of `names` is like `name`, and then all of them."""
+    """`did you mean 'x'?` where one of `names` is like `name`, and all of them unless that makes it long."""
     close = difflib.get_close_matches(name, names, n=1)
     meant = f"did you mean '{close[0]}'? " if close else ""
+    if close and len(names) > _SHORT_LIST:
+        return meant.rstrip()
     return f"{meant}the names are {', '.join(names)}"
 
 

@@ -16,7 +16,6 @@ from typing import Final, Self
 
 import numpy as np
 
-from benchtool.analysis.angle import angle_coverage
 from benchtool.analysis.bode import analyze_response
 from benchtool.analysis.current import CurrentSpectrum, current_spectrum
 from benchtool.analysis.flux_trajectory import flux_trajectory
@@ -184,8 +183,8 @@ def _true_residual(window: Window) -> Findings:
 
 
 def _orders(window: Window) -> Findings:
-    coverage = angle_coverage(window.block.column("theta_m"), "theta_m")
-    if coverage.revolutions < _FEWEST_REVOLUTIONS:
+    theta_m = np.unwrap(window.block.column("theta_m"))
+    if abs(float(theta_m[-1] - theta_m[0])) < _FEWEST_REVOLUTIONS * 2.0 * np.pi:
         return Findings(())
     slots = None if window.motor is None else window.motor.slots
     orders = order_analysis(window.block, "torque", pole_pairs=window.pole_pairs, slots=slots)

@@ -134,6 +134,8 @@ def show_remarks(output: Output, cases: Sequence[Assessment]) -> None:
     """Print what was not measured for want of channels, and where the drive contradicts the profile."""
     told: dict[str, None] = {}
     for case in cases:
+        if case.refusal:
+            told[f"{_of(case, cases)}nothing else was measured: {case.refusal}"] = None
         if case.without:
             lacking = (f"{title} ({', '.join(channels)})" for title, channels in case.without.items())
             told[f"not measured for want of channels: {', '.join(lacking)}"] = None

@@ -40,6 +40,7 @@ class Assessment:
     `quality` is what the recording's certificate measured; limits hold for it as well. `limits` are the
     plan's and, where it sets none, those of the operating point. `without` names what could not be measured
     for want of channels, with these. `parameter_check` is what `ParameterCheck.to_json` tells of the drive.
+    `refusal` is why nothing but the operating point was measured, where the machine ran elsewhere.
     """
 
     case: str
@@ -55,6 +56,7 @@ class Assessment:
     bode: Bode | None = None
     without: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     parameter_check: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    refusal: str = ""
 
     @property
     def found(self) -> Mapping[str, Measurement]:
@@ -103,6 +105,7 @@ class Assessment:
                 for name, limit in self.limits.items()
             },
             "disagreements": {each.name: each.to_json() for each in self.disagreements},
+            "refusal": self.refusal,
             "not_measured": {title: list(channels) for title, channels in self.without.items()},
             "different_parameters": dict(self.parameter_check.get("contradicted", {})),
             "measurements": measurements_to_json(self.measurements),
@@ -161,9 +164,52 @@ def assess(
         seen: what was read from drive and bench beside the capture.
 
     Raises:
-        AnalysisError: the data cannot answer what the plan asks.
+        AnalysisError: the data cannot answer what the plan asks, though the operating point was reached.
     """
     this, seen = case_named(plan, case), seen or Seen()
+    point = this.operating_point
+    wanted = asked(point, motor, seen.u_dc_V)
+    reached = measure_reached(wanted, plan, point, motor, capture, transducer, seen)
+    own = {**plan.limits, **plan.case_limits.get(this.group, {}), **plan.case_limits.get(case, {})}
+    limits = {**own, **{name: each for name, each in default_limits(wanted).items() if name not in own}}
+    try:
+        answers, refusal = _answer(plan, motor, capture, transducer), ""
+    except AnalysisError as refused:
+        if not any(missed(each.name, limits[each.name], each) for each in reached if each.name in limits):
+            raise
+        # the machine ran elsewhere: that is the result, and no wonder that nothing else can be told
+        answers, refusal = _Answers(), str(refused)
+    return Assessment(
+        case,
+        bundle,
+        (*answers.measurements, *reached),
+        quality,
+        limits,
+        {**plan.published.get(this.group, {}), **plan.published.get(case, {})},
+        capture,
+        transducer,
+        answers.steady,
+        answers.tables,
+        answers.bode,
+        answers.without,
+        seen.parameter_check,
+        refusal,
+    )
+
+
+@dataclass(frozen=True)
+class _Answers:
+    """What the analyses that a plan asks for give; the fields are those of `Assessment`."""
+
+    measurements: tuple[Measurement, ...] = ()
+    tables: tuple[Table, ...] = ()
+    steady: SteadyState | None = None
+    bode: Bode | None = None
+    without: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+
+
+def _answer(plan: Plan, motor: Motor, capture: Block, transducer: Block | None) -> _Answers:
+    """Every analysis that a plan asks for."""
     measurements: list[Measurement] = []
     tables: list[Table] = []
     steady = None
@@ -182,25 +228,7 @@ def assess(
     if bode is not None:
         measurements.extend(bode.measurements)
         tables.extend(bode.tables)
-    point = this.operating_point
-    wanted = asked(point, motor, seen.u_dc_V)
-    measurements.extend(measure_reached(wanted, plan, point, motor, capture, transducer, seen))
-    own = {**plan.limits, **plan.case_limits.get(this.group, {}), **plan.case_limits.get(case, {})}
-    return Assessment(
-        case,
-        bundle,
-        tuple(measurements),
-        quality,
-        {**own, **{name: limit for name, limit in default_limits(wanted).items() if name not in own}},
-        {**plan.published.get(this.group, {}), **plan.published.get(case, {})},
-        capture,
-        transducer,
-        steady,
-        tuple(tables),
-        bode,
-        without,
-        seen.parameter_check,
-    )
+    return _Answers(tuple(measurements), tuple(tables), steady, bode, without)
 
 
 def _response(plan: Plan, capture: Block) -> Bode:
