@@ -108,6 +108,7 @@ class Assessment:
             "refusal": self.refusal,
             "not_measured": {title: list(channels) for title, channels in self.without.items()},
             "different_parameters": dict(self.parameter_check.get("contradicted", {})),
+            "unstated_parameters": dict(self.parameter_check.get("unstated", {})),
             "measurements": measurements_to_json(self.measurements),
         }
         return document | ({"tables": tables_to_json(self.tables)} if self.tables else {})
@@ -220,7 +221,8 @@ def _answer(plan: Plan, motor: Motor, capture: Block, transducer: Block | None) 
         measurements.extend((*steady.measurements, *further.measurements))
         tables.extend((*steady.tables, *further.tables))
         channels = frozenset(window.names)
-        without = {each.title: lacking for each in STEADY if (lacking := each.missing(channels))}
+        could = [each for each in STEADY if transducer is not None or not each.transducer]
+        without = {each.title: lacking for each in could if (lacking := each.missing(channels))}
     if plan.analyses.step:
         step = analyze_step(capture, plan.analyses.step_signal, plan.analyses.step_reference)
         measurements.extend(step.measurements)

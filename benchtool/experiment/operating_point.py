@@ -248,7 +248,8 @@ def _measured(each: Asked, point: OperatingPoint, motor: Motor, signals: _Signal
         return Measurement.undefined(
             each.name, each.unit, f"mean; {text}", "neither the capture nor the drive tells it"
         )
-    known = math.isfinite(mean.standard) and mean.standard > 0.0  # not of a quantity below its resolution
+    # samples that are all the same, but for rounding, are below the resolution and tell no scatter
+    known = math.isfinite(mean.standard) and mean.standard > 1e-9 * abs(mean.value)
     uncertain = Uncertainty(mean.standard, "scatter over parts of the record") if known else None
     return Measurement(
         each.name, mean.value, each.unit, f"mean of {mean.source}; {text}", mean.basis, uncertain

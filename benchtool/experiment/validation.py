@@ -40,9 +40,15 @@ def require_known(
         transducer: whether that bench has a torque transducer.
 
     Raises:
+        ProfileError: the profile sets a parameter that there is not, or to what it cannot be.
         PlanError: something is unknown, out of its limits or cannot be measured; the message names file, line
             and key of the first such thing.
     """
+    for key, value in profile.drive.parameters.items():
+        try:
+            setting_of(dictionary, key, value)
+        except ValueRefused as refused:
+            raise ProfileError(f"profile '{profile.title}', [drive.parameters]: {refused}") from None
     text = path.read_text(encoding="utf-8")
     stream = "stream_sequence" in dictionary
     naming = Naming(plan, profile.motor, transducer, stream)

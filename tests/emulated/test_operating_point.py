@@ -117,15 +117,16 @@ def test_a_held_speed_and_a_torque_are_reached_too(
     session = wire.session
     load = session.load
     assert load is not None
+    apply, hold = load.apply, load.hold
 
     class Stubborn:
         """A load machine that holds its own speed."""
 
         def apply(self, torque_Nm: float) -> None:
-            load.apply(torque_Nm)
+            apply(torque_Nm)
 
         def hold(self, omega_m_rad_s: float) -> None:
-            load.hold(held)
+            hold(held)
 
     plan = _plan(ALL, mode="torque", torque_Nm=1.0, hold_speed_rad_s=31.42)
     found = _run(replace(session, load=Stubborn()), plan, tmp_path / "run")
