@@ -112,12 +112,12 @@ def show_missed(output: Output, cases: Sequence[Assessment]) -> None:
 
 def show_disagreements(output: Output, cases: Sequence[Assessment]) -> None:
     """Print where the shaft does not agree with the estimate of the drive, on which a verdict rests: what has
-    a limit in full, the rest by name."""
+    a limit in full, the rest by name with the number of cases."""
+    others: dict[str, int] = {}
     for case in cases:
-        others = []
         for each in case.disagreements:
             if each.verdict is None:
-                others.append(each.name)
+                others[each.name] = others.get(each.name, 0) + 1
                 continue
             true = f"{measured(each.true)} {each.true.unit}".rstrip()
             estimate = f"{measured(each.estimate)} {each.estimate.unit}".rstrip()
@@ -126,8 +126,12 @@ def show_disagreements(output: Output, cases: Sequence[Assessment]) -> None:
                 f"estimate, {true} on the shaft: {each.verdict} there",
                 _COLOUR[each.verdict],
             )
-        if others:
-            output.line(f"  the transducer disagrees: {_of(case, cases)}{', '.join(others)}", "dim")
+    if others:
+        named = [
+            f"{name} ({count} of {len(cases)} cases)" if len(cases) > 1 else name
+            for name, count in others.items()
+        ]
+        output.line(f"  the transducer disagrees: {', '.join(named)}", "dim")
 
 
 def show_remarks(output: Output, cases: Sequence[Assessment]) -> None:

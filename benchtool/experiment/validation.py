@@ -95,8 +95,11 @@ def _channel_faults(plan: Plan, dictionary: Dictionary) -> Faults:
 
 def _case_faults(plan: Plan) -> Faults:
     """Cases that would share a name or a folder, and names that no folder can have."""
+    todo = cases(plan)
+    if len(todo) == 1:
+        return  # its folder is the run's
     seen: dict[str, str] = {}
-    for case in cases(plan):
+    for case in todo:
         place = _origin(plan, case)
         folder = case.folder.casefold()
         if folder in seen:
