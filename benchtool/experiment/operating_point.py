@@ -127,7 +127,8 @@ def read(drive: RemoteDrive, names: Sequence[str]) -> dict[str, tuple[float, ...
     found: dict[str, list[float]] = {name: [] for name in known}
     for _ in range(READINGS if known else 0):
         for name in known:
-            found[name].append(drive.number(name))
+            if math.isfinite(value := drive.number(name)):
+                found[name].append(value)
         drive.wait(READING_EVERY_S)
     return {name: tuple(values) for name, values in found.items()}
 

@@ -59,7 +59,7 @@ def require_known(
         _bench_faults(plan, profile),
         _rating_faults(plan, profile),
         _record_faults(plan, dictionary),
-        _window_faults(plan, profile),
+        _window_faults(plan, profile, dictionary),
         naming.faults(),
     ):
         for location, reason in faults:
@@ -160,8 +160,8 @@ def _rating_faults(plan: Plan, profile: Profile) -> Faults:
 def _record_faults(plan: Plan, dictionary: Dictionary) -> Faults:
     """More rows than the drive records, and a stimulus that its control period cannot play."""
     record = plan.record
-    period_s = dictionary["control_period"].default if "control_period" in dictionary else None
-    if not isinstance(period_s, int | float):
+    period_s = _control_period_s(dictionary)
+    if period_s is None:
         return
     rows = round(record.duration_s / (period_s * record.stride))
     shown = f"record.duration_s = {record.duration_s:g} makes {rows} rows of {period_s * record.stride:g} s"
@@ -191,7 +191,13 @@ def _record_faults(plan: Plan, dictionary: Dictionary) -> Faults:
         yield ("stimulus",), str(refused)
 
 
-def _window_faults(plan: Plan, profile: Profile) -> Faults:
+def _control_period_s(dictionary: Dictionary) -> float | None:
+    """Of the drive, as its dictionary states it; None if it does not."""
+    period_s = dictionary["control_period"].default if "control_period" in dictionary else None
+    return period_s if isinstance(period_s, int | float) else None
+
+
+def _window_faults(plan: Plan, profile: Profile, dictionary: Dictionary) -> Faults:
     """Windows that are too short for what is to be measured in them."""
     record, analyses = plan.record, plan.analyses
     if analyses.steady and analyses.steady_from_s >= record.duration_s:
@@ -201,7 +207,7 @@ def _window_faults(plan: Plan, profile: Profile) -> Faults:
             f"are recorded: begin earlier or record longer",
         )
     elif analyses.steady and _PERIODIC & set(record.channels):
-        yield from _period_faults(plan, profile)
+        yield from _period_faults(plan, profile, _control_period_s(dictionary) or 0.0)
     stimulus = plan.stimulus
     if stimulus is None or not analyses.frequency_response:
         return
@@ -217,11 +223,11 @@ def _window_faults(plan: Plan, profile: Profile) -> Faults:
         )
 
 
-def _period_faults(plan: Plan, profile: Profile) -> Faults:
+def _period_faults(plan: Plan, profile: Profile, period_s: float) -> Faults:
     """Fewer than two electrical periods in the steady state of a case."""
     record = plan.record
     window_s = record.duration_s - plan.analyses.steady_from_s
-    lost_s = _ROWS_AT_THE_ENDS * 1e-4 * record.stride if "i_a" in record.channels else 0.0
+    lost_s = _ROWS_AT_THE_ENDS * period_s * record.stride if "i_a" in record.channels else 0.0
     for case in cases(plan):
         omega_m = speed_rad_s(case.operating_point, plan.stimulus)
         if omega_m is None:
