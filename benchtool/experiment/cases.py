@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from benchtool.errors import AnalysisError
 from benchtool.experiment.plan import OperatingPoint, Plan, Setting, Variant, part
@@ -40,12 +40,14 @@ def cases(plan: Plan) -> tuple[Case, ...]:
 
 
 def case_named(plan: Plan, name: str) -> Case:
-    """The case of that name.
+    """The case of that name; the only case of a plan goes by any.
 
     Raises:
-        AnalysisError: the plan has none.
+        AnalysisError: the plan has several, and none is called so.
     """
     todo = cases(plan)
+    if len(todo) == 1:
+        return replace(todo[0], name=name)
     for case in todo:
         if case.name == name:
             return case
