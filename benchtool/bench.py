@@ -45,6 +45,10 @@ class LoadMachine(Protocol):
 class Transducer(Protocol):
     """A torque transducer on the shaft, with a sampling of its own."""
 
+    @property
+    def longest_s(self) -> float:
+        """The longest time that it records."""
+
     def start(self, duration_s: float) -> None:
         """Record for `duration_s` from now."""
 
@@ -176,6 +180,15 @@ def dictionary_of(profile_name: str) -> Dictionary:
     """
     profile = load_profile(profile_name)
     return Dictionary.from_eds(eds_path(profile, profile_path(profile_name)), profile.drive.node_id)
+
+
+def has_transducer(url: str) -> bool:
+    """Whether the bench at a link address has a torque transducer: an emulated one in this process.
+
+    Raises:
+        UsageError: the address is none.
+    """
+    return Address.parse(url).kind == "emulated"
 
 
 def emulator_is_compiled() -> bool:

@@ -3,45 +3,72 @@
 from __future__ import annotations
 
 import difflib
+import itertools
 import re
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TypeVar
+from typing import Annotated, TypeVar
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict, Strict, ValidationError
 from pydantic_core import ErrorDetails
 
 from benchtool.errors import UsageError
 
 Path_ = tuple[int | str, ...]
+Item = TypeVar("Item")
+Array = Annotated[tuple[Item, ...], Strict(False)]
+"""An array of TOML or JSON, which is a list when it is read, as a tuple."""
+
+_UNION_MEMBERS = frozenset({"float", "int", "str"})  # that pydantic appends to where a value stands
+_SHORT_LIST = 24
+_PART = r"""(?:"[^"]*"|'[^']*'|[\w-]+)"""
+_KEYS = rf"{_PART}(?:\s*\.\s*{_PART})*"
 
 
 class Section(BaseModel):
-    """A table of a document: unknown keys are refused, values cannot be changed afterwards."""
+    """A table of a document: unknown keys are refused, values cannot be changed afterwards.
 
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, arbitrary_types_allowed=True)
+    Values are of the type that is asked for: `true` and `"15.71"` are no numbers. A whole number is a float.
+    """
+
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, allow_inf_nan=False, arbitrary_types_allowed=True, strict=True
+    )
 
 
 Model = TypeVar("Model", bound=Section)
 
 
 def document_path(
-    name: str, place: Path | None, kind: str, names: Callable[[], str], error: type[UsageError]
+    name: str,
+    place: Path | None,
+    kind: str,
+    names: Callable[[], Sequence[str]],
+    error: type[UsageError],
 ) -> Path:
     """The file that `name` names: a path ending in .toml, else `place`, where a document of that name ships.
 
     Raises:
-        error: there is none; the message lists `names()`.
+        error: there is none; the message names the nearest of `names()`, and all of them.
     """
     given = Path(name)
     if given.suffix == ".toml":
         if given.is_file():
             return given
-        raise error(f"no {kind} file {given}: give an existing TOML file or a name ({names()})")
+        raise error(f"no {kind} file {given}: give an existing TOML file or a name ({', '.join(names())})")
     if place is None or not place.is_file():
-        raise error(f"no {kind} '{name}': the names are {names()}; or give a TOML file")
+        raise error(f"no {kind} '{name}': {closest(name, names())}; or give a TOML file")
     return place
+
+
+def closest(name: str, names: Sequence[str]) -> str:
+    """`did you mean 'x'?` where one of `names` is like `name`, and all of them unless that makes it long."""
+    close = difflib.get_close_matches(name, names, n=1)
+    meant = f"did you mean '{close[0]}'? " if close else ""
+    if close and len(names) > _SHORT_LIST:
+        return meant.rstrip()
+    return f"{meant}the names are {', '.join(names)}"
 
 
 def load_document(path: Path, model: type[Model], error: type[UsageError]) -> Model:
@@ -61,14 +88,19 @@ def load_document(path: Path, model: type[Model], error: type[UsageError]) -> Mo
     try:
         return model.model_validate(content)
     except ValidationError as failed:
-        place = f"{path}{line_of(text, _foremost(failed)['loc'])}"
+        place = f"{path}{line_of(text, _location(_foremost(failed)))}"
         raise error(f"{place}: {explain(model, failed)}") from None
 
 
 def explain(model: type[BaseModel], failed: ValidationError) -> str:
     """Half a line on why content does not fit `model`: the foremost key, what was seen, what to do."""
-    others = f" (and {failed.error_count() - 1} more)" if failed.error_count() > 1 else ""
-    return f"{_explain(model, _foremost(failed))}{others}"
+    foremost = _foremost(failed)
+    place = _location(foremost)
+    # every member of a union complains, and then the array or table around them
+    wrong = {_location(each) for each in failed.errors()}
+    more = len({other for other in wrong if other != place[: len(other)]})
+    others = f" (and {more} more)" if more else ""
+    return f"{_explain(model, foremost)}{others}"
 
 
 def _foremost(failed: ValidationError) -> ErrorDetails:
@@ -77,12 +109,18 @@ def _foremost(failed: ValidationError) -> ErrorDetails:
     return next((each for each in details if each["type"] == "extra_forbidden"), details[0])
 
 
+def _location(detail: ErrorDetails) -> Path_:
+    """Where in the document a value is wrong."""
+    location = detail["loc"]
+    return location[:-1] if location and location[-1] in _UNION_MEMBERS else location
+
+
 def _reason(reason: OSError | UnicodeDecodeError) -> str:
     return reason.strerror or str(reason) if isinstance(reason, OSError) else "it is not UTF-8 text"
 
 
 def _explain(model: type[BaseModel], detail: ErrorDetails) -> str:
-    location = detail["loc"]
+    location = _location(detail)
     key = ".".join(str(part) for part in location)
     if detail["type"] == "extra_forbidden":
         allowed = _allowed_keys(model, location[:-1])
@@ -111,19 +149,32 @@ def _allowed_keys(model: type[BaseModel], location: Path_) -> list[str]:
 
 
 def line_of(text: str, location: Path_) -> str:
-    """`, line N` of the assignment or the table that `location` names; empty where it is not in the text."""
-    wanted = [str(part) for part in location if isinstance(part, str)]
+    """`, line N` of the assignment or the table that `location` names; empty where it is not in the text.
+
+    A number in `location` counts the tables of an array (`[[variants]]`) from 0.
+    """
+    wanted = [part for part in location if isinstance(part, str)]
+    counts = {str(name): at for name, at in itertools.pairwise(location) if isinstance(at, int)}
     table: list[str] = []
+    seen: dict[str, int] = {}
     best: tuple[int, int] | None = None
     for number, line in enumerate(text.splitlines(), start=1):
-        header = re.match(r"\s*\[+([^\]]+)\]+", line)
-        key = re.match(r"\s*([\w.\-\"]+)\s*=", line)
+        header = re.match(rf"\s*(\[\[?)\s*({_KEYS})\s*\]", line)
+        key = re.match(rf"\s*({_KEYS})\s*=", line)
         if header:
-            table = [part.strip().strip('"') for part in header[1].split(".")]
+            table = _parts(header[2])
+            if header[1] == "[[":
+                seen[table[-1]] = seen.get(table[-1], -1) + 1
         elif not key:
             continue
-        parts = table if header else table + [part.strip('"') for part in key[1].split(".")]  # type: ignore[index] # one of the two matched
+        parts = table if header else table + _parts(key[1])  # type: ignore[index] # one of the two matched
         depth = len(parts)
-        if parts == wanted[:depth] and (best is None or depth > best[0]):
+        passed = any(seen.get(name, at) != at for name, at in counts.items() if name in parts)
+        if parts == wanted[:depth] and not passed and (best is None or depth > best[0]):
             best = (depth, number)
     return f", line {best[1]}" if best else ""
+
+
+def _parts(keys: str) -> list[str]:
+    """The parts of a dotted key, without their quotes."""
+    return [part.strip("\"'") for part in re.findall(_PART, keys)]

@@ -17,6 +17,7 @@ prints it as it is. `exit_code` is what a command ends with when the error reach
     │   │   └── LinkClosed            the link was closed or its adapter vanished
     │   ├── IdentityMismatch          the node is not the drive the profile names
     │   ├── DictionaryMismatch        the drive speaks another dictionary version
+    │   ├── ParameterMismatch         the drive holds other parameters than the profile states
     │   ├── DictionaryError           a dictionary file cannot be read
     │   └── RecordingError            a recording cannot be written or read
     └── DriveError                 4  the drive answered, and refused or failed
@@ -87,6 +88,10 @@ class IdentityMismatch(EnvironmentFailure):
 
 class DictionaryMismatch(EnvironmentFailure):
     """The drive speaks another version of the dictionary."""
+
+
+class ParameterMismatch(EnvironmentFailure):
+    """The drive holds other parameters than the profile states."""
 
 
 class DictionaryError(EnvironmentFailure):

@@ -12,7 +12,7 @@ from typing import Annotated
 
 from pydantic import Field, ValidationError
 
-from benchtool.document import Section, document_path, explain, load_document
+from benchtool.document import Array, Section, document_path, explain, load_document
 from benchtool.errors import ProfileError
 from benchtool.shipped import shipped
 
@@ -102,7 +102,13 @@ class Profile(Section):
     motor: Motor
     drive: Drive
     emulator: Emulator | None = None
-    choices: tuple[Choice, ...] = ()
+    choices: Array[Choice] = ()
+
+    @property
+    def stated_parameters(self) -> dict[str, float | str]:
+        """What the drive is to hold, by TOML key: the motor, and `[drive.parameters]`."""
+        motor = self.motor.model_dump(exclude={"I_N_A_rms", "slots"})  # slots are for the host alone
+        return {**motor, "motor_rated_current_A": self.motor.I_N_A_rms, **self.drive.parameters}
 
 
 def profile_path(name: str) -> Path:
@@ -164,5 +170,5 @@ def eds_path(profile: Profile, source: Path) -> Path:
     )
 
 
-def _names() -> str:
-    return ", ".join(sorted(path.parent.name for path in shipped("profiles").glob("*/profile.toml")))
+def _names() -> list[str]:
+    return sorted(path.parent.name for path in shipped("profiles").glob("*/profile.toml"))

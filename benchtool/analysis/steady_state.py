@@ -4,15 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
-from benchtool.analysis.current import current_spectrum
+from benchtool.analysis.catalogue import CORE, Findings, Window
 from benchtool.analysis.measurement import Measurement, MeasurementJson, Table, measurements_to_json
-from benchtool.analysis.periods import PhaseTrack, track_angle, track_tone
-from benchtool.analysis.ripple import peak_to_peak_number
 from benchtool.analysis.spectrum import CoherentSpectrum
-from benchtool.analysis.switching import switching_frequency
-from benchtool.analysis.torque import torque_ripple, true_torque
 from benchtool.analysis.validity import require_unbroken
 from benchtool.block import Block
 from benchtool.errors import AnalysisError
@@ -20,20 +14,37 @@ from benchtool.errors import AnalysisError
 
 @dataclass(frozen=True)
 class SteadyState:
-    """Result of `analyze_steady_state`; `spectrum` is that of phase current a, in A peak."""
+    """Result of `analyze_steady_state`; `spectrum` is that of i_a, in A peak; None without that channel."""
 
     measurements: tuple[Measurement, ...]
-    spectrum: CoherentSpectrum
+    spectrum: CoherentSpectrum | None
     tables: tuple[Table, ...] = ()
 
     @property
+    def names(self) -> frozenset[str]:
+        """Names of the measurements."""
+        return frozenset(each.name for each in self.measurements)
+
+    @property
+    def current_spectrum(self) -> CoherentSpectrum:
+        """`spectrum`, for those who need it.
+
+        Raises:
+            AnalysisError: i_a was not recorded.
+        """
+        if self.spectrum is None:
+            raise AnalysisError("without channel 'i_a' there is no current spectrum: record it too")
+        return self.spectrum
+
+    @property
     def fundamental_Hz(self) -> float:
-        return self.spectrum.fundamental_Hz
+        """Of the current; raises AnalysisError as `current_spectrum`."""
+        return self.current_spectrum.fundamental_Hz
 
     @property
     def periods(self) -> int:
-        """Whole electrical periods in the spectrum."""
-        return self.spectrum.periods
+        """Whole electrical periods in the spectrum; raises AnalysisError as `current_spectrum`."""
+        return self.current_spectrum.periods
 
     def __getitem__(self, name: str) -> Measurement:
         """The measurement of that name.
@@ -61,40 +72,32 @@ def analyze_steady_state(
 ) -> SteadyState:
     """Torque and flux ripple, current spectrum and switching frequency of a window in steady state.
 
+    What the channels allow is measured: each analysis of `catalogue.CORE` states which it needs.
+
     Args:
-        block: a control-rate capture without gaps that has i_a; torque, psi_s and switching_count are
-            measured where they were recorded. With theta_m the electrical periods come from the rotor,
-            without it from i_a.
+        block: a control-rate capture without gaps. With theta_m the electrical periods come from the rotor,
+            without it from i_a; without both, numbers have no uncertainty from the scatter over periods.
         pole_pairs: pole pairs p of the machine.
         torque_rated_Nm: the base of the torque ripple of rated.
         transducer: the true torque, channel torque_transducer, covering the capture's time.
         current_rated_A_rms: the base of `current_tdd`, which is left out without it.
 
     Raises:
-        AnalysisError: a gap, no i_a, a dead signal, fewer than two electrical periods, or a speed that is not
-            steady.
+        AnalysisError: a gap, a dead signal, fewer than two electrical periods, or a speed that is not steady.
     """
-    require_unbroken(block)
-    track = _track(block, pole_pairs)
-    current = current_spectrum(block, "i_a", track, current_rated_A_rms=current_rated_A_rms)
-    measurements: list[Measurement] = []
-    estimate = None
-    if "torque" in block.names:
-        what = "the drive's estimate torque"
-        measurements += torque_ripple(block, torque_rated_Nm=torque_rated_Nm, track=track, what=what)
-        estimate = measurements[0]
-    if transducer is not None:
-        measurements += true_torque(transducer, block, estimate=estimate, track=track)
-    if "psi_s" in block.names:
-        what = "the drive's estimate psi_s (peak)"
-        measurements.append(peak_to_peak_number(block, "psi_s", "flux_ripple_pp", track=track, what=what))
-    measurements += current.measurements
-    if "switching_count" in block.names:
-        measurements.append(switching_frequency(block))
-    return SteadyState(tuple(measurements), current.spectrum, current.tables)
+    window = Window(block, pole_pairs, torque_rated_Nm, current_rated_A_rms, transducer)
+    return steady_state_of(window)
 
 
-def _track(block: Block, pole_pairs: int) -> PhaseTrack:
-    if "theta_m" in block.names:
-        return track_angle(np.ascontiguousarray(block.column("theta_m")), pole_pairs)
-    return track_tone(np.ascontiguousarray(block.column("i_a")), "i_a")
+def steady_state_of(window: Window) -> SteadyState:
+    """As `analyze_steady_state`, of a window that further analyses may share."""
+    require_unbroken(window.block)
+    channels, transducer = frozenset(window.block.names), window.transducer is not None
+    found: list[Findings] = [
+        analysis.measure(window) for analysis in CORE if analysis.possible(channels, transducer=transducer)
+    ]
+    return SteadyState(
+        tuple(each for part in found for each in part.measurements),
+        window.current.spectrum if "i_a" in channels else None,
+        tuple(each for part in found for each in part.tables),
+    )

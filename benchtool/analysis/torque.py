@@ -35,14 +35,18 @@ def true_torque(
     block: Block,
     *,
     estimate: Measurement | None = None,
+    torque_rated_Nm: float | None = None,
     track: PhaseTrack | None = None,
 ) -> tuple[Measurement, ...]:
-    """Ripple of the torque that a transducer measured, and the error of the drive's estimate of it.
+    """Mean and ripple of the torque that a transducer measured, and the error of the drive's estimate of it.
+
+    The numbers are those of `torque_ripple` under the names true_torque_*.
 
     Args:
         transducer: channel torque_transducer, at any rate, covering the time of `block`.
         block: the capture, without gaps.
         estimate: `torque_mean` of `block`; torque_error is left out without it.
+        torque_rated_Nm: the base of the numbers "of rated", which are left out without it.
         track: phase over the rows of `block`.
 
     Raises:
@@ -55,12 +59,12 @@ def true_torque(
         f"torque_transducer in its rows {first} to {first + len(inside.data) - 1} (from 0), those at tick x "
         f"tick_s from the capture's first row to one row past its last"
     )
-    numbers = ripple_numbers(inside, "torque_transducer", "true_torque", track=rows, what=what)
-    by_name = {each.name: each for each in numbers}
-    shown = (by_name["true_torque_ripple_pp"], by_name["true_torque_ripple_rms"])
+    numbers = ripple_numbers(
+        inside, "torque_transducer", "true_torque", rated=torque_rated_Nm, track=rows, what=what
+    )
     if estimate is None:
-        return shown
-    mean, uncertain = by_name["true_torque_mean"], None
+        return numbers
+    mean, uncertain = numbers[0], None
     if estimate.uncertainty is not None and mean.uncertainty is not None:
         both = math.hypot(estimate.uncertainty.standard, mean.uncertainty.standard)
         uncertain = Uncertainty(both, "those of both means, taken as independent")
@@ -68,7 +72,7 @@ def true_torque(
     error_Nm = estimate.value - mean.value
     reference = f"torque_transducer, {len(inside.data)} samples at {inside.sample_rate_Hz:g} Hz"
     basis = replace(estimate.basis, reference=reference)
-    return (*shown, Measurement("torque_error", error_Nm, "Nm", text, basis, uncertain))
+    return (*numbers, Measurement("torque_error", error_Nm, "Nm", text, basis, uncertain))
 
 
 def _at_rows_of(track: PhaseTrack, fine: Block, coarse: Block) -> PhaseTrack:

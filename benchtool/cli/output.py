@@ -44,9 +44,11 @@ class Output:
         """A line of the result, for people; never broken, so that it can be copied."""
         self._people.print(Text(text, style=style), soft_wrap=True)
 
-    def verdict(self, verdict: str) -> None:
-        """The verdict, in its colour."""
-        self._people.print(Text(f"verdict: {verdict}", style=_COLOUR[verdict]))
+    def verdict(self, verdict: str, by_transducer: str | None = None) -> None:
+        """The verdict, in its colour; that by the transducer beside it, where it is another."""
+        beside = f" by the drive's own estimate, {by_transducer} by the transducer on the shaft"
+        differs = by_transducer is not None and by_transducer != verdict
+        self._people.print(Text(f"verdict: {verdict}{beside if differs else ''}", style=_COLOUR[verdict]))
 
     def table(self, title: str, columns: tuple[str, ...], rows: Sequence[tuple[str | Text, ...]]) -> None:
         """A table of the result; columns whose heading begins with `>` are right-aligned."""
@@ -95,7 +97,60 @@ def show_run(output: Output, title: str, result: RunResult, tabulate: Sequence[s
     else:
         show_side_by_side(output, title, result.assessments)
     show_repeated(output, result.repeated, tabulate)
-    output.verdict(result.verdict)
+    show_remarks(output, result.assessments)
+    output.verdict(result.verdict, result.verdict_by_transducer)
+    show_missed(output, result.assessments)
+    show_disagreements(output, result.assessments)
+
+
+def show_missed(output: Output, cases: Sequence[Assessment]) -> None:
+    """Print each limit that was missed, or met within its margin only: case, number, bound, by how much."""
+    for case in cases:
+        for each in case.missed:
+            output.line(f"  {each.verdict}: {_of(case, cases)}{each}", _COLOUR[each.verdict])
+
+
+def show_disagreements(output: Output, cases: Sequence[Assessment]) -> None:
+    """Print where the shaft does not agree with the estimate of the drive, on which a verdict rests: what has
+    a limit in full, the rest by name with the number of cases."""
+    others: dict[str, int] = {}
+    for case in cases:
+        for each in case.disagreements:
+            if each.verdict is None:
+                others[each.name] = others.get(each.name, 0) + 1
+                continue
+            true = f"{measured(each.true)} {each.true.unit}".rstrip()
+            estimate = f"{measured(each.estimate)} {each.estimate.unit}".rstrip()
+            output.line(
+                f"  the transducer disagrees: {_of(case, cases)}{each.name} is {estimate} by the drive's own "
+                f"estimate, {true} on the shaft: {each.verdict} there",
+                _COLOUR[each.verdict],
+            )
+    if others:
+        named = [
+            f"{name} ({count} of {len(cases)} cases)" if len(cases) > 1 else name
+            for name, count in others.items()
+        ]
+        output.line(f"  the transducer disagrees: {', '.join(named)}", "dim")
+
+
+def show_remarks(output: Output, cases: Sequence[Assessment]) -> None:
+    """Print what was not measured for want of channels, and where the drive contradicts the profile."""
+    told: dict[str, None] = {}
+    for case in cases:
+        if case.refusal:
+            told[f"{_of(case, cases)}nothing else was measured: {case.refusal}"] = None
+        if case.without:
+            lacking = (f"{title} ({', '.join(channels)})" for title, channels in case.without.items())
+            told[f"not measured for want of channels: {', '.join(lacking)}"] = None
+        for key, values in case.parameter_check.get("contradicted", {}).items():
+            told[f"the drive held {key} = {values['drive']}, the profile states {values['profile']}"] = None
+    for line in told:
+        output.line(line, "dim")
+
+
+def _of(case: Assessment, cases: Sequence[Assessment]) -> str:
+    return f"{case.case}: " if len(cases) > 1 else ""
 
 
 def show_rows(output: Output, title: str, cases: Sequence[Assessment], names: Sequence[str]) -> None:

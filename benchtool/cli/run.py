@@ -16,6 +16,7 @@ from benchtool.cli.output import Output, show_run
 
 if TYPE_CHECKING:
     from benchtool.experiment.assessment import RunResult
+    from benchtool.experiment.plan import Plan
 
 
 @dataclass(frozen=True)
@@ -31,6 +32,7 @@ class RunOptions:
     resume: bool = False
     page: Path | None = None
     jobs: int = 1
+    allow_different: bool = False
     live: tuple[str, ...] = ()
 
 
@@ -50,6 +52,10 @@ def run(
         Path | None, typer.Option(metavar="FILE", help="Write published and measured figures as Markdown.")
     ] = None,
     jobs: Annotated[int, typer.Option(min=1, help="Emulated benches to run at a time.")] = 1,
+    allow_different: Annotated[
+        bool,
+        typer.Option("--allow-different", help="Run a drive whose parameters contradict the profile."),
+    ] = False,
     live: viewing.Live = None,
     seed: options.Seed = 0,
     real_time: options.RealTime = False,
@@ -57,7 +63,17 @@ def run(
 ) -> int:
     """Run a test plan: set up, run, capture, measure, judge; the drive is disabled afterwards."""
     chosen = RunOptions(
-        profile, link, resume or out, seed, real_time, as_json, bool(resume), page, jobs, tuple(live or ())
+        profile,
+        link,
+        resume or out,
+        seed,
+        real_time,
+        as_json,
+        bool(resume),
+        page,
+        jobs,
+        allow_different,
+        tuple(live or ()),
     )
     return run_named(plan, chosen)
 
@@ -75,10 +91,11 @@ def run_named(name: str, chosen: RunOptions) -> int:
     output = Output(as_json=chosen.as_json)
     title = Path(name).stem if name.endswith(".toml") else name
     folder = options.bundle_folder(chosen.out, options.wall_time(), title)
+    todo = [_check(each, chosen) for each in names]  # the last one too, before the first is run
     with viewing.places(chosen.live, output) as where:
         results = {
-            each: _run(each, folder, "" if single else Path(each).stem, chosen, output, where)
-            for each in names
+            each.name: _run(each, folder, "" if single else Path(each.name).stem, chosen, output, where)
+            for each in todo
         }
         where.linger(output)
     if chosen.page is not None:
@@ -89,29 +106,53 @@ def run_named(name: str, chosen: RunOptions) -> int:
     return 1 if verdict is Verdict.FAIL else 0
 
 
-def _run(
-    name: str, folder: Path, part: str, chosen: RunOptions, output: Output, where: viewing.Places
-) -> RunResult:
-    """Run one plan; `part` of the command it is, empty if it is all of it."""
-    from benchtool.bench import dictionary_of, open_session
-    from benchtool.cli.progress import RunProgress
-    from benchtool.cli.run_views import RunViews
+@dataclass(frozen=True)
+class _Checked:
+    """A plan that was found sound, by the name it was given, and the profile that it runs with."""
+
+    name: str
+    plan: Plan
+    profile: str
+
+
+def _check(name: str, chosen: RunOptions) -> _Checked:
+    """Read a plan, and refuse what cannot be, before anything is opened or sent."""
     from benchtool.errors import UsageError
-    from benchtool.experiment.parallel import run_in_processes
     from benchtool.experiment.plan import load_plan, plan_path
-    from benchtool.experiment.runner import RunInfo, run_plan
+    from benchtool.profile import load_profile
+
+    plan = load_plan(name)
+    place = chosen.profile or plan.profile
+    profile = load_profile(place)
+
+    # Imported once plan and profile are known to be there: a slip of the pen is answered at once.
+    from benchtool.bench import dictionary_of, has_transducer
     from benchtool.experiment.validation import require_known
 
-    plan, folder = load_plan(name), folder / part
-    place = chosen.profile or plan.profile
-    require_known(plan, plan_path(name), dictionary_of(place))
-    info = RunInfo(options.wall_time().isoformat(timespec="seconds"), chosen.seed, tuple(sys.argv[1:]))
+    dictionary, transducer = dictionary_of(place), has_transducer(chosen.link)
+    require_known(plan, plan_path(name), profile, dictionary, transducer=transducer)
     if chosen.jobs > 1 and (chosen.real_time or chosen.link != "emulated"):
         raise UsageError(
             f"--jobs {chosen.jobs} is for emulated benches in virtual time: leave out --link and --real-time"
         )
     if chosen.jobs > 1 and chosen.live:
         raise UsageError(f"--jobs {chosen.jobs} runs elsewhere than --live can look: leave one of them out")
+    return _Checked(name, plan, place)
+
+
+def _run(
+    checked: _Checked, folder: Path, part: str, chosen: RunOptions, output: Output, where: viewing.Places
+) -> RunResult:
+    """Run one plan; `part` of the command it is, empty if it is all of it."""
+    from benchtool.bench import open_session
+    from benchtool.cli.progress import RunProgress
+    from benchtool.cli.run_views import RunViews
+    from benchtool.experiment.parallel import run_in_processes
+    from benchtool.experiment.runner import RunInfo, run_plan
+
+    name, plan, place, folder = checked.name, checked.plan, checked.profile, folder / part
+    when, arguments = options.wall_time().isoformat(timespec="seconds"), tuple(sys.argv[1:])
+    info = RunInfo(when, chosen.seed, arguments, chosen.allow_different)
     with RunProgress(output) as bar:
         progress = RunViews(where, bar, output, part)
         opener = partial(
@@ -153,7 +194,8 @@ def _write_page(page: Path, command: str, results: Mapping[str, RunResult]) -> N
     for name, result in results.items():
         plan = load_plan(name)
         measured = {each.case: each.measurements for each in result.assessments}
-        figures.append(PlanFigures(name, plan.title, plan.readings, plan.tabulate, measured, plan.published))
+        published = {each.case: each.published for each in result.assessments if each.published}
+        figures.append(PlanFigures(name, plan.title, plan.readings, plan.tabulate, measured, published))
     text = reproduction_page(load_profile(plan.profile), figures, f"benchtool run {command} --page")
     try:
         page.write_text(text, encoding="utf-8")

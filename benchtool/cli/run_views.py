@@ -87,9 +87,8 @@ class RunViews:
             rows = viewing.measured((*result.measurements, *limited))
             bounds = {name: (limit.min, limit.max) for name, limit in result.limits.items()}
             verdicts = {name: str(verdict) for name, verdict in result.verdicts.items()}
-            view.results(
-                results_document(view.title, rows, bounds, verdicts, [f"verdict: **{result.verdict}**"])
-            )
+            remarks = [f"verdict: **{result.verdict}**", *(str(each) for each in result.missed)]
+            view.results(results_document(view.title, rows, bounds, verdicts, remarks))
             view.quality(certificate_document(viewing.measured(result.quality)))
         else:
             view.results(results_document(view.title, (), remarks=[f"the run has failed: {failure}"]))

@@ -7,7 +7,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from benchtool.document import Section, load_document
+from benchtool.document import Array, Section, load_document
 from benchtool.errors import ParameterFileError
 from benchtool.shipped import shipped
 
@@ -22,7 +22,7 @@ class Migration(Section):
     to_hash: Hash
     rename: dict[str, str] = Field(default_factory=dict)
     scale: dict[str, float] = Field(default_factory=dict)
-    drop: tuple[str, ...] = ()
+    drop: Array[str] = ()
 
     def apply(self, values: Mapping[str, Number]) -> dict[str, Number]:
         """Values by key in the later dictionary.
@@ -47,7 +47,7 @@ class Migration(Section):
 class Migrations(Section):
     """All rules of a dictionary."""
 
-    migration: tuple[Migration, ...] = ()
+    migration: Array[Migration] = ()
 
     def path(self, from_hash: int, to_hash: int) -> Sequence[Migration] | None:
         """The shortest chain of rules between two versions; None if there is none."""

@@ -17,6 +17,7 @@ from benchtool.emulator.firmware.device import Firmware
 from benchtool.emulator.servers.canopen import CanopenServer
 from benchtool.emulator.servers.node import DriveNode, OnGone
 from benchtool.emulator.servers.serial import SerialServer
+from benchtool.emulator.transducer import MAX_TICKS
 from benchtool.emulator.truth import InverterTruth, MotorTruth, SensorTruth
 from benchtool.errors import ProfileError
 from benchtool.link.pipe import PipePort, pipe
@@ -24,7 +25,7 @@ from benchtool.link.port import Port
 from benchtool.link.virtual import VirtualTimeBus
 from benchtool.profile import Emulator, Profile
 from benchtool.protocol.dictionary import Dictionary
-from benchtool.protocol.keys import variable_of
+from benchtool.protocol.keys import setting_of
 from benchtool.protocol.nmt import NmtState
 from benchtool.protocol.objects import Number, ObjectTable, load_table
 from benchtool.protocol.variable import Value, Variable
@@ -180,6 +181,11 @@ class EmulatedTransducer:
     def __init__(self, core: Core) -> None:
         self._core = core
 
+    @property
+    def longest_s(self) -> float:
+        """The longest time that it records."""
+        return MAX_TICKS * float(self._core.memory["control_period"][0])
+
     def start(self, duration_s: float) -> None:
         """Record for `duration_s` from now."""
         self._core.transducer.start(round(duration_s / float(self._core.memory["control_period"][0])))
@@ -204,12 +210,10 @@ def _core(table: ObjectTable, profile: Profile, emulator: Emulator, seed: int, f
 
 def _stored_parameters(profile: Profile, emulator: Emulator) -> dict[str, Number]:
     """Raw values that the drive was commissioned with: the believed motor, the encoder, the parameters."""
-    motor = profile.motor.model_dump(exclude={"I_N_A_rms", "slots"})  # for the host alone
     sensors = emulator.sensors.model_dump(include={"encoder_lines", "encoder_offset_rad"})
-    rated = {"motor_rated_current_A": profile.motor.I_N_A_rms}
-    given: Mapping[str, Value] = {**motor, **sensors, **rated, **profile.drive.parameters}
+    given: Mapping[str, Value] = {**sensors, **profile.stated_parameters}
     dictionary = Dictionary.from_eds(shipped("firmware_protocol") / "drive.eds", profile.drive.node_id)
-    variables = {key: variable_of(dictionary, key) for key in given}
+    variables = {key: setting_of(dictionary, key, value) for key, value in given.items()}
     return {variable.name: _raw(variable, given[key]) for key, variable in variables.items()}
 
 

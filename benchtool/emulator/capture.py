@@ -17,11 +17,12 @@ from numpy.typing import NDArray
 from benchtool.emulator.jit import njit
 from benchtool.emulator.memory import Record, record_type, word_offset, words
 from benchtool.errors import ValueRefused
+from benchtool.protocol.capture import MOST_VALUES
 from benchtool.ticks import on_wire
 
 MAX_ROWS = 200_000
 MAX_CHANNELS = 16
-MAX_VALUES = 1_000_000
+MAX_VALUES = MOST_VALUES
 
 
 class CaptureState(IntEnum):

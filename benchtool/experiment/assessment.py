@@ -18,10 +18,14 @@ from benchtool.analysis import (
     tables_to_json,
 )
 from benchtool.analysis.bode import Bode, analyze_response
+from benchtool.analysis.catalogue import STEADY
 from benchtool.analysis.step import analyze_step
 from benchtool.block import Block
 from benchtool.errors import AnalysisError
-from benchtool.experiment.limits import Limit, Verdict, worst
+from benchtool.experiment.agreement import Disagreement, disagreements
+from benchtool.experiment.cases import case_named
+from benchtool.experiment.limits import Limit, Missed, Verdict, missed, worst
+from benchtool.experiment.operating_point import Seen, asked, default_limits, measure_reached
 from benchtool.experiment.plan import Plan
 from benchtool.experiment.repetition import Repeated
 from benchtool.experiment.steady_state import assess_steady_state
@@ -33,7 +37,10 @@ from benchtool.recording import Bundle
 class Assessment:
     """What a case measured, how each limit was met, and what a publication has for it.
 
-    `quality` is what the recording's certificate measured; limits hold for it as well.
+    `quality` is what the recording's certificate measured; limits hold for it as well. `limits` are the
+    plan's and, where it sets none, those of the operating point. `without` names what could not be measured
+    for want of channels, with these. `parameter_check` is what `ParameterCheck.to_json` tells of the drive.
+    `refusal` is why nothing but the operating point was measured, where the machine ran elsewhere.
     """
 
     case: str
@@ -47,20 +54,63 @@ class Assessment:
     steady: SteadyState | None
     tables: tuple[Table, ...] = ()
     bode: Bode | None = None
+    without: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    parameter_check: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    refusal: str = ""
+
+    @property
+    def found(self) -> Mapping[str, Measurement]:
+        """Every measurement by name, those of the certificate among them."""
+        return {each.name: each for each in (*self.quality, *self.measurements)}
 
     @property
     def verdicts(self) -> Mapping[str, Verdict]:
         """Verdict of each limit; a limit on something that was not measured fails."""
-        values = {each.name: each.value for each in (*self.quality, *self.measurements)}
+        values = {name: each.value for name, each in self.found.items()}
         return {name: limit.judge(values.get(name)) for name, limit in self.limits.items()}
+
+    @property
+    def missed(self) -> tuple[Missed, ...]:
+        """The limits that were not met, or within their margin only."""
+        found = self.found
+        judged = (missed(name, limit, found.get(name)) for name, limit in self.limits.items())
+        return tuple(each for each in judged if each is not None)
+
+    @property
+    def disagreements(self) -> tuple[Disagreement, ...]:
+        """Numbers of the drive's estimate that the transducer contradicts."""
+        return disagreements(self.measurements, self.limits)
 
     @property
     def verdict(self) -> Verdict:
         return worst(self.verdicts.values())
 
+    @property
+    def verdict_by_transducer(self) -> Verdict | None:
+        """The verdict with the transducer's number wherever it contradicts the estimate; None without one."""
+        if self.transducer is None:
+            return None
+        shaft = {each.name: each.verdict for each in self.disagreements if each.verdict is not None}
+        return worst({**self.verdicts, **shaft}.values())
+
     def to_json(self) -> dict[str, Any]:
         """The case as the JSON document of a run lists it."""
-        document = {"bundle": str(self.bundle), "measurements": measurements_to_json(self.measurements)}
+        document: dict[str, Any] = {
+            "bundle": str(self.bundle),
+            "verdict": str(self.verdict),
+            "verdict_by_transducer": self.verdict_by_transducer,
+            "missed": [str(each) for each in self.missed],
+            "limits": {
+                name: limit.model_dump(exclude_none=True) | {"verdict": str(self.verdicts[name])}
+                for name, limit in self.limits.items()
+            },
+            "disagreements": {each.name: each.to_json() for each in self.disagreements},
+            "refusal": self.refusal,
+            "not_measured": {title: list(channels) for title, channels in self.without.items()},
+            "different_parameters": dict(self.parameter_check.get("contradicted", {})),
+            "unstated_parameters": dict(self.parameter_check.get("unstated", {})),
+            "measurements": measurements_to_json(self.measurements),
+        }
         return document | ({"tables": tables_to_json(self.tables)} if self.tables else {})
 
 
@@ -75,10 +125,18 @@ class RunResult:
     def verdict(self) -> Verdict:
         return worst(each.verdict for each in self.assessments)
 
+    @property
+    def verdict_by_transducer(self) -> Verdict | None:
+        """As that of the cases; None where none has a transducer."""
+        found = [each.verdict_by_transducer for each in self.assessments]
+        known = [verdict for verdict in found if verdict is not None]
+        return worst(known) if known else None
+
     def to_json(self) -> dict[str, Any]:
         """The document that `--json` prints."""
         document: dict[str, Any] = {
             "verdict": str(self.verdict),
+            "verdict_by_transducer": self.verdict_by_transducer,
             "cases": {each.case: each.to_json() for each in self.assessments},
         }
         if self.repeated:
@@ -97,20 +155,74 @@ def assess(
     capture: Block,
     transducer: Block | None,
     quality: tuple[Measurement, ...] = (),
+    seen: Seen | None = None,
 ) -> Assessment:
     """Analyse what one case recorded.
 
+    Args:
+        case: its name.
+        quality: what the recording's certificate measured.
+        seen: what was read from drive and bench beside the capture.
+
     Raises:
-        AnalysisError: the data cannot answer what the plan asks.
+        AnalysisError: the data cannot answer what the plan asks, though the operating point was reached.
     """
+    this, seen = case_named(plan, case), seen or Seen()
+    point = this.operating_point
+    wanted = asked(point, motor, seen.u_dc_V)
+    reached = measure_reached(wanted, plan, point, motor, capture, transducer, seen)
+    own = {**plan.limits, **plan.case_limits.get(this.group, {}), **plan.case_limits.get(case, {})}
+    limits = {**own, **{name: each for name, each in default_limits(wanted).items() if name not in own}}
+    try:
+        answers, refusal = _answer(plan, motor, capture, transducer), ""
+    except AnalysisError as refused:
+        if not any(missed(each.name, limits[each.name], each) for each in reached if each.name in limits):
+            raise
+        # the machine ran elsewhere: that is the result, and no wonder that nothing else can be told
+        answers, refusal = _Answers(), str(refused)
+    return Assessment(
+        case,
+        bundle,
+        (*answers.measurements, *reached),
+        quality,
+        limits,
+        {**plan.published.get(this.group, {}), **plan.published.get(case, {})},
+        capture,
+        transducer,
+        answers.steady,
+        answers.tables,
+        answers.bode,
+        answers.without,
+        seen.parameter_check,
+        refusal,
+    )
+
+
+@dataclass(frozen=True)
+class _Answers:
+    """What the analyses that a plan asks for give; the fields are those of `Assessment`."""
+
+    measurements: tuple[Measurement, ...] = ()
+    tables: tuple[Table, ...] = ()
+    steady: SteadyState | None = None
+    bode: Bode | None = None
+    without: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+
+
+def _answer(plan: Plan, motor: Motor, capture: Block, transducer: Block | None) -> _Answers:
+    """Every analysis that a plan asks for."""
     measurements: list[Measurement] = []
     tables: list[Table] = []
     steady = None
+    without: dict[str, tuple[str, ...]] = {}
     if plan.analyses.steady:
         window = _from(capture, plan.analyses.steady_from_s)
         steady, further = assess_steady_state(window, motor, transducer)
         measurements.extend((*steady.measurements, *further.measurements))
         tables.extend((*steady.tables, *further.tables))
+        channels = frozenset(window.names)
+        could = [each for each in STEADY if transducer is not None or not each.transducer]
+        without = {each.title: lacking for each in could if (lacking := each.missing(channels))}
     if plan.analyses.step:
         step = analyze_step(capture, plan.analyses.step_signal, plan.analyses.step_reference)
         measurements.extend(step.measurements)
@@ -118,19 +230,7 @@ def assess(
     if bode is not None:
         measurements.extend(bode.measurements)
         tables.extend(bode.tables)
-    return Assessment(
-        case,
-        bundle,
-        tuple(measurements),
-        quality,
-        {**plan.limits, **plan.case_limits.get(case, {})},
-        plan.published.get(case, {}),
-        capture,
-        transducer,
-        steady,
-        tuple(tables),
-        bode,
-    )
+    return _Answers(tuple(measurements), tuple(tables), steady, bode, without)
 
 
 def _response(plan: Plan, capture: Block) -> Bode:
@@ -168,7 +268,8 @@ def assess_bundle(bundle: Bundle) -> Assessment:
     transducer = bundle.block("transducer") if "transducer" in bundle.streams else None
     certificate = bundle.certificate or {}
     quality = measurements_from_json(certificate.get("measurements", {}))
-    return assess(plan, case, motor, bundle.directory, bundle.block("capture"), transducer, quality)
+    capture, seen = bundle.block("capture"), Seen.of(details)
+    return assess(plan, case, motor, bundle.directory, capture, transducer, quality, seen)
 
 
 def _from(block: Block, start_s: float) -> Block:

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pydantic import ValidationError
 
 from benchtool.errors import BenchError
+from benchtool.experiment.assessment import Assessment
 from benchtool.experiment.drawing import case_figures
 from benchtool.experiment.plan import Plan
 from benchtool.experiment.presenting import mark, picture
@@ -18,7 +19,7 @@ from benchtool.protocol.keys import toml_key
 from benchtool.recording import Bundle, Manifest
 from benchtool.report import content
 from benchtool.report.content import Item, Picture, Section, Text
-from benchtool.report.numbers import number, raw
+from benchtool.report.numbers import number, raw, stated
 from benchtool.report.origin import (
     choices_section,
     events_section,
@@ -42,6 +43,7 @@ def case_items(case: RecordedCase, *, alone: bool = True) -> Iterator[Item]:
             for name, limit in result.limits.items()
         }
         yield limits_section((*result.measurements, *result.quality), limits)
+        yield from remarks(result)
         yield measurements_section("Measurements", result.measurements, limits, result.published)
         if (tables := tables_section(result.tables)) is not None:
             yield tables
@@ -52,6 +54,35 @@ def case_items(case: RecordedCase, *, alone: bool = True) -> Iterator[Item]:
     yield quality_section(case.bundle, limits)
     if alone:
         yield from circumstances(case.bundle)
+
+
+def remarks(result: Assessment) -> Iterator[Item]:
+    """What a verdict does not say: limits missed, by how much; where the shaft does not agree; what is not
+    measured; where the drive contradicts the profile."""
+    for missed in result.missed:
+        yield Text(f"{str(missed.verdict).capitalize()}: {missed}.", "warning")
+    for each in result.disagreements:
+        verdict = f": {each.verdict} there" if each.verdict is not None else ""
+        own, true = (
+            stated(one.value, one.uncertainty.standard if one.uncertainty else None)
+            for one in (each.estimate, each.true)
+        )
+        yield Text(
+            f"The transducer disagrees: {each.name} is {own} {each.estimate.unit} by the drive's own "
+            f"estimate, {true} {each.true.unit} on the shaft{verdict}.",
+            "note" if each.verdict is None or each.verdict is result.verdicts.get(each.name) else "warning",
+        )
+    if result.refusal:
+        yield Text(f"Nothing else was measured: {result.refusal}.", "warning")
+    if result.without:
+        lacking = (f"{title} ({', '.join(channels)})" for title, channels in result.without.items())
+        yield Text(f"Not measured for want of channels: {', '.join(lacking)}.", "note")
+    for kind, other in (("contradicted", "profile"), ("unstated", "default")):
+        for key, values in result.parameter_check.get(kind, {}).items():
+            yield Text(
+                f"The drive held {key} = {raw(values['drive'])}, the {other} is {raw(values[other])}.",
+                "warning" if kind == "contradicted" else "note",
+            )
 
 
 def failure(case: RecordedCase) -> Iterator[Item]:

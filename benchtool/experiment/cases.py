@@ -5,17 +5,19 @@ from __future__ import annotations
 import itertools
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from benchtool.experiment.plan import OperatingPoint, Plan, Setting, Variant
+from benchtool.errors import AnalysisError
+from benchtool.experiment.plan import OperatingPoint, Plan, Setting, Variant, part
 
 
 @dataclass(frozen=True)
 class Case:
-    """One point of a plan: its name, what differs from the profile's emulated bench and from the plan's
-    setup, and where the machine runs."""
+    """One point of a plan: its name, that of all its repetitions, what differs from the profile's emulated
+    bench and from the plan's setup, and where the machine runs."""
 
     name: str
+    group: str
     emulator: Mapping[str, float]
     setup: Mapping[str, Setting]
     operating_point: OperatingPoint
@@ -37,6 +39,22 @@ def cases(plan: Plan) -> tuple[Case, ...]:
     )
 
 
+def case_named(plan: Plan, name: str) -> Case:
+    """The case of that name; the only case of a plan goes by any.
+
+    Raises:
+        AnalysisError: the plan has several, and none is called so.
+    """
+    todo = cases(plan)
+    if len(todo) == 1:
+        return replace(todo[0], name=name)
+    for case in todo:
+        if case.name == name:
+            return case
+    names = ", ".join(case.name for case in todo)
+    raise AnalysisError(f"'{name}' is no case of plan '{plan.title}', which has {names}: choose one of these")
+
+
 def _points(plan: Plan) -> Iterator[tuple[tuple[str, Setting], ...]]:
     axes = [
         [(key, value) for value in values]
@@ -55,10 +73,9 @@ def _case(
     plan: Plan, variant: Variant | None, point: tuple[tuple[str, Setting], ...], repetition: int
 ) -> Case:
     parts = [variant.name] if variant is not None else []
-    parts += [_part(key, value) for key, value in point]
-    name = ",".join(parts) or plan.case or str(plan.setup.get("law", "case"))
-    if plan.repetitions > 1:
-        name = f"{name}.{repetition}"
+    parts += [part(value) if isinstance(value, str) else f"{key}={part(value)}" for key, value in point]
+    group = ",".join(parts) or plan.case or str(plan.setup.get("law", "case"))
+    name = f"{group}.{repetition}" if plan.repetitions > 1 else group
     emulator: dict[str, float] = dict(plan.emulator)
     setup: dict[str, Setting] = {}
     if variant is not None:
@@ -72,8 +89,4 @@ def _case(
             setup[key] = value
         else:
             swept[key] = value
-    return Case(name, emulator, setup, plan.operating_point.model_copy(update=swept), repetition)
-
-
-def _part(key: str, value: Setting) -> str:
-    return value if isinstance(value, str) else f"{key}={value:g}"
+    return Case(name, group, emulator, setup, plan.operating_point.model_copy(update=swept), repetition)

@@ -10,8 +10,9 @@ from typing import Any
 
 from benchtool.analysis import Measurement
 from benchtool.block import Block
+from benchtool.experiment.agreement import COVERAGE
 from benchtool.experiment.assessment import Assessment
-from benchtool.experiment.deltas import COVERAGE, Comparison, Delta
+from benchtool.experiment.deltas import Comparison, Delta
 from benchtool.experiment.presenting import mark, picture, read_already
 from benchtool.recording import Bundle
 from benchtool.report.comparison import Panel, draw_spectra, draw_steady_traces, draw_torque_traces

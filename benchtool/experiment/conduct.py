@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 from benchtool.bench import LoadMachine, Session
 from benchtool.block import Block
 from benchtool.drive import Capture, CaptureRequest, Mode, play
 from benchtool.experiment.cases import Case
+from benchtool.experiment.operating_point import read, to_read
 from benchtool.experiment.plan import OperatingPoint, Plan, Record
 
 _LOAD_RAMP = 0.25  # of the settling time
@@ -25,8 +27,18 @@ class Progress(Protocol):
         """A step within the case begins."""
 
 
-def conduct(session: Session, plan: Plan, case: Case, progress: Progress) -> tuple[Block, Block | None]:
-    """Run one case and return what the drive captured and, where the bench has one, the torque transducer.
+@dataclass(frozen=True)
+class Conducted:
+    """What a case gave: the drive's capture, that of the torque transducer where the bench has one, and what
+    was read from the drive just before, by signal."""
+
+    capture: Block
+    transducer: Block | None
+    readings: Mapping[str, Sequence[float]]
+
+
+def conduct(session: Session, plan: Plan, case: Case, progress: Progress) -> Conducted:
+    """Run one case and return what was recorded.
 
     The drive is disabled and the shaft unloaded when this returns or raises.
 
@@ -39,7 +51,10 @@ def conduct(session: Session, plan: Plan, case: Case, progress: Progress) -> tup
         progress.note("enabling")
         with session.drive.enabled(point.mode_of_operation):
             _settle(session, point, progress)
-            return _play(session, plan, progress) if plan.stimulus else _capture(session, plan, progress)
+            names = to_read(plan, session.drive.number("control_period"))
+            readings = read(session.drive, names)
+            capture = _play if plan.stimulus else _capture
+            return Conducted(*capture(session, plan, progress), readings)
     finally:
         if session.load is not None:
             session.load.apply(0.0)
@@ -70,7 +85,8 @@ def _settle(session: Session, point: OperatingPoint, progress: Progress) -> None
         progress.note(f"making {point.torque_Nm:g} Nm")
         session.drive.write("torque_command", point.torque_Nm)
     else:
-        progress.note(f"running at {point.omega_m_rad_s:g} rad/s with {point.load_torque_Nm:g} Nm")
+        loaded = f" with {point.load_torque_Nm:g} Nm" if session.load is not None else ""
+        progress.note(f"running at {point.omega_m_rad_s:g} rad/s{loaded}")
         session.drive.write("omega_m_command", point.omega_m_rad_s)
     session.drive.wait(point.settle_s / 2.0)
     if point.hold_speed_rad_s is not None:

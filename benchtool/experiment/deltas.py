@@ -5,13 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Final, Literal
+from typing import Any, Literal
 
 from benchtool.analysis import Measurement
+from benchtool.experiment.agreement import COVERAGE
 from benchtool.experiment.assessment import Assessment
 from benchtool.experiment.limits import Limit
-
-COVERAGE: Final = 2.0  # k: of a normal distribution, 95 % of the differences that chance makes lie within
 
 _SAME_LENGTH = 0.01  # of the longer record: whole periods differ by less
 

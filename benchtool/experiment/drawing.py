@@ -34,7 +34,7 @@ def case_figures(plan: Plan, result: Assessment) -> dict[str, Figure]:
     """Figures of one case by name."""
     panel = Panel(_label(result), result.capture, result.steady)
     figures = {}
-    if plan.analyses.step:
+    if plan.analyses.step and "torque" in result.capture.names:
         figures["torque"] = draw_torque_traces([panel], plan.title)
     elif result.steady is not None:
         figures |= draw_steady_state(result.capture, result.steady, result.transducer, title=plan.title)

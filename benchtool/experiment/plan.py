@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
-from benchtool.document import Section, document_path, load_document
+from benchtool.document import Array, Section, document_path, load_document
 from benchtool.drive import Mode, Stimulus
 from benchtool.errors import PlanError
 from benchtool.experiment.limits import Limit
@@ -15,6 +16,23 @@ from benchtool.shipped import shipped
 
 Seconds = Annotated[float, Field(gt=0, le=3600)]
 Setting = float | str
+
+
+def _distinct(values: Sequence[Setting]) -> Sequence[Setting]:
+    """Refuse an array in which a value comes twice: as a channel's name, or in that of a case."""
+    shown = [part(value) for value in values]
+    for position, text in enumerate(shown):
+        if text in shown[:position]:
+            raise ValueError(f"{text} comes twice, once is expected: leave one out")
+    return values
+
+
+def part(value: Setting) -> str:
+    """A swept value in the name of its case: text as it is, a number to six digits."""
+    return value if isinstance(value, str) else f"{value:g}"
+
+
+Swept = Annotated[Array[float], Field(min_length=1), AfterValidator(_distinct)]
 _OF_MODE = {
     "velocity": frozenset({"omega_m_rad_s", "load_torque_Nm"}),
     "torque": frozenset({"torque_Nm", "hold_speed_rad_s", "load_torque_Nm"}),
@@ -26,6 +44,7 @@ class OperatingPoint(Section):
 
     In velocity mode the drive holds the speed and the load machine loads the shaft. In torque mode the drive
     makes the torque and the load machine holds the speed; without `hold_speed_rad_s` it loads the shaft.
+    `u_dc_V` is the dc link that this takes; without it, that of the profile's emulated bench.
     """
 
     mode: Literal["velocity", "torque"] = "velocity"
@@ -33,6 +52,7 @@ class OperatingPoint(Section):
     load_torque_Nm: float = 0.0
     torque_Nm: float = 0.0
     hold_speed_rad_s: float | None = None
+    u_dc_V: Annotated[float, Field(gt=0)] | None = None
     settle_s: Seconds = 1.0
 
     @model_validator(mode="after")
@@ -56,7 +76,7 @@ class Record(Section):
     """What the drive captures, `stride` control ticks per row, from `pretrigger_s` before a stimulus on."""
 
     duration_s: Seconds
-    channels: Annotated[tuple[str, ...], Field(min_length=1, max_length=16)]
+    channels: Annotated[Array[str], Field(min_length=1, max_length=16), AfterValidator(_distinct)]
     stride: Annotated[int, Field(ge=1, le=10000)] = 1
     pretrigger_s: Annotated[float, Field(ge=0)] = 0.01
 
@@ -68,11 +88,12 @@ class Sweep(Section):
     """
 
     order: Literal["grid", "list"] = "grid"
-    setup: dict[str, Annotated[tuple[Setting, ...], Field(min_length=1)]] = Field(default_factory=dict)
-    emulator: dict[str, Annotated[tuple[float, ...], Field(min_length=1)]] = Field(default_factory=dict)
+    setup: dict[str, Annotated[Array[Setting], Field(min_length=1), AfterValidator(_distinct)]] = Field(
+        default_factory=dict
+    )
+    emulator: dict[str, Swept] = Field(default_factory=dict)
     operating_point: dict[
-        Literal["omega_m_rad_s", "load_torque_Nm", "torque_Nm", "hold_speed_rad_s"],
-        Annotated[tuple[float, ...], Field(min_length=1)],
+        Literal["omega_m_rad_s", "load_torque_Nm", "torque_Nm", "hold_speed_rad_s"], Swept
     ] = Field(default_factory=dict)
 
     @model_validator(mode="after")
@@ -110,10 +131,11 @@ class Plan(Section):
     """One test: set up, run, record, measure, judge; once, or for every variant at every point of a sweep.
 
     `emulator` alters the emulated bench that the plan runs on. With a `stimulus`, the capture is that of the
-    drive playing it. `limits` hold for every case, `case_limits` for the case they name. `published` has the
-    figures of a publication to print beside ours, by case, `readings` what that publication leaves open and
-    how it is read here. `figure` sets the cases side by side, `sweep` as `figure_of` against the operating
-    point that is swept; `tabulate` names the measurements of a table with a row for each case.
+    drive playing it. `limits` hold for every case, `case_limits` for the case that they name, or for all of
+    its repetitions. `published` has the figures of a publication to print beside ours, by case, `readings`
+    what that publication leaves open and how it is read here. `figure` sets the cases side by side, `sweep`
+    as `figure_of` against the operating point that is swept; `tabulate` names the measurements of a table
+    with a row for each case.
     """
 
     title: str
@@ -122,7 +144,7 @@ class Plan(Section):
     repetitions: Annotated[int, Field(ge=1, le=1000)] = 1
     setup: dict[str, Setting] = Field(default_factory=dict)
     operating_point: OperatingPoint
-    variants: tuple[Variant, ...] = ()
+    variants: Array[Variant] = ()
     sweep: Sweep = Sweep()
     record: Record
     stimulus: Stimulus | None = None
@@ -130,10 +152,10 @@ class Plan(Section):
     limits: dict[str, Limit] = Field(default_factory=dict)
     case_limits: dict[str, dict[str, Limit]] = Field(default_factory=dict)
     published: dict[str, dict[str, float]] = Field(default_factory=dict)
-    readings: tuple[str, ...] = ()
+    readings: Array[str] = ()
     figure: Literal["none", "torque", "steady", "spectra", "sweep", "bode"] = "none"
     figure_of: str = "torque_ripple_pp"
-    tabulate: tuple[str, ...] = ()
+    tabulate: Array[str] = ()
     emulator: dict[str, float] = Field(default_factory=dict)
 
     @model_validator(mode="after")
@@ -185,7 +207,7 @@ def load_plan(name: str) -> Plan:
     return load_document(plan_path(name), Plan, PlanError)
 
 
-def _names() -> str:
+def _names() -> list[str]:
     root = shipped("profiles")
     plans = (path for path in root.glob("*/*.toml") if path.name != "profile.toml")
-    return ", ".join(sorted(str(path.relative_to(root).with_suffix("")) for path in plans))
+    return sorted(str(path.relative_to(root).with_suffix("")) for path in plans)

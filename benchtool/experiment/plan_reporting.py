@@ -43,7 +43,7 @@ def _overview(run: RecordedRun) -> Iterator[Item]:
         (
             case.name,
             *(_overview_cell(case, name) for name in names),
-            Cell(str(case.verdict), mark(case.verdict), (case.failure,) if case.failure else ()),
+            Cell(str(case.verdict), mark(case.verdict), _reasons(case)),
         )
         for case in run.cases
     ]
@@ -64,6 +64,12 @@ def _overview(run: RecordedRun) -> Iterator[Item]:
             yield Section(f"{case} over its repetitions", (grid,))
     for name, figure in run_figures(plan, results).items():
         yield picture(name, figure)
+
+
+def _reasons(case: RecordedCase) -> tuple[str, ...]:
+    """Why a case has its verdict: what cut it short, which limits it missed and by how much."""
+    missed = case.assessment.missed if case.assessment is not None else ()
+    return (*((case.failure,) if case.failure else ()), *(str(each) for each in missed))
 
 
 def _foremost(run: RecordedRun, plan: Plan | None) -> list[str]:

@@ -51,8 +51,7 @@ def over_repetitions(
         return {}
     groups: dict[str, list[Sequence[Measurement]]] = {}
     for case in cases(plan):
-        name = case.name.removesuffix(f".{case.repetition}")
-        groups.setdefault(name, []).append(measured[case.name])
+        groups.setdefault(case.group, []).append(measured[case.name])
     return {name: tuple(_together(group)) for name, group in groups.items()}
 
 

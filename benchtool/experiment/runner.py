@@ -13,13 +13,16 @@ from benchtool.bench import Session
 from benchtool.block import Block
 from benchtool.drive import Identity
 from benchtool.drive.parameters import snapshot, temporary
-from benchtool.errors import RecordingError
+from benchtool.errors import RecordingError, ValueRefused
 from benchtool.experiment.assessment import Assessment, RunResult, assess, assess_bundle
 from benchtool.experiment.cases import Case, cases
 from benchtool.experiment.conduct import Progress, conduct
 from benchtool.experiment.drawing import draw_case, draw_cases
 from benchtool.experiment.limits import Verdict
-from benchtool.experiment.plan import Plan
+from benchtool.experiment.operating_point import Seen
+from benchtool.experiment.parameter_check import ParameterCheck, check_parameters
+from benchtool.experiment.plan import Plan, Setting
+from benchtool.experiment.rating import require_rated
 from benchtool.experiment.repetition import over_repetitions
 from benchtool.experiment.watching import Unwatched, Watcher
 from benchtool.recording import Bundle, BundleWriter, EventFile, Manifest, software_versions
@@ -36,11 +39,16 @@ from benchtool.telemetry import (
 
 @dataclass(frozen=True)
 class RunInfo:
-    """What only the caller knows of a run; `when` is wall time in ISO 8601, `wall_s` tells that of now."""
+    """What only the caller knows of a run.
+
+    `when` is wall time in ISO 8601, `wall_s` tells that of now. `allow_different` lets a drive run whose
+    parameters contradict the profile.
+    """
 
     when: str
     seed: int
     command_line: tuple[str, ...]
+    allow_different: bool = False
     wall_s: Callable[[], float] = time.time
 
 
@@ -100,9 +108,14 @@ def run_cases(
         with opener(case, _seed(info, case)) as session:
             progress.note("checking identity and dictionary")
             identity = session.drive.connect()
-            with temporary(session.drive, {**plan.setup, **case.setup}):
+            _require_rated(session, plan, case)
+            setup = {**plan.setup, **case.setup}
+            check = _checked(session, setup, info, progress)
+            with temporary(session.drive, setup):
                 looking = watcher or Unwatched()
-                results.append(_run_case(session, plan, case, place, info, identity, progress, looking))
+                results.append(
+                    _run_case(session, plan, case, place, info, identity, check, progress, looking)
+                )
     return results
 
 
@@ -132,6 +145,30 @@ def _finished(place: Path) -> Bundle | None:
     return None
 
 
+def _require_rated(session: Session, plan: Plan, case: Case) -> None:
+    """Refuse what the motor may not have, or the bench cannot record, before anything is set up."""
+    parameters = {**session.profile.drive.parameters, **plan.setup, **case.setup}
+    require_rated(case.operating_point, plan.stimulus, session.profile.motor, parameters)
+    transducer = session.transducer
+    if transducer is not None and plan.record.duration_s > transducer.longest_s:
+        raise ValueRefused(
+            f"record.duration_s is {plan.record.duration_s:g} s, the torque transducer records "
+            f"{transducer.longest_s:g} s at most: shorten it; the drive was not enabled"
+        )
+
+
+def _checked(
+    session: Session, setup: Mapping[str, Setting], info: RunInfo, progress: Progress
+) -> ParameterCheck:
+    """The drive's parameters against the profile's; what differs is told, or refused if not allowed."""
+    check = check_parameters(session.drive, session.profile, setup)
+    if not info.allow_different:
+        check.require_equal()
+    for line in check.lines():
+        progress.note(line)
+    return check
+
+
 def _run_case(
     session: Session,
     plan: Plan,
@@ -139,11 +176,10 @@ def _run_case(
     place: Path,
     info: RunInfo,
     identity: Identity,
+    check: ParameterCheck,
     progress: Progress,
     watcher: Watcher,
 ) -> Assessment:
-    if plan.stimulus is not None:
-        plan.stimulus.require_rated(session.profile.motor)
     link = session.drive.link
     manifest = _manifest(session, plan, case, info, identity)
     with BundleWriter(place, manifest) as writer:
@@ -153,7 +189,8 @@ def _run_case(
             sinks = watcher.opened(session, case, manifest)
             with keep_journal(session.drive, takers) as journal:
                 with _telemetry(session, writer, sinks) as stream:
-                    capture, transducer = conduct(session, plan, case, _Steps(progress, journal))
+                    conducted = conduct(session, plan, case, _Steps(progress, journal))
+                capture, transducer = conducted.capture, conducted.transducer
                 writer.append("capture", capture)
                 if transducer is not None:
                     writer.append("transducer", transducer)
@@ -161,7 +198,8 @@ def _run_case(
                 progress.note("analysing")
                 certificate, facts = certify_recording(stream, {"capture": capture}, link.counters)
                 motor, quality = session.profile.motor, certificate.measurements
-                result = assess(plan, case.name, motor, place, capture, transducer, quality)
+                seen = Seen(conducted.readings, _dc_link_V(session), check.to_json())
+                result = assess(plan, case.name, motor, place, capture, transducer, quality, seen)
         except BaseException as failure:
             try:
                 reason = f"{type(failure).__name__}: {failure}".rstrip(": ")
@@ -170,7 +208,7 @@ def _run_case(
                     reason,
                     verdict=Verdict.FAIL,
                     quality=asdict(link.counters),
-                    details=facts,
+                    details=facts | {"parameter_check": check.to_json()},
                     certificate=certificate.to_json(),
                 )
             except RecordingError as also:
@@ -183,13 +221,21 @@ def _run_case(
             tables=tables_to_json(result.tables),
             verdict=result.verdict,
             quality=asdict(link.counters),
-            details=facts | {"verdicts": {name: str(verdict) for name, verdict in result.verdicts.items()}},
+            details=facts
+            | seen.to_json()
+            | {"verdicts": {name: str(verdict) for name, verdict in result.verdicts.items()}},
             certificate=certificate.to_json(),
         )
     watcher.closed(result, "")
     progress.note("drawing")
     draw_case(plan, result)
     return result
+
+
+def _dc_link_V(session: Session) -> float | None:
+    """Of the bench that the profile describes."""
+    emulator = session.profile.emulator
+    return None if emulator is None else emulator.inverter.u_dc_V
 
 
 class _Steps:

@@ -25,6 +25,9 @@ from benchtool.protocol.variable import Variable
 
 MAGIC = b"BTC1"
 HEADER_SIZE = 32
+MOST_VALUES = 1_000_000
+"""Rows times channels that the reference drive has room for (`capture_rows`)."""
+
 _VALUE_SIZE = 4
 _HEADER = struct.Struct("<4sHHIIIII")
 _CRC = struct.Struct("<I")

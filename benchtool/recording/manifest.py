@@ -13,7 +13,7 @@ from typing import Any
 from pydantic import Field, ValidationError
 
 from benchtool import __version__
-from benchtool.document import Section
+from benchtool.document import Array, Section
 from benchtool.errors import RecordingError
 from benchtool.recording.failures import reading, writing
 
@@ -50,7 +50,7 @@ class Manifest(Section):
     parameters: dict[str, int | float | str] = Field(default_factory=dict)
     versions: dict[str, str] = Field(default_factory=dict)
     seed: int | None = None
-    command_line: tuple[str, ...] = ()
+    command_line: Array[str] = ()
     note: str = ""
     verdict: str | None = None
     quality: dict[str, int] = Field(default_factory=dict)

@@ -108,12 +108,13 @@ def draw_steady_traces(panels: Sequence[Panel], title: str, shown_s: float) -> F
 def draw_spectra(panels: Sequence[Panel], title: str) -> Figure:
     """Amplitude of phase current a up to ten times the fundamental, one case below the other, dc left out.
 
-    Panels without a steady-state analysis are left out.
+    Panels without a steady-state analysis, or without i_a in it, are left out.
     """
-    shown = [(panel, panel.steady) for panel in panels if panel.steady is not None]
+    analysed = [(panel, panel.steady) for panel in panels if panel.steady is not None]
+    shown = [(panel, steady) for panel, steady in analysed if steady.spectrum is not None]
     figure, rows, used = _stack(len(shown), title)
     for axes, (panel, steady) in zip(used, shown, strict=True):
-        spectrum = steady.spectrum
+        spectrum = steady.current_spectrum
         largest = steady["current_max_low_harmonic"].value
         fundamental = steady["current_fundamental"].value
         low = (spectrum.frequency_Hz > 0.0) & (spectrum.frequency_Hz <= _LOW_ORDER * steady.fundamental_Hz)

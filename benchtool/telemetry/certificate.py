@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass
+from functools import cache
 from typing import Any
 
 from benchtool.analysis import Measurement
 from benchtool.analysis.measurement import measurements_to_json
 from benchtool.block import Block, Gap
 from benchtool.link import LinkCounters
-from benchtool.protocol.telemetry import COUNTING_SIGNALS
+from benchtool.protocol.telemetry import COUNTING_SIGNALS, StreamCounters
 from benchtool.telemetry.recorder import STREAM
 from benchtool.telemetry.stream import StreamReport, TelemetryStream
 
@@ -113,6 +114,17 @@ def certify_recording(
     clock = None if report.clock is None else asdict(report.clock)
     stated = {"clock_fit": clock, "records": asdict(report.counters), "rate_Hz": 1.0 / stream.period_s}
     return certify(facts | {STREAM: StreamFacts.of_report(report)}, link, report), {STREAM: stated}
+
+
+@cache
+def certificate_names(*, stream: bool) -> tuple[str, ...]:
+    """Names of what the certificate of a run measures; `stream` tells whether the drive has a slow stream."""
+    blocks = ("capture", STREAM) if stream else ("capture",)
+    empty = StreamReport(None, None, StreamCounters(), (), {}, {}, 0, 0, 0, 0.0, 0.0, None)
+    found = certify(
+        {name: StreamFacts(0, (), {}) for name in blocks}, LinkCounters(), empty if stream else None
+    )
+    return tuple(each.name for each in found.measurements)
 
 
 def _stream(name: str, facts: StreamFacts) -> Iterator[Measurement]:

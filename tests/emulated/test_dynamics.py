@@ -251,7 +251,7 @@ def test_channels_of_an_analysis_are_checked_by_line(tmp_path: Path, wire: Wire)
     )
     path.write_text(text, encoding="utf-8")
     with pytest.raises(PlanError) as refused:
-        require_known(load_plan(str(path)), path, dictionary)
+        require_known(load_plan(str(path)), path, wire.session.profile, dictionary, transducer=True)
     assert "mine.toml, line 12: response_output is 'omega_m', which record.channels does not" in str(
         refused.value
     )

@@ -93,7 +93,7 @@ def test_the_report_of_the_demo(demo: Path) -> None:
     page = (demo / "report.html").read_text(encoding="utf-8")
     text = text_of(page)
     order = (
-        "✓ Pass 2 of 2 limits met.",
+        "✓ Pass 5 of 5 limits met.",
         "benchtool reference drive",
         "Limits and verdicts",
         "≤ 0.06",
@@ -138,7 +138,7 @@ def test_a_limit_that_is_missed_is_exit_code_1_and_said_in_words(demo: Path) -> 
 
     change(demo, strict)
     text = text_of(page_of(demo, code=1))
-    assert "✗ Fail 1 of 2 limits met." in text
+    assert "✗ Fail 4 of 5 limits met." in text
     assert "✗ fail" in text
 
 

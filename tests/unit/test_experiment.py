@@ -80,5 +80,8 @@ def test_mistakes_in_a_plan(tmp_path: Path, change: tuple[str, str], complaint: 
 
 
 def test_unknown_plan_lists_the_known() -> None:
-    with pytest.raises(PlanError, match=r"no plan 'zhu2011/fig99': the names are .*zhu2011/ripple"):
+    with pytest.raises(
+        PlanError,
+        match=r"no plan 'zhu2011/fig99': did you mean 'zhu2011/fig\d'\? the names are .*zhu2011/ripple",
+    ):
         load_plan("zhu2011/fig99")

@@ -101,8 +101,14 @@ def test_every_number_of_a_known_capture() -> None:
             "torque_ripple_rms_percent_of_mean": 100 * 0.03 / np.sqrt(2) / 0.65,
             "torque_ripple_percent_of_rated": 100 * 0.06 / 9.55,
             "torque_ripple_rms_percent_of_rated": 100 * 0.03 / np.sqrt(2) / 9.55,
+            "true_torque_mean": 0.65,
             "true_torque_ripple_pp": 0.1,
             "true_torque_ripple_rms": 0.05 / np.sqrt(2),
+            "true_torque_ripple_p99": 0.1 * np.cos(0.005 * np.pi),
+            "true_torque_ripple_percent_of_mean": 100 * 0.1 / 0.65,
+            "true_torque_ripple_rms_percent_of_mean": 100 * 0.05 / np.sqrt(2) / 0.65,
+            "true_torque_ripple_percent_of_rated": 100 * 0.1 / 9.55,
+            "true_torque_ripple_rms_percent_of_rated": 100 * 0.05 / np.sqrt(2) / 9.55,
             "flux_ripple_pp": 0.002,
             "fundamental_frequency": 10.0,
             "current_fundamental": 0.24,
@@ -195,9 +201,13 @@ def test_without_an_angle_the_periods_come_from_the_current() -> None:
     assert steady["current_max_low_harmonic"].value == pytest.approx(0.007, rel=1e-2)
 
 
-def test_a_capture_without_the_current_is_refused() -> None:
-    with pytest.raises(AnalysisError, match="no channel 'i_a'"):
-        analyze(without(capture(), "i_a"))
+def test_without_the_current_the_rest_is_measured_and_the_spectrum_is_refused() -> None:
+    steady = analyze(without(capture(), "i_a"))
+    assert {"torque_ripple_pp", "flux_ripple_pp", "switching_frequency_mean"} <= steady.names
+    assert not [name for name in steady.names if name.startswith("current_")]
+    assert steady.spectrum is None
+    with pytest.raises(AnalysisError, match="without channel 'i_a'"):
+        _ = steady.periods
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,92 @@
+"""What stands beside a verdict in the terminal, and what a mistake in a command costs."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner, Result
+
+from benchtool.cli import app
+
+Invoke = Callable[..., Result]
+PLAN = """title = "two [laws]"
+profile = "zhu2011"
+[operating_point]
+omega_m_rad_s = 31.42
+load_torque_Nm = 0.65
+settle_s = 0.6
+[sweep.setup]
+law = ["tpc", "deadbeat"]
+[record]
+duration_s = 0.15
+channels = ["torque", "theta_m"]
+[case_limits.tpc]
+torque_ripple_pp = { max = 0.06 }
+[case_limits.deadbeat]
+torque_ripple_pp = { max = 1e-6 }
+"""
+
+
+@pytest.fixture
+def invoke(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Invoke:
+    monkeypatch.chdir(tmp_path)
+    return lambda *arguments: CliRunner().invoke(app, arguments)
+
+
+def test_a_failed_run_names_case_limit_and_how_far_and_what_the_shaft_says(
+    invoke: Invoke, tmp_path: Path
+) -> None:
+    (tmp_path / "mine.toml").write_text(PLAN, encoding="utf-8")
+    result = invoke("run", "mine.toml", "--out", "run")
+    assert result.exit_code == 1, result.output
+    assert "verdict: fail" in result.stdout
+    assert "fail: deadbeat: torque_ripple_pp is 0." in result.stdout
+    assert "at most 1e-06 is allowed" in result.stdout
+    assert "the transducer disagrees: tpc: torque_ripple_pp is 0.0" in result.stdout
+    assert "on the shaft: fail there" in result.stdout
+    assert "not measured for want of channels: flux ripple (psi_s), current spectrum (i_a)" in result.stdout
+
+    document = json.loads(invoke("analyze", "run", "--json").stdout)
+    assert document["verdict"] == document["verdict_by_transducer"] == "fail"
+    tpc = document["cases"]["tpc"]
+    assert (tpc["verdict"], tpc["verdict_by_transducer"]) == ("pass", "fail")
+    assert tpc["disagreements"]["torque_ripple_pp"]["verdict_by_transducer"] == "fail"
+    assert document["cases"]["deadbeat"]["missed"][0].startswith("torque_ripple_pp is 0.")
+    assert "current spectrum" in tpc["not_measured"]
+
+    assert invoke("report", "run").exit_code == 1
+    (page,) = (tmp_path / "run").glob("*.html")
+    text = page.read_text(encoding="utf-8")
+    assert "at most 1e-06 is allowed" in text
+    assert "The transducer disagrees: torque_ripple_pp" in text
+
+
+def test_no_plan_of_a_folder_runs_before_all_are_sound(invoke: Invoke, tmp_path: Path) -> None:
+    folder = tmp_path / "plans"
+    folder.mkdir()
+    (folder / "a.toml").write_text(PLAN, encoding="utf-8")
+    (folder / "b.toml").write_text(PLAN.replace("omega_m_rad_s = 31.42", "omega_m_rad_s = 500"), "utf-8")
+    result = invoke("run", "plans", "--out", "run")
+    assert result.exit_code == 2
+    assert "b.toml, line 4: omega_m_rad_s is 500" in result.stderr
+    assert not (tmp_path / "run").exists()
+
+
+@pytest.mark.parametrize("name", ["zhu2011/riple", "mine.toml"])
+def test_a_slip_of_the_pen_does_not_wait_for_what_a_run_needs(name: str, tmp_path: Path) -> None:
+    (tmp_path / "mine.toml").write_text(PLAN.replace("settle_s", "setle_s"), encoding="utf-8")
+    code = (
+        "import sys\nfrom benchtool.cli import app\n"
+        "try:\n    app(sys.argv[1:])\nexcept SystemExit as end:\n    code = end.code\n"
+        "print(code, [name for name in ('scipy', 'matplotlib', 'can', 'pyarrow') if name in sys.modules])"
+    )
+    done = subprocess.run(
+        (sys.executable, "-c", code, "run", name), cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    assert "did you mean" in done.stderr
+    assert done.stdout.strip() == "2 []", done.stderr
