@@ -194,6 +194,7 @@ class Firmware:
             return
         self._stimulus.stop()
         self.core.command.off_at_standstill = not (hold and option in _HOLDING_OPTIONS)
+        self.core.command.standstill = 0  # what a halt came to is no end of a quick stop
         self.core.command.quick_stop = 1
         self.state = State.QUICK_STOP_ACTIVE
 
