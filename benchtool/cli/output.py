@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from benchtool.analysis import Measurement
     from benchtool.experiment.assessment import Assessment, RunResult
     from benchtool.experiment.repetition import Repeated
+    from benchtool.recording import Bundle
 
 _MOST_COLUMNS = 7
 _WIDTH_OF_A_PIPE = 120
@@ -63,6 +64,16 @@ class Output:
         if self._as_json:
             json.dump(content, sys.stdout, indent=2, allow_nan=False)
             sys.stdout.write("\n")
+
+
+def tell_unsealed(output: Output, bundles: Sequence[Bundle]) -> None:
+    """A line of what was recorded by a version that kept no hashes."""
+    without = [bundle for bundle in bundles if not bundle.integrity.sealed]
+    if without:
+        more = f" and {len(without) - 1} more" if len(without) > 1 else ""
+        output.note(
+            f"{without[0].directory}{more}: recorded without hashes, so that damage to the files is not seen"
+        )
 
 
 def _console(*, stderr: bool) -> Console:

@@ -1,6 +1,6 @@
 """Run bundles: a directory that holds what a run was, what it recorded and what came out.
 
-manifest.json         what, when, with which profile, parameters, versions; how it ended; SHA-256 of every file
+manifest.json         what, when, with which profile, parameters, versions; how it ended; hashes of the files
 data/NAME.arrows      a stream while it is recorded: every acknowledged batch survives the process
 data/NAME.parquet     the same stream once the run is finished; columns carry units, metadata the time base
 data/events.jsonl     what happened: steps, states, emergencies, each with its tick

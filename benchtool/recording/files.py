@@ -16,8 +16,10 @@ _LOOKED_AT_B = 4096
 
 
 @contextmanager
-def replacing(path: Path) -> Iterator[Path]:
+def replacing(path: Path, suffix: str = "") -> Iterator[Path]:
     """A file to write in place of `path`, which it takes when the `with` block ends without an error.
+
+    Its name ends as that of `path` does, or in `suffix` for a writer that goes by that.
 
     What was at `path` stays as it is until then, and after a failure. A symbolic link stays, its target is
     replaced; a device or a pipe is written as it is.
@@ -30,7 +32,7 @@ def replacing(path: Path) -> Iterator[Path]:
         if target.exists() and not target.is_file():
             yield target
             return
-        part = target.with_name(f".{secrets.token_hex(8)}{PART}{target.suffix}")
+        part = target.with_name(f".{secrets.token_hex(8)}{PART}{suffix or target.suffix}")
         try:
             os.close(os.open(part, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666))
             if target.exists():
@@ -61,7 +63,9 @@ def require_free(path: Path) -> None:
         RecordingError: a file or a folder is there.
     """
     if path.is_file() or path.is_dir():
-        raise RecordingError(f"{path} exists, and nothing is overwritten: choose another name or remove it")
+        raise RecordingError(
+            f"{path} exists, and this command overwrites nothing: choose another name or remove it"
+        )
 
 
 def require_own(path: Path, mark: bytes) -> None:

@@ -1,8 +1,8 @@
 """Whether the files of a recording are what they were when they were written, by size and SHA-256.
 
-A bundle's manifest has the hashes of its files and a seal of its own; figures and reports that are added later
-are entered into it. A folder of several bundles has `hashes.json` for what was made of all of them. Of a bundle
-whose process was killed, `data/checkpoints.log` says how far each file was acknowledged.
+A bundle's manifest has the hashes of its files and a seal of its own; figures and reports that are added
+later are entered into it. A folder of several bundles has `hashes.json` for what was made of all of them. Of
+a bundle whose process was killed, `data/checkpoints.log` says how far each file was acknowledged.
 """
 
 from __future__ import annotations

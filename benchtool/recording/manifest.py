@@ -34,8 +34,8 @@ class Manifest(Section):
     """Everything of a run that is neither samples nor results.
 
     `when` is the ISO 8601 wall time of the start, given by the caller, `note` the operator's, `link` the
-    address of the drive. `verdict`, `quality` (data-quality counters), `streams`, `files` (hashes by path within
-    the bundle) and `complete` are known at the end; `details` takes whatever else is JSON.
+    address of the drive. `verdict`, `quality` (data-quality counters), `streams`, `files` (hashes by path
+    within the bundle) and `complete` are known at the end; `details` takes whatever else is JSON.
     """
 
     what: str
@@ -127,7 +127,7 @@ def read_manifest(directory: Path) -> tuple[Manifest, bool]:
         ) from None
     if fits is False:
         raise RecordingError(
-            f"{path} does not fit its seal, so it was damaged or changed since it was written: restore it from "
-            f"a copy, or record again"
+            f"{path} does not fit its seal, so it was damaged or changed since it was written: restore it "
+            f"from a copy, or record again"
         )
     return manifest, fits is not None

@@ -34,8 +34,8 @@ _ROW_GROUP = 1 << 16
 class StreamWriter:
     """Appends blocks to `path`; each is with the operating system when `append` returns.
 
-    Gaps travel in the custom metadata of their batch, because what follows may never be written. Each batch is
-    noted in `checkpoints` before `append` returns.
+    Gaps travel in the custom metadata of their batch, because what follows may never be written. Each batch
+    is noted in `checkpoints` before `append` returns.
     """
 
     def __init__(self, path: Path, first: Block, checkpoints: Checkpoints) -> None:

@@ -31,8 +31,8 @@ class BundleWriter:
             bundle.finish(measurements, verdict="passed")
 
     What `append` has accepted survives the end of the process, however it ends. Without `finish` the bundle
-    stays marked as incomplete and its data stay Arrow streams, which `Bundle` reads as well. The manifest that
-    `finish` or `fail` writes has the hashes of all files that are there by then.
+    stays marked as incomplete and its data stay Arrow streams, which `Bundle` reads as well. The manifest
+    that `finish` or `fail` writes has the hashes of all files that are there by then.
 
     Raises:
         RecordingError: the directory has content or cannot be written.

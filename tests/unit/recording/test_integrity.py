@@ -1,4 +1,4 @@
-"""A byte that changes in any file of a recording, finished, failed or killed, is found and its file is named."""
+"""A byte that changes in any file of a recording, finished, failed or killed, is found and named."""
 
 from __future__ import annotations
 
