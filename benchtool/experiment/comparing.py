@@ -190,6 +190,7 @@ def _circumstances(comparison: Comparison) -> Iterator[Item]:
         },
         "Profile, drive and versions": {
             label: {
+                "link": each.link,
                 "profile": each.profile_name,
                 "contents of the profile": "as the first"
                 if each.profile_toml == _first(manifests).profile_toml

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 from benchtool.analysis import measurements_to_json, tables_to_json
@@ -21,6 +21,7 @@ from benchtool.experiment.drawing import draw_case, draw_cases
 from benchtool.experiment.limits import Verdict
 from benchtool.experiment.plan import Plan
 from benchtool.experiment.repetition import over_repetitions
+from benchtool.experiment.resumption import Origin, case_folder, require_same_origin
 from benchtool.experiment.watching import Unwatched, Watcher
 from benchtool.recording import Bundle, BundleWriter, EventFile, Manifest, software_versions
 from benchtool.telemetry import (
@@ -36,12 +37,17 @@ from benchtool.telemetry import (
 
 @dataclass(frozen=True)
 class RunInfo:
-    """What only the caller knows of a run; `when` is wall time in ISO 8601, `wall_s` tells that of now."""
+    """What only the caller knows of a run; `when` is wall time in ISO 8601, `wall_s` tells that of now.
+
+    `profile_toml` is the text of the profile, None if it is not known before the bench is open.
+    """
 
     when: str
     seed: int
     command_line: tuple[str, ...]
     wall_s: Callable[[], float] = time.time
+    link: str = "emulated"
+    profile_toml: str | None = None
 
 
 Opener = Callable[[Case, int], AbstractContextManager[Session]]
@@ -67,6 +73,7 @@ def run_plan(
         watcher: looks on.
 
     Raises:
+        UsageError: those cases were recorded with something else than what is there now.
         BenchError: whatever went wrong; a bundle that was begun says where, and holds what came till then.
     """
     todo = cases(plan)
@@ -89,6 +96,9 @@ def run_cases(
 ) -> list[Assessment]:
     """Run some of a plan's cases, each in a session of its own, so that none depends on those before it."""
     results: list[Assessment] = []
+    origin = Origin(plan, info.link, info.seed, info.profile_toml)
+    if resume:
+        require_same_origin(folder, origin)
     for number, case in enumerate(todo, start=1):
         progress.begin(case.name, number, len(todo))
         place = case_folder(plan, case, folder)
@@ -100,6 +110,14 @@ def run_cases(
         with opener(case, _seed(info, case)) as session:
             progress.note("checking identity and dictionary")
             identity = session.drive.connect()
+            if resume:
+                here = replace(
+                    origin,
+                    profile_toml=session.profile_toml,
+                    identity=identity,
+                    parameters=snapshot(session.drive),
+                )
+                require_same_origin(folder, here)
             with temporary(session.drive, {**plan.setup, **case.setup}):
                 looking = watcher or Unwatched()
                 results.append(_run_case(session, plan, case, place, info, identity, progress, looking))
@@ -109,11 +127,6 @@ def run_cases(
 def _seed(info: RunInfo, case: Case) -> int:
     """Repetitions differ in the noise of an emulated bench, and in nothing else."""
     return info.seed + case.repetition - 1
-
-
-def case_folder(plan: Plan, case: Case, folder: Path) -> Path:
-    """Where the bundle of a case is: in the run's folder, or in one of its own within it."""
-    return folder if len(cases(plan)) == 1 else folder / case.folder
 
 
 def _finished(place: Path) -> Bundle | None:
@@ -234,6 +247,7 @@ def _manifest(session: Session, plan: Plan, case: Case, info: RunInfo, identity:
         when=info.when,
         profile_name=session.profile_name,
         profile_toml=session.profile_toml,
+        link=info.link,
         identity={key: value for key, value in facts.items() if value is not None},
         dictionary_hash=identity.dictionary_hash,
         parameters=snapshot(session.drive),

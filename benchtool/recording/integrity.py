@@ -1,8 +1,8 @@
 """Whether the files of a recording are what they were when they were written, by size and SHA-256.
 
-A bundle's manifest has the hashes of its files and a seal of its own; figures and reports that are added
-later are entered into it. A folder of several bundles has `hashes.json` for what was made of all of them. Of
-a bundle whose process was killed, `data/checkpoints.log` says how far each file was acknowledged.
+A bundle's manifest has the hashes of its files and a seal of its own, and is not touched after that. What is
+made of a bundle or of several later, figures and reports, has its hashes in `hashes.json` in the same folder.
+Of a bundle whose process was killed, `data/checkpoints.log` says how far each file was acknowledged.
 """
 
 from __future__ import annotations
@@ -18,12 +18,11 @@ from benchtool.document import Section
 from benchtool.errors import RecordingError
 from benchtool.recording.checkpoints import CHECKPOINTS, intact_prefix, read_checkpoints
 from benchtool.recording.files import PART
-from benchtool.recording.manifest import MANIFEST, Manifest, read_manifest, write_manifest
+from benchtool.recording.manifest import MANIFEST, Manifest, read_manifest
 from benchtool.recording.seal import SEAL, FileHash, hash_of, read_sealed_json, write_json
 from benchtool.recording.stream import DATA, FINISHED, RUNNING
 
 HASHES: Final = "hashes.json"
-_DRAWN: Final = (".png", ".html", ".pdf", ".md")
 _MISSING: Final = "No such file"
 _DIFFERS: Final = "its SHA-256 is not that of what was written"
 _OWN: Final = (MANIFEST, HASHES, CHECKPOINTS.as_posix())
@@ -34,8 +33,7 @@ class Integrity:
     """What a check has found; paths are relative to the folder that was checked.
 
     `damaged` has the reason for each file, half a sentence. `unlisted` files are beside the recording and
-    nothing is known of them. `extents` is how many bytes of the files of a bundle under way are acknowledged.
-    Of what is not `sealed`, recorded by an older version, nothing can be said.
+    nothing is known of them. `extents` is how many bytes of a file are known, where it may have more. Of what is not `sealed`, recorded by an older version, nothing can be said.
     """
 
     sealed: bool
@@ -49,49 +47,38 @@ class _Hashes(Section):
 
 
 def verify(folder: Path) -> Integrity:
-    """Check every file of a bundle, or of a folder of bundles and what was made of them.
+    """Check every file of a bundle, or of a folder of bundles, and what was made of them.
 
     Raises:
         RecordingError: the folder holds no recording.
     """
-    if (folder / MANIFEST).is_file():
-        try:
-            return check_bundle(folder, *read_manifest(folder), drawn=True)
-        except RecordingError as reason:
-            return Integrity(sealed=True, damaged={MANIFEST: str(reason)})
-    bundles = [
-        path.parent for path in sorted((*folder.glob(f"*/{MANIFEST}"), *folder.glob(f"*/*/{MANIFEST}")))
-    ]
+    manifests = (*folder.glob(MANIFEST), *folder.glob(f"*/{MANIFEST}"), *folder.glob(f"*/*/{MANIFEST}"))
+    bundles = [path.parent for path in sorted(manifests)]
     if not bundles:
         raise RecordingError(f"{folder} holds no run bundle: give the folder of a run")
-    places = dict.fromkeys((folder, *(bundle.parent for bundle in bundles)))
-    found = {
-        **{bundle: verify(bundle) for bundle in bundles},
-        **{place: _check_made(place) for place in places},
+    above = [] if folder in bundles else dict.fromkeys((folder, *(bundle.parent for bundle in bundles)))
+    found = [(bundle, _check_recorded(bundle)) for bundle in bundles]
+    made = [(place, _check_made(place)) for place in (*bundles, *above)]
+
+    def name(place: Path, within: str) -> str:
+        return (place / within).relative_to(folder).as_posix()
+
+    damaged = {
+        name(place, file): reason for place, each in (*found, *made) for file, reason in each.damaged.items()
     }
-    return Integrity(
-        all(each.sealed for each in found.values()),
-        {
-            (place / name).relative_to(folder).as_posix(): reason
-            for place, each in found.items()
-            for name, reason in each.damaged.items()
-        },
-        tuple(
-            (place / name).relative_to(folder).as_posix()
-            for place, each in found.items()
-            for name in each.unlisted
-        ),
-    )
+    known = {name(place, file) for place, each in made for file in each.extents}
+    unlisted = {name(place, file) for place, each in (*found, *made) for file in each.unlisted}
+    sealed = all(each.sealed for _, each in found)
+    return Integrity(sealed, damaged, tuple(sorted(unlisted - known)))
 
 
-def check_bundle(directory: Path, manifest: Manifest, sealed: bool, *, drawn: bool = False) -> Integrity:
-    """Check the files of one bundle by its manifest.
+def check_bundle(directory: Path, manifest: Manifest, sealed: bool) -> Integrity:
+    """Check the files of one bundle by its manifest, without what was made of them later.
 
     Args:
         directory: of the bundle.
         manifest: its manifest, whose seal was checked.
         sealed: whether there was one.
-        drawn: look at figures and reports as well, on which nothing rests that is computed.
 
     Raises:
         RecordingError: a file cannot be read, or the checkpoints are damaged.
@@ -100,9 +87,8 @@ def check_bundle(directory: Path, manifest: Manifest, sealed: bool, *, drawn: bo
         return Integrity(sealed=False)
     if not manifest.files and not manifest.complete:
         return _check_running(directory)
-    wanted = {name: each for name, each in manifest.files.items() if drawn or not _is_drawn(name)}
-    damaged = dict(_differing(directory, wanted))
-    unlisted = [name for name in _names(directory) if name not in manifest.files and name not in _OWN]
+    damaged = dict(_differing(directory, manifest.files))
+    unlisted = [name for name in files_of(directory) if name not in manifest.files]
     for name in unlisted:
         if name.startswith(f"{DATA}/") and name.endswith((RUNNING, FINISHED)):
             damaged[name] = "it was not there when the recording was finished"
@@ -110,24 +96,16 @@ def check_bundle(directory: Path, manifest: Manifest, sealed: bool, *, drawn: bo
 
 
 def enlist(folder: Path, paths: Iterable[Path]) -> None:
-    """Enter files that were made of a recording into its manifest, or into the hashes of a folder of several.
-
-    Files elsewhere are left alone, and so is a bundle that is not sealed.
+    """Keep the hashes of files that were made of a recording and lie in its folder; others are left alone.
 
     Raises:
-        RecordingError: a file cannot be read, or the hashes cannot be written.
+        RecordingError: a file cannot be read, or the hashes cannot be read or written.
     """
-    inside = [path for path in paths if path.resolve().is_relative_to(folder.resolve())]
-    files = {path.resolve().relative_to(folder.resolve()).as_posix(): hash_of(path) for path in inside}
-    if not files:
-        return
-    if not (folder / MANIFEST).is_file():
+    inside = [path.resolve() for path in paths if path.resolve().is_relative_to(folder.resolve())]
+    files = {path.relative_to(folder.resolve()).as_posix(): hash_of(path) for path in inside}
+    if files:
         document = _Hashes(files=_hashes(folder) | files).model_dump()
         write_json(folder / HASHES, document, sealed=True)
-        return
-    manifest, sealed = read_manifest(folder)
-    if sealed and (manifest.files or manifest.complete):
-        write_manifest(folder, manifest.model_copy(update={"files": manifest.files | files}))
 
 
 def files_of(directory: Path) -> dict[str, Path]:
@@ -135,16 +113,24 @@ def files_of(directory: Path) -> dict[str, Path]:
     return {name: directory / name for name in _names(directory) if name not in _OWN}
 
 
+def _check_recorded(bundle: Path) -> Integrity:
+    try:
+        return check_bundle(bundle, *read_manifest(bundle))
+    except RecordingError as reason:
+        return Integrity(sealed=True, damaged={MANIFEST: str(reason)})
+
+
 def _check_made(folder: Path) -> Integrity:
-    """Check what was made of the bundles within a folder."""
+    """Check what was made of the bundle or the bundles in a folder."""
     try:
         files = _hashes(folder)
     except RecordingError as reason:
         return Integrity(sealed=True, damaged={HASHES: str(reason)})
     made = (path for pattern in ("*", "plots/*") for path in sorted(folder.glob(pattern)) if path.is_file())
     names = (path.relative_to(folder).as_posix() for path in made)
-    unlisted = tuple(name for name in names if name not in files and name != HASHES)
-    return Integrity(True, dict(_differing(folder, files)), unlisted)
+    unlisted = () if (folder / MANIFEST).is_file() else tuple(name for name in names if name not in _OWN)
+    sizes_B = {name: each.size_B for name, each in files.items()}
+    return Integrity(True, dict(_differing(folder, files)), unlisted, sizes_B)
 
 
 def _check_running(directory: Path) -> Integrity:
@@ -205,7 +191,3 @@ def _hashes(folder: Path) -> dict[str, FileHash]:
 def _names(directory: Path) -> list[str]:
     found = (path for path in sorted(directory.rglob("*")) if path.is_file() and PART not in path.suffixes)
     return [path.relative_to(directory).as_posix() for path in found]
-
-
-def _is_drawn(name: str) -> bool:
-    return not name.startswith(f"{DATA}/") and name.endswith(_DRAWN)
