@@ -33,7 +33,8 @@ class Integrity:
     """What a check has found; paths are relative to the folder that was checked.
 
     `damaged` has the reason for each file, half a sentence. `unlisted` files are beside the recording and
-    nothing is known of them. `extents` is how many bytes of a file are known, where it may have more. Of what is not `sealed`, recorded by an older version, nothing can be said.
+    nothing is known of them. `extents` is how many bytes of a file are known, where it may have more. Of what
+    is not `sealed`, recorded by an older version, nothing can be said.
     """
 
     sealed: bool
