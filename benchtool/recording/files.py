@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
+import mmap
 import os
 import secrets
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager, nullcontext, suppress
 from pathlib import Path
 
 from benchtool.errors import RecordingError
 from benchtool.recording.failures import writing
 
 PART = ".part"
-_LOOKED_AT_B = 4096
 
 
 @contextmanager
@@ -69,7 +69,7 @@ def require_free(path: Path) -> None:
 
 
 def require_own(path: Path, mark: bytes) -> None:
-    """Refuse a path where another file is than one that has `mark` in its first or last 4096 bytes.
+    """Refuse a path where another file is than one that has `mark` somewhere in it.
 
     Raises:
         RecordingError: there is, or what is there cannot be read.
@@ -79,10 +79,10 @@ def require_own(path: Path, mark: bytes) -> None:
     if not path.is_file():
         return
     with writing(path), path.open("rb") as file:
-        seen = file.read(_LOOKED_AT_B)
-        file.seek(max(0, path.stat().st_size - _LOOKED_AT_B))
-        seen += file.read(_LOOKED_AT_B)
-    if mark not in seen:
+        empty = not path.stat().st_size
+        with nullcontext(b"") if empty else mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
+            found = content.find(mark) >= 0
+    if not found:
         raise RecordingError(
             f"{path} exists and was not written by this command, so it is not overwritten: choose another "
             f"name or remove it"

@@ -10,7 +10,7 @@ from benchtool.report.content import Facts, Grid, Picture, Report, Section, Text
 from benchtool.report.images import data_uri
 
 MARK = b'<meta name="generator" content="benchtool">'
-"""What a page has in its first lines, whatever the report."""
+"""What every page has, whatever the report."""
 
 _TEMPLATES = Path(__file__).parent / "templates"
 _KINDS = {

@@ -23,7 +23,7 @@ class PlanFigures:
 
 
 MARK = b"Written by `benchtool run"
-"""What a page has in its first lines, whatever the run."""
+"""What every page has, whatever the run."""
 
 
 def reproduction_page(profile: Profile, plans: Sequence[PlanFigures], command: str) -> str:

@@ -16,7 +16,7 @@ from benchtool.report.pdf_flow import story
 from benchtool.report.pdf_style import BOTTOM, HEIGHT, LEFT, SANS, SOFT, WIDTH, register_fonts
 
 MARK = b"(benchtool)"
-"""What a document has in its last lines, as its producer."""
+"""What every document has, as its producer."""
 
 
 def pdf_document(report: Report) -> bytes:
