@@ -28,7 +28,7 @@ from benchtool.cli import (
     run,
     scan,
 )
-from benchtool.cli.ending import ending, reporting
+from benchtool.cli.ending import reporting, run_to_the_end
 
 app = typer.Typer(
     name="benchtool",
@@ -91,7 +91,7 @@ def main() -> None:
     """Run the command line and end the process with its exit code."""
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, _interrupt)
-    ending(app)
+    run_to_the_end(app)
 
 
 def _interrupt(_number: int, _frame: FrameType | None) -> None:

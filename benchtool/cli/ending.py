@@ -12,7 +12,7 @@ import os
 import sys
 from collections.abc import Callable
 from contextlib import suppress
-from typing import Final, NoReturn, ParamSpec, TextIO
+from typing import Final, NoReturn, ParamSpec
 
 import typer
 
@@ -55,7 +55,7 @@ def reporting(verb: Callable[Arguments, int], *, enables: bool = False) -> Calla
     return command
 
 
-def ending(app: Callable[[], object]) -> NoReturn:
+def run_to_the_end(app: Callable[[], object]) -> NoReturn:
     """Run the command line, and end the process with its exit code, whatever its streams can take."""
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:  # closed by whoever began this process
@@ -85,23 +85,19 @@ def tell(text: str, failure: BaseException) -> int:
 
 def tell_refused(failure: OSError) -> int:
     """Tell what the system has refused; the exit code of that."""
-    broken = _broken_stream()
-    place = broken or (f"'{failure.filename}'" if failure.filename is not None else "a file")
+    _silence_broken_streams()
+    # What this project writes by name says so itself; what has no name is a stream of this process.
+    place = "standard output" if failure.filename is None else f"'{failure.filename}'"
     remedy = _REMEDIES.get(failure.errno or 0, "check that it is there, free and permitted")
     reason = failure.strerror or str(failure) or type(failure).__name__
     return tell(f"cannot use {place}: {reason}; {remedy}", failure)
 
 
-def _broken_stream() -> str:
-    """Which of this process's streams takes no more; what is left for it goes nowhere from now on."""
-    names = {"stdout": "standard output", "stderr": "standard error"}
-    found = ""
-    for attribute, name in names.items():
-        stream: TextIO = getattr(sys, attribute)
+def _silence_broken_streams() -> None:
+    """Have what is left for a stream that takes no more go nowhere, so that the interpreter ends in peace."""
+    for stream in (sys.stdout, sys.stderr):
         try:
             stream.flush()
         except OSError:
-            found = found or name
             with suppress(OSError, ValueError):
                 os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
-    return found

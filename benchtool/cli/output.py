@@ -7,7 +7,7 @@ import json
 import math
 import sys
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
+from contextlib import nullcontext, suppress
 from typing import TYPE_CHECKING, Any, Literal
 
 from rich.console import Console
@@ -51,11 +51,11 @@ class Output:
 
     def line(self, text: str, style: str = "") -> None:
         """A line of the result, for people; never broken, so that it can be copied."""
-        self._people.print(Text(printable(text), style=style), soft_wrap=True)
+        self._show(Text(printable(text), style=style), soft_wrap=True)
 
     def verdict(self, verdict: str) -> None:
         """The verdict, in its colour."""
-        self._people.print(Text(f"verdict: {verdict}", style=_COLOUR[verdict]))
+        self._show(Text(f"verdict: {verdict}", style=_COLOUR[verdict]))
 
     def table(self, title: str, columns: tuple[str, ...], rows: Sequence[tuple[str | Text, ...]]) -> None:
         """A table of the result; columns whose heading begins with `>` are right-aligned."""
@@ -71,7 +71,12 @@ class Output:
             table.add_column(printable(column.removeprefix(">")), justify=side, overflow="fold")
         for row in rows:
             table.add_row(*(Text(printable(cell)) if isinstance(cell, str) else cell for cell in row))
-        self._people.print(table)
+        self._show(table)
+
+    def _show(self, what: Text | Table, *, soft_wrap: bool = False) -> None:
+        """For people; beside a document for a program, it is no loss if nobody can read it."""
+        with suppress(OSError) if self._as_json else nullcontext():
+            self._people.print(what, soft_wrap=soft_wrap)
 
     def document(self, content: Mapping[str, Any]) -> None:
         """The JSON document, if one was asked for."""
