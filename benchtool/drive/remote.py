@@ -161,6 +161,7 @@ class RemoteDrive(Cia402Node):
         while self.clock.now_s() < deadline_s:
             self.clock.wait(_WATCH_S)
             if self.read("link_state") != _HEARD:
+                self.emergencies()  # the loss of that host is not one of this host's
                 return
         raise self._supervised_by_another()
 

@@ -62,7 +62,7 @@ def test_the_second_is_told_of_the_first(hosts: _Hosts, wires: tuple[str, str], 
     with pytest.raises(StateError) as told:
         second.connect()
     assert str(told.value).startswith(
-        f"another host supervises this drive (node 127, timeout 500 ms), which is in '{state.value}': end what"
+        f"another host supervises this drive (node 127, timeout 500 ms), which is in '{state.value}'"
     )
     first.wait(1.0)
     assert first.read("host_heartbeat") == before
