@@ -131,12 +131,10 @@ def test_a_mixture_is_refused_before_anything_is_opened(
     def opener(*_: object) -> AbstractContextManager[Session]:
         raise AssertionError
 
-    for begin in (
-        lambda: run_plan(opener, plan, tmp_path / "run", info, Watcher(), resume=True),
-        lambda: run_in_processes(plan, "zhu2011", tmp_path / "run", info, Watcher(), jobs=2, resume=True),
-    ):
-        with pytest.raises(UsageError, match=said):
-            begin()
+    with pytest.raises(UsageError, match=said):
+        run_plan(opener, plan, tmp_path / "run", info, Watcher(), resume=True)
+    with pytest.raises(UsageError, match=said):
+        run_in_processes(plan, "zhu2011", tmp_path / "run", info, Watcher(), jobs=2, resume=True)
 
 
 def test_another_drive_is_refused_before_it_is_enabled(
