@@ -27,6 +27,8 @@ from benchtool.link.replay import ReplayLink
 from benchtool.link.serial import SerialLink
 from benchtool.profile import Profile, altered, eds_path, load_profile, profile_path
 from benchtool.protocol.dictionary import Dictionary
+from benchtool.recording import Bundle
+from benchtool.recording.manifest import MANIFEST
 
 if TYPE_CHECKING:
     from benchtool.telemetry import FrameLog
@@ -140,6 +142,8 @@ def open_session(
             yield Session(profile_name, profile, text, drive, bench.clock, bench.load, bench.transducer)
         elif address.kind == "replay":
             replayed = VirtualClock(paced=real_time)
+            if (Path(address.channel) / MANIFEST).is_file():
+                Bundle.open(Path(address.channel)).require_intact()
             recording = ReplayLink(Path(address.channel), node_id, replayed)
             stack.callback(recording.close)
             drive = stack.enter_context(RemoteDrive(recording, dictionary, eds.name, replayed))

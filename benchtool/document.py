@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import itertools
 import re
+import reprlib
 import tomllib
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -14,6 +15,9 @@ from pydantic import BaseModel, ConfigDict, Strict, ValidationError
 from pydantic_core import ErrorDetails
 
 from benchtool.errors import UsageError
+
+_SHOWN = reprlib.Repr()
+_SHOWN.maxstring = _SHOWN.maxother = 120
 
 Path_ = tuple[int | str, ...]
 Item = TypeVar("Item")
@@ -85,6 +89,11 @@ def load_document(path: Path, model: type[Model], error: type[UsageError]) -> Mo
         content = tomllib.loads(text)
     except tomllib.TOMLDecodeError as reason:
         raise error(f"{path}: not TOML: {reason}; mend that line") from None
+    except RecursionError:
+        raise error(
+            f"{path}: tables or lists lie deeper in each other than can be read, some levels are expected: "
+            f"take the nesting out"
+        ) from None
     try:
         return model.model_validate(content)
     except ValidationError as failed:
@@ -133,7 +142,7 @@ def _explain(model: type[BaseModel], detail: ErrorDetails) -> str:
     message = message[:1].lower() + message[1:]
     if isinstance(detail["input"], dict):  # a whole table, of which only the keys together are wrong
         return f"[{key}]: {message}" if key else message
-    return f"key '{key}' is {detail['input']!r}: {message}"
+    return f"key '{key}' is {_SHOWN.repr(detail['input'])}: {message}"
 
 
 def _allowed_keys(model: type[BaseModel], location: Path_) -> list[str]:

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import functools
 import signal
 import sys
-from collections.abc import Callable
 from types import FrameType
-from typing import Annotated, ParamSpec
+from typing import Annotated
 
 import typer
 
@@ -30,33 +28,7 @@ from benchtool.cli import (
     run,
     scan,
 )
-from benchtool.errors import BenchError
-
-INTERRUPTED = 130
-
-Arguments = ParamSpec("Arguments")
-
-
-def _reporting(verb: Callable[Arguments, int], *, enables: bool = False) -> Callable[Arguments, None]:
-    """`verb`, which may have enabled the drive, with its failures as one line each and as an exit code."""
-    interrupted = "interrupted; the drive was left disabled" if enables else "interrupted"
-
-    @functools.wraps(verb)
-    def command(*args: Arguments.args, **kwargs: Arguments.kwargs) -> None:
-        try:
-            code = verb(*args, **kwargs)
-        except BenchError as error:
-            for line in (str(error), *getattr(error, "__notes__", ())):
-                sys.stderr.write(f"benchtool: {line}\n")
-            code = error.exit_code
-        except KeyboardInterrupt as interrupt:
-            for line in (interrupted, *getattr(interrupt, "__notes__", ())):
-                sys.stderr.write(f"benchtool: {line}\n")
-            code = INTERRUPTED
-        raise typer.Exit(code)
-
-    return command
-
+from benchtool.cli.ending import reporting, run_to_the_end
 
 app = typer.Typer(
     name="benchtool",
@@ -85,7 +57,7 @@ for _verb in (
     emulate.emulate,
     doctor.doctor,
 ):
-    app.command(_verb.__name__)(_reporting(_verb, enables=_verb in _ENABLING))
+    app.command(_verb.__name__)(reporting(_verb, enables=_verb in _ENABLING))
 
 _params = typer.Typer(
     help="Parameters of a drive: list, get, set; dump, diff and load as a file; save and restore.",
@@ -97,7 +69,7 @@ for _command in (
     *(parameter_files.dump, parameter_files.diff, parameter_files.load),
     *(params.save, params.restore),
 ):
-    _params.command(_command.__name__.rstrip("_"))(_reporting(_command))
+    _params.command(_command.__name__.rstrip("_"))(reporting(_command))
 app.add_typer(_params, name="params")
 
 
@@ -119,7 +91,7 @@ def main() -> None:
     """Run the command line and end the process with its exit code."""
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, _interrupt)
-    app()
+    run_to_the_end(app)
 
 
 def _interrupt(_number: int, _frame: FrameType | None) -> None:

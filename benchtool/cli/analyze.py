@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from benchtool.cli import options
-from benchtool.cli.output import Output, measured, show_run
+from benchtool.cli.output import Output, measured, show_run, tell_unsealed
 
 if TYPE_CHECKING:
     from benchtool.experiment.foreign import TableAnswer
@@ -120,6 +120,7 @@ def _analyze_run(run: Path | None, as_json: bool, has_csv_options: bool) -> int:
     cut_short: list[str] = []
     if (run / "manifest.json").is_file() or not run.is_dir():
         bundle = Bundle.open(run)
+        tell_unsealed(output, [bundle])
         result = RunResult((assess_bundle(bundle),))
         what = bundle.manifest.what
     else:
@@ -128,6 +129,7 @@ def _analyze_run(run: Path | None, as_json: bool, has_csv_options: bool) -> int:
             raise UsageError(
                 f"{run} holds {len(runs)} plans: give the folder of one, such as {runs[0].folder}"
             )
+        tell_unsealed(output, [case.bundle for case in runs[0].cases])
         cut_short = [case.name for case in runs[0].cases if not case.bundle.complete]
         result, what = RunResult(tuple(complete_cases(run))), str(run)
     show_run(output, what, result)

@@ -163,5 +163,5 @@ def _status(drive: ServedDrive) -> Group:
     for each in drive.wires:
         traffic = each.traffic()
         frames = (traffic.received, traffic.sent, traffic.dropped)
-        table.add_row(each.wire, each.place, *(str(count) for count in frames))
+        table.add_row(each.wire, Text(each.place), *(str(count) for count in frames))
     return Group(Text(", ".join(facts), style="bold"), table)

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from benchtool.cli import options
-from benchtool.cli.output import Output
+from benchtool.cli.output import Output, tell_unsealed
 
 
 class _Format(StrEnum):
@@ -38,6 +38,8 @@ def export(
 
     output = Output(as_json=as_json)
     bundle = Bundle.open(run)
+    bundle.require_intact()
+    tell_unsealed(output, [bundle])
     wanted = Format(format_.value)
     name = stream or ("capture" if "capture" in bundle.streams else "telemetry")
     path = out or Path(f"{run.resolve().name}-{name}{wanted.suffix}")

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from benchtool.cli import options, viewing
-from benchtool.cli.output import Output
+from benchtool.cli.output import Output, tell_unsealed
 
 if TYPE_CHECKING:
     from benchtool.bench import Session
@@ -140,6 +140,9 @@ def _show_run(
     from benchtool.profile import load_profile
 
     cases = [case for each in recorded_runs(folder) for case in each.cases]
+    for case in cases:
+        case.bundle.require_intact()
+    tell_unsealed(output, [case.bundle for case in cases])
     psi_r_Wb = load_profile(profile).motor.psi_r_Wb
     shown = []
     for number, case in enumerate(cases, start=1):

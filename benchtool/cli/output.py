@@ -7,6 +7,7 @@ import json
 import math
 import sys
 from collections.abc import Mapping, Sequence
+from contextlib import nullcontext, suppress
 from typing import TYPE_CHECKING, Any, Literal
 
 from rich.console import Console
@@ -17,15 +18,22 @@ if TYPE_CHECKING:
     from benchtool.analysis import Measurement
     from benchtool.experiment.assessment import Assessment, RunResult
     from benchtool.experiment.repetition import Repeated
+    from benchtool.recording import Bundle
 
+_CONTROLS = {code: f"\\x{code:02x}" for code in (*range(32), *range(127, 160)) if code not in (9, 10)}
 _MOST_COLUMNS = 7
 _WIDTH_OF_A_PIPE = 120
 _FOREMOST = ("torque_ripple_pp", "true_torque_ripple_pp", "flux_ripple_pp", "current_thd")
 _COLOUR = {"pass": "green", "marginal": "yellow", "fail": "red", "none": "dim"}
 
 
+def printable(text: str) -> str:
+    """Text that comes from outside, such that a terminal shows it and obeys none of it."""
+    return text.translate(_CONTROLS)
+
+
 class Output:
-    """The two streams of one command.
+    """The two streams of one command. Text is shown as it is: brackets are no markup, controls no commands.
 
     Args:
         as_json: keep standard output for one JSON document.
@@ -37,28 +45,40 @@ class Output:
         self.progress = _console(stderr=True)
 
     def note(self, text: str) -> None:
-        """A line of progress."""
-        self.progress.print(Text(text, style="dim"))
+        """A line of progress; a run does not end because there is nobody to read it."""
+        with suppress(OSError):
+            self.progress.print(Text(printable(text), style="dim"))
 
     def line(self, text: str, style: str = "") -> None:
         """A line of the result, for people; never broken, so that it can be copied."""
-        self._people.print(Text(text, style=style), soft_wrap=True)
+        self._show(Text(printable(text), style=style), soft_wrap=True)
 
     def verdict(self, verdict: str, by_transducer: str | None = None) -> None:
         """The verdict, in its colour; that by the transducer beside it, where it is another."""
         beside = f" by the drive's own estimate, {by_transducer} by the transducer on the shaft"
         differs = by_transducer is not None and by_transducer != verdict
-        self._people.print(Text(f"verdict: {verdict}{beside if differs else ''}", style=_COLOUR[verdict]))
+        self._show(Text(f"verdict: {verdict}{beside if differs else ''}", style=_COLOUR[verdict]))
 
     def table(self, title: str, columns: tuple[str, ...], rows: Sequence[tuple[str | Text, ...]]) -> None:
         """A table of the result; columns whose heading begins with `>` are right-aligned."""
-        table = Table(title=title, title_justify="left", title_style="bold", show_edge=False, pad_edge=False)
+        table = Table(
+            title=printable(title),
+            title_justify="left",
+            title_style="bold",
+            show_edge=False,
+            pad_edge=False,
+        )
         for column in columns:
             side: Literal["left", "right"] = "right" if column.startswith(">") else "left"
-            table.add_column(column.lstrip(">"), justify=side, overflow="fold")
+            table.add_column(printable(column.removeprefix(">")), justify=side, overflow="fold")
         for row in rows:
-            table.add_row(*(Text(cell) if isinstance(cell, str) else cell for cell in row))
-        self._people.print(table)
+            table.add_row(*(Text(printable(cell)) if isinstance(cell, str) else cell for cell in row))
+        self._show(table)
+
+    def _show(self, what: Text | Table, *, soft_wrap: bool = False) -> None:
+        """For people; beside a document for a program, it is no loss if nobody can read it."""
+        with suppress(OSError) if self._as_json else nullcontext():
+            self._people.print(what, soft_wrap=soft_wrap)
 
     def document(self, content: Mapping[str, Any]) -> None:
         """The JSON document, if one was asked for."""
@@ -67,9 +87,19 @@ class Output:
             sys.stdout.write("\n")
 
 
+def tell_unsealed(output: Output, bundles: Sequence[Bundle]) -> None:
+    """A line of what was recorded by a version that kept no hashes."""
+    without = [bundle for bundle in bundles if not bundle.integrity.sealed]
+    if without:
+        more = f" and {len(without) - 1} more" if len(without) > 1 else ""
+        output.note(
+            f"{without[0].directory}{more}: recorded without hashes, so that damage to the files is not seen"
+        )
+
+
 def _console(*, stderr: bool) -> Console:
-    """A console as wide as its terminal; a file or a pipe takes what a table needs."""
-    console = Console(stderr=stderr, highlight=False)
+    """A console as wide as its terminal; a file or a pipe takes what a table needs. No text is markup."""
+    console = Console(stderr=stderr, highlight=False, markup=False, emoji=False)
     if not console.is_terminal:
         console.width = _WIDTH_OF_A_PIPE
     return console

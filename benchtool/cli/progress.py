@@ -7,7 +7,7 @@ from typing import Self
 
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-from benchtool.cli.output import Output
+from benchtool.cli.output import Output, printable
 
 
 class RunProgress:
@@ -21,7 +21,7 @@ class RunProgress:
                 BarColumn(20),
                 MofNCompleteColumn(),
                 TimeRemainingColumn(),
-                TextColumn("{task.description}"),
+                TextColumn("{task.description}", markup=False),
             )
             self._bar = Progress(*columns, console=output.progress, transient=True)
             self._task = self._bar.add_task("connecting", total=None)
@@ -47,6 +47,6 @@ class RunProgress:
     def note(self, text: str) -> None:
         """A step begins."""
         if self._bar is not None:
-            self._bar.update(self._task, description=f"{self._case}{text}")
+            self._bar.update(self._task, description=printable(f"{self._case}{text}"))
         else:
             self._output.note(f"{self._case}{text}")

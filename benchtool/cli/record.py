@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -18,7 +19,7 @@ from benchtool.cli.output import Output, significant
 if TYPE_CHECKING:
     from benchtool.bench import Session
     from benchtool.drive import Identity
-    from benchtool.recording import BundleWriter, Manifest
+    from benchtool.recording import BundleWriter, Event, Manifest
     from benchtool.telemetry import Certificate, FrameLog, Sink, TelemetryStream
 
 _STEP_S = 0.05
@@ -62,13 +63,15 @@ def record(
     """Record the stream of a drive, whatever it is doing; nothing is enabled."""
     from benchtool.bench import open_session
     from benchtool.recording import BundleWriter, EventFile
-    from benchtool.telemetry import DEFAULT_CHANNELS, FrameLog, fitting, keep_journal, stream_source
+    from benchtool.telemetry import DEFAULT_CHANNELS, FrameLog, fitting, stream_source
 
     output = Output(as_json=as_json)
     when = options.wall_time()
-    folder = options.bundle_folder(out, when, "record")
     log = FrameLog() if frames else None
-    with viewing.places(live or (), output) as where:
+    with (
+        options.bundle_folder(out, when, "record") as folder,
+        viewing.places(live or (), output) as where,
+    ):
         with open_session(
             profile, link, seed=seed, real_time=real_time, note=output.note, frames=log
         ) as session:
@@ -77,7 +80,7 @@ def record(
             # Before there is a folder: what cannot be streamed leaves nothing behind.
             stream_source(drive, names, rate)
             identity = drive.check()
-            manifest = _manifest(session, identity, when.isoformat(timespec="seconds"), note, seed)
+            manifest = _manifest(session, identity, when.isoformat(timespec="seconds"), note, seed, link)
             with (
                 BundleWriter(folder, manifest) as bundle,
                 viewing.stream_view(where, session, folder.name, manifest, output) as view,
@@ -86,10 +89,9 @@ def record(
                 if view is not None:
                     takers.append(view.event)
                     sinks.append(viewing.live_sink(view))
-                with keep_journal(drive, takers):
-                    certificate = _record(
-                        session, bundle, names, rate, duration, reconnect, log, output, sinks
-                    )
+                certificate = _record(
+                    session, bundle, names, rate, duration, reconnect, log, output, sinks, takers
+                )
                 if view is not None:
                     viewing.show_certificate(view, certificate)
         _show(output, folder, certificate)
@@ -97,7 +99,7 @@ def record(
     return 0
 
 
-def _manifest(session: Session, identity: Identity, when: str, note: str, seed: int) -> Manifest:
+def _manifest(session: Session, identity: Identity, when: str, note: str, seed: int, link: str) -> Manifest:
     from benchtool.drive.parameters import snapshot
     from benchtool.recording import Manifest, software_versions
 
@@ -108,6 +110,7 @@ def _manifest(session: Session, identity: Identity, when: str, note: str, seed: 
         when=when,
         profile_name=session.profile_name,
         profile_toml=session.profile_toml,
+        link=link,
         identity={key: value for key, value in asdict(identity).items() if value is not None},
         dictionary_hash=identity.dictionary_hash,
         parameters=snapshot(drive),
@@ -129,34 +132,39 @@ def _record(
     log: FrameLog | None,
     output: Output,
     sinks: Sequence[Sink],
+    takers: Sequence[Callable[[Event], None]],
 ) -> Certificate:
     """Record, and leave a bundle that says how it ended, whatever ends it."""
     from benchtool.errors import BenchError
-    from benchtool.telemetry import certify_recording, record_stream
+    from benchtool.telemetry import certify_recording, keep_journal, record_stream
 
     stream: TelemetryStream | None = None
     drive = session.drive
     try:
         if log is not None:
             log.start(bundle.directory)
-        with record_stream(drive, bundle, names, rate_Hz, others=sinks) as stream:
+        with (
+            keep_journal(drive, takers),
+            record_stream(drive, bundle, names, rate_Hz, others=sinks) as stream,
+        ):
             _wait(session, stream, duration_s, reconnect_s, log, output)
         if log is not None:
             log.close()
     except BaseException as failure:
         certificate, details = certify_recording(stream, {}, drive.link.counters)
         reason = f"{type(failure).__name__}: {failure}".rstrip(": ")
-        try:
-            bundle.fail(
-                reason,
-                quality=asdict(drive.link.counters),
-                details=details,
-                certificate=certificate.to_json(),
-            )
-            if log is not None:
-                log.close()
-        except BenchError as also:
-            failure.add_note(str(also))
+        fail = partial(
+            bundle.fail,
+            reason,
+            quality=asdict(drive.link.counters),
+            details=details,
+            certificate=certificate.to_json(),
+        )
+        for end in (*(() if log is None else (log.close,)), fail):  # the files, then what says how they are
+            try:
+                end()
+            except BenchError as also:
+                failure.add_note(str(also))
         failure.add_note(f"what came until then is in {bundle.directory}")
         raise
     certificate, details = certify_recording(stream, {}, drive.link.counters)

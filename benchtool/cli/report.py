@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from benchtool.cli import options
-from benchtool.cli.output import Output
+from benchtool.cli.output import Output, tell_unsealed
 
 if TYPE_CHECKING:
     from benchtool.report.content import Report
@@ -25,17 +25,20 @@ def report(
     as_json: options.Json = False,
 ) -> int:
     """Measure a recorded run again and write a report that needs nothing else to be read."""
-    from benchtool.errors import UsageError
+    from benchtool.errors import RecordingError, UsageError
     from benchtool.experiment.limits import Verdict, worst
     from benchtool.experiment.plan_reporting import case_label
     from benchtool.experiment.reporting import run_report
     from benchtool.experiment.runs import recorded_runs
+    from benchtool.recording import enlist
 
     if out is not None and out.suffix.lower() == ".pdf" and not pdf:
         raise UsageError(f"--out {out} names a PDF, the page is HTML: add --pdf, or name the page")
     output = Output(as_json=as_json)
     runs = recorded_runs(run)
+    tell_unsealed(output, [case.bundle for each in runs for case in each.cases])
     page, document = write_report(run_report(run, runs), out or run / "report.html", pdf=pdf, output=output)
+    enlist(run, [page] if document is None else [page, document])
     verdict = worst(each.verdict for each in runs)
     output.verdict(str(verdict))
     cases = {
@@ -52,38 +55,35 @@ def report(
             "cases": cases,
         }
     )
+    damaged = [case.error for each in runs for case in each.cases if isinstance(case.error, RecordingError)]
+    if damaged:
+        raise damaged[0]
     return 1 if verdict is Verdict.FAIL else 0
 
 
 def write_report(report: Report, page: Path, *, pdf: bool, output: Output) -> tuple[Path, Path | None]:
-    """Write the page and, if asked for, the PDF beside it; the paths of both.
+    """Write the page and, if asked for, the PDF beside it; the paths of both. Earlier reports are replaced.
 
     Raises:
-        RecordingError: a file cannot be written.
+        RecordingError: a file cannot be written, or one that is no report is there.
     """
-    from benchtool.report.html import html_page
+    from benchtool.recording.files import require_own, write_whole
+    from benchtool.report.html import MARK, html_page
 
     if pdf and page.suffix == ".pdf":
         page = page.with_suffix(".html")
-    _write(page, html_page(report).encode("utf-8"))
+    document = page.with_suffix(".pdf")
+    require_own(page, MARK)
+    if pdf:
+        from benchtool.report.pdf import MARK as PDF_MARK
+
+        require_own(document, PDF_MARK)
+    write_whole(page, html_page(report).encode("utf-8"))
     output.line(f"report: {page}")
     if not pdf:
         return page, None
     from benchtool.report.pdf import pdf_document
 
-    document = page.with_suffix(".pdf")
-    _write(document, pdf_document(report))
+    write_whole(document, pdf_document(report))
     output.line(f"pdf: {document}")
     return page, document
-
-
-def _write(path: Path, content: bytes) -> None:
-    from benchtool.errors import RecordingError
-
-    try:
-        path.write_bytes(content)
-    except OSError as failure:
-        raise RecordingError(
-            f"cannot write {path}: {failure.strerror or failure}; the report was to go there: choose another "
-            f"file in a folder that exists"
-        ) from None

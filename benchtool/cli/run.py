@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -80,23 +81,34 @@ def run(
 
 def run_named(name: str, chosen: RunOptions) -> int:
     """Run one plan or a folder of plans, print what they measured, and return the exit code."""
-    from benchtool.errors import PlanError
+    from benchtool.errors import DriveError, LinkError, PlanError
     from benchtool.experiment.limits import Verdict, worst
     from benchtool.experiment.plan import plan_names
+    from benchtool.recording.files import require_own
+    from benchtool.report.page import MARK as PAGE_MARK
 
+    if chosen.page is not None:
+        require_own(chosen.page, PAGE_MARK)
     names = plan_names(name)
     if not names:
         raise PlanError(f"folder {name} holds no plans: TOML files are expected, one a plan")
     single = names == (name,)
     output = Output(as_json=chosen.as_json)
     title = Path(name).stem if name.endswith(".toml") else name
-    folder = options.bundle_folder(chosen.out, options.wall_time(), title)
     todo = [_check(each, chosen) for each in names]  # the last one too, before the first is run
-    with viewing.places(chosen.live, output) as where:
-        results = {
-            each.name: _run(each, folder, "" if single else Path(each.name).stem, chosen, output, where)
-            for each in todo
-        }
+    with (
+        options.bundle_folder(chosen.out, options.wall_time(), title) as folder,
+        viewing.places(chosen.live, output) as where,
+    ):
+        try:
+            results = {
+                each.name: _run(each, folder, "" if single else Path(each.name).stem, chosen, output, where)
+                for each in todo
+            }
+        except (KeyboardInterrupt, DriveError, LinkError) as end:
+            if any(folder.rglob("manifest.json")):
+                end.add_note(f"go on with: {_resumption(name, folder, chosen)}")
+            raise
         where.linger(output)
     if chosen.page is not None:
         _write_page(chosen.page, name, results)
@@ -104,6 +116,21 @@ def run_named(name: str, chosen: RunOptions) -> int:
     documents = {each: result.to_json() for each, result in results.items()}
     output.document(documents[name] if single else {"verdict": str(verdict), "plans": documents})
     return 1 if verdict is Verdict.FAIL else 0
+
+
+def _resumption(name: str, folder: Path, chosen: RunOptions) -> str:
+    """The command that goes on with a run, as a shell takes it: all that it was begun with."""
+    words = ["benchtool", "run", name, "--resume", str(folder)]
+    words += ["--profile", chosen.profile] if chosen.profile else []
+    words += ["--link", chosen.link] if chosen.link != "emulated" else []
+    words += ["--seed", str(chosen.seed)] if chosen.seed else []
+    words += ["--jobs", str(chosen.jobs)] if chosen.jobs > 1 else []
+    words += ["--page", str(chosen.page)] if chosen.page is not None else []
+    words += [word for place in chosen.live for word in ("--live", place)]
+    words += ["--allow-different"] if chosen.allow_different else []
+    words += ["--real-time"] if chosen.real_time else []
+    words += ["--json"] if chosen.as_json else []
+    return shlex.join(words)
 
 
 @dataclass(frozen=True)
@@ -149,10 +176,17 @@ def _run(
     from benchtool.cli.run_views import RunViews
     from benchtool.experiment.parallel import run_in_processes
     from benchtool.experiment.runner import RunInfo, run_plan
+    from benchtool.profile import profile_path
 
-    name, plan, place, folder = checked.name, checked.plan, checked.profile, folder / part
-    when, arguments = options.wall_time().isoformat(timespec="seconds"), tuple(sys.argv[1:])
-    info = RunInfo(when, chosen.seed, arguments, chosen.allow_different)
+    plan, place, folder = checked.plan, checked.profile, folder / part
+    info = RunInfo(
+        options.wall_time().isoformat(timespec="seconds"),
+        chosen.seed,
+        tuple(sys.argv[1:]),
+        chosen.allow_different,
+        link=chosen.link,
+        profile_toml=profile_path(place).read_text(encoding="utf-8"),
+    )
     with RunProgress(output) as bar:
         progress = RunViews(where, bar, output, part)
         opener = partial(
@@ -162,32 +196,28 @@ def _run(
             real_time=chosen.real_time,
             note=progress.note,
         )
-        try:
-            if chosen.jobs > 1:
-                result = run_in_processes(
-                    plan, place, folder, info, progress, jobs=chosen.jobs, resume=chosen.resume
-                )
-            else:
-                result = run_plan(
-                    lambda case, seed: opener(seed=seed, alter=case.emulator),
-                    plan,
-                    folder,
-                    info,
-                    progress,
-                    resume=chosen.resume,
-                    watcher=progress,
-                )
-        except KeyboardInterrupt as interrupt:
-            interrupt.add_note(f"go on with: benchtool run {name} --resume {folder}")
-            raise
+        if chosen.jobs > 1:
+            result = run_in_processes(
+                plan, place, folder, info, progress, jobs=chosen.jobs, resume=chosen.resume
+            )
+        else:
+            result = run_plan(
+                lambda case, seed: opener(seed=seed, alter=case.emulator),
+                plan,
+                folder,
+                info,
+                progress,
+                resume=chosen.resume,
+                watcher=progress,
+            )
     show_run(output, plan.title, result, plan.tabulate)
     return result
 
 
 def _write_page(page: Path, command: str, results: Mapping[str, RunResult]) -> None:
-    from benchtool.errors import RecordingError
     from benchtool.experiment.plan import load_plan
     from benchtool.profile import load_profile
+    from benchtool.recording.files import write_whole
     from benchtool.report.page import PlanFigures, reproduction_page
 
     figures = []
@@ -197,10 +227,4 @@ def _write_page(page: Path, command: str, results: Mapping[str, RunResult]) -> N
         published = {each.case: each.published for each in result.assessments if each.published}
         figures.append(PlanFigures(name, plan.title, plan.readings, plan.tabulate, measured, published))
     text = reproduction_page(load_profile(plan.profile), figures, f"benchtool run {command} --page")
-    try:
-        page.write_text(text, encoding="utf-8")
-    except OSError as reason:
-        raise RecordingError(
-            f"cannot write {page}: {reason.strerror}; the page of the run was to go there: "
-            f"choose another file"
-        ) from None
+    write_whole(page, text.encode("utf-8"))

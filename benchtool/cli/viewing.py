@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import subprocess
 import sys
@@ -48,13 +49,14 @@ class Places:
     def of(self, name: str = "", *, endless: bool = False) -> list[Destination]:
         """Destinations of one recording; those of several go into files of their own names.
 
-        An `endless` one is of nobody knows how long, and takes no more memory the longer it lasts.
+        An `endless` one is of nobody knows how long, and takes no more memory the longer it lasts. Where a
+        file of that name is there already, as of a run that is resumed, the next number is taken.
         """
         from benchtool.live import FileDestination
 
         files = [each.path for each in self._files]
         if name:
-            files = [path.with_stem(f"{path.stem}-{name}") for path in files]
+            files = [_free(path.with_stem(f"{path.stem}-{name}")) for path in files]
         return [*self._viewers, *(FileDestination(path, endless=endless) for path in files)]
 
     def linger(self, output: Output, duration_s: float | None = None) -> None:
@@ -72,6 +74,7 @@ def places(where: Sequence[str], output: Output, bind: str = "") -> Iterator[Pla
 
     Raises:
         UsageError: it names something else.
+        RecordingError: a file is there already.
         EnvironmentFailure: one cannot be opened.
     """
     if not where:
@@ -79,6 +82,7 @@ def places(where: Sequence[str], output: Output, bind: str = "") -> Iterator[Pla
         return
     os.environ.setdefault("RUST_LOG", "off")  # what the SDK would log of a lost viewer is said by a note
     from benchtool.live import LOOPBACK, FileDestination, Viewer
+    from benchtool.recording.files import require_free
 
     unknown = [each for each in where if each not in ("viewer", "web") and not each.endswith(".rrd")]
     if unknown:
@@ -86,6 +90,7 @@ def places(where: Sequence[str], output: Output, bind: str = "") -> Iterator[Pla
     paths = {Path(each).resolve(): Path(each) for each in where if each.endswith(".rrd")}
     files = [FileDestination(path) for path in paths.values()]  # one for each, however it is spelt
     for file in files:
+        require_free(file.path)
         file.check()
     viewers: list[Viewer] = []
     with ExitStack() as stack:
@@ -96,6 +101,11 @@ def places(where: Sequence[str], output: Output, bind: str = "") -> Iterator[Pla
                     address = Text(f"live at {viewers[-1].page}")
                     output.progress.print(address, soft_wrap=True)  # in one piece, to be copied
         yield Places(viewers, files)
+
+
+def _free(path: Path) -> Path:
+    numbered = (path.with_stem(f"{path.stem}-{number}") for number in itertools.count(2))
+    return next(each for each in (path, *itertools.islice(numbered, 1000)) if not each.exists())
 
 
 def live_sink(view: LiveView) -> Sink:

@@ -18,6 +18,7 @@ from benchtool.errors import ParameterFileError
 from benchtool.protocol.dictionary import Dictionary
 from benchtool.protocol.keys import toml_key
 from benchtool.protocol.variable import Variable
+from benchtool.recording.files import write_whole
 
 Scalar = StrictInt | StrictFloat | StrictStr
 _HEX = ("dictionary_hash", "vendor_id", "product_code", "revision_number")
@@ -99,16 +100,9 @@ def write_parameter_file(path: Path, text: str) -> None:
     """Put a file in place in one step: whoever reads it sees the old or the new one, never a half.
 
     Raises:
-        ParameterFileError: it cannot be written.
+        RecordingError: it cannot be written.
     """
-    part = path.with_name(path.name + ".part")
-    try:
-        part.write_text(text, encoding="utf-8")
-        part.replace(path)
-    except OSError as reason:
-        raise ParameterFileError(
-            f"cannot write {path}: {reason.strerror or reason}; a folder that can be written is expected"
-        ) from None
+    write_whole(path, text.encode("utf-8"))
 
 
 def render(file: ParameterFile, dictionary: Dictionary) -> str:

@@ -11,10 +11,13 @@ from benchtool.clock import Clock, Timer
 from benchtool.drive.identity import Identity
 from benchtool.drive.reconnection import Reconnection
 from benchtool.drive.states import Cia402Node
-from benchtool.errors import BenchError, LinkClosed, LinkError, StateError
+from benchtool.errors import BenchError, LinkClosed, LinkError, SdoAbort, StateError
 from benchtool.link import Link
+from benchtool.protocol.abort import Abort
+from benchtool.protocol.cia402 import State
 from benchtool.protocol.dictionary import Dictionary
 
+_HEARD = "alive"  # of the object link_state
 _REOPEN_S = 0.2
 _WATCH_S = 0.05
 HEARTBEAT_S = 0.1
@@ -71,8 +74,10 @@ class RemoteDrive(Cia402Node):
 
         Raises:
             NoAnswer, IdentityMismatch, DictionaryMismatch: as their names say.
+            StateError: another host supervises the drive; nothing was changed.
         """
         identity = self.check()
+        self._require_no_other_host()
         self.supervise()
         return identity
 
@@ -143,12 +148,47 @@ class RemoteDrive(Cia402Node):
 
     # ---- link supervision -------------------------------------------------------------------------------
 
+    def _require_no_other_host(self) -> None:
+        """Refuse a drive that hears a host already, one that fell silent a moment ago excepted.
+
+        Two hosts cannot supervise it both: the first that leaves would take the other's supervision along.
+        """
+        if self._heartbeat is not None or "link_state" not in self.dictionary:
+            return
+        if self.read("link_state") != _HEARD:
+            return
+        deadline_s = self.clock.now_s() + LINK_TIMEOUT_S + _WATCH_S
+        while self.clock.now_s() < deadline_s:
+            self.clock.wait(_WATCH_S)
+            if self.read("link_state") != _HEARD:
+                self.emergencies()  # the loss of that host is not one of this host's
+                return
+        raise self._supervised_by_another()
+
+    def _supervised_by_another(self) -> StateError:
+        configured = self._optional_int("host_heartbeat") or 0
+        return StateError(
+            f"another host supervises this drive (node {configured >> 16 & 0x7F}, timeout "
+            f"{configured & 0xFFFF} ms), which is in '{self.state().value}': end what runs there "
+            f"first, or only look, as record, live and info do; nothing was changed"
+        )
+
     def supervise(self, timeout_s: float = LINK_TIMEOUT_S) -> None:
-        """Send the host's heartbeat, and have the drive stop the motor when it stays out for `timeout_s`."""
+        """Send the host's heartbeat, and have the drive stop the motor when it stays out for `timeout_s`.
+
+        Raises:
+            StateError: another host has the drive enabled.
+        """
         self.stop_heartbeat()
-        self._commanded = True
         if "host_heartbeat" in self.dictionary:
-            self.write("host_heartbeat", HOST_NODE_ID << 16 | round(timeout_s * 1000.0))
+            try:
+                self.write("host_heartbeat", HOST_NODE_ID << 16 | round(timeout_s * 1000.0))
+            except SdoAbort as refused:
+                # It is taken at any time but while the power stage is on.
+                if refused.code == Abort.DEVICE_STATE and self.state() is State.OPERATION_ENABLED:
+                    raise self._supervised_by_another() from refused
+                raise
+        self._commanded = True
         self._heartbeat = self.clock.call_every(min(HEARTBEAT_S, timeout_s / 3.0), self.link.send_heartbeat)
 
     def stop_heartbeat(self) -> None:

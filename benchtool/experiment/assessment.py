@@ -251,8 +251,10 @@ def assess_bundle(bundle: Bundle) -> Assessment:
     """Analyse a bundle again, by the plan and the motor that it carries.
 
     Raises:
+        RecordingError: a file of it is not what was recorded, or cannot be read.
         AnalysisError: it is not of a plan, or its data cannot answer what the plan asks.
     """
+    bundle.require_intact()
     details = bundle.manifest.details
     try:
         plan, motor = Plan.model_validate(details["plan"]), Motor.model_validate(details["motor"])

@@ -150,7 +150,7 @@ def _profile(manifest: Manifest) -> Profile | None:
     """The profile that the bundle carries; None if this version does not understand it."""
     try:
         return Profile.model_validate(tomllib.loads(manifest.profile_toml))
-    except (tomllib.TOMLDecodeError, ValidationError):
+    except (tomllib.TOMLDecodeError, RecursionError, ValidationError):
         return None
 
 

@@ -15,6 +15,7 @@ from benchtool.experiment.assessment import Assessment
 from benchtool.experiment.deltas import Comparison, Delta
 from benchtool.experiment.presenting import mark, picture, read_already
 from benchtool.recording import Bundle
+from benchtool.recording.manifest import read_manifest
 from benchtool.report.comparison import Panel, draw_spectra, draw_steady_traces, draw_torque_traces
 from benchtool.report.content import Cell, Facts, Grid, Item, Report, Section, Text
 from benchtool.report.numbers import NOTHING, raw, signed, stated
@@ -52,7 +53,7 @@ def comparison_report(
         body = (*warned, *_measured(each), *_figures(each), *_circumstances(each))
         items.append(Section(f"Case {each.case}" if many else "Comparison", body, listed=many))
     items.append(files_section(bundles, [f"benchtool compare {shlex.join(folders)}"]))
-    title = f"Comparison: {Bundle.open(first.bundle).manifest.what}"
+    title = f"Comparison: {read_manifest(first.bundle)[0].what}"
     subtitle = f"Comparison of {len({label for label, _, _ in _runs(comparisons)})} runs · {newest}"
     return Report(title, subtitle, newest, tuple(items))
 
@@ -60,7 +61,7 @@ def comparison_report(
 def _runs(comparisons: Sequence[Comparison]) -> Iterator[tuple[str, Assessment, str]]:
     for comparison in comparisons:
         for label, result in comparison.results.items():
-            yield label, result, Bundle.open(result.bundle).manifest.when
+            yield label, result, read_manifest(result.bundle)[0].when
 
 
 def _bundles(comparisons: Sequence[Comparison]) -> list[tuple[str, Bundle, Mapping[str, Block]]]:
@@ -68,7 +69,7 @@ def _bundles(comparisons: Sequence[Comparison]) -> list[tuple[str, Bundle, Mappi
     return [
         (
             f"{label}/{result.case}: " if several else f"{label}: ",
-            Bundle.open(result.bundle),
+            Bundle.open(result.bundle, checked=True),
             read_already(result),
         )
         for comparison in comparisons
@@ -181,7 +182,7 @@ def _names(result: Assessment) -> set[str]:
 
 
 def _circumstances(comparison: Comparison) -> Iterator[Item]:
-    manifests = {label: Bundle.open(result.bundle).manifest for label, result in comparison.results.items()}
+    manifests = {label: read_manifest(result.bundle)[0] for label, result in comparison.results.items()}
     kinds: dict[str, Mapping[str, Mapping[str, object]]] = {
         "Drive parameters": {label: each.parameters for label, each in manifests.items()},
         "Plan": {label: _flat(each.details.get("plan", {})) for label, each in manifests.items()},
@@ -190,6 +191,7 @@ def _circumstances(comparison: Comparison) -> Iterator[Item]:
         },
         "Profile, drive and versions": {
             label: {
+                "link": each.link,
                 "profile": each.profile_name,
                 "contents of the profile": "as the first"
                 if each.profile_toml == _first(manifests).profile_toml

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from benchtool.experiment.assessment import Assessment
 from benchtool.experiment.cases import cases
 from benchtool.experiment.plan import Plan
+from benchtool.recording import enlist
 from benchtool.report.bode import draw_bode
 from benchtool.report.comparison import (
     Panel,
@@ -27,7 +28,7 @@ _SHOWN_S = 0.2  # of a steady state beside another
 
 def draw_case(plan: Plan, result: Assessment) -> None:
     """Figures of one case, into its bundle."""
-    save_figures(case_figures(plan, result), result.bundle / "plots")
+    enlist(result.bundle, save_figures(case_figures(plan, result), result.bundle / "plots"))
 
 
 def case_figures(plan: Plan, result: Assessment) -> dict[str, Figure]:
@@ -79,7 +80,7 @@ def _draw_sweep(plan: Plan, results: Sequence[Assessment]) -> Figure:
 
 def draw_cases(plan: Plan, results: Sequence[Assessment], folder: Path) -> None:
     """The figure that the plan asks for, of all cases, into the run's folder."""
-    save_figures(run_figures(plan, results), folder / "plots")
+    enlist(folder, save_figures(run_figures(plan, results), folder / "plots"))
 
 
 def run_figures(plan: Plan, results: Sequence[Assessment]) -> dict[str, Figure]:

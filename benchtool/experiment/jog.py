@@ -17,6 +17,7 @@ from benchtool.errors import BenchError, ValueRefused
 from benchtool.profile import Motor
 from benchtool.telemetry.setpoints import Setpoints
 
+SUPPORTED_MODES = "0x6502:0"
 HIGHEST_RATE_HZ = 1000.0
 _LATE = 1.5  # periods
 
@@ -57,6 +58,8 @@ def jog(
 ) -> Jog:
     """Enable the drive, send it setpoints for `duration_s`, and disable it again, on every way out.
 
+    What can be found out before is checked before it is enabled, and the PDO of the setpoints is put back.
+
     Args:
         drive: connected.
         motor: whose rated torque and speed no setpoint may exceed.
@@ -65,7 +68,8 @@ def jog(
         rate_Hz: frames per second, 1000 at most; each is one RPDO, which also feeds the link supervision.
 
     Raises:
-        ValueRefused: a setpoint is beyond the rating, or the rate or the mode is none; it was not sent.
+        ValueRefused: a setpoint is beyond the rating or the limits of the drive, the rate or the mode is
+            none, or the drive takes no such setpoints; it was not sent.
         DriveFault, LinkError: as they come; the drive is disabled or will stop by itself.
     """
     if not 0.0 < rate_Hz <= HIGHEST_RATE_HZ:
@@ -74,19 +78,19 @@ def jog(
         )
     if mode not in (Mode.VELOCITY, Mode.TORQUE):
         raise ValueRefused(f"{mode.name.lower()} mode takes no setpoints: choose velocity or torque")
-    _within_rating(setpoint(0.0), mode, motor)
-    with _setpoints(drive) as setpoints, drive.enabled(mode):
+    name = "omega_m_rad_s" if mode is Mode.VELOCITY else "torque_Nm"
+    first = _within_rating(setpoint(0.0), mode, motor)
+    _require_mode(drive, mode)
+    with _setpoints(drive) as setpoints:
+        setpoints.check(**{name: first})
+        with drive.enabled(mode):
 
-        def send(time_s: float) -> None:
-            value = _within_rating(setpoint(time_s), mode, motor)
-            if mode is Mode.VELOCITY:
-                setpoints.send(omega_m_rad_s=value)
-            else:
-                setpoints.send(torque_Nm=value)
-            drive.raise_emergencies()
+            def send(time_s: float) -> None:
+                setpoints.send(**{name: _within_rating(setpoint(time_s), mode, motor)})
+                drive.raise_emergencies()
 
-        pacing = pace(drive.clock, send, duration_s=duration_s, period_s=1.0 / rate_Hz)
-        return Jog(pacing, drive.number("omega_m"), drive.number("torque"))
+            pacing = pace(drive.clock, send, duration_s=duration_s, period_s=1.0 / rate_Hz)
+            return Jog(pacing, drive.number("omega_m"), drive.number("torque"))
 
 
 def pace(clock: Clock, action: Callable[[float], None], *, duration_s: float, period_s: float) -> Pacing:
@@ -110,6 +114,19 @@ def pace(clock: Clock, action: Callable[[float], None], *, duration_s: float, pe
     clock.wait(start_s + slots * period_s - clock.now_s())
     periods = max(1, sent - 1)
     return Pacing(sent, period_s, total_s / periods, math.sqrt(squares_s2 / periods), longest_s, late)
+
+
+def _require_mode(drive: RemoteDrive, mode: Mode) -> None:
+    """Check the mode against the drive's supported drive modes (CiA 402-2, 0x6502), where it has them."""
+    if SUPPORTED_MODES not in drive.dictionary:
+        return
+    supported = int(drive.number(SUPPORTED_MODES))
+    if not supported >> (int(mode) - 1) & 1:
+        known = [each.name.lower() for each in Mode if each > 0 and supported >> (int(each) - 1) & 1]
+        raise ValueRefused(
+            f"the drive has no {mode.name.lower()} mode ({SUPPORTED_MODES} is 0x{supported:X}, "
+            f"{', '.join(known) or 'none'} of those known here): choose another mode; nothing was enabled"
+        )
 
 
 def _within_rating(value: float, mode: Mode, motor: Motor) -> float:

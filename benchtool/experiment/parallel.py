@@ -16,7 +16,8 @@ from benchtool.experiment.conduct import Progress
 from benchtool.experiment.drawing import draw_cases
 from benchtool.experiment.plan import Plan
 from benchtool.experiment.repetition import over_repetitions
-from benchtool.experiment.runner import RunInfo, case_folder, run_cases
+from benchtool.experiment.resumption import Origin, case_folder, require_same_origin
+from benchtool.experiment.runner import RunInfo, run_cases
 from benchtool.recording import Bundle
 
 
@@ -60,6 +61,8 @@ def run_in_processes(
         BenchError: of the first case that failed; the others are brought to their end.
     """
     todo = cases(plan)
+    if resume:
+        require_same_origin(folder, Origin(plan, info.link, info.seed, info.profile_toml))
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(max_workers=min(jobs, len(todo)), mp_context=context) as pool:
         tasks = [pool.submit(_run, _Task(plan, case, profile_name, folder, info, resume)) for case in todo]

@@ -43,12 +43,13 @@ def _overview(run: RecordedRun) -> Iterator[Item]:
         (
             case.name,
             *(_overview_cell(case, name) for name in names),
+            case.bundle.manifest.link,
             Cell(str(case.verdict), mark(case.verdict), _reasons(case)),
         )
         for case in run.cases
     ]
     headings = [f">{name} ({units[name]})" if units[name] else f">{name}" for name in names]
-    yield Grid.of(("case", *headings, "verdict"), rows)
+    yield Grid.of(("case", *headings, "link", "verdict"), rows)
     if any(result.published for result in results):
         yield Text("Published figures stand in brackets.", "note")
     if plan is None:

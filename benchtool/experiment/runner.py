@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 from benchtool.analysis import measurements_to_json, tables_to_json
@@ -24,6 +24,7 @@ from benchtool.experiment.parameter_check import ParameterCheck, check_parameter
 from benchtool.experiment.plan import Plan, Setting
 from benchtool.experiment.rating import require_rated
 from benchtool.experiment.repetition import over_repetitions
+from benchtool.experiment.resumption import Origin, case_folder, require_same_origin
 from benchtool.experiment.watching import Unwatched, Watcher
 from benchtool.recording import Bundle, BundleWriter, EventFile, Manifest, software_versions
 from benchtool.telemetry import (
@@ -42,7 +43,8 @@ class RunInfo:
     """What only the caller knows of a run.
 
     `when` is wall time in ISO 8601, `wall_s` tells that of now. `allow_different` lets a drive run whose
-    parameters contradict the profile.
+    parameters contradict the profile. `profile_toml` is the text of the profile, None if it is not known
+    before the bench is open.
     """
 
     when: str
@@ -50,6 +52,8 @@ class RunInfo:
     command_line: tuple[str, ...]
     allow_different: bool = False
     wall_s: Callable[[], float] = time.time
+    link: str = "emulated"
+    profile_toml: str | None = None
 
 
 Opener = Callable[[Case, int], AbstractContextManager[Session]]
@@ -75,6 +79,7 @@ def run_plan(
         watcher: looks on.
 
     Raises:
+        UsageError: those cases were recorded with something else than what is there now.
         BenchError: whatever went wrong; a bundle that was begun says where, and holds what came till then.
     """
     todo = cases(plan)
@@ -97,6 +102,9 @@ def run_cases(
 ) -> list[Assessment]:
     """Run some of a plan's cases, each in a session of its own, so that none depends on those before it."""
     results: list[Assessment] = []
+    origin = Origin(plan, info.link, info.seed, info.profile_toml)
+    if resume:
+        require_same_origin(folder, origin)
     for number, case in enumerate(todo, start=1):
         progress.begin(case.name, number, len(todo))
         place = case_folder(plan, case, folder)
@@ -108,6 +116,14 @@ def run_cases(
         with opener(case, _seed(info, case)) as session:
             progress.note("checking identity and dictionary")
             identity = session.drive.connect()
+            if resume:
+                here = replace(
+                    origin,
+                    profile_toml=session.profile_toml,
+                    identity=identity,
+                    parameters=snapshot(session.drive),
+                )
+                require_same_origin(folder, here)
             _require_rated(session, plan, case)
             setup = {**plan.setup, **case.setup}
             check = _checked(session, setup, info, progress)
@@ -122,11 +138,6 @@ def run_cases(
 def _seed(info: RunInfo, case: Case) -> int:
     """Repetitions differ in the noise of an emulated bench, and in nothing else."""
     return info.seed + case.repetition - 1
-
-
-def case_folder(plan: Plan, case: Case, folder: Path) -> Path:
-    """Where the bundle of a case is: in the run's folder, or in one of its own within it."""
-    return folder if len(cases(plan)) == 1 else folder / case.folder
 
 
 def _finished(place: Path) -> Bundle | None:
@@ -280,6 +291,7 @@ def _manifest(session: Session, plan: Plan, case: Case, info: RunInfo, identity:
         when=info.when,
         profile_name=session.profile_name,
         profile_toml=session.profile_toml,
+        link=info.link,
         identity={key: value for key, value in facts.items() if value is not None},
         dictionary_hash=identity.dictionary_hash,
         parameters=snapshot(session.drive),

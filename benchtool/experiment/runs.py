@@ -22,12 +22,13 @@ _PUT_ASIDE = re.compile(r"\.cut-\d+$")  # half-done cases that a resumed run has
 
 @dataclass(frozen=True)
 class RecordedCase:
-    """One bundle; without an assessment, `failure` says why there is none."""
+    """One bundle; without an assessment, `failure` says why there is none, and `error` if that was one."""
 
     name: str
     bundle: Bundle
     assessment: Assessment | None
     failure: str = ""
+    error: BenchError | None = None
 
     @property
     def verdict(self) -> Verdict:
@@ -79,7 +80,7 @@ def complete_cases(folder: Path) -> list[Assessment]:
     """Every case of a run that was finished, measured again.
 
     Raises:
-        RecordingError: there is none.
+        RecordingError: there is none, or a file of one is not what was recorded.
         AnalysisError: the data cannot answer what the plan asks.
     """
     found = [case for run in recorded_runs(folder) for case in run.cases if case.bundle.complete]
@@ -122,15 +123,17 @@ def _case(bundle: Bundle) -> RecordedCase:
     failure = str(details.get("failure", ""))
     if not failure and not bundle.complete:
         failure = "the run was cut short before it ended"
-    if "plan" not in details:
-        return RecordedCase(name, bundle, None, failure)
     try:
-        return RecordedCase(name, bundle, assess_bundle(bundle), failure)
+        bundle.require_intact()
+        result = assess_bundle(bundle) if "plan" in details else None
+        return RecordedCase(name, bundle, result, failure)
     except BenchError as error:
-        return RecordedCase(name, bundle, None, failure or str(error))
+        return RecordedCase(name, bundle, None, failure or str(error), error)
 
 
 def _refuse(case: RecordedCase) -> Assessment:
+    if isinstance(case.error, RecordingError):
+        raise case.error
     raise AnalysisError(
         case.failure or f"{case.bundle.directory} was not recorded by a plan: give a run of one"
     )

@@ -52,7 +52,7 @@ class FileDestination:
         return False
 
     def connect(self, stream: rr.RecordingStream) -> None:
-        """Begin the file; an older one is replaced.
+        """Begin the file.
 
         Raises:
             EnvironmentFailure: it cannot be written.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import threading
 from enum import StrEnum
 from pathlib import Path
@@ -10,7 +11,9 @@ from typing import Final
 from pydantic import ValidationError
 
 from benchtool.document import Section
+from benchtool.recording.checkpoints import Checkpoints
 from benchtool.recording.failures import reading, writing
+from benchtool.recording.seal import FileHash
 
 EVENTS: Final = Path("data", "events.jsonl")
 
@@ -37,6 +40,8 @@ class EventFile:
 
     def __init__(self, directory: Path) -> None:
         self._path = directory / EVENTS
+        self._checkpoints = Checkpoints(directory)
+        self._hash = hashlib.sha256(self._path.read_bytes() if self._path.is_file() else b"")
         self._lock = threading.Lock()
 
     def append(self, event: Event) -> None:
@@ -48,19 +53,24 @@ class EventFile:
         line = event.model_dump_json(exclude_defaults=True).encode() + b"\n"
         with self._lock, writing(self._path), self._path.open("ab") as file:
             file.write(line)
+            file.flush()
+            self._hash.update(line)
+            state = FileHash(size_B=file.tell(), sha256=self._hash.hexdigest())
+            self._checkpoints.note(self._path, state)
 
 
-def read_events(directory: Path) -> tuple[Event, ...]:
+def read_events(directory: Path, size_B: int | None = None) -> tuple[Event, ...]:
     """Events of a bundle in the order in which they were noted; none if it has no file of them.
 
-    Lines that are no events, such as a last one that was cut short, are left out.
+    Lines that are no events, such as a last one that was cut short, are left out; `size_B` is how much of the
+    file is known to be whole, without it all is read.
 
     Raises:
         RecordingError: the file is there and cannot be read.
     """
     path = directory / EVENTS
     with reading(path):
-        lines = path.read_bytes().split(b"\n") if path.is_file() else []
+        lines = path.read_bytes()[:size_B].split(b"\n") if path.is_file() else []
     events = []
     for line in lines:
         try:

@@ -13,7 +13,7 @@ from pyarrow import csv
 
 from benchtool.block import Block
 from benchtool.errors import EnvironmentFailure, RecordingError
-from benchtool.recording.failures import writing
+from benchtool.recording.files import replacing, require_free
 from benchtool.recording.reader import Bundle
 
 
@@ -40,18 +40,12 @@ def export(bundle: Bundle, stream: str, format_: Format, path: Path) -> Block:
         RecordingError: `path` exists or cannot be written, or there is no such stream.
         EnvironmentFailure: the package for the format is not installed.
     """
-    if path.exists():
-        raise RecordingError(f"{path} exists, an export overwrites nothing: choose another name")
+    require_free(path)
     if not path.parent.is_dir():
         raise RecordingError(f"cannot write {path}: no folder {path.parent}; make it or choose another")
     block = bundle.block(stream)
-    part = path.with_name(f"{path.name}.part{format_.suffix}")
-    try:
-        with writing(path):
-            _WRITERS[format_](part, stream, block, bundle)
-            part.replace(path)
-    finally:
-        part.unlink(missing_ok=True)
+    with replacing(path, format_.suffix) as part:
+        _WRITERS[format_](part, stream, block, bundle)
     return block
 
 
@@ -102,7 +96,7 @@ def _mdf4(path: Path, stream: str, block: Block, bundle: Bundle) -> None:
     with MDF(version="4.10") as file:
         file.start_time = datetime.fromisoformat(bundle.manifest.when)
         file.append(signals, acq_name=stream, comment=bundle.manifest.what)
-        file.save(path)
+        file.save(path, overwrite=True)
 
 
 _WRITERS: dict[Format, Callable[[Path, str, Block, Bundle], None]] = {

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import json
-import os
 import platform
-from collections.abc import Mapping
 from importlib import metadata
 from pathlib import Path
 from typing import Any
@@ -15,7 +12,7 @@ from pydantic import Field, ValidationError
 from benchtool import __version__
 from benchtool.document import Array, Section
 from benchtool.errors import RecordingError
-from benchtool.recording.failures import reading, writing
+from benchtool.recording.seal import SEAL, FileHash, read_sealed_json, write_json
 
 SCHEMA_VERSION = 1
 MANIFEST = "manifest.json"
@@ -36,15 +33,16 @@ class StreamInfo(Section):
 class Manifest(Section):
     """Everything of a run that is neither samples nor results.
 
-    `when` is the ISO 8601 wall time of the start, given by the caller, `note` the operator's. `verdict`,
-    `quality` (data-quality counters), `streams` and `complete` are known at the end; `details` takes whatever
-    else is JSON.
+    `when` is the ISO 8601 wall time of the start, given by the caller, `note` the operator's, `link` the
+    address of the drive. `verdict`, `quality` (data-quality counters), `streams`, `files` (hashes by path
+    within the bundle) and `complete` are known at the end; `details` takes whatever else is JSON.
     """
 
     what: str
     when: str
     profile_name: str = ""
     profile_toml: str = ""
+    link: str = ""
     identity: dict[str, int | float | str] = Field(default_factory=dict)
     dictionary_hash: int | None = None
     parameters: dict[str, int | float | str] = Field(default_factory=dict)
@@ -56,6 +54,7 @@ class Manifest(Section):
     quality: dict[str, int] = Field(default_factory=dict)
     details: dict[str, Any] = Field(default_factory=dict)
     streams: dict[str, StreamInfo] = Field(default_factory=dict)
+    files: dict[str, FileHash] = Field(default_factory=dict)
     complete: bool = False
     schema_version: int = SCHEMA_VERSION
 
@@ -95,21 +94,22 @@ def write_manifest(directory: Path, manifest: Manifest) -> None:
     Raises:
         RecordingError: it cannot be written, or `details` holds what JSON cannot.
     """
-    write_json(directory / MANIFEST, manifest.model_dump())
+    write_json(directory / MANIFEST, manifest.model_dump(), sealed=True)
 
 
-def read_manifest(directory: Path) -> Manifest:
-    """Manifest of the bundle in `directory`.
+def read_manifest(directory: Path) -> tuple[Manifest, bool]:
+    """Manifest of the bundle in `directory`, and whether it has a seal: those of older versions have none.
 
     Raises:
-        RecordingError: there is none, or it is not one of this schema version.
+        RecordingError: there is none, it is not one of this schema version, or its seal does not fit.
     """
     path = directory / MANIFEST
     if not path.is_file():
         raise RecordingError(
             f"{directory} is not a run bundle: it has no {MANIFEST}; give the folder of a run"
         )
-    document = read_json(path)
+    document, fits = read_sealed_json(path)
+    document.pop(SEAL, None)
     version = document.get("schema_version")
     if version != SCHEMA_VERSION:
         raise RecordingError(
@@ -117,7 +117,7 @@ def read_manifest(directory: Path) -> Manifest:
             f"benchtool that recorded it"
         )
     try:
-        return Manifest.model_validate(document)
+        manifest = Manifest.model_validate(document)
     except ValidationError as failed:
         first = failed.errors()[0]
         key = ".".join(str(part) for part in first["loc"])
@@ -125,45 +125,9 @@ def read_manifest(directory: Path) -> Manifest:
             f"{path}: key '{key}': {first['msg'].lower()}; a manifest written by benchtool is expected: "
             f"restore it"
         ) from None
-
-
-def write_json(path: Path, document: Mapping[str, Any]) -> None:
-    """Write a document in one step, keys in their order, without nan and infinity.
-
-    Raises:
-        RecordingError: it cannot be written or is not JSON.
-    """
-    try:
-        text = json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False)
-    except (TypeError, ValueError) as failure:
+    if fits is False:
         raise RecordingError(
-            f"cannot write {path}: {failure}; numbers that are finite, text, lists and mappings are "
-            f"expected: write null for what is undefined"
-        ) from None
-    part = path.with_name(path.name + ".part")
-    with writing(path):
-        with part.open("w", encoding="utf-8") as file:
-            file.write(text + "\n")
-            file.flush()
-            os.fsync(file.fileno())
-        part.replace(path)
-
-
-def read_json(path: Path) -> dict[str, Any]:
-    """The JSON mapping in a file.
-
-    Raises:
-        RecordingError: it cannot be read or is not a JSON mapping.
-    """
-    try:
-        with reading(path):
-            document = json.loads(path.read_bytes())
-    except (ValueError, RecursionError) as failure:
-        raise RecordingError(
-            f"{path} is not JSON: {failure}; a file written by benchtool is expected: restore it"
-        ) from None
-    if not isinstance(document, dict):
-        raise RecordingError(
-            f"{path} holds a {type(document).__name__}, a JSON mapping is expected: restore the file"
+            f"{path} does not fit its seal, so it was damaged or changed since it was written: restore it "
+            f"from a copy, or record again"
         )
-    return document
+    return manifest, fits is not None

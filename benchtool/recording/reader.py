@@ -2,45 +2,60 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from benchtool.block import Block
 from benchtool.errors import RecordingError
-from benchtool.recording.events import Event, read_events
+from benchtool.recording.events import EVENTS, Event, read_events
 from benchtool.recording.failures import reading
-from benchtool.recording.manifest import CERTIFICATE, MEASUREMENTS, Manifest, read_json, read_manifest
-from benchtool.recording.stream import read_parquet, read_stream
+from benchtool.recording.integrity import Integrity, check_bundle
+from benchtool.recording.manifest import CERTIFICATE, MEASUREMENTS, Manifest, read_manifest
+from benchtool.recording.seal import read_json
+from benchtool.recording.stream import DATA, FINISHED, RUNNING, read_parquet, read_stream
 
-DATA = "data"
 PLOTS = "plots"
-RUNNING = ".arrows"
-FINISHED = ".parquet"
 
 
 @dataclass(frozen=True)
 class Bundle:
-    """A recorded run; blocks are read when asked for."""
+    """A recorded run; blocks are read when asked for. A file whose hash does not fit is not read."""
 
     directory: Path
     manifest: Manifest
     measurements: dict[str, dict[str, Any]]
     streams: tuple[str, ...]
+    integrity: Integrity = field(default_factory=lambda: Integrity(sealed=False))
 
     @classmethod
-    def open(cls, directory: Path) -> Bundle:
+    def open(cls, directory: Path, *, checked: bool = False) -> Bundle:
         """The bundle in `directory`.
 
+        Args:
+            directory: of the bundle.
+            checked: leave out the comparison with the hashes that were kept, which was made just now.
+
         Raises:
-            RecordingError: it is not a bundle, or its manifest or measurements cannot be read.
+            RecordingError: it is not a bundle, or its manifest or measurements are damaged or cannot be read.
         """
-        manifest = read_manifest(directory)
+        manifest, sealed = read_manifest(directory)
+        integrity = Integrity(sealed) if checked else check_bundle(directory, manifest, sealed)
         results = directory / MEASUREMENTS
+        _require_intact(directory, integrity, [MEASUREMENTS])
         measurements = read_json(results) if results.is_file() else {}
         with reading(directory / DATA):
             found = {path.stem for path in (directory / DATA).iterdir() if path.suffix in (RUNNING, FINISHED)}
-        return cls(directory, manifest, measurements, tuple(sorted(found | set(manifest.streams))))
+        return cls(directory, manifest, measurements, tuple(sorted(found | set(manifest.streams))), integrity)
+
+    def require_intact(self) -> None:
+        """Check that every file is what was recorded, but for figures and reports.
+
+        Raises:
+            RecordingError: one is not; the message names it.
+        """
+        _require_intact(self.directory, self.integrity, list(self.integrity.damaged))
 
     @property
     def complete(self) -> bool:
@@ -55,6 +70,7 @@ class Bundle:
             RecordingError: it cannot be read.
         """
         path = self.directory / CERTIFICATE
+        _require_intact(self.directory, self.integrity, [CERTIFICATE])
         return read_json(path) if path.is_file() else None
 
     @property
@@ -64,7 +80,9 @@ class Bundle:
         Raises:
             RecordingError: it cannot be read.
         """
-        return read_events(self.directory)
+        name = EVENTS.as_posix()
+        _require_intact(self.directory, self.integrity, [name])
+        return read_events(self.directory, self.integrity.extents.get(name))
 
     @property
     def plots(self) -> Path:
@@ -82,7 +100,19 @@ class Bundle:
             raise RecordingError(
                 f"{self.directory} has no stream '{stream}', it has: {known}; choose one of these"
             )
-        finished = self.directory / DATA / f"{stream}{FINISHED}"
-        if finished.is_file() or self.complete:
-            return read_parquet(finished)
-        return read_stream(self.directory / DATA / f"{stream}{RUNNING}")
+        finished, running = f"{DATA}/{stream}{FINISHED}", f"{DATA}/{stream}{RUNNING}"
+        if (self.directory / finished).is_file() or self.complete:
+            _require_intact(self.directory, self.integrity, [finished])
+            return read_parquet(self.directory / finished)
+        _require_intact(self.directory, self.integrity, [running])
+        return read_stream(self.directory / running, self.integrity.extents.get(running))
+
+
+def _require_intact(directory: Path, integrity: Integrity, names: Sequence[str]) -> None:
+    damaged = [name for name in names if name in integrity.damaged]
+    if damaged:
+        more = f" (and {len(damaged) - 1} more files)" if len(damaged) > 1 else ""
+        raise RecordingError(
+            f"cannot read {directory / damaged[0]}: {integrity.damaged[damaged[0]]}{more}; the recording was "
+            f"damaged or changed after it was made: restore it from a copy, or record again"
+        )

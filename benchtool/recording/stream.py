@@ -11,6 +11,7 @@ from pyarrow import parquet
 
 from benchtool.block import Block, Gap
 from benchtool.errors import RecordingError
+from benchtool.recording.checkpoints import Checkpoints, HashedFile
 from benchtool.recording.columns import (
     TimeBase,
     batch_of,
@@ -20,6 +21,12 @@ from benchtool.recording.columns import (
     schema_of,
 )
 from benchtool.recording.failures import reading, writing
+from benchtool.recording.files import flush_to_disk
+from benchtool.recording.seal import FileHash
+
+DATA = "data"
+RUNNING, FINISHED = ".arrows", ".parquet"
+"""Folder of the streams in a bundle, and what ends the names of their files."""
 
 _ROW_GROUP = 1 << 16
 
@@ -27,11 +34,13 @@ _ROW_GROUP = 1 << 16
 class StreamWriter:
     """Appends blocks to `path`; each is with the operating system when `append` returns.
 
-    Gaps travel in the custom metadata of their batch, because what follows may never be written.
+    Gaps travel in the custom metadata of their batch, because what follows may never be written. Each batch
+    is noted in `checkpoints` before `append` returns.
     """
 
-    def __init__(self, path: Path, first: Block) -> None:
+    def __init__(self, path: Path, first: Block, checkpoints: Checkpoints) -> None:
         self.path = path
+        self._checkpoints = checkpoints
         self.rows = 0
         self.gaps: list[Gap] = []
         self._channels = first.channels
@@ -39,7 +48,7 @@ class StreamWriter:
         self._schema = schema_of(first.channels, self._time_base)
         self._broken = False
         with writing(path):
-            self._file = path.open("wb")
+            self._file = HashedFile(path)
             self._stream = pa.ipc.new_stream(self._file, self._schema)
 
     @property
@@ -60,6 +69,7 @@ class StreamWriter:
                 batch_of(block, self._schema), custom_metadata={"gaps": gaps_to_text(gaps)}
             )
             self._file.flush()
+        self._checkpoints.note(self.path, self._file.state)
         self._broken = False
         self.rows += len(block.data)
         self.gaps += gaps
@@ -98,8 +108,8 @@ class StreamWriter:
         with writing(self.path), self._file:
             self._stream.close()
 
-    def convert(self, target: Path) -> None:
-        """Write the closed stream as Parquet to `target` and drop it.
+    def convert(self, target: Path) -> FileHash:
+        """Write the closed stream as Parquet to `target` and drop it; what the file is now.
 
         Row groups have a fixed size, so that the bytes do not hang on how the rows arrived.
 
@@ -113,15 +123,19 @@ class StreamWriter:
             stream = pa.ipc.open_stream(source)
             with (
                 writing(target),
+                HashedFile(part) as hashed,
                 parquet.ParquetWriter(
-                    part, schema, compression="zstd", use_dictionary=False, use_byte_stream_split=True
+                    hashed, schema, compression="zstd", use_dictionary=False, use_byte_stream_split=True
                 ) as file,
             ):
                 for group in _regroup(stream, schema):
                     file.write_table(group, row_group_size=_ROW_GROUP)
+        self._checkpoints.note(target, hashed.state)
         with writing(target):
+            flush_to_disk(part)
             part.replace(target)
             self.path.unlink()
+        return hashed.state
 
 
 def _regroup(batches: Iterator[pa.RecordBatch], schema: pa.Schema) -> Iterator[pa.Table]:
@@ -140,8 +154,12 @@ def _regroup(batches: Iterator[pa.RecordBatch], schema: pa.Schema) -> Iterator[p
         yield pa.Table.from_batches(waiting).combine_chunks().replace_schema_metadata(schema.metadata)
 
 
-def read_stream(path: Path) -> Block:
+def read_stream(path: Path, size_B: int | None = None) -> Block:
     """Block of a stream that was never converted; a batch that was only half written is left out.
+
+    Args:
+        path: of the stream.
+        size_B: how much of the file is known to be whole; without, all of it is read.
 
     Raises:
         RecordingError: it cannot be read, or holds no complete batch.
@@ -149,7 +167,7 @@ def read_stream(path: Path) -> Block:
     batches: list[pa.RecordBatch] = []
     gaps: list[Gap] = []
     with reading(path), pa.memory_map(str(path)) as source:
-        stream = pa.ipc.open_stream(source)
+        stream = pa.ipc.open_stream(source if size_B is None else pa.BufferReader(source.read_buffer(size_B)))
         while True:
             try:
                 batch, metadata = stream.read_next_batch_with_custom_metadata()

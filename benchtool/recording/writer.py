@@ -11,17 +11,13 @@ from typing import Any, Self
 
 from benchtool.block import Block
 from benchtool.errors import RecordingError
+from benchtool.recording.checkpoints import Checkpoints
 from benchtool.recording.failures import writing
-from benchtool.recording.manifest import (
-    CERTIFICATE,
-    MEASUREMENTS,
-    Manifest,
-    StreamInfo,
-    write_json,
-    write_manifest,
-)
-from benchtool.recording.reader import DATA, FINISHED, RUNNING, Bundle
-from benchtool.recording.stream import StreamWriter
+from benchtool.recording.integrity import files_of
+from benchtool.recording.manifest import CERTIFICATE, MEASUREMENTS, Manifest, StreamInfo, write_manifest
+from benchtool.recording.reader import Bundle
+from benchtool.recording.seal import FileHash, hash_of, write_json
+from benchtool.recording.stream import DATA, FINISHED, RUNNING, StreamWriter
 
 TABLES = "tables.json"
 _STREAM_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]*")
@@ -35,7 +31,8 @@ class BundleWriter:
             bundle.finish(measurements, verdict="passed")
 
     What `append` has accepted survives the end of the process, however it ends. Without `finish` the bundle
-    stays marked as incomplete and its data stay Arrow streams, which `Bundle` reads as well.
+    stays marked as incomplete and its data stay Arrow streams, which `Bundle` reads as well. The manifest
+    that `finish` or `fail` writes has the hashes of all files that are there by then.
 
     Raises:
         RecordingError: the directory has content or cannot be written.
@@ -45,6 +42,7 @@ class BundleWriter:
         self.directory = directory
         self._manifest = manifest
         self._streams: dict[str, StreamWriter] = {}
+        self._checkpoints = Checkpoints(directory)
         self._open = True
         with writing(directory):
             if directory.is_dir() and any(directory.iterdir()):
@@ -84,7 +82,8 @@ class BundleWriter:
                     f"'{stream}' cannot name a stream: letters, digits, '_', '-' and '.' are "
                     f"expected: rename it"
                 )
-            writer = StreamWriter(self.directory / DATA / f"{stream}{RUNNING}", block)
+            path = self.directory / DATA / f"{stream}{RUNNING}"
+            writer = StreamWriter(path, block, self._checkpoints)
             self._streams[stream] = writer
         writer.append(block)
 
@@ -109,15 +108,17 @@ class BundleWriter:
         """
         self._require_open()
         self.close()
+        known = {}
         for name, stream in self._streams.items():
-            stream.convert(self.directory / DATA / f"{name}{FINISHED}")
+            target = self.directory / DATA / f"{name}{FINISHED}"
+            known[target] = stream.convert(target)
         write_json(self.directory / MEASUREMENTS, measurements or {})
         if tables:
             write_json(self.directory / TABLES, tables)
         if certificate is not None:
             write_json(self.directory / CERTIFICATE, certificate)
-        self._close_manifest(verdict, quality, details, complete=True)
-        return Bundle.open(self.directory)
+        self._close_manifest(verdict, quality, details, known, complete=True)
+        return Bundle.open(self.directory, checked=True)
 
     def fail(
         self,
@@ -136,28 +137,34 @@ class BundleWriter:
         try:
             self.close()
         finally:
-            stated = dict(details or {}) | {"failure": reason}
-            self._close_manifest(verdict, quality, stated, complete=False)
-        if certificate is not None:
-            write_json(self.directory / CERTIFICATE, certificate)
+            try:
+                if certificate is not None:
+                    write_json(self.directory / CERTIFICATE, certificate)
+            finally:
+                stated = dict(details or {}) | {"failure": reason}
+                self._close_manifest(verdict, quality, stated, {}, complete=False)
 
     def _close_manifest(
         self,
         verdict: str | None,
         quality: Mapping[str, int] | None,
         details: Mapping[str, Any] | None,
+        known: Mapping[Path, FileHash],
         *,
         complete: bool,
     ) -> None:
         began = self._manifest
+        files = {name: known.get(path) or hash_of(path) for name, path in files_of(self.directory).items()}
         update = {
             "verdict": verdict,
             "quality": began.quality | dict(quality or {}),
             "details": began.details | dict(details or {}),
             "streams": {name: _info(stream) for name, stream in self._streams.items()},
+            "files": files,
             "complete": complete,
         }
         write_manifest(self.directory, began.model_copy(update=update))
+        self._checkpoints.end()
 
     def close(self) -> None:
         """Release the files without finishing; again is harmless."""

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
 from benchtool.analysis.bode import Bode
-from benchtool.report.style import DASHES, GREY, REFERENCE, SERIES, add_legend, dress, new_figure
+from benchtool.report.style import DASHES, GREY, REFERENCE, SERIES, add_legend, dress, literal, new_figure
 
 _COVERAGE = 2.0  # standard uncertainties of the band about a curve
 _NEPER_DB = 20.0 / np.log(10.0)
@@ -31,7 +31,7 @@ def draw_bode(responses: Mapping[str, Bode], title: str) -> Figure:
     looks = zip(itertools.cycle(SERIES), itertools.cycle(DASHES))
     for name, bode in responses.items():
         color, dashes = next(looks)
-        _curves(gain, phase, coherence, bode, {"color": color, "linestyle": dashes, "label": name})
+        _curves(gain, phase, coherence, bode, {"color": color, "linestyle": dashes, "label": literal(name)})
     reference_dB = {**REFERENCE, "color": GREY}
     gain.axhline(-3.01, **reference_dB)
     phase.axhline(-90.0, **reference_dB)

@@ -25,6 +25,7 @@ from benchtool.report.style import (
     SERIES,
     add_legend,
     dress,
+    literal,
     new_figure,
 )
 
@@ -149,7 +150,7 @@ def draw_against(
             color=color,
             linewidth=1.0,
             linestyle=next(dashes),
-            label=name,
+            label=literal(name),
         )
     axes.set_yscale("log")
     dress(axes, x_label, y_label)
@@ -202,5 +203,5 @@ def _speed(axes: Axes, panel: Panel) -> None:
 
 def _name(axes: Axes, label: str, columns: int = 1) -> None:
     axes.set_title(
-        "\n".join(textwrap.wrap(label, 96 // columns)), loc="left", fontsize=9 if columns == 1 else 8
+        literal("\n".join(textwrap.wrap(label, 96 // columns))), loc="left", fontsize=9 if columns == 1 else 8
     )

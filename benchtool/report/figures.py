@@ -12,7 +12,8 @@ from matplotlib.figure import Figure
 
 from benchtool.analysis import SteadyState, cut_to_span, largest_low_component
 from benchtool.block import Block
-from benchtool.errors import RecordingError
+from benchtool.recording.failures import writing
+from benchtool.recording.files import replacing
 from benchtool.report.envelope import envelope, trace
 from benchtool.report.style import (
     BLACK,
@@ -67,14 +68,10 @@ def save_figures(figures: Mapping[str, Figure], folder: Path) -> tuple[Path, ...
     paths = []
     for name, figure in figures.items():
         path = folder / f"{name}.png"
-        try:
+        with writing(path):
             folder.mkdir(parents=True, exist_ok=True)
-            figure.savefig(path)
-        except OSError as failure:
-            raise RecordingError(
-                f"cannot write {path}: {failure.strerror or failure}; a writable folder with free space is "
-                f"needed: make space or choose another folder"
-            ) from None
+        with replacing(path) as part:
+            figure.savefig(part)
         paths.append(path)
     return tuple(paths)
 

@@ -9,6 +9,9 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from benchtool.report.content import Facts, Grid, Picture, Report, Section, Text, Verdict, anchor, contents
 from benchtool.report.images import data_uri
 
+MARK = b'<meta name="generator" content="benchtool">'
+"""What every page has, whatever the report."""
+
 _TEMPLATES = Path(__file__).parent / "templates"
 _KINDS = {
     Facts: "facts",

@@ -38,7 +38,9 @@ def run_facts(manifest: Manifest, plan_name: str = "") -> Facts:
         "begun": manifest.when,
         "profile": manifest.profile_name,
         "operating point": _settings_line(point) if isinstance(point, dict) else "",
-        "link": _option(words, "--link") or "emulated" * (identity.get("hardware_version") == "emulated"),
+        "link": manifest.link
+        or _option(words, "--link")
+        or "emulated" * (identity.get("hardware_version") == "emulated"),
         "drive": str(identity.get("device_name", "")),
         "drive's numbers": ", ".join(numbers),
         "hardware": str(identity.get("hardware_version", "")),

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from benchtool.block import Block
 from benchtool.report.envelope import trace
-from benchtool.report.style import BLUE, dress, new_figure
+from benchtool.report.style import BLUE, dress, literal, new_figure
 
 _PANEL_IN = 1.05
 _FEW_CHANNELS = 4
@@ -27,7 +27,9 @@ def draw_channels(block: Block, title: str) -> Figure:
         axes.margins(x=0.0)
         axes.locator_params(axis="y", nbins=4)
         axes.set_title(
-            f"{channel.name} ({channel.unit})" if channel.unit else channel.name, loc="left", fontsize=8
+            literal(f"{channel.name} ({channel.unit})" if channel.unit else channel.name),
+            loc="left",
+            fontsize=8,
         )
     for axes in panels.flat[len(block.channels) :]:
         axes.set_axis_off()

@@ -22,6 +22,10 @@ class PlanFigures:
     published: Mapping[str, Mapping[str, float]]
 
 
+MARK = b"Written by `benchtool run"
+"""What every page has, whatever the run."""
+
+
 def reproduction_page(profile: Profile, plans: Sequence[PlanFigures], command: str) -> str:
     """Every published figure with ours and the ratio, every other measurement, and every choice made."""
     lines = ["# Reproduction", "", profile.title + ".", "", f"Written by `{command}`.", ""]

@@ -15,6 +15,9 @@ from benchtool.report.content import Report
 from benchtool.report.pdf_flow import story
 from benchtool.report.pdf_style import BOTTOM, HEIGHT, LEFT, SANS, SOFT, WIDTH, register_fonts
 
+MARK = b"(benchtool)"
+"""What every document has, as its producer."""
+
 
 def pdf_document(report: Report) -> bytes:
     """The document; the same report gives the same bytes, for its only date is the run's."""

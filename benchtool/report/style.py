@@ -39,13 +39,18 @@ def new_figure(height_in: float, title: str, summary: str, width_in: float = WID
     figure = Figure(figsize=size, dpi=DPI, layout="constrained", facecolor="white")
     FigureCanvasAgg(figure)
     figure.suptitle(
-        "\n".join([*lines, summary]).rstrip(),
+        literal("\n".join([*lines, summary]).rstrip()),
         x=0.01,
         horizontalalignment="left",
         fontsize=_FONT_PT + 1,
         color=BLACK,
     )
     return figure
+
+
+def literal(text: str) -> str:
+    """Text from outside, in which matplotlib is to find no formula."""
+    return text.replace("$", r"\$")
 
 
 def dress(axes: Axes, x_label: str, y_label: str) -> None:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import io
 import threading
 from pathlib import Path
+from typing import BinaryIO, cast
 
 import can
 from can.io import CanutilsLogWriter
@@ -12,6 +14,7 @@ from benchtool.clock import Clock
 from benchtool.errors import RecordingError
 from benchtool.link.interface import CountsMalformed
 from benchtool.link.replay import FRAMES
+from benchtool.recording.checkpoints import Checkpoints, HashedFile
 from benchtool.recording.failures import writing
 from benchtool.telemetry.worker import Worker
 
@@ -47,7 +50,7 @@ class FrameLog:
             RecordingError: the file cannot be written.
         """
         with self._lock:
-            self._file = _LogFile(bundle / FRAMES)
+            self._file = _LogFile(bundle)
             early, self._early = self._early, []
         for frame in early:
             self.take(frame)
@@ -93,10 +96,13 @@ class FrameLog:
 class _LogFile:
     """The file and the thread that writes it."""
 
-    def __init__(self, path: Path) -> None:
-        self.path = path
-        with writing(path):
-            self._writer = CanutilsLogWriter(path)
+    def __init__(self, bundle: Path) -> None:
+        self.path = bundle / FRAMES
+        self._checkpoints = Checkpoints(bundle)
+        with writing(self.path):
+            self._file = HashedFile(self.path)
+            text = io.TextIOWrapper(cast(BinaryIO, self._file), encoding="utf-8", newline="\n")
+            self._writer = CanutilsLogWriter(text)
         self._flushed_s = 0.0
         self.worker = Worker("benchtool-frames", self._write, _WAITING)
 
@@ -111,6 +117,7 @@ class _LogFile:
             if frame.timestamp - self._flushed_s >= _FLUSH_S:
                 self._flushed_s = frame.timestamp
                 self._writer.file.flush()
+                self._checkpoints.note(self.path, self._file.state)
 
 
 class _TappedBus(can.BusABC):

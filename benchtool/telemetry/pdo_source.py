@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 
+from benchtool.errors import BenchError
 from benchtool.link import Frame, FrameLink
 from benchtool.protocol.nmt import NmtCommand
-from benchtool.protocol.pdo import INVALID, TPDO_COB_IDS
+from benchtool.protocol.pdo import INVALID, TPDO_COB_IDS, most_tpdos, tpdo
 from benchtool.protocol.telemetry import RecordDecoder, stream_layout
 from benchtool.telemetry.node import Node
+from benchtool.telemetry.pdo_restoring import FoundPdo, found_if_used
 from benchtool.telemetry.source import Sent, control_period_s
 
 _SEQUENCES = 1 << 32
@@ -22,18 +25,29 @@ class PdoSource:
         link: its link.
         channels: signals of four bytes, 13 at most.
         rate_Hz: records per second; a whole number of milliseconds apart.
+        after: the source that this one goes on for, after the link was lost.
+
+    TPDOs that were in use are put back as they were; those that were not stay out of use, mapped as here.
 
     Raises:
         ValueRefused: the drive cannot stream this.
     """
 
-    def __init__(self, node: Node, link: FrameLink, channels: Sequence[str], rate_Hz: float) -> None:
+    def __init__(
+        self,
+        node: Node,
+        link: FrameLink,
+        channels: Sequence[str],
+        rate_Hz: float,
+        after: PdoSource | None = None,
+    ) -> None:
         self._node = node
         self._link = link
         self.tick_s = control_period_s(node)
         self._layout = stream_layout(node.dictionary, link.node_id, channels, rate_Hz, self.tick_s)
         self.decoder = RecordDecoder(self._layout, node.tick_now())
         self._sequence_before = 0
+        self._found: tuple[FoundPdo, ...] | None = None if after is None else after._found
 
     @property
     def stride(self) -> int:
@@ -41,6 +55,21 @@ class PdoSource:
 
     def start(self, receive: Callable[[Frame], None]) -> None:
         """See `Source.start`."""
+        node = self._node
+        mapped = {pdo.number: pdo for pdo in self._layout.pdos}
+        numbers = range(1, most_tpdos(self._link.node_id) + 1)
+        all_pdos = [mapped.get(number) or tpdo(self._link.node_id, (), number) for number in numbers]
+        if self._found is None:
+            found = (found_if_used(node, pdo) for pdo in all_pdos)
+            self._found = tuple(each for each in found if each is not None)
+        try:
+            self._set_up(receive)
+        except BaseException:
+            with suppress(BenchError):  # the failure that is under way is the one to report
+                self._put_back()
+            raise
+
+    def _set_up(self, receive: Callable[[Frame], None]) -> None:
         node = self._node
         for number in range(1, len(TPDO_COB_IDS) + 1):
             self._switch_off(number)
@@ -56,7 +85,9 @@ class PdoSource:
         """See `Source.stop`."""
         for pdo in self._layout.pdos:
             self._node.write(*pdo.switch_off)
-        return Sent((int(self._node.number("stream_sequence")) - self._sequence_before) % _SEQUENCES)
+        sent = Sent((int(self._node.number("stream_sequence")) - self._sequence_before) % _SEQUENCES)
+        self._put_back()
+        return sent
 
     def detach(self) -> None:
         """See `Source.detach`."""
@@ -65,6 +96,10 @@ class PdoSource:
     def feed(self, item: Frame) -> bool:
         """See `Source.feed`."""
         return self.decoder.feed(*item)
+
+    def _put_back(self) -> None:
+        for each in self._found or ():
+            each.put_back(self._node)
 
     def _switch_off(self, number: int) -> None:
         label = f"0x{0x1800 + number - 1:04X}:1"

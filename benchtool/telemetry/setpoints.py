@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from benchtool.errors import ValueRefused
+from benchtool.errors import BenchError, ValueRefused
 from benchtool.link import BatchLink, FrameLink
 from benchtool.protocol.nmt import NmtCommand
-from benchtool.protocol.pdo import rpdo
+from benchtool.protocol.pdo import MAX_BITS, rpdo
 from benchtool.protocol.variable import Variable
 from benchtool.telemetry.node import Node
+from benchtool.telemetry.pdo_restoring import FoundPdo
 
 TORQUE, SPEED = "torque_command", "omega_m_command"
 
@@ -36,6 +37,14 @@ class Setpoints:
             raise ValueRefused("this link carries no setpoints: use another link")
         link.nmt(NmtCommand.START)
 
+    def check(self, *, torque_Nm: float = 0.0, omega_m_rad_s: float = 0.0) -> None:
+        """Find out whether `send` would take these, without sending them.
+
+        Raises:
+            ValueRefused: a value is outside its limits.
+        """
+        self._wire.encode(torque_Nm, omega_m_rad_s)
+
     def send(self, *, torque_Nm: float = 0.0, omega_m_rad_s: float = 0.0) -> None:
         """Send both setpoints; the drive heeds the one of its mode.
 
@@ -45,11 +54,16 @@ class Setpoints:
         self._wire.send(torque_Nm, omega_m_rad_s)
 
     def close(self) -> None:
-        """Have the drive take none any more, where the wire provides for that."""
+        """Have the drive take none any more, and put back what was set up.
+
+        Raises:
+            BenchError: the drive does not answer or refuses; the notes say how it is left.
+        """
         self._wire.close()
 
 
 class _Wire(Protocol):
+    def encode(self, torque_Nm: float, omega_m_rad_s: float) -> bytes: ...
     def send(self, torque_Nm: float, omega_m_rad_s: float) -> None: ...
     def close(self) -> None: ...
 
@@ -61,20 +75,42 @@ class _ProcessData:
         self._node = node
         self._link = link
         self._torque, self._speed = torque, speed
+        _require_mappable(torque, speed)
         self._pdo = rpdo(link.node_id, [torque.mapping, speed.mapping])
-        for label, value in self._pdo.set_up():
-            node.write(label, value)
+        self._found = FoundPdo.of(node, self._pdo)
+        try:
+            for label, value in self._pdo.set_up():
+                node.write(label, value)
+        except BaseException as failure:
+            try:
+                self.close()
+            except BenchError as also:
+                failure.add_note(str(also))
+            raise
+
+    def encode(self, torque_Nm: float, omega_m_rad_s: float) -> bytes:
+        return self._torque.encode(torque_Nm) + self._speed.encode(omega_m_rad_s)
 
     def send(self, torque_Nm: float, omega_m_rad_s: float) -> None:
-        data = self._torque.encode(torque_Nm) + self._speed.encode(omega_m_rad_s)
-        if len(data) != 8:
-            raise ValueRefused(
-                f"'{TORQUE}' and '{SPEED}' have {len(data)} bytes together, 8 are expected: use another EDS"
-            )
-        self._link.send_pdo(self._pdo.can_id, data)
+        self._link.send_pdo(self._pdo.can_id, self.encode(torque_Nm, omega_m_rad_s))
 
     def close(self) -> None:
-        self._node.write(*self._pdo.switch_off)
+        self._found.put_back(self._node)
+
+
+def _require_mappable(*setpoints: Variable) -> None:
+    for each in setpoints:
+        if not (each.mappable and each.writable):
+            raise ValueRefused(
+                f"'{each.name}' ({each.label}) cannot be in an RPDO: its EDS says PDOMapping="
+                f"{int(each.mappable)}, AccessType={each.access}; this drive takes no setpoints at a rate"
+            )
+    bits = sum(each.type.bits for each in setpoints)
+    if bits > MAX_BITS:
+        raise ValueRefused(
+            f"{' and '.join(each.name for each in setpoints)} have {bits // 8} bytes together, an RPDO has "
+            f"{MAX_BITS // 8}: this drive takes no setpoints at a rate"
+        )
 
 
 class _Messages:
@@ -84,10 +120,12 @@ class _Messages:
         self._link = link
         self._torque, self._speed = torque, speed
 
+    def encode(self, torque_Nm: float, omega_m_rad_s: float) -> bytes:
+        return self._torque.encode(torque_Nm) + self._speed.encode(omega_m_rad_s)
+
     def send(self, torque_Nm: float, omega_m_rad_s: float) -> None:
-        # Encoded for its check of limits only: the message has SI units whatever the dictionary has.
-        self._torque.encode(torque_Nm)
-        self._speed.encode(omega_m_rad_s)
+        # For its check of limits only: the message has SI units whatever the dictionary has.
+        self.encode(torque_Nm, omega_m_rad_s)
         self._link.send_setpoint(torque_Nm, omega_m_rad_s)
 
     def close(self) -> None:

@@ -20,10 +20,13 @@ def fitting(node: Node, channels: Sequence[str]) -> tuple[str, ...]:
     return known[: most_channels(node.link.node_id)] if isinstance(node.link, FrameLink) else known
 
 
-def stream_source(node: Node, channels: Sequence[str], rate_Hz: float) -> Source[Any]:
+def stream_source(
+    node: Node, channels: Sequence[str], rate_Hz: float, after: Source[Any] | None = None
+) -> Source[Any]:
     """A stream of these signals over the drive's link; nothing is set up yet.
 
-    What travels differs by wire and stays between the source's receiver and its `feed`.
+    What travels differs by wire and stays between the source's receiver and its `feed`. `after` is the source
+    that this one goes on for, which knows what the drive was set up for before.
 
     Raises:
         ValueRefused: the drive cannot stream this.
@@ -32,5 +35,5 @@ def stream_source(node: Node, channels: Sequence[str], rate_Hz: float) -> Source
     if isinstance(link, BatchLink):
         return BatchSource(node, link, channels, rate_Hz)
     if isinstance(link, FrameLink):
-        return PdoSource(node, link, channels, rate_Hz)
+        return PdoSource(node, link, channels, rate_Hz, after if isinstance(after, PdoSource) else None)
     raise ValueRefused("this link carries no process data: use another link")

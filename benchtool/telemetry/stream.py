@@ -157,7 +157,7 @@ class TelemetryStream:
             self._before = self._mark()
         self._resumptions += 1
         self._arrivals = ArrivalStatistics(self._source.tick_s)
-        self._source = stream_source(self._node, self._channels, self._rate_Hz)
+        self._source = stream_source(self._node, self._channels, self._rate_Hz, self._source)
         self._start()
 
     def check(self) -> None:

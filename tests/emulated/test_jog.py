@@ -4,15 +4,21 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from contextlib import nullcontext
+from dataclasses import replace
+from typing import Any
 
 import pytest
 from typer.testing import CliRunner
 
+from benchtool.bench import Session
 from benchtool.cli import app
 from benchtool.drive import Mode
 from benchtool.errors import DriveFault, ValueRefused
 from benchtool.experiment.jog import jog
 from benchtool.protocol.cia402 import State
+from benchtool.protocol.dictionary import Dictionary
+from benchtool.protocol.objects import DataType
 
 from .conftest import Wire, over_both_wires
 
@@ -81,6 +87,88 @@ def test_an_interruption_leaves_the_drive_disabled(wire: Wire, error: type[BaseE
     assert session.drive.state() is State.SWITCH_ON_DISABLED
     assert session.drive.number("omega_m_command") == 0.0
     assert int(session.drive.number("0x1400:1")) >> 31
+
+
+_RPDO1 = ["0x1400:1", "0x1400:2", *(f"0x1600:{sub}" for sub in range(5))]
+
+
+def _rpdo1(session: Session) -> list[int]:
+    return [int(session.drive.number(label)) for label in _RPDO1]
+
+
+@pytest.mark.parametrize("used", [False, True])
+@pytest.mark.parametrize("end", [None, KeyboardInterrupt, DriveFault, ValueRefused])
+def test_rpdo1_is_put_back_on_every_way_out(wire: Wire, used: bool, end: type[BaseException] | None) -> None:
+    drive = wire.session.drive
+    drive.connect()
+    drive.write("0x1400:2", 254)
+    drive.write("0x1600:1", drive.dictionary["torque_command"].mapping)
+    drive.write("0x1600:2", drive.dictionary["target_velocity"].mapping)
+    drive.write("0x1600:0", 1)
+    if used:
+        drive.write("0x1400:1", 0x321)
+    before = _rpdo1(wire.session)
+
+    def setpoint(time_s: float) -> float:
+        assert _rpdo1(wire.session) != before
+        if time_s > 0.02 and end is not None:
+            raise end
+        return 10.0
+
+    with nullcontext() if end is None else pytest.raises(end):
+        jog(
+            drive,
+            wire.session.profile.motor,
+            Mode.VELOCITY,
+            lambda time_s: 10.0 if time_s == 0.0 else setpoint(time_s),
+            duration_s=0.05,
+        )
+    assert _rpdo1(wire.session) == before
+    assert drive.state() is State.SWITCH_ON_DISABLED
+
+
+def _without(dictionary: Dictionary, name: str, **changes: Any) -> Dictionary:
+    """The dictionary with another description of one variable, as a vendor's EDS may have it."""
+    changed = replace(dictionary[name], **changes)
+    return replace(dictionary, variables={**dictionary.variables, name: changed})
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"mappable": False}, "cannot be in an RPDO: its EDS says PDOMapping=0"),
+        ({"access": "ro"}, "AccessType=ro"),
+        ({"type": DataType.F64}, "12 bytes together, an RPDO has 8"),
+        ({"raw_maximum": 5.0}, "its limits are"),
+    ],
+)
+def test_setpoints_that_cannot_be_sent_are_refused_before_the_drive_is_enabled(
+    wire: Wire, monkeypatch: pytest.MonkeyPatch, changes: dict[str, Any], said: str
+) -> None:
+    drive = wire.session.drive
+    drive.connect()
+    before = _rpdo1(wire.session)
+    monkeypatch.setattr(drive, "dictionary", _without(drive.dictionary, "omega_m_command", **changes))
+    wire.frames()
+    with pytest.raises(ValueRefused, match=said):
+        jog(drive, wire.session.profile.motor, Mode.VELOCITY, _always(10.0), duration_s=0.1)
+    written = [data for can_id, data in wire.frames() if can_id == SDO_REQUEST and data[0] >> 5 == 1]
+    assert not [data for data in written if data[1:3] in (b"\x40\x60", b"\x60\x60")], (
+        "no controlword, no mode"
+    )
+    assert _rpdo1(wire.session) == before
+
+
+def test_a_mode_that_the_drive_has_not_is_refused_before_it_is_enabled(
+    wire: Wire, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drive = wire.session.drive
+    drive.connect()
+    number = drive.number
+    monkeypatch.setattr(drive, "number", lambda name: 0x8 if name == "0x6502:0" else number(name))
+    with pytest.raises(ValueRefused, match=r"no velocity mode \(0x6502:0 is 0x8, torque of those"):
+        jog(drive, wire.session.profile.motor, Mode.VELOCITY, _always(10.0), duration_s=0.1)
+    assert drive.state() is State.SWITCH_ON_DISABLED
 
 
 def test_a_setpoint_that_grows_beyond_the_rating_ends_it_unsent(wire: Wire) -> None:

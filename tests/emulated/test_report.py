@@ -16,6 +16,7 @@ import pytest
 from typer.testing import CliRunner, Result
 
 from benchtool.cli import app
+from benchtool.recording.seal import write_json
 from benchtool.shipped import shipped
 
 PLAN = (shipped("profiles") / "zhu2011" / "ripple.toml").read_text(encoding="utf-8")
@@ -69,8 +70,9 @@ def demo(recorded: Path, tmp_path: Path) -> Path:
 def change(bundle: Path, alter: Callable[[dict[str, Any]], None]) -> None:
     path = bundle / "manifest.json"
     document = json.loads(path.read_text(encoding="utf-8"))
+    del document["seal"]
     alter(document)
-    path.write_text(json.dumps(document), encoding="utf-8")
+    write_json(path, document, sealed=True)
 
 
 def page_of(bundle: Path, *options: str, code: int = 0) -> str:
@@ -163,6 +165,8 @@ def test_a_run_that_failed_has_a_report_that_says_why(demo: Path) -> None:
         manifest["verdict"] = "fail"
         manifest["details"]["failure"] = "DriveFault: overcurrent <0x2310>"
         manifest["streams"] = {"telemetry": manifest["streams"]["telemetry"]}
+        for name in ("capture", "transducer"):
+            del manifest["files"][f"data/{name}.parquet"]
 
     change(demo, failed)
     for name in ("capture", "transducer"):
@@ -183,7 +187,7 @@ def test_a_run_that_was_cut_short_without_a_word(demo: Path) -> None:
     def cut(manifest: dict[str, Any]) -> None:
         manifest["complete"] = False
         manifest["verdict"] = None
-        manifest["streams"] = {}
+        manifest["streams"] = manifest["files"] = {}
 
     change(demo, cut)
     shutil.rmtree(demo / "data")
@@ -196,7 +200,7 @@ def test_a_run_that_was_cut_short_without_a_word(demo: Path) -> None:
 
 def test_data_that_cannot_be_read_are_named_and_the_rest_is_reported(demo: Path) -> None:
     (demo / "data" / "capture.parquet").write_bytes(b"torn")
-    text = text_of(page_of(demo, code=1))
+    text = text_of(page_of(demo, code=3))
     assert "This recording could not be measured: cannot read" in text
     assert "benchtool reference drive" in text
 

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import pickle
+import shlex
 from contextlib import AbstractContextManager, nullcontext
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from benchtool.bench import Session, open_session
-from benchtool.errors import DriveFault, SdoAbort
+from benchtool.cli.run import RunOptions, _resumption
+from benchtool.errors import DriveFault, SdoAbort, UsageError
 from benchtool.experiment.assessment import assess_bundle
 from benchtool.experiment.cases import Case, cases
 from benchtool.experiment.parallel import run_in_processes
@@ -104,6 +108,71 @@ def test_an_interrupted_sweep_is_resumed_where_it_stopped(wire: Wire, tmp_path: 
     assert watcher.notes.count("already there") == 2
     for name, manifest in kept.items():
         assert (folder / name / "manifest.json").read_bytes() == manifest
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"link": "can:socketcan:can0"}, "with link 'emulated', and this run has 'can:socketcan:can0'"),
+        ({"link": "emulated?wire=serial"}, "with link 'emulated'"),
+        ({"seed": 7}, "with seed 0, and this run has 7"),
+        ({"profile_toml": "title = 'other'"}, "with profile title ="),
+        ({"plan": {"limits": {"torque_mean": {"max": 1.0}}}}, r"with plan limits\.torque_mean\.max = 'none'"),
+    ],
+)
+def test_a_mixture_is_refused_before_anything_is_opened(
+    wire: Wire, tmp_path: Path, changes: dict[str, Any], said: str
+) -> None:
+    with pytest.raises(KeyboardInterrupt):
+        _run(wire.session, SWEEP, tmp_path / "run", Watcher(at=2))
+    plan = _plan(sweep={"setup": {"u_s_V": [60.0, 81.65]}}, repetitions=2, **changes.pop("plan", {}))
+    info = replace(INFO, **changes)
+
+    def opener(*_: object) -> AbstractContextManager[Session]:
+        raise AssertionError
+
+    with pytest.raises(UsageError, match=said):
+        run_plan(opener, plan, tmp_path / "run", info, Watcher(), resume=True)
+    with pytest.raises(UsageError, match=said):
+        run_in_processes(plan, "zhu2011", tmp_path / "run", info, Watcher(), jobs=2, resume=True)
+
+
+def test_another_drive_is_refused_before_it_is_enabled(
+    wire: Wire, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with pytest.raises(KeyboardInterrupt):
+        _run(wire.session, SWEEP, tmp_path / "run", Watcher(at=2))
+    drive = wire.session.drive
+    connect = drive.connect
+    monkeypatch.setattr(drive, "connect", lambda: replace(connect(), serial_number=99))
+    enabled: list[object] = []
+    monkeypatch.setattr(drive, "enable", enabled.append)
+    with pytest.raises(UsageError, match=r"with drive serial_number = .*, and this run has 99"):
+        _run(wire.session, SWEEP, tmp_path / "run", Watcher(), resume=True)
+    assert not enabled
+
+
+def test_the_way_to_go_on_is_the_command_itself() -> None:
+    chosen = RunOptions(
+        "my motor.toml",
+        "can:slcan:/dev/tty 1?node=3",
+        None,
+        5,
+        True,
+        True,
+        False,
+        Path("a b.md"),
+        3,
+        True,
+        ("x.rrd",),
+    )
+    words = shlex.split(_resumption("my plan.toml", Path("runs/it's"), chosen))
+    assert words == [
+        *("benchtool", "run", "my plan.toml", "--resume", "runs/it's", "--profile", "my motor.toml"),
+        *("--link", "can:slcan:/dev/tty 1?node=3", "--seed", "5", "--jobs", "3", "--page", "a b.md"),
+        *("--live", "x.rrd", "--allow-different", "--real-time", "--json"),
+    ]
+    assert _resumption("a", Path("b"), RunOptions()) == "benchtool run a --resume b"
 
 
 def test_a_case_that_fails_says_so_in_its_bundle_and_is_run_again(

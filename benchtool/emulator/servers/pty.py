@@ -10,11 +10,11 @@ import threading
 import tty
 
 from benchtool.emulator.servers.client import HungUp
+from benchtool.emulator.servers.share import MOST_B, Share
 from benchtool.link.port import READ_S
 
 __all__ = ["HungUp", "PtyPort"]
 
-_MOST = 1 << 16
 _NO_CLIENT_S = 0.01  # nothing tells that a client opens the other end
 _WRITE_POLL_ms = 50
 _SETTLING_S = 0.02
@@ -36,6 +36,7 @@ class PtyPort:
         self._has_client = False
         self._clients = 0  # who have left
         self._closing = threading.Event()
+        self._share = Share()
         self._reading = threading.Lock()
         self._writing = threading.Lock()
 
@@ -48,11 +49,14 @@ class PtyPort:
         """
         with self._reading:
             self._require_open()
+            if pause_s := self._share.pause_s():
+                self._closing.wait(min(pause_s, READ_S))
+                return b""
             ready, _, _ = select.select([self._master], [], [], READ_S)
             if not ready:
                 return b""
             try:
-                data = os.read(self._master, _MOST)
+                data = os.read(self._master, MOST_B)
             except BlockingIOError:
                 return b""
             except OSError as reason:
@@ -67,6 +71,7 @@ class PtyPort:
                 self._closing.wait(_NO_CLIENT_S)
                 return b""
             self._has_client = True
+            self._share.handed_over()
             return data
 
     def write(self, data: bytes) -> None:

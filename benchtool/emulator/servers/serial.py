@@ -140,9 +140,9 @@ class SerialServer:
             self._line.forget()
             return
         if data:
+            dropped = self._splitter.dropped
+            payloads = self._splitter.feed(data)  # without the drive's lock: garbage holds nobody up
             with self._node.lock:
-                dropped = self._splitter.dropped
-                payloads = self._splitter.feed(data)
                 self._node.count("serial_dropped", self._splitter.dropped - dropped)
                 for payload in payloads:
                     self._handle(payload)

@@ -8,9 +8,9 @@ import threading
 from contextlib import suppress
 
 from benchtool.emulator.servers.client import HungUp
+from benchtool.emulator.servers.share import MOST_B, Share
 from benchtool.link.port import READ_S
 
-_MOST = 1 << 16
 _WRITE_POLL_S = 0.05
 _PATIENCE_s = 5
 
@@ -35,6 +35,7 @@ class TcpPort:
         self._listener.setblocking(False)
         self._client: socket.socket | None = None
         self._closing = threading.Event()
+        self._share = Share()
         self._reading = threading.Lock()
         self._writing = threading.Lock()
         self.address: tuple[str, int] = self._listener.getsockname()[:2]
@@ -49,6 +50,9 @@ class TcpPort:
         """
         with self._reading:
             self._require_open()
+            if pause_s := self._share.pause_s():
+                self._closing.wait(min(pause_s, READ_S))
+                return b""
             client = self._client
             watched = [self._listener] if client is None else [self._listener, client]
             ready, _, _ = select.select(watched, [], [], READ_S)
@@ -115,12 +119,13 @@ class TcpPort:
 
     def _hear(self, client: socket.socket) -> bytes:
         try:
-            data = client.recv(_MOST)
+            data = client.recv(MOST_B)
         except BlockingIOError:
             return b""
         except OSError:
             data = b""
         if data:
+            self._share.handed_over()
             return data
         with suppress(OSError):
             client.shutdown(socket.SHUT_RDWR)  # a write under way ends

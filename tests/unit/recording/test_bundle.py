@@ -84,6 +84,7 @@ def test_a_finished_bundle_gives_back_blocks_manifest_and_measurements(tmp_path:
             "quality": {"frames_dropped": 0},
             "details": {"plan": {"load_Nm": 0.65}},
             "streams": {"capture": whole, "transducer": whole},
+            "files": bundle.manifest.files,
             "complete": True,
         }
     )

@@ -30,7 +30,7 @@ def test_events_come_out_as_they_went_in(
     with BundleWriter(folder, _MANIFEST) as writer:
         for event in events:
             EventFile(folder).append(event)
-        writer.finish()
+        writer.close()
     assert list(Bundle.open(folder).events) == events
     path = folder / "data" / "events.jsonl"
     if events:

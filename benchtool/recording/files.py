@@ -1,0 +1,98 @@
+"""Files that appear whole or not at all: written beside their place, flushed to the disk, and renamed."""
+
+from __future__ import annotations
+
+import mmap
+import os
+import secrets
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext, suppress
+from pathlib import Path
+
+from benchtool.errors import RecordingError
+from benchtool.recording.failures import writing
+
+PART = ".part"
+
+
+@contextmanager
+def replacing(path: Path, suffix: str = "") -> Iterator[Path]:
+    """A file to write in place of `path`, which it takes when the `with` block ends without an error.
+
+    Its name ends as that of `path` does, or in `suffix` for a writer that goes by that.
+
+    What was at `path` stays as it is until then, and after a failure. A symbolic link stays, its target is
+    replaced; a device or a pipe is written as it is.
+
+    Raises:
+        RecordingError: it cannot be written.
+    """
+    with writing(path):
+        target = path.resolve()
+        if target.exists() and not target.is_file():
+            yield target
+            return
+        part = target.with_name(f".{secrets.token_hex(8)}{PART}{suffix or target.suffix}")
+        try:
+            os.close(os.open(part, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666))
+            if target.exists():
+                part.chmod(target.stat().st_mode & 0o777)
+            yield part
+            flush_to_disk(part)
+            part.replace(target)
+        except BaseException:
+            with suppress(OSError):
+                part.unlink(missing_ok=True)
+            raise
+
+
+def write_whole(path: Path, content: bytes) -> None:
+    """Write a file in one step: a reader sees the old or the new one, never a half.
+
+    Raises:
+        RecordingError: it cannot be written; what was there before is there still.
+    """
+    with replacing(path) as part:
+        part.write_bytes(content)
+
+
+def require_free(path: Path) -> None:
+    """Refuse a path that is taken, for what overwrites nothing; a device or a pipe takes it.
+
+    Raises:
+        RecordingError: a file or a folder is there.
+    """
+    if path.is_file() or path.is_dir():
+        raise RecordingError(
+            f"{path} exists, and this command overwrites nothing: choose another name or remove it"
+        )
+
+
+def require_own(path: Path, mark: bytes) -> None:
+    """Refuse a path where another file is than one that has `mark` somewhere in it.
+
+    Raises:
+        RecordingError: there is, or what is there cannot be read.
+    """
+    if path.is_dir():
+        raise RecordingError(f"{path} is a folder: name a file")
+    if not path.is_file():
+        return
+    with writing(path), path.open("rb") as file:
+        empty = not path.stat().st_size
+        with nullcontext(b"") if empty else mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
+            found = content.find(mark) >= 0
+    if not found:
+        raise RecordingError(
+            f"{path} exists and was not written by this command, so it is not overwritten: choose another "
+            f"name or remove it"
+        )
+
+
+def flush_to_disk(path: Path) -> None:
+    """Have the system put the file on the disk, so that the rename cannot come before its content."""
+    file = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(file)
+    finally:
+        os.close(file)

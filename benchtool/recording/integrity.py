@@ -1,0 +1,194 @@
+"""Whether the files of a recording are what they were when they were written, by size and SHA-256.
+
+A bundle's manifest has the hashes of its files and a seal of its own, and is not touched after that. What is
+made of a bundle or of several later, figures and reports, has its hashes in `hashes.json` in the same folder.
+Of a bundle whose process was killed, `data/checkpoints.log` says how far each file was acknowledged.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Final
+
+from pydantic import Field, ValidationError
+
+from benchtool.document import Section
+from benchtool.errors import RecordingError
+from benchtool.recording.checkpoints import CHECKPOINTS, intact_prefix, read_checkpoints
+from benchtool.recording.files import PART
+from benchtool.recording.manifest import MANIFEST, Manifest, read_manifest
+from benchtool.recording.seal import SEAL, FileHash, hash_of, read_sealed_json, write_json
+from benchtool.recording.stream import DATA, FINISHED, RUNNING
+
+HASHES: Final = "hashes.json"
+_MISSING: Final = "No such file"
+_DIFFERS: Final = "its SHA-256 is not that of what was written"
+_OWN: Final = (MANIFEST, HASHES, CHECKPOINTS.as_posix())
+
+
+@dataclass(frozen=True)
+class Integrity:
+    """What a check has found; paths are relative to the folder that was checked.
+
+    `damaged` has the reason for each file, half a sentence. `unlisted` files are beside the recording and
+    nothing is known of them. `extents` is how many bytes of a file are known, where it may have more. Of what
+    is not `sealed`, recorded by an older version, nothing can be said.
+    """
+
+    sealed: bool
+    damaged: Mapping[str, str] = field(default_factory=dict)
+    unlisted: tuple[str, ...] = ()
+    extents: Mapping[str, int] = field(default_factory=dict)
+
+
+class _Hashes(Section):
+    files: dict[str, FileHash] = Field(default_factory=dict)
+
+
+def verify(folder: Path) -> Integrity:
+    """Check every file of a bundle, or of a folder of bundles, and what was made of them.
+
+    Raises:
+        RecordingError: the folder holds no recording.
+    """
+    manifests = (*folder.glob(MANIFEST), *folder.glob(f"*/{MANIFEST}"), *folder.glob(f"*/*/{MANIFEST}"))
+    bundles = [path.parent for path in sorted(manifests)]
+    if not bundles:
+        raise RecordingError(f"{folder} holds no run bundle: give the folder of a run")
+    above = [] if folder in bundles else dict.fromkeys((folder, *(bundle.parent for bundle in bundles)))
+    found = [(bundle, _check_recorded(bundle)) for bundle in bundles]
+    made = [(place, _check_made(place)) for place in (*bundles, *above)]
+
+    def name(place: Path, within: str) -> str:
+        return (place / within).relative_to(folder).as_posix()
+
+    damaged = {
+        name(place, file): reason for place, each in (*found, *made) for file, reason in each.damaged.items()
+    }
+    known = {name(place, file) for place, each in made for file in each.extents}
+    unlisted = {name(place, file) for place, each in (*found, *made) for file in each.unlisted}
+    sealed = all(each.sealed for _, each in found)
+    return Integrity(sealed, damaged, tuple(sorted(unlisted - known)))
+
+
+def check_bundle(directory: Path, manifest: Manifest, sealed: bool) -> Integrity:
+    """Check the files of one bundle by its manifest, without what was made of them later.
+
+    Args:
+        directory: of the bundle.
+        manifest: its manifest, whose seal was checked.
+        sealed: whether there was one.
+
+    Raises:
+        RecordingError: a file cannot be read, or the checkpoints are damaged.
+    """
+    if not sealed:
+        return Integrity(sealed=False)
+    if not manifest.files and not manifest.complete:
+        return _check_running(directory)
+    damaged = dict(_differing(directory, manifest.files))
+    unlisted = [name for name in files_of(directory) if name not in manifest.files]
+    for name in unlisted:
+        if name.startswith(f"{DATA}/") and name.endswith((RUNNING, FINISHED)):
+            damaged[name] = "it was not there when the recording was finished"
+    return Integrity(True, damaged, tuple(name for name in unlisted if name not in damaged))
+
+
+def enlist(folder: Path, paths: Iterable[Path]) -> None:
+    """Keep the hashes of files that were made of a recording and lie in its folder; others are left alone.
+
+    Raises:
+        RecordingError: a file cannot be read, or the hashes cannot be read or written.
+    """
+    inside = [path.resolve() for path in paths if path.resolve().is_relative_to(folder.resolve())]
+    files = {path.relative_to(folder.resolve()).as_posix(): hash_of(path) for path in inside}
+    if files:
+        document = _Hashes(files=_hashes(folder) | files).model_dump()
+        write_json(folder / HASHES, document, sealed=True)
+
+
+def files_of(directory: Path) -> dict[str, Path]:
+    """Files of a bundle by their names within it, without those that say what the others are."""
+    return {name: directory / name for name in _names(directory) if name not in _OWN}
+
+
+def _check_recorded(bundle: Path) -> Integrity:
+    try:
+        return check_bundle(bundle, *read_manifest(bundle))
+    except RecordingError as reason:
+        return Integrity(sealed=True, damaged={MANIFEST: str(reason)})
+
+
+def _check_made(folder: Path) -> Integrity:
+    """Check what was made of the bundle or the bundles in a folder."""
+    try:
+        files = _hashes(folder)
+    except RecordingError as reason:
+        return Integrity(sealed=True, damaged={HASHES: str(reason)})
+    made = (path for pattern in ("*", "plots/*") for path in sorted(folder.glob(pattern)) if path.is_file())
+    names = (path.relative_to(folder).as_posix() for path in made)
+    unlisted = () if (folder / MANIFEST).is_file() else tuple(name for name in names if name not in _OWN)
+    sizes_B = {name: each.size_B for name, each in files.items()}
+    return Integrity(True, dict(_differing(folder, files)), unlisted, sizes_B)
+
+
+def _check_running(directory: Path) -> Integrity:
+    """By the checkpoints: what is acknowledged of each file is what was written."""
+    states = read_checkpoints(directory)
+    damaged, extents = {}, {}
+    for name, noted in states.items():
+        path = directory / name
+        if path.is_file():
+            prefix = intact_prefix(path, noted)
+            if prefix is None:
+                damaged[name] = _DIFFERS
+            else:
+                extents[name] = prefix.size_B
+        elif not _was_replaced(directory, name, states):
+            damaged[name] = _MISSING
+    names = [name for name in _names(directory) if name not in _OWN and name not in states]
+    return Integrity(True, damaged, tuple(names), extents)
+
+
+def _was_replaced(directory: Path, name: str, states: Mapping[str, object]) -> bool:
+    """Whether the process ended between two steps of finishing: one form of a stream stands for the other."""
+    path = directory / name
+    other = path.with_suffix(FINISHED if path.suffix == RUNNING else RUNNING)
+    return other.is_file() and other.relative_to(directory).as_posix() in states
+
+
+def _differing(directory: Path, files: Mapping[str, FileHash]) -> Iterator[tuple[str, str]]:
+    for name, recorded in files.items():
+        path = directory / name
+        if not path.is_file():
+            yield name, _MISSING
+            continue
+        size_B = path.stat().st_size
+        if size_B != recorded.size_B:
+            yield name, f"it has {size_B} bytes, {recorded.size_B} were written"
+        elif hash_of(path) != recorded:
+            yield name, _DIFFERS
+
+
+def _hashes(folder: Path) -> dict[str, FileHash]:
+    path = folder / HASHES
+    if not path.is_file():
+        return {}
+    document, fits = read_sealed_json(path)
+    document.pop(SEAL, None)
+    try:
+        hashes = _Hashes.model_validate(document)
+    except ValidationError:
+        fits = False
+    if not fits:
+        raise RecordingError(
+            f"{path} does not fit its seal, it was damaged or changed: write the report again"
+        )
+    return hashes.files
+
+
+def _names(directory: Path) -> list[str]:
+    found = (path for path in sorted(directory.rglob("*")) if path.is_file() and PART not in path.suffixes)
+    return [path.relative_to(directory).as_posix() for path in found]

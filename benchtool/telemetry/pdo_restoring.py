@@ -1,0 +1,77 @@
+"""PDO parameters of a drive as they were found, to be put back when their time here is over."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import dataclass
+
+from benchtool.errors import BenchError, NoAnswer, SdoAbort
+from benchtool.protocol.pdo import INVALID, Pdo
+from benchtool.telemetry.node import Node
+
+
+@dataclass(frozen=True)
+class FoundPdo:
+    """One PDO as it was; `entries` are its mapping parameters from sub-index 1, the first `count` in use."""
+
+    pdo: Pdo
+    cob_id: int
+    parameters: tuple[tuple[str, float], ...]
+    count: int
+    entries: tuple[int, ...]
+
+    @classmethod
+    def of(cls, node: Node, pdo: Pdo) -> FoundPdo:
+        """Read the parameters that `pdo.set_up` writes.
+
+        Raises:
+            ValueRefused: the drive has no such PDO.
+            NoAnswer, SdoAbort: they cannot be read.
+        """
+        cob_id = int(node.number(f"0x{pdo.communication:04X}:1"))
+        labels = [f"0x{pdo.communication:04X}:2", *([f"0x{pdo.communication:04X}:5"] if pdo.transmit else [])]
+        count = int(node.number(f"0x{pdo.mapping:04X}:0"))
+        subs = range(1, max(count, len(pdo.mappings)) + 1)
+        entries = tuple(int(node.number(f"0x{pdo.mapping:04X}:{sub}")) for sub in subs)
+        return cls(pdo, cob_id, tuple((label, node.number(label)) for label in labels), count, entries)
+
+    def put_back(self, node: Node) -> None:
+        """Write everything as it was; the PDO is in use again only if it was, and then last of all.
+
+        Raises:
+            BenchError: the drive does not take it; the message says how it is left.
+        """
+        try:
+            for label, value in self._writes():
+                node.write(label, value)
+            for sub, mapping in enumerate(self.entries[self.count :], start=self.count + 1):
+                with suppress(SdoAbort):  # out of use in any case, and not every drive takes a zero
+                    node.write(f"0x{self.pdo.mapping:04X}:{sub}", mapping)
+            node.write(f"0x{self.pdo.mapping:04X}:0", self.count)
+            node.write(f"0x{self.pdo.communication:04X}:1", self.cob_id)
+        except BenchError as failed:
+            kind = "T" if self.pdo.transmit else "R"
+            failed.add_note(
+                f"{kind}PDO{self.pdo.number} is not as it was found: reset the drive's communication or "
+                f"switch it off and on, which restores what it has stored"
+            )
+            raise
+
+    def _writes(self) -> Iterator[tuple[str, float]]:
+        yield f"0x{self.pdo.communication:04X}:1", INVALID | self.pdo.can_id
+        yield f"0x{self.pdo.mapping:04X}:0", 0
+        yield from self.parameters
+        for sub, mapping in enumerate(self.entries[: self.count], start=1):
+            yield f"0x{self.pdo.mapping:04X}:{sub}", mapping
+
+
+def found_if_used(node: Node, pdo: Pdo) -> FoundPdo | None:
+    """A PDO that is in use; None of one that is not, which takes one read, or that cannot be read."""
+    label = f"0x{pdo.communication:04X}:1"
+    if label not in node.dictionary or int(node.number(label)) & INVALID:
+        return None
+    try:
+        return FoundPdo.of(node, pdo)
+    except (NoAnswer, SdoAbort):
+        return None
