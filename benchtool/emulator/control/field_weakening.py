@@ -17,7 +17,7 @@ from benchtool.emulator.jit import njit
 
 _ROUNDS = 20  # of Newton's method at most
 _HALVINGS = 30  # of an interval of currents: the current to 1e-9 of the limit
-_EXACT = 1e-12
+_EXACT = 1e-12  # square of the relative step that ends it; the next would be of its square
 
 
 class Limits(NamedTuple):
@@ -42,36 +42,36 @@ def reference(torque: float, i_d_added: float, omega_e: float, limits: Limits, d
     A setpoint of the flux is kept as far as the limits let it; `i_d_added` moves the flux to where i_d is so
     much more at the same torque.
     """
+    psi_r, saliency = float(drive.psi_r), float(drive.L_q) - float(drive.L_d)
     clipped = False
     if drive.psi_s_command > 0.0:
-        psi_d, psi_q, clipped = operating_point(torque, drive.psi_s_command, drive)
-        i_d, i_q = (psi_d - drive.psi_r) / drive.L_d, psi_q / drive.L_q
+        psi_d, psi_q, clipped = operating_point(torque, float(drive.psi_s_command), drive)
+        i_d, i_q = (psi_d - psi_r) / float(drive.L_d), psi_q / float(drive.L_q)
     else:
         i_d, i_q = least_current(torque, drive)
     if i_d_added != 0.0:
-        before = drive.psi_r - (drive.L_q - drive.L_d) * i_d
-        i_d += i_d_added
-        i_q *= before / (drive.psi_r - (drive.L_q - drive.L_d) * i_d)
+        moved = i_d + i_d_added
+        i_d, i_q = moved, i_q * (psi_r - saliency * i_d) / (psi_r - saliency * moved)
     exceeded = (
         i_d * i_d + i_q * i_q > limits.i * limits.i or _excess(i_d, i_q, omega_e, limits.u, drive) > 0.0
     )
     if exceeded:
         side = -1.0 if torque < 0.0 else 1.0
         i_d, i_q, given_way = _within(i_d, side * i_q, side * omega_e, limits, drive)
-        clipped = clipped or given_way or drive.psi_s_command > 0.0
         i_q *= side
-    if exceeded or clipped:
-        torque = 1.5 * drive.pole_pairs * i_q * (drive.psi_r - (drive.L_q - drive.L_d) * i_d)
+        clipped = clipped or given_way or drive.psi_s_command > 0.0
+    if clipped:
+        torque = 1.5 * drive.pole_pairs * i_q * (psi_r - saliency * i_d)
     return Reference(torque, magnitude(i_d, i_q, drive), clipped)
 
 
 @njit
 def _excess(i_d: float, i_q: float, omega_e: float, u: float, drive: Any) -> float:
     """|u_s|^2 in the steady state of these currents, less that of the limit; (1) in the rotor's frame."""
-    u_d = drive.R_s * i_d - omega_e * drive.L_q * i_q
-    u_q = drive.R_s * i_q + omega_e * (drive.psi_r + drive.L_d * i_d)
-    excess: float = u_d * u_d + u_q * u_q - u * u
-    return excess
+    R = float(drive.R_s)
+    u_d = R * i_d - omega_e * float(drive.L_q) * i_q
+    u_q = R * i_q + omega_e * (float(drive.psi_r) + float(drive.L_d) * i_d)
+    return u_d * u_d + u_q * u_q - u * u
 
 
 @njit
@@ -93,21 +93,21 @@ def _within(i_d: float, i_q: float, omega_e: float, limits: Limits, drive: Any) 
 @njit
 def _within_current(i_d: float, i_q: float, i: float, drive: Any) -> tuple[float, float]:
     """Currents of magnitude `i` towards those of least current at the same torque, or the most torque."""
-    saliency = drive.L_q - drive.L_d
-    a = i_q * (drive.psi_r - saliency * i_d)
+    psi_r, saliency = float(drive.psi_r), float(drive.L_q) - float(drive.L_d)
+    a = i_q * (psi_r - saliency * i_d)
     inside, _ = least_current(1.5 * drive.pole_pairs * a, drive)
-    i_q = a / (drive.psi_r - saliency * inside)
+    i_q = a / (psi_r - saliency * inside)
     if inside * inside + i_q * i_q > i * i:
         return most_torque(i, drive)
     outside = i_d
     for _ in range(_HALVINGS):
         i_d = 0.5 * (inside + outside)
-        i_q = a / (drive.psi_r - saliency * i_d)
+        i_q = a / (psi_r - saliency * i_d)
         if i_d * i_d + i_q * i_q > i * i:
             outside = i_d
         else:
             inside = i_d
-    return inside, a / (drive.psi_r - saliency * inside)
+    return inside, a / (psi_r - saliency * inside)
 
 
 @njit
@@ -119,23 +119,20 @@ def _weakened(i_d: float, i_q: float, omega_e: float, u: float, drive: Any) -> t
     R, L_d, L_q, psi_r = float(drive.R_s), float(drive.L_d), float(drive.L_q), float(drive.psi_r)
     a = i_q * (psi_r - (L_q - L_d) * i_d)
     square = omega_e * omega_e
-    excess = 0.0
     for _ in range(_ROUNDS):
         active = psi_r - (L_q - L_d) * i_d  # T = 3/2 p i_q times this
         if active <= 0.0:
             return i_d, i_q, False
         i_q = a / active
         growth = i_q * i_q * (L_q - L_d) / active  # i_q di_q/di_d
-        excess = _excess(i_d, i_q, omega_e, u, drive)
         slope = 2.0 * (R * R * (i_d + growth) + square * (L_d * (psi_r + L_d * i_d) + L_q * L_q * growth))
         if slope <= 0.0:
             return i_d, i_q, False
-        step = excess / slope
+        step = _excess(i_d, i_q, omega_e, u, drive) / slope
         i_d -= step
         if step * step <= _EXACT * (i_d * i_d):
-            break
-    active = psi_r - (L_q - L_d) * i_d
-    return i_d, a / active, excess <= 1e-6 * u * u
+            return i_d, a / (psi_r - (L_q - L_d) * i_d), True
+    return i_d, i_q, False
 
 
 @njit
@@ -161,7 +158,7 @@ def _most_torque(omega_e: float, limits: Limits, drive: Any) -> tuple[float, flo
     left = -limits.i
     if reach <= 0.0 or right <= left:
         return left, 0.0
-    best_d, best_q = left, 0.0
+    best_d, best_q = left, -1.0
     for _ in range(_HALVINGS):
         i_d = 0.5 * (left + right)
         psi_d = psi_r + L_d * i_d
@@ -176,4 +173,23 @@ def _most_torque(omega_e: float, limits: Limits, drive: Any) -> tuple[float, flo
             right, best_d, best_q = i_d, i_d, i_q
         else:
             left = i_d
+    if best_q < 0.0:
+        return _along_circle(omega_e, limits, unlimited, drive)
     return best_d, best_q
+
+
+@njit
+def _along_circle(omega_e: float, limits: Limits, right: float, drive: Any) -> tuple[float, float]:
+    """Currents of the limit's magnitude, from i_d alone towards the most torque, up to the edge of the voltage.
+
+    Where not even i_d alone is within the voltage, that is it: the flux is as low as the current makes it.
+    """
+    left = -limits.i
+    for _ in range(_HALVINGS):
+        i_d = 0.5 * (left + right)
+        i_q = math.sqrt(limits.i * limits.i - i_d * i_d)
+        if _excess(i_d, i_q, omega_e, limits.u, drive) > 0.0:
+            right = i_d
+        else:
+            left = i_d
+    return left, math.sqrt(max(limits.i * limits.i - left * left, 0.0))

@@ -14,7 +14,6 @@ from typing import Any, NamedTuple
 
 from benchtool.emulator.control.estimation import SQRT3, Situation
 from benchtool.emulator.jit import njit
-from benchtool.emulator.rotation import turned
 
 _END = 1  # of `lambda_reference`
 
@@ -30,7 +29,7 @@ class Direction(NamedTuple):
 @njit
 def mean_voltage(drive: Any) -> float:
     """Mean of the voltage over the period: u_s for T_k, or what the inverter makes in every direction."""
-    u: float = min(drive.u_s * drive.T_k_ratio, drive.u_dc / SQRT3)
+    u: float = min(drive.u_s * drive.T_k_ratio, drive.u_dc * (1.0 / SQRT3))
     return u
 
 
@@ -50,10 +49,10 @@ def direction(
     which (14) counts. A flux below `raise_below` is raised, any other lowered; beyond the pull-out angle,
     where raising the one lowers the other, it is led back.
     """
-    steepest = math.sqrt(along_d * along_d + along_q * along_q)
+    per_steepest = 1.0 / math.sqrt(along_d * along_d + along_q * along_q)
     step = mean_voltage(drive) * drive.control_period
-    sine = needed / (steepest * step)  # (14)
-    e_d, e_q = along_d / steepest, along_q / steepest
+    sine = needed * per_steepest / step  # (14)
+    e_d, e_q = along_d * per_steepest, along_q * per_steepest
     stable = e_q * drifted.psi_d - e_d * drifted.psi_q > 0.0
     if abs(sine) <= 1.0:
         # II-D: lambda raises the flux, pi - lambda lowers it, both make the same torque; hysteresis zero.
@@ -73,12 +72,12 @@ def direction(
 
 
 @njit
-def lambda_axis(at: Situation, drive: Any) -> tuple[float, float]:
+def lambda_axis(at: Situation, drifted: Situation, drive: Any) -> tuple[float, float]:
     """Direction (cosine, sine) of the rotor flux that lambda' is laid against.
 
     (14) reads as if psi_r stood still over the period: `lambda_reference` start takes it as it is when the
     period begins. The torque is met when the period ends: end takes it as it is there.
     """
     if drive.lambda_reference == _END:
-        return turned(at.cos_theta, at.sin_theta, at.omega_e * drive.control_period)
+        return drifted.cos_theta, drifted.sin_theta
     return at.cos_theta, at.sin_theta

@@ -1,4 +1,4 @@
-"""Operating points of the machine without limits: of least current for a torque, and of a given stator flux."""
+"""Operating points of the machine: of the least current for a torque, and of a given stator flux."""
 
 from __future__ import annotations
 
@@ -18,8 +18,7 @@ def flux_reference(torque: float, drive: Any) -> float:
     Limits of voltage and current are not in it; `field_weakening` has them.
     """
     if drive.psi_s_command > 0.0:
-        psi_s: float = drive.psi_s_command
-        return psi_s
+        return float(drive.psi_s_command)
     i_d, i_q = least_current(torque, drive)
     return magnitude(i_d, i_q, drive)
 
@@ -27,8 +26,8 @@ def flux_reference(torque: float, drive: Any) -> float:
 @njit
 def magnitude(i_d: float, i_q: float, drive: Any) -> float:
     """Stator flux of the currents, in Wb peak."""
-    psi_d = drive.psi_r + drive.L_d * i_d
-    psi_q = drive.L_q * i_q
+    psi_d = float(drive.psi_r) + float(drive.L_d) * i_d
+    psi_q = float(drive.L_q) * i_q
     return math.sqrt(psi_d * psi_d + psi_q * psi_q)
 
 
@@ -36,7 +35,10 @@ def magnitude(i_d: float, i_q: float, drive: Any) -> float:
 def least_current(torque: float, drive: Any) -> tuple[float, float]:
     """Currents (i_d, i_q) that make the torque with the least magnitude (maximum torque per ampere).
 
-    Without saliency pure i_q. With it, dL = L_q - L_d, i_d = psi_r / (2 dL) - sqrt((psi_r / (2 dL))^2 + i_q^2)
+    Without saliency pure i_q. With it, dL = L_q - L_d,
+
+        i_d = psi_r / (2 dL) -+ sqrt((psi_r / (2 dL))^2 + i_q^2), nearest to zero
+
     in the torque equation leaves dL^2 i_q^4 + a psi_r i_q - a^2 = 0 for a = |T| / (3/2 p), which rises and is
     convex: Newton's method from above does not miss its one root.
     """

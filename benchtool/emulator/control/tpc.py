@@ -35,7 +35,7 @@ def voltage(at: Situation, torque: float, raise_below: float, drive: Any) -> tup
     g_d = per_ampere * saliency / drive.L_d * drifted.i_q
     g_q = per_ampere / drive.L_q * (drive.psi_r + saliency * drifted.i_d)
     along = direction(torque - drifted.torque, g_d, g_q, at, drifted, raise_below, drive)
-    cos_theta, sin_theta = lambda_axis(at, drive)
+    cos_theta, sin_theta = lambda_axis(at, drifted, drive)
     mean = mean_voltage(drive)
     u_alpha, u_beta = out_of_frame(mean * along.cosine, mean * along.sine, cos_theta, sin_theta)
     return u_alpha, u_beta, math.atan2(along.sine, along.cosine), along.clipped

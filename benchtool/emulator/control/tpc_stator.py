@@ -52,7 +52,7 @@ def voltage(
         raise_below,
         drive,
     )
-    cos_theta, sin_theta = lambda_axis(at, drive)
+    cos_theta, sin_theta = lambda_axis(at, drifted, drive)
     mean = mean_voltage(drive)
     u_alpha, u_beta = out_of_frame(mean * along.cosine, mean * along.sine, cos_theta, sin_theta)
     angle = math.atan2(along.sine, along.cosine) - math.atan2(at.psi_q, at.psi_d)
