@@ -98,11 +98,11 @@ def limits(drive: Any) -> Limits:
     voltage makes where its length is not free.
     """
     law = drive.law
-    if law == _TPC or law == _TPC_STATOR:
+    if law in (_TPC, _TPC_STATOR):
         u = mean_voltage(drive)
         step = u
         u *= _OF_FIXED_VOLTAGE
-    elif law == _DTC or law == _FCS_MPC:
+    elif law in (_DTC, _FCS_MPC):
         u = _OF_ONE_VECTOR * drive.u_dc / SQRT3
         step = drive.u_dc * (2.0 / 3.0)
     else:

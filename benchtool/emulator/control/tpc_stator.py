@@ -22,8 +22,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from benchtool.emulator.control.estimation import Situation, out_of_frame, predict
-from benchtool.emulator.control.fixed_voltage import direction, lambda_axis, mean_voltage
+from benchtool.emulator.control.estimation import Situation, out_of_frame
+from benchtool.emulator.control.fixed_voltage import direction, lambda_axis, mean_voltage, without_voltage
 from benchtool.emulator.jit import njit
 
 
@@ -36,24 +36,19 @@ def voltage(
     A flux below `raise_below` is raised; the flux error is that against `psi_s`. Returns also the angle
     against the stator flux, and whether its sine had to be clipped.
     """
-    drifted = predict(at, 0.0, 0.0, drive)
+    drift = without_voltage(at, drive)
     magnitude = math.sqrt(at.psi_d * at.psi_d + at.psi_q * at.psi_q)
+    per_ampere = 1.5 * drive.pole_pairs
 
     # (11) in (10): p_n u_s x i_s T_k becomes p_n delta psi_s x i_s; along psi_s that is a share of (3)
-    per_ampere = 1.5 * drive.pole_pairs
     turning = at.omega_e * drive.control_period * (at.psi_d * at.i_d + at.psi_q * at.i_q)
     substituted = (psi_s - magnitude) / magnitude * at.torque - per_ampere * turning
-    along = direction(
-        torque - drifted.torque - substituted,
-        -per_ampere * at.psi_q / drive.L_d,  # psi_s x L^-1 u_s of (10)
-        per_ampere * at.psi_d / drive.L_q,
-        at,
-        drifted,
-        raise_below,
-        drive,
-    )
-    cos_theta, sin_theta = lambda_axis(at, drifted, drive)
+    # psi_s x L^-1 u_s of (10): across psi_s where L_d = L_q
+    h_d, h_q = -per_ampere * at.psi_q / drive.L_d, per_ampere * at.psi_d / drive.L_q
+    u = direction(torque - drift.torque - substituted, h_d, h_q, at, drift, raise_below, drive)
+
+    cos_theta, sin_theta = lambda_axis(at, drive)
     mean = mean_voltage(drive)
-    u_alpha, u_beta = out_of_frame(mean * along.cosine, mean * along.sine, cos_theta, sin_theta)
-    angle = math.atan2(along.sine, along.cosine) - math.atan2(at.psi_q, at.psi_d)
-    return u_alpha, u_beta, angle, along.clipped
+    u_alpha, u_beta = out_of_frame(mean * u.cosine, mean * u.sine, cos_theta, sin_theta)
+    angle = math.atan2(u.sine, u.cosine) - math.atan2(at.psi_q, at.psi_d)
+    return u_alpha, u_beta, angle, u.clipped
