@@ -51,7 +51,7 @@ def control_tick(drive: Any, command: Any, control: Any, stimulus: Any, measurem
     integral = control.speed_integral
     wanted = torque_reference(drive, command, control, drive.omega_m, torque_added, omega_added)
     torque, psi_s, given_way = reference(wanted, i_d_added, now.omega_e, limits(drive), drive)
-    if given_way and (control.speed_integral - integral) * (wanted - torque) > 0.0:
+    if control.speed_integral != 0.0 and (control.speed_integral - integral) * (wanted - torque) > 0.0:
         control.speed_integral = integral  # it would only drive further into the limit
     asked = demand(at, torque, psi_s, drive, control)
     if asked.vector == MODULATED:

@@ -4,7 +4,7 @@ In the plane of the currents the voltage allows an ellipse and the trip level a 
 of least current lies within both stays as it is. Otherwise i_d is lowered at the same torque until the
 voltage suffices (field weakening), and where no i_d does, the torque itself is: to the largest within both.
 
-The machine is mirrored where the torque is negative, so that i_q >= 0 below, and a brake has omega_e < 0.
+Where the torque is negative the machine is mirrored, so that below i_q >= 0 and braking has omega_e < 0.
 """
 
 from __future__ import annotations
@@ -180,7 +180,7 @@ def _most_torque(omega_e: float, limits: Limits, drive: Any) -> tuple[float, flo
 
 @njit
 def _along_circle(omega_e: float, limits: Limits, right: float, drive: Any) -> tuple[float, float]:
-    """Currents of the limit's magnitude, from i_d alone towards the most torque, up to the edge of the voltage.
+    """Currents of the limit's magnitude: from i_d alone towards the most torque, up to the edge.
 
     Where not even i_d alone is within the voltage, that is it: the flux is as low as the current makes it.
     """

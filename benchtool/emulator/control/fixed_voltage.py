@@ -2,10 +2,10 @@
 
 Over a period the voltage moves the stator flux by u_s T_k, onto a circle about where the flux drifts to
 without voltage. Two directions make the torque that is asked for, and the flux comparator chooses between
-them (Zhu, Xiao and Li 2011, II-D). Where the argument of (14) is beyond +-1 none does, both fall into one, and
-taking that leaves the flux to itself. There the torque has to give way to the flux: the direction is that of
-the most torque as long as the flux ends within its reference, else the one that brings it there, to the point
-where the circle meets that of the reference on the torque's side.
+them (Zhu, Xiao and Li 2011, II-D). Where the argument of (14) is beyond +-1 none does: both fall into one,
+and to take that would leave the flux to itself. There the torque gives way: the direction is the one that
+brings the flux to its reference, to where the circle meets that of the reference on the torque's side. A flux
+that is too low for that waits until the torque is met, one that is too high is lowered straight.
 """
 
 from __future__ import annotations
@@ -23,7 +23,8 @@ _END = 1  # of `lambda_reference`
 class Drift(NamedTuple):
     """Where flux and torque are at the end of a period without voltage, to first order; rotor's frame.
 
-    With L_d = L_q the torque is that of (9), -(R_s / L T_e + p_n / L psi_s x d psi_r/dt) T_s from where it is.
+    With L_d = L_q the torque drifts by what (13) has beside the voltage,
+    -(R_s / L T_e + p_n / L psi_s x d psi_r/dt) T_s.
     """
 
     psi_d: float
@@ -81,7 +82,7 @@ def direction(
     stable = h_q * drift.psi_d - h_d * drift.psi_q > 0.0
     lower = at.psi_d * at.psi_d + at.psi_q * at.psi_q > raise_below * raise_below
     if abs(sine) <= 1.0:
-        # II-D: lambda raises the flux, pi - lambda lowers it, both make the same torque; hysteresis band zero.
+        # II-D: lambda raises the flux, pi - lambda lowers it, both make the same torque. No hysteresis band.
         cosine = math.sqrt(1.0 - sine * sine)
         cosine = -cosine if stable and lower else cosine
         return Direction(cosine * h_q + sine * h_d, sine * h_q - cosine * h_d, False)

@@ -2,9 +2,9 @@
 
 The equations are those of the paper in amplitude-invariant vectors, where p_n reads 3/2 p.
 
-The paper's machine has one inductance. (12) then says that a voltage changes the torque by p_n / L psi_r x u_s
-in every state: psi_r lies across the gradient of the torque over the stator flux. In general this gradient
-is, in the rotor's frame,
+The paper's machine has one inductance. (12) then says that a voltage changes the torque by p_n / L psi_r x
+u_s in every state: psi_r lies across the gradient of the torque over the stator flux. In general this
+gradient is, in the rotor's frame,
 
     g = 3/2 p ((L_d - L_q) / L_d i_q, (psi_r + (L_d - L_q) i_d) / L_q)
 
