@@ -3,9 +3,9 @@
 Over a period the voltage moves the stator flux by u_s T_k, onto a circle about where the flux drifts to
 without voltage. Two directions make the torque that is asked for, and the flux comparator chooses between
 them (Zhu, Xiao and Li 2011, II-D). Where the argument of (14) is beyond +-1 none does: both fall into one,
-and to take that would leave the flux to itself. There the torque gives way: the direction is the one that
-brings the flux to its reference, to where the circle meets that of the reference on the torque's side. A flux
-that is too low for that waits until the torque is met, one that is too high is lowered straight.
+and to take that would leave the flux to itself. There the voltage is aimed at the flux vector that has the
+length of the reference and makes the torque. On the straight way there neither the current nor the voltage
+that is needed exceeds the larger of those at both ends.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import math
 from typing import Any, NamedTuple
 
 from benchtool.emulator.control.estimation import SQRT3, Situation
+from benchtool.emulator.control.flux import operating_point
 from benchtool.emulator.jit import njit
 from benchtool.emulator.rotation import turned
 
@@ -67,9 +68,16 @@ def without_voltage(at: Situation, drive: Any) -> Drift:
 
 @njit
 def direction(
-    needed: float, h_d: float, h_q: float, at: Situation, drift: Drift, raise_below: float, drive: Any
+    torque: float,
+    needed: float,
+    h_d: float,
+    h_q: float,
+    at: Situation,
+    drift: Drift,
+    raise_below: float,
+    drive: Any,
 ) -> Direction:
-    """Direction that changes the torque by `needed` against what it drifts to.
+    """Direction that makes the torque, by changing it by `needed` against what it drifts to.
 
     (h_d, h_q) is what the law takes the change of the torque by that of the flux for, in Nm/Wb: its length is
     the gain in (14), and lambda counts from the axis across it. A flux below `raise_below` is raised, any
@@ -86,16 +94,10 @@ def direction(
         cosine = math.sqrt(1.0 - sine * sine)
         cosine = -cosine if stable and lower else cosine
         return Direction(cosine * h_q + sine * h_d, sine * h_q - cosine * h_d, False)
-    side = math.copysign(1.0, sine)
-    square = drift.psi_d * drift.psi_d + drift.psi_q * drift.psi_q
-    per_length = 1.0 / math.sqrt(square)
-    cosine = 0.5 * (raise_below * raise_below - square - step * step) * per_length / step
-    if stable and cosine > 1.0:
-        return Direction(side * h_d, side * h_q, True)
-    cosine = min(max(cosine, -1.0), 1.0)
-    across = math.copysign(math.sqrt(1.0 - cosine * cosine), side if stable else -drift.psi_q)
-    r_d, r_q = drift.psi_d * per_length, drift.psi_q * per_length
-    return Direction(cosine * r_d - across * r_q, cosine * r_q + across * r_d, True)
+    psi_d, psi_q, _ = operating_point(torque, raise_below, drive)
+    to_d, to_q = psi_d - drift.psi_d, psi_q - drift.psi_q
+    per_length = 1.0 / math.sqrt(to_d * to_d + to_q * to_q)
+    return Direction(to_d * per_length, to_q * per_length, True)
 
 
 @njit

@@ -94,21 +94,21 @@ def limits(drive: Any) -> Limits:
     """What the chosen law can use of voltage and current in the steady state.
 
     A law needs some of its voltage to correct errors with. It keeps the current so far below the trip level
-    that its own ripple does not trip: a share for noise and overshoot, and 1.5 times the step that a period's
-    voltage makes where its length is not free.
+    that its own ripple does not trip: a share for noise and overshoot, and, where the length of the voltage
+    is not free, 1.5 steps of a period's voltage; 2.5 with dtc, whose table looks no step ahead.
     """
     law = drive.law
     if law in (_TPC, _TPC_STATOR):
         u = mean_voltage(drive)
-        step = u
+        steps = 1.5 * u
         u *= _OF_FIXED_VOLTAGE
     elif law in (_DTC, _FCS_MPC):
         u = _OF_ONE_VECTOR * drive.u_dc / SQRT3
-        step = drive.u_dc * (2.0 / 3.0)
+        steps = (2.5 if law == _DTC else 1.5) * drive.u_dc * (2.0 / 3.0)
     else:
         u = _OF_MODULATOR * drive.u_dc / SQRT3
-        step = 0.0
-    ripple = 1.5 * step * drive.control_period / min(drive.L_d, drive.L_q)
+        steps = 0.0
+    ripple = steps * drive.control_period / min(drive.L_d, drive.L_q)
     return Limits(u, max(0.95 * drive.i_trip - ripple, 0.5 * drive.i_trip))
 
 

@@ -27,10 +27,10 @@ def voltage(at: Situation, torque: float, raise_below: float, drive: Any) -> tup
     """Mean voltage (u_alpha, u_beta) of a control period that begins in the situation `at`.
 
     A flux below `raise_below` is raised. Returns also the angle lambda' against the rotor flux, and whether
-    the argument of (14) was beyond +-1: the torque then is the nearest with which the flux is kept.
+    the argument of (14) was beyond +-1: the voltage then is aimed at the flux vector of that torque and flux.
     """
     drift = without_voltage(at, drive)
-    u = direction(torque - drift.torque, drift.g_d, drift.g_q, at, drift, raise_below, drive)
+    u = direction(torque, torque - drift.torque, drift.g_d, drift.g_q, at, drift, raise_below, drive)
     cos_theta, sin_theta = lambda_axis(at, drive)
     mean = mean_voltage(drive)
     u_alpha, u_beta = out_of_frame(mean * u.cosine, mean * u.sine, cos_theta, sin_theta)

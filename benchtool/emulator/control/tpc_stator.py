@@ -45,7 +45,8 @@ def voltage(
     substituted = (psi_s - magnitude) / magnitude * at.torque - per_ampere * turning
     # psi_s x L^-1 u_s of (10): across psi_s where L_d = L_q
     h_d, h_q = -per_ampere * at.psi_q / drive.L_d, per_ampere * at.psi_d / drive.L_q
-    u = direction(torque - drift.torque - substituted, h_d, h_q, at, drift, raise_below, drive)
+    needed = torque - drift.torque - substituted
+    u = direction(torque, needed, h_d, h_q, at, drift, raise_below, drive)
 
     cos_theta, sin_theta = lambda_axis(at, drive)
     mean = mean_voltage(drive)
