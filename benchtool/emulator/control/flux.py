@@ -80,6 +80,8 @@ def operating_point(torque: float, psi_s: float, drive: Any) -> tuple[float, flo
     zero. Beyond the pull-out torque, delta stays at its angle.
     """
     L_d, L_q, psi_r = float(drive.L_d), float(drive.L_q), float(drive.psi_r)
+    if psi_s <= 0.0:
+        return 0.0, 0.0, torque != 0.0
     per_flux = 1.5 * drive.pole_pairs * psi_s
     if L_d == L_q:
         sine = torque / (per_flux * (drive.psi_r / drive.L_d))
