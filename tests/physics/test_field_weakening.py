@@ -18,8 +18,8 @@ INTERIOR: dict[str, Any] = {"psi_r_Wb": 0.1, "L_d_H": 4e-3, "L_q_H": 10e-3}
 BELIEVED: dict[str, Any] = {"psi_r": 0.1, "L_d": 4e-3, "L_q": 10e-3}
 OF_TORQUE = ["torque", "torque_reference", "psi_s", "psi_s_reference", "i_a", "i_b", "i_c", "law_clipped"]
 I_TRIP = 12.0
-# One vector per period leaves an offset, most at standstill; the table of dtc brakes while its comparator asks for nothing.
-# The current of foc settles with L / R_s, 77 ms.
+# One vector per period leaves an offset, most at standstill, and the table of dtc one that brakes; the
+# current of foc settles with L / R_s, 77 ms.
 OFFSET = {Law.DTC: 1.2, Law.FCS_MPC: 0.2, Law.FOC: 0.1}
 
 
