@@ -7,9 +7,9 @@ leave open, and how it is read here:
 
 - which u_s is substituted: that of u_s x i_s. The other one holds the angle that is sought.
 - the direction of the flux error: along psi_s, with psi_s* - |psi_s| as its length, since a magnitude is
-  all that a flux controller knows; and across it the way that psi_s turns along with the rotor, of which
-  only the mean counts, that of the references. Without it the torque is off by 3/2 p omega_e T_s psi_s . i_s:
-  0.0002 N·m at the point of Fig. 6, but 0.3 where the field is weakened at rated speed.
+  all that a flux controller knows. What psi_s turns along with the rotor is left out, which puts the torque
+  off by 3/2 p omega_e T_s psi_s . i_s: 0.0002 N·m at the point of Fig. 6, but up to 0.3 at rated speed with
+  full torque or a weakened field.
 - the four parts: torque up or down by the sign of the angle from the rest of (10), flux up or down by
   taking lambda or pi - lambda, as II-D does about psi_r.
 - "torque and flux hysteresis controllers": both errors as they are, bands of zero.
@@ -24,7 +24,6 @@ from typing import Any
 
 from benchtool.emulator.control.estimation import Situation, out_of_frame
 from benchtool.emulator.control.fixed_voltage import direction, lambda_axis, mean_voltage, without_voltage
-from benchtool.emulator.control.flux import operating_point
 from benchtool.emulator.jit import njit
 
 
@@ -42,10 +41,7 @@ def voltage(
     per_ampere = 1.5 * drive.pole_pairs
 
     # (11) in (10): p_n u_s x i_s T_k becomes p_n delta psi_s x i_s; along psi_s that is a share of (3)
-    psi_d, psi_q, _ = operating_point(torque, psi_s, drive)
-    i_d, i_q = (psi_d - drive.psi_r) / drive.L_d, psi_q / drive.L_q
-    turning = at.omega_e * drive.control_period * (psi_d * i_d + psi_q * i_q)
-    substituted = (psi_s - magnitude) / magnitude * at.torque - per_ampere * turning
+    substituted = (psi_s - magnitude) / magnitude * at.torque
     # psi_s x L^-1 u_s of (10): across psi_s where L_d = L_q
     h_d, h_q = -per_ampere * at.psi_q / drive.L_d, per_ampere * at.psi_d / drive.L_q
     needed = torque - drift.torque - substituted
