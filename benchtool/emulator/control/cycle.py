@@ -13,8 +13,8 @@ from benchtool.emulator.control.estimation import (
     predict,
     situation,
 )
-from benchtool.emulator.control.flux import flux_reference, with_current_added
-from benchtool.emulator.control.laws import demand, forget
+from benchtool.emulator.control.field_weakening import reference
+from benchtool.emulator.control.laws import demand, forget, limits
 from benchtool.emulator.control.observer import rotor_angle, track
 from benchtool.emulator.control.protection import trips
 from benchtool.emulator.control.speed import torque_reference
@@ -48,10 +48,12 @@ def control_tick(drive: Any, command: Any, control: Any, stimulus: Any, measurem
         return new_trip
     torque_added = added if stimulus.quantity == _TORQUE else 0.0
     omega_added = added if stimulus.quantity == _SPEED else 0.0
-    torque = torque_reference(drive, command, control, drive.omega_m, torque_added, omega_added)
-    psi_s = flux_reference(torque, drive)
-    if added != 0.0 and stimulus.quantity == _D_CURRENT:
-        psi_s = with_current_added(psi_s, torque, added, drive)
+    i_d_added = added if stimulus.quantity == _D_CURRENT else 0.0
+    integral = control.speed_integral
+    wanted = torque_reference(drive, command, control, drive.omega_m, torque_added, omega_added)
+    torque, psi_s, given_way = reference(wanted, i_d_added, now.omega_e, limits(drive), drive)
+    if control.speed_integral != 0.0 and (control.speed_integral - integral) * (wanted - torque) > 0.0:
+        control.speed_integral = integral  # it would only drive further into the limit
     asked = demand(at, torque, psi_s, drive, control)
     if asked.vector == MODULATED:
         limited = _modulate(asked.u_alpha, asked.u_beta, at, drive, control, measurement.u_dc)
@@ -62,7 +64,7 @@ def control_tick(drive: Any, command: Any, control: Any, stimulus: Any, measurem
     drive.law_angle = asked.angle
     drive.u_alpha = control.u_alpha_next
     drive.u_beta = control.u_beta_next
-    if asked.clipped or limited:
+    if asked.clipped or limited or given_way:
         drive.law_clipped += 1
     return new_trip
 

@@ -7,7 +7,9 @@ from enum import IntEnum
 from typing import Any, NamedTuple
 
 from benchtool.emulator.control import deadbeat, dtc, fcs_mpc, foc, svm_dtc, tpc, tpc_stator
-from benchtool.emulator.control.estimation import Situation, into_frame
+from benchtool.emulator.control.estimation import SQRT3, Situation, into_frame
+from benchtool.emulator.control.field_weakening import Limits
+from benchtool.emulator.control.fixed_voltage import mean_voltage
 from benchtool.emulator.control.flux_comparator import threshold
 from benchtool.emulator.control.vectors import MODULATED, held
 from benchtool.emulator.jit import njit
@@ -28,6 +30,10 @@ class Law(IntEnum):
 
 _TPC, _TPC_STATOR, _SVM_DTC = int(Law.TPC), int(Law.TPC_STATOR), int(Law.SVM_DTC)
 _DTC, _FCS_MPC, _FOC, _DEADBEAT = int(Law.DTC), int(Law.FCS_MPC), int(Law.FOC), int(Law.DEADBEAT)
+
+
+# Of the largest mean voltage in the steady state; the rest corrects errors.
+_OF_FIXED_VOLTAGE, _OF_ONE_VECTOR, _OF_MODULATOR = 0.94, 0.9, 0.95
 
 
 class Demand(NamedTuple):
@@ -81,6 +87,29 @@ def demand(at: Situation, torque: float, psi_s: float, drive: Any, control: Any)
     if law != _TPC and law != _TPC_STATOR:
         angle = _against_rotor(u_alpha, u_beta, at, drive)
     return Demand(u_alpha, u_beta, vector, angle, clipped)
+
+
+@njit
+def limits(drive: Any) -> Limits:
+    """What the chosen law can use of voltage and current in the steady state.
+
+    A law needs some of its voltage to correct errors with. It keeps the current so far below the trip level
+    that its own ripple does not trip: a share for noise and overshoot, and, where the length of the voltage
+    is not free, 1.5 steps of a period's voltage; 2.5 with dtc, whose table looks no step ahead.
+    """
+    law = drive.law
+    if law in (_TPC, _TPC_STATOR):
+        u = mean_voltage(drive)
+        steps = 1.5 * u
+        u *= _OF_FIXED_VOLTAGE
+    elif law in (_DTC, _FCS_MPC):
+        u = _OF_ONE_VECTOR * drive.u_dc / SQRT3
+        steps = (2.5 if law == _DTC else 1.5) * drive.u_dc * (2.0 / 3.0)
+    else:
+        u = _OF_MODULATOR * drive.u_dc / SQRT3
+        steps = 0.0
+    ripple = steps * drive.control_period / min(drive.L_d, drive.L_q)
+    return Limits(u, max(0.95 * drive.i_trip - ripple, 0.5 * drive.i_trip))
 
 
 @njit

@@ -1,6 +1,15 @@
 """Torque predictive control oriented on the rotor flux (Zhu, Xiao, Li 2011, "proposed TPC").
 
 The equations are those of the paper in amplitude-invariant vectors, where p_n reads 3/2 p.
+
+The paper's machine has one inductance. (12) then says that a voltage changes the torque by p_n / L psi_r x
+u_s in every state: psi_r lies across the gradient of the torque over the stator flux. In general this
+gradient is, in the rotor's frame,
+
+    g = 3/2 p ((L_d - L_q) / L_d i_q, (psi_r + (L_d - L_q) i_d) / L_q)
+
+and lambda counts from the axis across it, which for L_d = L_q is psi_r again, as all of (14) is. In (13) the
+torque drifts while there is no voltage; g and the torque are taken where that leads to.
 """
 
 from __future__ import annotations
@@ -9,36 +18,20 @@ import math
 from typing import Any
 
 from benchtool.emulator.control.estimation import Situation, out_of_frame
+from benchtool.emulator.control.fixed_voltage import direction, lambda_axis, mean_voltage, without_voltage
 from benchtool.emulator.jit import njit
-from benchtool.emulator.rotation import turned
 
 
 @njit
-def voltage(at: Situation, torque: float, psi_s: float, drive: Any) -> tuple[float, float, float, bool]:
+def voltage(at: Situation, torque: float, raise_below: float, drive: Any) -> tuple[float, float, float, bool]:
     """Mean voltage (u_alpha, u_beta) of a control period that begins in the situation `at`.
 
-    Returns also the angle lambda' against the rotor flux, and whether the argument of (14) had to be clipped.
+    A flux below `raise_below` is raised. Returns also the angle lambda' against the rotor flux, and whether
+    the argument of (14) was beyond +-1: the voltage then is aimed at the flux vector of that torque and flux.
     """
-    T_s = drive.control_period
-    T_k = drive.T_k_ratio * T_s
-    # The axis across the rotor flux is the one on which u_s makes torque; the paper's machine has one L.
-    per_L = 1.0 / drive.L_q
-    gain = 1.5 * drive.pole_pairs * per_L
-
-    # psi_s x d psi_r/dt = omega_e psi_s . psi_r
-    emf = gain * at.omega_e * at.psi_d * drive.psi_r
-    needed = torque - at.torque + (drive.R_s * per_L * at.torque + emf) * T_s  # numerator of (14)
-    sine = needed / (gain * drive.psi_r * T_k * drive.u_s)  # (14)
-    clipped = abs(sine) > 1.0
-    sine = min(max(sine, -1.0), 1.0)
-
-    # II-D: lambda raises the flux, pi - lambda lowers it, both make the same torque; hysteresis band zero.
-    angle, cosine = math.asin(sine), math.sqrt(1.0 - sine * sine)
-    if at.psi_d * at.psi_d + at.psi_q * at.psi_q > psi_s * psi_s:
-        angle, cosine = math.pi - angle, -cosine
-
-    # The torque is met at the end of the period, so lambda' is laid against the rotor flux as it is there.
-    cos_theta, sin_theta = turned(at.cos_theta, at.sin_theta, at.omega_e * T_s)
-    mean = drive.u_s * drive.T_k_ratio
-    u_alpha, u_beta = out_of_frame(mean * cosine, mean * sine, cos_theta, sin_theta)
-    return u_alpha, u_beta, angle, clipped
+    drift = without_voltage(at, drive)
+    u = direction(torque, torque - drift.torque, drift.g_d, drift.g_q, at, drift, raise_below, drive)
+    cos_theta, sin_theta = lambda_axis(at, drive)
+    mean = mean_voltage(drive)
+    u_alpha, u_beta = out_of_frame(mean * u.cosine, mean * u.sine, cos_theta, sin_theta)
+    return u_alpha, u_beta, math.atan2(u.sine, u.cosine), u.clipped
