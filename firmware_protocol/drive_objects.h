@@ -2,7 +2,7 @@
 #ifndef BENCHTOOL_DRIVE_OBJECTS_H
 #define BENCHTOOL_DRIVE_OBJECTS_H
 
-#define BT_DICTIONARY_HASH 0xC3893CA2u
+#define BT_DICTIONARY_HASH 0xD73D6F7Bu
 #define BT_VENDOR_ID 0x00000B7Cu
 #define BT_PRODUCT_CODE 0x00002011u
 #define BT_REVISION 0x00010000u
@@ -264,6 +264,7 @@ enum bt_role {
 #define BT_SUB_DELAY_COMPENSATION 4u
 #define BT_SUB_DEAD_TIME_COMPENSATION 5u
 #define BT_SUB_FLUX_COMPARATOR 6u
+#define BT_SUB_LAMBDA_REFERENCE 7u
 #define BT_SUB_SPEED_CONTROL_COUNT 0u
 #define BT_SUB_K_P_SPEED 1u
 #define BT_SUB_K_I_SPEED 2u
@@ -405,6 +406,11 @@ enum bt_delay_compensation {
 enum bt_flux_comparator {
     BT_FLUX_COMPARATOR_INSTANTANEOUS = 0,
     BT_FLUX_COMPARATOR_ACCUMULATED = 1
+};
+
+enum bt_lambda_reference {
+    BT_LAMBDA_REFERENCE_START = 0,
+    BT_LAMBDA_REFERENCE_END = 1
 };
 
 enum bt_stimulus_control {
@@ -637,13 +643,14 @@ enum bt_mode_of_operation_display {
     X(0x2001u, 2u, encoder_offset, F32, RW, PARAMETER, 0, 0, -6.2832f, 6.2832f, 0.0f) \
     X(0x2001u, 3u, i_full_scale, F32, RO, STATUS, 1, 0, -3.4028235e+38f, 3.4028235e+38f, 0.0f) \
     X(0x2001u, 4u, control_period, F32, RO, STATUS, 1, 0, -3.4028235e+38f, 3.4028235e+38f, 0.0001f) \
-    X(0x2010u, 0u, torque_control_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 6u) \
+    X(0x2010u, 0u, torque_control_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 7u) \
     X(0x2010u, 1u, law, U8, RW, PARAMETER, 0, 0, 0u, 255u, 0u) \
     X(0x2010u, 2u, u_s, F32, RW, PARAMETER, 1, 0, 0.0f, 1000.0f, 50.0f) \
     X(0x2010u, 3u, T_k_ratio, F32, RW, PARAMETER, 1, 0, 0.01f, 1.0f, 0.7f) \
     X(0x2010u, 4u, delay_compensation, U8, RW, PARAMETER, 0, 0, 0u, 1u, 1u) \
     X(0x2010u, 5u, dead_time_compensation, F32, RW, PARAMETER, 1, 0, 0.0f, 2e-05f, 0.0f) \
     X(0x2010u, 6u, flux_comparator, U8, RW, PARAMETER, 0, 0, 0u, 1u, 1u) \
+    X(0x2010u, 7u, lambda_reference, U8, RW, PARAMETER, 0, 0, 0u, 1u, 1u) \
     X(0x2011u, 0u, speed_control_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 4u) \
     X(0x2011u, 1u, K_p_speed, F32, RW, PARAMETER, 1, 0, 0.0f, 1000.0f, 0.01f) \
     X(0x2011u, 2u, K_i_speed, F32, RW, PARAMETER, 1, 0, 0.0f, 100000.0f, 0.1f) \
@@ -746,7 +753,7 @@ enum bt_mode_of_operation_display {
     X(0x2051u, 1u, stream_sequence, U32, RO, SIGNAL, 1, 0, 0u, 4294967295u, 0u) \
     X(0x2051u, 2u, rpdo_dropped, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 0u) \
     X(0x2051u, 3u, serial_dropped, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 0u) \
-    X(0x2060u, 0u, dictionary_hash, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 3280551074u) \
+    X(0x2060u, 0u, dictionary_hash, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 3611127675u) \
     X(0x6007u, 0u, abort_connection_option, I16, RW, PARAMETER, 0, 0, -32768, 32767, 1) \
     X(0x603Fu, 0u, error_code, U16, RO, STATUS, 1, 0, 0u, 65535u, 0u) \
     X(0x6040u, 0u, controlword, U16, RW, STATUS, 1, 0, 0u, 65535u, 0u) \
@@ -767,7 +774,7 @@ enum bt_mode_of_operation_display {
     X(0x6502u, 0u, supported_modes, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 65548u) \
     /* end */
 
-#define BT_ENTRY_COUNT 261u
+#define BT_ENTRY_COUNT 262u
 
 /* What an enumeration may be: X(name, value) for each of its values, in the order of BT_ENTRIES. Any other is
  * refused. */
@@ -783,6 +790,8 @@ enum bt_mode_of_operation_display {
     X(delay_compensation, 1) \
     X(flux_comparator, 0) \
     X(flux_comparator, 1) \
+    X(lambda_reference, 0) \
+    X(lambda_reference, 1) \
     X(stimulus_control, 0) \
     X(stimulus_control, 1) \
     X(stimulus_state, 0) \
@@ -834,6 +843,6 @@ enum bt_mode_of_operation_display {
     X(mode_of_operation_display, 4) \
     /* end */
 
-#define BT_VALUE_COUNT 60u
+#define BT_VALUE_COUNT 62u
 
 #endif

@@ -91,6 +91,21 @@ def test_the_angle_of_tpc_stator_is_laid_against_the_stator_flux() -> None:
     )
 
 
+@pytest.mark.parametrize(("reference", "periods"), [(0, 0), (1, 1)], ids=["start", "end"])
+@pytest.mark.parametrize("law", [Law.TPC, Law.TPC_STATOR])
+def test_lambda_is_laid_against_the_flux_at_the_chosen_end_of_the_period(
+    law: Law, reference: int, periods: int
+) -> None:
+    memory = drive(law=int(law), lambda_reference=reference, flux_comparator=0)
+    now = at(0.5, 3.0, 300.0, memory)
+    asked = demand(now, now.torque, math.hypot(now.psi_d, now.psi_q), memory, remembered())
+    of_flux = math.atan2(now.psi_q, now.psi_d) if law is Law.TPC_STATOR else 0.0
+    direction = math.atan2(asked.u_beta, asked.u_alpha) - asked.angle
+    expected = THETA + of_flux + periods * 300.0 * 1e-4
+    assert math.remainder(direction - expected, 2 * math.pi) == pytest.approx(0.0, abs=1e-6)
+    assert not asked.clipped
+
+
 # ---- the flux comparator of both -------------------------------------------------------------------------
 
 

@@ -12,6 +12,8 @@ from benchtool.emulator.control.estimation import Situation, out_of_frame
 from benchtool.emulator.jit import njit
 from benchtool.emulator.rotation import turned
 
+_END = 1  # of `lambda_reference`
+
 
 @njit
 def voltage(at: Situation, torque: float, psi_s: float, drive: Any) -> tuple[float, float, float, bool]:
@@ -37,8 +39,19 @@ def voltage(at: Situation, torque: float, psi_s: float, drive: Any) -> tuple[flo
     if at.psi_d * at.psi_d + at.psi_q * at.psi_q > psi_s * psi_s:
         angle, cosine = math.pi - angle, -cosine
 
-    # The torque is met at the end of the period, so lambda' is laid against the rotor flux as it is there.
-    cos_theta, sin_theta = turned(at.cos_theta, at.sin_theta, at.omega_e * T_s)
+    cos_theta, sin_theta = lambda_axis(at, drive)
     mean = drive.u_s * drive.T_k_ratio
     u_alpha, u_beta = out_of_frame(mean * cosine, mean * sine, cos_theta, sin_theta)
     return u_alpha, u_beta, angle, clipped
+
+
+@njit
+def lambda_axis(at: Situation, drive: Any) -> tuple[float, float]:
+    """Direction (cosine, sine) of the rotor flux that lambda' is laid against.
+
+    (14) reads as if psi_r stood still over the period: `lambda_reference` start takes it as it is when the
+    period begins. The torque is met when the period ends: end takes it as it is there.
+    """
+    if drive.lambda_reference == _END:
+        return turned(at.cos_theta, at.sin_theta, at.omega_e * drive.control_period)
+    return at.cos_theta, at.sin_theta

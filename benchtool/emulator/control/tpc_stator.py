@@ -21,8 +21,8 @@ import math
 from typing import Any
 
 from benchtool.emulator.control.estimation import Situation, out_of_frame
+from benchtool.emulator.control.tpc import lambda_axis
 from benchtool.emulator.jit import njit
-from benchtool.emulator.rotation import turned
 
 
 @njit
@@ -52,8 +52,8 @@ def voltage(
     if magnitude > raise_below:
         angle, cosine = math.pi - angle, -cosine
 
-    # Laid against the stator flux, which turns along with the rotor until the end of the period.
-    cos_theta, sin_theta = turned(at.cos_theta, at.sin_theta, at.omega_e * T_s)
+    # Laid against the stator flux, which turns along with the rotor.
+    cos_theta, sin_theta = lambda_axis(at, drive)
     mean = drive.u_s * drive.T_k_ratio
     u_d, u_q = out_of_frame(mean * cosine, mean * sine, at.psi_d / magnitude, at.psi_q / magnitude)
     u_alpha, u_beta = out_of_frame(u_d, u_q, cos_theta, sin_theta)
