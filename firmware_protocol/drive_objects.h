@@ -2,7 +2,7 @@
 #ifndef BENCHTOOL_DRIVE_OBJECTS_H
 #define BENCHTOOL_DRIVE_OBJECTS_H
 
-#define BT_DICTIONARY_HASH 0xD73D6F7Bu
+#define BT_DICTIONARY_HASH 0x036B590Eu
 #define BT_VENDOR_ID 0x00000B7Cu
 #define BT_PRODUCT_CODE 0x00002011u
 #define BT_REVISION 0x00010000u
@@ -635,7 +635,7 @@ enum bt_mode_of_operation_display {
     X(0x2000u, 3u, L_d, F32, RW, PARAMETER, 1, 0, 1e-06f, 1.0f, 0.01f) \
     X(0x2000u, 4u, L_q, F32, RW, PARAMETER, 1, 0, 1e-06f, 1.0f, 0.01f) \
     X(0x2000u, 5u, psi_r, F32, RW, PARAMETER, 1, 0, 0.0f, 10.0f, 0.1f) \
-    X(0x2000u, 6u, J, F32, RW, PARAMETER, 1, 0, 1e-09f, 1000.0f, 0.001f) \
+    X(0x2000u, 6u, J, F32, RW, PARAMETER, 1, 0, 0.0f, 1000.0f, 0.0f) \
     X(0x2000u, 7u, T_N, F32, RW, PARAMETER, 0, 0, 0.001f, 100000.0f, 1.0f) \
     X(0x2000u, 8u, omega_m_N, F32, RW, PARAMETER, 0, 0, 0.1f, 100000.0f, 100.0f) \
     X(0x2001u, 0u, sensors_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 4u) \
@@ -655,7 +655,7 @@ enum bt_mode_of_operation_display {
     X(0x2011u, 1u, K_p_speed, F32, RW, PARAMETER, 1, 0, 0.0f, 1000.0f, 0.01f) \
     X(0x2011u, 2u, K_i_speed, F32, RW, PARAMETER, 1, 0, 0.0f, 100000.0f, 0.1f) \
     X(0x2011u, 3u, torque_limit, F32, RW, PARAMETER, 1, 0, 0.0f, 100000.0f, 1.0f) \
-    X(0x2011u, 4u, omega_observer, F32, RW, PARAMETER, 1, 0, 1.0f, 5000.0f, 300.0f) \
+    X(0x2011u, 4u, omega_observer, F32, RW, PARAMETER, 1, 0, 1.0f, 5000.0f, 150.0f) \
     X(0x2012u, 0u, protection_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 4u) \
     X(0x2012u, 1u, i_trip, F32, RW, PARAMETER, 1, 0, 0.0f, 10000.0f, 10.0f) \
     X(0x2012u, 2u, omega_m_trip, F32, RW, PARAMETER, 1, 0, 0.0f, 100000.0f, 200.0f) \
@@ -753,7 +753,7 @@ enum bt_mode_of_operation_display {
     X(0x2051u, 1u, stream_sequence, U32, RO, SIGNAL, 1, 0, 0u, 4294967295u, 0u) \
     X(0x2051u, 2u, rpdo_dropped, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 0u) \
     X(0x2051u, 3u, serial_dropped, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 0u) \
-    X(0x2060u, 0u, dictionary_hash, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 3611127675u) \
+    X(0x2060u, 0u, dictionary_hash, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 57366798u) \
     X(0x6007u, 0u, abort_connection_option, I16, RW, PARAMETER, 0, 0, -32768, 32767, 1) \
     X(0x603Fu, 0u, error_code, U16, RO, STATUS, 1, 0, 0u, 65535u, 0u) \
     X(0x6040u, 0u, controlword, U16, RW, STATUS, 1, 0, 0u, 65535u, 0u) \

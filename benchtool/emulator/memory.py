@@ -91,6 +91,7 @@ CONTROL = record_type(
         ("gated_next", "u4"),
         ("theta_m", "f8"),
         ("omega_m", "f8"),
+        ("acceleration", "f8"),  # by what the observer does not know of: the load
         ("speed_integral", "f8"),
         ("u_alpha", "f8"),
         ("u_beta", "f8"),

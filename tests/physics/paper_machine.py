@@ -36,7 +36,7 @@ PARAMETERS: dict[str, Any] = {
     "K_p_speed": 0.04,
     "K_i_speed": 0.4,
     "torque_limit": 9.55,
-    "omega_observer": 300.0,
+    "omega_observer": 160.0,
     "i_trip": 14.5,
     "omega_m_trip": 220.0,
     "u_dc_min": 50.0,
