@@ -2,7 +2,7 @@
 #ifndef BENCHTOOL_DRIVE_OBJECTS_H
 #define BENCHTOOL_DRIVE_OBJECTS_H
 
-#define BT_DICTIONARY_HASH 0x036B590Eu
+#define BT_DICTIONARY_HASH 0xBF3CDA83u
 #define BT_VENDOR_ID 0x00000B7Cu
 #define BT_PRODUCT_CODE 0x00002011u
 #define BT_REVISION 0x00010000u
@@ -257,6 +257,7 @@ enum bt_role {
 #define BT_SUB_ENCODER_OFFSET 2u
 #define BT_SUB_I_FULL_SCALE 3u
 #define BT_SUB_CONTROL_PERIOD 4u
+#define BT_SUB_U_DC_FULL_SCALE 5u
 #define BT_SUB_TORQUE_CONTROL_COUNT 0u
 #define BT_SUB_LAW 1u
 #define BT_SUB_U_S 2u
@@ -638,11 +639,12 @@ enum bt_mode_of_operation_display {
     X(0x2000u, 6u, J, F32, RW, PARAMETER, 1, 0, 0.0f, 1000.0f, 0.0f) \
     X(0x2000u, 7u, T_N, F32, RW, PARAMETER, 0, 0, 0.001f, 100000.0f, 1.0f) \
     X(0x2000u, 8u, omega_m_N, F32, RW, PARAMETER, 0, 0, 0.1f, 100000.0f, 100.0f) \
-    X(0x2001u, 0u, sensors_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 4u) \
+    X(0x2001u, 0u, sensors_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 5u) \
     X(0x2001u, 1u, encoder_lines, U32, RW, PARAMETER, 0, 0, 1u, 1000000u, 2500u) \
     X(0x2001u, 2u, encoder_offset, F32, RW, PARAMETER, 0, 0, -6.2832f, 6.2832f, 0.0f) \
     X(0x2001u, 3u, i_full_scale, F32, RO, STATUS, 1, 0, -3.4028235e+38f, 3.4028235e+38f, 0.0f) \
     X(0x2001u, 4u, control_period, F32, RO, STATUS, 1, 0, -3.4028235e+38f, 3.4028235e+38f, 0.0001f) \
+    X(0x2001u, 5u, u_dc_full_scale, F32, RO, STATUS, 1, 0, -3.4028235e+38f, 3.4028235e+38f, 0.0f) \
     X(0x2010u, 0u, torque_control_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 7u) \
     X(0x2010u, 1u, law, U8, RW, PARAMETER, 0, 0, 0u, 255u, 0u) \
     X(0x2010u, 2u, u_s, F32, RW, PARAMETER, 1, 0, 0.0f, 1000.0f, 50.0f) \
@@ -658,7 +660,7 @@ enum bt_mode_of_operation_display {
     X(0x2011u, 4u, omega_observer, F32, RW, PARAMETER, 1, 0, 1.0f, 5000.0f, 150.0f) \
     X(0x2012u, 0u, protection_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 4u) \
     X(0x2012u, 1u, i_trip, F32, RW, PARAMETER, 1, 0, 0.0f, 10000.0f, 10.0f) \
-    X(0x2012u, 2u, omega_m_trip, F32, RW, PARAMETER, 1, 0, 0.0f, 100000.0f, 200.0f) \
+    X(0x2012u, 2u, omega_m_trip, F32, RW, PARAMETER, 1, 0, 0.1f, 100000.0f, 200.0f) \
     X(0x2012u, 3u, u_dc_min, F32, RW, PARAMETER, 1, 0, 0.0f, 2000.0f, 10.0f) \
     X(0x2012u, 4u, u_dc_max, F32, RW, PARAMETER, 1, 0, 0.0f, 2000.0f, 800.0f) \
     X(0x2013u, 0u, svm_dtc_control_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 2u) \
@@ -753,7 +755,7 @@ enum bt_mode_of_operation_display {
     X(0x2051u, 1u, stream_sequence, U32, RO, SIGNAL, 1, 0, 0u, 4294967295u, 0u) \
     X(0x2051u, 2u, rpdo_dropped, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 0u) \
     X(0x2051u, 3u, serial_dropped, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 0u) \
-    X(0x2060u, 0u, dictionary_hash, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 57366798u) \
+    X(0x2060u, 0u, dictionary_hash, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 3208436355u) \
     X(0x6007u, 0u, abort_connection_option, I16, RW, PARAMETER, 0, 0, -32768, 32767, 1) \
     X(0x603Fu, 0u, error_code, U16, RO, STATUS, 1, 0, 0u, 65535u, 0u) \
     X(0x6040u, 0u, controlword, U16, RW, STATUS, 1, 0, 0u, 65535u, 0u) \
@@ -774,7 +776,7 @@ enum bt_mode_of_operation_display {
     X(0x6502u, 0u, supported_modes, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 65548u) \
     /* end */
 
-#define BT_ENTRY_COUNT 262u
+#define BT_ENTRY_COUNT 263u
 
 /* What an enumeration may be: X(name, value) for each of its values, in the order of BT_ENTRIES. Any other is
  * refused. */
@@ -844,5 +846,17 @@ enum bt_mode_of_operation_display {
     /* end */
 
 #define BT_VALUE_COUNT 62u
+
+/* Entries whose limit is the value of another: X(name, least) and X(name, most, times), where most times times is
+ * the limit. A limit of 0 is not known, and none. */
+#define BT_MIN_ENTRIES(X) \
+    X(u_dc_max, u_dc_min) \
+    /* end */
+#define BT_MAX_ENTRIES(X) \
+    X(i_trip, i_full_scale, 1.0f) \
+    X(omega_m_trip, omega_m_N, 10.0f) \
+    X(u_dc_min, u_dc_max, 1.0f) \
+    X(u_dc_max, u_dc_full_scale, 1.0f) \
+    /* end */
 
 #endif

@@ -22,6 +22,7 @@ class Variable:
     """One value of the dictionary as the host knows it; `raw * factor` is the physical value in `unit`.
 
     `role` is parameter, command, signal or status, `access` ro, rw, wo or const, as `objects.toml` describes.
+    `min_entry` and `max_entry` name variables whose values are limits as well, the latter `max_times` its value.
     """
 
     index: int
@@ -39,6 +40,9 @@ class Variable:
     enabled_write: bool = True
     description: str = ""
     mappable: bool = False
+    min_entry: str = ""
+    max_entry: str = ""
+    max_times: float = 1.0
 
     @property
     def key(self) -> tuple[int, int]:
