@@ -77,6 +77,10 @@ class Sensors(Section):
     encoder_lines: Annotated[int, Field(gt=0)] = 2500
     encoder_offset_rad: float = 0.0
 
+    def full_scales(self) -> Mapping[str, float]:
+        """Ends of the converter's ranges, by the keys of the objects that tell of them."""
+        return {"i_full_scale_A": self.i_full_scale_A, "u_dc_full_scale_V": self.u_full_scale_V}
+
 
 class Emulator(Section):
     """The emulated bench: true values, which control never sees."""
@@ -103,6 +107,14 @@ class Profile(Section):
     drive: Drive
     emulator: Emulator | None = None
     choices: tuple[Choice, ...] = ()
+
+    def commissioned(self) -> Mapping[str, float | str]:
+        """What a drive of this profile is set to, by the keys of its parameters: the motor that it believes
+        in, on an emulated bench the encoder, and `drive.parameters`."""
+        motor = self.motor.model_dump(exclude={"I_N_A_rms", "slots"})  # for the host alone
+        encoder = {"encoder_lines", "encoder_offset_rad"}
+        sensors = self.emulator.sensors.model_dump(include=encoder) if self.emulator else {}
+        return {**motor, **sensors, **self.drive.parameters}
 
 
 def profile_path(name: str) -> Path:

@@ -13,8 +13,8 @@ _VALUE_COMMENT = """\
 /* What an enumeration may be: X(name, value) for each of its values, in the order of BT_ENTRIES. Any other is
  * refused. */"""
 _RELATION_COMMENT = """\
-/* Entries whose limit is the value of another: X(name, least) and X(name, most, times), where most times times is
- * the limit. A limit of 0 is not known, and none. */"""
+/* Entries that another's value limits as well: X(name, least), and X(name, most, times) with the limit
+ * most * times. A limit of 0 is not known, and none. */"""
 _ROW_COMMENT = """\
 /* Every entry as
  *   X(index, sub, name, TYPE, ACCESS, ROLE, enabled_write, add_node_id, minimum, maximum, initial)

@@ -847,8 +847,8 @@ enum bt_mode_of_operation_display {
 
 #define BT_VALUE_COUNT 62u
 
-/* Entries whose limit is the value of another: X(name, least) and X(name, most, times), where most times times is
- * the limit. A limit of 0 is not known, and none. */
+/* Entries that another's value limits as well: X(name, least), and X(name, most, times) with the limit
+ * most * times. A limit of 0 is not known, and none. */
 #define BT_MIN_ENTRIES(X) \
     X(u_dc_max, u_dc_min) \
     /* end */

@@ -99,12 +99,17 @@ def _run(
     from benchtool.errors import UsageError
     from benchtool.experiment.parallel import run_in_processes
     from benchtool.experiment.plan import load_plan, plan_path
+    from benchtool.experiment.ranges import require_protected
     from benchtool.experiment.runner import RunInfo, run_plan
     from benchtool.experiment.validation import require_known
+    from benchtool.profile import load_profile
 
     plan, folder = load_plan(name), folder / part
     place = chosen.profile or plan.profile
-    require_known(plan, plan_path(name), dictionary_of(place))
+    dictionary = dictionary_of(place)
+    require_known(plan, plan_path(name), dictionary)
+    if chosen.link == "emulated":
+        require_protected(plan, plan_path(name), load_profile(place), dictionary)
     info = RunInfo(options.wall_time().isoformat(timespec="seconds"), chosen.seed, tuple(sys.argv[1:]))
     if chosen.jobs > 1 and (chosen.real_time or chosen.link != "emulated"):
         raise UsageError(

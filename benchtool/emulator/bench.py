@@ -27,6 +27,7 @@ from benchtool.protocol.dictionary import Dictionary
 from benchtool.protocol.keys import variable_of
 from benchtool.protocol.nmt import NmtState
 from benchtool.protocol.objects import Number, ObjectTable, load_table
+from benchtool.protocol.relations import first_breach
 from benchtool.protocol.variable import Value, Variable
 from benchtool.shipped import shipped
 
@@ -46,7 +47,7 @@ class EmulatedBench:
             bus. Other wires are added at will.
 
     Raises:
-        ProfileError: the profile describes no emulated bench.
+        ProfileError: the profile describes no emulated bench, or a trip level that its sensors cannot tell.
         ValueRefused: it sets a parameter that the drive has not, or to a value that it cannot have.
     """
 
@@ -201,12 +202,12 @@ def _core(table: ObjectTable, profile: Profile, emulator: Emulator, seed: int) -
 
 def _stored_parameters(profile: Profile, emulator: Emulator) -> dict[str, Number]:
     """Raw values that the drive was commissioned with: the believed motor, the encoder, the parameters."""
-    motor = profile.motor.model_dump(exclude={"I_N_A_rms", "slots"})  # for the host alone
-    sensors = emulator.sensors.model_dump(include={"encoder_lines", "encoder_offset_rad"})
     rated = {"motor_rated_current_A": profile.motor.I_N_A_rms}
-    given: Mapping[str, Value] = {**motor, **sensors, **rated, **profile.drive.parameters}
+    given: Mapping[str, Value] = {**rated, **profile.commissioned()}
     dictionary = Dictionary.from_eds(shipped("firmware_protocol") / "drive.eds", profile.drive.node_id)
     variables = {key: variable_of(dictionary, key) for key in given}
+    if breach := first_breach(dictionary, given, emulator.sensors.full_scales()):
+        raise ProfileError(f"profile '{profile.title}': {breach}")
     return {variable.name: _raw(variable, given[key]) for key, variable in variables.items()}
 
 

@@ -90,8 +90,8 @@ _NUMPY = {
 class Entry:
     """One value of the dictionary; `raw * factor` is the physical value in `unit`.
 
-    `min_entry` and `max_entry` name entries whose values are limits as well, the latter `max_times` its value;
-    a 0 there is none.
+    `min_entry` and `max_entry` name entries whose values are limits as well, the latter `max_times` its
+    value; a 0 there is none.
     """
 
     index: int

@@ -22,7 +22,8 @@ class Variable:
     """One value of the dictionary as the host knows it; `raw * factor` is the physical value in `unit`.
 
     `role` is parameter, command, signal or status, `access` ro, rw, wo or const, as `objects.toml` describes.
-    `min_entry` and `max_entry` name variables whose values are limits as well, the latter `max_times` its value.
+    `min_entry` and `max_entry` name variables whose values are limits as well, the latter `max_times` its
+    value.
     """
 
     index: int

@@ -19,6 +19,7 @@ from tests.device.c_drive import CHost
 from tests.wire.raw_host import TABLE, RawHost
 
 _MEASURED = {"torque_actual", "velocity_actual", "current_actual", "dc_link_voltage", "i_full_scale"}
+_MEASURED |= {"u_dc_full_scale"}
 _NAMED = {"hardware_version"}
 
 

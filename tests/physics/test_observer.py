@@ -1,4 +1,4 @@
-"""The speed observer: its poles, no lag, inertia believed wrong, held shafts, standstill, noise of the encoder."""
+"""The speed observer: poles, no lag, a wrong inertia, held shafts, standstill, noise of the encoder."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ STEP = 2.0 * math.pi / 10_000  # of the encoder of 2500 lines
 J = 13.1e-4
 
 
-def observed(theta_m: NDArray[np.float64], torque: float = 0.0, **parameters: Any) -> NDArray[np.float64]:
+def observed(theta_m: NDArray[Any], torque: float = 0.0, **parameters: Any) -> NDArray[np.float64]:
     """Speed at every sample of an angle, from the second on with `torque` fed forward."""
     memory = make_core(parameters=parameters).memory[0]
     control = np.zeros(1, CONTROL)[0]
@@ -43,7 +43,7 @@ def of_second_order(theta_m: NDArray[np.float64], omega_0: float = 300.0) -> NDA
 
 @pytest.mark.parametrize("omega_0", [1.0, 160.0, 5000.0])
 def test_all_three_poles_are_where_they_were_placed(omega_0: float) -> None:
-    """One tick is linear in (theta, omega, acceleration): its matrix, column by column, without a new angle."""
+    """One tick is linear in (theta, omega, acceleration): its matrix, column by column."""
     memory = make_core(parameters={"omega_observer": omega_0, "J": 0.0}).memory[0]
     columns = []
     for state in (1e-6, 0.0, 0.0), (0.0, 1e-6, 0.0), (0.0, 0.0, 1e-6):
@@ -77,7 +77,9 @@ def test_the_machines_own_torque_leaves_no_error_from_the_first_tick_on() -> Non
     errors = observed(0.5 * 763.0 * t**2, J * 763.0, J=J) - 763.0 * t
     assert np.abs(errors[1:]).max() < 1e-6
     unaware = observed(0.5 * 763.0 * t**2, J * 763.0, J=0.0) - 763.0 * t
-    assert np.abs(unaware).max() == pytest.approx(0.84 * 763.0 / 160.0, rel=0.02)  # 4.236 exp(-1.618) / omega_0
+    assert np.abs(unaware).max() == pytest.approx(
+        0.84 * 763.0 / 160.0, rel=0.02
+    )  # 4.236 exp(-1.618) / omega_0
 
 
 @settings(max_examples=20)
@@ -88,8 +90,8 @@ def test_any_parameters_keep_it_finite(omega_0: float, inertia: float, torque: f
 
 
 def test_the_encoders_steps_reach_the_speed_no_more_than_before() -> None:
-    """White noise comes through as 1.75 omega_0^3 with three poles and 0.25 omega_0^3 with two, 6 % more at 160
-    than at 300 rad/s. Steps that beat slowly with the control period are no white noise."""
+    """White noise comes through as 1.75 omega_0^3 with three poles and 0.25 omega_0^3 with two, 6 % more at
+    160 than at 300 rad/s. Steps that beat slowly with the control period are no white noise."""
     ratios = []
     for omega_m in np.random.default_rng(1).uniform(0.5, 160.0, 10):
         counted = (np.floor(omega_m * T_S * np.arange(5000) / STEP) + 0.5) * STEP

@@ -41,7 +41,7 @@ def accelerating_torque(drive: Any, command: Any) -> float:
 
 @njit
 def track(theta_m: float, torque: float, drive: Any, control: Any) -> float:
-    """Mechanical speed: angle, speed and load of the observer follow `theta_m`, three poles at `omega_observer`.
+    """Mechanical speed: angle, speed and load follow `theta_m` with three poles at `omega_observer`.
 
     `torque` (`accelerating_torque`) over `J` is fed forward, so that the machine's own torque leaves no lag;
     `J` = 0 feeds nothing forward. The third state is the acceleration by all that is not fed forward: the

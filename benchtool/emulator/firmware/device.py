@@ -95,13 +95,13 @@ class Firmware:
     def _load_parameters(self) -> bool:
         """Put the stored parameters in force. Returns whether the drive accepts them all.
 
-        What is beyond its limits, as a trip level from a converter of a larger range is, stays at its default.
+        What is beyond its limits, such as the trip level of a larger converter, stays at its default.
         """
         for name, raw in self._stored.items():
             self.objects[name] = raw
         refused = [name for name in self._stored if not self.objects.is_acceptable(name)]
-        defaults = {entry.name for entry in self.objects.table if entry.role == "parameter"} - set(self._stored)
-        for name in (*refused, *defaults):
+        every = [entry.name for entry in self.objects.table if entry.role == "parameter"]
+        for name in (*refused, *(name for name in every if name not in self._stored)):
             self.objects.load(name)
         return not refused
 
