@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
-from pydantic import Field, ValidationError
+from pydantic import Field, ValidationError, model_validator
 
 from benchtool.document import Section, document_path, explain, load_document
 from benchtool.errors import ProfileError
@@ -99,6 +99,40 @@ class Choice(Section):
     effect: str
 
 
+class Reference(Section):
+    """A measured number; what is left out is as in the comparison that refers to it."""
+
+    plan: str = ""
+    case: str = ""
+    measurement: str = ""
+
+
+class Comparison(Section):
+    """A measured number against `times` a value or another measured one; near: within that factor of it."""
+
+    plan: str
+    case: str
+    measurement: str
+    relation: Literal["below", "above", "near"]
+    value: float | None = None
+    other: Reference | None = None
+    times: Positive = 1.0
+
+    @model_validator(mode="after")
+    def _has_one_partner(self) -> Comparison:
+        if (self.value is None) == (self.other is None):
+            raise ValueError("a comparison is with value or with other: give one of the two")
+        return self
+
+
+class Claim(Section):
+    """What a source claims of its results, and the comparisons that all hold where it is right."""
+
+    claim: str
+    source: str
+    comparisons: Annotated[tuple[Comparison, ...], Field(min_length=1)]
+
+
 class Profile(Section):
     """Everything that is known of one motor on one drive."""
 
@@ -107,6 +141,7 @@ class Profile(Section):
     drive: Drive
     emulator: Emulator | None = None
     choices: tuple[Choice, ...] = ()
+    claims: tuple[Claim, ...] = ()
 
     def commissioned(self) -> Mapping[str, float | str]:
         """What a drive of this profile is set to, by the keys of its parameters: the motor that it believes

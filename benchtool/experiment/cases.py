@@ -54,7 +54,7 @@ def _points(plan: Plan) -> Iterator[tuple[tuple[str, Setting], ...]]:
 def _case(
     plan: Plan, variant: Variant | None, point: tuple[tuple[str, Setting], ...], repetition: int
 ) -> Case:
-    parts = [variant.name] if variant is not None else []
+    parts = [variant.name] if variant is not None and variant.name else []
     parts += [_part(key, value) for key, value in point]
     name = ",".join(parts) or plan.case or str(plan.setup.get("law", "case"))
     if plan.repetitions > 1:

@@ -27,8 +27,11 @@ def require_protected(plan: Plan, path: Path, profile: Profile, dictionary: Dict
         bench = altered(profile, case.emulator).emulator
         if bench is None:
             return
-        setup = {**plan.setup, **case.setup}
-        breach = first_breach(dictionary, {**profile.commissioned(), **setup}, bench.sensors.full_scales())
+        powered = profile.commissioned()
+        ranges = bench.sensors.full_scales()
+        breach = first_breach(dictionary, powered, ranges) or first_breach(
+            dictionary, {**powered, **plan.setup, **case.setup}, ranges
+        )
         if breach:
             raise PlanError(
                 f"{path}{line_of(text, ('setup',))}: case {case.name}: {breach}; nothing was sent"

@@ -104,7 +104,10 @@ def _changed(**changes: object) -> Plan:
         ({"sweep": {"setup": {"i_trip_A": [12.0, 14.5]}}}, "case i_trip_A=14.5: i_trip"),
         ({"setup": {"u_dc_min_V": 401.0}}, "above u_dc_max"),
         ({"emulator": {"sensors.i_full_scale_A": 16.0}, "setup": {"i_trip_A": 15.5}}, ""),
-        ({"emulator": {"sensors.i_full_scale_A": 10.0}, "setup": {"i_trip_A": 9.5}}, ""),
+        (
+            {"emulator": {"sensors.i_full_scale_A": 10.0}, "setup": {"i_trip_A": 9.5}},
+            "i_trip = 12 A is above",
+        ),
         ({"setup": {"u_dc_min_V": 410.0, "u_dc_max_V": 450.0}}, ""),
     ],
 )
