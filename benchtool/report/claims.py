@@ -14,7 +14,7 @@ from benchtool.analysis import Measurement
 from benchtool.profile import Claim, Comparison
 
 LITERAL = "literal"
-_SIGNS = {"below": "<", "above": ">", "near": "≈"}
+_SIGNS = {"below": "<≮", "above": ">≯", "near": "≈≉"}  # where it holds, and where it does not
 
 Figures = Mapping[str, Mapping[str, Sequence[Measurement]]]  # by plan, then by case
 
@@ -68,7 +68,7 @@ def _compared(comparison: Comparison, figures: Figures, by_the_letter: bool) -> 
     place = comparison.plan, comparison.case, comparison.measurement
     left = _measured(figures, *place, by_the_letter)
     name = f"{comparison.plan} {comparison.case} {comparison.measurement}"
-    times, sign = comparison.times, _SIGNS[comparison.relation]
+    times = comparison.times
     if comparison.other is not None:
         other = comparison.other
         there = (other.plan or place[0], other.case or place[1], other.measurement or place[2])
@@ -83,10 +83,9 @@ def _compared(comparison: Comparison, figures: Figures, by_the_letter: bool) -> 
     factor = "" if times == 1 else f"{times:g} × " if comparison.relation != "near" else ""
     within = f" (within a factor of {times:g})" if comparison.relation == "near" else ""
     partner = f"{beside} {stated}" if beside else stated
-    return (
-        _holds(comparison.relation, left.value, bound, times),
-        f"{name} {left.value:.3g} {left.unit} {sign} {factor}{partner}{within}",
-    )
+    holds = _holds(comparison.relation, left.value, bound, times)
+    sign = _SIGNS[comparison.relation][0 if holds else 1]
+    return holds, f"{name} {left.value:.3g} {left.unit} {sign} {factor}{partner}{within}"
 
 
 def _holds(relation: str, value: float, bound: float, times: float) -> bool:

@@ -81,7 +81,7 @@ def test_the_table_states_the_numbers_of_both_readings() -> None:
     *_, first, second = claims_table(claims, FIGURES)
     assert first == (
         "| it is so | Fig. 1 | only if improved as here | fig new ripple 1 Nm < 0.5 × old 3 Nm "
-        "| fig new ripple 2 Nm < 0.5 × old 1.5 Nm |"
+        "| fig new ripple 2 Nm ≮ 0.5 × old 1.5 Nm |"
     )
     assert second.endswith("| yes | other foc ripple 0.5 Nm ≈ 0.5 Nm (within a factor of 2) | the same |")
 
