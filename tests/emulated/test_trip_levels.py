@@ -119,3 +119,19 @@ def test_a_plan_is_refused_before_any_of_its_cases_runs(changes: dict[str, objec
         return
     with pytest.raises(PlanError, match=complaint):
         require_protected(plan, path, profile, dictionary)
+
+
+def test_defaults_beyond_a_smaller_converter_are_in_force_as_cut_by_the_drive() -> None:
+    profile = load_profile("zhu2011")
+    small = {"i_trip_A": 4.0, "u_dc_max_V": 150.0}
+    drive_ = profile.drive.model_copy(update={"parameters": {**profile.drive.parameters, **small}})
+    bench = altered(
+        profile.model_copy(update={"drive": drive_}),
+        {"sensors.i_full_scale_A": 5.0, "sensors.u_full_scale_V": 160.0},
+    )
+    emulated = EmulatedBench(bench)
+    firmware = emulated._node.firmware
+    firmware._restore()
+    firmware.reset()
+    assert (firmware.objects["i_trip"], firmware.objects["u_dc_max"]) == (5.0, 160.0)
+    emulated.close()

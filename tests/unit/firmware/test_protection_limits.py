@@ -98,7 +98,7 @@ def test_defaults_are_cut_to_the_range_of_the_converter() -> None:
     assert (firmware.objects["i_trip"], firmware.objects["u_dc_max"]) == (5.0, 60.0)
     assert not sent
     wide, _ = drive(i_full_scale=50.0, u_full_scale=1000.0)
-    assert (wide.objects["i_trip"], wide.objects["u_dc_max"]) == (10.0, 800.0)
+    assert (wide.objects["i_trip"], wide.objects["u_dc_max"]) == (10.0, 400.0)
 
 
 @pytest.mark.parametrize(
