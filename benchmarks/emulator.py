@@ -60,7 +60,7 @@ def paper_machine() -> Core:
     believed = {
         "pole_pairs": 4, "R_s": 0.123, "L_d": 9.52e-3, "L_q": 9.52e-3, "psi_r": 0.1685, "J": 13.1e-4,
         "T_N": 9.55, "omega_m_N": 157.1, "u_s": 81.65, "T_k_ratio": 0.7, "K_p_speed": 0.04, "K_i_speed": 0.4,
-        "torque_limit": 9.55, "omega_observer": 300.0, "i_trip": 14.5, "omega_m_trip": 220.0,
+        "torque_limit": 9.55, "omega_observer": 160.0, "i_trip": 14.5, "omega_m_trip": 220.0,
         "u_dc_min": 50.0, "u_dc_max": 400.0, "omega_m_command": 15.71,
     }  # fmt: skip
     for name, value in believed.items():

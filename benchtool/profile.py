@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
-from pydantic import Field, ValidationError
+from pydantic import Field, ValidationError, model_validator
 
 from benchtool.document import Array, Section, document_path, explain, load_document
 from benchtool.errors import ProfileError
@@ -77,6 +77,10 @@ class Sensors(Section):
     encoder_lines: Annotated[int, Field(gt=0)] = 2500
     encoder_offset_rad: float = 0.0
 
+    def full_scales(self) -> Mapping[str, float]:
+        """Ends of the converter's ranges, by the keys of the objects that tell of them."""
+        return {"i_full_scale_A": self.i_full_scale_A, "u_dc_full_scale_V": self.u_full_scale_V}
+
 
 class Emulator(Section):
     """The emulated bench: true values, which control never sees."""
@@ -95,6 +99,40 @@ class Choice(Section):
     effect: str
 
 
+class Reference(Section):
+    """A measured number; what is left out is as in the comparison that refers to it."""
+
+    plan: str = ""
+    case: str = ""
+    measurement: str = ""
+
+
+class Comparison(Section):
+    """A measured number against `times` a value or another measured one; near: within that factor of it."""
+
+    plan: str
+    case: str
+    measurement: str
+    relation: Literal["below", "above", "near"]
+    value: float | None = None
+    other: Reference | None = None
+    times: Positive = 1.0
+
+    @model_validator(mode="after")
+    def _has_one_partner(self) -> Comparison:
+        if (self.value is None) == (self.other is None):
+            raise ValueError("a comparison is with value or with other: give one of the two")
+        return self
+
+
+class Claim(Section):
+    """What a source claims of its results, and the comparisons that all hold where it is right."""
+
+    claim: str
+    source: str
+    comparisons: Annotated[tuple[Comparison, ...], Field(min_length=1)]
+
+
 class Profile(Section):
     """Everything that is known of one motor on one drive."""
 
@@ -103,12 +141,20 @@ class Profile(Section):
     drive: Drive
     emulator: Emulator | None = None
     choices: Array[Choice] = ()
+    claims: Array[Claim] = ()
 
     @property
     def stated_parameters(self) -> dict[str, float | str]:
         """What the drive is to hold, by TOML key: the motor, and `[drive.parameters]`."""
         motor = self.motor.model_dump(exclude={"I_N_A_rms", "slots"})  # slots are for the host alone
         return {**motor, "motor_rated_current_A": self.motor.I_N_A_rms, **self.drive.parameters}
+
+    def commissioned(self) -> Mapping[str, float | str]:
+        """What a drive of this profile is set to: what the profile states and, on an emulated bench, the
+        encoder."""
+        encoder = {"encoder_lines", "encoder_offset_rad"}
+        sensors = self.emulator.sensors.model_dump(include=encoder) if self.emulator else {}
+        return {**sensors, **self.stated_parameters}
 
 
 def profile_path(name: str) -> Path:

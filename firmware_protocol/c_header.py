@@ -12,6 +12,9 @@ _ROLES = ("parameter", "command", "signal", "status")
 _VALUE_COMMENT = """\
 /* What an enumeration may be: X(name, value) for each of its values, in the order of BT_ENTRIES. Any other is
  * refused. */"""
+_RELATION_COMMENT = """\
+/* Entries that another's value limits as well: X(name, least), and X(name, most, times) with the limit
+ * most * times. A limit of 0 is not known, and none. */"""
 _ROW_COMMENT = """\
 /* Every entry as
  *   X(index, sub, name, TYPE, ACCESS, ROLE, enabled_write, add_node_id, minimum, maximum, initial)
@@ -73,6 +76,18 @@ def render(table: ObjectTable) -> str:
         "    /* end */",
         "",
         f"#define BT_VALUE_COUNT {sum(len(entry.values or {}) for entry in table)}u",
+        "",
+        _RELATION_COMMENT,
+        "#define BT_MIN_ENTRIES(X) \\",
+        *(f"    X({entry.name}, {entry.min_entry}) \\" for entry in table if entry.min_entry),
+        "    /* end */",
+        "#define BT_MAX_ENTRIES(X) \\",
+        *(
+            f"    X({entry.name}, {entry.max_entry}, {entry.max_times!r}f) \\"
+            for entry in table
+            if entry.max_entry
+        ),
+        "    /* end */",
         "",
         "#ifdef __cplusplus",
         "}",

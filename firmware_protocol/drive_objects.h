@@ -8,7 +8,7 @@
 extern "C" {
 #endif
 
-#define BT_DICTIONARY_HASH 0xE7B635B6u
+#define BT_DICTIONARY_HASH 0xE7089B80u
 #define BT_VENDOR_ID 0x00000B7Cu
 #define BT_PRODUCT_CODE 0x00002011u
 #define BT_REVISION 0x00010000u
@@ -264,6 +264,7 @@ enum bt_role {
 #define BT_SUB_ENCODER_OFFSET 2u
 #define BT_SUB_I_FULL_SCALE 3u
 #define BT_SUB_CONTROL_PERIOD 4u
+#define BT_SUB_U_DC_FULL_SCALE 5u
 #define BT_SUB_TORQUE_CONTROL_COUNT 0u
 #define BT_SUB_LAW 1u
 #define BT_SUB_U_S 2u
@@ -412,7 +413,7 @@ enum bt_delay_compensation {
 };
 
 enum bt_flux_comparator {
-    BT_FLUX_COMPARATOR_INSTANTANEOUS = 0,
+    BT_FLUX_COMPARATOR_PLAIN = 0,
     BT_FLUX_COMPARATOR_ACCUMULATED = 1
 };
 
@@ -649,14 +650,15 @@ enum bt_mode_of_operation_display {
     X(0x2000u, 3u, L_d, F32, RW, PARAMETER, 1, 0, 1e-06f, 1.0f, 0.01f) \
     X(0x2000u, 4u, L_q, F32, RW, PARAMETER, 1, 0, 1e-06f, 1.0f, 0.01f) \
     X(0x2000u, 5u, psi_r, F32, RW, PARAMETER, 1, 0, 0.0f, 10.0f, 0.1f) \
-    X(0x2000u, 6u, J, F32, RW, PARAMETER, 1, 0, 1e-09f, 1000.0f, 0.001f) \
+    X(0x2000u, 6u, J, F32, RW, PARAMETER, 1, 0, 0.0f, 1000.0f, 0.0f) \
     X(0x2000u, 7u, T_N, F32, RW, PARAMETER, 0, 0, 0.001f, 100000.0f, 1.0f) \
     X(0x2000u, 8u, omega_m_N, F32, RW, PARAMETER, 0, 0, 0.1f, 100000.0f, 100.0f) \
-    X(0x2001u, 0u, sensors_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 4u) \
+    X(0x2001u, 0u, sensors_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 5u) \
     X(0x2001u, 1u, encoder_lines, U32, RW, PARAMETER, 0, 0, 1u, 1000000u, 2500u) \
     X(0x2001u, 2u, encoder_offset, F32, RW, PARAMETER, 0, 0, -6.2832f, 6.2832f, 0.0f) \
     X(0x2001u, 3u, i_full_scale, F32, RO, STATUS, 1, 0, -3.4028235e+38f, 3.4028235e+38f, 0.0f) \
     X(0x2001u, 4u, control_period, F32, RO, STATUS, 1, 0, -3.4028235e+38f, 3.4028235e+38f, 0.0001f) \
+    X(0x2001u, 5u, u_dc_full_scale, F32, RO, STATUS, 1, 0, -3.4028235e+38f, 3.4028235e+38f, 0.0f) \
     X(0x2010u, 0u, torque_control_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 7u) \
     X(0x2010u, 1u, law, U8, RW, PARAMETER, 0, 0, 0u, 255u, 0u) \
     X(0x2010u, 2u, u_s, F32, RW, PARAMETER, 1, 0, 0.0f, 1000.0f, 50.0f) \
@@ -669,12 +671,12 @@ enum bt_mode_of_operation_display {
     X(0x2011u, 1u, K_p_speed, F32, RW, PARAMETER, 1, 0, 0.0f, 1000.0f, 0.01f) \
     X(0x2011u, 2u, K_i_speed, F32, RW, PARAMETER, 1, 0, 0.0f, 100000.0f, 0.1f) \
     X(0x2011u, 3u, torque_limit, F32, RW, PARAMETER, 1, 0, 0.0f, 100000.0f, 1.0f) \
-    X(0x2011u, 4u, omega_observer, F32, RW, PARAMETER, 1, 0, 1.0f, 5000.0f, 300.0f) \
+    X(0x2011u, 4u, omega_observer, F32, RW, PARAMETER, 1, 0, 1.0f, 5000.0f, 150.0f) \
     X(0x2012u, 0u, protection_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 4u) \
     X(0x2012u, 1u, i_trip, F32, RW, PARAMETER, 1, 0, 0.0f, 10000.0f, 10.0f) \
-    X(0x2012u, 2u, omega_m_trip, F32, RW, PARAMETER, 1, 0, 0.0f, 100000.0f, 200.0f) \
+    X(0x2012u, 2u, omega_m_trip, F32, RW, PARAMETER, 1, 0, 0.1f, 100000.0f, 200.0f) \
     X(0x2012u, 3u, u_dc_min, F32, RW, PARAMETER, 1, 0, 0.0f, 2000.0f, 10.0f) \
-    X(0x2012u, 4u, u_dc_max, F32, RW, PARAMETER, 1, 0, 0.0f, 2000.0f, 800.0f) \
+    X(0x2012u, 4u, u_dc_max, F32, RW, PARAMETER, 1, 0, 0.0f, 2000.0f, 400.0f) \
     X(0x2013u, 0u, svm_dtc_control_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 2u) \
     X(0x2013u, 1u, K_p_delta, F32, RW, PARAMETER, 1, 0, 0.0f, 1000.0f, 0.05f) \
     X(0x2013u, 2u, K_i_delta, F32, RW, PARAMETER, 1, 0, 0.0f, 1000000.0f, 10.0f) \
@@ -767,7 +769,7 @@ enum bt_mode_of_operation_display {
     X(0x2051u, 1u, stream_sequence, U32, RO, SIGNAL, 1, 0, 0u, 4294967295u, 0u) \
     X(0x2051u, 2u, rpdo_dropped, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 0u) \
     X(0x2051u, 3u, serial_dropped, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 0u) \
-    X(0x2060u, 0u, dictionary_hash, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 3887478198u) \
+    X(0x2060u, 0u, dictionary_hash, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 3876100992u) \
     X(0x6007u, 0u, abort_connection_option, I16, RW, PARAMETER, 0, 0, -32768, 32767, 1) \
     X(0x603Fu, 0u, error_code, U16, RO, STATUS, 1, 0, 0u, 65535u, 0u) \
     X(0x6040u, 0u, controlword, U16, RW, STATUS, 1, 0, 0u, 65535u, 0u) \
@@ -789,7 +791,7 @@ enum bt_mode_of_operation_display {
     X(0x6502u, 0u, supported_modes, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 65548u) \
     /* end */
 
-#define BT_ENTRY_COUNT 263u
+#define BT_ENTRY_COUNT 264u
 
 /* What an enumeration may be: X(name, value) for each of its values, in the order of BT_ENTRIES. Any other is
  * refused. */
@@ -862,6 +864,18 @@ enum bt_mode_of_operation_display {
     /* end */
 
 #define BT_VALUE_COUNT 65u
+
+/* Entries that another's value limits as well: X(name, least), and X(name, most, times) with the limit
+ * most * times. A limit of 0 is not known, and none. */
+#define BT_MIN_ENTRIES(X) \
+    X(u_dc_max, u_dc_min) \
+    /* end */
+#define BT_MAX_ENTRIES(X) \
+    X(i_trip, i_full_scale, 1.0f) \
+    X(omega_m_trip, omega_m_N, 10.0f) \
+    X(u_dc_min, u_dc_max, 1.0f) \
+    X(u_dc_max, u_dc_full_scale, 1.0f) \
+    /* end */
 
 #ifdef __cplusplus
 }

@@ -20,7 +20,8 @@ _BIT_RATES = (10, 20, 50, 125, 250, 500, 800, 1000)
 _FORMAT = (
     "Generated from objects.toml. Each line below tells of one section what the standard has no key for:",
     "section, then Role, Unit, Factor (physical value = raw value * Factor), Values (of an enumeration)",
-    "and EnabledWrite=0 (refused while the power stage is on), then a colon and the description.",
+    "EnabledWrite=0 (refused while the power stage is on), MinEntry, MaxEntry and MaxTimes (entries whose",
+    "values are limits as well, MaxTimes of it at most), then a colon and the description.",
 )
 
 
@@ -82,6 +83,9 @@ def _annotation(entry: Entry, item: Object) -> str:
         "Factor": "" if entry.factor == 1 else repr(entry.factor),
         "Values": ",".join(f"{name}:{number}" for name, number in (entry.values or {}).items()),
         "EnabledWrite": "" if entry.enabled_write else "0",
+        "MinEntry": entry.min_entry,
+        "MaxEntry": entry.max_entry,
+        "MaxTimes": "" if entry.max_times == 1 else repr(entry.max_times),
     }
     stated = (f"{key}={value}" for key, value in keys.items() if value)
     return f"{_section(entry, item)} {' '.join(stated)}: {entry.description}"

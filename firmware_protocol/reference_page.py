@@ -12,6 +12,7 @@ Generated from `objects.toml` by `python -m firmware_protocol.generate`; do not 
 Vendor {vendor_id}, product {product_code}, revision {revision}, dictionary hash {hash}.
 
 Range and default are in the unit of the column, after the factor: physical value = raw value * factor.
+The value of an entry named in a range is a limit as well, unless it is 0.
 Vectors are amplitude-invariant; currents and voltages are peak values unless a description says rms.
 Access: *locked* is refused with 0x08000022 while the power stage is on, *P* may be mapped to a PDO.
 
@@ -68,7 +69,11 @@ def _row(entry: Entry, table: ObjectTable) -> str:
 def _range(entry: Entry) -> str:
     if entry.minimum is None and entry.maximum is None:
         return ""
-    ends = ("" if end is None else _physical(entry, end) for end in (entry.minimum, entry.maximum))
+    ends = ["" if end is None else _physical(entry, end) for end in (entry.minimum, entry.maximum)]
+    if entry.min_entry:
+        ends[0] += f", `{entry.min_entry}`"
+    if entry.max_entry:
+        ends[1] += f", {'' if entry.max_times == 1 else f'{entry.max_times:g} '}`{entry.max_entry}`"
     return " to ".join(ends)
 
 

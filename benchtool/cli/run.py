@@ -154,10 +154,13 @@ def _check(name: str, chosen: RunOptions) -> _Checked:
 
     # Imported once plan and profile are known to be there: a slip of the pen is answered at once.
     from benchtool.bench import dictionary_of, has_transducer
+    from benchtool.experiment.ranges import require_protected
     from benchtool.experiment.validation import require_known
 
     dictionary, transducer = dictionary_of(place), has_transducer(chosen.link)
     require_known(plan, plan_path(name), profile, dictionary, transducer=transducer)
+    if chosen.link == "emulated":
+        require_protected(plan, plan_path(name), profile, dictionary)
     if chosen.jobs > 1 and (chosen.real_time or chosen.link != "emulated"):
         raise UsageError(
             f"--jobs {chosen.jobs} is for emulated benches in virtual time: leave out --link and --real-time"

@@ -15,6 +15,7 @@ from benchtool.errors import BenchError, LinkError, ValueRefused, WriteNotVerifi
 from benchtool.protocol.cia402 import State
 from benchtool.protocol.dictionary import Dictionary
 from benchtool.protocol.keys import toml_key, variable_of
+from benchtool.protocol.relations import Relation, relations
 from benchtool.protocol.variable import Value, Variable
 
 
@@ -93,9 +94,34 @@ def require_settable(drive: RemoteDrive, values: Mapping[str, Value]) -> None:
                 f"nothing was sent"
             )
         variable.encode(value)
+    _require_consistent(drive, values)
     locked = [variable.name for variable in variables if not variable.enabled_write]
     if locked:
         require_disabled(drive, f"{', '.join(locked)} can be set")
+
+
+def _related(drive: RemoteDrive, values: Mapping[str, Value]) -> list[Relation]:
+    """The relations that these values, by name, are part of."""
+    return [
+        each for each in relations(drive.dictionary) if each.lower.name in values or each.upper.name in values
+    ]
+
+
+def _require_consistent(drive: RemoteDrive, values: Mapping[str, Value]) -> None:
+    """Check values against those of the drive that limit them, or that they limit.
+
+    Raises:
+        ValueRefused: one is beyond another; nothing was sent.
+    """
+    for relation in _related(drive, values):
+        pair = {
+            variable.name: variable.decode(variable.encode(values[variable.name]))
+            if variable.name in values
+            else drive.read(variable.name)
+            for variable in (relation.lower, relation.upper)
+        }
+        if breach := relation.breach(pair):
+            raise ValueRefused(f"{breach}; nothing was sent")
 
 
 def require_disabled(drive: RemoteDrive, purpose: str) -> None:
@@ -150,6 +176,7 @@ def temporary(drive: RemoteDrive, values: Mapping[str, Value]) -> Iterator[None]
         variable = variable_of(drive.dictionary, key)
         variable.encode(value)
         by_name[variable.name] = value
+    _require_consistent(drive, by_name)
     before: dict[str, Value] = {}
     try:
         _write(drive, by_name, before)
@@ -165,10 +192,21 @@ def temporary(drive: RemoteDrive, values: Mapping[str, Value]) -> Iterator[None]
 
 
 def _write(drive: RemoteDrive, values: Mapping[str, Value], before: dict[str, Value]) -> None:
-    """Write in order; `before` takes each old value ahead of its write."""
-    for name, value in values.items():
+    """Write in order; `before` takes each old value ahead of its write.
+
+    Of two values of which one limits the other, that one goes first which makes room.
+    """
+    order = list(values)
+    for relation in _related(drive, values):
+        lower, upper = relation.lower, relation.upper
+        if lower.name in values and upper.name in values:
+            room = drive.number(upper.name) < float(upper.decode(upper.encode(values[upper.name])))
+            first, second = (upper.name, lower.name) if room else (lower.name, upper.name)
+            order.remove(first)
+            order.insert(order.index(second), first)
+    for name in order:
         before[name] = drive.read(name)
-        drive.write(name, value)
+        drive.write(name, values[name])
 
 
 def _restore(drive: RemoteDrive, before: Mapping[str, Value]) -> None:

@@ -6,7 +6,7 @@ from benchtool.drive.parameters import default_of, parameters, require_disabled
 from benchtool.drive.remote import RemoteDrive
 from benchtool.errors import NoAnswer, WriteNotVerified
 from benchtool.protocol.nmt import NmtCommand, NmtState
-from benchtool.protocol.variable import Value
+from benchtool.protocol.variable import Value, Variable
 
 STORE_ALL = "0x1010:1"
 RESTORE_ALL = "0x1011:1"
@@ -46,13 +46,22 @@ def restore_defaults(drive: RemoteDrive) -> dict[str, Value]:
     reset(drive)
     known = [each for each in parameters(drive.dictionary) if each.default is not None and each.readable]
     values = {variable.name: drive.read(variable.name) for variable in known}
-    others = [variable.name for variable in known if values[variable.name] != default_of(variable)]
+    others = [each.name for each in known if values[each.name] not in (default_of(each), _cut(drive, each))]
     if others:
         raise WriteNotVerified(
             f"after the reset {', '.join(others)} differ from their defaults in {drive.dictionary.source}: "
             f"check the EDS against the drive's firmware"
         )
     return values
+
+
+def _cut(drive: RemoteDrive, variable: Variable) -> Value | None:
+    """The default, cut to what the variable that limits it allows; None where none does."""
+    default = default_of(variable)
+    if variable.max_entry not in drive.dictionary or not isinstance(default, int | float):
+        return None
+    most = variable.max_times * drive.number(variable.max_entry)
+    return min(default, most) if most > 0 else None
 
 
 def reset(drive: RemoteDrive) -> None:

@@ -28,6 +28,7 @@ from benchtool.protocol.dictionary import Dictionary
 from benchtool.protocol.keys import setting_of
 from benchtool.protocol.nmt import NmtState
 from benchtool.protocol.objects import Number, ObjectTable, load_table
+from benchtool.protocol.relations import first_breach
 from benchtool.protocol.variable import Value, Variable
 from benchtool.shipped import shipped
 
@@ -48,7 +49,7 @@ class EmulatedBench:
             bus. Other wires are added at will.
 
     Raises:
-        ProfileError: the profile describes no emulated bench.
+        ProfileError: the profile describes no emulated bench, or a trip level that its sensors cannot tell.
         ValueRefused: it sets a parameter that the drive has not, or to a value that it cannot have.
     """
 
@@ -210,10 +211,11 @@ def _core(table: ObjectTable, profile: Profile, emulator: Emulator, seed: int, f
 
 def _stored_parameters(profile: Profile, emulator: Emulator) -> dict[str, Number]:
     """Raw values that the drive was commissioned with: the believed motor, the encoder, the parameters."""
-    sensors = emulator.sensors.model_dump(include={"encoder_lines", "encoder_offset_rad"})
-    given: Mapping[str, Value] = {**sensors, **profile.stated_parameters}
+    given: Mapping[str, Value] = profile.commissioned()
     dictionary = Dictionary.from_eds(shipped("firmware_protocol") / "drive.eds", profile.drive.node_id)
     variables = {key: setting_of(dictionary, key, value) for key, value in given.items()}
+    if breach := first_breach(dictionary, given, emulator.sensors.full_scales()):
+        raise ProfileError(f"profile '{profile.title}': {breach}")
     return {variable.name: _raw(variable, given[key]) for key, variable in variables.items()}
 
 

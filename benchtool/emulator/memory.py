@@ -93,6 +93,7 @@ CONTROL = record_type(
         ("gated_next", "u4"),
         ("theta_m", "f8"),
         ("omega_m", "f8"),
+        ("acceleration", "f8"),  # by what the observer does not know of: the load
         ("speed_integral", "f8"),
         ("u_alpha", "f8"),
         ("u_beta", "f8"),
@@ -129,7 +130,15 @@ CONTROL = record_type(
 
 # One set of samples, in the units control computes with; `count` is the encoder's position in a revolution.
 MEASUREMENT = record_type(
-    [("i_a", "f8"), ("i_b", "f8"), ("i_c", "f8"), ("u_dc", "f8"), ("count", "i8"), ("saturated", "u4")]
+    [
+        ("i_a", "f8"),
+        ("i_b", "f8"),
+        ("i_c", "f8"),
+        ("u_dc", "f8"),
+        ("count", "i8"),
+        ("saturated", "u4"),  # currents at either end of the range
+        ("u_dc_saturated", "u4"),  # at its upper end
+    ]
 )
 
 # The machine as it really is; control never sees it.

@@ -49,7 +49,7 @@ def measure(
     """Sample currents, dc link and position into the record `measurement`.
 
     `noise`, shape (3,), is added to the currents in A. `saturated` counts the currents that read either end
-    of the converter's range.
+    of the converter's range, `u_dc_saturated` tells of a dc link that reads the upper one.
     """
     i_a, i_b, i_c = phase_currents(x)
     i_a = sensing.gain_a * i_a + sensing.offset_a + noise[0]
@@ -67,9 +67,12 @@ def measure(
     measurement.i_a = code_a * sensing.i_step
     measurement.i_b = code_b * sensing.i_step
     measurement.i_c = code_c * sensing.i_step
-    measurement.u_dc = code_of(u_dc, steps_per_V, 0.0, 2.0 * sensing.half_codes - 1.0) * sensing.u_step
+    top = 2.0 * sensing.half_codes - 1.0
+    code_u = code_of(u_dc, steps_per_V, 0.0, top)
+    measurement.u_dc = code_u * sensing.u_step
     measurement.count = encoder_count(x.theta_e / p, sensing)
     measurement.saturated = saturated
+    measurement.u_dc_saturated = 1 if code_u == top else 0
 
 
 class Noise:

@@ -72,7 +72,7 @@ def _points(plan: Plan) -> Iterator[tuple[tuple[str, Setting], ...]]:
 def _case(
     plan: Plan, variant: Variant | None, point: tuple[tuple[str, Setting], ...], repetition: int
 ) -> Case:
-    parts = [variant.name] if variant is not None else []
+    parts = [variant.name] if variant is not None and variant.name else []
     parts += [part(value) if isinstance(value, str) else f"{key}={part(value)}" for key, value in point]
     group = ",".join(parts) or plan.case or str(plan.setup.get("law", "case"))
     name = f"{group}.{repetition}" if plan.repetitions > 1 else group

@@ -106,9 +106,10 @@ class Sweep(Section):
 
 
 class Variant(Section):
-    """A named departure from the plan: other drive parameters, or another emulated bench."""
+    """A departure from the plan: other drive parameters, or another emulated bench; without a name, the plan
+    as it is."""
 
-    name: Annotated[str, Field(min_length=1)]
+    name: str = ""
     setup: dict[str, Setting] = Field(default_factory=dict)
     emulator: dict[str, float] = Field(default_factory=dict)
 

@@ -157,6 +157,9 @@ class EdsObjects:
             enabled_write=keys.get("enabledwrite", "1") != "0",
             description=keys.get("description", ""),
             mappable=bool(self._parsed(section, keys, "PDOMapping", parse_integer)),
+            min_entry=keys.get("minentry", ""),
+            max_entry=keys.get("maxentry", ""),
+            max_times=self._parsed(section, keys, "MaxTimes", _parse_factor) or 1.0,
         )
 
     def _name(self, index: int, sub: int, section: str, keys: Keys) -> str:

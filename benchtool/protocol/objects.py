@@ -88,7 +88,11 @@ _NUMPY = {
 
 @dataclass(frozen=True)
 class Entry:
-    """One value of the dictionary; `raw * factor` is the physical value in `unit`."""
+    """One value of the dictionary; `raw * factor` is the physical value in `unit`.
+
+    `min_entry` and `max_entry` name entries whose values are limits as well, the latter `max_times` its
+    value; a 0 there is none.
+    """
 
     index: int
     sub: int
@@ -101,6 +105,9 @@ class Entry:
     factor: float = 1.0
     minimum: Number | None = None
     maximum: Number | None = None
+    min_entry: str = ""
+    max_entry: str = ""
+    max_times: float = 1.0
     default: Number | str | None = None
     values: Mapping[str, int] | None = None
     enabled_write: bool = True
@@ -157,6 +164,7 @@ class ObjectTable:
             [
                 *(e.index, e.sub, e.name, e.type, e.unit, e.factor, e.role, e.access, e.minimum, e.maximum),
                 *(None if e.name == "dictionary_hash" else e.default, e.values, e.enabled_write),
+                *(e.min_entry, e.max_entry, e.max_times),
             ]
             for e in self
         ]

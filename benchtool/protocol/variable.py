@@ -23,7 +23,8 @@ class Variable:
 
     `raw_configured` is the value that a DCF configures the device with (its `ParameterValue`, CiA 306-1); an
     EDS has none. `role` is parameter, command, signal or status, `access` ro, rw, wo or const, as
-    `objects.toml` describes.
+    `objects.toml` describes. `min_entry` and `max_entry` name variables whose values are limits as well, the
+    latter `max_times` its value.
     """
 
     index: int
@@ -42,6 +43,9 @@ class Variable:
     enabled_write: bool = True
     description: str = ""
     mappable: bool = False
+    min_entry: str = ""
+    max_entry: str = ""
+    max_times: float = 1.0
 
     @property
     def key(self) -> tuple[int, int]:

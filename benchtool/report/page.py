@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import PurePath
 
 from benchtool.analysis import Measurement
 from benchtool.profile import Choice, Profile
+from benchtool.report.claims import claims_table, literal
 
 
 @dataclass(frozen=True)
@@ -27,14 +29,55 @@ MARK = b"Written by `benchtool run"
 
 
 def reproduction_page(profile: Profile, plans: Sequence[PlanFigures], command: str) -> str:
-    """Every published figure with ours and the ratio, every other measurement, and every choice made."""
+    """Every published figure with ours and the ratio, every claim, other measurement, choice made.
+
+    A number is one that the run measured, or the publication's.
+    """
     lines = ["# Reproduction", "", profile.title + ".", "", f"Written by `{command}`.", ""]
+    lines += [*_both_readings(plans), *_claims(profile, plans)]
     for plan in plans:
         lines += [f"## {plan.name}: {plan.title}", "", *_published(plan), *_table(plan)]
         lines += [f"- {reading}" for reading in plan.readings]
         lines += [""] if plan.readings else []
     lines += ["## Choices", "", *_choices(profile.choices)]
     return "\n".join(lines).rstrip("\n") + "\n"
+
+
+def _both_readings(plans: Sequence[PlanFigures]) -> Iterator[str]:
+    """Every published figure beside that of the plan's two readings."""
+    rows = [
+        (plan, case, name, value)
+        for plan in plans
+        for case, figures in plan.published.items()
+        for name, value in figures.items()
+        if case in plan.measured and literal(case) in plan.measured
+    ]
+    if not rows:
+        return
+    yield from (
+        "## Published figures in both readings",
+        "",
+        "| plan | case | measurement | published | by the letter | ratio | as run here | ratio |",
+        "|---|---|---|---|---|---|---|---|",
+    )
+    for plan, case, name, value in rows:
+        cells = []
+        for reading in (literal(case), case):
+            ours = next((each for each in plan.measured[reading] if each.name == name), None)
+            cells += [f"{_number(ours.value)} {ours.unit}", _ratio(ours.value, value)] if ours else ["–", "–"]
+        yield f"| {_short(plan)} | {case} | {name} | {value:.4g} | {' | '.join(cells)} |"
+    yield ""
+
+
+def _claims(profile: Profile, plans: Sequence[PlanFigures]) -> Iterator[str]:
+    if profile.claims:
+        figures = {_short(plan): plan.measured for plan in plans}
+        yield from ("## Claims", "", *claims_table(profile.claims, figures), "")
+
+
+def _short(plan: PlanFigures) -> str:
+    """Name of a plan without that of its folder."""
+    return PurePath(plan.name).stem
 
 
 def _published(plan: PlanFigures) -> Iterator[str]:
@@ -54,10 +97,9 @@ def _published(plan: PlanFigures) -> Iterator[str]:
         if ours is None:
             yield f"| {case} | {name} | {value:.4g} | – | – | not measured |"
             continue
-        ratio = f"{ours.value / value:.3g}" if value and math.isfinite(ours.value) else "–"
         yield (
-            f"| {case} | {name} | {value:.4g} {ours.unit} | {_number(ours.value)} {ours.unit} | {ratio} "
-            f"| {ours.definition} |"
+            f"| {case} | {name} | {value:.4g} {ours.unit} | {_number(ours.value)} {ours.unit} "
+            f"| {_ratio(ours.value, value)} | {ours.definition} |"
         )
     yield ""
 
@@ -88,6 +130,10 @@ def _choices(choices: Sequence[Choice]) -> Iterator[str]:
     yield from ("| about | choice | reason | effect |", "|---|---|---|---|")
     for each in choices:
         yield f"| {each.about} | {each.choice} | {each.reason} | {each.effect} |"
+
+
+def _ratio(ours: float, published: float) -> str:
+    return f"{ours / published:.3g}" if published and math.isfinite(ours) else "–"
 
 
 def _number(value: float) -> str:

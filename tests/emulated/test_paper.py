@@ -46,13 +46,16 @@ def test_every_shipped_plan_is_valid() -> None:
 def test_fig_4_the_earlier_tpc_has_at_least_three_times_the_ripple(measured: Any) -> None:
     cases = measured("fig4")
     assert cases["tpc_stator"]["torque_ripple_pp"] >= 3.0 * cases["tpc"]["torque_ripple_pp"]
+    assert cases["literal,tpc_stator"]["torque_ripple_pp"] >= 3.0 * cases["literal,tpc"]["torque_ripple_pp"]
     assert cases["tpc"]["torque_mean"] == pytest.approx(3.0, abs=0.02)
 
 
 def test_fig_5_the_torque_step(measured: Any) -> None:
     cases = measured("fig5")
-    assert set(cases) == {"svm_dtc", "tpc"}
+    assert set(cases) == {"svm_dtc", "tpc", "literal,svm_dtc", "literal,tpc"}
     assert cases["tpc"]["reach_time"] <= 1.2e-3
+    assert cases["tpc"]["torque_ripple_pp"] < cases["svm_dtc"]["torque_ripple_pp"]
+    assert cases["tpc"]["true_torque_ripple_pp"] > 2.0 * cases["svm_dtc"]["true_torque_ripple_pp"]
     assert cases["tpc"]["overshoot"] <= 0.1
 
 
@@ -64,9 +67,19 @@ def test_fig_6_and_7_steady_state(measured: Any) -> None:
 
 
 def test_fig_8_the_torque_holds_its_limit_and_falls_without_undershoot(measured: Any) -> None:
-    case = measured("fig8")["tpc"]
-    assert case["overshoot"] <= 0.1
-    assert case["undershoot"] <= 0.2
+    for case in measured("fig8").values():
+        assert case["overshoot"] <= 0.1
+        assert case["undershoot"] <= 0.2
+        assert case["plateau_mean"] == pytest.approx(1.0, abs=0.01)
+        assert case["plateau_min"] >= 0.95
+
+
+def test_fig_7_the_letter_has_the_papers_order_and_the_improvements_turn_it_round(measured: Any) -> None:
+    cases = measured("fig7")
+    component = {case: content["current_max_low_harmonic"] for case, content in cases.items()}
+    assert component["literal,tpc"] <= 0.007
+    assert component["literal,tpc_stator"] >= 3.0 * component["literal,tpc"]
+    assert component["tpc_stator"] < component["tpc"] <= 0.007
 
 
 def test_deadbeat_beats_tpc_in_the_same_run(measured: Any) -> None:

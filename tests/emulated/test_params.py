@@ -87,7 +87,7 @@ def test_set_converts_units_and_reads_back(invoke: Invoke) -> None:
     assert document == {
         "R_s": {"before": 0.123, "value": 0.246, "unit": "ohm"},
         "L_d": {"before": 0.00952, "value": 0.0096, "unit": "H"},
-        "omega_observer": {"before": 300.0, "value": 314.15927, "unit": "rad/s"},
+        "omega_observer": {"before": 160.0, "value": 314.15927, "unit": "rad/s"},
     }
     result = invoke("set", "encoder_offset=-5deg")
     assert "encoder_offset: 0 → -0.08726646 rad" in result.stdout

@@ -36,8 +36,7 @@ PARAMETERS: dict[str, Any] = {
     "K_p_speed": 0.04,
     "K_i_speed": 0.4,
     "torque_limit": 9.55,
-    "omega_observer": 300.0,
-    "i_trip": 14.5,
+    "omega_observer": 160.0,
     "omega_m_trip": 220.0,
     "u_dc_min": 50.0,
     "u_dc_max": 400.0,
@@ -67,8 +66,10 @@ def make_core(
         SensorTruth(**{"i_full_scale_A": 15.0, "u_full_scale_V": 500.0, **(sensors or {})}),
         seed,
     )
-    for name, value in {**PARAMETERS, **(parameters or {})}.items():
+    level = {"i_trip": 0.96 * core.sensors.i_full_scale_A}
+    for name, value in {**PARAMETERS, **level, **(parameters or {})}.items():
         core.memory[name] = value
+    assert not core.memory["i_trip"][0] > core.sensors.i_full_scale_A, "no current could trip"
     core.memory["encoder_lines"] = core.sensors.encoder_lines
     return core
 

@@ -1,4 +1,4 @@
-"""Control alone and in the loop: TPC's property, flux, speed PI, observer, modulator, trips, quick stop."""
+"""Control alone and in the loop: TPC's property, flux, speed PI, modulator, trips, quick stop."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import pytest
 from benchtool.emulator.control import tpc
 from benchtool.emulator.control.estimation import Situation, predict, situation
 from benchtool.emulator.control.flux import flux_reference
-from benchtool.emulator.control.observer import rotor_angle, track
+from benchtool.emulator.control.observer import rotor_angle
 from benchtool.emulator.control.speed import speed_pi
 from benchtool.emulator.control.svpwm import compensated, modulate
 from benchtool.emulator.core import Trip
@@ -134,13 +134,6 @@ def test_speed_step_ends_without_the_overshoot_of_windup() -> None:
     assert signals["torque_reference"].max() == pytest.approx(1.0)
     assert signals["omega_m"].max() < 60.0 * 1.2
     assert signals["omega_m"][-1] == pytest.approx(60.0, abs=1.0)
-
-
-def test_observer_follows_a_constant_speed_without_lag() -> None:
-    memory, control = drive(), np.zeros(1, CONTROL)[0]
-    for tick in range(2000):
-        speed = track(math.fmod(-70.0 * tick * 1e-4, 2 * math.pi), memory, control)
-    assert speed == pytest.approx(-70.0, rel=1e-4)
 
 
 def test_rotor_angle_undoes_the_encoder_offset() -> None:

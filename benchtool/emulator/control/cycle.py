@@ -15,7 +15,7 @@ from benchtool.emulator.control.estimation import (
 )
 from benchtool.emulator.control.field_weakening import reference
 from benchtool.emulator.control.laws import demand, forget, limits
-from benchtool.emulator.control.observer import rotor_angle, track
+from benchtool.emulator.control.observer import accelerating_torque, rotor_angle, track
 from benchtool.emulator.control.protection import trips
 from benchtool.emulator.control.speed import torque_reference
 from benchtool.emulator.control.stimulus import Quantity, play, voltage_of
@@ -32,7 +32,7 @@ _TORQUE, _SPEED, _D_CURRENT = int(Quantity.TORQUE), int(Quantity.SPEED), int(Qua
 def control_tick(drive: Any, command: Any, control: Any, stimulus: Any, measurement: Any) -> bool:
     """Run control once. Returns whether a trip was raised that was not there before."""
     _load_shadow(control)
-    now = _observe(drive, control, measurement)
+    now = _observe(drive, command, control, measurement)
     new_trip = _protect(drive, command, measurement)
     if command.pwm_enabled == 0:
         _stand_by(drive, command, control)
@@ -80,10 +80,10 @@ def _load_shadow(control: Any) -> None:
 
 
 @njit
-def _observe(drive: Any, control: Any, measurement: Any) -> Situation:
+def _observe(drive: Any, command: Any, control: Any, measurement: Any) -> Situation:
     """Signals that need no more than the measurements."""
     theta_m = rotor_angle(measurement.count, drive)
-    omega_m = track(theta_m, drive, control)
+    omega_m = track(theta_m, accelerating_torque(drive, command), drive, control)
     theta_e = drive.pole_pairs * theta_m
     cos_theta, sin_theta = math.cos(theta_e), math.sin(theta_e)
     i_alpha, i_beta = clarke(measurement.i_a, measurement.i_b, measurement.i_c)

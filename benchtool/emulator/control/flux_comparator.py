@@ -4,7 +4,7 @@ Zhu, Xiao and Li (II-D) name a hysteresis controller and no more. A vector moves
 per period, several times what any band could usefully be, so that the band is taken as zero. What is
 compared leaves two readings:
 
-- instantaneous: the flux at the moment the vector begins. The flux then alternates about its reference, but
+- plain: the flux at the moment the vector begins. The flux then alternates about its reference, but
   where it alternates drifts like a slow sawtooth by up to half a step either way, which the phase current
   shows as harmonics of low order.
 - accumulated: that flux error plus half the sum of all errors so far, as in a sigma-delta modulator of

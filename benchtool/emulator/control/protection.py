@@ -25,16 +25,22 @@ _UNDERVOLTAGE, _OVERVOLTAGE = int(Trip.UNDERVOLTAGE), int(Trip.OVERVOLTAGE)
 def trips(drive: Any, measurement: Any, omega_m: float, pwm_enabled: bool) -> int:
     """Mask of the limits that this tick's measurements violate.
 
-    A low dc link is a fault only while the power stage needs it.
+    Each level is asked for what is within it, so that a measurement or a level which is no number trips. What
+    reads the end of the converter's range may be anything beyond it. Low dc link and saturated currents are
+    faults only of a power stage that is on.
     """
     mask = 0
-    largest = max(abs(measurement.i_a), abs(measurement.i_b), abs(measurement.i_c))
-    if largest > drive.i_trip:
+    within = (
+        abs(measurement.i_a) <= drive.i_trip
+        and abs(measurement.i_b) <= drive.i_trip
+        and abs(measurement.i_c) <= drive.i_trip
+    )
+    if not within or (pwm_enabled and measurement.saturated != 0):
         mask |= _OVERCURRENT
-    if abs(omega_m) > drive.omega_m_trip:
+    if not abs(omega_m) <= drive.omega_m_trip:
         mask |= _OVERSPEED
-    if pwm_enabled and measurement.u_dc < drive.u_dc_min:
+    if pwm_enabled and not measurement.u_dc >= drive.u_dc_min:
         mask |= _UNDERVOLTAGE
-    if measurement.u_dc > drive.u_dc_max:
+    if not measurement.u_dc <= drive.u_dc_max or measurement.u_dc_saturated != 0:
         mask |= _OVERVOLTAGE
     return mask

@@ -82,16 +82,31 @@ class Firmware:
             if entry.role != "signal" and isinstance(entry.default, int | float):
                 offset = self._node_id if entry.add_node_id else 0
                 self.objects[entry.name] = entry.default + offset
-        for name, raw in self._stored.items():
-            self.objects[name] = raw
         self.objects["dictionary_hash"] = self.objects.table.hash
         self.objects["i_full_scale"] = self.core.sensors.i_full_scale_A
+        self.objects["u_dc_full_scale"] = self.core.sensors.u_full_scale_V
         self.objects["control_period"] = self.period_s
         self._history.clear()
         self._capture.abort()
         self.core.command.trip = 0
         self.supervision.configure(0)
+        parameters_accepted = self._load_parameters()
         self._set_mode(self.objects["mode_of_operation"])
+        if not parameters_accepted:
+            self._fault(ErrorCode.PARAMETER)
+
+    def _load_parameters(self) -> bool:
+        """Put the stored parameters in force. Returns whether the drive accepts them all.
+
+        What is beyond its limits, such as the trip level of a larger converter, stays at its default.
+        """
+        for name, raw in self._stored.items():
+            self.objects[name] = raw
+        refused = [name for name in self._stored if not self.objects.is_acceptable(name)]
+        every = [entry.name for entry in self.objects.table if entry.role == "parameter"]
+        for name in (*refused, *(name for name in every if name not in self._stored)):
+            self.objects.load(name)
+        return not refused
 
     def feed_link(self) -> None:
         """The host was heard: its heartbeat or a setpoint frame."""

@@ -44,6 +44,10 @@ class ObjectStore:
         self._computed: dict[str, Callable[[], Value]] = {}
         self._checks: dict[str, Callable[[Number], None]] = {}
         self._effects: dict[str, Callable[[Number], None]] = {}
+        self._limited_by: dict[str, list[Entry]] = {}
+        for entry in table:
+            if entry.max_entry:
+                self._limited_by.setdefault(entry.max_entry, []).append(entry)
 
     def compute(self, name: str, read: Callable[[], Value]) -> None:
         """Have `name` computed by `read` whenever it is read."""
@@ -107,9 +111,44 @@ class ObjectStore:
         """
         entry = self._entry(index, sub)
         raw = self._accept(entry, data)
+        self._require_consistent(entry, raw)
         self[entry.name] = raw
         if entry.name in self._effects:
             self._effects[entry.name](raw)
+
+    def load(self, name: str) -> None:
+        """Set `name` to its default, cut to what the entry that limits it allows."""
+        entry = self.table.by_name[name]
+        assert isinstance(entry.default, int | float)
+        self[name] = min(entry.default, self._ceiling(entry))
+
+    def is_acceptable(self, name: str) -> bool:
+        """Whether a write of the value that memory holds for `name` would be within all limits."""
+        entry = self.table.by_name[name]
+        try:
+            self._require_consistent(entry, _raw(entry, self.read(entry.index, entry.sub)))
+        except Refused:
+            return False
+        return True
+
+    def _require_consistent(self, entry: Entry, raw: Number) -> None:
+        """Check a value against the entries that limit it, and against those that it limits.
+
+        Raises:
+            Refused: it is beyond one, or would leave another beyond it.
+        """
+        if raw > self._ceiling(entry):
+            raise Refused(Abort.VALUE_HIGH)
+        if entry.min_entry and raw < self[entry.min_entry]:
+            raise Refused(Abort.VALUE_LOW)
+        for other in self._limited_by.get(entry.name, ()):
+            if raw > 0 and self[other.name] > raw * other.max_times:
+                raise Refused(Abort.PARAMETER_INCOMPATIBLE)
+
+    def _ceiling(self, entry: Entry) -> float:
+        """What the entry that limits it allows at most; infinity where none does, or it is not known."""
+        most = float(self[entry.max_entry]) * entry.max_times if entry.max_entry else 0.0
+        return most if most > 0.0 else math.inf
 
     def write_all(self, values: Sequence[tuple[Entry, bytes]]) -> None:
         """Write several entries, or none of them.
