@@ -1,0 +1,175 @@
+"""One mutant at a time, put into a copy of the project and met by the tests that reach it."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from enum import StrEnum
+from pathlib import Path
+
+from tests.mutation.operators import Mutant, functions_of
+from tests.mutation.reach import Reach
+
+_LEFT_OUT = shutil.ignore_patterns(".*", "__pycache__", "build", "*.egg-info")
+_COMPILED = "benchtool/emulator/control"
+_BUDGETS_S = (8.0, 60.0)  # of the tests' own time: a quick look, then the rest
+_BUDGET_PLAIN_S = 15.0
+_BUDGET_LOOP_S = 40.0
+_START_S = 45.0  # for imports and compilation
+_PATIENCE = 4.0  # times the tests' own time, before they count as hanging
+_FAILED = re.compile(r"^(?:FAILED|ERROR) (.+?)(?: - .*)?$", re.MULTILINE)
+_STALE_TESTS = 4  # pytest's exit code for a test that is not there
+
+
+class Outcome(StrEnum):
+    """What became of a mutant."""
+
+    NOTICED = "noticed"
+    TIMED_OUT = "timed out"
+    SURVIVED = "survived"
+    UNREACHED = "unreached"
+    EQUIVALENT = "equivalent"
+
+
+@dataclass(frozen=True)
+class Result:
+    """`by` is the test that noticed the mutant; `tests` is how many were to run."""
+
+    mutant: Mutant
+    outcome: Outcome
+    by: str
+    tests: int
+    seconds: float
+
+
+@dataclass(frozen=True)
+class _Round:
+    tests: Sequence[str]
+    seconds: float
+    plain: bool
+
+
+def copied(project: Path, into: Path) -> Path:
+    """A copy of the project's files in a new folder `tree`; nothing is ever changed in the project itself."""
+    return shutil.copytree(project, into / "tree", ignore=_LEFT_OUT, symlinks=True)
+
+
+class Trials:
+    """Runs mutants in a copy of the project.
+
+    Args:
+        tree: the copy.
+        compiled: which tests reach which lines.
+        plain: the same with the compiler switched off; None if no compiled code is to be changed.
+    """
+
+    def __init__(self, tree: Path, compiled: Reach, plain: Reach | None) -> None:
+        self._tree = tree
+        self._compiled = compiled
+        self._plain = plain
+        self._stamp = time.time()
+
+    def meet(self, mutant: Mutant) -> Result:
+        """Put the mutant in place, run tests until one notices it, and put the module back."""
+        began = time.monotonic()
+        place = self._tree / mutant.path
+        original = place.read_text(encoding="utf-8")
+        compiled_before = set(self._tree.rglob("*.nb[ic]"))
+        outcome, by, count = Outcome.UNREACHED, "", 0
+        try:
+            self._write(place, mutant.mutated)
+            for each in self._rounds(mutant, original):
+                count += len(each.tests)
+                outcome, by = self._run(each)
+                if outcome is not Outcome.SURVIVED:
+                    break
+        finally:
+            self._write(place, original)
+            for path in set(self._tree.rglob("*.nb[ic]")) - compiled_before:
+                if mutant.path.startswith("benchtool/emulator"):
+                    path.unlink()
+        return Result(mutant, outcome, by, count, time.monotonic() - began)
+
+    def _rounds(self, mutant: Mutant, source: str) -> Iterator[_Round]:
+        first = {name: line for name, line, _ in functions_of(source)}.get(mutant.function, 0)
+        reaching = self._compiled.tests_of(mutant, first)
+        if mutant.path.startswith(_COMPILED) and self._plain is not None:
+            yield from self._within(self._plain.tests_of(mutant, first), self._plain, _BUDGET_PLAIN_S, True)
+            loop = self._compiled.closed_loop
+            rest = [*reaching, *(test for test in loop if test not in reaching)]
+            yield from self._within(rest, self._compiled, _BUDGET_LOOP_S, False)
+            return
+        done = 0
+        for budget_s in _BUDGETS_S:
+            for each in self._within(reaching[done:], self._compiled, budget_s, False):
+                done += len(each.tests)
+                yield each
+
+    @staticmethod
+    def _within(tests: Sequence[str], reach: Reach, budget_s: float, plain: bool) -> Iterator[_Round]:
+        """The first tests that fit into the budget, at least one if there is any."""
+        taken: list[str] = []
+        seconds = 0.0
+        for test in tests:
+            if taken and seconds + reach.seconds[test] > budget_s:
+                break
+            taken.append(test)
+            seconds += reach.seconds[test]
+        if taken:
+            yield _Round(taken, seconds, plain)
+
+    def _run(self, each: _Round) -> tuple[Outcome, str]:
+        environment = os.environ | {"PYTHONPATH": str(self._tree), "NUMBA_DISABLE_JIT": str(int(each.plain))}
+        command = [
+            sys.executable,
+            "-m",
+            "pytest",
+            "-x",
+            "-rfE",
+            "--tb=no",
+            "-p",
+            "no:cacheprovider",
+            *each.tests,
+        ]
+        tests = subprocess.Popen(
+            command,
+            cwd=self._tree,
+            env=environment,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            text=True,
+            start_new_session=True,
+        )
+        try:
+            text, _ = tests.communicate(timeout=_START_S + _PATIENCE * each.seconds)
+        except subprocess.TimeoutExpired:
+            return Outcome.TIMED_OUT, ""
+        finally:
+            _end(tests)
+        if tests.returncode == 0:
+            return Outcome.SURVIVED, ""
+        found = _FAILED.search(text)
+        if found is None and tests.returncode == _STALE_TESTS:
+            return Outcome.NOTICED, "collection"
+        return Outcome.NOTICED, found[1] if found else f"pytest ended with {tests.returncode}"
+
+    def _write(self, place: Path, text: str) -> None:
+        """Write a module with a time of its own, or Python might take another version's bytecode for it."""
+        place.write_text(text, encoding="utf-8")
+        self._stamp += 2.0
+        os.utime(place, (self._stamp, self._stamp))
+
+
+def _end(process: subprocess.Popen[str]) -> None:
+    """Kill what is left of a process and of those it started; its session is its own."""
+    with suppress(ProcessLookupError):
+        os.killpg(process.pid, signal.SIGKILL)
+    process.communicate()
