@@ -6,6 +6,8 @@ import json
 import math
 
 import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
 
 from benchtool.block import Block, Channel, Gap
 from benchtool.link import LinkCounters
@@ -51,6 +53,32 @@ def test_gaps_are_counted_and_located_by_their_largest() -> None:
     assert certificate.value("capture_gaps") == 2
     assert certificate.value("capture_gap_max") == 6
     assert certificate.value("link_frames_dropped") == 2
+
+
+@given(
+    st.integers(1, 50),
+    st.lists(st.integers(1, 1000), max_size=8),
+    st.integers(0, 20) | st.none(),
+)
+def test_missing_rows_are_what_was_expected_less_what_came(
+    rows: int, lengths: list[int], beyond: int | None
+) -> None:
+    """`beyond`: rows that the drive says it sent, besides those that the gaps within tell."""
+    gaps = tuple(Gap(row, missing) for row, missing in enumerate(lengths, start=1) if row < rows)
+    inside = sum(gap.missing_rows for gap in gaps)
+    expected = None if beyond is None else rows + inside + beyond
+    facts = StreamFacts(rows, gaps, {}, expected)
+    certificate = certify({"capture": facts}, LinkCounters())
+    assert certificate.value("capture_rows_missing") == inside + (beyond or 0)
+    assert certificate.value("capture_rows_expected") == rows + inside + (beyond or 0)
+    assert certificate.complete == (inside + (beyond or 0) == 0)
+    assert f"{inside + (beyond or 0)} missing" in certificate.summary
+
+
+def test_a_counter_may_run_on_by_nearly_its_whole_range() -> None:
+    counts = {"adc_saturated": (10.0, 10.0 + 3e9 - 2**32)}
+    certificate = certify({"capture": StreamFacts(5, (), counts)}, LinkCounters())
+    assert certificate.value("capture_adc_saturated") == 3e9
 
 
 def test_the_slow_stream_is_measured_against_the_drives_own_count() -> None:
