@@ -60,7 +60,7 @@ def test_each_phase_has_a_gain_an_offset_and_a_noise_of_its_own() -> None:
         current_offset_A=offsets,
     )
     record = np.zeros(1, MEASUREMENT)
-    measure(place(3.0, 8.0, 0.0, 0.4), 122.5, 4.0, truth.sensing(), np.float32(noise), record[0])
+    measure(place(3.0, 8.0, 0.0, 0.4), 122.5, 4.0, truth.sensing(), np.array(noise, np.float32), record[0])
     phases = [
         (complex(3.0, 8.0) * np.exp(1j * (0.4 - turn))).real for turn in (0.0, 2 * np.pi / 3, 4 * np.pi / 3)
     ]
