@@ -23,7 +23,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from tests.mutation.operators import Mutant, mutants_of
-from tests.mutation.reach import reach_of
+from tests.mutation.reach import TESTS, TESTS_IN_PLAIN_PYTHON, reach_of
 from tests.mutation.trial import Outcome, Result, Trials, copied
 
 PROJECT = Path(__file__).parents[2]
@@ -55,16 +55,21 @@ def equivalents() -> dict[str, str]:
 
 
 def run(
-    mutants: Sequence[Mutant], cache: Path, *, renew: bool, tell: Callable[[Result], None]
+    mutants: Sequence[Mutant],
+    tests: Sequence[str],
+    cache: Path,
+    *,
+    renew: bool,
+    tell: Callable[[Result], None],
 ) -> list[Result]:
     """Meet each mutant with the tests that reach it; `tell` is called with each result."""
     known = equivalents()
     results = []
     with tempfile.TemporaryDirectory(prefix="benchtool-mutation-") as folder:
         tree = copied(PROJECT, Path(folder))
-        compiled = reach_of(tree, cache, plain=False, renew=renew)
+        compiled = reach_of(tree, cache, tests, plain=False, renew=renew)
         laws = any(mutant.path.startswith("benchtool/emulator/control") for mutant in mutants)
-        plain = reach_of(tree, cache, plain=True, renew=renew) if laws else None
+        plain = reach_of(tree, cache, TESTS_IN_PLAIN_PYTHON, plain=True, renew=renew) if laws else None
         trials = Trials(tree, compiled, plain)
         for mutant in mutants:
             if mutant.identity in known:
@@ -92,6 +97,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--module", action="append", help="folder or file; may be repeated", metavar="PATH")
     parser.add_argument("--count", type=int, default=40, help="mutants of each module")
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--tests", action="append", help="folder or file; may be repeated", metavar="PATH")
     parser.add_argument("--only", default="", help="of those drawn, the ones whose identity holds this text")
     parser.add_argument("--renew", action="store_true", help="measure anew which tests reach which lines")
     parser.add_argument("--json", action="store_true", help="print one JSON object")
@@ -112,7 +118,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         out.write(f"{result.outcome:10s} {result.seconds:5.1f} s  {place}  {result.mutant.identity}{by}\n")
         out.flush()
 
-    results = run(mutants, cache, renew=options.renew, tell=tell)
+    results = run(mutants, options.tests or TESTS, cache, renew=options.renew, tell=tell)
     counts = Counter(str(result.outcome) for result in results)
     share = share_noticed(results)
     if options.json:

@@ -21,8 +21,8 @@ from coverage import CoverageData
 
 from tests.mutation.operators import Mutant, functions_of
 
-_MAPPED = ("tests/unit", "tests/wire", "tests/physics", "tests/emulated")
-_MAPPED_PLAIN = ("tests/unit/control", "tests/physics/test_control.py", "tests/physics/test_laws.py")
+TESTS = ("tests/unit", "tests/wire", "tests/physics", "tests/emulated")
+TESTS_IN_PLAIN_PYTHON = ("tests/unit/control", "tests/physics/test_control.py", "tests/physics/test_laws.py")
 _ENTRY = ("benchtool/emulator/core.py", "Core.run")  # what runs the compiled core
 
 
@@ -60,15 +60,15 @@ class Reach:
         return sorted(tests, key=lambda test: (self.seconds[test], test))
 
 
-def reach_of(tree: Path, cache: Path, *, plain: bool, renew: bool) -> Reach:
-    """The map of the tests in `tree`, a copy of the project; only test files that changed are run again."""
+def reach_of(tree: Path, cache: Path, tests: Sequence[str], *, plain: bool, renew: bool) -> Reach:
+    """The map of `tests`, folders or files of `tree`, a copy of the project.
+
+    Only test files that changed since the last time are run again, or all of them by `renew`.
+    """
     folder = cache / ("plain" if plain else "compiled")
     folder.mkdir(parents=True, exist_ok=True)
-    files = [
-        path
-        for place in (_MAPPED_PLAIN if plain else _MAPPED)
-        for path in ([tree / place] if place.endswith(".py") else sorted((tree / place).rglob("test_*.py")))
-    ]
+    places = [tree / place for place in tests]
+    files = [path for place in places for path in ([place] if place.is_file() else _test_files(place))]
     kept = {path: folder / f"{_digest(tree, path)}.json" for path in files}
     stale = [path for path, place in kept.items() if renew or not place.exists()]
     if stale:
@@ -77,9 +77,11 @@ def reach_of(tree: Path, cache: Path, *, plain: bool, renew: bool) -> Reach:
         )
         for path, text in _measured(tree, stale, folder, plain):
             kept[path].write_text(text, encoding="utf-8")
-    for old in set(folder.glob("*.json")) - set(kept.values()):
-        old.unlink()
     return _read(place for place in kept.values() if place.exists())
+
+
+def _test_files(folder: Path) -> list[Path]:
+    return sorted(folder.rglob("test_*.py"))
 
 
 def _digest(tree: Path, path: Path) -> str:
@@ -92,13 +94,12 @@ def _measured(tree: Path, files: Sequence[Path], folder: Path, plain: bool) -> I
     traced, timed = folder / "coverage", folder / "timings"
     environment = os.environ | {
         "PYTHONPATH": str(tree),
-        "COVERAGE_FILE": str(traced),
-        "TIMINGS": str(timed),
+        "TRACED": str(traced),
+        "TIMED": str(timed),
         "NUMBA_DISABLE_JIT": "1" if plain else "0",
     }
     command = [sys.executable, "-m", "pytest", *(str(path.relative_to(tree)) for path in files)]
-    command += ["-p", "tests.mutation.timing", "-p", "no:cacheprovider", "--tb=no"]
-    command += ["--cov=benchtool", "--cov-context=test", "--cov-report="]
+    command += ["-p", "tests.mutation.tracing", "-p", "no:cacheprovider", "--tb=no"]
     subprocess.run(command, cwd=tree, env=environment, stdout=sys.stderr, check=False)
     seconds: dict[str, float] = json.loads(timed.read_text(encoding="utf-8"))
     data = CoverageData(str(traced))
@@ -114,7 +115,7 @@ def _measured(tree: Path, files: Sequence[Path], folder: Path, plain: bool) -> I
                 key=lambda each: each[1],
                 default=("", 0, 0),
             )
-            for test in {context.rpartition("|")[0] for context in contexts} & seconds.keys():
+            for test in set(contexts) & seconds.keys():
                 by_path = reached.setdefault(test.partition("::")[0], {}).setdefault(
                     str(path.relative_to(tree)), {}
                 )
