@@ -25,8 +25,8 @@ from pathlib import Path
 from tests.mutation.operators import Mutant, mutants_of
 from tests.mutation.reach import TESTS, TESTS_IN_PLAIN_PYTHON, reach_of
 from tests.mutation.trial import Outcome, Result, Trials, copied
+from tests.mutation.warm import PROJECT
 
-PROJECT = Path(__file__).parents[2]
 MODULES = (
     *("benchtool/link", "benchtool/telemetry", "benchtool/drive", "benchtool/recording"),
     *("benchtool/emulator/firmware", "benchtool/emulator/control", "benchtool/experiment/limits.py"),

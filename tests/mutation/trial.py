@@ -5,28 +5,24 @@ from __future__ import annotations
 import os
 import re
 import shutil
-import signal
-import subprocess
-import sys
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
 
 from tests.mutation.operators import Mutant, functions_of
 from tests.mutation.reach import Reach
+from tests.mutation.warm import run_pytest, warm_up
 
 _LEFT_OUT = shutil.ignore_patterns(".*", "__pycache__", "build", "*.egg-info")
 _COMPILED = "benchtool/emulator/control"
 _BUDGETS_S = (8.0, 60.0)  # of the tests' own time: a quick look, then the rest
 _BUDGET_PLAIN_S = 15.0
 _BUDGET_LOOP_S = 40.0
-_START_S = 45.0  # for imports and compilation
+_START_S = 40.0  # for imports and compilation
 _PATIENCE = 4.0  # times the tests' own time, before they count as hanging
 _FAILED = re.compile(r"^(?:FAILED|ERROR) (.+?)(?: - .*)?$", re.MULTILINE)
-_STALE_TESTS = 4  # pytest's exit code for a test that is not there
 
 
 class Outcome(StrEnum):
@@ -76,6 +72,8 @@ class Trials:
         self._compiled = compiled
         self._plain = plain
         self._stamp = time.time()
+        self._slowness = 1.0
+        warm_up()
 
     def meet(self, mutant: Mutant) -> Result:
         """Put the mutant in place, run tests until one notices it, and put the module back."""
@@ -85,10 +83,9 @@ class Trials:
         compiled_before = set(self._tree.rglob("*.nb[ic]"))
         outcome, by, count = Outcome.UNREACHED, "", 0
         try:
-            self._write(place, mutant.mutated)
             for each in self._rounds(mutant, original):
                 count += len(each.tests)
-                outcome, by = self._run(each)
+                outcome, by = self._run(each, place, (original, mutant.mutated))
                 if outcome is not Outcome.SURVIVED:
                     break
         finally:
@@ -126,50 +123,34 @@ class Trials:
         if taken:
             yield _Round(taken, seconds, plain)
 
-    def _run(self, each: _Round) -> tuple[Outcome, str]:
-        environment = os.environ | {"PYTHONPATH": str(self._tree), "NUMBA_DISABLE_JIT": str(int(each.plain))}
-        command = [
-            sys.executable,
-            "-m",
-            "pytest",
-            "-x",
-            "-rfE",
-            "--tb=no",
-            "-p",
-            "no:cacheprovider",
-            *each.tests,
-        ]
-        tests = subprocess.Popen(
-            command,
-            cwd=self._tree,
-            env=environment,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL,
-            text=True,
-            start_new_session=True,
-        )
-        try:
-            text, _ = tests.communicate(timeout=_START_S + _PATIENCE * each.seconds)
-        except subprocess.TimeoutExpired:
-            return Outcome.TIMED_OUT, ""
-        finally:
-            _end(tests)
-        if tests.returncode == 0:
+    def _run(self, each: _Round, place: Path, texts: tuple[str, str]) -> tuple[Outcome, str]:
+        """Meet a mutant with tests; `texts` are the module as it is and mutated.
+
+        Tests that do not end in time are run again without the mutant: if they do not end then either, it is
+        the machine that is slow, and all get twice the time from then on.
+        """
+        original, mutated = texts
+        while True:
+            self._write(place, mutated)
+            code, text = self._tests(each)
+            if code is not None:
+                break
+            self._write(place, original)
+            if self._tests(each)[0] is not None:
+                return Outcome.TIMED_OUT, ""
+            self._slowness *= 2.0
+        if code == 0:
             return Outcome.SURVIVED, ""
         found = _FAILED.search(text)
-        if found is None and tests.returncode == _STALE_TESTS:
-            return Outcome.NOTICED, "collection"
-        return Outcome.NOTICED, found[1] if found else f"pytest ended with {tests.returncode}"
+        return Outcome.NOTICED, found[1] if found else f"pytest ended with {code}"
+
+    def _tests(self, each: _Round) -> tuple[int | None, str]:
+        limit_s = self._slowness * (_START_S + _PATIENCE * each.seconds)
+        arguments = ("-x", "-rfE", "--tb=no", "-p", "no:cacheprovider", *each.tests)
+        return run_pytest(self._tree, arguments, limit_s, plain=each.plain)
 
     def _write(self, place: Path, text: str) -> None:
         """Write a module with a time of its own, or Python might take another version's bytecode for it."""
         place.write_text(text, encoding="utf-8")
         self._stamp += 2.0
         os.utime(place, (self._stamp, self._stamp))
-
-
-def _end(process: subprocess.Popen[str]) -> None:
-    """Kill what is left of a process and of those it started; its session is its own."""
-    with suppress(ProcessLookupError):
-        os.killpg(process.pid, signal.SIGKILL)
-    process.communicate()
