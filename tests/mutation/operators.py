@@ -60,8 +60,9 @@ _KIN = (
 class Mutant:
     """One change of one module.
 
-    `path` is relative to the project. `function` is the qualified name of what is changed, empty at the level
-    of the module. `line` is where the change begins, counted from 1, `lines` how many it spans.
+    `path` is relative to the project. `function` is the qualified name of the function that is changed, or
+    the name of a constant of the module. `line` is where the change begins, counted from 1, `lines` how many
+    it spans.
     """
 
     path: str
@@ -179,7 +180,7 @@ class _Collector(ast.NodeVisitor):
 
     def visit_AnnAssign(self, node: ast.AnnAssign) -> None:
         if node.value is not None:
-            self.visit(node.value)
+            self._value_of(node.target, node.value)
 
     # ---- statements ------------------------------------------------------------------------------------
 
@@ -193,7 +194,15 @@ class _Collector(ast.NodeVisitor):
     def visit_Assign(self, node: ast.Assign) -> None:
         if all(isinstance(target, ast.Attribute | ast.Subscript) for target in node.targets):
             self._statement(node, "removed assignment", "pass")
-        self.visit(node.value)
+        self._value_of(node.targets[0], node.value)
+
+    def _value_of(self, target: ast.expr, value: ast.expr) -> None:
+        """Visit a value; outside of functions, what is changed goes by the name of the constant."""
+        before = self._names
+        if not before and isinstance(target, ast.Name):
+            self._names = (target.id,)
+        self.visit(value)
+        self._names = before
 
     def visit_AugAssign(self, node: ast.AugAssign) -> None:
         self._statement(node, "removed assignment", "pass")
@@ -219,7 +228,7 @@ class _Collector(ast.NodeVisitor):
         ):
             for fixed in ("True", "False"):
                 self._statement(node, "fixed return", f"return {fixed}")
-        elif not (isinstance(value, ast.Constant) and value.value is None):
+        elif not isinstance(value, ast.Constant):  # those are changed as constants
             self._statement(node, "fixed return", "return None")
         self.visit(value)
 

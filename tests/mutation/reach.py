@@ -75,7 +75,7 @@ def reach_of(tree: Path, cache: Path, tests: Sequence[str], *, plain: bool, rene
         sys.stderr.write(
             f"measuring what {len(stale)} test files reach{' in plain Python' if plain else ''}\n"
         )
-        for path, text in _measured(tree, stale, folder, plain):
+        for path, text in _measured(tree, stale, plain):
             kept[path].write_text(text, encoding="utf-8")
     return _read(place for place in kept.values() if place.exists())
 
@@ -89,9 +89,9 @@ def _digest(tree: Path, path: Path) -> str:
     return hashlib.sha256(name.encode() + path.read_bytes()).hexdigest()[:24]
 
 
-def _measured(tree: Path, files: Sequence[Path], folder: Path, plain: bool) -> Iterator[tuple[Path, str]]:
+def _measured(tree: Path, files: Sequence[Path], plain: bool) -> Iterator[tuple[Path, str]]:
     """Run test files under coverage, and split what came by test file."""
-    traced, timed = folder / "coverage", folder / "timings"
+    traced, timed = tree.parent / "coverage", tree.parent / "timings"
     environment = os.environ | {
         "PYTHONPATH": str(tree),
         "TRACED": str(traced),

@@ -95,7 +95,8 @@ def test_the_slow_stream_is_measured_against_the_drives_own_count() -> None:
     assert values["clock_drift"] == 12.5
     assert values["clock_residual_max"] == 9e-4
     assert len(values) == len(certificate.measurements), "names are unique"
-    assert all(each.definition for each in certificate.measurements)
+    assert {each.unit for each in certificate.measurements} == {"", "s", "ppm"}
+    assert all(len(each.definition) > 5 for each in certificate.measurements)
 
 
 def test_what_is_undefined_is_null_in_json() -> None:
@@ -104,4 +105,9 @@ def test_what_is_undefined_is_null_in_json() -> None:
     document = json.loads(json.dumps(certificate.to_json(), allow_nan=False))
     assert document["complete"] is False
     assert document["measurements"]["clock_drift"]["value"] is None
+    assert {each.unit for each in certificate.measurements} == {"", "s", "ppm"}
+    assert "fewer than three records" in document["measurements"]["clock_drift"]["definition"]
+    saturated = document["measurements"]["telemetry_adc_saturated"]
+    assert (saturated["value"], saturated["unit"]) == (None, "")
+    assert "adc_saturated is not recorded" in saturated["definition"]
     assert document["measurements"]["telemetry_rows_expected"]["value"] == 97
