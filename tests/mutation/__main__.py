@@ -98,7 +98,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--count", type=int, default=40, help="mutants of each module")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--tests", action="append", help="folder or file; may be repeated", metavar="PATH")
-    parser.add_argument("--only", default="", help="of those drawn, the ones whose identity holds this text")
+    parser.add_argument(
+        "--only",
+        action="append",
+        help="of those drawn, the ones whose name holds this text; may be repeated",
+        metavar="TEXT",
+    )
     parser.add_argument("--renew", action="store_true", help="measure anew which tests reach which lines")
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     options = parser.parse_args(arguments)
@@ -107,7 +112,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         mutant
         for module in options.module or MODULES
         for mutant in draw(_mutants_within(module), options.count, options.seed)
-        if options.only in mutant.identity
+        if any(text in mutant.identity for text in options.only or ("",))
     ]
     cache = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "benchtool-mutation"
     out = sys.stderr if options.json else sys.stdout

@@ -152,6 +152,11 @@ def test_a_unit_of_the_head_that_is_none_of_the_kind_is_never_taken_as_si(
     assert table.select(f"2:{si_unit}", si_unit).factor == 1.0
 
 
+def test_what_stands_apart_from_the_line_of_units_names_no_column(tmp_path: Path) -> None:
+    table = TextTable.open(write(tmp_path, f"Operator,Smith\nno names here\ns,A\n{lines()}"))
+    assert not {"Operator", "Smith"} & {column.name for column in table.layout.columns}
+
+
 @pytest.mark.parametrize("units", ["min,mA,Ncm", "min,mA,foo", "[min],[mA],[foo]"])
 def test_a_line_of_units_is_never_one_of_names(tmp_path: Path, units: str) -> None:
     table = TextTable.open(write(tmp_path, f"t,I,T\n{units}\n" + lines(end=",7")))

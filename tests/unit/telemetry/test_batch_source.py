@@ -9,7 +9,7 @@ import pytest
 
 from benchtool.block import Block
 from benchtool.clock import Clock, VirtualClock
-from benchtool.errors import ValueRefused
+from benchtool.errors import StateError, ValueRefused
 from benchtool.link.interface import Alarm, BatchReceiver, LinkCounters
 from benchtool.protocol.dictionary import Dictionary
 from benchtool.protocol.nmt import NmtCommand, NmtState
@@ -153,3 +153,18 @@ def test_what_was_missed_while_the_link_was_gone_is_a_gap_of_its_ticks(first_tic
     expected = [first_tick, first_tick + 2, first_tick + 2 + away, first_tick + 4 + away]
     assert [tick for block in blocks for tick in block.ticks()] == expected
     assert [gap.missing_rows for gap in stream.report().gaps] == [away // 2 - 1]
+
+
+def test_a_drive_that_restarted_while_its_link_was_gone_ends_the_stream() -> None:
+    link, node = Link(room=30), Node(Link(room=30))
+    node.link, node.clock = link, VirtualClock()
+    row = np.zeros(1, dtype="<f4").tobytes()
+    with (
+        pytest.raises(StateError, match="restarted while its link was lost: tick 100000 was followed by 50"),
+        TelemetryStream(node, [], ("torque",), 5_000.0) as stream,
+    ):
+        for tick, arrival_s in ((100_000, 1.0), (50, 5.0)):
+            if tick == 50:
+                stream.resume()
+            assert link.receiver is not None
+            link.receiver(Batch(SCHEMA, 0, tick, 2, 1, row), arrival_s)
