@@ -367,6 +367,15 @@ def test_an_overcurrent_trips_in_voltage_mode_as_well(wire: Wire) -> None:
     assert drive.read("stimulus_state") == "idle"
 
 
+def test_who_plays_without_a_capture_waits_for_every_repetition(wire: Wire) -> None:
+    drive = _drive(wire)
+    began_s = wire.session.clock.now_s()
+    stimulus = Stimulus(quantity="torque", shape="ramp", amplitude_Nm=0.05, duration_s=0.7, repetitions=3)
+    assert play(drive, stimulus, motor=wire.session.profile.motor) is None
+    assert drive.read("stimulus_state") == "done"
+    assert wire.session.clock.now_s() - began_s == pytest.approx(2.1, abs=0.1)
+
+
 def test_who_plays_learns_that_another_master_stopped_it(wire: Wire) -> None:
     drive = _drive(wire)
     control = drive.dictionary["stimulus_control"]

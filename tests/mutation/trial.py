@@ -90,8 +90,8 @@ class Trials:
                     break
         finally:
             self._write(place, original)
-            for path in set(self._tree.rglob("*.nb[ic]")) - compiled_before:
-                if mutant.path.startswith("benchtool/emulator"):
+            if mutant.path.startswith(_COMPILED):  # what was compiled of it is of no further use
+                for path in set(self._tree.rglob("*.nb[ic]")) - compiled_before:
                     path.unlink()
         return Result(mutant, outcome, by, count, time.monotonic() - began)
 
@@ -126,26 +126,30 @@ class Trials:
     def _run(self, each: _Round, place: Path, texts: tuple[str, str]) -> tuple[Outcome, str]:
         """Meet a mutant with tests; `texts` are the module as it is and mutated.
 
-        Tests that do not end in time are run again without the mutant: if they do not end then either, it is
-        the machine that is slow, and all get twice the time from then on.
+        Tests that do not end in time get another chance with twice the time. If they do not end without the
+        mutant either, it is the machine that is slow, and all get twice the time from then on.
         """
         original, mutated = texts
+        patience = 1.0
         while True:
             self._write(place, mutated)
-            code, text = self._tests(each)
+            code, text = self._tests(each, patience)
             if code is not None:
                 break
             self._write(place, original)
-            if self._tests(each)[0] is not None:
+            if self._tests(each, patience)[0] is None:
+                self._slowness *= 2.0
+            elif patience > 1.0:
                 return Outcome.TIMED_OUT, ""
-            self._slowness *= 2.0
+            else:
+                patience = 2.0
         if code == 0:
             return Outcome.SURVIVED, ""
         found = _FAILED.search(text)
         return Outcome.NOTICED, found[1] if found else f"pytest ended with {code}"
 
-    def _tests(self, each: _Round) -> tuple[int | None, str]:
-        limit_s = self._slowness * (_START_S + _PATIENCE * each.seconds)
+    def _tests(self, each: _Round, patience: float) -> tuple[int | None, str]:
+        limit_s = patience * self._slowness * (_START_S + _PATIENCE * each.seconds)
         arguments = ("-x", "-rfE", "--tb=no", "-p", "no:cacheprovider", *each.tests)
         return run_pytest(self._tree, arguments, limit_s, plain=each.plain)
 
