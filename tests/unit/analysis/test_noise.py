@@ -114,6 +114,12 @@ def test_too_few_bins_between_harmonics_give_no_floor() -> None:
     assert noise_floor(spectrum) is None
     assert np.all(np.isnan(harmonic_noise(spectrum, 1)))
     assert math.isnan(total_harmonic_distortion(spectrum).standard)
+    block = Block((Channel("i_a", "A"),), 0, 1, 1 / RATE_HZ, np.cos(theta_e)[:, np.newaxis])
+    found = {each.name: each for each in current_spectrum(block, "i_a", track_angle(theta_e, 1)).measurements}
+    for name in ("current_thdg", "current_thds"):
+        assert math.isnan(found[name].value)
+        assert found[name].unit == "%"
+        assert "four periods" in found[name].definition
 
 
 def test_an_amplitude_scatters_by_its_uncertainty() -> None:

@@ -176,6 +176,10 @@ def test_a_reference_that_does_not_wait_has_no_plateau() -> None:
 
 def test_every_number_says_what_it_rests_on() -> None:
     response = analyze_step(_block(*_noisy(1.0, 0.01)), "torque", "torque_reference")
+    document = response.to_json()
+    assert {name: each["value"] for name, each in document.items()} == {
+        each.name: each.value for each in response.measurements if not math.isnan(each.value)
+    } | {each.name: None for each in response.measurements if math.isnan(each.value)}
     for each in response.measurements:
         assert each.basis.samples == 4900
         assert "torque against torque_reference, which goes from 0 to 1 Nm in row 100" in each.basis.reference
