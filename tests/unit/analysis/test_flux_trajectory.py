@@ -47,10 +47,13 @@ def test_the_basis_is_the_whole_revolutions() -> None:
     psi = np.exp(1j * _turns(5.5))
     block = Block(CHANNELS, 0, 2, 1e-4, np.column_stack([psi.real, psi.imag]))
     for each in flux_trajectory(block):
-        assert each.basis is not None
-        assert each.basis.samples == pytest.approx(5.0 / 5.5 * ROWS, abs=2)
-        assert each.basis.duration_s == pytest.approx(each.basis.samples * 2e-4)
-        assert each.basis.bandwidth_Hz == pytest.approx(0.5 * each.basis.sample_rate_Hz)
+        basis = each.basis
+        assert basis is not None
+        assert basis.samples is not None
+        assert basis.samples == pytest.approx(5.0 / 5.5 * ROWS, abs=2)
+        assert basis.sample_rate_Hz == pytest.approx(5e3)
+        assert basis.duration_s == pytest.approx(basis.samples / 5e3)
+        assert basis.bandwidth_Hz == pytest.approx(2.5e3)
 
 
 def test_a_hexagon_run_along_its_sides_evenly() -> None:
