@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import struct
 
 import pytest
@@ -13,7 +14,7 @@ from benchtool.protocol.cia402 import State
 from benchtool.protocol.pdo import INVALID, tpdo
 from benchtool.telemetry import Setpoints
 
-from .conftest import Wire
+from .conftest import Wire, over_both_wires
 
 NODE = 1
 TORQUE = 0x20300C20
@@ -188,6 +189,20 @@ def test_setpoint_frames_are_taken_in_operational_only(wire: Wire) -> None:
     setpoints.close()
     setpoints.send(torque_Nm=2.0)
     assert drive.number("torque_command") == 1.0
+
+
+@over_both_wires
+@pytest.mark.parametrize("wrong", [math.nan, math.inf, -math.inf])
+@pytest.mark.parametrize("name", ["torque_Nm", "omega_m_rad_s"])
+def test_a_setpoint_that_is_no_number_leaves_the_one_before(wire: Wire, name: str, wrong: float) -> None:
+    drive = wire.session.drive
+    drive.connect()
+    setpoints = Setpoints(drive)
+    setpoints.send(torque_Nm=0.5, omega_m_rad_s=3.0)
+    with pytest.raises(ValueRefused):
+        setpoints.send(**{name: wrong})
+    wire.session.clock.wait(0.01)
+    assert (drive.number("torque_command"), drive.number("omega_m_command")) == (0.5, 3.0)
 
 
 def test_a_setpoint_that_is_no_number_is_not_sent(wire: Wire) -> None:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import pickle
 import shlex
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import AbstractContextManager, nullcontext, suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -13,7 +14,7 @@ import pytest
 
 from benchtool.bench import Session, open_session
 from benchtool.cli.run import RunOptions, _resumption
-from benchtool.errors import DriveFault, SdoAbort, UsageError
+from benchtool.errors import AnalysisError, DriveFault, SdoAbort, UsageError
 from benchtool.experiment.assessment import assess_bundle
 from benchtool.experiment.cases import Case, cases
 from benchtool.experiment.parallel import run_in_processes
@@ -191,6 +192,57 @@ def test_a_case_that_fails_says_so_in_its_bundle_and_is_run_again(
     drive.reset_fault()
     assert len(_run(wire.session, _plan(), folder, Watcher(), resume=True)) == 1
     assert Bundle.open(tmp_path / "run.cut-1").manifest.details == bundle.manifest.details
+
+
+class Loads:
+    """A load machine that keeps what it is told; the shaft turns freely."""
+
+    def __init__(self) -> None:
+        self.torques_Nm: list[float] = []
+
+    def apply(self, torque_Nm: float) -> None:
+        self.torques_Nm.append(torque_Nm)
+
+    def hold(self, omega_m_rad_s: float) -> None:
+        self.torques_Nm.append(math.inf)
+
+
+class Cut(Watcher):
+    """Interrupts a case as soon as it captures."""
+
+    def note(self, text: str) -> None:
+        super().note(text)
+        if text.startswith("capturing"):
+            raise KeyboardInterrupt
+
+
+@pytest.mark.parametrize(
+    "point",
+    [
+        {"omega_m_rad_s": 31.42, "load_torque_Nm": 0.3},
+        {"mode": "torque", "torque_Nm": 0.3, "hold_speed_rad_s": 10.0},
+    ],
+    ids=["loaded", "held"],
+)
+@pytest.mark.parametrize("cut", [False, True], ids=["to the end", "Ctrl-C"])
+def test_a_case_leaves_the_shaft_without_a_load(
+    wire: Wire, tmp_path: Path, cut: bool, point: dict[str, object]
+) -> None:
+    plan, load = _plan(operating_point={"settle_s": 0.4, **point}), Loads()
+    # Nothing turns this shaft: what was measured is no matter here.
+    with pytest.raises(KeyboardInterrupt) if cut else suppress(AnalysisError):
+        _run(replace(wire.session, load=load), plan, tmp_path / "run", Cut() if cut else Watcher())
+    assert max(load.torques_Nm) > 0.0
+    assert load.torques_Nm[-1] == 0.0
+
+
+def test_a_case_that_is_interrupted_says_so_in_its_bundle(wire: Wire, tmp_path: Path) -> None:
+    with pytest.raises(KeyboardInterrupt):
+        _run(wire.session, _plan(), tmp_path / "run", Cut())
+    assert wire.session.drive.state() is State.SWITCH_ON_DISABLED
+    manifest = Bundle.open(tmp_path / "run").manifest
+    assert manifest.verdict == "fail"
+    assert manifest.details["failure"] == "KeyboardInterrupt"
 
 
 def test_a_setup_that_is_refused_changes_nothing_and_leaves_no_bundle(wire: Wire, tmp_path: Path) -> None:

@@ -240,3 +240,16 @@ def test_a_drive_that_does_not_confirm_is_stopped_by_nmt(wire: Wire) -> None:
     assert (0x000, bytes([0x02, NODE])) in wire.frames()
     wire.send(0x000, 0x80, NODE)
     assert not _is_enabled(wire)
+
+
+def test_a_host_that_leaves_a_mute_drive_falls_silent(wire: Wire) -> None:
+    """What the host cannot disable any more, the drive's own supervision stops for want of a heartbeat."""
+    _run_up(wire)
+    wire.send(0x000, 0x02, NODE)
+    with pytest.raises(StateError, match="heartbeat ends now"):
+        wire.session.drive.__exit__(None, None, None)
+    wire.frames()
+    wire.session.clock.wait(1.0)
+    assert [can_id for can_id, _ in wire.frames() if can_id == 0x700 + 127] == []
+    wire.send(0x000, 0x80, NODE)
+    assert not _is_enabled(wire)

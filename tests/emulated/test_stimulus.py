@@ -342,6 +342,22 @@ def test_quick_stop_and_another_mode_stop_it(wire: Wire) -> None:
     assert drive.read("stimulus_state") == "idle"
 
 
+@pytest.mark.parametrize("mode", [Mode.VELOCITY, Mode.TORQUE])
+def test_none_starts_while_a_quick_stop_brakes(wire: Wire, mode: Mode) -> None:
+    drive = _drive(wire, Mode.VELOCITY)
+    drive.write("omega_m_command", 60.0)
+    drive.wait(0.3)
+    drive.write("mode_of_operation", int(mode))
+    wire.send(SDO_REQUEST, 0x2B, 0x40, 0x60, 0x00, 0x02, 0x00, 0, 0)
+    assert drive.state() is State.QUICK_STOP_ACTIVE
+    drive.write("stimulus_quantity", "speed" if mode is Mode.VELOCITY else "torque")
+    with pytest.raises(SdoAbort) as refused:
+        _start(drive, stimulus_amplitude=0.1, stimulus_ticks=100)
+    assert refused.value.code == Abort.DEVICE_STATE
+    assert drive.read("stimulus_state") == "idle"
+    assert drive.state() is State.QUICK_STOP_ACTIVE
+
+
 def test_an_overcurrent_trips_in_voltage_mode_as_well(wire: Wire) -> None:
     drive = _drive(wire, Mode.VOLTAGE)
     stimulus = Stimulus(quantity="voltage", shape="constant", amplitude_V=30.0, duration_s=1.0)
@@ -349,6 +365,15 @@ def test_an_overcurrent_trips_in_voltage_mode_as_well(wire: Wire) -> None:
         play(drive, stimulus, motor=wire.session.profile.motor)
     assert drive.state() is State.FAULT
     assert drive.read("stimulus_state") == "idle"
+
+
+def test_who_plays_without_a_capture_waits_for_every_repetition(wire: Wire) -> None:
+    drive = _drive(wire)
+    began_s = wire.session.clock.now_s()
+    stimulus = Stimulus(quantity="torque", shape="ramp", amplitude_Nm=0.05, duration_s=0.7, repetitions=3)
+    assert play(drive, stimulus, motor=wire.session.profile.motor) is None
+    assert drive.read("stimulus_state") == "done"
+    assert wire.session.clock.now_s() - began_s == pytest.approx(2.1, abs=0.1)
 
 
 def test_who_plays_learns_that_another_master_stopped_it(wire: Wire) -> None:

@@ -98,6 +98,14 @@ def test_values_and_ticks_are_those_of_a_capture_at_the_control_rate(wire: Wire)
 
 
 @over_both_wires
+def test_a_later_stream_is_measured_against_what_the_drive_sent_of_it_alone(wire: Wire) -> None:
+    for seconds, records in ((0.5, 50), (1.0, 100), (0.2, 20)):
+        with TelemetryStream(wire.session.drive, [Kept().sink], CHANNELS) as stream:
+            wire.session.clock.wait(seconds)
+        assert stream.report().expected == stream.report().counters.received == records
+
+
+@over_both_wires
 def test_the_report_of_a_whole_stream(wire: Wire) -> None:
     drive = wire.session.drive
     kept = Kept()

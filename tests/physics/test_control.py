@@ -199,6 +199,49 @@ def test_trip_ends_the_run_in_its_tick_with_the_power_stage_off(name: str, value
     assert core.command.pwm_enabled == 0
 
 
+@pytest.mark.parametrize("speed", [-50.0, 50.0])
+def test_overspeed_trips_in_either_direction(speed: float) -> None:
+    core = make_core(parameters={"omega_m_trip": 60.0})
+    core.load.held, core.load.omega_m_rad_s = 1, speed
+    assert core.run(1000) == 1000
+    assert core.command.trip == 0
+    core.load.omega_m_rad_s = 1.4 * speed
+    core.run(1000)
+    assert Trip(int(core.command.trip)) == Trip.OVERSPEED
+
+
+@pytest.mark.parametrize("phase", range(3))
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+def test_overcurrent_trips_on_any_phase_of_either_sign(phase: int, sign: float) -> None:
+    """Half of the current flows in each of the other two, so that one phase alone is beyond the limit."""
+    core = make_core(sensors=FINE, parameters={"i_trip": 8.0})
+    for peak, trip in ((7.0, 0), (9.0, Trip.OVERCURRENT)):
+        core.turn_rotor(phase * 2.0 * math.pi / 3.0)
+        core.shaft.i_d = sign * peak
+        core.load.held = 1
+        core._controls["gated"] = core.command.pwm_enabled = 1  # a zero vector: the current flows on
+        core._controls["duty_a"] = core._controls["duty_b"] = core._controls["duty_c"] = 0.0
+        core.run(1)
+        assert int(core.command.trip) == trip
+
+
+def test_the_speed_loop_starts_from_nothing_after_a_stand_by() -> None:
+    core = make_core()
+    core.command.mode, core.command.pwm_enabled = int(Mode.VELOCITY), 1
+    core.memory["omega_m_command"] = 30.0
+    core.load.torque_Nm = 2.0
+    core.run(10_000)
+    assert float(core.memory["torque_reference"][0]) > 1.5  # the integral carries the load
+    core.load.held, core.load.omega_m_rad_s = 1, 30.0
+    core.command.pwm_enabled = 0
+    core.run(500)
+    core.command.pwm_enabled = 1
+    core.run(1)
+    error = 30.0 - float(core.memory["omega_m"][0])
+    assert abs(error) < 1.0
+    assert float(core.memory["torque_reference"][0]) == pytest.approx(0.04 * error, abs=0.01)
+
+
 def test_quick_stop_reaches_standstill_in_either_mode() -> None:
     core = running()
     core.command.mode = int(Mode.TORQUE)

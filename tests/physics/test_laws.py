@@ -322,6 +322,39 @@ def test_zero_vectors_make_no_voltage(zero: int) -> None:
     assert held(zero, 122.5)[:5] == pytest.approx((zero // 7,) * 3 + (0.0, 0.0), abs=1e-12)
 
 
+@pytest.mark.parametrize("law", [Law.FOC, Law.DEADBEAT])
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+def test_a_torque_that_no_flux_of_that_length_makes_is_told(law: Law, sign: float) -> None:
+    memory = drive(law=int(law))
+    pull_out = PER_AMPERE * 0.18 * PSI_R / L
+    for share, clipped in ((0.9, False), (1.1, True)):
+        asked = demand(at(0.2, 1.0, OMEGA, memory), sign * share * pull_out, 0.18, memory, remembered())
+        assert bool(asked.clipped) is clipped
+
+
+@pytest.mark.parametrize("law", [Law.FOC, Law.DEADBEAT])
+def test_every_tick_in_which_a_law_is_out_of_reach_is_counted(law: Law) -> None:
+    """A voltage to spare, so that it is the law that clips and not the modulator."""
+    limits = {"i_trip": 55.0, "u_dc_max": 900.0, "torque_limit": 40.0}
+    core = make_core(
+        inverter={"u_dc_V": 800.0},
+        sensors={"i_full_scale_A": 60.0, "u_full_scale_V": 1000.0, "adc_bits": 16},
+        parameters={"law": int(law), "psi_s_command": 0.18, **limits},
+    )
+    core.load.held, core.load.omega_m_rad_s = 1, 15.0
+    core.command.pwm_enabled = 1
+    pull_out = PER_AMPERE * 0.18 * PSI_R / L
+    counted = []
+    for share in (0.5, 1.2):
+        core.memory["torque_command"] = share * pull_out
+        core.run(1000)
+        before = int(core.memory["law_clipped"][0])
+        core.run(400)
+        counted.append(int(core.memory["law_clipped"][0]) - before)
+    assert core.command.trip == 0
+    assert counted == [0, 400]
+
+
 @pytest.mark.parametrize("law", [law for law in Law if law is not Law.TPC_STATOR])
 def test_law_angle_is_that_of_the_voltage_against_the_rotor_flux(law: Law) -> None:
     memory = drive(law=int(law))

@@ -50,6 +50,24 @@ def test_gain_and_offset_of_a_phase() -> None:
     assert (sample.i_a, sample.i_b, sample.i_c) == pytest.approx((10.2, -4.9, -5.1), abs=1e-5)
 
 
+def test_each_phase_has_a_gain_an_offset_and_a_noise_of_its_own() -> None:
+    gains, offsets, noise = (1.02, 0.97, 1.05), (0.3, -0.2, 0.1), (0.01, 0.02, -0.04)
+    truth = SensorTruth(
+        i_full_scale_A=15.0,
+        u_full_scale_V=500.0,
+        adc_bits=24,
+        current_gain=gains,
+        current_offset_A=offsets,
+    )
+    record = np.zeros(1, MEASUREMENT)
+    measure(place(3.0, 8.0, 0.0, 0.4), 122.5, 4.0, truth.sensing(), np.array(noise, np.float32), record[0])
+    phases = [
+        (complex(3.0, 8.0) * np.exp(1j * (0.4 - turn))).real for turn in (0.0, 2 * np.pi / 3, 4 * np.pi / 3)
+    ]
+    expected = [g * i + o + n for g, i, o, n in zip(gains, phases, offsets, noise, strict=True)]
+    assert (record[0].i_a, record[0].i_b, record[0].i_c) == pytest.approx(expected, abs=1e-5)
+
+
 def test_dc_link_uses_the_whole_range_from_zero() -> None:
     assert abs(read(0.0).u_dc - 122.5) <= 500.0 / 1024 / 2
     assert read(0.0, u_dc=900.0).u_dc == pytest.approx(500.0 - 500.0 / 1024)

@@ -13,8 +13,11 @@ from pydantic import ValidationError
 from benchtool.errors import PlanError
 from benchtool.experiment.limits import Limit, Verdict, worst
 from benchtool.experiment.plan import load_plan
+from benchtool.experiment.validation import require_known
+from benchtool.protocol.dictionary import Dictionary
 from benchtool.shipped import shipped
 
+DICTIONARY = Dictionary.from_eds(shipped("firmware_protocol") / "drive.eds", 1)
 PLAN = (shipped("profiles") / "zhu2011" / "ripple.toml").read_text(encoding="utf-8")
 
 
@@ -77,6 +80,26 @@ def test_mistakes_in_a_plan(tmp_path: Path, change: tuple[str, str], complaint: 
         load_plan(str(path))
     assert complaint in str(refused.value)
     assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize("place", range(3))
+@pytest.mark.parametrize("where", ["sweep", "variants"])
+def test_every_value_that_a_plan_would_set_is_checked(tmp_path: Path, where: str, place: int) -> None:
+    values = [0.1, 0.12, 0.14]
+    values[place] = -1.0
+    if where == "sweep":
+        added = f"\n[sweep.setup]\nR_s_ohm = {values}\n"
+    else:
+        added = "".join(
+            f"\n[[variants]]\nname = '{number}'\nsetup = {{ R_s_ohm = {value} }}\n"
+            for number, value in enumerate(values)
+        )
+    path = tmp_path / "mine.toml"
+    path.write_text(PLAN + added, encoding="utf-8")
+    with pytest.raises(PlanError, match=r"mine\.toml.*R_s"):
+        require_known(load_plan(str(path)), path, DICTIONARY)
+    path.write_text((PLAN + added).replace("-1.0", "0.16"), encoding="utf-8")
+    require_known(load_plan(str(path)), path, DICTIONARY)
 
 
 def test_unknown_plan_lists_the_known() -> None:

@@ -131,10 +131,16 @@ def test_an_answer_out_of_protocol_is_a_link_error(scripted: ScriptedBus, host: 
     assert [request[:2] for request in scripted.requests] == ["2F", "80"]
 
 
-def test_fewer_bytes_than_announced_are_a_link_error(scripted: ScriptedBus, host: CanopenLink) -> None:
-    short: list[list[Step]] = [[sdo("41 00 20 01 0A 00 00 00")], [sdo("03 30 31 32 33 34 35 00")]]
-    scripted.answer = script(*short, *short)
-    with pytest.raises(LinkError, match="6 bytes came, 10 were announced"):
+@pytest.mark.parametrize("announced", [10, 5])
+def test_more_or_fewer_bytes_than_announced_are_a_link_error(
+    scripted: ScriptedBus, host: CanopenLink, announced: int
+) -> None:
+    other: list[list[Step]] = [
+        [sdo(f"41 00 20 01 {announced:02X} 00 00 00")],
+        [sdo("03 30 31 32 33 34 35 00")],
+    ]
+    scripted.answer = script(*other, *other)
+    with pytest.raises(LinkError, match=f"6 bytes came, {announced} were announced"):
         host.upload(0x2000, 1)
 
 
@@ -201,6 +207,18 @@ def test_a_wrong_crc_is_read_again_and_then_an_error(scripted: ScriptedBus, host
     with pytest.raises(LinkError, match="the CRC of 20 bytes is wrong"):
         host.upload(0x2000, 1, block=True)
     assert scripted.requests[-1] == "80 00 20 01 04 00 04 05"
+
+
+@pytest.mark.parametrize("announced", [19, 21])
+def test_a_block_of_another_length_than_announced_is_a_link_error(
+    scripted: ScriptedBus, host: CanopenLink, announced: int
+) -> None:
+    begun: list[Step] = [sdo(f"C6 00 20 01 {announced:02X} 00 00 00")]
+    other: list[list[Step]] = [begun, [sdo(FIRST), sdo(SECOND), sdo(THIRD)], end(CRC), []]
+    scripted.answer = script(*other, *other)
+    with pytest.raises(LinkError, match="20 bytes came, others were announced"):
+        host.upload(0x2000, 1, block=True)
+    assert scripted.requests[-1].startswith("80 00 20 01")
 
 
 def test_segments_that_never_get_through_end_the_transfer(scripted: ScriptedBus, host: CanopenLink) -> None:

@@ -106,11 +106,14 @@ def test_segmented_download_alternates_the_toggle(served: Served, wire: Wire) ->
     assert served.writes == [(0x2044, 0, TEN)]
 
 
+@pytest.mark.parametrize("announced", ["09", "0B"])
 def test_segmented_download_of_another_length_than_announced_is_not_written(
-    served: Served, wire: Wire
+    served: Served, wire: Wire, announced: str
 ) -> None:
-    wire.ask("21 44 20 00 0B 00 00 00", "00 30 31 32 33 34 35 36")
-    assert wire.ask("19 37 38 39 00 00 00 00") == ["80 44 20 00 10 00 07 06"]
+    wire.ask(f"21 44 20 00 {announced} 00 00 00", "00 30 31 32 33 34 35 36")
+    (answer,) = wire.ask("19 37 38 39 00 00 00 00")
+    assert answer[:11] == "80 44 20 00"
+    assert answer[18:] == "07 06"  # some code of "length of the data does not match"
     assert served.writes == []
 
 

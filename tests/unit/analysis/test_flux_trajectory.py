@@ -43,6 +43,19 @@ def test_an_offset_circle_in_either_direction(
     assert found["flux_radius_rms"] == pytest.approx(abs(centre) / np.sqrt(2), rel=2e-2, abs=1e-6)
 
 
+def test_the_basis_is_the_whole_revolutions() -> None:
+    psi = np.exp(1j * _turns(5.5))
+    block = Block(CHANNELS, 0, 2, 1e-4, np.column_stack([psi.real, psi.imag]))
+    for each in flux_trajectory(block):
+        basis = each.basis
+        assert basis is not None
+        assert basis.samples is not None
+        assert basis.samples == pytest.approx(5.0 / 5.5 * ROWS, abs=2)
+        assert basis.sample_rate_Hz == pytest.approx(5e3)
+        assert basis.duration_s == pytest.approx(basis.samples / 5e3)
+        assert basis.bandwidth_Hz == pytest.approx(2.5e3)
+
+
 def test_a_hexagon_run_along_its_sides_evenly() -> None:
     corners = np.exp(1j * np.pi / 3 * np.arange(7))
     along = np.mod(_turns(5.0) / (np.pi / 3), 6)

@@ -87,6 +87,15 @@ def test_both_estimators_agree_with_the_closed_form_within_their_errors() -> Non
     np.testing.assert_allclose(between[2:], whole.gain[2 : len(at_Hz)], rtol=0.1)
 
 
+@pytest.mark.parametrize("segment", [200, 1000])
+def test_the_bin_next_to_dc_is_no_part_of_an_averaged_response(segment: int) -> None:
+    """A Hann window is three bins wide: what is left of an offset falls into the first beside it."""
+    x = _noise(20_000, 1.0)
+    found = averaged_response(x, _filtered(x), RATE_HZ, segment)
+    assert found.frequency_Hz[0] == pytest.approx(2.0 * RATE_HZ / segment)
+    assert found.frequency_Hz[-1] == pytest.approx(RATE_HZ / 2)
+
+
 def test_a_periodic_input_leaks_nothing() -> None:
     x = _prbs(6)
     y = _filtered(x)

@@ -19,6 +19,7 @@ from benchtool.analysis import (
     noise_floor,
     total_harmonic_distortion,
     track_angle,
+    track_tone,
 )
 from benchtool.block import Block, Channel
 
@@ -74,6 +75,21 @@ def test_harmonics_and_their_neighbours_are_not_noise() -> None:
     assert floor.density == pytest.approx(floor.amplitude / math.sqrt(2 * 10.0))
 
 
+def test_bins_next_to_dc_are_not_noise() -> None:
+    """What drifts spreads about dc, as what wobbles does about a harmonic."""
+    amplitude = np.full(100, 0.01)
+    amplitude[:3] = amplitude[11::12] = amplitude[13::12] = 0.5  # dc, its neighbours, and those of harmonics
+    amplitude[12::12] = 1.0
+    amplitude[2] = 0.01
+    spectrum = CoherentSpectrum(10.0 * np.arange(100.0), amplitude, 12, 1000.0, np.zeros(8))
+
+    floor = noise_floor(spectrum, 0.0, 1.0)
+
+    assert floor is not None
+    assert floor.bins == 12 - 3  # 2 to 10
+    assert floor.amplitude == pytest.approx(0.01 / math.sqrt(math.log(2.0)))
+
+
 def test_the_floor_around_a_harmonic_is_local() -> None:
     generator, samples = np.random.default_rng(4), 40_065
     theta_e = 2 * np.pi * 50.0 * np.arange(samples, dtype=np.float64) / RATE_HZ
@@ -98,6 +114,12 @@ def test_too_few_bins_between_harmonics_give_no_floor() -> None:
     assert noise_floor(spectrum) is None
     assert np.all(np.isnan(harmonic_noise(spectrum, 1)))
     assert math.isnan(total_harmonic_distortion(spectrum).standard)
+    block = Block((Channel("i_a", "A"),), 0, 1, 1 / RATE_HZ, np.cos(theta_e)[:, np.newaxis])
+    found = {each.name: each for each in current_spectrum(block, "i_a", track_angle(theta_e, 1)).measurements}
+    for name in ("current_thdg", "current_thds"):
+        assert math.isnan(found[name].value)
+        assert found[name].unit == "%"
+        assert "four periods" in found[name].definition
 
 
 def test_an_amplitude_scatters_by_its_uncertainty() -> None:
@@ -159,6 +181,42 @@ def test_the_corrected_distortion_scatters_by_its_uncertainty() -> None:
     claimed = [each.corrected_standard for each in found]
     scatter = float(np.std([each.corrected for each in found]))
     assert np.sqrt(np.mean(np.square(claimed))) == pytest.approx(scatter, rel=0.25)
+
+
+def test_without_lines_the_corrected_distortion_is_uncertain_by_the_noise_alone() -> None:
+    """Harmonics of just the noise's mean square n^2: nothing is left, and each square deviates by n^2."""
+    n, periods, orders = 1e-3, 400, 50
+    amplitude = np.full(periods * (orders + 1), n * math.sqrt(math.log(2.0)))  # the median of such noise
+    amplitude[periods::periods] = n
+    amplitude[periods] = 1.0
+    spectrum = CoherentSpectrum(
+        0.1 * np.arange(float(len(amplitude))), amplitude, periods, 1e5, np.zeros(orders)
+    )
+
+    found = total_harmonic_distortion(spectrum)
+
+    assert found.corrected == pytest.approx(0.0, abs=1e-4)
+    of_squares = n**2 * math.sqrt(orders - 1)
+    assert found.corrected_standard == pytest.approx(0.5 * math.sqrt(2.0 * of_squares), rel=0.02)
+
+
+@pytest.mark.parametrize(("samples", "frequency_Hz"), [(1_000, 97.3), (4_000, 411.0)])
+def test_no_frequency_from_a_noisy_tone_is_surer_than_the_cramer_rao_bound(
+    samples: int, frequency_Hz: float
+) -> None:
+    """Of amplitude 1 in white noise of rms 0.05: no unbiased estimate has less than 24 sigma^2 / n^3."""
+    omega, claimed = 2 * np.pi * frequency_Hz / RATE_HZ, []
+    for seed in range(20):
+        noise = np.random.default_rng(seed).normal(0.0, 0.05, samples)
+        current = np.cos(omega * np.arange(samples)) + noise
+        block = Block((Channel("i_a", "A"),), 0, 1, 1 / RATE_HZ, current[:, np.newaxis])
+        spectrum = current_spectrum(block, "i_a", track_tone(current, "i_a"))
+        (frequency,) = (each for each in spectrum.measurements if each.name == "fundamental_frequency")
+        assert frequency.uncertainty is not None
+        claimed.append(frequency.uncertainty.standard)
+
+    bound = math.sqrt(24.0 * 0.05**2 / samples**3) * RATE_HZ / (2 * np.pi)
+    assert np.mean(claimed) > 0.95 * bound
 
 
 def test_two_lengths_of_one_record_agree_within_their_uncertainty() -> None:

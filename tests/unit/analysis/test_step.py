@@ -116,6 +116,22 @@ def test_noise_beyond_two_percent_widens_the_settling_band() -> None:
     assert "within 0.013 Nm of the final reference: 2% of the step" in clean.definition
 
 
+@pytest.mark.parametrize(("before", "after"), [(0.05, 1e-4), (1e-4, 0.05)])
+def test_the_noise_of_the_numbers_is_that_of_the_end_and_not_of_what_was_before(
+    before: float, after: float
+) -> None:
+    r = _step(0.0, 1.0)
+    noise = np.random.default_rng(3).normal(0.0, 1.0, len(r)) * np.where(
+        np.arange(len(r)) < 150, before, after
+    )
+    response = analyze_step(_block(r + noise, r), "torque", "torque_reference")
+    measured = {each.name: each for each in response.measurements}
+    for name in ("overshoot", "tracking_error_max"):
+        uncertainty = measured[name].uncertainty
+        assert uncertainty is not None
+        assert uncertainty.standard == pytest.approx(after, rel=0.2)
+
+
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_tracking_error_is_signal_minus_reference_in_its_own_sign(sign: float) -> None:
     y, r = _noisy(sign * 2.0, 0.005)
@@ -160,6 +176,10 @@ def test_a_reference_that_does_not_wait_has_no_plateau() -> None:
 
 def test_every_number_says_what_it_rests_on() -> None:
     response = analyze_step(_block(*_noisy(1.0, 0.01)), "torque", "torque_reference")
+    document = response.to_json()
+    assert {name: each["value"] for name, each in document.items()} == {
+        each.name: each.value for each in response.measurements if not math.isnan(each.value)
+    } | {each.name: None for each in response.measurements if math.isnan(each.value)}
     for each in response.measurements:
         assert each.basis.samples == 4900
         assert "torque against torque_reference, which goes from 0 to 1 Nm in row 100" in each.basis.reference

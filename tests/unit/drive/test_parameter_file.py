@@ -186,6 +186,12 @@ def test_another_product_is_refused_and_another_serial_number_is_not() -> None:
     assert _settings(_file({"R_s_ohm": 0.2}, serial_number=123)) == {"R_s": 0.2}
 
 
+def test_another_vendor_with_the_same_product_code_is_refused() -> None:
+    message = _refusal(_file({}, vendor_id=IDENTITY.vendor_id + 1))
+    assert f"vendor 0x{IDENTITY.vendor_id + 1:08X}" in message
+    assert f"vendor 0x{IDENTITY.vendor_id:08X}" in message
+
+
 def test_a_file_of_an_old_dictionary_is_migrated() -> None:
     old = _file({"R_s_mohm": 123, "filter_Hz": 50.0, "law": "tpc"}, hash_=OLD)
     assert _settings(old, RULES) == {"R_s": 0.123, "law": "tpc"}

@@ -28,7 +28,14 @@ def test_a_drive_that_ran_on_is_no_other_one(tick: int, past_s: float, drift: fl
 
 @pytest.mark.parametrize(
     ("tick", "later"),
-    [(100_000, 0), (100_000, 105_000), (100_000, 250_000), (WRAP - 10, 30_000), (0, WRAP - 1)],
+    [
+        (100_000, 0),
+        (100_000, 105_000),
+        (100_000, 250_000),
+        (WRAP - 10, 30_000),
+        (0, WRAP - 1),
+        (0, WRAP // 2 + 50_000),
+    ],
 )
 def test_ticks_that_are_not_where_time_would_have_brought_them(tick: int, later: int) -> None:
     assert mark(tick, 0.0).restarted_since(mark(later, 5.0)) is True

@@ -121,12 +121,26 @@ def test_the_tick_may_wrap() -> None:
     assert block.ticks().tolist() == [start + n * STRIDE for n in range(4)]
 
 
+@pytest.mark.parametrize("rows", [2**30 // STRIDE + 1, 2**31 // STRIDE - 1])
+@pytest.mark.parametrize("first_tick", [0, 2**31 - STRIDE, 2**32 - STRIDE])
+def test_a_gap_of_days_is_as_long_as_its_ticks_say(first_tick: int, rows: int) -> None:
+    """Up to half of the tick's range, past its wrap or not."""
+    decoder = RecordDecoder(LAYOUT)
+    late = record(1, first_tick=first_tick + rows * STRIDE)
+    block = decoded(record(0, first_tick=first_tick) + late, decoder)
+    assert block is not None
+    assert block.ticks().tolist() == [first_tick, first_tick + (rows + 1) * STRIDE]
+    assert decoder.counters.missing == rows
+    assert decoder.counters.off_grid == 0
+
+
 @pytest.mark.parametrize("ticks", [-STRIDE, 0, 37, -37])
 def test_a_record_off_the_time_base_is_counted_and_left_out(ticks: int) -> None:
     decoder = RecordDecoder(LAYOUT)
     frames = record(0) + record(0, first_tick=500 + ticks) + record(1)
     assert numbers(decoded(frames, decoder)) == [0, 1]
     assert decoder.counters.off_grid == 1
+    assert (decoder.counters.missing, decoder.counters.lost) == (0, 0)
 
 
 @given(st.lists(st.tuples(st.sampled_from([0x183, 0x1C3, 0x283, 0x483, 0x99]), st.binary(max_size=8))))

@@ -60,6 +60,21 @@ def cut_short(directory: Path, *blocks: Block) -> Path:
     return directory / "data" / "capture.arrows"
 
 
+def test_what_was_cut_short_says_why_and_takes_no_more(tmp_path: Path) -> None:
+    with BundleWriter(tmp_path / "run", MANIFEST) as writer:
+        writer.append("capture", block())
+        writer.fail("DriveFault: overcurrent", verdict="fail", quality={"frames_dropped": 2})
+        assert_same(Bundle.open(tmp_path / "run").block("capture"), block())
+        with pytest.raises(RecordingError, match="is closed, nothing can be added"):
+            writer.append("capture", block(300))
+    bundle = Bundle.open(tmp_path / "run")
+    assert not bundle.complete
+    assert bundle.manifest.verdict == "fail"
+    assert bundle.manifest.details["failure"] == "DriveFault: overcurrent"
+    assert bundle.manifest.quality["frames_dropped"] == 2
+    assert bundle.manifest.streams["capture"].rows == 50
+
+
 def test_a_finished_bundle_gives_back_blocks_manifest_and_measurements(tmp_path: Path) -> None:
     measurements = {"torque_mean": {"value": 0.65, "unit": "Nm", "definition": "mean"}}
     capture, transducer = block(), replace(block(5), stride=1, tick_s=5e-6)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import sys
+from datetime import datetime
 from pathlib import Path
 
 import numpy as np
@@ -67,6 +68,7 @@ def test_mdf4(bundle: Bundle, block: Block, tmp_path: Path) -> None:
             assert signal.samples.tobytes() == np.ascontiguousarray(block.column(channel.name)).tobytes()
             assert signal.timestamps.tobytes() == block.time_s().tobytes()
         assert file.get("tick").samples.tolist() == block.ticks().tolist()
+        assert file.start_time == datetime.fromisoformat(bundle.manifest.when)
 
 
 def test_without_its_package_mdf4_says_what_to_install(

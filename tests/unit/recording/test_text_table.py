@@ -152,6 +152,20 @@ def test_a_unit_of_the_head_that_is_none_of_the_kind_is_never_taken_as_si(
     assert table.select(f"2:{si_unit}", si_unit).factor == 1.0
 
 
+def test_a_decimal_comma_that_a_long_record_shows_late_is_found(tmp_path: Path) -> None:
+    rows = 50_000
+    values = np.where(np.arange(rows) < 40_000, 3.0, 0.5)
+    body = "\n".join(f"{row};{value:g}".replace(".", ",") for row, value in enumerate(values))
+    found = read(write(tmp_path, f"t;I\n{body}\n"), "t", "I")
+    assert found.dropped == {}
+    np.testing.assert_array_equal(found.data[:, 1], values)
+
+
+def test_what_stands_apart_from_the_line_of_units_names_no_column(tmp_path: Path) -> None:
+    table = TextTable.open(write(tmp_path, f"Operator,Smith\nno names here\ns,A\n{lines()}"))
+    assert not {"Operator", "Smith"} & {column.name for column in table.layout.columns}
+
+
 @pytest.mark.parametrize("units", ["min,mA,Ncm", "min,mA,foo", "[min],[mA],[foo]"])
 def test_a_line_of_units_is_never_one_of_names(tmp_path: Path, units: str) -> None:
     table = TextTable.open(write(tmp_path, f"t,I,T\n{units}\n" + lines(end=",7")))

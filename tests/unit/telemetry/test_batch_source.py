@@ -7,14 +7,16 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
+from benchtool.block import Block
 from benchtool.clock import Clock, VirtualClock
-from benchtool.errors import ValueRefused
+from benchtool.errors import StateError, ValueRefused
 from benchtool.link.interface import Alarm, BatchReceiver, LinkCounters
 from benchtool.protocol.dictionary import Dictionary
 from benchtool.protocol.nmt import NmtCommand, NmtState
 from benchtool.protocol.serial import Batch, StreamReply
 from benchtool.protocol.variable import Value
 from benchtool.shipped import shipped
+from benchtool.telemetry import Sink, TelemetryStream
 from benchtool.telemetry.batch_source import BatchSource, TimedBatch
 from benchtool.telemetry.source import Sent
 
@@ -136,3 +138,36 @@ def test_a_batch_is_full_within_a_fiftieth_of_a_second(
 def test_a_record_that_fits_no_message_is_refused() -> None:
     with pytest.raises(ValueRefused, match="too long for this drive's messages"):
         source(Link(0)).start(lambda _: None)
+
+
+@pytest.mark.parametrize("first_tick", [0, 2**32 - 30])
+@pytest.mark.parametrize("away", [10, 2**31 - 8, 2**31 + 2, 2**32 - 16])
+def test_what_was_missed_while_the_link_was_gone_is_a_gap_of_its_ticks(first_tick: int, away: int) -> None:
+    """Up to 119 hours at 10 kHz, past the wrap of the drive's counter or not."""
+    link, node, blocks = Link(room=30), Node(Link(room=30)), list[Block]()
+    node.link, node.clock = link, VirtualClock()
+    row = np.zeros(2, dtype="<f4").tobytes()
+    with TelemetryStream(node, [Sink("kept", blocks.append, lossless=True)], ("torque",), 5_000.0) as stream:
+        for tick in (first_tick, first_tick + 2 + away):
+            if tick != first_tick:
+                stream.resume()
+            assert link.receiver is not None
+            link.receiver(Batch(SCHEMA, 0, tick % 2**32, 2, 2, row), 1.0 + (tick - first_tick) * 1e-4)
+    expected = [first_tick, first_tick + 2, first_tick + 2 + away, first_tick + 4 + away]
+    assert [tick for block in blocks for tick in block.ticks()] == expected
+    assert [gap.missing_rows for gap in stream.report().gaps] == [away // 2 - 1]
+
+
+def test_a_drive_that_restarted_while_its_link_was_gone_ends_the_stream() -> None:
+    link, node = Link(room=30), Node(Link(room=30))
+    node.link, node.clock = link, VirtualClock()
+    row = np.zeros(1, dtype="<f4").tobytes()
+    with (
+        pytest.raises(StateError, match="restarted while its link was lost: tick 100000 was followed by 50"),
+        TelemetryStream(node, [], ("torque",), 5_000.0) as stream,
+    ):
+        for tick, arrival_s in ((100_000, 1.0), (50, 5.0)):
+            if tick == 50:
+                stream.resume()
+            assert link.receiver is not None
+            link.receiver(Batch(SCHEMA, 0, tick, 2, 1, row), arrival_s)

@@ -6,6 +6,8 @@ import json
 import math
 
 import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
 
 from benchtool.block import Block, Channel, Gap
 from benchtool.link import LinkCounters
@@ -53,6 +55,32 @@ def test_gaps_are_counted_and_located_by_their_largest() -> None:
     assert certificate.value("link_frames_dropped") == 2
 
 
+@given(
+    st.integers(1, 50),
+    st.lists(st.integers(1, 1000), max_size=8),
+    st.integers(0, 20) | st.none(),
+)
+def test_missing_rows_are_what_was_expected_less_what_came(
+    rows: int, lengths: list[int], beyond: int | None
+) -> None:
+    """`beyond`: rows that the drive says it sent, besides those that the gaps within tell."""
+    gaps = tuple(Gap(row, missing) for row, missing in enumerate(lengths, start=1) if row < rows)
+    inside = sum(gap.missing_rows for gap in gaps)
+    expected = None if beyond is None else rows + inside + beyond
+    facts = StreamFacts(rows, gaps, {}, expected)
+    certificate = certify({"capture": facts}, LinkCounters())
+    assert certificate.value("capture_rows_missing") == inside + (beyond or 0)
+    assert certificate.value("capture_rows_expected") == rows + inside + (beyond or 0)
+    assert certificate.complete == (inside + (beyond or 0) == 0)
+    assert f"{inside + (beyond or 0)} missing" in certificate.summary
+
+
+def test_a_counter_may_run_on_by_nearly_its_whole_range() -> None:
+    counts = {"adc_saturated": (10.0, 10.0 + 3e9 - 2**32)}
+    certificate = certify({"capture": StreamFacts(5, (), counts)}, LinkCounters())
+    assert certificate.value("capture_adc_saturated") == 3e9
+
+
 def test_the_slow_stream_is_measured_against_the_drives_own_count() -> None:
     clock = ClockFit(records=90, offset_s=1.0, drift_ppm=12.5, residual_rms_s=2e-4, residual_max_s=9e-4)
     stream = report(expected=100, clock=clock)
@@ -67,7 +95,8 @@ def test_the_slow_stream_is_measured_against_the_drives_own_count() -> None:
     assert values["clock_drift"] == 12.5
     assert values["clock_residual_max"] == 9e-4
     assert len(values) == len(certificate.measurements), "names are unique"
-    assert all(each.definition for each in certificate.measurements)
+    assert {each.unit for each in certificate.measurements} == {"", "s", "ppm"}
+    assert all(len(each.definition) > 5 for each in certificate.measurements)
 
 
 def test_what_is_undefined_is_null_in_json() -> None:
@@ -76,4 +105,9 @@ def test_what_is_undefined_is_null_in_json() -> None:
     document = json.loads(json.dumps(certificate.to_json(), allow_nan=False))
     assert document["complete"] is False
     assert document["measurements"]["clock_drift"]["value"] is None
+    assert {each.unit for each in certificate.measurements} == {"", "s", "ppm"}
+    assert "fewer than three records" in document["measurements"]["clock_drift"]["definition"]
+    saturated = document["measurements"]["telemetry_adc_saturated"]
+    assert (saturated["value"], saturated["unit"]) == (None, "")
+    assert "adc_saturated is not recorded" in saturated["definition"]
     assert document["measurements"]["telemetry_rows_expected"]["value"] == 97

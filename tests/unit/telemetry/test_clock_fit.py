@@ -43,6 +43,25 @@ def test_a_long_recording_keeps_a_bounded_number_of_pairs_and_the_same_line() ->
     assert fit.drift_ppm == pytest.approx(-30.0, abs=1e-3)
 
 
+@pytest.mark.parametrize("count", [40_000, 70_000, 150_000])
+def test_a_long_recording_is_thinned_evenly(count: int) -> None:
+    """A clock that changes its rate: the line through a part of the record, or through more of its end, is
+    another one than that through all records."""
+    statistics = ArrivalStatistics(TICK_S)
+    ticks = 10 * np.arange(count)
+    bend = np.maximum(0.0, ticks - 0.6 * ticks[-1]) * TICK_S * 1e-3
+    arrivals = ticks * TICK_S + bend
+    for tick, arrival_s in zip(ticks.tolist(), arrivals.tolist(), strict=True):
+        statistics.add(tick, arrival_s)
+    fit = statistics.fit()
+    assert fit is not None
+    slope = np.polyfit(ticks * TICK_S, bend, 1)[0]
+    assert fit.drift_ppm == pytest.approx(slope * 1e6, rel=1e-3)
+    assert fit.residual_max_s == pytest.approx(
+        np.max(np.abs(bend - np.polyval(np.polyfit(ticks * TICK_S, bend, 1), ticks * TICK_S))), rel=1e-2
+    )
+
+
 def test_it_can_be_asked_while_records_come() -> None:
     statistics = ArrivalStatistics(TICK_S)
     failures: list[Exception] = []

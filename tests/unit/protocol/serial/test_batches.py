@@ -198,6 +198,27 @@ def test_tick_and_sequence_may_wrap() -> None:
     assert (taker.counters.missing, taker.counters.lost) == (2, 2)
 
 
+@pytest.mark.parametrize("missing", [2**30 // STRIDE + 2, 2**31 // STRIDE - 2])
+@pytest.mark.parametrize("start", [START, 2**32 - STRIDE])
+def test_a_gap_of_days_is_as_long_as_its_ticks_say(start: int, missing: int) -> None:
+    taker = decoder()
+    taker.feed(batch(0, 0, 1, start=start), 0.0)
+    assert taker.feed(batch(1, 1 + missing, 1, start=start), 0.0) == 1
+    block = taker.take()
+    assert block is not None
+    assert [(gap.row, gap.missing_rows) for gap in block.gaps] == [(1, missing)]
+    assert block.ticks().tolist() == [start, start + (1 + missing) * STRIDE]
+
+
+@pytest.mark.parametrize("lost", [2**30, 2**31 - 2])
+def test_batches_lost_are_counted_past_the_wrap_of_their_sequence(lost: int) -> None:
+    taker = decoder(stride=1)
+    one = batch(2**32 - 1, 0, 1).data
+    taker.feed(Batch(SCHEMA, 2**32 - 1, START, 1, 1, one), 0.0)
+    assert taker.feed(Batch(SCHEMA, lost, START + lost + 1, 1, 1, one), 0.0) == 1
+    assert taker.counters.lost == lost
+
+
 def test_a_batch_may_wrap_within() -> None:
     start = 2**32 - 2 * STRIDE
     taker = decoder()
