@@ -178,9 +178,14 @@ def _cubic_zero(four: Floats, start: float) -> float:
 
 
 def _beyond_samples(values: Floats, top: int) -> float:
-    """What the parabola through the greatest value and its neighbours adds to it."""
-    if not 0 < top < len(values) - 1:
+    """What the parabola through the greatest value and its neighbours adds to it; 0 beside an edge.
+
+    Between samples a curve goes on as it bends only where it bends the same way at both neighbours.
+    """
+    if not 1 < top < len(values) - 2:
         return 0.0
-    before, at, after = (float(each) for each in values[top - 1 : top + 2])
-    bend = before - 2.0 * at + after
-    return -((after - before) ** 2) / (8.0 * bend) if bend < 0.0 else 0.0
+    bends = np.diff(values[top - 2 : top + 3], 2)
+    if np.max(bends) >= 0.0:
+        return 0.0
+    slope = float(values[top + 1] - values[top - 1])
+    return -(slope**2) / (8.0 * float(bends[1]))

@@ -56,6 +56,13 @@ def test_overshoot_of_a_second_order_system() -> None:
     assert found["undershoot"] == pytest.approx(3.0 * peak**2, rel=5e-2)
 
 
+def test_an_edge_is_no_overshoot_between_its_samples() -> None:
+    found = _measured(
+        np.select([np.arange(1000) < 101, np.arange(1000) < 102], [0.0, 1.0], 0.95), _step(0.0, 1.0)
+    )
+    assert found["overshoot"] == 0.0
+
+
 def test_a_pulse_is_judged_by_its_plateau_and_by_its_end() -> None:
     rows = np.arange(1000)
     r = np.select([rows < 100, rows < 600], [0.0, 1.0], 0.2)
