@@ -10,7 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.frequency_response import FrequencyResponse, frequency_response
+from benchtool.analysis.margins import margins
 from benchtool.analysis.measurement import Basis, Measurement, Table, Uncertainty
+from benchtool.analysis.response_curve import Point, ResponseCurve, gain_at_rest
 from benchtool.analysis.validity import require_unbroken
 from benchtool.block import Block
 from benchtool.errors import AnalysisError
@@ -19,6 +21,8 @@ _HALF_POWER_DB = 20.0 * math.log10(math.sqrt(0.5))
 _QUARTER_TURN = -0.5 * math.pi
 _FEWEST_FOR_A_LINE = 3
 _NEPER_DB = 20.0 / math.log(10.0)
+_MOST_OF_THE_LEVEL = 0.3  # of the 3 dB: a gain at rest that is less certain gives no bandwidth
+_STATISTICAL = "random error of H1 from coherence and number of averages"
 
 Floats = NDArray[np.float64]
 
@@ -105,37 +109,37 @@ def _measurements(found: FrequencyResponse, unit: str, basis: Basis) -> Iterator
     trusted = found.trusted
     trusted[: found.reference] = False  # below it no gain is known well
     frequency_Hz, error = found.frequency_Hz[trusted], found.error[trusted]
-    gain_dB, phase = found.gain_dB[trusted], found.phase_rad[trusted]
-    relative_dB = gain_dB - gain_dB[0]
-    statistical = "random error of H1 from coherence and number of averages"
+    gain, phase = found.gain[trusted], found.phase_rad[trusted]
 
-    gain, text = (
-        float(found.gain[trusted][0]),
-        "gain at the lowest frequency used with 1 % of the greatest input power and a usual error, the "
-        "reference of the others",
-    )
-    gain_error = Uncertainty(gain * float(error[0]), statistical)
-    yield Measurement("response_gain", gain, unit, f"{text}: {frequency_Hz[0]:.4g} Hz", basis, gain_error)
-
+    rest = gain_at_rest(frequency_Hz, gain, error)
     text = (
-        "lowest frequency at which the gain is 3.01 dB below response_gain, linear in dB between frequencies"
+        f"gain continued to zero frequency from {frequency_Hz[0]:.4g} Hz and above, 1 / gain^2 as a "
+        f"polynomial of frequency^2; the reference of the others"
     )
+    gain_error = Uncertainty(rest.gain * rest.relative_error, f"{_STATISTICAL}, and of the fit")
+    yield Measurement("response_gain", rest.gain, unit, text, basis, gain_error)
+
+    rest_dB = _NEPER_DB * rest.relative_error
+    relative = ResponseCurve(frequency_Hz, _dB(gain / rest.gain), _NEPER_DB * error, -_HALF_POWER_DB)
+    text = "lowest frequency at which the gain is 3.01 dB below response_gain, by a local parabola"
+    down = relative.falls_to(_HALF_POWER_DB, rest_dB)
     reason = f"it stays above up to {frequency_Hz[-1]:.4g} Hz"
-    error_dB = _NEPER_DB * np.hypot(error, error[0])
-    down = _falls_to(frequency_Hz, relative_dB, _HALF_POWER_DB, error_dB)
+    if rest_dB > -_MOST_OF_THE_LEVEL * _HALF_POWER_DB:
+        down, reason = None, f"response_gain is uncertain by {rest_dB:.2g} dB: play lower frequencies"
     yield _frequency("bandwidth_3dB", text, down, reason, basis)
 
-    text = "lowest frequency at which the phase is -90 degrees, linear between frequencies"
+    text = "lowest frequency at which the phase is -90 degrees, by a local parabola"
     reason = f"the phase stays above up to {frequency_Hz[-1]:.4g} Hz"
-    turned = _falls_to(frequency_Hz, phase, _QUARTER_TURN, error)
+    turned = ResponseCurve(frequency_Hz, phase, error, -_QUARTER_TURN).falls_to(_QUARTER_TURN)
     yield _frequency("bandwidth_90deg", text, turned, reason, basis)
 
-    top = int(np.argmax(relative_dB))
-    text = f"greatest gain over response_gain, here at {frequency_Hz[top]:.4g} Hz"
-    peak_error = Uncertainty(float(error_dB[top]) if top else 0.0, statistical)
-    yield Measurement("resonance_peak", float(relative_dB[top]), "dB", text, basis, peak_error)
+    peak_dB, standard_dB = relative.greatest()
+    text = f"greatest gain over response_gain, at least 0 dB, up to {frequency_Hz[-1]:.4g} Hz"
+    peak_error = Uncertainty(math.hypot(standard_dB, rest_dB), _STATISTICAL)
+    yield Measurement("resonance_peak", max(0.0, peak_dB), "dB", text, basis, peak_error)
 
-    limit_Hz = down[0] if down is not None else float(frequency_Hz[-1])
+    known = down is not None and math.isfinite(down.standard_Hz)
+    limit_Hz = down.frequency_Hz if down is not None and known else float(frequency_Hz[-1])
     yield _delay(frequency_Hz, phase, error, limit_Hz, basis)
 
     inside = found.excited & (found.frequency_Hz >= frequency_Hz[0]) & (found.frequency_Hz <= limit_Hz)
@@ -143,35 +147,23 @@ def _measurements(found: FrequencyResponse, unit: str, basis: Basis) -> Iterator
     coherence = found.coherence[inside]
     yield Measurement("coherence_min", float(np.min(coherence)), "", f"least {text}", basis)
     yield Measurement("coherence_median", float(np.median(coherence)), "", f"median {text}", basis)
+    if not unit:
+        yield from margins(frequency_Hz, found.response[trusted], error, basis)
 
 
-def _falls_to(
-    frequency_Hz: Floats, values: Floats, level: float, error: Floats
-) -> tuple[float, float] | None:
-    """Where values first fall to a level, and its standard uncertainty; None if they never do."""
-    at = int(np.argmax(values <= level))
-    if values[at] > level:
-        return None
-    if at == 0:
-        return float(frequency_Hz[0]), math.nan
-    step_Hz = float(frequency_Hz[at] - frequency_Hz[at - 1])
-    fall = float(values[at - 1] - values[at])
-    share = float(values[at - 1] - level) / fall
-    noise_Hz = step_Hz * float(np.max(error[at - 1 : at + 1])) / fall
-    return float(frequency_Hz[at - 1]) + share * step_Hz, math.hypot(noise_Hz, step_Hz / math.sqrt(12.0))
+def _dB(ratio: Floats) -> Floats:
+    return np.asarray(20.0 * np.log10(np.maximum(ratio, np.finfo(np.float64).tiny)))
 
 
-def _frequency(
-    name: str, definition: str, found: tuple[float, float] | None, reason: str, basis: Basis
-) -> Measurement:
+def _frequency(name: str, definition: str, found: Point | None, reason: str, basis: Basis) -> Measurement:
     if found is None:
         return Measurement.undefined(name, "Hz", definition, reason, basis)
-    value_Hz, standard_Hz = found
-    if not math.isfinite(standard_Hz):
-        reason = f"it is there at {value_Hz:.4g} Hz already, the lowest frequency used"
+    if not math.isfinite(found.standard_Hz):
+        reason = f"it is there at {found.frequency_Hz:.4g} Hz already, the lowest frequency used"
         return Measurement.undefined(name, "Hz", definition, reason, basis)
-    source = "random error of H1 over the slope, and spacing of the frequencies / sqrt(12)"
-    return Measurement(name, value_Hz, "Hz", definition, basis, Uncertainty(standard_Hz, source))
+    source = f"{_STATISTICAL}, over the slope, and the length of the local fit"
+    uncertainty = Uncertainty(found.standard_Hz, source)
+    return Measurement(name, found.frequency_Hz, "Hz", definition, basis, uncertainty)
 
 
 def _delay(frequency_Hz: Floats, phase: Floats, error: Floats, limit_Hz: float, basis: Basis) -> Measurement:
@@ -187,8 +179,11 @@ def _delay(frequency_Hz: Floats, phase: Floats, error: Floats, limit_Hz: float, 
     columns = np.stack([omega, np.ones(count)], axis=1)
     (slope, intercept), *_ = np.linalg.lstsq(columns, phase[inside], rcond=None)
     left = phase[inside] - slope * omega - intercept
-    spread = math.sqrt(float(np.sum(left**2)) / (count - 2) / float(np.sum((omega - np.mean(omega)) ** 2)))
-    uncertain = Uncertainty(spread, "scatter of the phase about the line")
+    across = omega - np.mean(omega)
+    # the errors differ: each point with its own, or with what the line leaves there if that is more
+    spread = math.sqrt(float(np.sum((across * np.maximum(np.abs(left), error[inside])) ** 2)))
+    spread /= float(np.sum(across**2))
+    uncertain = Uncertainty(spread, "scatter of the phase about the line, and its random error")
     return Measurement(name, -float(slope), "s", text, basis, uncertain)
 
 

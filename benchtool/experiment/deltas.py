@@ -132,7 +132,7 @@ def _deltas(reference: Assessment, other: Assessment) -> Iterator[Delta]:
         standard = _combined(one, two)
         # nan where either is missing, and then nothing is decided
         known = math.isfinite(absolute) and math.isfinite(standard)
-        exceeds = abs(absolute) > COVERAGE * standard if known else None
+        exceeds = bool(abs(absolute) > COVERAGE * standard) if known else None
         limits = [each.limits[one.name] for each in (reference, other) if one.name in each.limits]
         judgement = _judge(absolute, exceeds, limits)
         yield Delta(one.name, one.unit, one.value, two.value, absolute, percent, standard, exceeds, judgement)

@@ -56,6 +56,13 @@ def test_overshoot_of_a_second_order_system() -> None:
     assert found["undershoot"] == pytest.approx(3.0 * peak**2, rel=5e-2)
 
 
+def test_an_edge_is_no_overshoot_between_its_samples() -> None:
+    found = _measured(
+        np.select([np.arange(1000) < 101, np.arange(1000) < 102], [0.0, 1.0], 0.95), _step(0.0, 1.0)
+    )
+    assert found["overshoot"] == 0.0
+
+
 def test_a_pulse_is_judged_by_its_plateau_and_by_its_end() -> None:
     rows = np.arange(1000)
     r = np.select([rows < 100, rows < 600], [0.0, 1.0], 0.2)
@@ -65,7 +72,8 @@ def test_a_pulse_is_judged_by_its_plateau_and_by_its_end() -> None:
     found = _measured(y, r)
     assert found["overshoot"] == pytest.approx(0.07)
     assert found["undershoot"] == pytest.approx(0.15)
-    assert found["settling_time"] == pytest.approx(551 / RATE_HZ)
+    # the last movement is a jump from row 650 to 651, and its instant somewhere between the two
+    assert found["settling_time"] == pytest.approx(550.5 / RATE_HZ)
 
 
 def test_what_is_not_reached_has_no_time_and_says_why() -> None:
@@ -84,30 +92,44 @@ def _noisy(height: float, rms: float, seed: int = 0, rows: int = 5000) -> tuple[
     return y + rms * np.random.default_rng(seed).standard_normal(rows), r
 
 
-@given(st.integers(0, 30))
-def test_dead_time_is_counted_in_samples(rows: int) -> None:
+@given(st.integers(1, 30))
+def test_dead_time_ends_between_the_samples_of_the_first_movement(rows: int) -> None:
     r = _step(0.0, 1.0)
-    assert _measured(_step(0.0, 1.0, at=100 + rows), r)["dead_time"] == pytest.approx(rows / RATE_HZ)
+    (found,) = (
+        each
+        for each in analyze_step(
+            _block(_step(0.0, 1.0, at=100 + rows), r), "torque", "torque_reference"
+        ).measurements
+        if each.name == "dead_time"
+    )
+    assert found.value == pytest.approx((rows - 0.5) / RATE_HZ)
+    assert found.uncertainty is not None
+    assert found.uncertainty.standard == pytest.approx(1 / math.sqrt(12.0) / RATE_HZ, rel=0.05)
+
+
+def test_a_signal_that_moves_with_its_reference_has_no_dead_time() -> None:
+    assert _measured(_step(0.0, 1.0), _step(0.0, 1.0))["dead_time"] == 0.0
 
 
 def test_dead_time_does_not_take_earlier_noise_for_the_answer() -> None:
     found = [_measured(*_noisy(1.0, 0.03, seed))["dead_time"] for seed in range(50)]
-    # 3 sigma once in 700 samples by chance; the lag leaves 3 x 0.03 after about a row
-    assert np.median(found) == pytest.approx(6 / RATE_HZ, abs=1.5 / RATE_HZ)
-    assert np.count_nonzero(np.array(found) < 5 / RATE_HZ) <= 3
+    # the lag has gone 2 % after a fifth of a row
+    assert np.median(found) == pytest.approx(5.2 / RATE_HZ, abs=0.7 / RATE_HZ)
+    assert np.count_nonzero(np.array(found) < 4 / RATE_HZ) <= 3
+
+
+def test_noise_of_the_samples_does_not_delay_settling() -> None:
+    found = [_measured(*_noisy(0.65, 0.01, seed))["settling_time"] for seed in range(20)]
+    expected_s = 5 / RATE_HZ + 1e-3 * math.log(50.0)
+    assert np.median(found) == pytest.approx(expected_s, rel=0.1)
+    assert np.count_nonzero(np.array(found) > 6e-3) <= 1
 
 
 def test_noise_beyond_two_percent_widens_the_settling_band() -> None:
-    found = [_measured(*_noisy(0.65, 0.01, seed))["settling_time"] for seed in range(40)]
-    band = 4.5 * 0.01 / 0.65
-    expected_s = 5 / RATE_HZ + 1e-3 * math.log(1 / band)
-    assert np.median(found) == pytest.approx(expected_s, rel=0.15)
-    # noise leaves the band once in twenty windows, which is then what it says
-    assert np.count_nonzero(np.array(found) > 5e-3) <= 6
-    y, r = _noisy(0.65, 0.01)
+    y, r = _noisy(0.65, 0.1)
     response = analyze_step(_block(y, r), "torque", "torque_reference")
     (settling,) = (each for each in response.measurements if each.name == "settling_time")
-    assert "x noise of the last tenth, as 2% of the step is less" in settling.definition
+    assert "x its uncertainty, as 2% of the step is less" in settling.definition
     (clean,) = (
         each
         for each in analyze_step(_block(*_noisy(0.65, 1e-4)), "torque", "torque_reference").measurements
@@ -187,12 +209,71 @@ def test_every_number_says_what_it_rests_on() -> None:
     by_name = {each.name: each for each in response.measurements}
     reach, overshoot = by_name["reach_time"].uncertainty, by_name["overshoot"].uncertainty
     assert reach is not None
-    assert reach.standard == pytest.approx(1e-4 / math.sqrt(12.0))
+    assert 1e-4 / math.sqrt(12.0) < reach.standard < 1e-3
     assert overshoot is not None
-    assert overshoot.standard == pytest.approx(0.01, rel=0.1)
+    assert 1e-4 < overshoot.standard < 5e-3  # of the smoothed signal, whose samples have 0.01
 
 
 def test_without_a_step_there_is_no_response() -> None:
     noise = np.sin(np.arange(100.0))
     with pytest.raises(AnalysisError, match="'torque_reference' holds 1 over 100 samples, a step is needed"):
         analyze_step(_block(noise, np.ones(100)), "torque", "torque_reference")
+
+
+def test_a_signal_in_another_unit_than_its_reference_is_refused() -> None:
+    channels = (Channel("omega_m", "rad/s"), Channel("speed_reference", "rpm"))
+    block = Block(channels, 0, 1, 1.0 / RATE_HZ, np.column_stack([_step(0.0, 10.0), _step(0.0, 95.5)]))
+    with pytest.raises(AnalysisError, match="'omega_m' is in rad/s and 'speed_reference' in rpm"):
+        analyze_step(block, "omega_m", "speed_reference")
+
+
+@pytest.mark.parametrize(
+    ("levels", "what"),
+    [
+        ([0.0, 1.0, 2.0, 3.0], "rests near"),
+        ([0.0, 2.0, 3.0], "rests near"),
+        ([0.0, 1.0, 0.0, 1.0], "rises 2 times"),
+        ([0.0, 1.0, -1.0], "the other"),
+    ],
+    ids=["staircase", "two steps", "square wave", "doublet"],
+)
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_more_than_one_step_is_refused(levels: list[float], what: str, sign: float) -> None:
+    r = sign * np.repeat(levels, 200)
+    with pytest.raises(AnalysisError, match=what):
+        analyze_step(_block(r + 1e-3 * np.sin(np.arange(len(r))), r), "torque", "torque_reference")
+
+
+@given(st.integers(2, 400))
+def test_a_ramp_and_a_lag_of_the_reference_are_one_step(rows: int) -> None:
+    ramp = np.clip((np.arange(1000) - 100) / rows, 0.0, 1.0)
+    lag = 1.0 - np.exp(-np.maximum(0.0, np.arange(1000.0) - 100.0) / rows)
+    for r in (ramp, lag):
+        found = analyze_step(_block(np.roll(r, 3) * (np.arange(1000) >= 3), r), "torque", "torque_reference")
+        assert found.step_row >= 100
+
+
+@pytest.mark.parametrize("zeta", [0.4, 1.0])
+def test_uncertainties_cover_the_error(zeta: float) -> None:
+    """The response of a second-order system in 0.3 % and in 1 % of noise, against the noise-free one."""
+    omega, rows, at = 2000.0, 800, 150
+    since_s = np.maximum(0.0, np.arange(rows) - at) / RATE_HZ
+    root = np.sqrt(complex(zeta**2 - 1.0 + 1e-12))
+    fast, slow = -omega * (zeta + root), -omega * (zeta - root)
+    y = np.real(1.0 + (slow * np.exp(fast * since_s) - fast * np.exp(slow * since_s)) / (fast - slow))
+    r = _step(0.0, 1.0, rows, at)
+    truth = _measured(y, r)
+    random = np.random.default_rng(7)
+    errors: dict[str, list[float]] = {}
+    for rms in (0.003, 0.01):
+        for _ in range(12):
+            noisy = _block(y + rms * random.standard_normal(rows), r)
+            for each in analyze_step(noisy, "torque", "torque_reference").measurements:
+                if each.name in ("rise_time", "reach_time", "overshoot", "peak_time", "settling_time"):
+                    assert each.uncertainty is not None or zeta == 1.0
+                    if each.uncertainty is not None and not math.isnan(truth[each.name]):
+                        error = (each.value - truth[each.name]) / each.uncertainty.standard
+                        errors.setdefault(each.name, []).append(error)
+    for name, found in errors.items():
+        assert np.mean(np.abs(found) <= 2.0) >= 0.75, name
+        assert np.sqrt(np.mean(np.square(found))) <= 1.8, name
