@@ -130,7 +130,7 @@ class Claim(Section):
 
     claim: str
     source: str
-    comparisons: Annotated[tuple[Comparison, ...], Field(min_length=1)]
+    comparisons: Annotated[Array[Comparison], Field(min_length=1)]
 
 
 class Profile(Section):

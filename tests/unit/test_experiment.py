@@ -14,9 +14,11 @@ from benchtool.errors import PlanError
 from benchtool.experiment.limits import Limit, Verdict, worst
 from benchtool.experiment.plan import load_plan
 from benchtool.experiment.validation import require_known
+from benchtool.profile import load_profile
 from benchtool.protocol.dictionary import Dictionary
 from benchtool.shipped import shipped
 
+PROFILE = load_profile("zhu2011")
 DICTIONARY = Dictionary.from_eds(shipped("firmware_protocol") / "drive.eds", 1)
 PLAN = (shipped("profiles") / "zhu2011" / "ripple.toml").read_text(encoding="utf-8")
 
@@ -97,9 +99,9 @@ def test_every_value_that_a_plan_would_set_is_checked(tmp_path: Path, where: str
     path = tmp_path / "mine.toml"
     path.write_text(PLAN + added, encoding="utf-8")
     with pytest.raises(PlanError, match=r"mine\.toml.*R_s"):
-        require_known(load_plan(str(path)), path, DICTIONARY)
+        require_known(load_plan(str(path)), path, PROFILE, DICTIONARY, transducer=True)
     path.write_text((PLAN + added).replace("-1.0", "0.16"), encoding="utf-8")
-    require_known(load_plan(str(path)), path, DICTIONARY)
+    require_known(load_plan(str(path)), path, PROFILE, DICTIONARY, transducer=True)
 
 
 def test_unknown_plan_lists_the_known() -> None:

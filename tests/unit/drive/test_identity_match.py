@@ -33,8 +33,8 @@ def test_the_drive_itself_is_taken_whatever_its_serial_number() -> None:
 @pytest.mark.parametrize(
     "other",
     [
-        replace(THE_DRIVE, vendor_id=THE_DRIVE.vendor_id + 1),
-        replace(THE_DRIVE, product_code=THE_DRIVE.product_code + 1),
+        replace(THE_DRIVE, vendor_id=(EXPECTED.vendor_id or 0) + 1),
+        replace(THE_DRIVE, product_code=(EXPECTED.product_code or 0) + 1),
     ],
     ids=["vendor", "product"],
 )

@@ -187,8 +187,9 @@ def test_another_product_is_refused_and_another_serial_number_is_not() -> None:
 
 
 def test_another_vendor_with_the_same_product_code_is_refused() -> None:
-    message = _refusal(_file({}, vendor_id=IDENTITY.vendor_id + 1))
-    assert f"vendor 0x{IDENTITY.vendor_id + 1:08X}" in message
+    other = (IDENTITY.vendor_id or 0) + 1
+    message = _refusal(_file({}, vendor_id=other))
+    assert f"vendor 0x{other:08X}" in message
     assert f"vendor 0x{IDENTITY.vendor_id:08X}" in message
 
 
