@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.frequency_response import FrequencyResponse, frequency_response
-from benchtool.analysis.measurement import Basis, Measurement, Table, Uncertainty
+from benchtool.analysis.measurement import Basis, Measurement, Table
+from benchtool.analysis.uncertainty import Uncertainty
 from benchtool.analysis.validity import require_unbroken
 from benchtool.block import Block
 from benchtool.errors import AnalysisError

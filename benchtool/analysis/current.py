@@ -24,7 +24,7 @@ from benchtool.analysis.harmonics import (
     harmonic_table,
     total_harmonic_distortion,
 )
-from benchtool.analysis.measurement import Basis, Measurement, Table, Uncertainty
+from benchtool.analysis.measurement import Basis, Measurement, Table
 from benchtool.analysis.noise import NoiseFloor, harmonic_noise, noise_floor
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.spectrum import (
@@ -36,6 +36,7 @@ from benchtool.analysis.spectrum import (
     resampling_error,
     spectrum_of,
 )
+from benchtool.analysis.uncertainty import Uncertainty
 from benchtool.analysis.validity import require_unbroken
 from benchtool.block import Block
 

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
-from benchtool.analysis.measurement import Basis, Measurement, Uncertainty
+from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.periods import PhaseTrack, track_angle
+from benchtool.analysis.uncertainty import Uncertainty
 from benchtool.analysis.validity import require_signal, require_unbroken
 from benchtool.block import Block
 

@@ -7,13 +7,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from benchtool.analysis.angle import angle_coverage
-from benchtool.analysis.measurement import Basis, Measurement, Table, Uncertainty
+from benchtool.analysis.measurement import Basis, Measurement, Table
 from benchtool.analysis.order_spectrum import (
     LARGEST_WOBBLE_RAD,
     OrderSpectrum,
     fitted_orders,
     resampled_orders,
 )
+from benchtool.analysis.uncertainty import Uncertainty
 from benchtool.block import Block
 from benchtool.errors import AnalysisError
 

@@ -13,9 +13,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis.measurement import Basis, Measurement, Uncertainty
+from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.scatter import error_of_mean
 from benchtool.analysis.span import cut_to_span
+from benchtool.analysis.uncertainty import Uncertainty
 from benchtool.analysis.validity import require_unbroken
 from benchtool.block import Block
 from benchtool.errors import AnalysisError

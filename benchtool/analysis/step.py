@@ -10,14 +10,9 @@ from statistics import NormalDist
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis.measurement import (
-    Basis,
-    Measurement,
-    MeasurementJson,
-    Uncertainty,
-    measurements_to_json,
-)
+from benchtool.analysis.measurement import Basis, Measurement, MeasurementJson, measurements_to_json
 from benchtool.analysis.scatter import error_of_mean
+from benchtool.analysis.uncertainty import Uncertainty
 from benchtool.analysis.validity import require_signal, require_unbroken
 from benchtool.block import Block
 from benchtool.errors import AnalysisError

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis.measurement import Basis, Measurement, Table, Uncertainty
+from benchtool.analysis.measurement import Basis, Measurement, Table
 from benchtool.analysis.scatter import error_of_mean
+from benchtool.analysis.uncertainty import Uncertainty
 from benchtool.analysis.validity import require_unbroken
 from benchtool.block import Block
 from benchtool.errors import AnalysisError

@@ -349,4 +349,4 @@ def test_only_orders_that_stand_out_of_the_noise_are_listed() -> None:
 
     (none,) = describe_orders(fitted(angle, noise), "torque").measurements
     assert math.isnan(none.value)
-    assert "undefined here: no order stands out of the noise" in none.definition
+    assert none.reason == "no order stands out of the noise"
