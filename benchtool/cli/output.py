@@ -150,14 +150,8 @@ def show_assessment(output: Output, title: str, result: Assessment) -> None:
         beside = (significant(result.published.get(each.name, math.nan)),) if published else ()
         cells = (each.name, measured(each), *beside, each.unit, bounds.strip(), str(verdict or ""))
         rows.append(cells)
-    columns = (
-        "measurement",
-        ">value ± U (95 %)",
-        *(f">{name}" for name in published),
-        "unit",
-        "limit",
-        "verdict",
-    )
+    headings = (f">{name}" for name in published)
+    columns = ("measurement", ">value ± U (95 %)", *headings, "unit", "limit", "verdict")
     output.table(title, columns, rows)
     output.line(f"bundle: {result.bundle}")
 
