@@ -15,7 +15,7 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict
 from functools import partial
 
-from benchmarks.coverage.families import Family, Score, scores
+from benchmarks.coverage.families import Score, scores
 from benchmarks.coverage.registry import FAMILIES
 
 REPETITIONS = 100

@@ -19,7 +19,7 @@ Trial = Callable[[np.random.Generator], Iterable[tuple[Measurement, float]]]
 
 LEAST_COVERED, LEAST_RMS, LARGEST_RMS = 0.90, 0.7, 1.4
 _FEWEST_ANSWERS = 0.05  # of the repetitions: fewer numbers than that are not scored
-_ROUNDING = 1e-9
+_ROUNDING = 1e-8
 _CLEARLY = 2.0  # standard deviations of a share over so many repetitions
 
 

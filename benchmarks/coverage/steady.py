@@ -87,7 +87,7 @@ def record(what: Disturbance, random: np.random.Generator) -> Record:
     speed = 2 * np.pi * what.frequency_Hz
     cycles = speed * time_s + 0.5 * speed * what.drift * (time_s**2 / duration_s - time_s)
     if deviation:
-        cycles += speed * deviation / (2 * np.pi * swing_Hz) * np.sin(swing_rad)
+        cycles = cycles + speed * deviation / (2 * np.pi * swing_Hz) * np.sin(swing_rad)
     if what.reverses:
         cycles = np.where(time_s < 0.7 * duration_s, cycles, 2 * cycles[int(0.7 * count)] - cycles)
     theta_e = cycles + random.uniform(0, 2 * np.pi)
@@ -102,9 +102,9 @@ def record(what: Disturbance, random: np.random.Generator) -> Record:
     period -= period.min()
     current *= 1.0 + _by_period(what.amplitude_noise, period, random)
     current *= np.where(time_s < 0.5 * duration_s, 1.0, what.second_regime)
-    for order, amplitude in what.lines:
+    for place, amplitude in what.lines:
         current += amplitude * np.cos(
-            2 * np.pi * order * what.frequency_Hz * time_s + random.uniform(0, 6.28)
+            2 * np.pi * place * what.frequency_Hz * time_s + random.uniform(0, 6.28)
         )
     start, constant = what.decay
     current += what.offset + start * random.choice([-1, 1]) * np.exp(-time_s / (constant * duration_s))
@@ -140,7 +140,6 @@ def record(what: Disturbance, random: np.random.Generator) -> Record:
 def trial(what: Disturbance, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
     """Everything that has a truth, of one record."""
     made = record(what, random)
-    count = len(made.block.data)
     noise_rms = what.noise * (what.amplitude_A or 1.0)
     thd = 100.0 * math.sqrt(sum(each**2 for each in what.harmonics.values()))
     is_noise_alone = not what.lines and not what.decay[0] and not what.bits and math.isinf(what.clip)
@@ -167,12 +166,15 @@ def trial(what: Disturbance, random: np.random.Generator) -> Iterator[tuple[Meas
     if what.torque_Nm:
         truths["torque_ripple_percent_of_mean"] = OF_THE_ENSEMBLE
     if is_noise_alone and is_steady and what.second_regime == 1.0:
-        truths["current_noise_floor"] = 2.0 * noise_rms * _share_in_band(what.colour) / math.sqrt(count)
+        truths["current_noise_floor"] = math.nan
     if not any(relative > 0.03 for _, relative in what.lines) and not what.decay[0]:
         truths["current_max_low_harmonic"] = what.amplitude_A * max(what.harmonics.values(), default=0.0)
     steady = analyze_steady_state(
         made.block, pole_pairs=POLE_PAIRS, torque_rated_Nm=TORQUE_NM, current_rated_A_rms=4.0
     )
+    if "current_noise_floor" in truths:
+        density = 2.0 * noise_rms * _share_in_band(what.colour)
+        truths["current_noise_floor"] = density / math.sqrt(steady.spectrum.samples)
     yield from picked(steady.measurements, truths)
     for table in steady.tables:
         if table.name == "current_harmonics":

@@ -33,6 +33,7 @@ from benchtool.analysis.noise import NoiseFloor, line_noise, noise_floor
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.phase_following import follow
 from benchtool.analysis.ripple import resolution
+from benchtool.analysis.scatter import MeanError
 from benchtool.analysis.spectrum import (
     FIRST_ROW,
     CoherentSamples,
@@ -93,7 +94,7 @@ def current_spectrum(
         frequency(spectrum, track, seen, basis, rate_relative, sound.of_ratios),
         *_refused(_lines(spectrum, errors, unit, basis), sound.of_amplitudes),
         *_refused(_distortions(spectrum, errors, basis, current_rated_A_rms, unit), sound.of_ratios),
-        *_refused(_group_distortions(coherent, groups, basis), sound.of_ratios),
+        *_refused(_group_distortions(coherent, spectrum, errors, groups, basis), sound.of_ratios),
         *_refused(_noise(floor, unit, basis), sound.of_amplitudes),
     )
     tables = [
@@ -231,8 +232,15 @@ def _with_noise(spectrum: CoherentSpectrum, basis: Basis) -> Iterator[Measuremen
 
 
 def _group_distortions(
-    coherent: CoherentSamples, groups: HarmonicGroups | None, basis: Basis
+    coherent: CoherentSamples,
+    spectrum: CoherentSpectrum,
+    errors: LineErrors,
+    groups: HarmonicGroups | None,
+    basis: Basis,
 ) -> Iterator[Measurement]:
+    distortion = total_harmonic_distortion(spectrum, HIGHEST_HARMONIC, errors=errors)
+    by_noise = combined((each for each in distortion.budget if each is not distortion.budget[-1]), "")
+    noise = None if by_noise is None else MeanError(by_noise.standard, by_noise.dof)
     for name, kind in (("current_thdg", "group"), ("current_thds", "subgroup")):
         base = f"{kind} of order 1"
         if groups is None:
@@ -241,7 +249,7 @@ def _group_distortions(
             yield Measurement.undefined(name, "%", text, reason, replace(basis, reference=base))
             continue
         squares = groups.group2 if kind == "group" else groups.subgroup2
-        value: GroupDistortion = group_distortion(squares)
+        value: GroupDistortion = group_distortion(squares, noise)
         text = f"100 x rms of harmonic {kind}s of order 2 to {groups.orders} / {base}, after IEC 61000-4-7"
         if groups.periods_per_window < PERIODS_PER_WINDOW:
             text += (
@@ -251,7 +259,7 @@ def _group_distortions(
         if math.isnan(value.ratio):
             yield Measurement.undefined(name, "%", text, "order 1 is zero, or alone in the band", own)
         else:
-            source = f"scatter over {groups.windows} windows, of the ratio and of each order"
+            source = f"scatter over {groups.windows} windows, or the noise beside the lines"
             scatter = Contribution(source, "A", value.standard, value.dof)
             uncertain = _percent((scatter,), source)
             yield Measurement(name, 100.0 * value.ratio, "%", text, own, uncertain)

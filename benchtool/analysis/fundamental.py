@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass
 
@@ -105,7 +106,7 @@ def _of_angle(track: PhaseTrack, spectrum: CoherentSpectrum) -> MeanError:
     parts = min(_BLOCKS, max(_FEWEST_BLOCKS, int(track.periods)))
     edges = np.linspace(0, count, parts + 1).astype(np.int64)
     moments = []
-    for begin, end in zip(edges[:-1], edges[1:], strict=True):
+    for begin, end in itertools.pairwise(edges):
         number = np.arange(begin, end, dtype=np.float64)
         left = track.measured_rad[begin:end] - track.at(number)
         moments.append(float((number - 0.5 * (count - 1)) @ left))

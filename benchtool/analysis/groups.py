@@ -91,20 +91,21 @@ def harmonic_groups(
     return HarmonicGroups(group2, total(-1, 1), total(2, periods - 2), periods)
 
 
-def group_distortion(squares: NDArray[np.float64]) -> GroupDistortion:
+def group_distortion(squares: NDArray[np.float64], by_noise: MeanError | None = None) -> GroupDistortion:
     """sqrt(sum over h = 2 ... H of Y_h^2) / Y_1 of squares of rms, shape (windows, orders): THDG or THDS.
 
     Each Y_h^2 is the mean over the windows. The uncertainty is from the scatter of the ratio over them, or, if
-    that is larger, of the squares of the orders each by itself, taken as independent: together these have more
-    degrees of freedom.
+    that is larger, of the squares of the orders each by itself, taken as independent, or `by_noise`, what the
+    noise beside the lines makes of their ratio: few windows have few degrees of freedom.
     """
     mean = np.mean(squares, axis=0)
     if squares.shape[1] < 2 or not mean[0] > 0.0:
         return GroupDistortion(math.nan, math.nan)
     ratio = math.sqrt(float(np.sum(mean[1:]) / mean[0]))
     windows = len(squares)
+    noise = by_noise or MeanError(math.nan, math.nan)
     if windows < 2 or not np.all(squares[:, 0] > 0.0) or not ratio > 0.0:
-        return GroupDistortion(ratio, math.nan)
+        return GroupDistortion(ratio, noise.standard, noise.dof)
     each = np.sqrt(np.sum(squares[:, 1:], axis=1) / squares[:, 0])
     together = error_of_series(each) if windows >= _FEWEST_WINDOWS else MeanError(math.nan, math.nan)
     variance = np.var(squares / mean[0], axis=0, ddof=1) / windows
@@ -112,9 +113,11 @@ def group_distortion(squares: NDArray[np.float64]) -> GroupDistortion:
     apart = math.sqrt(float(np.sum(variance))) / (2.0 * ratio)
     fourth = float(np.sum(variance**2))
     dof = (windows - 1) * float(np.sum(variance)) ** 2 / fourth if fourth > 0.0 else math.inf
-    if together.standard > apart:
-        return GroupDistortion(ratio, together.standard, max(together.dof, 1.0))
-    return GroupDistortion(ratio, apart, dof)
+    candidates = (MeanError(apart, dof), together, noise)
+    largest = max(
+        (each for each in candidates if math.isfinite(each.standard)), key=lambda each: each.standard
+    )
+    return GroupDistortion(ratio, largest.standard, max(1.0, largest.dof))
 
 
 def group_table(groups: HarmonicGroups, name: str, unit: str, basis: Basis) -> Table:

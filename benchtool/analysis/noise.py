@@ -141,7 +141,7 @@ def _of_pairs(sums: NDArray[np.complex128], inside: NDArray[np.bool_]) -> NDArra
             near = values[usable]
             middle = float(np.median(near)) / _median_of_exponentials(len(near))
             found[row] = max(float(np.mean(near[:_NEAREST])), middle)
-    return np.sqrt(found)
+    return np.asarray(np.sqrt(found))
 
 
 def _bands(count: int) -> list[slice]:

@@ -6,7 +6,10 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from benchtool.analysis.angle import angle_coverage
+import numpy as np
+
+from benchtool.analysis.angle import AngleCoverage, angle_coverage
+from benchtool.analysis.angle_orders import sector_means
 from benchtool.analysis.measurement import Basis, Measurement, Table
 from benchtool.analysis.order_spectrum import (
     LARGEST_WOBBLE_RAD,
@@ -14,12 +17,15 @@ from benchtool.analysis.order_spectrum import (
     fitted_orders,
     resampled_orders,
 )
+from benchtool.analysis.periods import track_angle
 from benchtool.analysis.uncertainty import Uncertainty
 from benchtool.block import Block
 from benchtool.errors import AnalysisError
 
 _FEWEST_REVOLUTIONS = 2.0
 _LARGEST_LISTED = 10
+_SECTORS = 72
+_FEWEST_TO_REPEAT = 4  # revolutions
 _STANDS_OUT = 4.5  # standard uncertainties: by chance once in a hundred records of 200 orders (Rayleigh)
 _SMALLEST_MEAN = 1e-3  # of the largest order: below it "percent of mean" says nothing
 
@@ -84,7 +90,25 @@ def _by_angle(block: Block, channel: str, angle: str) -> OrderSpectrum:
         except AnalysisError:
             pass
     basis = Basis(len(block.data), block.sample_rate_Hz, gaps=len(block.gaps))
-    return fitted_orders(coverage, block.column(channel), channel, block.unit(channel), angle, basis)
+    return fitted_orders(
+        coverage, block.column(channel), channel, block.unit(channel), angle, basis, _wobble_rad(coverage)
+    )
+
+
+def _wobble_rad(coverage: AngleCoverage) -> float:
+    """Rms of what repeats in every revolution of the angle's deviation from a smooth track, in time.
+
+    The rotor may turn like that, or the encoder err: 0 where time or coverage do not tell.
+    """
+    try:
+        track = track_angle(coverage.angle_rad, 1)
+    except AnalysisError:
+        return 0.0
+    numbers = np.arange(track.samples, dtype=np.float64)
+    forwards = math.copysign(1.0, float(coverage.angle_rad[-1] - coverage.angle_rad[0]))
+    mean, _ = sector_means(coverage, forwards * coverage.angle_rad - track.at(numbers), _SECTORS)
+    repeated = float(np.nanvar(mean)) - coverage.resolution_rad**2 / 12.0
+    return math.sqrt(max(0.0, repeated)) if coverage.revolutions >= _FEWEST_TO_REPEAT else 0.0
 
 
 def describe_orders(
@@ -104,7 +128,11 @@ def describe_orders(
                 spectrum.unit,
                 f"peak amplitude of order {order}{_parenthesis(order, pole_pairs, slots)} of {what}",
                 spectrum.basis,
-                Uncertainty(float(spectrum.standard[order - 1]), spectrum.uncertainty_source),
+                Uncertainty(
+                    float(spectrum.standard[order - 1]),
+                    spectrum.uncertainty_source,
+                    float(spectrum.dof[order - 1]),
+                ),
             )
             for order in listed[:_LARGEST_LISTED]
         ),

@@ -122,7 +122,7 @@ def _by_tone(coherent: CoherentSamples, track: PhaseTrack, seen: Wander, name: s
     if coherent.periods < _FEWEST_KNOTS:
         return None
     begin = float(track.at(np.array([float(FIRST_ROW)]))[0])
-    middle = begin + 2 * np.pi * (np.arange(coherent.periods) + 0.5)
+    middle = begin + 2 * np.pi * (np.arange(coherent.periods, dtype=np.float64) + 0.5)
     numbers = track.sample_numbers(middle)
     rad = seen.phase_rad - np.mean(seen.phase_rad)
     spline = make_smoothing_spline(numbers, rad)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
-_PARTS = 10
+_PARTS, _MOST_PARTS = 10, 64
 _FEWEST_VALUES = 3
 _FEWEST_EXTREMES = 4
 _BY_CHANCE = 2.5  # standard deviations of a correlation
@@ -66,6 +66,15 @@ def error_of_series(values: NDArray[np.float64]) -> MeanError:
     # the deviations are from the mean of these values, and so too small by that mean's own variance
     standard = math.sqrt(covariance[0] * tau / (count - max(tau, 1.0)))
     return MeanError(standard, max(1.0, count / max(tau, 1.0) - 1.0))
+
+
+def error_of_record(samples: NDArray[np.float64]) -> MeanError:
+    """Of the mean of samples, shape (n,), at equal times: `error_of_series` of the means of up to 64 parts."""
+    parts = min(_MOST_PARTS, len(samples) // 2)
+    if parts < _PARTS:
+        return MeanError(math.nan, math.nan)
+    size = len(samples) // parts
+    return error_of_series(np.mean(samples[: size * parts].reshape(parts, size), axis=1))
 
 
 def scatter_of_largest(values: NDArray[np.float64]) -> float:

@@ -102,11 +102,11 @@ class CoherentSpectrum(Spectrum):
     def resampling_error(self, amplitude: float, order: float) -> float:
         """Standard uncertainty that the resampling leaves in an amplitude of that order.
 
-        Its bound of 1.5e-5 of the amplitude and 5e-6 of the fundamental, less in proportion below a hundredth
-        of the sample rate, evenly distributed (JCGM 100:2008, 4.3.7).
+        Its bound of 1.5e-5 of the amplitude and 5e-6 of the fundamental, as the square of the frequency below a
+        hundredth of the sample rate, evenly distributed (JCGM 100:2008, 4.3.7).
         """
         cycles = self.periods / self.samples  # of the fundamental, a sample
-        own, largest = min(1.0, 100.0 * order * cycles), min(1.0, 100.0 * cycles)
+        own, largest = min(1.0, 100.0 * order * cycles) ** 2, min(1.0, 100.0 * cycles) ** 2
         return (1.5e-5 * own * amplitude + 5e-6 * largest * self.fundamental) / math.sqrt(3.0)
 
 

@@ -64,7 +64,7 @@ def test_the_floor_scatters_by_what_it_says_of_itself() -> None:
 def test_harmonics_and_their_neighbours_are_not_noise() -> None:
     # of the four bins between the harmonics of five periods, the outer two hold what a wobble spreads
     amplitude = np.tile([1.0, 0.3, 0.01, 0.01, 0.3], 20)
-    spectrum = CoherentSpectrum(10.0 * np.arange(100.0), amplitude, 5, 1000.0, np.zeros(19))
+    spectrum = CoherentSpectrum(10.0 * np.arange(100.0), amplitude, 5, 1000.0, amplitude + 0j)
 
     floor = noise_floor(spectrum)
 
