@@ -37,13 +37,16 @@ def main() -> int:
     parser.add_argument("--narrow", action="store_true", help="print only what does not hold")
     options = parser.parse_args()
     names = [name for name in FAMILIES if not options.names or any(part in name for part in options.names)]
+    if not options.json:
+        heads = ("family", "measurement", "n", "u", "2u", "U", "rms", "mean")
+        print("{:30} {:32} {:>4} {:>5} {:>5} {:>5} {:>7} {:>7}".format(*heads))
     begin = time.perf_counter()
     with ProcessPoolExecutor(max_workers=2) as pool:
-        found = [
-            score
-            for part in pool.map(partial(score_family, repetitions=options.repetitions), names)
-            for score in part
-        ]
+        found: list[Score] = []
+        for part in pool.map(partial(score_family, repetitions=options.repetitions), names):
+            found.extend(part)
+            if not options.json:
+                _print([each for each in part if not options.narrow or each.verdict in ("narrow", "wide")])
     counts = {
         verdict: sum(each.verdict == verdict for each in found)
         for verdict in ("holds", "wide", "narrow", "null")
@@ -61,17 +64,16 @@ def main() -> int:
         }
         print(json.dumps(document, indent=2, allow_nan=False))
     else:
-        _print([each for each in found if not options.narrow or each.verdict in ("narrow", "wide")])
         print(f"{len(names)} families, {counts}, {time.perf_counter() - begin:.0f} s")
     return 1 if counts["narrow"] else 0
 
 
 def _print(found: list[Score]) -> None:
-    print(f"{'family':30} {'measurement':32} {'n':>4} {'u':>5} {'2u':>5} {'U':>5} {'rms':>7} {'mean':>7}")
     for each in found:
         print(
             f"{each.family:30} {each.measurement:32} {each.answered:4} {each.within_u:5.2f} {each.within_2u:5.2f} "
-            f"{each.within_U:5.2f} {each.rms:7.3g} {each.mean:7.2g} {each.verdict}"
+            f"{each.within_U:5.2f} {each.rms:7.3g} {each.mean:7.2g} {each.verdict}",
+            flush=True,
         )
 
 

@@ -12,6 +12,7 @@ from scipy import signal
 
 from benchmarks.coverage.families import OF_THE_ENSEMBLE, Family, picked
 from benchtool.analysis import (
+    CoherentSpectrum,
     Measurement,
     Uncertainty,
     analyze_steady_state,
@@ -134,6 +135,8 @@ def record(what: Disturbance, random: np.random.Generator) -> Record:
     columns = {"i_a": current, "torque": torque} | ({"theta_m": angle} if what.angle else {})
     units = {"i_a": "A", "torque": "Nm", "theta_m": "rad"}
     block = Block.from_arrays(RATE_HZ, {name: units[name] for name in columns}, **columns)
+    if what.reverses and not what.angle:
+        frequency_Hz = what.frequency_Hz  # a cosine alone does not tell its direction
     return Record(block, frequency_Hz, clean_torque, noise_A)
 
 
@@ -173,16 +176,15 @@ def trial(what: Disturbance, random: np.random.Generator) -> Iterator[tuple[Meas
         made.block, pole_pairs=POLE_PAIRS, torque_rated_Nm=TORQUE_NM, current_rated_A_rms=4.0
     )
     if "current_noise_floor" in truths:
-        density = 2.0 * noise_rms * _share_in_band(what.colour)
+        density = 2.0 * noise_rms * _share_between(what.colour, steady.spectrum)
         truths["current_noise_floor"] = density / math.sqrt(steady.spectrum.samples)
     yield from picked(steady.measurements, truths)
     for table in steady.tables:
         if table.name == "current_harmonics":
             for order, relative in what.harmonics.items():
                 row = table.rows[order - 1]
-                number = Measurement(
-                    f"harmonic_{order}", row[2], "A", "", uncertainty=Uncertainty(row[5], "")
-                )
+                uncertain = Uncertainty(row[5], "") if math.isfinite(row[5]) else None
+                number = Measurement(f"harmonic_{order}", row[2], "A", "", uncertainty=uncertain)
                 yield number, what.amplitude_A * relative
     if what.angle:
         try:
@@ -205,9 +207,12 @@ def _coloured(noise: Floats, pole: float) -> Floats:
     return np.asarray(filtered * math.sqrt(1.0 - pole**2))
 
 
-def _share_in_band(pole: float) -> float:
-    """Root of the mean density up to 0.45 of the rate, over that of white noise of the same rms."""
-    omega = np.linspace(0.0, 0.9 * np.pi, 20_001)
+def _share_between(pole: float, spectrum: CoherentSpectrum) -> float:
+    """Root of the mean density in the bins between the harmonics, over that of white noise of the same rms."""
+    bins = np.arange(len(spectrum.amplitude))
+    place = bins % spectrum.periods
+    guard = 2 if spectrum.periods >= 4 else 1
+    omega = 2 * np.pi * bins[(place >= guard) & (place <= spectrum.periods - guard)] / spectrum.samples
     density = (1.0 - pole**2) / np.abs(1.0 - pole * np.exp(-1j * omega)) ** 2
     return math.sqrt(float(np.mean(density)))
 

@@ -100,9 +100,17 @@ def current_spectrum(
     tables = [
         harmonic_table(spectrum, "current_harmonics", unit, replace(basis, harmonics=highest), errors=errors)
     ]
+    if sound.of_amplitudes:
+        tables = [_without_uncertainty(tables[0], sound.of_amplitudes)]
     if groups is not None:
         tables.append(group_table(groups, "current_groups", unit, _group_basis(coherent, groups, basis)))
     return CurrentSpectrum(found, tuple(tables), spectrum)
+
+
+def _without_uncertainty(table: Table, reason: str) -> Table:
+    """The harmonics as they were read, but of unknown uncertainty."""
+    rows = tuple((*row[:-1], math.nan) for row in table.rows)
+    return replace(table, definition=f"{table.definition}; unknown here: {reason}", rows=rows)
 
 
 def _refused(measurements: Iterable[Measurement], reason: str) -> Iterator[Measurement]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -76,7 +76,10 @@ def frequency(
         of_rate = Contribution("sample rate", "B", rate_relative * spectrum.fundamental_Hz)
         budget.append(of_rate)
     uncertain = combined(budget, f"{source}{clock}")
-    return Measurement(name, spectrum.fundamental_Hz, "Hz", text, basis, uncertain)
+    rate_Hz = spectrum.samples / spectrum.duration_s
+    value_Hz = track.periods * rate_Hz / (track.samples - 1)
+    whole = replace(basis, samples=track.samples, duration_s=track.samples / rate_Hz)
+    return Measurement(name, value_Hz, "Hz", text, whole, uncertain)
 
 
 def _random(
@@ -85,6 +88,8 @@ def _random(
     """Standard uncertainty of the frequency by noise, and what it is from."""
     turns = 2.0 * math.pi * spectrum.duration_s
     if not by_tone:
+        if track.departure is not None:
+            return _of_ends(track, turns), "deviation of the angle from the track along it, at both ends"
         return _of_angle(track, spectrum), "deviation of the angle from its fit, by parts of the record"
     if track.departure is not None:
         both_ends = MeanError(math.sqrt(2.0) * seen.noise_rad / turns, float(len(seen.phase_rad) - 1))
@@ -114,6 +119,14 @@ def _of_angle(track: PhaseTrack, spectrum: CoherentSpectrum) -> MeanError:
     slope = scatter.standard * parts / (count * (count**2 - 1.0) / 12.0)
     rate_Hz = spectrum.samples / spectrum.duration_s
     return MeanError(slope * rate_Hz / (2.0 * math.pi), min(scatter.dof, parts - 3.0))
+
+
+def _of_ends(track: PhaseTrack, turns: float) -> MeanError:
+    """Of the phase at both ends of a track along the angle, each as uncertain as the angle scatters about it."""
+    if track.measured_rad is None:
+        return MeanError(math.nan, math.nan)
+    left = track.measured_rad - track.at(np.arange(track.samples, dtype=np.float64))
+    return MeanError(math.sqrt(2.0) * float(np.std(left)) / turns, math.inf)
 
 
 def _of_angle_Hz(spectrum: CoherentSpectrum, track: PhaseTrack) -> float:

@@ -11,12 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.measurement import Basis, Table
-from benchtool.analysis.noise import harmonic_noise, line_noise, noise_floor
+from benchtool.analysis.noise import harmonic_noise, line_noise, noise_floor, repeated_quantisation
 from benchtool.analysis.spectrum import CoherentSpectrum
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
 
 HIGHEST_HARMONIC = 50
-_QUANTISATION_ORDERS = 100  # over which the steps of a coherent signal are spread
 
 
 class Reference(Enum):
@@ -119,19 +118,10 @@ class _Content:
 def line_errors(
     spectrum: CoherentSpectrum, orders: int, wander_rad: float = 0.0, step: float = 0.0
 ) -> LineErrors:
-    """Of harmonics 1 to `orders`, whose phase wanders by `wander_rad`, rms, of a signal in steps of `step`.
-
-    Quantisation has the mean square step^2 / 12 (JCGM 100:2008, F.2.2.1). What of that is not in the bins between
-    the harmonics, as the signal repeats itself exactly, is in the harmonics, evenly as far as is known.
-    """
+    """Of harmonics 1 to `orders`, whose phase wanders by `wander_rad`, rms, of a signal in steps of `step`."""
     order = np.arange(1, orders + 1)
     amplitude = harmonics(spectrum)[:orders]
     noise = line_noise(spectrum, spectrum.periods * order)
-    square = np.square(spectrum.amplitude)
-    between = 0.5 * float(np.sum(square[1:]) - np.sum(square[spectrum.periods :: spectrum.periods]))
-    in_band = 2.0 * (len(spectrum.amplitude) / spectrum.samples)
-    missing = max(0.0, in_band * step**2 / 12.0 - between)
-    held = max(1, len(spectrum.amplitude) // spectrum.periods)
     return LineErrors(
         noise=noise.in_phase,
         dof=noise.dof,
@@ -139,8 +129,8 @@ def line_errors(
         resampling=np.array(
             [spectrum.resampling_error(float(a), float(k)) for a, k in zip(amplitude, order, strict=True)]
         ),
-        phase=amplitude * np.minimum(1.0, 0.5 * (order * wander_rad) ** 2),
-        resolution=np.full(orders, math.sqrt(missing / min(held, _QUANTISATION_ORDERS))),
+        phase=np.maximum(amplitude * np.minimum(1.0, 0.5 * (order * wander_rad) ** 2), noise.lost),
+        resolution=np.full(orders, repeated_quantisation(spectrum, step)),
     )
 
 

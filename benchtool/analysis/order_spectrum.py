@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from benchtool.analysis.angle import TURN, AngleCoverage
 from benchtool.analysis.angle_orders import MOST_GROUPS, fit_orders
 from benchtool.analysis.measurement import Basis
-from benchtool.analysis.noise import line_noise
+from benchtool.analysis.noise import line_noise, repeated_quantisation
 from benchtool.analysis.periods import track_angle
-from benchtool.analysis.ripple import resolution
+from benchtool.analysis.ripple import COARSE, resolution
 from benchtool.analysis.spectrum import coherent_spectrum
 from benchtool.analysis.validity import require_unbroken
 from benchtool.block import Block
@@ -78,14 +78,17 @@ def resampled_orders(
     orders = np.arange(1, count + 1)
     amplitude = spectrum.amplitude[orders * turns]
     noise = line_noise(spectrum, orders * turns)
-    step_rad = resolution(theta_m)
+    step_rad, step = resolution(theta_m), resolution(samples)
+    by_steps = repeated_quantisation(spectrum, step if step > COARSE * float(np.ptp(samples)) else 0.0)
     wobble_rad = math.sqrt(max(0.0, wobble_rad**2 - step_rad**2 / 12.0))
     return OrderSpectrum(
         signal=channel,
         unit=block.unit(channel),
         order=orders,
         amplitude=amplitude,
-        standard=np.hypot(noise.in_phase, _lost(amplitude, orders, wobble_rad)),
+        standard=np.sqrt(
+            noise.in_phase**2 + noise.lost**2 + by_steps**2 + _lost(amplitude, orders, wobble_rad) ** 2
+        ),
         mean=float(spectrum.amplitude[0]) * math.copysign(1.0, float(np.mean(samples))),
         revolutions=float(turns),
         method=f"DFT over {turns} whole revolutions, resampled to equal steps of a {track.source}",

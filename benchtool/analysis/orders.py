@@ -96,7 +96,7 @@ def _by_angle(block: Block, channel: str, angle: str) -> OrderSpectrum:
 
 
 def _wobble_rad(coverage: AngleCoverage) -> float:
-    """Rms of what repeats in every revolution of the angle's deviation from a smooth track, in time.
+    """Rms of what repeats in every revolution of the angle's deviation from a smooth track, and of its noise.
 
     The rotor may turn like that, or the encoder err: 0 where time or coverage do not tell.
     """
@@ -106,9 +106,14 @@ def _wobble_rad(coverage: AngleCoverage) -> float:
         return 0.0
     numbers = np.arange(track.samples, dtype=np.float64)
     forwards = math.copysign(1.0, float(coverage.angle_rad[-1] - coverage.angle_rad[0]))
-    mean, _ = sector_means(coverage, forwards * coverage.angle_rad - track.at(numbers), _SECTORS)
-    repeated = float(np.nanvar(mean)) - coverage.resolution_rad**2 / 12.0
-    return math.sqrt(max(0.0, repeated)) if coverage.revolutions >= _FEWEST_TO_REPEAT else 0.0
+    deviation = forwards * coverage.angle_rad - track.at(numbers)
+    mean, _ = sector_means(coverage, deviation, _SECTORS)
+    repeated = max(0.0, float(np.nanvar(mean)) - coverage.resolution_rad**2 / 12.0)
+    if coverage.revolutions < _FEWEST_TO_REPEAT:
+        repeated = 0.0
+    # from sample to sample only noise of the angle changes; that of its steps is taken into account elsewhere
+    noise = 0.5 * float(np.mean(np.diff(deviation) ** 2)) if coverage.resolution_rad == 0.0 else 0.0
+    return math.sqrt(repeated + noise)
 
 
 def describe_orders(

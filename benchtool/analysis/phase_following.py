@@ -45,6 +45,9 @@ def wander(coherent: CoherentSamples) -> Wander:
     table = coherent.values.reshape(coherent.periods, coherent.per_period)
     turn = np.exp(-2j * np.pi / coherent.per_period * np.arange(coherent.per_period))
     phasor = (table @ turn.real + 1j * (table @ turn.imag)) * (2.0 / coherent.per_period)
+    if coherent.periods > 2:
+        # a ramp of d a period under the signal, as of a decaying dc, reads j d / pi
+        phasor -= 1j / np.pi * np.gradient(np.mean(table, axis=1))
     amplitude = np.abs(phasor)
     steps = np.angle(phasor[1:] * np.conj(phasor[:-1]))
     phase_rad = np.angle(phasor[0]) + np.concatenate(([0.0], np.cumsum(steps)))
@@ -56,8 +59,7 @@ def wander(coherent: CoherentSamples) -> Wander:
     excess = 0.0
     if freedom + 1 >= _FEWEST_PERIODS and of_phase > of_amplitude * fdtri(freedom, freedom, 1.0 - _BY_CHANCE):
         excess = math.sqrt(of_phase - of_amplitude)
-    # what changes from one period to the next is noise at most
-    return Wander(phase_rad, amplitude, excess, math.sqrt(min(of_amplitude, 0.5 * float(np.mean(steps**2)))))
+    return Wander(phase_rad, amplitude, excess, math.sqrt(of_amplitude))
 
 
 def follow(

@@ -19,7 +19,7 @@ from benchtool.block import Block, as_samples
 _SMALLEST_MEAN = 0.02  # share of the peak-to-peak ripple below which "percent of mean" says nothing
 _SIGNIFICANT = 5.0  # standard uncertainties of the mean, from which a ratio to it is one
 _DOF_OF_EXTREMES = 10.0  # of a tail from a few of the largest values
-_COARSE = 1e-3  # of the peak-to-peak: a smaller step is the last digit of a number, and no resolution
+COARSE = 1e-3  # of the peak-to-peak: a smaller step is the last digit of a number, and no resolution
 _FEWEST_PERIODS = 3  # whose scatter says something
 _LOW, _HIGH = 0.5, 99.5  # per cent
 _NEAR = 0.25  # per cent to either side, for the density there
@@ -163,7 +163,7 @@ def peak_to_peak_number(
     whole = ripple(samples, block.unit(channel), channel)
     scatter = None if track is None else _scatter(samples, whole, track.period_rows(), percentiles=False)
     step = resolution(samples)
-    step = step if step > _COARSE * whole.peak_to_peak else 0.0
+    step = step if step > COARSE * whole.peak_to_peak else 0.0
     basis = record_basis(block)
     return _peak_to_peak(name, what or channel, whole, scatter, step, basis, clipping(samples))
 
@@ -179,7 +179,7 @@ def _numbers(
 ) -> Iterator[Measurement]:
     unit, step = whole.unit, resolution(samples)
     clipped = clipping(samples)
-    step = step if step > _COARSE * whole.peak_to_peak else 0.0
+    step = step if step > COARSE * whole.peak_to_peak else 0.0
 
     def measured(
         suffix: str, text: str, value: float, error: MeanError | None, incomplete: float, floor: float

@@ -84,9 +84,13 @@ def scatter_of_largest(values: NDArray[np.float64]) -> float:
     distribution, of the standard deviation pi / sqrt(6) times the mean excess over that level (Embrechts,
     Klüppelberg and Mikosch, Modelling Extremal Events, 3.4 and 6.5).
     """
-    count = len(values)
-    if count < _FEWEST_EXTREMES:
+    if len(values) < _FEWEST_EXTREMES:
         return math.nan
+    # the largest of as many neighbours as are correlated counts as one
+    apart = math.ceil(len(values) / (error_of_series(values).dof + 1.0) - 1e-9)
+    if 1 < apart <= len(values) // _FEWEST_EXTREMES:
+        values = np.maximum.reduceat(values, np.arange(0, len(values), apart))
+    count = len(values)
     beyond = max(_FEWEST_EXTREMES - 1, round(math.sqrt(count)))
     top = np.partition(values, count - beyond - 1)[count - beyond - 1 :]
     return _GUMBEL * float(np.sum(top - np.min(top))) / beyond
