@@ -1,8 +1,8 @@
-"""Whether the stated uncertainties hold: `python -m benchmarks.coverage [--json] [--repetitions N] [NAME ...]`.
+"""Whether stated uncertainties hold: `python -m benchmarks.coverage [--json] [--repetitions N] [NAME ...]`.
 
-Of every family of signals random records are made, whose truth is known by construction, and analysed. Printed
-is for each measurement how often +-u, +-2u and +-U hold the truth and the rms of error / u; `null` stands for
-a number that was refused with a reason. Exit code 1 if any uncertainty is too small.
+Of every family of signals random records are made, whose truth is known by construction, and analysed.
+Printed is for each measurement how often +-u, +-2u and +-U hold the truth and the rms of error / u; `null`
+stands for a number that was refused with a reason. Exit code 1 if any uncertainty is too small.
 """
 
 from __future__ import annotations
@@ -71,8 +71,8 @@ def main() -> int:
 def _print(found: list[Score]) -> None:
     for each in found:
         print(
-            f"{each.family:30} {each.measurement:32} {each.answered:4} {each.within_u:5.2f} {each.within_2u:5.2f} "
-            f"{each.within_U:5.2f} {each.rms:7.3g} {each.mean:7.2g} {each.verdict}",
+            f"{each.family:30} {each.measurement:32} {each.answered:4} {each.within_u:5.2f} "
+            f"{each.within_2u:5.2f} {each.within_U:5.2f} {each.rms:7.3g} {each.mean:7.2g} {each.verdict}",
             flush=True,
         )
 

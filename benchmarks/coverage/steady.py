@@ -1,4 +1,4 @@
-"""Families of steady and not so steady records: a current and a torque on an angle, with what disturbs them."""
+"""Families of steady and not so steady records: current, torque and angle, with what disturbs them."""
 
 from __future__ import annotations
 
@@ -208,7 +208,7 @@ def _coloured(noise: Floats, pole: float) -> Floats:
 
 
 def _share_between(pole: float, spectrum: CoherentSpectrum) -> float:
-    """Root of the mean density in the bins between the harmonics, over that of white noise of the same rms."""
+    """Root of the mean density in the bins between the harmonics, over that of white noise of equal rms."""
     bins = np.arange(len(spectrum.amplitude))
     place = bins % spectrum.periods
     guard = 2 if spectrum.periods >= 4 else 1

@@ -159,8 +159,9 @@ def _measurements(
     # |c_1 e^jx + c_-5 e^-5jx + c_7 e^7jx| is |c_1| + Re((c_1 c_-5* + c_1* c_7) e^6jx) / |c_1| to first order
     sixth = (fits[:, 1] * np.conj(fits[:, 2]) + np.conj(fits[:, 1]) * fits[:, 3]) / np.abs(fits[:, 1])
     text = (
-        "peak amplitude of order 6 of the radius along a revolution, the mean of all, from orders -5 and 7 of "
-        "psi_alpha + j psi_beta; 0 for a circle, 1/25 + 1/49 of order 1 for a hexagon run along its sides evenly"
+        "peak amplitude of order 6 of the radius along a revolution, the mean of all, from orders -5 and 7 "
+        "of psi_alpha + j psi_beta; 0 for a circle, 1/25 + 1/49 of order 1 for a hexagon run along its sides "
+        "evenly"
     )
     length, bias = _length(sixth)
     yield measured("flux_radius_order_6", text, length, _distances(sixth), bias)

@@ -17,8 +17,9 @@ from benchtool.analysis.spectrum import CoherentSpectrum
 from benchtool.analysis.uncertainty import Contribution, combined
 
 _HANN_FIT = math.sqrt(54.463)
-"""Standard uncertainty of a frequency by the fit of `track_tone`, in units of that of the mean phase over the
-duration: root of int w^4 t^2 dt / (int w^2 t^2 dt)^2, w = cos^2(pi t), t from -1/2 to 1/2; sqrt(12) unweighted."""
+"""Standard uncertainty of a frequency by the fit of `track_tone`, in units of that of the mean phase over
+the duration: root of int w^4 t^2 dt / (int w^2 t^2 dt)^2, w = cos^2(pi t), t from -1/2 to 1/2; unweighted it is
+sqrt(12)."""
 
 _STANDS_OUT = 5.0  # standard uncertainties
 _ABOVE_FLOOR = 4.0  # of the rms amplitude of a bin of noise: by chance once in ten million
@@ -38,7 +39,7 @@ class Soundness:
 
 
 def soundness(spectrum: CoherentSpectrum, seen: Wander, clipped: str, name: str) -> Soundness:
-    """Whether the numbers of a spectrum mean anything: not clipped, of one regime, on a phase, out of the noise."""
+    """Whether the record is not clipped, of one regime and on a phase, and the fundamental out of the noise."""
     reason = clipped or _regimes(seen, name) or _off_phase(seen, name)
     amplitude = spectrum.fundamental
     noise = line_noise(spectrum, np.array([spectrum.periods])).in_phase[0]
@@ -122,7 +123,7 @@ def _of_angle(track: PhaseTrack, spectrum: CoherentSpectrum) -> MeanError:
 
 
 def _of_ends(track: PhaseTrack, turns: float) -> MeanError:
-    """Of the phase at both ends of a track along the angle, each as uncertain as the angle scatters about it."""
+    """Of the phase at both ends of a track along the angle, each as uncertain as the angle about it."""
     if track.measured_rad is None:
         return MeanError(math.nan, math.nan)
     left = track.measured_rad - track.at(np.arange(track.samples, dtype=np.float64))
@@ -136,7 +137,7 @@ def _of_angle_Hz(spectrum: CoherentSpectrum, track: PhaseTrack) -> float:
 
 
 def _regimes(seen: Wander, name: str) -> str:
-    """Whether the amplitude differs between quarters of the record, by more than 10 % and by more than noise."""
+    """Why the record is not of one regime: quarters differ by more than 10 % and what noise does."""
     parts = min(_QUARTERS, len(seen.amplitude) // 2)
     if parts < 2:
         return ""
@@ -147,8 +148,8 @@ def _regimes(seen: Wander, name: str) -> str:
     if change <= _LARGEST_CHANGE * middle + _STANDS_OUT * noise:
         return ""
     return (
-        f"the amplitude of {name} changes from {means.min():.3g} to {means.max():.3g} between parts of the window, at "
-        f"most {100 * _LARGEST_CHANGE:g} % is allowed: choose a window in steady state"
+        f"the amplitude of {name} changes from {means.min():.3g} to {means.max():.3g} between parts of the "
+        f"window, at most {100 * _LARGEST_CHANGE:g} % is allowed: choose a window in steady state"
     )
 
 

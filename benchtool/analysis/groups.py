@@ -1,4 +1,4 @@
-"""Harmonic groups, subgroups and interharmonic subgroups over short windows, after IEC 61000-4-7:2002+A1:2008."""
+"""Harmonic groups and interharmonic subgroups over short windows, after IEC 61000-4-7:2002+A1:2008."""
 
 from __future__ import annotations
 
@@ -94,9 +94,9 @@ def harmonic_groups(
 def group_distortion(squares: NDArray[np.float64], by_noise: MeanError | None = None) -> GroupDistortion:
     """sqrt(sum over h = 2 ... H of Y_h^2) / Y_1 of squares of rms, shape (windows, orders): THDG or THDS.
 
-    Each Y_h^2 is the mean over the windows. The uncertainty is from the scatter of the ratio over them, or, if
-    that is larger, of the squares of the orders each by itself, taken as independent, or `by_noise`, what the
-    noise beside the lines makes of their ratio: few windows have few degrees of freedom.
+    Each Y_h^2 is the mean over the windows. The uncertainty is from the scatter of the ratio over them, or,
+    if that is larger, of the squares of the orders each by itself, taken as independent, or `by_noise`, what
+    the noise beside the lines makes of their ratio: few windows have few degrees of freedom.
     """
     mean = np.mean(squares, axis=0)
     if squares.shape[1] < 2 or not mean[0] > 0.0:

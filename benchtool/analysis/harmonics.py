@@ -70,8 +70,8 @@ class Distortion:
 
     Noise adds its power to that of the harmonics, so that `ratio`, as measured, is high. `noise` is what that
     noise alone would read, `corrected` the ratio with its power taken out again (0 where nothing is left),
-    `bias` how much less that is. `budget` is of `ratio`, the bias included, `corrected_budget` of `corrected`.
-    All but `ratio` are nan where the noise is unknown.
+    `bias` how much less that is. `budget` is of `ratio`, the bias included, `corrected_budget` of
+    `corrected`. All but `ratio` are nan where the noise is unknown.
     """
 
     ratio: float
@@ -118,7 +118,7 @@ class _Content:
 def line_errors(
     spectrum: CoherentSpectrum, orders: int, wander_rad: float = 0.0, step: float = 0.0
 ) -> LineErrors:
-    """Of harmonics 1 to `orders`, whose phase wanders by `wander_rad`, rms, of a signal in steps of `step`."""
+    """Of harmonics 1 to `orders`; the phase wanders by `wander_rad`, rms, the signal is in steps of `step`."""
     order = np.arange(1, orders + 1)
     amplitude = harmonics(spectrum)[:orders]
     noise = line_noise(spectrum, spectrum.periods * order)
@@ -159,10 +159,11 @@ def total_harmonic_distortion(
     """THD_F, THD_R or TDD: root of the sum of squares of harmonics 2 to `highest_harmonic` over a reference.
 
     Harmonics beyond the spectrum's band do not count. The ratio is nan where the reference is zero. The
-    standard uncertainty is that of each amplitude, by `errors` (`line_errors` of the spectrum alone), propagated
-    to first order (JCGM 100:2008, 5.1.2), and the bias of the noise. THD_F is that of IEC 61000-4-7:2002+A1:2008;
-    TDD as here, of one record and with the rated current of the machine as its base, is our own, after IEEE Std
-    519-2022, whose base is the maximum demand load current at the point of common coupling.
+    standard uncertainty is that of each amplitude, by `errors` (`line_errors` of the spectrum alone),
+    propagated to first order (JCGM 100:2008, 5.1.2), and the bias of the noise. THD_F is that of IEC
+    61000-4-7:2002+A1:2008; TDD as here, of one record and with the rated current of the machine as its base,
+    is our own, after IEEE Std 519-2022, whose base is the maximum demand load current at the point of common
+    coupling.
 
     Raises:
         ValueError: `Reference.STATED` without `stated_amplitude`.
@@ -287,8 +288,8 @@ def harmonic_table(
     )
     return Table(
         name,
-        "amplitude: peak; phase: of the cosine when the fundamental is at its maximum; uncertainty: standard, of "
-        "noise and leakage beside the harmonic, resampling, wander of the phase and resolution",
+        "amplitude: peak; phase: of the cosine when the fundamental is at its maximum; uncertainty: standard, "
+        "of noise and leakage beside the harmonic, resampling, wander of the phase and resolution",
         (
             ("order", ""),
             ("frequency", "Hz"),

@@ -32,11 +32,11 @@ Stochastic Processes, 4th ed., 6.2), which is one half at a = rms sqrt(ln 2).
 class NoiseFloor:
     """Noise between the harmonics of a spectrum, in the signal's unit.
 
-    `amplitude` is the rms over `bins` bins of their peak amplitude, `density` is rms per sqrt(Hz). The medians
-    of narrow bands give it, so that lines in less than half of the bins of a band do not count, and noise need
-    not be white. A strong interharmonic leaks through the rectangular window into all bins around it, and with
-    that counts as noise. `relative_error` is the relative standard uncertainty of the floor, of `dof` degrees
-    of freedom.
+    `amplitude` is the rms over `bins` bins of their peak amplitude, `density` is rms per sqrt(Hz). The
+    medians of narrow bands give it, so that lines in less than half of the bins of a band do not count, and
+    noise need not be white. A strong interharmonic leaks through the rectangular window into all bins around
+    it, and with that counts as noise. `relative_error` is the relative standard uncertainty of the floor, of
+    `dof` degrees of freedom.
     """
 
     amplitude: float
@@ -76,11 +76,12 @@ def noise_floor(
     """Noise floor from the bins between two orders that are no harmonic; None if they are fewer than eight.
 
     Where there are four periods or more, the bins next to dc and to a harmonic are left out too: a harmonic
-    that is not quite steady spreads there. In bands of 16 bins or more, each a tenth wider than the one before,
-    the median of the squares over that of an exponential distribution is the band's power.
+    that is not quite steady spreads there. In bands of 16 bins or more, each a tenth wider than the one
+    before, the median of the squares over that of an exponential distribution is the band's power.
 
     The median of n exponentially distributed squares has the mean H_n - H_(n/2), H the harmonic numbers, and
-    scatters by about 1 / sqrt(n) (Kendall and Stuart, The Advanced Theory of Statistics, vol. 1, 10.10 and 14.6).
+    scatters by about 1 / sqrt(n) (Kendall and Stuart, The Advanced Theory of Statistics, vol. 1, 10.10 and
+    14.6).
     """
     between = _between(spectrum, first_order, last_order)
     if len(between) < _FEWEST_BINS:
@@ -102,7 +103,7 @@ def noise_floor(
 
 
 def harmonic_noise(spectrum: CoherentSpectrum, orders: int) -> NDArray[np.float64]:
-    """Standard uncertainty by the floor of the amplitudes of harmonics 1 to `orders`, shape (orders,), or nan.
+    """Standard uncertainty of the amplitudes of harmonics 1 to `orders` by the floor, shape (orders,), or nan.
 
     Each from the floor around it, because the noise of a drive is not white: from as many orders to either
     side as hold twenty bins.
@@ -114,13 +115,13 @@ def harmonic_noise(spectrum: CoherentSpectrum, orders: int) -> NDArray[np.float6
 
 
 def line_noise(spectrum: CoherentSpectrum, lines: NDArray[np.int64]) -> LineNoise:
-    """Noise of the lines in the bins `lines`, shape (lines,), from pairs of bins at equal distances around each.
+    """Noise of lines, in bins of shape (lines,), from the pairs of bins at equal distances around each.
 
     The lower bin of a pair, conjugated, and the upper one, both turned to the line's phase, add up to what
-    changes the amplitude of the line and subtract to what changes its phase, as sidebands do. So noise that is
-    coloured, or shares its phase with the line, and leakage of what is no harmonic are seen as they act on the
-    line. Of the pairs without a harmonic the nearest three count by their mean square, the nearest eight by
-    their median, which lines do not disturb, and the larger of both is taken.
+    changes the amplitude of the line and subtract to what changes its phase, as sidebands do. So noise that
+    is coloured, or shares its phase with the line, and leakage of what is no harmonic are seen as they act on
+    the line. Of the pairs without a harmonic the nearest three count by their mean square, the nearest eight
+    by their median, which lines do not disturb, and the larger of both is taken.
     """
     periods, bins = spectrum.periods, spectrum.phasor
     offsets = np.arange(1, 2 * _PAIRS + 1)
@@ -162,7 +163,7 @@ def _lost(
     inside: NDArray[np.bool_],
     amplitude: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    """Half of the phase's variance times the amplitude: sidebands in quadrature, less what noise has of them."""
+    """Half of the phase's variance times the amplitude: sidebands in quadrature, less those of noise."""
     of_phase = np.sum(np.where(inside, np.abs(quadrature) ** 2, 0.0), axis=1)
     of_amplitude = np.sum(np.where(inside, np.abs(in_phase) ** 2, 0.0), axis=1)
     excess = np.where(of_phase > _CLEARLY * of_amplitude, of_phase - of_amplitude, 0.0)

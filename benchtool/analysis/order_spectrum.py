@@ -29,8 +29,8 @@ LARGEST_WOBBLE_RAD = 1.5e-3
 class OrderSpectrum:
     """Peak `amplitude` of orders `order` (1, 2, 3 ... per mechanical revolution), both of shape (orders,).
 
-    `standard`, of `dof` degrees of freedom, is the standard uncertainty of each, from `uncertainty_source`; `mean` is order 0.
-    All are in `unit`. `method` says in words how they were made.
+    `standard`, of `dof` degrees of freedom, is the standard uncertainty of each, from `uncertainty_source`;
+    `mean` is order 0. All are in `unit`. `method` says in words how they were made.
     """
 
     signal: str
@@ -56,8 +56,8 @@ def resampled_orders(
 ) -> OrderSpectrum:
     """Orders of a uniformly sampled channel: bin k x revolutions of its coherent spectrum is order k.
 
-    The uncertainty is from the bins beside each order (`line_noise`), and from the wobble of the angle about its
-    smooth track, of which these samples do not tell whether the rotor made it or the encoder.
+    The uncertainty is from the bins beside each order (`line_noise`), and from the wobble of the angle about
+    its smooth track, of which these samples do not tell whether the rotor made it or the encoder.
 
     Raises:
         AnalysisError: as `track_angle` and `coherent_spectrum`, a gap, or an angle that is off its smooth

@@ -37,10 +37,10 @@ class PhaseTrack:
 
     `phase` gives rad over sample numbers 0 to `samples` - 1, increasing; as a low-order polynomial it follows
     a drift of the speed and nothing faster, so that oscillations within a period stay in the signal, where a
-    spectrum shows them. Where the speed swings, `departure`, rad at sample numbers, is added. `source` says in words
-    what it was made from, `residual_rad` is the rms deviation of a measured angle from the polynomial,
-    electrical, `measured_rad` that angle itself, shape (samples,), without jumps; None where the track was not
-    made from an angle.
+    spectrum shows them. Where the speed swings, `departure`, rad at sample numbers, is added. `source` says
+    in words what it was made from, `residual_rad` is the rms deviation of a measured angle from the
+    polynomial, electrical, `measured_rad` that angle itself, shape (samples,), without jumps; None where the
+    track was not made from an angle.
     """
 
     phase: Polynomial

@@ -1,7 +1,7 @@
 """The phase of a tone held against a track of it, and a track that follows where the two part.
 
-A spectrum over whole periods is right only as far as its phase is: a harmonic k of a phase that is off by x rad
-rms reads low by k^2 x^2 / 2. The fundamental itself shows how far it is off, period by period.
+A spectrum over whole periods is right only as far as its phase is: a harmonic k of a phase that is off by x
+rad rms reads low by k^2 x^2 / 2. The fundamental itself shows how far it is off, period by period.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ _LONGEST_TURN = 0.45  # of a turn between periods, by which a phase may move and
 
 @dataclass(frozen=True)
 class Wander:
-    """How the fundamental moves about a track, of shape (periods,): `phase_rad`, without jumps, and `amplitude`.
+    """How the fundamental moves about a track: `phase_rad`, without jumps, and `amplitude`, shape (periods,).
 
     `excess_rad` is the rms deviation of the phase from its mean beyond what noise does, which moves amplitude
     and phase alike; 0 where it may be noise. `noise_rad` is what noise does to one period's phase.
@@ -65,7 +65,7 @@ def wander(coherent: CoherentSamples) -> Wander:
 def follow(
     samples: NDArray[np.float64], sample_rate_Hz: float, track: PhaseTrack, name: str = "signal"
 ) -> tuple[CoherentSamples, PhaseTrack, Wander]:
-    """The signal at equal steps of phase, and the track: the one given, as long as the fundamental stays on it.
+    """The signal at equal steps of phase, and the track: the one given, while the fundamental stays on it.
 
     Where it does not, by more than 2 mrad rms and more than noise explains, the track follows the measured
     angle, if the fundamental then stays closer, and after that the phase of the fundamental itself, by a
@@ -101,7 +101,7 @@ def _off(seen: Wander) -> float:
 
 
 def _by_angle(track: PhaseTrack, samples_per_period: float) -> PhaseTrack | None:
-    """The track along the measured angle, averaged over a sixteenth of a period; None if that makes no change."""
+    """The track along the angle, averaged over a sixteenth of a period; None if that makes no change."""
     if track.measured_rad is None or not (track.residual_rad or 0.0) > _OFF_RAD:
         return None
     size = max(1, round(samples_per_period / _PER_PERIOD))

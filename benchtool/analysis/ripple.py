@@ -272,9 +272,9 @@ def _peak_to_peak(
     if scatter is not None and math.isfinite(scatter.peak_to_peak):
         budget.append(Contribution("scatter of the extremes", "A", scatter.peak_to_peak, _DOF_OF_EXTREMES))
         source = (
-            f"scatter of maximum and minimum over records of this length, by those of the {scatter.periods} single "
-            f"{scatter.repeated}, whose mean peak-to-peak is {scatter.mean_peak_to_peak:.4g} {whole.unit}; a longer "
-            f"record reads more"
+            f"scatter of maximum and minimum over records of this length, by those of the {scatter.periods} "
+            f"single {scatter.repeated}, whose mean peak-to-peak is {scatter.mean_peak_to_peak:.4g} "
+            f"{whole.unit}; a longer record reads more"
         )
     uncertain = combined(budget, source) if budget else None
     return Measurement(name, whole.peak_to_peak, whole.unit, text, basis, uncertain)

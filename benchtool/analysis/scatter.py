@@ -41,8 +41,8 @@ class MeanError:
 def error_of_series(values: NDArray[np.float64]) -> MeanError:
     """Of the mean of values, shape (n,), one of each period, whose neighbours may be correlated.
 
-    The variance of the mean is tau s^2 / n: tau, from the autocorrelations summed over pairs of lags as long as
-    a pair is above zero (initial positive sequence: Geyer, Statistical Science 7 (1992), 3.3), is how many
+    The variance of the mean is tau s^2 / n: tau, from the autocorrelations summed over pairs of lags as long
+    as a pair is above zero (initial positive sequence: Geyer, Statistical Science 7 (1992), 3.3), is how many
     values count as one, and n / tau - 1 are the degrees of freedom. Correlation below zero counts only where
     it is more than chance.
     """
@@ -69,7 +69,7 @@ def error_of_series(values: NDArray[np.float64]) -> MeanError:
 
 
 def error_of_record(samples: NDArray[np.float64]) -> MeanError:
-    """Of the mean of samples, shape (n,), at equal times: `error_of_series` of the means of up to 64 parts."""
+    """Of the mean of samples, shape (n,), at equal times: `error_of_series` of means of up to 64 parts."""
     parts = min(_MOST_PARTS, len(samples) // 2)
     if parts < _PARTS:
         return MeanError(math.nan, math.nan)

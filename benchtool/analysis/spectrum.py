@@ -96,14 +96,14 @@ class CoherentSpectrum(Spectrum):
 
     @property
     def harmonic_phase_rad(self) -> NDArray[np.float64]:
-        """Phase of harmonics 1, 2, 3 ... as cosines at the first sample of the periods, shape (harmonics,)."""
+        """Phase of harmonics 1, 2, 3 ... as cosines at the first sample of the periods."""
         return np.angle(self.phasor[self.periods :: self.periods])
 
     def resampling_error(self, amplitude: float, order: float) -> float:
         """Standard uncertainty that the resampling leaves in an amplitude of that order.
 
-        Its bound of 1.5e-5 of the amplitude and 5e-6 of the fundamental, as the square of the frequency below a
-        hundredth of the sample rate, evenly distributed (JCGM 100:2008, 4.3.7).
+        Its bound of 1.5e-5 of the amplitude and 5e-6 of the fundamental, as the square of the frequency below
+        a hundredth of the sample rate, evenly distributed (JCGM 100:2008, 4.3.7).
         """
         cycles = self.periods / self.samples  # of the fundamental, a sample
         own, largest = min(1.0, 100.0 * order * cycles) ** 2, min(1.0, 100.0 * cycles) ** 2

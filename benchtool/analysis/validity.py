@@ -64,9 +64,9 @@ def require_unbroken(block: Block) -> None:
 def clipping(samples: NDArray[np.float64]) -> str:
     """Why a record, shape (n,), of a signal that changes counts as clipped; empty if it does not.
 
-    Clipped is what stays at its greatest or least value, for three samples in a row or more, much oftener than
-    at the values beside it: the peak of a sine in steps of q is at most 2.4 times as often in the last step as
-    in the one before. Of less than sixteen different values nothing is said.
+    Clipped is what stays at its greatest or least value, for three samples in a row or more, much oftener
+    than at the values beside it: the peak of a sine in steps of q is at most 2.4 times as often in the last
+    step as in the one before. Of less than sixteen different values nothing is said.
     """
     for sign, word in ((1.0, "greatest"), (-1.0, "least")):
         largest = sign * float(np.max(sign * samples))

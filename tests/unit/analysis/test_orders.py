@@ -92,7 +92,7 @@ def test_resampling_by_time_and_fitting_by_angle_agree_in_steady_state() -> None
     difference = np.abs(by_time.amplitude - by_angle.amplitude)
     assert np.all(difference < 6 * np.hypot(by_time.standard, by_angle.standard))
     # white noise of 0.05 over 20 000 samples: sqrt(2 / n) x 0.05 = 0.5 mNm in an amplitude
-    # of the mean of few pairs of bins and the median of more the larger counts: a tenth too wide for white noise
+    # the larger of two estimates counts, which for white noise is a tenth too wide
     assert np.median(by_time.standard) == pytest.approx(5e-4, rel=0.2)
     assert np.median(by_angle.standard) == pytest.approx(5e-4, rel=0.1)
 
