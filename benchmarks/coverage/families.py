@@ -12,7 +12,7 @@ from benchtool.analysis import Measurement
 from benchtool.errors import AnalysisError
 
 OF_THE_ENSEMBLE = math.nan
-"""In place of a truth, of a number that is random itself, such as a peak-to-peak: the mean of the ensemble."""
+"""In place of a truth, of a number that is random itself, such as a peak-to-peak: the ensemble's mean."""
 
 Trial = Callable[[np.random.Generator], Iterable[tuple[Measurement, float]]]
 """Measurements of one random record of a family, each with its truth; may raise AnalysisError."""

@@ -18,8 +18,8 @@ from benchtool.analysis.uncertainty import Contribution, combined
 
 _HANN_FIT = math.sqrt(54.463)
 """Standard uncertainty of a frequency by the fit of `track_tone`, in units of that of the mean phase over
-the duration: root of int w^4 t^2 dt / (int w^2 t^2 dt)^2, w = cos^2(pi t), t from -1/2 to 1/2; unweighted it is
-sqrt(12)."""
+the duration: root of int w^4 t^2 dt / (int w^2 t^2 dt)^2, w = cos^2(pi t), t from -1/2 to 1/2; unweighted it
+is sqrt(12)."""
 
 _STANDS_OUT = 5.0  # standard uncertainties
 _ABOVE_FLOOR = 4.0  # of the rms amplitude of a bin of noise: by chance once in ten million
@@ -39,7 +39,7 @@ class Soundness:
 
 
 def soundness(spectrum: CoherentSpectrum, seen: Wander, clipped: str, name: str) -> Soundness:
-    """Whether the record is not clipped, of one regime and on a phase, and the fundamental out of the noise."""
+    """Whether the record is unclipped, of one regime and on a phase, and the fundamental out of the noise."""
     reason = clipped or _regimes(seen, name) or _off_phase(seen, name)
     amplitude = spectrum.fundamental
     noise = line_noise(spectrum, np.array([spectrum.periods])).in_phase[0]

@@ -118,7 +118,7 @@ class _Content:
 def line_errors(
     spectrum: CoherentSpectrum, orders: int, wander_rad: float = 0.0, step: float = 0.0
 ) -> LineErrors:
-    """Of harmonics 1 to `orders`; the phase wanders by `wander_rad`, rms, the signal is in steps of `step`."""
+    """Of harmonics 1 to `orders`; the phase wanders by `wander_rad`, rms, the signal has steps of `step`."""
     order = np.arange(1, orders + 1)
     amplitude = harmonics(spectrum)[:orders]
     noise = line_noise(spectrum, spectrum.periods * order)
@@ -288,8 +288,8 @@ def harmonic_table(
     )
     return Table(
         name,
-        "amplitude: peak; phase: of the cosine when the fundamental is at its maximum; uncertainty: standard, "
-        "of noise and leakage beside the harmonic, resampling, wander of the phase and resolution",
+        "amplitude: peak; phase: of the cosine when the fundamental is at its maximum; uncertainty: "
+        "standard, of noise and leakage beside the harmonic, resampling, wander of the phase and resolution",
         (
             ("order", ""),
             ("frequency", "Hz"),

@@ -103,7 +103,7 @@ def noise_floor(
 
 
 def harmonic_noise(spectrum: CoherentSpectrum, orders: int) -> NDArray[np.float64]:
-    """Standard uncertainty of the amplitudes of harmonics 1 to `orders` by the floor, shape (orders,), or nan.
+    """Standard uncertainty of amplitudes of harmonics 1 to `orders` by the floor, shape (orders,), or nan.
 
     Each from the floor around it, because the noise of a drive is not white: from as many orders to either
     side as hold twenty bins.
