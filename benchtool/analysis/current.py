@@ -207,7 +207,7 @@ def _distortions(
             f"{100 * distortion.bias:.2g} % that it adds, resampling, phase and resolution"
         )
         at_most = "; at most: less than twice what noise alone reads" if distortion.is_upper_bound else ""
-        uncertain = _percent(distortion.budget, source)
+        uncertain = _with_bias(distortion, source)
         yield Measurement(name, 100.0 * distortion.ratio, "%", text + at_most, to_last, uncertain)
         if reference is Reference.FUNDAMENTAL:
             yield _corrected(distortion, last, to_last)
@@ -304,6 +304,16 @@ def _noise(floor: NoiseFloor | None, unit: str, basis: Basis) -> Iterator[Measur
         yield Measurement(
             name, value, of, text, basis, Uncertainty(value * floor.relative_error, source, floor.dof)
         )
+
+
+def _with_bias(distortion: Distortion, source: str) -> Uncertainty | None:
+    """Of a ratio that noise makes high by a known bias: the interval of the rest, and the bias once."""
+    *rest, bias = distortion.budget
+    random = combined(rest, source)
+    if random is None or not math.isfinite(bias.standard):
+        return None
+    found = combined(distortion.budget, source, half_width=math.hypot(random.expanded, bias.standard))
+    return None if found is None else found.scaled(100.0)
 
 
 def _percent(budget: Iterable[Contribution], source: str) -> Uncertainty | None:
