@@ -13,7 +13,7 @@ from benchtool.analysis.noise import harmonic_noise, line_noise
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.phase_following import Wander
 from benchtool.analysis.scatter import MeanError, error_of_series
-from benchtool.analysis.spectrum import CoherentSpectrum
+from benchtool.analysis.spectrum import FIRST_ROW, CoherentSpectrum
 from benchtool.analysis.uncertainty import Contribution, combined
 
 _HANN_FIT = math.sqrt(54.463)
@@ -93,8 +93,13 @@ def _random(
             return _of_ends(track, turns), "deviation of the angle from the track along it, at both ends"
         return _of_angle(track, spectrum), "deviation of the angle from its fit, by parts of the record"
     if track.departure is not None:
-        both_ends = MeanError(math.sqrt(2.0) * seen.noise_rad / turns, float(len(seen.phase_rad) - 1))
-        return both_ends, "noise in the phase of the fundamental at both ends"
+        left_rad = float(np.std(seen.phase_rad))
+        end_rad = math.hypot(max(seen.noise_rad, left_rad), _beyond_rad(track, spectrum))
+        both_ends = MeanError(math.sqrt(2.0) * end_rad / turns, float(len(seen.phase_rad) - 1))
+        return (
+            both_ends,
+            "what is left of the followed phase at both ends, and its bend beyond the last period",
+        )
     noise = line_noise(spectrum, np.array([spectrum.periods]))
     phase_rad = float(noise.quadrature[0]) / spectrum.fundamental if spectrum.fundamental else math.nan
     found = MeanError(_HANN_FIT * phase_rad / turns, float(noise.dof[0]))
@@ -120,6 +125,15 @@ def _of_angle(track: PhaseTrack, spectrum: CoherentSpectrum) -> MeanError:
     slope = scatter.standard * parts / (count * (count**2 - 1.0) / 12.0)
     rate_Hz = spectrum.samples / spectrum.duration_s
     return MeanError(slope * rate_Hz / (2.0 * math.pi), min(scatter.dof, parts - 3.0))
+
+
+def _beyond_rad(track: PhaseTrack, spectrum: CoherentSpectrum) -> float:
+    """What a followed phase may bend beyond the middle of the last period, where none shows it."""
+    per_period = spectrum.samples / spectrum.periods
+    marks = np.arange(FIRST_ROW + 0.5 * per_period, FIRST_ROW + spectrum.samples, per_period)
+    bend = np.diff(track.at(marks), n=2)
+    left = (track.samples - FIRST_ROW - spectrum.samples) / per_period + 0.5
+    return 0.5 * left**2 * float(np.sqrt(np.mean(bend**2))) if len(bend) else 0.0
 
 
 def _of_ends(track: PhaseTrack, turns: float) -> MeanError:

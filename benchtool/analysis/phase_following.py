@@ -10,6 +10,7 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline, make_smoothing_spline
 from scipy.special import fdtri
@@ -126,13 +127,14 @@ def _by_tone(coherent: CoherentSamples, track: PhaseTrack, seen: Wander, name: s
     begin = float(track.at(np.array([float(FIRST_ROW)]))[0])
     middle = begin + 2 * np.pi * (np.arange(coherent.periods, dtype=np.float64) + 0.5)
     numbers = track.sample_numbers(middle)
-    rad = seen.phase_rad - np.mean(seen.phase_rad)
-    spline = make_smoothing_spline(numbers, rad)
+    # a drift is the polynomial's, because the spline is straight at its ends
+    drift = Polynomial.fit(numbers, seen.phase_rad - np.mean(seen.phase_rad), 2)
+    spline = make_smoothing_spline(numbers, seen.phase_rad - np.mean(seen.phase_rad) - drift(numbers))
     before = track.departure
     added = "" if name in track.source else f", followed by the phase of {name} itself"
 
     def departure(at: NDArray[np.float64]) -> NDArray[np.float64]:
-        own = np.asarray(spline(at), dtype=np.float64)
+        own = np.asarray(spline(at) + drift(at), dtype=np.float64)
         return own if before is None else own + before(at)
 
     return replace(track, departure=departure, source=f"{track.source}{added}")

@@ -204,6 +204,9 @@ def _numbers(
 
     # ripple that spans several steps turns quantization into noise, which the scatter holds already
     of_mean = step / math.sqrt(12.0) if whole.rms < step else 0.0
+    if scatter is not None and scatter.mean.standard < step / math.sqrt(12.0 * len(samples)):
+        # no noise moves the steps: they are the same in every period, and so many as that has samples
+        of_mean = max(of_mean, step / math.sqrt(12.0 * len(samples) / scatter.periods))
     # it adds step^2 / 12 to the mean square
     of_rms = max(of_mean, step**2 / (24.0 * whole.rms) if whole.rms > 0.0 else 0.0)
     mean = measured(
