@@ -95,7 +95,8 @@ def _random(
     if track.departure is not None:
         left_rad = float(np.std(seen.phase_rad))
         end_rad = math.hypot(max(seen.noise_rad, left_rad), _beyond_rad(track, spectrum))
-        both_ends = MeanError(math.sqrt(2.0) * end_rad / turns, float(len(seen.phase_rad) - 1))
+        # a spline scatters at its ends twice as much as between
+        both_ends = MeanError(2.0 * end_rad / turns, float(len(seen.phase_rad) - 1))
         return (
             both_ends,
             "what is left of the followed phase at both ends, and its bend beyond the last period",
@@ -141,7 +142,11 @@ def _of_ends(track: PhaseTrack, turns: float) -> MeanError:
     if track.measured_rad is None:
         return MeanError(math.nan, math.nan)
     left = track.measured_rad - track.at(np.arange(track.samples, dtype=np.float64))
-    return MeanError(math.sqrt(2.0) * float(np.std(left)) / turns, math.inf)
+    # a spline through averages is least sure at its ends
+    size = max(2, round(track.samples / (4.0 * track.periods)))
+    ends = np.concatenate([left[:size], left[-size:]])
+    rms = max(float(np.std(left)), float(np.sqrt(np.mean(ends**2))))
+    return MeanError(math.sqrt(2.0) * rms / turns, math.inf)
 
 
 def _of_angle_Hz(spectrum: CoherentSpectrum, track: PhaseTrack) -> float:
