@@ -28,7 +28,6 @@ from benchtool.analysis.measurement import (
     Basis,
     Measurement,
     Table,
-    Uncertainty,
     measurements_from_json,
     measurements_to_json,
     tables_to_json,
@@ -67,6 +66,7 @@ from benchtool.analysis.switching import (
     switching_states,
 )
 from benchtool.analysis.torque import torque_ripple, true_torque
+from benchtool.analysis.uncertainty import Contribution, Uncertainty
 
 __all__ = [
     "AngleCoverage",
@@ -75,6 +75,7 @@ __all__ = [
     "CoherentSamples",
     "CoherentSpectrum",
     "Component",
+    "Contribution",
     "CurrentSpectrum",
     "Distortion",
     "FrequencyResponse",

@@ -20,7 +20,7 @@ _STEPS_PER_PERIOD = 10  # of a coarse angle: the amplitude then reads at most si
 _CELLS_PER_UNKNOWN = 2
 _WORST_CONDITION = 0.2  # least eigenvalue of the normal matrix, 1 for even coverage
 _FEWEST_REVOLUTIONS = 4  # for a scatter over revolutions
-_MOST_GROUPS = 1000  # which are held in memory, each with the sums of all orders
+MOST_GROUPS = 1000  # which are held in memory, each with the sums of all orders
 _PIECE = 256  # samples whose powers stay in the cache
 
 
@@ -88,7 +88,7 @@ def fit_orders(coverage: AngleCoverage, values: NDArray[np.float64], highest_ord
         shift = cho_solve(factor, scores.T)[order + 1 :]
         along = np.real(np.conj(towards)[:, np.newaxis] * shift)
         standard = 2.0 * np.sqrt(revolutions / (revolutions - 1) * np.sum(along**2, axis=1))
-        what = "revolutions" if revolutions < _MOST_GROUPS else "groups of revolutions"
+        what = "revolutions" if revolutions < MOST_GROUPS else "groups of revolutions"
         source = f"scatter of the amplitude over {revolutions} {what}, as standard error of its mean"
     else:
         power = float(weights @ values**2 - np.real(np.vdot(solution, full.sum(axis=0))))
@@ -131,7 +131,7 @@ def _sums(
     A row for each revolution, or for each group of them where they are many.
     """
     last = int(coverage.revolution.max())
-    rows = min(last + 1, _MOST_GROUPS)
+    rows = min(last + 1, MOST_GROUPS)
     group = coverage.revolution * rows // (last + 1)
     sums = np.zeros((rows, 2 * order + 1), dtype=np.complex128)
     products = np.zeros((rows, order + 1), dtype=np.complex128)

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.frequency_response import FrequencyResponse, frequency_response
 from benchtool.analysis.margins import margins
-from benchtool.analysis.measurement import Basis, Measurement, Table, Uncertainty
+from benchtool.analysis.measurement import Basis, Measurement, Table
 from benchtool.analysis.response_curve import Point, ResponseCurve, gain_at_rest
+from benchtool.analysis.uncertainty import Uncertainty
 from benchtool.analysis.validity import require_unbroken
 from benchtool.block import Block
 from benchtool.errors import AnalysisError

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from benchtool.analysis.fundamental import frequency, soundness
 from benchtool.analysis.groups import (
     PERIODS_PER_WINDOW,
     GroupDistortion,
@@ -19,24 +20,30 @@ from benchtool.analysis.groups import (
 from benchtool.analysis.harmonics import (
     HIGHEST_HARMONIC,
     Distortion,
+    LineErrors,
     Reference,
     distortion_and_noise,
     harmonic_table,
+    harmonics,
+    line_errors,
     total_harmonic_distortion,
 )
-from benchtool.analysis.measurement import Basis, Measurement, Table, Uncertainty
-from benchtool.analysis.noise import NoiseFloor, harmonic_noise, noise_floor
+from benchtool.analysis.measurement import Basis, Measurement, Table
+from benchtool.analysis.noise import NoiseFloor, line_noise, noise_floor
 from benchtool.analysis.periods import PhaseTrack
+from benchtool.analysis.phase_following import follow
+from benchtool.analysis.ripple import resolution
+from benchtool.analysis.scatter import MeanError
 from benchtool.analysis.spectrum import (
     FIRST_ROW,
     CoherentSamples,
     CoherentSpectrum,
-    coherent_samples,
+    Component,
     largest_low_component,
-    resampling_error,
     spectrum_of,
 )
-from benchtool.analysis.validity import require_unbroken
+from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
+from benchtool.analysis.validity import clipping, require_unbroken
 from benchtool.block import Block
 
 _LOW_ORDER = 10
@@ -75,23 +82,44 @@ def current_spectrum(
     """
     require_unbroken(block)
     samples, unit = np.ascontiguousarray(block.column(channel)), block.unit(channel)
-    coherent = coherent_samples(samples, block.sample_rate_Hz, track, channel)
+    coherent, track, seen = follow(samples, block.sample_rate_Hz, track, channel)
     spectrum = spectrum_of(coherent)
     basis = _basis(coherent, spectrum, track)
     floor = noise_floor(spectrum)
+    sound = soundness(spectrum, seen, clipping(samples), channel)
+    highest = min(HIGHEST_HARMONIC, len(harmonics(spectrum)))
+    errors = line_errors(spectrum, highest, seen.excess_rad, resolution(samples))
     groups = harmonic_groups(coherent, HIGHEST_HARMONIC)
-    measurements = (
-        _frequency(spectrum, track, floor, basis, rate_relative),
-        *_lines(spectrum, unit, basis),
-        *_distortions(spectrum, basis, current_rated_A_rms, unit),
-        *_group_distortions(coherent, groups, basis),
-        *_noise(floor, unit, basis),
+    found = (
+        frequency(spectrum, track, seen, basis, rate_relative, sound.of_ratios),
+        *_refused(_lines(spectrum, errors, unit, basis), sound.of_amplitudes),
+        *_refused(_distortions(spectrum, errors, basis, current_rated_A_rms, unit), sound.of_ratios),
+        *_refused(_group_distortions(coherent, spectrum, errors, groups, basis), sound.of_ratios),
+        *_refused(_noise(floor, unit, basis), sound.of_amplitudes),
     )
-    highest = min(HIGHEST_HARMONIC, len(spectrum.harmonic_phase_rad))
-    tables = [harmonic_table(spectrum, "current_harmonics", unit, replace(basis, harmonics=highest))]
+    tables = [
+        harmonic_table(spectrum, "current_harmonics", unit, replace(basis, harmonics=highest), errors=errors)
+    ]
+    if sound.of_amplitudes:
+        tables = [_without_uncertainty(tables[0], sound.of_amplitudes)]
     if groups is not None:
         tables.append(group_table(groups, "current_groups", unit, _group_basis(coherent, groups, basis)))
-    return CurrentSpectrum(measurements, tuple(tables), spectrum)
+    return CurrentSpectrum(found, tuple(tables), spectrum)
+
+
+def _without_uncertainty(table: Table, reason: str) -> Table:
+    """The harmonics as they were read, but of unknown uncertainty."""
+    rows = tuple((*row[:-1], math.nan) for row in table.rows)
+    return replace(table, definition=f"{table.definition}; unknown here: {reason}", rows=rows)
+
+
+def _refused(measurements: Iterable[Measurement], reason: str) -> Iterator[Measurement]:
+    """The measurements as they are, or, for a reason, undefined."""
+    for each in measurements:
+        if reason and math.isfinite(each.value):
+            yield Measurement.undefined(each.name, each.unit, each.definition, reason, each.basis)
+        else:
+            yield each
 
 
 def _basis(coherent: CoherentSamples, spectrum: CoherentSpectrum, track: PhaseTrack) -> Basis:
@@ -106,41 +134,12 @@ def _basis(coherent: CoherentSamples, spectrum: CoherentSpectrum, track: PhaseTr
     )
 
 
-def _frequency(
-    spectrum: CoherentSpectrum,
-    track: PhaseTrack,
-    floor: NoiseFloor | None,
-    basis: Basis,
-    rate_relative: float | None,
-) -> Measurement:
-    turns, uncertain = 2 * math.pi * spectrum.duration_s, None
-    clock = "; the clock is left out" if rate_relative is None else ", and of the rate by the time stamps"
-    fundamental = float(spectrum.amplitude[spectrum.periods])
-    if track.residual_rad is not None:
-        uncertain = Uncertainty(
-            math.sqrt(2.0) * track.residual_rad / turns,
-            f"rms deviation of the angle from the fit, at both ends{clock}",
-        )
-    elif floor is not None and fundamental > 0.0:
-        # variance of omega 24 sigma^2 / (A^2 n^3), with sigma^2 = n floor^2 / 4
-        uncertain = Uncertainty(
-            math.sqrt(6.0) * floor.amplitude / (fundamental * turns),
-            f"noise floor by the Cramér-Rao bound (Rife and Boorstyn 1974){clock}",
-        )
-    if rate_relative is not None and uncertain is not None:
-        of_rate = rate_relative * spectrum.fundamental_Hz
-        uncertain = Uncertainty(math.hypot(uncertain.standard, of_rate), uncertain.source)
-    text = "mean electrical frequency of the window"
-    return Measurement("fundamental_frequency", spectrum.fundamental_Hz, "Hz", text, basis, uncertain)
-
-
-def _lines(spectrum: CoherentSpectrum, unit: str, basis: Basis) -> Iterator[Measurement]:
+def _lines(spectrum: CoherentSpectrum, errors: LineErrors, unit: str, basis: Basis) -> Iterator[Measurement]:
     periods, f_1 = spectrum.periods, spectrum.fundamental_Hz
-    source = "noise floor around the fundamental / sqrt(2), and the resampling; the sensor's gain is left out"
     text = f"peak amplitude at {f_1:.6g} Hz"
-    amplitude, noise = float(spectrum.amplitude[periods]), float(harmonic_noise(spectrum, 1)[0])
-    standard = math.hypot(noise, resampling_error(amplitude, amplitude))
-    yield Measurement("current_fundamental", amplitude, unit, text, basis, _uncertain(standard, source))
+    source = "noise, resampling, phase and resolution; the sensor's gain is left out"
+    own = combined(errors.budget(0), source)
+    yield Measurement("current_fundamental", spectrum.fundamental, unit, text, basis, own)
 
     largest = largest_low_component(spectrum, _LOW_ORDER)
     limit_Hz = min(_LOW_ORDER * f_1, float(spectrum.frequency_Hz[-1]))
@@ -148,16 +147,41 @@ def _lines(spectrum: CoherentSpectrum, unit: str, basis: Basis) -> Iterator[Meas
         f"largest peak amplitude below {limit_Hz:.6g} Hz other than dc and the fundamental, here at "
         f"{largest.frequency_Hz:.6g} Hz; all bins, {f_1 / periods:.4g} Hz apart"
     )
-    floor = noise_floor(spectrum, 0, _LOW_ORDER)
-    noise = math.nan if floor is None else floor.standard
-    standard = math.hypot(noise, resampling_error(largest.amplitude, amplitude))
-    uncertain = _uncertain(standard, f"noise floor below {limit_Hz:.6g} Hz / sqrt(2), and the resampling")
     low = replace(basis, bandwidth_Hz=limit_Hz)
+    uncertain = _of_largest(spectrum, largest, errors)
     yield Measurement("current_max_low_harmonic", largest.amplitude, unit, text, low, uncertain)
 
 
+def _of_largest(spectrum: CoherentSpectrum, largest: Component, errors: LineErrors) -> Uncertainty | None:
+    """Of the largest of n bins: noise alone reads the floor times sqrt(ln n) there."""
+    place = round(largest.frequency_Hz / spectrum.frequency_Hz[1])
+    order = place / spectrum.periods
+    noise = line_noise(spectrum, np.array([place]))
+    floor = noise_floor(spectrum, 0, _LOW_ORDER)
+    alone = (
+        math.nan if floor is None else floor.amplitude * math.sqrt(math.log(_LOW_ORDER * spectrum.periods))
+    )
+    bias = largest.amplitude - math.sqrt(max(0.0, largest.amplitude**2 - alone**2))
+    nearest = min(max(round(order), 1), len(errors.phase)) - 1
+    lines = (
+        Contribution("noise and leakage beside the line", "A", float(noise.in_phase[0]), float(noise.dof[0])),
+        Contribution("largest of many bins of noise", "B", bias),
+        Contribution("resampling", "B", spectrum.resampling_error(largest.amplitude, order)),
+        Contribution("wander of the phase and resolution", "B", _beside(errors, nearest)),
+    )
+    return combined(lines, "noise beside the line, that of the largest of many bins, and the resampling")
+
+
+def _beside(errors: LineErrors, index: int) -> float:
+    return math.hypot(float(errors.phase[index]), float(errors.resolution[index]))
+
+
 def _distortions(
-    spectrum: CoherentSpectrum, basis: Basis, current_rated_A_rms: float | None, unit: str
+    spectrum: CoherentSpectrum,
+    errors: LineErrors,
+    basis: Basis,
+    current_rated_A_rms: float | None,
+    unit: str,
 ) -> Iterator[Measurement]:
     bases = [
         ("current_thd", Reference.FUNDAMENTAL, 0.0, "fundamental"),
@@ -170,7 +194,7 @@ def _distortions(
         )
         bases.append(("current_tdd", Reference.STATED, peak, rated))
     for name, reference, stated, base in bases:
-        distortion = total_harmonic_distortion(spectrum, HIGHEST_HARMONIC, reference, stated)
+        distortion = total_harmonic_distortion(spectrum, HIGHEST_HARMONIC, reference, stated, errors)
         last = distortion.highest_harmonic
         text = f"100 x root of the sum of squares of harmonics 2 to {last} / {base}"
         to_last = replace(basis, bandwidth_Hz=last * spectrum.fundamental_Hz, harmonics=last, reference=base)
@@ -179,11 +203,11 @@ def _distortions(
             yield Measurement.undefined(name, "%", text, reason, to_last)
             continue
         source = (
-            f"noise floor around each harmonic, which alone would read {100 * distortion.noise:.2g} %, "
-            f"the {100 * distortion.bias:.2g} % that it adds, and the resampling"
+            f"noise beside each harmonic, which alone would read {100 * distortion.noise:.2g} %, the "
+            f"{100 * distortion.bias:.2g} % that it adds, resampling, phase and resolution"
         )
         at_most = "; at most: less than twice what noise alone reads" if distortion.is_upper_bound else ""
-        uncertain = _uncertain(100.0 * distortion.standard, source)
+        uncertain = _with_bias(distortion, source)
         yield Measurement(name, 100.0 * distortion.ratio, "%", text + at_most, to_last, uncertain)
         if reference is Reference.FUNDAMENTAL:
             yield _corrected(distortion, last, to_last)
@@ -201,7 +225,7 @@ def _corrected(distortion: Distortion, last: int, basis: Basis) -> Measurement:
         reason = "fewer than 8 bins are between harmonics"
         return Measurement.undefined(name, "%", text, reason, basis)
     source = "scatter of the noise in the harmonics, and of the floor that is taken out"
-    uncertain = _uncertain(100.0 * distortion.corrected_standard, source)
+    uncertain = _percent(distortion.corrected_budget, source)
     return Measurement(name, 100.0 * distortion.corrected, "%", text, basis, uncertain)
 
 
@@ -216,8 +240,15 @@ def _with_noise(spectrum: CoherentSpectrum, basis: Basis) -> Iterator[Measuremen
 
 
 def _group_distortions(
-    coherent: CoherentSamples, groups: HarmonicGroups | None, basis: Basis
+    coherent: CoherentSamples,
+    spectrum: CoherentSpectrum,
+    errors: LineErrors,
+    groups: HarmonicGroups | None,
+    basis: Basis,
 ) -> Iterator[Measurement]:
+    distortion = total_harmonic_distortion(spectrum, HIGHEST_HARMONIC, errors=errors)
+    by_noise = combined((each for each in distortion.budget if each is not distortion.budget[-1]), "")
+    noise = None if by_noise is None else MeanError(by_noise.standard, by_noise.dof)
     for name, kind in (("current_thdg", "group"), ("current_thds", "subgroup")):
         base = f"{kind} of order 1"
         if groups is None:
@@ -226,7 +257,7 @@ def _group_distortions(
             yield Measurement.undefined(name, "%", text, reason, replace(basis, reference=base))
             continue
         squares = groups.group2 if kind == "group" else groups.subgroup2
-        value: GroupDistortion = group_distortion(squares)
+        value: GroupDistortion = group_distortion(squares, noise)
         text = f"100 x rms of harmonic {kind}s of order 2 to {groups.orders} / {base}, after IEC 61000-4-7"
         if groups.periods_per_window < PERIODS_PER_WINDOW:
             text += (
@@ -236,8 +267,9 @@ def _group_distortions(
         if math.isnan(value.ratio):
             yield Measurement.undefined(name, "%", text, "order 1 is zero, or alone in the band", own)
         else:
-            source = f"scatter over {groups.windows} windows"
-            uncertain = _uncertain(100.0 * value.standard, source)
+            source = f"scatter over {groups.windows} windows, or the noise beside the lines"
+            scatter = Contribution(source, "A", value.standard, value.dof)
+            uncertain = _percent((scatter,), source)
             yield Measurement(name, 100.0 * value.ratio, "%", text, own, uncertain)
 
 
@@ -258,7 +290,7 @@ def _over(windows: int) -> str:
 
 
 def _noise(floor: NoiseFloor | None, unit: str, basis: Basis) -> Iterator[Measurement]:
-    which = "bins between the harmonics, from their median / 0.8326 (Rayleigh)"
+    which = "bins between the harmonics, from the medians of bands of them / 0.8326 (Rayleigh)"
     names = (
         ("current_noise_floor", unit, f"rms over the peak amplitudes of the {which}"),
         ("current_noise_density", f"{unit}/sqrt(Hz)", f"rms per root of the width of a bin, of the {which}"),
@@ -268,9 +300,22 @@ def _noise(floor: NoiseFloor | None, unit: str, basis: Basis) -> Iterator[Measur
             yield Measurement.undefined(name, of, text, "fewer than 8 bins are between harmonics", basis)
             continue
         value = floor.amplitude if name == "current_noise_floor" else floor.density
-        uncertain = Uncertainty(value * floor.relative_error, f"median of {floor.bins} bins, white noise")
-        yield Measurement(name, value, of, text, basis, uncertain)
+        source = f"medians of {floor.bins} bins in bands"
+        yield Measurement(
+            name, value, of, text, basis, Uncertainty(value * floor.relative_error, source, floor.dof)
+        )
 
 
-def _uncertain(standard: float, source: str) -> Uncertainty | None:
-    return Uncertainty(standard, source) if math.isfinite(standard) else None
+def _with_bias(distortion: Distortion, source: str) -> Uncertainty | None:
+    """Of a ratio that noise makes high by a known bias: the interval of the rest, and the bias once."""
+    *rest, bias = distortion.budget
+    random = combined(rest, source)
+    if random is None or not math.isfinite(bias.standard):
+        return None
+    found = combined(distortion.budget, source, half_width=math.hypot(random.expanded, bias.standard))
+    return None if found is None else found.scaled(100.0)
+
+
+def _percent(budget: Iterable[Contribution], source: str) -> Uncertainty | None:
+    found = combined(budget, source)
+    return None if found is None else found.scaled(100.0)

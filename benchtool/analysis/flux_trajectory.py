@@ -10,11 +10,14 @@ import numpy as np
 from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
-from benchtool.analysis.measurement import Basis, Measurement, Uncertainty
+from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.periods import PhaseTrack, track_angle
+from benchtool.analysis.scatter import error_of_series, scatter_of_largest
+from benchtool.analysis.uncertainty import Contribution, combined
 from benchtool.analysis.validity import require_signal, require_unbroken
 from benchtool.block import Block
 
+_DOF_OF_EXTREMES = 10.0  # of a tail from a few of the largest values
 _CENTRINGS = 4  # each leaves about a tenth of the error of the one before
 _ENOUGH = 48  # samples of a revolution to find the centre by
 _HEAD = 1 << 16
@@ -121,21 +124,28 @@ def _measurements(
     whole = np.abs(psi[revolutions[0].start : revolutions[-1].stop])
     each = [np.abs(psi[part]) for part in revolutions]
 
-    def measured(name: str, text: str, value: float, over_each: list[float]) -> Measurement:
-        scatter = float(np.std(over_each, ddof=1)) / math.sqrt(len(over_each)) if len(over_each) > 1 else None
-        source = "scatter over the revolutions / sqrt(revolutions)"
-        uncertain = None if scatter is None else Uncertainty(scatter, source)
-        return Measurement(name, value, "Wb", text, basis, uncertain)
+    def measured(
+        name: str, text: str, value: float, over_each: list[float], bias: float = 0.0
+    ) -> Measurement:
+        error = error_of_series(np.array(over_each))
+        source = f"scatter over {len(over_each)} revolutions, with their correlation"
+        budget = [Contribution(source, "A", error.standard, error.dof)]
+        if bias:
+            budget.append(Contribution("length that the scatter adds", "B", bias))
+        return Measurement(name, value, "Wb", text, basis, combined(budget, source))
 
-    mean = float(np.mean(whole))
     yield measured(
         "flux_radius_mean",
         "mean of sqrt(psi_alpha^2 + psi_beta^2), peak",
-        mean,
+        float(np.mean(whole)),
         [float(np.mean(part)) for part in each],
     )
-    spread = [float(np.ptp(part)) for part in each]
-    uncertain = Uncertainty(float(np.std(spread, ddof=1)), "scatter of that of one revolution")
+    scatter = math.hypot(
+        scatter_of_largest(np.array([float(np.max(part)) for part in each])),
+        scatter_of_largest(np.array([-float(np.min(part)) for part in each])),
+    )
+    source = "scatter of maximum and minimum over records of this length, by those of single revolutions"
+    uncertain = combined([Contribution(source, "A", scatter, _DOF_OF_EXTREMES)], source)
     text = "maximum minus minimum of sqrt(psi_alpha^2 + psi_beta^2); grows with the duration"
     yield Measurement("flux_radius_pp", float(np.ptp(whole)), "Wb", text, basis, uncertain)
     text = "rms of sqrt(psi_alpha^2 + psi_beta^2) about its mean"
@@ -143,15 +153,26 @@ def _measurements(
 
     centre = fits[:, 0]
     text = "distance from zero of the mean of psi_alpha + j psi_beta, fitted together with orders 1, -5 and 7"
-    yield measured("flux_centre_offset", text, float(np.abs(np.mean(centre))), _distances(centre))
+    length, bias = _length(centre)
+    yield measured("flux_centre_offset", text, length, _distances(centre), bias)
 
     # |c_1 e^jx + c_-5 e^-5jx + c_7 e^7jx| is |c_1| + Re((c_1 c_-5* + c_1* c_7) e^6jx) / |c_1| to first order
-    sixth = np.abs(np.conj(fits[:, 2]) * fits[:, 1] + fits[:, 3] * np.conj(fits[:, 1])) / np.abs(fits[:, 1])
+    sixth = (fits[:, 1] * np.conj(fits[:, 2]) + np.conj(fits[:, 1]) * fits[:, 3]) / np.abs(fits[:, 1])
     text = (
-        "peak amplitude of order 6 of the radius along a revolution, from orders -5 and 7 of psi_alpha + j "
-        "psi_beta; 0 for a circle, 1/25 + 1/49 of order 1 for a hexagon run along its sides evenly"
+        "peak amplitude of order 6 of the radius along a revolution, the mean of all, from orders -5 and 7 "
+        "of psi_alpha + j psi_beta; 0 for a circle, 1/25 + 1/49 of order 1 for a hexagon run along its sides "
+        "evenly"
     )
-    yield measured("flux_radius_order_6", text, float(np.mean(sixth)), [float(value) for value in sixth])
+    length, bias = _length(sixth)
+    yield measured("flux_radius_order_6", text, length, _distances(sixth), bias)
+
+
+def _length(points: NDArray[np.complex128]) -> tuple[float, float]:
+    """Distance of the mean of points from zero, and how much of it their scatter alone explains."""
+    length = float(np.abs(np.mean(points)))
+    variance = error_of_series(points.real).standard ** 2 + error_of_series(points.imag).standard ** 2
+    left = length**2 - variance if math.isfinite(variance) else length**2
+    return length, length - math.sqrt(max(0.0, left))
 
 
 def _distances(points: NDArray[np.complex128]) -> list[float]:

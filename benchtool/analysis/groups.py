@@ -1,4 +1,4 @@
-"""Harmonic groups, subgroups and interharmonic subgroups over short windows, after IEC 61000-4-7."""
+"""Harmonic groups and interharmonic subgroups over short windows, after IEC 61000-4-7:2002+A1:2008."""
 
 from __future__ import annotations
 
@@ -10,12 +10,14 @@ from numpy.typing import NDArray
 from scipy import fft
 
 from benchtool.analysis.measurement import Basis, Table
+from benchtool.analysis.scatter import MeanError, error_of_series
 from benchtool.analysis.spectrum import CoherentSamples
 
 PERIODS_PER_WINDOW = 10
 """The standard's window at 50 Hz: 200 ms there, ten periods of the machine here, however long they are."""
 
 _FEWEST_PERIODS = 4  # with fewer, subgroups overlap and nothing is between them
+_FEWEST_WINDOWS = 3
 _BATCH = 1 << 18  # samples transformed at a time
 
 
@@ -49,6 +51,7 @@ class GroupDistortion:
 
     ratio: float
     standard: float
+    dof: float = math.nan
 
 
 def harmonic_groups(
@@ -88,20 +91,33 @@ def harmonic_groups(
     return HarmonicGroups(group2, total(-1, 1), total(2, periods - 2), periods)
 
 
-def group_distortion(squares: NDArray[np.float64]) -> GroupDistortion:
+def group_distortion(squares: NDArray[np.float64], by_noise: MeanError | None = None) -> GroupDistortion:
     """sqrt(sum over h = 2 ... H of Y_h^2) / Y_1 of squares of rms, shape (windows, orders): THDG or THDS.
 
-    Each Y_h^2 is the mean over the windows; the uncertainty is from the scatter of the ratio over them.
+    Each Y_h^2 is the mean over the windows. The uncertainty is from the scatter of the ratio over them, or,
+    if that is larger, of the squares of the orders each by itself, taken as independent, or `by_noise`, what
+    the noise beside the lines makes of their ratio: few windows have few degrees of freedom.
     """
     mean = np.mean(squares, axis=0)
     if squares.shape[1] < 2 or not mean[0] > 0.0:
         return GroupDistortion(math.nan, math.nan)
     ratio = math.sqrt(float(np.sum(mean[1:]) / mean[0]))
-    standard = math.nan
-    if len(squares) > 1 and np.all(squares[:, 0] > 0.0):
-        each = np.sqrt(np.sum(squares[:, 1:], axis=1) / squares[:, 0])
-        standard = float(np.std(each, ddof=1)) / math.sqrt(len(each))
-    return GroupDistortion(ratio, standard)
+    windows = len(squares)
+    noise = by_noise or MeanError(math.nan, math.nan)
+    if windows < 2 or not np.all(squares[:, 0] > 0.0) or not ratio > 0.0:
+        return GroupDistortion(ratio, noise.standard, noise.dof)
+    each = np.sqrt(np.sum(squares[:, 1:], axis=1) / squares[:, 0])
+    together = error_of_series(each) if windows >= _FEWEST_WINDOWS else MeanError(math.nan, math.nan)
+    variance = np.var(squares / mean[0], axis=0, ddof=1) / windows
+    variance[0] *= ratio**4
+    apart = math.sqrt(float(np.sum(variance))) / (2.0 * ratio)
+    fourth = float(np.sum(variance**2))
+    dof = (windows - 1) * float(np.sum(variance)) ** 2 / fourth if fourth > 0.0 else math.inf
+    candidates = (MeanError(apart, dof), together, noise)
+    largest = max(
+        (each for each in candidates if math.isfinite(each.standard)), key=lambda each: each.standard
+    )
+    return GroupDistortion(ratio, largest.standard, max(1.0, largest.dof))
 
 
 def group_table(groups: HarmonicGroups, name: str, unit: str, basis: Basis) -> Table:

@@ -12,8 +12,9 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis.measurement import Basis, Measurement, Uncertainty
+from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.response_curve import Point, ResponseCurve
+from benchtool.analysis.uncertainty import Uncertainty
 
 Floats = NDArray[np.float64]
 

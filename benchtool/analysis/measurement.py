@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Any, Literal
 
-from pydantic import TypeAdapter, ValidationError
+from pydantic import BaseModel, TypeAdapter, ValidationError
 
+from benchtool.analysis.uncertainty import Contribution, Uncertainty
 from benchtool.errors import AnalysisError
 
 MeasurementJson = dict[str, Any]
@@ -38,22 +39,11 @@ class Basis:
 
 
 @dataclass(frozen=True)
-class Uncertainty:
-    """Standard uncertainty (one standard deviation; JCGM 100:2008, 2.3.1) in the measurement's unit.
-
-    `source` says what it was estimated from, and with that what it leaves out.
-    """
-
-    standard: float
-    source: str
-
-
-@dataclass(frozen=True)
 class Measurement:
     """One result: `definition` is a line that lets another person compute the same number.
 
-    `value` is nan where the quantity is undefined; the definition then ends with the reason. `uncertainty` is
-    None where the data give none.
+    `value` is nan where the quantity is undefined, and `reason` says why. `uncertainty` is None where the
+    data give none.
     """
 
     name: str
@@ -62,16 +52,17 @@ class Measurement:
     definition: str
     basis: Basis = Basis()
     uncertainty: Uncertainty | None = None
+    reason: str = ""
 
     @classmethod
     def undefined(
         cls, name: str, unit: str, definition: str, reason: str, basis: Basis | None = None
     ) -> Measurement:
         """A quantity that these samples do not define."""
-        return cls(name, math.nan, unit, f"{definition}; undefined here: {reason}", basis or Basis())
+        return cls(name, math.nan, unit, definition, basis or Basis(), reason=reason)
 
     def to_json(self) -> MeasurementJson:
-        """`value`, `unit`, `definition`, and where there are any `basis` and `uncertainty`.
+        """`value`, `unit`, `definition`, and where there are any `reason`, `basis` and `uncertainty`.
 
         JSON has no nan and no infinity, so these become null.
         """
@@ -80,13 +71,12 @@ class Measurement:
             "unit": self.unit,
             "definition": self.definition,
         }
+        if self.reason:
+            document["reason"] = self.reason
         if basis := self.basis.to_json():
             document["basis"] = basis
         if self.uncertainty is not None:
-            document["uncertainty"] = {
-                "standard": _finite(self.uncertainty.standard),
-                "source": self.uncertainty.source,
-            }
+            document["uncertainty"] = self.uncertainty.to_json()
         return document
 
 
@@ -130,24 +120,57 @@ def measurements_from_json(document: Mapping[str, Any]) -> tuple[Measurement, ..
 
 
 _BASIS = TypeAdapter(Basis)
-_UNCERTAINTY = TypeAdapter(Uncertainty | None)
+_OF_A_BUNDLE = "; undefined here: "  # what older bundles have between definition and reason
+
+
+class _Contribution(BaseModel):
+    name: str
+    evaluation: Literal["A", "B"]
+    standard: float | None
+    dof: float | None = None
+
+
+class _Uncertainty(BaseModel):
+    """What `Uncertainty.to_json` wrote, or an older version with `standard` and `source` alone."""
+
+    standard: float | None
+    source: str
+    dof: float | None = None
+    budget: tuple[_Contribution, ...] = ()
+    half_width: float | None = None
+
+    def read(self) -> Uncertainty:
+        budget = tuple(
+            Contribution(each.name, each.evaluation, _or(each.standard, math.nan), _or(each.dof, math.inf))
+            for each in self.budget
+        )
+        standard, dof = _or(self.standard, math.nan), _or(self.dof, math.inf)
+        return Uncertainty(standard, self.source, dof, budget, self.half_width)
 
 
 def _measurement(name: str, entry: Any) -> Measurement:
     match entry:
         case {"value": float() | int() | None as value, "unit": str(unit), "definition": str(definition)}:
             number = math.nan if value is None else float(value)
+            text, _, older = definition.partition(_OF_A_BUNDLE)
+            reason = entry.get("reason", older)
             try:
                 basis = _BASIS.validate_python(entry.get("basis", {}))
-                uncertainty = _UNCERTAINTY.validate_python(entry.get("uncertainty"))
+                found = entry.get("uncertainty")
+                uncertainty = None if found is None else _Uncertainty.model_validate(found).read()
             except ValidationError:
                 pass
             else:
-                return Measurement(name, number, unit, definition, basis, uncertainty)
+                if isinstance(reason, str):
+                    return Measurement(name, number, unit, text, basis, uncertainty, reason)
     raise AnalysisError(
         f"measurement '{name}' is {entry!r:.80}: expected value (number or null), unit and definition "
         f"(text); analyze the recording again"
     )
+
+
+def _or(value: float | None, missing: float) -> float:
+    return missing if value is None else value
 
 
 def _finite(value: float) -> float | None:

@@ -8,10 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis.angle import AngleCoverage
-from benchtool.analysis.angle_orders import fit_orders
+from benchtool.analysis.angle import TURN, AngleCoverage
+from benchtool.analysis.angle_orders import MOST_GROUPS, fit_orders
 from benchtool.analysis.measurement import Basis
+from benchtool.analysis.noise import line_noise, repeated_quantisation
 from benchtool.analysis.periods import track_angle
+from benchtool.analysis.ripple import COARSE, resolution
 from benchtool.analysis.spectrum import coherent_spectrum
 from benchtool.analysis.validity import require_unbroken
 from benchtool.block import Block
@@ -22,16 +24,13 @@ HIGHEST_ORDER = 200
 LARGEST_WOBBLE_RAD = 1.5e-3
 """Rms deviation of the angle from a smooth track at which order 200 loses 5 %: it turns by 0.3 rad."""
 
-_NEIGHBOURS = 4  # bins on either side that give the noise, at least
-_MEDIAN_OF_RAYLEIGH = math.sqrt(2.0 * math.log(2.0))  # of noise of unit variance in each component
-
 
 @dataclass(frozen=True)
 class OrderSpectrum:
     """Peak `amplitude` of orders `order` (1, 2, 3 ... per mechanical revolution), both of shape (orders,).
 
-    `standard` is the standard uncertainty of each amplitude, from `uncertainty_source`; `mean` is order 0.
-    All are in `unit`. `method` says in words how they were made.
+    `standard`, of `dof` degrees of freedom, is the standard uncertainty of each, from `uncertainty_source`;
+    `mean` is order 0. All are in `unit`. `method` says in words how they were made.
     """
 
     signal: str
@@ -44,6 +43,7 @@ class OrderSpectrum:
     method: str
     uncertainty_source: str
     basis: Basis
+    dof: NDArray[np.float64]
 
     @property
     def largest(self) -> NDArray[np.int64]:
@@ -56,15 +56,15 @@ def resampled_orders(
 ) -> OrderSpectrum:
     """Orders of a uniformly sampled channel: bin k x revolutions of its coherent spectrum is order k.
 
-    The uncertainty is from the median of the bins between orders, nearest to each: noise has a Rayleigh
-    distribution there, whose median is sqrt(2 ln 2) = 1.177 standard deviations of one component.
+    The uncertainty is from the bins beside each order (`line_noise`), and from the wobble of the angle about
+    its smooth track, of which these samples do not tell whether the rotor made it or the encoder.
 
     Raises:
         AnalysisError: as `track_angle` and `coherent_spectrum`, a gap, or an angle that is off its smooth
             track by more than `largest_wobble_rad`, rms, so that orders by time are not orders by angle.
     """
     require_unbroken(block)
-    theta_m, samples = block.column(angle), block.column(channel)
+    theta_m, samples = np.ascontiguousarray(block.column(angle)), block.column(channel)
     track = track_angle(theta_m, 1)
     wobble_rad = track.residual_rad or 0.0
     if wobble_rad > largest_wobble_rad:
@@ -76,16 +76,24 @@ def resampled_orders(
     turns = spectrum.periods
     count = min(HIGHEST_ORDER, (len(spectrum.amplitude) - 1) // turns)
     orders = np.arange(1, count + 1)
+    amplitude = spectrum.amplitude[orders * turns]
+    noise = line_noise(spectrum, orders * turns)
+    step_rad, step = resolution(theta_m), resolution(samples)
+    by_steps = repeated_quantisation(spectrum, step if step > COARSE * float(np.ptp(samples)) else 0.0)
+    wobble_rad = math.sqrt(max(0.0, wobble_rad**2 - step_rad**2 / 12.0))
     return OrderSpectrum(
         signal=channel,
         unit=block.unit(channel),
         order=orders,
-        amplitude=spectrum.amplitude[orders * turns],
-        standard=_noise_between(spectrum.amplitude, turns, count),
+        amplitude=amplitude,
+        standard=np.sqrt(
+            noise.in_phase**2 + noise.lost**2 + by_steps**2 + _lost(amplitude, orders, wobble_rad) ** 2
+        ),
         mean=float(spectrum.amplitude[0]) * math.copysign(1.0, float(np.mean(samples))),
         revolutions=float(turns),
         method=f"DFT over {turns} whole revolutions, resampled to equal steps of a {track.source}",
-        uncertainty_source="median of the bins between orders nearest to it, as noise",
+        uncertainty_source=f"noise and leakage beside the order, and {wobble_rad:.2g} rad rms of wobble",
+        dof=noise.dof,
         basis=Basis(
             samples=spectrum.samples,
             sample_rate_Hz=block.sample_rate_Hz,
@@ -105,6 +113,7 @@ def fitted_orders(
     unit: str,
     angle: str = "theta_m",
     basis: Basis | None = None,
+    wobble_rad: float = 0.0,
 ) -> OrderSpectrum:
     """Orders of samples taken at any times, by angle alone: see `angle_orders.fit_orders`.
 
@@ -113,6 +122,7 @@ def fitted_orders(
         values: the signal at those angles, shape (n,).
         signal, unit, angle: names for the definitions.
         basis: what is known of the samples; window and highest order are filled in.
+        wobble_rad: rms of what may be an error of the angle itself, once per revolution.
 
     Raises:
         AnalysisError: not finite, constant, or an arc of the circle is left out.
@@ -126,16 +136,21 @@ def fitted_orders(
     )
     if coverage.resolution_rad > 0.0:
         method += f", angle in steps of {math.degrees(coverage.resolution_rad):.3g} degrees"
+    order = np.arange(1, count + 1)
+    # values taken anywhere within a step of the angle: their mean over the step, and so low by this much
+    low = np.sinc(order * coverage.resolution_rad / TURN)
+    amplitude = 2.0 * np.abs(fit.coefficient) / low
     return OrderSpectrum(
         signal=signal,
         unit=unit,
-        order=np.arange(1, count + 1),
-        amplitude=2.0 * np.abs(fit.coefficient),
-        standard=fit.standard,
+        order=order,
+        amplitude=amplitude,
+        standard=np.hypot(fit.standard / low, _lost(amplitude, order, wobble_rad)),
         mean=fit.mean,
         revolutions=coverage.revolutions,
         method=method,
         uncertainty_source=fit.uncertainty_source,
+        dof=np.full(count, max(1.0, min(coverage.revolutions, MOST_GROUPS) - 1.0)),
         basis=replace(
             basis or Basis(len(values)),
             window=f"by angle, {coverage.revolutions:.4g} mechanical revolutions",
@@ -144,11 +159,6 @@ def fitted_orders(
     )
 
 
-def _noise_between(amplitude: NDArray[np.float64], turns: int, count: int) -> NDArray[np.float64]:
-    """Standard deviation of one component of the noise near each order, shape (count,)."""
-    between = np.flatnonzero(np.arange(len(amplitude)) % turns)
-    reach = max(turns // 2, _NEIGHBOURS)
-    first = np.searchsorted(between, np.arange(1, count + 1) * turns - reach)
-    last = np.searchsorted(between, np.arange(1, count + 1) * turns + reach, side="right")
-    medians = [float(np.median(amplitude[between[a:b]])) for a, b in zip(first, last, strict=True)]
-    return np.array(medians) / _MEDIAN_OF_RAYLEIGH
+def _lost(amplitude: NDArray[np.float64], order: NDArray[np.int64], wobble_rad: float) -> NDArray[np.float64]:
+    """What an angle that is off by so many rad rms takes off each amplitude, to second order."""
+    return np.asarray(amplitude * np.minimum(1.0, 0.5 * (order * wobble_rad) ** 2))

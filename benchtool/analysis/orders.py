@@ -6,19 +6,26 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from benchtool.analysis.angle import angle_coverage
-from benchtool.analysis.measurement import Basis, Measurement, Table, Uncertainty
+import numpy as np
+
+from benchtool.analysis.angle import AngleCoverage, angle_coverage
+from benchtool.analysis.angle_orders import sector_means
+from benchtool.analysis.measurement import Basis, Measurement, Table
 from benchtool.analysis.order_spectrum import (
     LARGEST_WOBBLE_RAD,
     OrderSpectrum,
     fitted_orders,
     resampled_orders,
 )
+from benchtool.analysis.periods import track_angle
+from benchtool.analysis.uncertainty import Uncertainty
 from benchtool.block import Block
 from benchtool.errors import AnalysisError
 
 _FEWEST_REVOLUTIONS = 2.0
 _LARGEST_LISTED = 10
+_SECTORS = 72
+_FEWEST_TO_REPEAT = 4  # revolutions
 _STANDS_OUT = 4.5  # standard uncertainties: by chance once in a hundred records of 200 orders (Rayleigh)
 _SMALLEST_MEAN = 1e-3  # of the largest order: below it "percent of mean" says nothing
 
@@ -83,7 +90,30 @@ def _by_angle(block: Block, channel: str, angle: str) -> OrderSpectrum:
         except AnalysisError:
             pass
     basis = Basis(len(block.data), block.sample_rate_Hz, gaps=len(block.gaps))
-    return fitted_orders(coverage, block.column(channel), channel, block.unit(channel), angle, basis)
+    return fitted_orders(
+        coverage, block.column(channel), channel, block.unit(channel), angle, basis, _wobble_rad(coverage)
+    )
+
+
+def _wobble_rad(coverage: AngleCoverage) -> float:
+    """Rms of what repeats in every revolution of the angle's deviation from a smooth track, and of its noise.
+
+    The rotor may turn like that, or the encoder err: 0 where time or coverage do not tell.
+    """
+    try:
+        track = track_angle(coverage.angle_rad, 1)
+    except AnalysisError:
+        return 0.0
+    numbers = np.arange(track.samples, dtype=np.float64)
+    forwards = math.copysign(1.0, float(coverage.angle_rad[-1] - coverage.angle_rad[0]))
+    deviation = forwards * coverage.angle_rad - track.at(numbers)
+    mean, _ = sector_means(coverage, deviation, _SECTORS)
+    repeated = max(0.0, float(np.nanvar(mean)) - coverage.resolution_rad**2 / 12.0)
+    if coverage.revolutions < _FEWEST_TO_REPEAT:
+        repeated = 0.0
+    # from sample to sample only noise of the angle changes; that of its steps is taken into account elsewhere
+    noise = 0.5 * float(np.mean(np.diff(deviation) ** 2)) if coverage.resolution_rad == 0.0 else 0.0
+    return math.sqrt(repeated + noise)
 
 
 def describe_orders(
@@ -103,7 +133,11 @@ def describe_orders(
                 spectrum.unit,
                 f"peak amplitude of order {order}{_parenthesis(order, pole_pairs, slots)} of {what}",
                 spectrum.basis,
-                Uncertainty(float(spectrum.standard[order - 1]), spectrum.uncertainty_source),
+                Uncertainty(
+                    float(spectrum.standard[order - 1]),
+                    spectrum.uncertainty_source,
+                    float(spectrum.dof[order - 1]),
+                ),
             )
             for order in listed[:_LARGEST_LISTED]
         ),

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.polynomial import Polynomial
@@ -25,6 +25,9 @@ _SINE_FIT_STEPS = 8  # one to find amplitude and phase, then quadratic convergen
 _SINE_FIT_ENOUGH = 1e-9  # rad over half the record
 _NEWTON_STEPS = 6  # quadratic convergence from within 10 %: 1e-1, 1e-2, 1e-4, 1e-8, 1e-16, one to spare
 _NEWTON_ENOUGH = 1e-6  # of a sample: the step after is below rounding
+_REPETITIONS, _MARGIN = 12, 2  # with a convergence of some hundredth each
+_BACKWARDS = 0.02  # of the record: a rotor that runs back for that long has turned around
+_PARTS_OF_THE_WAY = 50
 _CHUNK = 1 << 13  # samples at a time: in the cache, and too few for BLAS to start threads
 
 
@@ -34,22 +37,49 @@ class PhaseTrack:
 
     `phase` gives rad over sample numbers 0 to `samples` - 1, increasing; as a low-order polynomial it follows
     a drift of the speed and nothing faster, so that oscillations within a period stay in the signal, where a
-    spectrum shows them. `source` says in words what it was made from, `residual_rad` is the rms deviation of
-    a measured angle from it, electrical; None where the track was not made from an angle.
+    spectrum shows them. Where the speed swings, `departure`, rad at sample numbers, is added. `source` says
+    in words what it was made from, `residual_rad` is the rms deviation of a measured angle from the
+    polynomial, electrical, `measured_rad` that angle itself, shape (samples,), without jumps; None where the
+    track was not made from an angle.
     """
 
     phase: Polynomial
     samples: int
     source: str
     residual_rad: float | None = None
+    measured_rad: NDArray[np.float64] | None = field(default=None, repr=False, compare=False)
+    departure: Callable[[NDArray[np.float64]], NDArray[np.float64]] | None = field(
+        default=None, repr=False, compare=False
+    )
+
+    def at(self, numbers: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Phase, rad, at fractional sample numbers, shape (m,)."""
+        smooth = np.asarray(self.phase(numbers), dtype=np.float64)
+        return smooth if self.departure is None else smooth + self.departure(numbers)
 
     @property
     def periods(self) -> float:
         """Electrical periods between the first and the last sample."""
-        return float(self.phase(self.samples - 1) - self.phase(0)) / (2 * np.pi)
+        begin, end = self.at(np.array([0.0, self.samples - 1.0]))
+        return float(end - begin) / (2 * np.pi)
 
     def sample_numbers(self, phase: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Fractional sample numbers, shape (m,), at which the track has these phases (Newton's method)."""
+        """Fractional sample numbers, shape (m,), at which the track has these phases (Newton's method).
+
+        With a departure, between rows straight lines are near enough: it is slow beside the phase itself.
+        """
+        if self.departure is None:
+            return self._of_polynomial(phase)
+        ends = np.array([np.min(phase), np.max(phase)])
+        places = self._of_polynomial(ends)
+        for _ in range(_REPETITIONS):
+            places = self._of_polynomial(ends - self.departure(places))
+        rows = np.arange(
+            math.floor(places[0]) - _MARGIN, math.ceil(places[1]) + _MARGIN + 1, dtype=np.float64
+        )
+        return np.interp(phase, self.at(rows), rows)
+
+    def _of_polynomial(self, phase: NDArray[np.float64]) -> NDArray[np.float64]:
         begin, end = float(self.phase(0)), float(self.phase(self.samples - 1))
         numbers = (phase - begin) * ((self.samples - 1) / (end - begin))
         slope = self.phase.deriv()
@@ -64,7 +94,8 @@ class PhaseTrack:
 
     def period_rows(self) -> NDArray[np.int64]:
         """Rows that begin whole periods, the first at row 0, and the row after the last, shape (n + 1,)."""
-        phase = float(self.phase(0)) + 2 * np.pi * np.arange(int(self.periods) + 1, dtype=np.float64)
+        begin = float(self.at(np.zeros(1))[0])
+        phase = begin + 2 * np.pi * np.arange(int(self.periods) + 1, dtype=np.float64)
         return np.ceil(self.sample_numbers(phase) - 1e-6).astype(np.int64)
 
 
@@ -75,12 +106,13 @@ def track_angle(theta_m: NDArray[np.float64], pole_pairs: int) -> PhaseTrack:
 
     Raises:
         AnalysisError: fewer than two periods, not finite, standstill, or the speed changes by
-            more than 10 % within the record.
+            more than 10 % within the record, or its direction.
     """
     require_signal(theta_m, "theta_m")
     theta_e = _unwrap(theta_m)
     theta_e *= pole_pairs if theta_e[-1] >= theta_e[0] else -pole_pairs
     _require_periods(float(theta_e[-1] - theta_e[0]), "theta_m")
+    _require_direction(theta_e)
     phase, residual_rad = _fit_quadratic(theta_e)
     speed = phase.deriv()
     mean_speed = float(theta_e[-1] - theta_e[0]) / (len(theta_e) - 1)
@@ -90,13 +122,14 @@ def track_angle(theta_m: NDArray[np.float64], pole_pairs: int) -> PhaseTrack:
             f"the speed changes by {100 * change:.0f} % within the window, at most "
             f"{100 * _LARGEST_SPEED_CHANGE:.0f} % is allowed: choose a window in steady state"
         )
-    return PhaseTrack(phase, len(theta_e), f"quadratic fit to {pole_pairs} x theta_m", residual_rad)
+    source = f"quadratic fit to {pole_pairs} x theta_m"
+    return PhaseTrack(phase, len(theta_e), source, residual_rad, theta_e)
 
 
 def track_tone(samples: NDArray[np.float64], name: str = "signal") -> PhaseTrack:
     """Track of the largest sinusoid in uniformly sampled values, shape (n,), at constant frequency.
 
-    The largest bin under a Hann window begins a four-parameter sine fit (IEEE Std 1057-2007), weighted
+    The largest bin under a Hann window begins a four-parameter sine fit (IEEE Std 1057-2017), weighted
     with the same window so that harmonics do not pull at it; for records without an angle channel. A drift
     of the speed is not followed and shows as sidebands.
 
@@ -248,6 +281,20 @@ def _abscissae(count: int) -> Iterator[tuple[slice, NDArray[np.float64]]]:
     for start in range(0, count, _CHUNK):
         end = min(start + _CHUNK, count)
         yield slice(start, end), np.arange(start, end, dtype=np.float64) * (2.0 / (count - 1)) - 1.0
+
+
+def _require_direction(angle: NDArray[np.float64]) -> None:
+    """Refuse an angle, rad, that between fiftieths of the record goes back by more than a fiftieth of a turn.
+
+    Within them noise and the steps of an encoder may go back and forth.
+    """
+    marks = angle[np.linspace(0, len(angle) - 1, min(len(angle), _PARTS_OF_THE_WAY + 1)).astype(np.int64)]
+    back = float(np.max(np.maximum.accumulate(marks) - marks))
+    if back > max(_BACKWARDS * 2 * np.pi, _BACKWARDS * float(marks[-1] - marks[0])):
+        raise AnalysisError(
+            f"'theta_m' turns back by {back / (2 * np.pi):.3g} electrical periods within the window, one "
+            f"direction is needed: choose a window in steady state"
+        )
 
 
 def _require_periods(phase: float, name: str) -> None:

@@ -13,9 +13,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis.measurement import Basis, Measurement, Uncertainty
-from benchtool.analysis.scatter import error_of_mean
+from benchtool.analysis.measurement import Basis, Measurement
+from benchtool.analysis.scatter import error_of_record
 from benchtool.analysis.span import cut_to_span
+from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
 from benchtool.analysis.validity import require_unbroken
 from benchtool.block import Block
 from benchtool.errors import AnalysisError
@@ -25,6 +26,7 @@ NEEDED: Final = ("i_a", "i_b", "i_c", "theta_m", "omega_m", "u_alpha", "u_beta",
 """Channels from which the torque of the next row is predicted, and that with which it is compared."""
 
 _FEWEST_ROWS = 20
+_SCATTER = "scatter over parts of the record, with their correlation"
 _CHUNK = 1 << 16  # rows at a time: little memory
 
 Floats = NDArray[np.float64]
@@ -158,10 +160,15 @@ def _of_transducer(
 
 
 def _mean_and_rms(residual_Nm: Floats, name: str, what: str, basis: Basis) -> Iterator[Measurement]:
-    source = "scatter over ten parts of the record"
     mean = float(np.mean(residual_Nm))
-    spread = Uncertainty(error_of_mean(residual_Nm), source)
-    yield Measurement(f"{name}_mean", mean, "Nm", f"mean of {what}", basis, spread)
+    text = f"mean of {what}"
+    yield Measurement(f"{name}_mean", mean, "Nm", text, basis, _uncertain(residual_Nm, 1.0))
     rms = float(np.sqrt(np.mean(residual_Nm**2)))
-    spread = Uncertainty(error_of_mean(residual_Nm**2) / (2.0 * rms) if rms else 0.0, source)
-    yield Measurement(f"{name}_rms", rms, "Nm", f"rms, with the mean, of {what}", basis, spread)
+    uncertain = _uncertain(residual_Nm**2, 1.0 / (2.0 * rms) if rms else 0.0)
+    yield Measurement(f"{name}_rms", rms, "Nm", f"rms, with the mean, of {what}", basis, uncertain)
+
+
+def _uncertain(samples: Floats, scale: float) -> Uncertainty | None:
+    """Of `scale` times the mean of samples."""
+    error = error_of_record(samples)
+    return combined([Contribution(_SCATTER, "A", scale * error.standard, error.dof)], _SCATTER)

@@ -9,13 +9,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis.measurement import Basis, Measurement, Uncertainty
+from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.periods import PhaseTrack
-from benchtool.analysis.validity import require_signal, require_unbroken
+from benchtool.analysis.scatter import MeanError, error_of_series, scatter_of_largest
+from benchtool.analysis.uncertainty import Contribution, combined
+from benchtool.analysis.validity import clipping, require_signal, require_unbroken
 from benchtool.block import Block, as_samples
 
-_SMALLEST_MEAN = 1e-6  # share of the peak-to-peak ripple below which "percent of mean" says nothing
-_COARSE = 1e-3  # of the peak-to-peak: a smaller step is the last digit of a number, and no resolution
+_SMALLEST_MEAN = 0.02  # share of the peak-to-peak ripple below which "percent of mean" says nothing
+_SIGNIFICANT = 5.0  # standard uncertainties of the mean, from which a ratio to it is one
+_DOF_OF_EXTREMES = 10.0  # of a tail from a few of the largest values
+COARSE = 1e-3  # of the peak-to-peak: a smaller step is the last digit of a number, and no resolution
 _FEWEST_PERIODS = 3  # whose scatter says something
 _LOW, _HIGH = 0.5, 99.5  # per cent
 _NEAR = 0.25  # per cent to either side, for the density there
@@ -34,15 +38,20 @@ class Ripple:
 
 @dataclass(frozen=True)
 class _Scatter:
-    """Standard uncertainties of mean, rms and percentile range, and the spread of single peak-to-peaks."""
+    """Uncertainties of mean, rms and percentile range, and the standard deviation of a peak-to-peak.
+
+    `incomplete_mean` and `incomplete_rms` are what the part of a period at the record's end moves.
+    """
 
     periods: int
     repeated: str
-    mean: float
-    rms: float
-    percentile_range: float
+    mean: MeanError
+    rms: MeanError
+    percentile_range: MeanError
     peak_to_peak: float
     mean_peak_to_peak: float
+    incomplete_mean: float
+    incomplete_rms: float
 
 
 def ripple(samples: NDArray[np.float64], unit: str, name: str = "signal") -> Ripple:
@@ -153,7 +162,10 @@ def peak_to_peak_number(
     samples = np.ascontiguousarray(block.column(channel))
     whole = ripple(samples, block.unit(channel), channel)
     scatter = None if track is None else _scatter(samples, whole, track.period_rows(), percentiles=False)
-    return _peak_to_peak(name, what or channel, whole, scatter, resolution(samples), record_basis(block))
+    step = resolution(samples)
+    step = step if step > COARSE * whole.peak_to_peak else 0.0
+    basis = record_basis(block)
+    return _peak_to_peak(name, what or channel, whole, scatter, step, basis, clipping(samples))
 
 
 def _numbers(
@@ -166,69 +178,134 @@ def _numbers(
     basis: Basis,
 ) -> Iterator[Measurement]:
     unit, step = whole.unit, resolution(samples)
+    clipped = clipping(samples)
+    step = step if step > COARSE * whole.peak_to_peak else 0.0
+
+    def measured(
+        suffix: str, text: str, value: float, error: MeanError | None, incomplete: float, floor: float
+    ) -> Measurement:
+        full = f"{name}_{suffix}"
+        if clipped:
+            return Measurement.undefined(full, unit, text, clipped, basis)
+        if scatter is None or error is None:
+            return Measurement(full, value, unit, text, basis)
+        budget = (
+            Contribution(
+                f"scatter over {scatter.periods} {scatter.repeated}", "A", error.standard, error.dof
+            ),
+            Contribution("share of the incomplete one at the end", "B", abs(incomplete)),
+            Contribution(f"resolution {step:.3g} {unit}", "B", floor),
+        )
+        source = (
+            f"scatter over {scatter.periods} {scatter.repeated}, the share of the incomplete one, resolution"
+        )
+        lines = tuple(each for each in budget if each.standard != 0.0)
+        return Measurement(full, value, unit, text, basis, combined(lines, source))
+
     # ripple that spans several steps turns quantization into noise, which the scatter holds already
-    floor = step / math.sqrt(12.0) if whole.rms < step else 0.0
-
-    def uncertainty(standard: float) -> Uncertainty | None:
-        if scatter is None:
-            return None
-        if standard < floor:
-            return Uncertainty(floor, f"resolution {step:.3g} {unit} / sqrt(12)")
-        source = f"scatter over {scatter.periods} {scatter.repeated}, and the share of the incomplete one"
-        return Uncertainty(standard, source)
-
-    mean = uncertainty(scatter.mean) if scatter else None
-    yield Measurement(f"{name}_mean", whole.mean, unit, f"mean of {what}", basis, mean)
-    peak_to_peak = _peak_to_peak(f"{name}_ripple_pp", what, whole, scatter, step, basis)
+    of_mean = step / math.sqrt(12.0) if whole.rms < step else 0.0
+    if scatter is not None and scatter.mean.standard < step / math.sqrt(12.0 * len(samples)):
+        # no noise moves the steps: they are the same in every period, and so many as that has samples
+        of_mean = max(of_mean, step / math.sqrt(12.0 * len(samples) / scatter.periods))
+    # it adds step^2 / 12 to the mean square
+    of_rms = max(of_mean, step**2 / (24.0 * whole.rms) if whole.rms > 0.0 else 0.0)
+    mean = measured(
+        "mean",
+        f"mean of {what}",
+        whole.mean,
+        scatter.mean if scatter else None,
+        scatter.incomplete_mean if scatter else 0.0,
+        of_mean,
+    )
+    yield mean
+    peak_to_peak = _peak_to_peak(f"{name}_ripple_pp", what, whole, scatter, step, basis, clipped)
     yield peak_to_peak
-    text = f"rms of {what} about its mean"
-    rms = Measurement(
-        f"{name}_ripple_rms", whole.rms, unit, text, basis, uncertainty(scatter.rms) if scatter else None
+    rms = measured(
+        "ripple_rms",
+        f"rms of {what} about its mean",
+        whole.rms,
+        scatter.rms if scatter else None,
+        scatter.incomplete_rms if scatter else 0.0,
+        of_rms,
     )
     yield rms
-    text = f"{_HIGH:g}th minus {_LOW:g}th percentile of {what}"
-    percentiles = uncertainty(scatter.percentile_range) if scatter else None
-    yield Measurement(f"{name}_ripple_p99", percentile_range(samples), unit, text, basis, percentiles)
-
-    reason = "" if abs(whole.mean) > _SMALLEST_MEAN * whole.peak_to_peak else f"the mean {name} is zero"
+    yield measured(
+        "ripple_p99",
+        f"{_HIGH:g}th minus {_LOW:g}th percentile of {what}",
+        percentile_range(samples),
+        scatter.percentile_range if scatter else None,
+        0.0,
+        step / math.sqrt(6.0),
+    )
+    reason = clipped or _no_base(mean, whole, name)
     for number in (peak_to_peak, rms):
-        yield _percent(number, f"{name}_ripple", "of_mean", abs(whole.mean), f"|{name}_mean|", reason)
+        yield _percent(number, f"{name}_ripple", "of_mean", abs(whole.mean), f"|{name}_mean|", reason, mean)
     if rated is not None:
-        reason = "" if rated > 0.0 else f"it is {rated:g} {unit}"
+        reason = clipped or ("" if rated > 0.0 else f"it is {rated:g} {unit}")
         for number in (peak_to_peak, rms):
             base = f"rated {name} of {rated:g} {unit}"
             yield _percent(number, f"{name}_ripple", "of_rated", rated, base, reason)
 
 
+def _no_base(mean: Measurement, whole: Ripple, name: str) -> str:
+    """Why nothing is given in percent of the mean; empty where it is far enough from zero."""
+    size = abs(whole.mean)
+    if size <= _SMALLEST_MEAN * whole.peak_to_peak:
+        return f"the mean {name} is zero, or less than {100 * _SMALLEST_MEAN:g} % of its ripple"
+    if mean.uncertainty is not None and size < _SIGNIFICANT * mean.uncertainty.standard:
+        return f"the mean {name} is not told from zero"
+    return ""
+
+
 def _peak_to_peak(
-    name: str, what: str, whole: Ripple, scatter: _Scatter | None, step: float, basis: Basis
+    name: str,
+    what: str,
+    whole: Ripple,
+    scatter: _Scatter | None,
+    step: float,
+    basis: Basis,
+    clipped: str = "",
 ) -> Measurement:
-    uncertain, of_step = None, step / math.sqrt(6.0)
-    if step > _COARSE * whole.peak_to_peak:
-        # of a difference of two readings, each known to within a step (JCGM 100:2008, F.2.2.1)
-        uncertain = Uncertainty(of_step, f"resolution {step:.3g} {whole.unit} / sqrt(6) alone")
-    if scatter is not None and scatter.peak_to_peak > of_step:
-        source = (
-            f"spread of the {scatter.periods} single {scatter.repeated}, of mean "
-            f"{scatter.mean_peak_to_peak:.4g} {whole.unit}; a longer record reads more"
-        )
-        uncertain = Uncertainty(scatter.peak_to_peak, source)
     text = f"maximum minus minimum of {what}"
+    if clipped:
+        return Measurement.undefined(name, whole.unit, text, clipped, basis)
+    # of a difference of two readings, each known to within a step (JCGM 100:2008, F.2.2.1)
+    budget = [Contribution(f"resolution {step:.3g} {whole.unit}", "B", step / math.sqrt(6.0))] if step else []
+    source = f"resolution {step:.3g} {whole.unit} / sqrt(6) alone"
+    if scatter is not None and math.isfinite(scatter.peak_to_peak):
+        budget.append(Contribution("scatter of the extremes", "A", scatter.peak_to_peak, _DOF_OF_EXTREMES))
+        source = (
+            f"scatter of maximum and minimum over records of this length, by those of the {scatter.periods} "
+            f"single {scatter.repeated}, whose mean peak-to-peak is {scatter.mean_peak_to_peak:.4g} "
+            f"{whole.unit}; a longer record reads more"
+        )
+    uncertain = combined(budget, source) if budget else None
     return Measurement(name, whole.peak_to_peak, whole.unit, text, basis, uncertain)
 
 
 def _percent(
-    number: Measurement, prefix: str, suffix: str, base: float, base_text: str, reason: str
+    number: Measurement,
+    prefix: str,
+    suffix: str,
+    base: float,
+    base_text: str,
+    reason: str,
+    base_number: Measurement | None = None,
 ) -> Measurement:
     which = "_rms" if number.name.endswith("_rms") else ""
     name, text = f"{prefix}{which}_percent_{suffix}", f"100 x {number.name} / {base_text}"
     basis = Basis(**{**vars(number.basis), "reference": base_text})
     if reason:
         return Measurement.undefined(name, "%", text, reason, basis)
-    scale = 100.0 / base
-    uncertain = number.uncertainty
-    if uncertain is not None:
-        uncertain = Uncertainty(scale * uncertain.standard, f"of {number.name} alone")
+    scale, uncertain = 100.0 / base, None
+    if number.uncertainty is not None:
+        own = number.uncertainty
+        budget = [Contribution(number.name, "A", scale * own.standard, own.dof)]
+        if base_number is not None and base_number.uncertainty is not None:
+            of_base = base_number.uncertainty
+            share = scale * number.value / base
+            budget.append(Contribution(base_number.name, "A", share * of_base.standard, of_base.dof))
+        uncertain = combined(budget, " and ".join(each.name for each in budget))
     return Measurement(name, scale * number.value, "%", text, basis, uncertain)
 
 
@@ -248,27 +325,30 @@ def _scatter(
     means = np.add.reduceat(within, begin) / counts
     deviation = within - whole.mean
     squares = np.add.reduceat(np.square(deviation, out=deviation), begin) / counts
-    spans = np.maximum.reduceat(within, begin) - np.minimum.reduceat(within, begin)
-    root = math.sqrt(periods)
+    largest, least = np.maximum.reduceat(within, begin), np.minimum.reduceat(within, begin)
     rms = math.sqrt(float(np.average(squares, weights=counts)))
-    # the record ends within a period: what that part moves is no scatter, but it is not known either
-    incomplete = float(np.average(means, weights=counts)) - whole.mean, rms - whole.rms
-    of_rms = float(np.std(squares, ddof=1)) / (2.0 * rms * root) if rms > 0.0 else 0.0
+    of_squares = error_of_series(squares)
+    scale = 1.0 / (2.0 * rms) if rms > 0.0 else 0.0
     return _Scatter(
         periods=periods,
         repeated=repeated,
-        mean=math.hypot(float(np.std(means, ddof=1)) / root, incomplete[0]),
-        rms=math.hypot(of_rms, incomplete[1]),
-        percentile_range=_percentile_scatter(within, begin, counts) / root if percentiles else 0.0,
-        peak_to_peak=float(np.std(spans, ddof=1)),
-        mean_peak_to_peak=float(np.mean(spans)),
+        mean=error_of_series(means),
+        rms=MeanError(scale * of_squares.standard, of_squares.dof),
+        percentile_range=_percentile_scatter(within, begin, counts)
+        if percentiles
+        else MeanError(math.nan, math.nan),
+        peak_to_peak=math.hypot(scatter_of_largest(largest), scatter_of_largest(-least)),
+        mean_peak_to_peak=float(np.mean(largest - least)),
+        # the record ends within a period: what that part moves is no scatter, but it is not known either
+        incomplete_mean=float(np.average(means, weights=counts)) - whole.mean,
+        incomplete_rms=rms - whole.rms,
     )
 
 
 def _percentile_scatter(
     samples: NDArray[np.float64], begin: NDArray[np.int64], counts: NDArray[np.int64]
-) -> float:
-    """Standard deviation over periods of what each contributes to the percentile range.
+) -> MeanError:
+    """Standard uncertainty of the percentile range, by what each period contributes to it.
 
     A percentile moves by the share of samples beyond it, more than expected, over the density there (Bahadur,
     Ann. Math. Statist. 37 (1966)); the density is that between percentiles a little to either side.
@@ -279,4 +359,4 @@ def _percentile_scatter(
     beyond_high = np.add.reduceat(samples > high, begin, dtype=np.float64) / counts
     per_share = 100.0 / (2.0 * _NEAR)
     moved = per_share * ((above_low - below) * beyond_low + (above - below_high) * beyond_high)
-    return float(np.std(moved, ddof=1))
+    return error_of_series(moved)

@@ -3,36 +3,80 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import fft
 
-_PARTS = 10
+_PARTS, _MOST_PARTS = 10, 64
+_FEWEST_VALUES = 3
+_FEWEST_EXTREMES = 4
+_BY_CHANCE = 2.5  # standard deviations of a correlation
+_GUMBEL = math.pi / math.sqrt(6.0)
 
 
-def error_of_mean(samples: NDArray[np.float64]) -> float:
-    """Standard uncertainty of the mean of samples, shape (n,), that need not be independent; nan if n < 20.
+@dataclass(frozen=True)
+class MeanError:
+    """Standard uncertainty of a mean, and its degrees of freedom; `standard` is nan where there is none."""
 
-    The record is cut into ten equal parts; the scatter of their means over sqrt(10) is what is wanted
-    (batch means: Law, Simulation Modeling and Analysis, 9.5.3), as long as a part is longer than what
-    correlates the samples.
+    standard: float
+    dof: float
+
+
+def error_of_series(values: NDArray[np.float64]) -> MeanError:
+    """Of the mean of values, shape (n,), one of each period, whose neighbours may be correlated.
+
+    The variance of the mean is tau s^2 / n: tau, from the autocorrelations summed over pairs of lags as long
+    as a pair is above zero (initial positive sequence: Geyer, Statistical Science 7 (1992), 3.3), is how many
+    values count as one, and n / tau - 1 are the degrees of freedom. Correlation below zero counts only where
+    it is more than chance.
     """
-    size = len(samples) // _PARTS
-    if size < 2:
-        return math.nan
-    means = np.mean(samples[: size * _PARTS].reshape(_PARTS, size), axis=1)
-    return float(np.std(means, ddof=1)) / math.sqrt(_PARTS)
+    count = len(values)
+    if count < _FEWEST_VALUES:
+        return MeanError(math.nan, math.nan)
+    deviation = values - np.mean(values)
+    padded = fft.next_fast_len(2 * count, real=True)
+    power = np.abs(fft.rfft(deviation, padded)) ** 2
+    covariance = fft.irfft(power, padded)[:count] / count
+    if not covariance[0] > 0.0:
+        return MeanError(0.0, math.inf)
+    correlation = covariance / covariance[0]
+    pairs = correlation[: count - count % 2].reshape(-1, 2).sum(axis=1)
+    ended = np.flatnonzero(pairs <= 0.0)
+    last = int(ended[0]) if len(ended) else len(pairs)
+    tau = 2.0 * float(np.sum(np.minimum.accumulate(pairs[:last]))) - 1.0
+    if correlation[1] > -_BY_CHANCE / math.sqrt(count):
+        tau = max(tau, 1.0)
+    tau = min(max(tau, 1.0 / count), 0.5 * count)
+    # the deviations are from the mean of these values, and so too small by that mean's own variance
+    standard = math.sqrt(covariance[0] * tau / (count - max(tau, 1.0)))
+    return MeanError(standard, max(1.0, count / max(tau, 1.0) - 1.0))
 
 
-def extreme_scatter(samples: NDArray[np.float64]) -> float:
-    """Standard uncertainty of the greatest or least of samples, shape (n,), as records like it scatter.
+def error_of_record(samples: NDArray[np.float64]) -> MeanError:
+    """Of the mean of samples, shape (n,), at equal times: `error_of_series` of means of up to 64 parts."""
+    parts = min(_MOST_PARTS, len(samples) // 2)
+    if parts < _PARTS:
+        return MeanError(math.nan, math.nan)
+    size = len(samples) // parts
+    return error_of_series(np.mean(samples[: size * parts].reshape(parts, size), axis=1))
 
-    The greatest of many follow Gumbel's distribution, whose width does not depend on how many they are: the
-    greatest of each tenth of the record scatter as the greatest of records do (Coles, An Introduction to
-    Statistical Modeling of Extreme Values, 3.1). Of the two ends the one that scatters more; nan if n < 20.
+
+def scatter_of_largest(values: NDArray[np.float64]) -> float:
+    """Standard deviation of the largest of values, shape (n,), over records of as many; nan if n < 4.
+
+    Beyond a high level the values of most distributions fall off exponentially; the largest then has Gumbel's
+    distribution, of the standard deviation pi / sqrt(6) times the mean excess over that level (Embrechts,
+    Klüppelberg and Mikosch, Modelling Extremal Events, 3.4 and 6.5).
     """
-    size = len(samples) // _PARTS
-    if size < 2:
+    if len(values) < _FEWEST_EXTREMES:
         return math.nan
-    parts = samples[: size * _PARTS].reshape(_PARTS, size)
-    return max(float(np.std(of(parts, axis=1), ddof=1)) for of in (np.min, np.max))
+    # the largest of as many neighbours as are correlated counts as one
+    apart = math.ceil(len(values) / (error_of_series(values).dof + 1.0) - 1e-9)
+    if 1 < apart <= len(values) // _FEWEST_EXTREMES:
+        values = np.maximum.reduceat(values, np.arange(0, len(values), apart))
+    count = len(values)
+    beyond = max(_FEWEST_EXTREMES - 1, round(math.sqrt(count)))
+    top = np.partition(values, count - beyond - 1)[count - beyond - 1 :]
+    return _GUMBEL * float(np.sum(top - np.min(top))) / beyond

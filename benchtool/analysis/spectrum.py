@@ -73,14 +73,13 @@ class CoherentSamples:
 class CoherentSpectrum(Spectrum):
     """Spectrum over `periods` whole periods: bin `k * periods` is exactly harmonic k.
 
-    Bins end at 0.45 of the sample rate. `samples` is how many samples the periods cover.
-    `harmonic_phase_rad`, shape (harmonics,), is the phase of harmonics 1, 2, 3 ... as cosines at the first
-    sample of the periods.
+    Bins end at 0.45 of the sample rate. `samples` is how many samples the periods cover. `phasor`, shape
+    (bins,), are the bins as peak amplitudes of cosines, with their phase at the first sample of the periods.
     """
 
     periods: int
     samples: float
-    harmonic_phase_rad: NDArray[np.float64]
+    phasor: NDArray[np.complex128]
 
     @property
     def fundamental_Hz(self) -> float:
@@ -90,13 +89,25 @@ class CoherentSpectrum(Spectrum):
     def duration_s(self) -> float:
         return self.periods / self.fundamental_Hz
 
+    @property
+    def fundamental(self) -> float:
+        """Peak amplitude of the fundamental."""
+        return float(self.amplitude[self.periods])
 
-def resampling_error(amplitude: float, largest: float) -> float:
-    """Standard uncertainty that the resampling leaves in an amplitude beside a `largest` one.
+    @property
+    def harmonic_phase_rad(self) -> NDArray[np.float64]:
+        """Phase of harmonics 1, 2, 3 ... as cosines at the first sample of the periods."""
+        return np.angle(self.phasor[self.periods :: self.periods])
 
-    Its bound of 1e-4 of the amplitude and 1e-5 of the largest, evenly distributed (JCGM 100:2008, 4.3.7).
-    """
-    return (1e-4 * amplitude + 1e-5 * largest) / math.sqrt(3.0)
+    def resampling_error(self, amplitude: float, order: float) -> float:
+        """Standard uncertainty that the resampling leaves in an amplitude of that order.
+
+        Its bound of 1.5e-5 of the amplitude and 5e-6 of the fundamental, as the square of the frequency below
+        a hundredth of the sample rate, evenly distributed (JCGM 100:2008, 4.3.7).
+        """
+        cycles = self.periods / self.samples  # of the fundamental, a sample
+        own, largest = min(1.0, 100.0 * order * cycles) ** 2, min(1.0, 100.0 * cycles) ** 2
+        return (1.5e-5 * own * amplitude + 5e-6 * largest * self.fundamental) / math.sqrt(3.0)
 
 
 @dataclass(frozen=True)
@@ -147,8 +158,8 @@ def coherent_samples(
     samples = as_samples(samples, name)
     require_signal(samples, name)
     first, last = FIRST_ROW, len(samples) - 1 - HALF_WIDTH
-    begin = float(track.phase(first))
-    periods = math.floor((float(track.phase(last)) - begin) / (2 * np.pi)) if last > first else 0
+    begin, end = (float(each) for each in track.at(np.array([first, last], dtype=np.float64)))
+    periods = math.floor((end - begin) / (2 * np.pi)) if last > first else 0
     if periods < _FEWEST_PERIODS:
         raise AnalysisError(
             f"'{name}' has {track.periods:.2f} electrical periods in {len(samples)} samples, at least "
@@ -192,14 +203,12 @@ def spectrum_of(coherent: CoherentSamples) -> CoherentSpectrum:
     """DFT of samples over whole periods."""
     periods = coherent.periods
     bins = fft.rfft(coherent.values)[: math.floor(coherent.usable_order * periods) + 1]
+    bins *= 2.0 / len(coherent.values)
+    bins[0] /= 2.0
     amplitude = np.abs(bins)
-    amplitude *= 2.0 / len(coherent.values)
-    amplitude[0] /= 2.0
     frequency_Hz = np.arange(len(amplitude), dtype=np.float64)
     frequency_Hz *= coherent.sample_rate_Hz / coherent.samples
-    return CoherentSpectrum(
-        frequency_Hz, amplitude, periods, coherent.samples, np.angle(bins[periods::periods])
-    )
+    return CoherentSpectrum(frequency_Hz, amplitude, periods, coherent.samples, bins)
 
 
 def largest_low_component(spectrum: CoherentSpectrum, below_order: int = 10) -> Component:

@@ -15,10 +15,11 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis.measurement import Measurement, MeasurementJson, Uncertainty, measurements_to_json
+from benchtool.analysis.measurement import Measurement, MeasurementJson, measurements_to_json
 from benchtool.analysis.noisy_curve import Instant, NoisyCurve
-from benchtool.analysis.scatter import error_of_mean, extreme_scatter
+from benchtool.analysis.scatter import error_of_record, scatter_of_largest
 from benchtool.analysis.step_shape import TAIL, Step, find_step
+from benchtool.analysis.uncertainty import Uncertainty
 from benchtool.block import Block
 
 Floats = NDArray[np.float64]
@@ -167,16 +168,11 @@ def _plateau(step: Step, arrived: Instant | None) -> Iterator[Measurement]:
     if arrived is not None:
         held = slice(max(begin, math.ceil(arrived.place)), end)
     values = step.sign * step.y[held]
-    of_mean = _scatter(error_of_mean(values))
-    of_extremes = (
-        Uncertainty(spread, "scatter of the extremes of ten parts of these samples")
-        if math.isfinite(spread := extreme_scatter(values))
-        else None
-    )
+    of_mean = _of_mean(values)
     for name, which, of, uncertain in (
         ("plateau_mean", "mean", np.mean, of_mean),
-        ("plateau_min", "least", np.min, of_extremes),
-        ("plateau_max", "greatest", np.max, of_extremes),
+        ("plateau_min", "least", np.min, _of_largest(-values)),
+        ("plateau_max", "greatest", np.max, _of_largest(values)),
     ):
         text = (
             f"{which} sample from reaching 98% of the step until the reference leaves the {_ARRIVED:.0%} "
@@ -200,14 +196,15 @@ def _tracking(step: Step, settled: Instant | None) -> Iterator[Measurement]:
         return
     window = f"signal minus reference, {len(error)} samples after settling"
     mean = float(np.mean(error))
-    yield _value(step, "tracking_error_mean", f"mean of {window}", mean, _scatter(error_of_mean(error)))
+    yield _value(step, "tracking_error_mean", f"mean of {window}", mean, _of_mean(error))
 
     rms = float(np.sqrt(np.mean(error**2)))
-    spread = error_of_mean(error**2) / (2.0 * rms) if rms > 0.0 else 0.0
-    yield _value(step, "tracking_error_rms", f"rms, with the mean, of {window}", rms, _scatter(spread))
+    of_square = _of_mean(error**2)
+    uncertain = of_square.scaled(0.5 / rms) if of_square is not None and rms > 0.0 else None
+    yield _value(step, "tracking_error_rms", f"rms, with the mean, of {window}", rms, uncertain)
     greatest = float(np.max(np.abs(error)))
-    spread = extreme_scatter(np.abs(error))
-    yield _value(step, "tracking_error_max", f"greatest magnitude of {window}", greatest, _scatter(spread))
+    text = f"greatest magnitude of {window}"
+    yield _value(step, "tracking_error_max", text, greatest, _of_largest(np.abs(error)))
 
 
 def _value(
@@ -216,7 +213,17 @@ def _value(
     return Measurement(name, value, step.unit, definition, step.basis, uncertain)
 
 
-def _scatter(standard: float) -> Uncertainty | None:
+def _of_mean(values: Floats) -> Uncertainty | None:
+    error = error_of_record(values)
+    if not math.isfinite(error.standard):
+        return None
+    return Uncertainty(
+        error.standard, "scatter over parts of these samples, and their correlation", error.dof
+    )
+
+
+def _of_largest(values: Floats) -> Uncertainty | None:
+    standard = scatter_of_largest(values)
     if not math.isfinite(standard):
         return None
-    return Uncertainty(standard, "scatter over ten parts of these samples")
+    return Uncertainty(standard, "distribution of the extremes of such samples")

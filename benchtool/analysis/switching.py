@@ -8,13 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis.measurement import Basis, Measurement, Table, Uncertainty
-from benchtool.analysis.scatter import error_of_mean
+from benchtool.analysis.measurement import Basis, Measurement, Table
+from benchtool.analysis.scatter import error_of_record
+from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
 from benchtool.analysis.validity import require_unbroken
 from benchtool.block import Block
 from benchtool.errors import AnalysisError
 
 _LEGS = 3
+_SCATTER = "scatter over parts of the record, with their correlation"
 _WRAP = 2.0**32
 _SQRT3 = math.sqrt(3.0)
 _VECTORS = 7  # the zero vectors 0 and 7 count as one: the voltage does not tell them apart
@@ -73,8 +75,19 @@ def switching_frequency(block: Block) -> Measurement:
         "Hz",
         "turn-ons of the three upper switches / (3 x duration)",
         Basis(len(count), rate_Hz, duration_s, gaps=0),
-        Uncertainty(1.0 / (_LEGS * duration_s * _SQRT3), "a count of one either way, rectangular"),
+        _of_frequency(np.mod(np.diff(count), _WRAP), rate_Hz),
     )
+
+
+def _of_frequency(turn_ons: NDArray[np.float64], rate_Hz: float) -> Uncertainty | None:
+    """Of the mean frequency: the count at both ends, and how irregular the turn-ons are over the record."""
+    error, per_second = error_of_record(turn_ons), rate_Hz / _LEGS
+    by_count = per_second / (len(turn_ons) * _SQRT3)
+    budget = [Contribution("a count of one either way, rectangular", "B", by_count)]
+    if math.isfinite(error.standard):
+        scatter = Contribution(_SCATTER, "A", per_second * error.standard, error.dof)
+        budget.append(scatter)
+    return combined(budget, "; ".join(each.name for each in budget))
 
 
 def vector_shares(
@@ -138,9 +151,8 @@ def _numbers(shares: NDArray[np.float64], basis: Basis) -> list[Measurement]:
 
 
 def _mean(samples: NDArray[np.float64], name: str, unit: str, definition: str, basis: Basis) -> Measurement:
-    spread = error_of_mean(samples)
-    source = "scatter over ten parts of the record"
-    uncertain = Uncertainty(spread, source) if math.isfinite(spread) else None
+    error = error_of_record(samples)
+    uncertain = combined([Contribution(_SCATTER, "A", error.standard, error.dof)], _SCATTER)
     return Measurement(name, float(np.mean(samples)), unit, definition, basis, uncertain)
 
 

@@ -7,10 +7,11 @@ from dataclasses import replace
 
 from numpy.polynomial import Polynomial
 
-from benchtool.analysis.measurement import Measurement, Uncertainty
+from benchtool.analysis.measurement import Measurement
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.ripple import ripple_numbers
 from benchtool.analysis.span import cut_to_span
+from benchtool.analysis.uncertainty import Uncertainty
 from benchtool.block import Block
 
 

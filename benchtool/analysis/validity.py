@@ -9,6 +9,9 @@ from benchtool.block import Block
 from benchtool.errors import AnalysisError
 
 _WRAP = 2.0**32
+_FEWEST_CLIPPED, _CLIPPED_SHARE = 8, 2e-3
+_OFTENER, _VALUES_BESIDE, _FEWEST_VALUES = 4.0, 3, 16
+_LOOKED_AT = 1 << 16  # samples, to count values by
 
 
 def require_signal(samples: NDArray[np.float64], name: str) -> None:
@@ -56,3 +59,28 @@ def require_unbroken(block: Block) -> None:
             f"'tick' advances by {steps[0]:g} at row {wrong[0] + 1} and not by the stride of "
             f"{block.stride} in {len(wrong)} places: rows were lost or repeated, record again"
         )
+
+
+def clipping(samples: NDArray[np.float64]) -> str:
+    """Why a record, shape (n,), of a signal that changes counts as clipped; empty if it does not.
+
+    Clipped is what stays at its greatest or least value, for three samples in a row or more, much oftener
+    than at the values beside it: the peak of a sine in steps of q is at most 2.4 times as often in the last
+    step as in the one before. Of less than sixteen different values nothing is said.
+    """
+    for sign, word in ((1.0, "greatest"), (-1.0, "least")):
+        largest = sign * float(np.max(sign * samples))
+        at_end = samples == largest
+        count = int(np.count_nonzero(at_end))
+        if count < _FEWEST_CLIPPED or count < _CLIPPED_SHARE * len(samples):
+            continue
+        if not np.any(at_end[2:] & at_end[1:-1] & at_end[:-2]):
+            continue
+        values, counts = np.unique(sign * samples[:: max(1, len(samples) // _LOOKED_AT)], return_counts=True)
+        beside = counts[-1 - _VALUES_BESIDE : -1]
+        if len(values) >= _FEWEST_VALUES and counts[-1] > _OFTENER * np.max(beside):
+            share = 100.0 * count / len(samples)
+            return (
+                f"{share:.2g} % of the samples are at the {word} value, {largest:.4g}: the record is clipped"
+            )
+    return ""

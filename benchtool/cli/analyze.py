@@ -142,12 +142,11 @@ def _analyze_run(run: Path | None, as_json: bool, has_csv_options: bool) -> int:
 def _show(output: Output, answer: TableAnswer) -> None:
     """The measurements, why some are undefined, and what was read, for people."""
     rows = [(each.name, measured(each), each.unit) for each in answer.measurements]
-    output.table(str(answer.source["file"]), ("measurement", ">value", "unit"), rows)
+    output.table(str(answer.source["file"]), ("measurement", ">value ± U (95 %)", "unit"), rows)
     undefined: dict[str, list[str]] = {}
     for each in answer.measurements:
         if not math.isfinite(each.value):
-            _, _, reason = each.definition.partition("; undefined here: ")
-            undefined.setdefault(reason, []).append(each.name)
+            undefined.setdefault(each.reason, []).append(each.name)
     for reason, names in undefined.items():
         output.line(f"undefined: {', '.join(names)}: {reason}")
     output.line(_read(answer.source))

@@ -154,7 +154,7 @@ def _value(comparison: Comparison, label: str, name: str) -> str:
     if found is None:
         return NOTHING
     if found.uncertainty is not None:
-        return placed(found.value, found.uncertainty.standard)
+        return placed(found.value, found.uncertainty.expanded)
     apart = [
         abs(each.absolute) for each in _deltas_of(comparison, label, name) if math.isfinite(each.absolute)
     ]

@@ -111,11 +111,11 @@ def significant(value: float) -> str:
 
 
 def measured(measurement: Measurement) -> str:
-    """Its value with its standard uncertainty, if it has one."""
+    """Its value with its expanded uncertainty for 95 %, if it has one."""
     from benchtool.report.numbers import stated
 
     uncertainty = measurement.uncertainty
-    return stated(measurement.value, None if uncertainty is None else uncertainty.standard)
+    return stated(measurement.value, None if uncertainty is None else uncertainty.expanded)
 
 
 def show_run(output: Output, title: str, result: RunResult, tabulate: Sequence[str] = ()) -> None:
@@ -235,7 +235,8 @@ def show_assessment(output: Output, title: str, result: Assessment) -> None:
         beside = (significant(result.published.get(each.name, math.nan)),) if published else ()
         cells = (each.name, measured(each), *beside, each.unit, bounds.strip(), str(verdict or ""))
         rows.append(cells)
-    columns = ("measurement", ">value", *(f">{name}" for name in published), "unit", "limit", "verdict")
+    headings = (f">{name}" for name in published)
+    columns = ("measurement", ">value ± U (95 %)", *headings, "unit", "limit", "verdict")
     output.table(title, columns, rows)
     output.line(f"bundle: {result.bundle}")
 

@@ -132,7 +132,7 @@ def _value(result: Assessment, name: str) -> Cell:
     measured = _named(result, name)
     if measured is None:
         return Cell(NOTHING)
-    text = stated(measured.value, measured.uncertainty.standard if measured.uncertainty else None)
+    text = stated(measured.value, measured.uncertainty.expanded if measured.uncertainty else None)
     return Cell(text, mark(result.verdicts[name])) if name in result.verdicts else Cell(text)
 
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from benchtool.analysis import Basis, Measurement, Uncertainty, cut_to_span
 from benchtool.analysis.ripple import record_basis
-from benchtool.analysis.scatter import error_of_mean
+from benchtool.analysis.scatter import error_of_record
 from benchtool.block import Block
 from benchtool.drive import Mode, RemoteDrive
 from benchtool.errors import AnalysisError
@@ -225,7 +225,7 @@ class _Signals:
 
 def _mean_of(block: Block, name: str, source: str) -> _Mean:
     samples = block.column(name)
-    return _Mean(float(np.mean(samples)), error_of_mean(samples), record_basis(block), source)
+    return _Mean(float(np.mean(samples)), error_of_record(samples).standard, record_basis(block), source)
 
 
 def _measured(each: Asked, point: OperatingPoint, motor: Motor, signals: _Signals) -> Measurement:

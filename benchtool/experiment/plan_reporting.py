@@ -91,7 +91,7 @@ def _overview_cell(case: RecordedCase, name: str) -> Cell:
     measured = next((each for each in result.measurements if each.name == name), None) if result else None
     if result is None or measured is None:
         return Cell(NOTHING)
-    text = stated(measured.value, measured.uncertainty.standard if measured.uncertainty else None)
+    text = stated(measured.value, measured.uncertainty.expanded if measured.uncertainty else None)
     if name in result.published:
         text += f" ({raw(result.published[name])})"
     return Cell(text, mark(result.verdicts[name])) if name in result.verdicts else Cell(text)

@@ -27,26 +27,26 @@ def number(value: float, digits: int = _DIGITS) -> str:
     return _signed(f"{value:.{max(0, digits - 1 - exponent)}f}")
 
 
-def stated(value: float, standard: float | None) -> str:
-    """A value with its standard uncertainty, the uncertainty to two significant digits and the value to the
-    same place (JCGM 100:2008, 7.2.6); without a known uncertainty, four significant digits."""
-    if standard is None or not (math.isfinite(value) and math.isfinite(standard)) or standard <= 0.0:
+def stated(value: float, uncertainty: float | None) -> str:
+    """A value with its uncertainty, standard or expanded as the heading says: the uncertainty to two digits
+    and the value to the same place (JCGM 100:2008, 7.2.6); without one, four significant digits."""
+    if uncertainty is None or not (math.isfinite(value) and math.isfinite(uncertainty)) or uncertainty <= 0.0:
         return number(value)
-    largest = max(abs(value), standard)
+    largest = max(abs(value), uncertainty)
     scaled = 0 if _SMALLEST <= largest < _LARGEST else _exponent(largest, 2)
-    value, standard = value / 10.0**scaled, standard / 10.0**scaled
-    place = _exponent(standard, 2) - 1
-    most = _MOST_DIGITS - 1 - _exponent(max(abs(value), standard), 2)
+    value, uncertainty = value / 10.0**scaled, uncertainty / 10.0**scaled
+    place = _exponent(uncertainty, 2) - 1
+    most = _MOST_DIGITS - 1 - _exponent(max(abs(value), uncertainty), 2)
     decimals = max(0, min(-place, most))
     if place > 0:
-        value, standard = round(value, -place), round(standard, -place)
-    text = f"{_signed(f'{value:.{decimals}f}')} ± {standard:.{decimals}f}"
+        value, uncertainty = round(value, -place), round(uncertainty, -place)
+    text = f"{_signed(f'{value:.{decimals}f}')} ± {uncertainty:.{decimals}f}"
     return f"({text}) × {_power(scaled)}" if scaled else text
 
 
-def placed(value: float, standard: float | None) -> str:
-    """A value alone, to the place of its standard uncertainty as `stated` has it."""
-    text, sign, rest = stated(value, standard).partition(" ± ")
+def placed(value: float, uncertainty: float | None) -> str:
+    """A value alone, to the place of its uncertainty as `stated` has it."""
+    text, sign, rest = stated(value, uncertainty).partition(" ± ")
     return text.removeprefix("(") + rest.partition(")")[2] if sign else text
 
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from benchtool.analysis import Measurement, Table
+from benchtool.analysis import Measurement, Table, Uncertainty
 from benchtool.analysis.measurement import Basis
 from benchtool.report.content import Cell, Grid, Item, Mark, Section, Text
 from benchtool.report.numbers import NOTHING, number, raw, stated
@@ -72,7 +72,7 @@ def measurements_section(
     shown_published = any(each.name in published for each in measurements)
     limited = any(each.name in limits for each in measurements)
     uncertain = any(each.uncertainty is not None for each in measurements)
-    headings = ["measurement", ">value ± standard uncertainty" if uncertain else ">value", "unit"]
+    headings = ["measurement", ">value ± U (95 %)" if uncertain else ">value", "unit"]
     headings += [">published"] * shown_published + ["limit", "verdict"] * limited
     rows = []
     for each in measurements:
@@ -109,7 +109,7 @@ def _table(table: Table) -> Iterator[Item]:
 
 
 def _value(measured: Measurement) -> str:
-    return stated(measured.value, measured.uncertainty.standard if measured.uncertainty else None)
+    return stated(measured.value, measured.uncertainty.expanded if measured.uncertainty else None)
 
 
 def measurement_notes(measured: Measurement) -> Iterator[str]:
@@ -117,10 +117,20 @@ def measurement_notes(measured: Measurement) -> Iterator[str]:
     yield _sentence(measured.definition)
     if basis := basis_text(measured.basis):
         yield basis
+    if measured.reason:
+        yield f"Undefined here: {measured.reason.rstrip('.')}."
     if measured.uncertainty is not None:
-        standard = number(measured.uncertainty.standard, 2)
-        unit = f" {measured.unit}" if measured.unit else ""
-        yield f"Standard uncertainty {standard}{unit}: {measured.uncertainty.source.rstrip('.')}."
+        yield from _uncertainty_notes(measured.uncertainty, f" {measured.unit}" if measured.unit else "")
+
+
+def _uncertainty_notes(uncertainty: Uncertainty, unit: str) -> Iterator[str]:
+    """Expanded and standard uncertainty with k and degrees of freedom, and the budget, one line each."""
+    U, u = number(uncertainty.expanded, 2), number(uncertainty.standard, 2)
+    dof = f", {uncertainty.dof:.3g} degrees of freedom" if math.isfinite(uncertainty.dof) else ""
+    source = uncertainty.source.rstrip(".")
+    yield f"U = {U}{unit} covers 95 %, k = {uncertainty.k:.3g}, u = {u}{unit}{dof}: {source}."
+    for each in uncertainty.budget:
+        yield f"Type {each.evaluation}, {number(each.standard, 2)}{unit}: {each.name.rstrip('.')}."
 
 
 def basis_text(basis: Basis) -> str:

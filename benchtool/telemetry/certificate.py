@@ -175,11 +175,11 @@ def _slow_stream(report: StreamReport) -> Iterator[Measurement]:
     fit = "arrival on the host's clock against drive time, straight line by least squares"
     clock = report.clock
     values = (clock.drift_ppm, clock.residual_rms_s, clock.residual_max_s) if clock else (math.nan,) * 3
-    missing = "" if clock else "; undefined here: fewer than three records"
+    missing = "" if clock else "fewer than three records"
     names = (
         ("clock_drift", "ppm", "slope less one"),
         ("clock_residual_rms", "s", "residual, rms"),
         ("clock_residual_max", "s", "residual, largest magnitude"),
     )
     for (name, unit, what), value in zip(names, values, strict=True):
-        yield Measurement(name, value, unit, f"{fit}: {what}{missing}")
+        yield Measurement(name, value, unit, f"{fit}: {what}", reason=missing)

@@ -62,7 +62,7 @@ def test_orders_of_a_q_current_at_jittered_stamps(invoke: Invoke) -> None:
 
     for name in ("fundamental_frequency", "current_fundamental", "current_thd"):
         assert found[name] is None
-        assert "undefined here: the time stamps are not even" in case["measurements"][name]["definition"]
+        assert "the time stamps are not even" in case["measurements"][name]["reason"]
     assert found["current_mean"] == pytest.approx(0.1, abs=0.01)
     assert "sample_rate_Hz" not in case["measurements"]["current_mean"]["basis"]
     source = case["source"]
@@ -122,7 +122,7 @@ def test_a_row_lost_under_stamps_of_a_millisecond_is_seen(invoke: Invoke) -> Non
     kept = np.delete(np.arange(4_000), 2_005)
     write("coarse.csv", "t,I", [np.floor(time_s[kept] * 1e3 + 1e-9) / 1e3, current[kept]])
     case = measured(invoke("--csv", "coarse.csv", "--time", "t", "--current", "I", "--json"))
-    assert "1 rows are missing in 1 gaps" in case["measurements"]["current_thd"]["definition"]
+    assert "1 rows are missing in 1 gaps" in case["measurements"]["current_thd"]["reason"]
     assert case["source"]["time"]["rows_missing"] == 1
 
 
@@ -154,7 +154,7 @@ def test_held_samples_claim_no_more_than_they_are(invoke: Invoke) -> None:
     write("held.csv", "t,I,T", [time_s, held, 2.0 + held])
     case = measured(invoke("--csv", "held.csv", "--time", "t", "--current", "I", "--torque", "T", "--json"))
     reason = "each value is held for 10 rows, the current was sampled at about 1000 Hz and not at 1e+04 Hz"
-    assert reason in case["measurements"]["current_thd"]["definition"]
+    assert reason in case["measurements"]["current_thd"]["reason"]
     ripple = case["measurements"]["torque_ripple_pp"]
     assert ripple["basis"]["bandwidth_Hz"] == pytest.approx(500.0)
     assert "each value held for 10 rows" in ripple["definition"]
@@ -178,7 +178,7 @@ def test_a_current_in_rotating_coordinates_has_ripple_and_no_thd(
     case = measured(invoke("--csv", "q.csv", "--time", "t", "--current", name, "--json"))
 
     assert values(case)["current_thd"] is None
-    assert f"undefined here: {reason}" in case["measurements"]["current_thd"]["definition"]
+    assert reason in case["measurements"]["current_thd"]["reason"]
     assert values(case)["current_ripple_pp"] == pytest.approx(np.ptp(current), rel=1e-6)
 
 
@@ -186,7 +186,7 @@ def test_noise_is_no_phase_current(invoke: Invoke) -> None:
     time_s, _ = phase_current()
     write("noise.csv", "t,I", [time_s, np.random.default_rng(2).normal(size=len(time_s))])
     case = measured(invoke("--csv", "noise.csv", "--time", "t", "--current", "I", "--json"))
-    assert "no sinusoid stands out" in case["measurements"]["current_thd"]["definition"]
+    assert "no sinusoid stands out" in case["measurements"]["current_thd"]["reason"]
 
 
 RAMP = sinusoid(np.linspace(40.0, 48.0, 10_000))
@@ -217,7 +217,7 @@ def test_a_current_that_is_not_steady_or_not_at_the_angles_frequency_has_no_fund
     case = measured(invoke("--csv", "ramp.csv", "--time", "t", "--current", "I", *arguments, "--json"))
     for name in ("fundamental_frequency", "current_fundamental", "current_thd"):
         assert values(case)[name] is None
-        assert f"undefined here: {reason}" in case["measurements"][name]["definition"]
+        assert reason in case["measurements"][name]["reason"]
     assert values(case)["current_ripple_pp"] == pytest.approx(10.0, rel=1e-3)
 
 
@@ -246,7 +246,7 @@ def test_an_angle_in_degrees_says_so_and_gives_no_scatter(invoke: Invoke, wraps:
     case = measured(invoke(*arguments, "--current", "I", "--angle", "a"))
 
     reason = "'a' starts over at about 360" if wraps else "the angle with 4 pole pairs says 2504 Hz: check"
-    assert reason in case["measurements"]["current_fundamental"]["definition"]
+    assert reason in case["measurements"]["current_fundamental"]["reason"]
     mean = case["measurements"]["torque_mean"]["uncertainty"]
     assert "scatter over 43 electrical periods" in mean["source"]  # the current's own
 
@@ -291,7 +291,7 @@ def test_a_dead_column_costs_its_own_numbers_only(invoke: Invoke) -> None:
     assert values(case)["current_fundamental"] == pytest.approx(3.0, rel=1e-4)
     assert values(case)["speed_mean"] == pytest.approx(10.02, rel=1e-3)
     assert values(case)["torque_mean"] is None
-    assert "undefined here: 'T' is constant at 2" in case["measurements"]["torque_mean"]["definition"]
+    assert "'T' is constant at 2" in case["measurements"]["torque_mean"]["reason"]
 
     dead = measured(invoke("--csv", "dead.csv", "--time", "t", "--current", "T", "--json"))
     assert set(values(dead).values()) == {None}
@@ -310,8 +310,8 @@ def test_a_lost_row_is_a_gap_and_nothing_is_filled_in(invoke: Invoke) -> None:
     assert case["source"]["rows_dropped"] == {"wrong number of cells": 1, "a cell is no number": 1}
     assert (case["source"]["rows_read"], case["source"]["rows_used"]) == (4_000, 3_998)
     assert (case["source"]["time"]["gaps"], case["source"]["time"]["rows_missing"]) == (2, 2)
-    definition = case["measurements"]["current_thd"]["definition"]
-    assert "undefined here: 2 rows are missing in 2 gaps, the first before row 1001" in definition
+    reason = case["measurements"]["current_thd"]["reason"]
+    assert "2 rows are missing in 2 gaps, the first before row 1001" in reason
     assert case["measurements"]["current_ripple_pp"]["basis"]["gaps"] == 2
     assert values(case)["current_ripple_rms"] == pytest.approx(np.std(current), rel=1e-3)
 
@@ -368,7 +368,7 @@ def test_an_angle_that_does_not_turn_leaves_orders_undefined(invoke: Invoke) -> 
     write("still.csv", "t,I,a", [time_s, current, 0.1 * time_s])
     case = measured(invoke("--csv", "still.csv", "--time", "t", "--current", "I", "--angle", "a", "--json"))
     assert values(case)["current_order_largest"] is None
-    assert "mechanical revolutions" in case["measurements"]["current_order_largest"]["definition"]
+    assert "mechanical revolutions" in case["measurements"]["current_order_largest"]["reason"]
     assert values(case)["current_fundamental"] == pytest.approx(3.0, rel=1e-4)
 
 

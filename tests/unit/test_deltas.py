@@ -11,7 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from benchtool.analysis import Measurement
-from benchtool.analysis.measurement import Basis, Uncertainty
+from benchtool.analysis.measurement import Basis
+from benchtool.analysis.uncertainty import Uncertainty
 from benchtool.block import Block, Channel
 from benchtool.experiment.assessment import Assessment
 from benchtool.experiment.comparing import difference

@@ -77,7 +77,7 @@ def _ripple(record: Record, periods: Periods, what: str) -> Iterator[Measurement
         repeated=repeated,
         what=channel.name,
     ):
-        number = replace(each, definition=_before_reason(each.definition, rows))
+        number = replace(each, definition=f"{each.definition}{rows}")
         yield _limited(record, number, held_rows(record.column(what)))
 
 
@@ -85,7 +85,7 @@ def _limited(record: Record, number: Measurement, held: int) -> Measurement:
     """The number with a basis that claims no more than the rows hold."""
     if held == 1 or number.basis.bandwidth_Hz is None:
         return number
-    definition = _before_reason(number.definition, f", each value held for {held} rows")
+    definition = f"{number.definition}, each value held for {held} rows"
     basis = replace(number.basis, bandwidth_Hz=0.5 * record.base.rate_Hz / held)
     return replace(number, definition=definition, basis=basis)
 
@@ -150,9 +150,3 @@ def _found_orders(record: Record, what: str) -> Orders:
 def _without_gaps(number: _Result) -> _Result:
     """With a basis that does not say how many gaps there are: the stamps do not tell."""
     return replace(number, basis=replace(number.basis, gaps=None))
-
-
-def _before_reason(definition: str, words: str) -> str:
-    """The definition with more words, before the reason why the number is undefined, where there is one."""
-    text, mark, reason = definition.partition("; undefined here: ")
-    return f"{text}{words}{mark}{reason}"

@@ -135,6 +135,6 @@ class Periods:
         """Of the current's sinusoid at the track's frequency, by correlation under a Hann window."""
         samples = self.record.column("current")
         window = np.hanning(len(samples))
-        carrier = np.exp(-1j * track.phase(np.arange(len(samples), dtype=np.float64)))
+        carrier = np.exp(-1j * track.at(np.arange(len(samples), dtype=np.float64)))
         about = samples - np.mean(samples)
         return float(2.0 * abs(np.sum(window * carrier * about)) / np.sum(window))

@@ -7,8 +7,16 @@ import math
 from typing import Any
 
 import pytest
+from scipy import stats
 
-from benchtool.analysis import Measurement, measurements_from_json, measurements_to_json
+from benchtool.analysis import (
+    Contribution,
+    Measurement,
+    Uncertainty,
+    measurements_from_json,
+    measurements_to_json,
+)
+from benchtool.analysis.uncertainty import combined
 from benchtool.errors import AnalysisError
 
 
@@ -39,10 +47,45 @@ def test_an_undefined_measurement_says_why() -> None:
     undefined = Measurement.undefined("thd", "%", "ratio of harmonics", "the fundamental is zero")
 
     assert math.isnan(undefined.value)
-    assert undefined.definition == "ratio of harmonics; undefined here: the fundamental is zero"
+    assert undefined.definition == "ratio of harmonics"
     (read,) = measurements_from_json(measurements_to_json([undefined]))
     assert math.isnan(read.value)
-    assert read.definition == undefined.definition
+    assert (read.definition, read.reason) == ("ratio of harmonics", "the fundamental is zero")
+
+
+def test_an_older_bundle_has_the_reason_behind_the_definition_and_no_budget() -> None:
+    older = {"value": None, "unit": "%", "definition": "ratio; undefined here: the fundamental is zero"}
+    (read,) = measurements_from_json({"thd": older})
+    assert (read.definition, read.reason) == ("ratio", "the fundamental is zero")
+
+    number = {
+        "value": 1.0,
+        "unit": "A",
+        "definition": "",
+        "uncertainty": {"standard": 0.1, "source": "noise"},
+    }
+    (read,) = measurements_from_json({"i": number})
+    assert read.uncertainty == Uncertainty(0.1, "noise")
+
+
+def test_an_uncertainty_survives_json_with_its_budget() -> None:
+    budget = (Contribution("scatter", "A", 0.3, 4.0), Contribution("resolution", "B", 0.4))
+    uncertain = combined(budget, "both")
+    assert uncertain is not None
+    number = Measurement("torque_mean", 1.0, "Nm", "mean", uncertainty=uncertain)
+    document = json.loads(json.dumps(number.to_json(), allow_nan=False))
+
+    assert document["uncertainty"]["standard"] == pytest.approx(0.5)
+    # u^4 / (u_1^4 / 4), and the quantile of Student's distribution there
+    assert document["uncertainty"]["dof"] == pytest.approx(0.0625 / 0.0081 * 4.0)
+    assert document["uncertainty"]["k"] == pytest.approx(stats.t.ppf(0.975, 0.0625 / 0.0081 * 4.0))
+    assert document["uncertainty"]["expanded"] == pytest.approx(0.5 * document["uncertainty"]["k"])
+    assert document["uncertainty"]["budget"][1]["dof"] is None
+    assert measurements_from_json({"torque_mean": document}) == (number,)
+
+
+def test_what_is_not_known_makes_the_whole_unknown() -> None:
+    assert combined([Contribution("noise", "A", math.nan), Contribution("step", "B", 1.0)], "") is None
 
 
 @pytest.mark.parametrize(

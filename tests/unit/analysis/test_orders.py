@@ -92,7 +92,8 @@ def test_resampling_by_time_and_fitting_by_angle_agree_in_steady_state() -> None
     difference = np.abs(by_time.amplitude - by_angle.amplitude)
     assert np.all(difference < 6 * np.hypot(by_time.standard, by_angle.standard))
     # white noise of 0.05 over 20 000 samples: sqrt(2 / n) x 0.05 = 0.5 mNm in an amplitude
-    assert np.median(by_time.standard) == pytest.approx(5e-4, rel=0.1)
+    # the larger of two estimates counts, which for white noise is a tenth too wide
+    assert np.median(by_time.standard) == pytest.approx(5e-4, rel=0.2)
     assert np.median(by_angle.standard) == pytest.approx(5e-4, rel=0.1)
 
 
@@ -161,7 +162,7 @@ def test_a_coarse_angle_limits_the_order_and_keeps_the_amplitude() -> None:
     spectrum = fitted(counted, torque_at(angle))
 
     assert len(spectrum.order) == steps // 10
-    assert spectrum.amplitude[71] == pytest.approx(0.2 * np.sinc(72 / steps), rel=5e-3)
+    assert spectrum.amplitude[71] == pytest.approx(0.2, rel=5e-3)
     assert "angle in steps of 0.352 degrees" in spectrum.method
 
 
@@ -349,4 +350,4 @@ def test_only_orders_that_stand_out_of_the_noise_are_listed() -> None:
 
     (none,) = describe_orders(fitted(angle, noise), "torque").measurements
     assert math.isnan(none.value)
-    assert "undefined here: no order stands out of the noise" in none.definition
+    assert none.reason == "no order stands out of the noise"

@@ -12,7 +12,8 @@ import pytest
 from matplotlib.figure import Figure
 from reportlab.pdfbase.ttfonts import TTFont
 
-from benchtool.analysis.measurement import Basis, Measurement, Table, Uncertainty
+from benchtool.analysis.measurement import Basis, Measurement, Table
+from benchtool.analysis.uncertainty import Uncertainty
 from benchtool.report.content import (
     Cell,
     Facts,
@@ -193,20 +194,20 @@ def test_measurements_come_with_uncertainty_definition_basis_and_published_figur
     headings = [column.heading for column in grid.columns]
     assert headings == [
         "measurement",
-        "value ± standard uncertainty",
+        "value ± U (95 %)",
         "unit",
         "published",
         "limit",
         "verdict",
     ]
     name, *cells = grid.rows[0]
-    assert [cell.text for cell in cells] == ["1.838 ± 0.012", "%", "1.5", "≤\N{NO-BREAK SPACE}2", "marginal"]
+    assert [cell.text for cell in cells] == ["1.838 ± 0.024", "%", "1.5", "≤\N{NO-BREAK SPACE}2", "marginal"]
     assert cells[-1].mark == "marginal"
     assert name.notes[0] == "Harmonics over it."
     assert name.notes[1] == basis_text(BASIS)
-    assert name.notes[2] == "Standard uncertainty 0.012 %: noise floor."
+    assert name.notes[2] == "U = 0.024 % covers 95 %, k = 1.96, u = 0.012 %: noise floor."
     assert [cell.text for cell in grid.rows[1][1:]] == ["–", "A", "", "", ""]
-    assert "undefined here: no channel" in grid.rows[1][0].notes[0]
+    assert "Undefined here: no channel." in grid.rows[1][0].notes
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,85 @@
+"""Whether stated uncertainties hold: `python -m benchmarks.coverage [--json] [--repetitions N] [NAME ...]`.
+
+Of every family of signals random records are made, whose truth is known by construction, and analysed.
+Printed is for each measurement how often +-u, +-2u and +-U hold the truth and the rms of error / u; `null`
+stands for a number that was refused with a reason. Exit code 1 if any uncertainty is too small.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import time
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import asdict
+from functools import partial
+
+from benchmarks.coverage.families import Score, scores
+from benchmarks.coverage.registry import FAMILIES
+
+REPETITIONS = 100
+
+
+def score_family(name: str, repetitions: int) -> list[Score]:
+    """Scores of one family by its name."""
+    return list(scores(FAMILIES[name], repetitions))
+
+
+def main() -> int:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("names", nargs="*", help="families, all by default; a part of a name is enough")
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+    parser.add_argument("--repetitions", type=int, default=REPETITIONS, help="random records of each family")
+    parser.add_argument("--narrow", action="store_true", help="print only what does not hold")
+    options = parser.parse_args()
+    names = [name for name in FAMILIES if not options.names or any(part in name for part in options.names)]
+    if not options.json:
+        heads = ("family", "measurement", "n", "u", "2u", "U", "rms", "mean")
+        print("{:30} {:32} {:>4} {:>5} {:>5} {:>5} {:>7} {:>7}".format(*heads))
+    begin = time.perf_counter()
+    with ProcessPoolExecutor(max_workers=2) as pool:
+        found: list[Score] = []
+        for part in pool.map(partial(score_family, repetitions=options.repetitions), names):
+            found.extend(part)
+            if not options.json:
+                _print([each for each in part if not options.narrow or each.verdict in ("narrow", "wide")])
+    counts = {
+        verdict: sum(each.verdict == verdict for each in found)
+        for verdict in ("holds", "wide", "narrow", "null")
+    }
+    if options.json:
+        document = {
+            "families": len(names),
+            "repetitions": options.repetitions,
+            "seconds": round(time.perf_counter() - begin, 1),
+            **counts,
+            "scores": [
+                {key: _number(value) for key, value in asdict(each).items()} | {"verdict": each.verdict}
+                for each in found
+            ],
+        }
+        print(json.dumps(document, indent=2, allow_nan=False))
+    else:
+        print(f"{len(names)} families, {counts}, {time.perf_counter() - begin:.0f} s")
+    return 1 if counts["narrow"] else 0
+
+
+def _print(found: list[Score]) -> None:
+    for each in found:
+        print(
+            f"{each.family:30} {each.measurement:32} {each.answered:4} {each.within_u:5.2f} "
+            f"{each.within_2u:5.2f} {each.within_U:5.2f} {each.rms:7.3g} {each.mean:7.2g} {each.verdict}",
+            flush=True,
+        )
+
+
+def _number(value: object) -> object:
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,116 @@
+"""What a family of signals is, and how its numbers are scored against the truth."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from benchtool.analysis import Measurement
+from benchtool.errors import AnalysisError
+
+OF_THE_ENSEMBLE = math.nan
+"""In place of a truth, of a number that is random itself, such as a peak-to-peak: the ensemble's mean."""
+
+Trial = Callable[[np.random.Generator], Iterable[tuple[Measurement, float]]]
+"""Measurements of one random record of a family, each with its truth; may raise AnalysisError."""
+
+LEAST_COVERED, LEAST_RMS, LARGEST_RMS = 0.90, 0.7, 1.4
+_FEWEST_ANSWERS = 0.05  # of the repetitions: fewer numbers than that are not scored
+_ROUNDING = 1e-8
+_CLEARLY = 2.0  # standard deviations of a share over so many repetitions
+
+
+@dataclass(frozen=True)
+class Family:
+    """A name, and what makes one record of it and measures it."""
+
+    name: str
+    trial: Trial
+
+
+@dataclass(frozen=True)
+class Score:
+    """How errors of a measurement compare with its uncertainty over the repetitions of a family.
+
+    `answered` of `repetitions` gave a number with an uncertainty, the others null with a reason. `within_u`,
+    `within_2u` and `within_U` are shares of these; `rms` is that of error / u, `mean` its mean.
+    """
+
+    family: str
+    measurement: str
+    repetitions: int
+    answered: int
+    within_u: float
+    within_2u: float
+    within_U: float
+    rms: float
+    mean: float
+
+    @property
+    def verdict(self) -> str:
+        """`null` (refused), `holds`, `wide` (u too large) or `narrow` (u too small)."""
+        if self.answered <= _FEWEST_ANSWERS * self.repetitions:
+            return "null"
+        if self.rms == 0.0:
+            return "holds"
+        # so few repetitions that the share itself scatters, as a binomial one
+        slack = _CLEARLY * math.sqrt(LEAST_COVERED * (1.0 - LEAST_COVERED) / self.answered)
+        covered = max(self.within_2u, self.within_U)
+        if covered < LEAST_COVERED - slack or self.rms > LARGEST_RMS * (1.0 + 1.0 / math.sqrt(self.answered)):
+            return "narrow"
+        return "wide" if self.rms < LEAST_RMS * (1.0 - 1.0 / math.sqrt(self.answered)) else "holds"
+
+
+def scores(family: Family, repetitions: int, seed: int = 0) -> Iterator[Score]:
+    """Every measurement of a family, over that many random records."""
+    found: dict[str, list[tuple[Measurement, float]]] = {}
+    for number in range(repetitions):
+        random = np.random.default_rng([seed, number])
+        try:
+            for measured, truth in family.trial(random):
+                found.setdefault(measured.name, []).append((measured, truth))
+        except AnalysisError:
+            continue
+    if not found:
+        yield Score(family.name, "all", repetitions, 0, *(math.nan,) * 5)
+    for name, results in found.items():
+        yield _score(family.name, name, repetitions, results)
+
+
+def _score(family: str, name: str, repetitions: int, results: Sequence[tuple[Measurement, float]]) -> Score:
+    answers = [
+        (each.value, truth, each.uncertainty)
+        for each, truth in results
+        if math.isfinite(each.value) and each.uncertainty is not None
+    ]
+    if not answers:
+        return Score(family, name, repetitions, 0, *(math.nan,) * 5)
+    value = np.array([each for each, _, _ in answers])
+    truth = np.array([each for _, each, _ in answers])
+    standard = np.array([max(each.standard, 1e-300) for _, _, each in answers])
+    expanded = np.array([each.expanded for _, _, each in answers])
+    truth[np.isnan(truth)] = float(np.mean(value))
+    error = value - truth
+    error[np.abs(error) < _ROUNDING * np.abs(truth)] = 0.0
+    relative = error / standard
+    return Score(
+        family,
+        name,
+        repetitions,
+        len(answers),
+        float(np.mean(np.abs(relative) <= 1.0)),
+        float(np.mean(np.abs(relative) <= 2.0)),
+        float(np.mean(np.abs(error) <= expanded)),
+        float(np.sqrt(np.mean(np.clip(relative, -1e6, 1e6) ** 2))),
+        float(np.mean(relative)),
+    )
+
+
+def picked(
+    measurements: Iterable[Measurement], truths: Mapping[str, float]
+) -> Iterator[tuple[Measurement, float]]:
+    """Measurements whose truth is known, with it."""
+    return ((each, truths[each.name]) for each in measurements if each.name in truths)

@@ -1,0 +1,28 @@
+"""The short form of `python -m benchmarks.coverage`: a few families, a few records."""
+
+from __future__ import annotations
+
+import pytest
+
+from benchmarks.coverage.families import scores
+from benchmarks.coverage.registry import FAMILIES
+
+_SPECTRAL = ("current_fundamental", "current_thd", "fundamental_frequency", "harmonic_5", "torque_mean")
+
+
+@pytest.mark.parametrize(
+    "name", ["white_-40dB_no_angle", "coloured_no_angle", "interharmonic_no_angle", "swing_0.5Hz_no_angle"]
+)
+def test_stated_uncertainties_hold_the_truth(name: str) -> None:
+    found = {each.measurement: each for each in scores(FAMILIES[name], 10)}
+    for measurement in _SPECTRAL:
+        assert found[measurement].answered == 10
+        assert found[measurement].verdict != "narrow", found[measurement]
+
+
+@pytest.mark.parametrize("name", ["reversal", "clipped", "two_regimes_no_angle", "standstill_current"])
+def test_what_cannot_be_told_is_null(name: str) -> None:
+    found = {each.measurement: each for each in scores(FAMILIES[name], 3)}
+    for measurement in ("current_thd", "current_thd_corrected", "current_thds"):
+        assert measurement not in found or found[measurement].answered == 0
+    assert found
