@@ -84,11 +84,9 @@ def run_named(name: str, chosen: RunOptions) -> int:
     from benchtool.errors import DriveError, LinkError, PlanError
     from benchtool.experiment.limits import Verdict, worst
     from benchtool.experiment.plan import plan_names
-    from benchtool.recording.files import require_own
-    from benchtool.report.page import MARK as PAGE_MARK
 
     if chosen.page is not None:
-        require_own(chosen.page, PAGE_MARK)
+        _require_page(chosen.page)
     names = plan_names(name)
     if not names:
         raise PlanError(f"folder {name} holds no plans: TOML files are expected, one a plan")
@@ -116,6 +114,14 @@ def run_named(name: str, chosen: RunOptions) -> int:
     documents = {each: result.to_json() for each, result in results.items()}
     output.document(documents[name] if single else {"verdict": str(verdict), "plans": documents})
     return 1 if verdict is Verdict.FAIL else 0
+
+
+def _require_page(page: Path) -> None:
+    """Refuse to write the page over a file that no such run wrote."""
+    from benchtool.recording.files import require_own
+    from benchtool.report.page import MARK
+
+    require_own(page, MARK)
 
 
 def _resumption(name: str, folder: Path, chosen: RunOptions) -> str:

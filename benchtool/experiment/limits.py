@@ -86,7 +86,7 @@ def missed(name: str, limit: Limit, measured: Measurement | None) -> Missed | No
     if measured is None:
         return Missed(name, verdict, f"was not measured, {limit.bounds} is asked for")
     if not math.isfinite(measured.value):
-        why = measured.definition.partition("undefined here: ")[2] or measured.definition
+        why = measured.reason or measured.definition
         return Missed(name, verdict, f"is undefined ({why}), {limit.bounds} is asked for")
     value = f"is {measured.value:.4g} {measured.unit}".rstrip()
     if verdict is Verdict.MARGINAL:

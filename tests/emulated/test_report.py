@@ -279,7 +279,11 @@ def test_compare_says_what_differs_and_whether_it_means_anything(demo: Path, tmp
     assert "other against demo" in text
     assert "difference ± standard uncertainty" in text
     assert "Maximum minus minimum of the drive's estimate torque" in html.unescape(text)
-    assert re.search(r"other: Standard uncertainty \S+ Nm: spread of the 5 single electrical periods", text)
+    assert re.search(
+        r"other: U = \S+ Nm covers 95 %, k = \S+, u = \S+ Nm, \S+ degrees of freedom: scatter of maximum and "
+        r"minimum over records of this length, by those of the 5 single electrical periods",
+        text,
+    )
     assert f"benchtool compare {shlex.join([str(demo), str(tmp_path / 'other')])}" in html.unescape(text)
     assert "seed 0 1" in text
     assert "the same in all runs drive parameters; plan; operating point" in text

@@ -107,7 +107,7 @@ def test_results_cannot_be_overwritten_and_the_callers_arrays_can() -> None:
     response = frequency_response(noise, noise + 0.1 * CURRENT_A, 10e3)
     for array in (
         spectrum.amplitude,
-        spectrum.harmonic_phase_rad,
+        spectrum.phasor,
         amplitude_spectrum(CURRENT_A, 10e3).frequency_Hz,
         response.response,
         response.coherence,

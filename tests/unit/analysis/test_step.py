@@ -139,19 +139,19 @@ def test_noise_beyond_two_percent_widens_the_settling_band() -> None:
 
 
 @pytest.mark.parametrize(("before", "after"), [(0.05, 1e-4), (1e-4, 0.05)])
-def test_the_noise_of_the_numbers_is_that_of_the_end_and_not_of_what_was_before(
-    before: float, after: float
-) -> None:
+def test_noise_on_either_side_of_the_step_is_in_the_uncertainty(before: float, after: float) -> None:
     r = _step(0.0, 1.0)
     noise = np.random.default_rng(3).normal(0.0, 1.0, len(r)) * np.where(
-        np.arange(len(r)) < 150, before, after
+        np.arange(len(r)) < 100, before, after
     )
     response = analyze_step(_block(r + noise, r), "torque", "torque_reference")
     measured = {each.name: each for each in response.measurements}
-    for name in ("overshoot", "tracking_error_max"):
-        uncertainty = measured[name].uncertainty
-        assert uncertainty is not None
-        assert uncertainty.standard == pytest.approx(after, rel=0.2)
+    overshoot, greatest = measured["overshoot"].uncertainty, measured["tracking_error_max"].uncertainty
+    assert overshoot is not None
+    assert 0.1 * max(before, after) < overshoot.standard < max(before, after)
+    # after the step these are samples of the noise that is there, whatever was before
+    assert greatest is not None
+    assert 0.1 * after < greatest.standard < after
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])

@@ -106,8 +106,8 @@ def test_what_is_undefined_is_null_in_json() -> None:
     assert document["complete"] is False
     assert document["measurements"]["clock_drift"]["value"] is None
     assert {each.unit for each in certificate.measurements} == {"", "s", "ppm"}
-    assert "fewer than three records" in document["measurements"]["clock_drift"]["definition"]
+    assert "fewer than three records" in document["measurements"]["clock_drift"]["reason"]
     saturated = document["measurements"]["telemetry_adc_saturated"]
     assert (saturated["value"], saturated["unit"]) == (None, "")
-    assert "adc_saturated is not recorded" in saturated["definition"]
+    assert "adc_saturated is not recorded" in saturated["reason"]
     assert document["measurements"]["telemetry_rows_expected"]["value"] == 97
