@@ -45,7 +45,7 @@ class Output:
         self.progress = _console(stderr=True)
 
     def note(self, text: str) -> None:
-        """A line of progress; a run does not end because there is nobody to read it."""
+        """Print a line of progress; a run does not end because its terminal has gone."""
         with suppress(OSError):
             self.progress.print(Text(printable(text), style="dim"))
 
@@ -76,7 +76,7 @@ class Output:
         self._show(table)
 
     def _show(self, what: Text | Table, *, soft_wrap: bool = False) -> None:
-        """For people; beside a document for a program, it is no loss if nobody can read it."""
+        """Print for people; beside a document for a program, a terminal that has gone is no loss."""
         with suppress(OSError) if self._as_json else nullcontext():
             self._people.print(what, soft_wrap=soft_wrap)
 
