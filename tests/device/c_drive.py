@@ -78,7 +78,10 @@ class Library:
         words = kept_words(parameters)
         emulator = load_profile("zhu2011").emulator
         assert emulator is not None
-        ranges = ctypes.c_float(emulator.sensors.i_full_scale_A), ctypes.c_float(emulator.sensors.u_full_scale_V)
+        ranges = (
+            ctypes.c_float(emulator.sensors.i_full_scale_A),
+            ctypes.c_float(emulator.sensors.u_full_scale_V),
+        )
         settings = TICK_NS, ctypes.c_uint32(first_tick), *ranges, words, ctypes.c_size_t(len(words))
         assert self.call("shared_power_up", *settings, result=ctypes.c_int)
 

@@ -58,6 +58,16 @@ def _numbers(entry: Entry) -> Iterator[bytes]:
             yield (value & ((1 << bits) - 1)).to_bytes(bits // 8, "little")
 
 
+def _related(host: RawHost, entry: Entry) -> Iterator[bytes]:
+    """What other entries limit it to, what it limits others to, and the floats around these."""
+    limits = [host.read(entry.min_entry)] if entry.min_entry else []
+    limits += [entry.max_times * host.read(entry.max_entry)] if entry.max_entry else []
+    limits += [host.read(each.name) / each.max_times for each in TABLE if each.max_entry == entry.name]
+    for limit in limits:
+        word = struct.unpack("<I", struct.pack("<f", limit))[0]
+        yield from (max(word + step, 0).to_bytes(4, "little") for step in (-2, -1, 0, 1, 2, -1))
+
+
 def _attempts(entry: Entry) -> Iterator[bytes]:
     """None of them starts something that takes time: controlword and capture have tests of their own."""
     for length in (1, 2, 3, 4, 5, 8, 9):
@@ -84,7 +94,7 @@ def test_every_entry_is_refused_and_taken_alike(emulated: RawHost, raw: CHost, e
     tried = refused = 0
     for entry in TABLE:
         place = entry.index, entry.sub
-        for data in _attempts(entry):
+        for data in (*_attempts(entry), *_related(emulated, entry)):
             expected = _write(emulated, *place, data)
             answered = _write(raw, *place, data)
             assert answered == expected, f"{entry.name} = {data.hex()}"
