@@ -120,6 +120,8 @@ static void check_relations(void)
     assert(number(BT_ID_i_full_scale) == 20.0f && number(BT_ID_u_dc_max) == 100.0f);
 
     check_most(BT_ID_i_trip, 20.0f);
+    assert(host_write(&drive, BT_ID_omega_m_N, bt_word_of(200.0f)) == BT_OK);
+    check_most(BT_ID_omega_m_trip, 2000.0f); /* allowed beside the kept rated speed, not beside the default */
     assert(host_write(&drive, BT_ID_store_all, 0x65766173u) == BT_OK);
     memcpy(words, drive.node.device.stored, sizeof words);
     config.i_full_scale = 15.0f; /* of a smaller converter */
