@@ -95,6 +95,15 @@ def render(table: ObjectTable) -> str:
         "",
         "#endif",
     ]
+    related = {
+        name
+        for entry in table
+        if entry.min_entry or entry.max_entry
+        for name in (entry.name, entry.min_entry, entry.max_entry)
+        if name
+    }
+    if others := sorted(name for name in related if table.by_name[name].type is not DataType.F32):
+        raise ValueError(f"entries that limit others must be f32, as these; others: {', '.join(others)}")
     macros = [line.split()[1] for line in lines if line.startswith("#define")]
     if repeated := {macro for macro in macros if macros.count(macro) > 1}:
         raise ValueError(f"names must differ in more than case; repeated: {', '.join(sorted(repeated))}")

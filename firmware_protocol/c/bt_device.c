@@ -4,6 +4,7 @@
 
 #include <string.h>
 
+#include "bt_relations.h"
 #include "bt_sync.h"
 
 /* From this value of quick_stop_option on the drive stays in Quick stop active at standstill (CiA 402-2, 0x605A). */
@@ -106,7 +107,7 @@ static int8_t first_mode(const struct bt_variables *variables)
     return BT_MODE_OF_OPERATION_VOLTAGE;
 }
 
-/* What the firmware says of the drive takes the place of the table's. */
+/* What the firmware says of the drive takes the place of the table's, and no default is beyond its ranges. */
 static void identify(struct bt_device *device)
 {
     const struct bt_config *config = &device->config;
@@ -123,7 +124,9 @@ static void identify(struct bt_device *device)
     variables->mode_of_operation = first_mode(variables);
     variables->mode_of_operation_display = variables->mode_of_operation;
     variables->i_full_scale = config->i_full_scale;
+    variables->u_dc_full_scale = config->u_dc_full_scale;
     variables->control_period = (float)config->tick_period_ns * 1e-9f;
+    bt_cut_to_relations(variables);
     BT_UNLOCK();
 }
 

@@ -47,7 +47,8 @@ struct bt_config {
     uint32_t serial_number;
     uint32_t supported_modes; /* BT_MODE_BIT of each; 0: velocity and torque */
     uint32_t first_tick;    /* that of power-up: 0, or just before 2^32 to test the wrap */
-    float i_full_scale;       /* A, peak: what the current sensors reach */
+    float i_full_scale;       /* A, peak: what the current sensors reach; 0: not known, and no limit of i_trip */
+    float u_dc_full_scale;    /* V: what the dc link's sensor reaches; 0: not known, and no limit of u_dc_max */
     uint8_t node_id;          /* 1 to 127 */
     const char *device_name, *hardware_version, *firmware_version; /* NULL: those of the table */
     /* Keeps n words for bt_preset; n is BT_STORED_WORDS, or 0 to forget them. Says whether it could; if not, what was
@@ -154,7 +155,7 @@ void bt_value_copy(struct bt_device *device, const struct bt_value *value, size_
 uint32_t bt_take_setpoint(struct bt_device *device, const uint8_t torque[4], const uint8_t omega_m[4]);
 
 /* Takes kept parameters before bt_device_reset puts them in force. False, and the defaults will be, if they are of
- * another dictionary or one is not what it may be. */
+ * another dictionary or one is not what it may be, beside the others and within the sensors' ranges. */
 bool bt_preset(struct bt_device *device, const uint32_t *raw, size_t n);
 
 /* The string of an entry, that of the table unless the firmware gave its own. */

@@ -4,6 +4,7 @@
 #include "bt_bytes.h"
 #include "bt_device.h"
 #include "bt_pdo.h"
+#include "bt_relations.h"
 #include "bt_sync.h"
 
 #define SIGNATURE_SAVE 0x65766173u
@@ -209,7 +210,8 @@ static uint32_t accept(const struct bt_device *device, enum bt_id id, const uint
     if (!(bt_entries[id].flags & BT_FLAG_ENABLED_WRITE) &&
         bt_cia402_power_stage_on((enum bt_state)device->state))
         return BT_ABORT_DEVICE_STATE;
-    return check(device, id, *number);
+    status = check(device, id, *number);
+    return status == BT_OK ? bt_check_relations(&device->variables, NULL, id, *number) : status;
 }
 
 uint32_t bt_check(const struct bt_device *device, enum bt_id id, const uint8_t *data, size_t n)
@@ -317,7 +319,8 @@ bool bt_preset(struct bt_device *device, const uint32_t *raw, size_t n)
         if (bt_entries[id].role != BT_ROLE_PARAMETER)
             continue;
         number.u = raw[place++];
-        if (bt_decode((enum bt_id)id, data, bt_encode((enum bt_id)id, number, data), &number) != BT_OK)
+        if (bt_decode((enum bt_id)id, data, bt_encode((enum bt_id)id, number, data), &number) != BT_OK ||
+            bt_check_relations(&device->variables, raw + 1, (enum bt_id)id, number) != BT_OK)
             return false;
     }
     memcpy(device->stored, raw, sizeof device->stored);

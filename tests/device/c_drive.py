@@ -14,6 +14,7 @@ from typing import Any
 
 import pytest
 
+from benchtool.profile import load_profile
 from benchtool.protocol.objects import DataType
 from tests.wire.raw_host import TABLE, HeldPort, RawHost
 
@@ -70,9 +71,18 @@ class Library:
         return function(*arguments)
 
     def power_up(self, parameters: list[int], first_tick: int = 0) -> None:
-        """A drive just switched on, which keeps these raw parameters in the order of the table."""
+        """A drive just switched on, which keeps these raw parameters in the order of the table.
+
+        Its sensors are those of the emulated bench that the parameters are of.
+        """
         words = kept_words(parameters)
-        settings = TICK_NS, ctypes.c_uint32(first_tick), words, ctypes.c_size_t(len(words))
+        emulator = load_profile("zhu2011").emulator
+        assert emulator is not None
+        ranges = (
+            ctypes.c_float(emulator.sensors.i_full_scale_A),
+            ctypes.c_float(emulator.sensors.u_full_scale_V),
+        )
+        settings = TICK_NS, ctypes.c_uint32(first_tick), *ranges, words, ctypes.c_size_t(len(words))
         assert self.call("shared_power_up", *settings, result=ctypes.c_int)
 
     def run(self, ticks: int) -> None:

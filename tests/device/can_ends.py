@@ -116,10 +116,13 @@ class EmulatedEnd:
 
 
 class CEnd:
-    """The C library's drive; its signals are those that a test writes into `memory`."""
+    """The C library's drive; its signals are those that a test writes into `memory`.
+
+    `ranges` are what the sensors of current (A) and dc link (V) reach.
+    """
 
     def __init__(
-        self, library: Path, parameters: list[int], i_full_scale: float, first_tick: int = 0
+        self, library: Path, parameters: list[int], ranges: tuple[float, float], first_tick: int = 0
     ) -> None:
         self._functions = ctypes.CDLL(str(library))
         self._functions.can_variables.restype = ctypes.c_void_p
@@ -129,7 +132,7 @@ class CEnd:
             ctypes.c_uint32(TICK_NS),
             ctypes.c_uint32(first_tick),
             ctypes.c_uint8(NODE),
-            ctypes.c_float(i_full_scale),
+            *map(ctypes.c_float, ranges),
             kept,
             ctypes.c_size_t(len(kept)),
         )
@@ -195,7 +198,9 @@ class Pair:
 
     def __init__(self, library: Path, parameters: list[int], first_tick: int = 0) -> None:
         self.emulated = EmulatedEnd(first_tick)
-        self.c = CEnd(library, parameters, float(self.emulated.memory["i_full_scale"][0]), first_tick)
+        memory = self.emulated.memory
+        ranges = float(memory["i_full_scale"][0]), float(memory["u_dc_full_scale"][0])
+        self.c = CEnd(library, parameters, ranges, first_tick)
         self._copy_signals()
         booted = self.emulated.taken()
         assert self.c.taken() == booted == [(0x700 + NODE, b"\x00")]

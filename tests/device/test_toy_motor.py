@@ -20,6 +20,28 @@ def _speeds(host: CHost, ticks: int) -> list[float]:
     return speeds
 
 
+OVERCURRENT = 0x2310
+
+
+def test_a_sample_at_the_end_of_the_range_trips_though_it_is_not_above_the_level(raw: CHost) -> None:
+    raw.write("i_trip", float(raw.read("i_full_scale")))
+    raw.write("torque_limit", 1000.0)
+    raw.enable(Mode.TORQUE)
+    raw.write("torque_command", 100.0)
+    raw.bench.clock.wait(0.01)
+    assert int(raw.read("statusword")) & STATE == 0x08
+    assert int(raw.read("error_1")) == OVERCURRENT
+    assert raw.read("adc_saturated") > 0
+
+
+def test_the_shaft_turns_where_the_inertia_is_not_stated(raw: CHost) -> None:
+    raw.write("J", 0.0)
+    raw.enable(Mode.VELOCITY)
+    raw.write("omega_m_command", 20.0)
+    raw.bench.clock.wait(0.5)
+    assert 1.0 < float(raw.read("omega_m")) < 21.0
+
+
 @pytest.mark.parametrize("gain", [1.0, 10.0, 40.0])
 @pytest.mark.parametrize("omega_m", [20.0, -20.0])
 def test_a_quick_stop_does_not_turn_back(raw: CHost, gain: float, omega_m: float) -> None:

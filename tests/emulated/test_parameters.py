@@ -139,8 +139,8 @@ def test_a_write_that_did_not_hold_restores(wire: Wire, monkeypatch: pytest.Monk
     upload = drive.link.upload
     lies = iter([variable.encode(7.0)])
 
-    def meddled(index: int, sub: int, *, block: bool = False) -> bytes:
-        data = upload(index, sub, block=block)
+    def meddled(index: int, sub: int, *, block: bool = False, length: int | None = None) -> bytes:
+        data = upload(index, sub, block=block, length=length)
         return next(lies, data) if data == variable.encode(60.0) else data
 
     monkeypatch.setattr(drive.link, "upload", meddled)
@@ -156,7 +156,7 @@ def test_a_link_that_died_is_not_asked_once_for_every_value(
     drive = wire.session.drive
     asked = []
 
-    def dead(index: int, sub: int, *, block: bool = False) -> bytes:
+    def dead(index: int, sub: int, *, block: bool = False, length: int | None = None) -> bytes:
         asked.append(index)
         raise NoAnswer("nobody there")
 
@@ -235,8 +235,8 @@ def test_a_drive_that_does_neither_on_command_is_told_apart(
     drive = wire.session.drive
     upload = drive.link.upload
 
-    def unable(index: int, sub: int, *, block: bool = False) -> bytes:
-        return bytes(4) if index in (0x1010, 0x1011) else upload(index, sub, block=block)
+    def unable(index: int, sub: int, *, block: bool = False, length: int | None = None) -> bytes:
+        return bytes(4) if index in (0x1010, 0x1011) else upload(index, sub, block=block, length=length)
 
     monkeypatch.setattr(drive.link, "upload", unable)
     wire.frames()
@@ -257,9 +257,11 @@ def test_a_default_that_is_not_in_force_is_named(wire: Wire, monkeypatch: pytest
     drive = wire.session.drive
     upload = drive.link.upload
 
-    def stubborn(index: int, sub: int, *, block: bool = False) -> bytes:
+    def stubborn(index: int, sub: int, *, block: bool = False, length: int | None = None) -> bytes:
         kept = drive.dictionary["R_s"]
-        return kept.encode(0.5) if (index, sub) == kept.key else upload(index, sub, block=block)
+        return (
+            kept.encode(0.5) if (index, sub) == kept.key else upload(index, sub, block=block, length=length)
+        )
 
     monkeypatch.setattr(drive.link, "upload", stubborn)
     with pytest.raises(WriteNotVerified, match="after the reset R_s differ from their defaults"):

@@ -213,10 +213,11 @@ def test_quick_stop_brakes_to_standstill(wire: Wire) -> None:
 @over_both_wires
 def test_overcurrent_trips_and_is_reported_once(wire: Wire) -> None:
     drive = wire.session.drive
-    drive.write("i_trip", 1.0)
     drive.connect()
     with pytest.raises(DriveFault, match="0x2310"), drive.enabled(Mode.TORQUE):
-        drive.write("torque_command", 5.0)
+        drive.write("torque_command", 2.0)
+        drive.wait(0.02)
+        drive.write("i_trip", 1.0)  # the references keep below a level that was there before them
         drive.wait(0.1)
     assert drive.state() is State.FAULT
     assert len([frame for frame in wire.frames() if frame[0] == 0x080 + NODE]) == 1

@@ -142,12 +142,12 @@ class ObjectStore:
         if entry.min_entry and raw < self[entry.min_entry]:
             raise Refused(Abort.VALUE_LOW)
         for other in self._limited_by.get(entry.name, ()):
-            if raw > 0 and self[other.name] > raw * other.max_times:
+            if raw > 0 and self[other.name] > _rounded(other, raw * other.max_times):
                 raise Refused(Abort.PARAMETER_INCOMPATIBLE)
 
     def _ceiling(self, entry: Entry) -> float:
         """What the entry that limits it allows at most; infinity where none does, or it is not known."""
-        most = float(self[entry.max_entry]) * entry.max_times if entry.max_entry else 0.0
+        most = _rounded(entry, self[entry.max_entry] * entry.max_times) if entry.max_entry else 0.0
         return most if most > 0.0 else math.inf
 
     def write_all(self, values: Sequence[tuple[Entry, bytes]]) -> None:
@@ -206,7 +206,7 @@ def _raw(entry: Entry, data: bytes) -> Number:
 
 
 def _rounded(entry: Entry, limit: Number) -> Number:
-    """The limit as a float32 holds it, so that the limit itself is accepted."""
+    """The limit as a drive in single precision holds it, so that the limit itself is accepted."""
     if entry.type is DataType.F32:
         value: float = struct.unpack("<f", struct.pack("<f", limit))[0]
         return value

@@ -18,6 +18,13 @@ int main(void);
 
 static struct bt_drive drive;
 
+/* The trip level is at most the converter's range, at whose end a current may be any; no number is not within it. */
+static bool is_within(float current)
+{
+    const struct bt_variables *v = bt_variables(&drive);
+    return current <= v->i_trip && current >= -v->i_trip && current < v->i_full_scale && current > -v->i_full_scale;
+}
+
 void control_interrupt(void)
 {
     struct bt_variables *v = bt_variables(&drive);
@@ -26,7 +33,7 @@ void control_interrupt(void)
     v->i_b = adc_current(1);
     v->i_c = adc_current(2);
     v->omega_m = encoder_speed();
-    if (v->i_a > v->i_trip || v->i_a < -v->i_trip)
+    if (!is_within(v->i_a) || !is_within(v->i_b) || !is_within(v->i_c))
         bt_trip(&drive, BT_ERROR_OVERCURRENT);
     if (bt_is_quick_stopping(&drive) && stands_or_turns_back(v->omega_m))
         bt_standstill(&drive);
@@ -52,6 +59,7 @@ int main(void)
     config.tick_period_ns = 100000u;
     config.node_id = 1;
     config.i_full_scale = 20.0f;
+    config.u_dc_full_scale = 60.0f;
     config.vendor_id = 0x00000B7Cu;
     config.product_code = 0x00001234u;
     config.supported_modes = BT_MODE_BIT(BT_MODE_OF_OPERATION_TORQUE);

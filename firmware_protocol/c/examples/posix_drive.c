@@ -165,6 +165,7 @@ int main(int count, char **arguments)
     config.serial_number = 1;
     config.first_tick = (uint32_t)tick;
     config.i_full_scale = 20.0f;
+    config.u_dc_full_scale = 500.0f;
     config.hardware_version = "posix";
     bt_init(&drive, &config);
     if (port >= 0)

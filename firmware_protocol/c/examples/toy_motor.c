@@ -7,6 +7,7 @@
 #define PI 3.14159265f
 #define TORQUE_LAG_S 2e-3f
 #define FRICTION_Nms 5e-5f
+#define INERTIA_kgm2 1e-3f /* where the parameter does not state one */
 #define RIPPLE 0.02f
 #define STANDSTILL 0.01f /* of the rated speed */
 #define U_DC_V 122.5f
@@ -51,14 +52,24 @@ static void control(struct bt_drive *drive)
 {
     struct bt_variables *v = bt_variables(drive);
     const float T_s = v->control_period;
+    const float J = v->J > 0.0f ? v->J : INERTIA_kgm2;
     const float reference = reference_of(drive);
     const bool on = bt_may_switch(drive); /* not in the tick in which a quick stop has come to its end */
     v->torque_reference = on ? within(reference, v->torque_limit) : 0.0f;
     v->law_clipped += on && v->torque_reference != reference;
     torque_Nm = on ? torque_Nm + (v->torque_reference - torque_Nm) * fminf(1.0f, T_s / TORQUE_LAG_S) : 0.0f;
-    omega_m += (torque_Nm - FRICTION_Nms * omega_m) / v->J * T_s;
+    omega_m += (torque_Nm - FRICTION_Nms * omega_m) / J * T_s;
     theta_m = fmodf(theta_m + omega_m * T_s, 2.0f * PI);
     theta_m += theta_m < 0.0f ? 2.0f * PI : 0.0f;
+}
+
+/* A phase current as a converter of limited range tells it. */
+static float sampled(struct bt_variables *v, float current)
+{
+    if (v->i_full_scale <= 0.0f || fabsf(current) < v->i_full_scale)
+        return current;
+    v->adc_saturated++;
+    return within(current, v->i_full_scale);
 }
 
 /* Amplitude-invariant vectors in the stator frame from those of the rotor. */
@@ -72,9 +83,9 @@ static void measure(struct bt_drive *drive)
     const float u_d = -p * omega_m * v->L_q * i_q, u_q = v->R_s * i_q + p * omega_m * v->psi_r;
     v->i_d = 0.0f;
     v->i_q = i_q;
-    v->i_a = -i_q * s;
-    v->i_b = 0.5f * i_q * s + 0.8660254f * i_q * c;
-    v->i_c = -v->i_a - v->i_b;
+    v->i_a = sampled(v, -i_q * s);
+    v->i_b = sampled(v, 0.5f * i_q * s + 0.8660254f * i_q * c);
+    v->i_c = sampled(v, 0.5f * i_q * s - 0.8660254f * i_q * c);
     v->u_alpha = u_d * c - u_q * s;
     v->u_beta = u_d * s + u_q * c;
     v->u_dc = U_DC_V;
@@ -89,16 +100,28 @@ static void measure(struct bt_drive *drive)
     v->switching_count += bt_may_switch(drive) ? 6u : 0u;
 }
 
+/* What reads the end of a converter's range may be anything beyond it. 0: the range is not known. */
+static bool is_at_the_end(float value, float full_scale)
+{
+    return full_scale > 0.0f && fabsf(value) >= full_scale;
+}
+
+/* Each level is asked for what is within it, so that a measurement which is no number trips. */
 static void protect(struct bt_drive *drive)
 {
     const struct bt_variables *v = bt_variables(drive);
-    if (fmaxf(fabsf(v->i_a), fmaxf(fabsf(v->i_b), fabsf(v->i_c))) > v->i_trip)
-        bt_trip(drive, BT_ERROR_OVERCURRENT);
-    if (fabsf(v->omega_m) > v->omega_m_trip)
+    const float currents[] = { v->i_a, v->i_b, v->i_c };
+    const bool on = bt_may_switch(drive);
+    unsigned k;
+    for (k = 0; k < 3; k++) {
+        if (!(fabsf(currents[k]) <= v->i_trip) || (on && is_at_the_end(currents[k], v->i_full_scale)))
+            bt_trip(drive, BT_ERROR_OVERCURRENT);
+    }
+    if (!(fabsf(v->omega_m) <= v->omega_m_trip))
         bt_trip(drive, BT_ERROR_OVERSPEED);
-    if (bt_may_switch(drive) && v->u_dc < v->u_dc_min)
+    if (on && !(v->u_dc >= v->u_dc_min))
         bt_trip(drive, BT_ERROR_DC_LINK_UNDERVOLTAGE);
-    if (v->u_dc > v->u_dc_max)
+    if (!(v->u_dc <= v->u_dc_max) || is_at_the_end(v->u_dc, v->u_dc_full_scale))
         bt_trip(drive, BT_ERROR_DC_LINK_OVERVOLTAGE);
 }
 

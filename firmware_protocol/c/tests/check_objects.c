@@ -48,6 +48,18 @@ static void check_lengths(enum bt_id id)
     }
 }
 
+/* Trip levels far from what limits them, so that every parameter takes the limits of its own. */
+static void make_room(void)
+{
+    static const enum bt_id upper[] = { BT_ID_omega_m_N, BT_ID_u_dc_max };
+    static const enum bt_id lower[] = { BT_ID_omega_m_trip, BT_ID_u_dc_min };
+    unsigned k;
+    for (k = 0; k < 2; k++) {
+        assert(host_write(&drive, upper[k], bt_entries[upper[k]].high.u) == BT_OK);
+        assert(host_write(&drive, lower[k], bt_entries[lower[k]].low.u) == BT_OK);
+    }
+}
+
 /* A parameter takes its limits and nothing beyond; what is refused leaves the variable as it was. */
 static void check_limits(enum bt_id id)
 {
@@ -72,6 +84,58 @@ static void check_limits(enum bt_id id)
     assert(host_read(&drive, id) == before);
 }
 
+static float number(enum bt_id id)
+{
+    return bt_float_of(host_read(&drive, id));
+}
+
+/* `most` is taken and the next float above it refused, and that changes nothing. */
+static void check_most(enum bt_id id, float most)
+{
+    assert(host_write(&drive, id, bt_word_of(most)) == BT_OK);
+    assert(host_write(&drive, id, bt_word_of(nextafterf(most, INFINITY))) == BT_ABORT_VALUE_HIGH);
+    assert(number(id) == most);
+}
+
+/* Trip levels stay within what the sensors reach, whichever of two related values is written. */
+static void check_relations(void)
+{
+    struct bt_config config = check_config();
+    uint32_t words[BT_STORED_WORDS];
+    config.i_full_scale = 20.0f;
+    config.u_dc_full_scale = 100.0f;
+    check_power_up_as(&drive, &config);
+    assert(number(BT_ID_i_full_scale) == 20.0f && number(BT_ID_u_dc_full_scale) == 100.0f);
+    assert(number(BT_ID_u_dc_max) == 100.0f); /* its default is 400 V */
+    check_most(BT_ID_i_trip, 20.0f);
+    check_most(BT_ID_u_dc_max, 100.0f);
+    check_most(BT_ID_u_dc_min, 100.0f);
+    assert(host_write(&drive, BT_ID_u_dc_max, bt_word_of(99.0f)) == BT_ABORT_VALUE_LOW);
+    assert(host_write(&drive, BT_ID_u_dc_min, bt_word_of(50.0f)) == BT_OK);
+    assert(host_write(&drive, BT_ID_u_dc_max, bt_word_of(50.0f)) == BT_OK);
+    check_most(BT_ID_omega_m_trip, 10.0f * number(BT_ID_omega_m_N));
+    assert(host_write(&drive, BT_ID_omega_m_N, bt_word_of(99.0f)) == BT_ABORT_PARAMETER_INCOMPATIBLE);
+    assert(number(BT_ID_omega_m_N) == 100.0f);
+    host_nmt(&drive, BT_NMT_RESET_NODE);
+    assert(number(BT_ID_i_full_scale) == 20.0f && number(BT_ID_u_dc_max) == 100.0f);
+
+    check_most(BT_ID_i_trip, 20.0f);
+    assert(host_write(&drive, BT_ID_omega_m_N, bt_word_of(200.0f)) == BT_OK);
+    check_most(BT_ID_omega_m_trip, 2000.0f); /* allowed beside the kept rated speed, not beside the default */
+    assert(host_write(&drive, BT_ID_store_all, 0x65766173u) == BT_OK);
+    memcpy(words, drive.node.device.stored, sizeof words);
+    config.i_full_scale = 15.0f; /* of a smaller converter */
+    check_power_up_as(&drive, &config);
+    assert(!bt_restore(&drive, words, BT_STORED_WORDS) && number(BT_ID_i_trip) == 10.0f);
+    config.i_full_scale = 20.0f;
+    check_power_up_as(&drive, &config);
+    assert(bt_restore(&drive, words, BT_STORED_WORDS) && number(BT_ID_i_trip) == 20.0f);
+
+    config.i_full_scale = config.u_dc_full_scale = 5.0f; /* below every default, that of u_dc_min too */
+    check_power_up_as(&drive, &config);
+    assert(number(BT_ID_i_trip) == 5.0f && number(BT_ID_u_dc_max) == 5.0f && number(BT_ID_u_dc_min) == 5.0f);
+}
+
 void check_objects(void)
 {
     unsigned id, limited = 0;
@@ -81,11 +145,13 @@ void check_objects(void)
     for (id = 0; id < BT_ENTRY_COUNT; id++) {
         const struct bt_entry *entry = &bt_entries[id];
         if (entry->role == BT_ROLE_PARAMETER && entry->access == BT_ACCESS_RW) {
+            make_room();
             check_limits((enum bt_id)id);
             limited++;
         }
         check_lengths((enum bt_id)id);
     }
+    check_relations();
     check_power_up(&drive);
     host_enable(&drive);
     assert(host_write(&drive, BT_ID_pole_pairs, 3) == BT_ABORT_DEVICE_STATE);

@@ -9,13 +9,16 @@
 
 static struct bt_drive drive;
 
-int shared_power_up(uint32_t tick_period_ns, uint32_t first_tick, const uint32_t *kept, size_t n)
+int shared_power_up(uint32_t tick_period_ns, uint32_t first_tick, float i_full_scale, float u_dc_full_scale,
+                    const uint32_t *kept, size_t n)
 {
     struct bt_config config = { 0 };
     config.tick_period_ns = tick_period_ns;
     config.node_id = 1;
     config.serial_number = 1;
     config.first_tick = first_tick;
+    config.i_full_scale = i_full_scale;
+    config.u_dc_full_scale = u_dc_full_scale;
     config.supported_modes = bt_entries[BT_ID_supported_modes].initial.u; /* all of the emulated drive */
     config.hardware_version = "shared object";
     toy_motor_at_rest();

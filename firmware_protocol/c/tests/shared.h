@@ -7,7 +7,8 @@
 #include "benchtool.h"
 
 /* A drive just powered up, with what was kept; 0 if that is not in force. */
-int shared_power_up(uint32_t tick_period_ns, uint32_t first_tick, const uint32_t *kept, size_t n);
+int shared_power_up(uint32_t tick_period_ns, uint32_t first_tick, float i_full_scale, float u_dc_full_scale,
+                    const uint32_t *kept, size_t n);
 /* Control and main loop, tick by tick. */
 void shared_run(uint32_t ticks);
 size_t shared_receive(const uint8_t *data, size_t n);

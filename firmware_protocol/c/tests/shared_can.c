@@ -10,13 +10,14 @@ static struct bt_node node;
 static struct bt_can can;
 
 int can_power_up(uint32_t tick_period_ns, uint32_t first_tick, uint8_t node_id, float i_full_scale,
-                 const uint32_t *kept, size_t n)
+                 float u_dc_full_scale, const uint32_t *kept, size_t n)
 {
     struct bt_config config = { 0 };
     config.tick_period_ns = tick_period_ns;
     config.node_id = node_id;
     config.serial_number = 1;
     config.i_full_scale = i_full_scale;
+    config.u_dc_full_scale = u_dc_full_scale;
     config.first_tick = first_tick;
     config.supported_modes = bt_entries[BT_ID_supported_modes].initial.u; /* all of the emulated drive */
     bt_node_init(&node, &config);

@@ -8,7 +8,7 @@
 
 /* A drive just switched on with what was kept; 0 if that is not in force. */
 int can_power_up(uint32_t tick_period_ns, uint32_t first_tick, uint8_t node_id, float i_full_scale,
-                 const uint32_t *kept, size_t n);
+                 float u_dc_full_scale, const uint32_t *kept, size_t n);
 
 struct bt_variables *can_variables(void);
 size_t can_size_of_variables(void);

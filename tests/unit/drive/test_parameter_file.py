@@ -23,7 +23,7 @@ from benchtool.drive.parameter_file import (
 )
 from benchtool.drive.parameters import default_of, parameters
 from benchtool.drive.settings import aligned, as_held, compare, is_address, settings
-from benchtool.errors import ParameterFileError, ValueRefused
+from benchtool.errors import ParameterFileError, RecordingError, ValueRefused
 from benchtool.protocol.dictionary import Dictionary
 from benchtool.protocol.keys import toml_key
 from benchtool.protocol.objects import DataType
@@ -152,7 +152,7 @@ def test_a_file_of_another_form_is_refused(tmp_path: Path, text: str, complaint:
 def test_a_file_that_cannot_be_read_or_written(tmp_path: Path) -> None:
     with pytest.raises(ParameterFileError, match="cannot read"):
         read_parameter_file(tmp_path / "none.toml")
-    with pytest.raises(ParameterFileError, match="cannot write"):
+    with pytest.raises(RecordingError, match="cannot write"):
         write_parameter_file(tmp_path / "no" / "folder.toml", "")
 
 

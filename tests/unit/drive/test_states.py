@@ -12,7 +12,9 @@ from benchtool.drive.parameters import require_disabled
 from benchtool.drive.states import Cia402Node
 from benchtool.errors import StateError, ValueRefused
 from benchtool.protocol.cia402 import State, state_of
+from benchtool.protocol.dictionary import Dictionary
 from benchtool.protocol.nmt import NmtCommand
+from benchtool.shipped import shipped
 
 OFF = {
     State.NOT_READY_TO_SWITCH_ON,
@@ -36,23 +38,24 @@ def test_only_a_known_state_without_power_counts_as_disabled(state: State) -> No
 
 
 class Walked:
-    """A drive that tells `words`, the last one for ever, one every millisecond."""
+    """A drive that tells `words`, the last one for ever, and holds what is written to it."""
 
     def __init__(self, *words: int) -> None:
         self.sent: list[NmtCommand] = []
         self._words = list(words)
-        link: Any = SimpleNamespace(upload=self._upload, download=lambda *_: None, nmt=self.sent.append)
-        variable = SimpleNamespace(
-            index=0x6040,
-            sub=0,
-            decode=lambda data: int.from_bytes(data, "little"),
-            encode=lambda word: word.to_bytes(2, "little"),
-        )
-        dictionary: Any = {"statusword": variable, "controlword": variable}
+        self._held: dict[tuple[int, int], bytes] = {}
+        link: Any = SimpleNamespace(upload=self._upload, download=self._download, nmt=self.sent.append)
+        dictionary = Dictionary.from_eds(shipped("firmware_protocol") / "drive.eds", 1)
         self.clock = VirtualClock()
         self.node = Cia402Node(link, dictionary, "drive.eds", self.clock)
 
-    def _upload(self, index: int, sub: int) -> bytes:
+    def _download(self, index: int, sub: int, data: bytes) -> None:
+        self._held[index, sub] = data
+
+    def _upload(self, index: int, sub: int, *, length: int | None = None) -> bytes:
+        if (index, sub) in self._held:
+            return self._held[index, sub]
+        assert (index, sub, length) == (0x6041, 0, 2)
         return (self._words.pop(0) if len(self._words) > 1 else self._words[0]).to_bytes(2, "little")
 
 

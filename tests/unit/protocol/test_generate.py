@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import re
 import shutil
 import subprocess
@@ -116,6 +117,16 @@ def test_names_that_differ_only_in_case_are_refused() -> None:
     table = table_from_toml({**DOCUMENT, "object": [{**first, "name": "Torque"}, *others]})
     with pytest.raises(ValueError, match="BT_SUB_TORQUE"):
         generated(table)
+
+
+def test_limits_by_entries_that_are_not_floats_are_refused() -> None:
+    """The C library compares them as floats."""
+    document = copy.deepcopy(DOCUMENT)
+    entries = [entry for each in document["object"] for entry in each.get("entry", ())]
+    (i_trip,) = [entry for entry in entries if entry["name"] == "i_trip"]
+    i_trip["max_entry"] = "encoder_lines"
+    with pytest.raises(ValueError, match=r"must be f32.*encoder_lines"):
+        generated(table_from_toml(document))
 
 
 def test_reference_page_has_a_row_of_eight_cells_for_every_entry() -> None:
