@@ -79,9 +79,9 @@ def track(theta_m: float, torque: float, drive: Any, control: Any) -> float:
             control.angles += 1
         else:
             control.angles = SETTLED
-    rate = error / T_s
+    per_T_s = 1.0 / T_s
     control.theta_m = wrapped(predicted + g * error)
-    control.omega_m += step + h * rate
-    control.acceleration += k * rate / T_s
+    control.omega_m += step + h * error * per_T_s
+    control.acceleration += k * error * per_T_s * per_T_s
     omega_m: float = control.omega_m
     return omega_m
