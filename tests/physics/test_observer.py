@@ -218,7 +218,7 @@ def test_switching_off_while_accelerating_leaves_a_speed_that_stands() -> None:
 @pytest.mark.parametrize("omega_m", [-100.0, 157.1])
 @pytest.mark.parametrize("law", Law)
 def test_switching_on_in_the_first_tick_over_a_turning_shaft(law: Law, omega_m: float) -> None:
-    """The observer begins at standstill; up to 100 rad/s no law trips, at rated speed none with a free voltage.
+    """The observer begins at standstill; up to 100 rad/s no law trips, beyond none of free voltage.
 
     Both TPCs have 57 V against a back-EMF of 106 V there, and the few milliseconds in which the observer
     finds the speed end in a trip.
