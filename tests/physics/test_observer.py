@@ -58,7 +58,7 @@ def test_all_three_poles_are_where_they_were_placed(omega_0: float) -> None:
 
 @pytest.mark.parametrize("omega_m", [-70.0, 0.3, 157.0])
 def test_a_constant_speed_is_followed_without_lag(omega_m: float) -> None:
-    assert observed(omega_m * T_S * np.arange(3000))[-1] == pytest.approx(omega_m, rel=1e-6)
+    assert observed(omega_m * T_S * np.arange(2000))[-1] == pytest.approx(omega_m, rel=1e-6)
 
 
 @pytest.mark.parametrize("omega_m", [-150.0, 20.0, 150.0])
@@ -84,7 +84,7 @@ def test_a_constant_acceleration_is_followed_without_lag_whatever_inertia_is_bel
     inertia: float, acceleration: float
 ) -> None:
     """At rest first, then through zero speed the other way; the observer of second order lagged 5 rad/s."""
-    t = T_S * np.arange(3000)
+    t = T_S * np.arange(1500)
     omega_m = observed(-20.0 * t + 0.5 * acceleration * t**2, J * acceleration, J=inertia)
     assert omega_m[-1] == pytest.approx(-20.0 + acceleration * t[-1], abs=1e-3)
 
@@ -111,9 +111,9 @@ def test_the_encoders_steps_reach_the_speed_no_more_than_before() -> None:
     """White noise comes through as 1.75 omega_0^3 with three poles and 0.25 omega_0^3 with two, 6 % more at
     160 than at 300 rad/s. Steps that beat slowly with the control period are no white noise."""
     ratios = []
-    for omega_m in np.random.default_rng(1).uniform(0.5, 160.0, 10):
-        counted = (np.floor(omega_m * T_S * np.arange(5000) / STEP) + 0.5) * STEP
-        before, now = of_second_order(counted)[2000:].std(), observed(counted, J=0.0)[2000:].std()
+    for omega_m in np.random.default_rng(1).uniform(0.5, 160.0, 8):
+        counted = (np.floor(omega_m * T_S * np.arange(3000) / STEP) + 0.5) * STEP
+        before, now = of_second_order(counted)[1000:].std(), observed(counted, J=0.0)[1000:].std()
         ratios.append(now / before)
     assert np.median(ratios) < 1.0
     assert max(ratios) < 1.3
