@@ -88,7 +88,7 @@ STIMULUS = record_type(
 # What control remembers from tick to tick. `*_next` waits in the PWM unit's shadow registers for a tick.
 CONTROL = record_type(
     [
-        ("started", "u4"),
+        ("angles", "i8"),  # that the observer has seen while it begins
         ("gated", "u4"),
         ("gated_next", "u4"),
         ("theta_m", "f8"),

@@ -59,6 +59,9 @@ def without_voltage(at: Situation, drive: Any) -> Drift:
     d_q = -T_s * (at.omega_e * at.psi_d + R_s * at.i_q)
     per_ampere = 1.5 * drive.pole_pairs
     saliency = drive.L_d - drive.L_q
+    if saliency == 0.0:
+        g_q = per_ampere / drive.L_q * drive.psi_r
+        return Drift(at.psi_d + d_d, at.psi_q + d_q, at.torque + g_q * d_q, 0.0, g_q)
     g_d = per_ampere * saliency / drive.L_d * at.i_q
     g_q = per_ampere / drive.L_q * (drive.psi_r + saliency * at.i_d)
     bend = per_ampere * saliency / (drive.L_d * drive.L_q)  # d2 T / d psi_d d psi_q, the only second order
@@ -86,7 +89,7 @@ def direction(
     per_gain = 1.0 / math.sqrt(h_d * h_d + h_q * h_q)
     h_d, h_q = h_d * per_gain, h_q * per_gain
     step = mean_voltage(drive) * drive.control_period
-    sine = needed * per_gain / step  # (14)
+    sine = needed / step * per_gain  # (14)
     stable = h_q * drift.psi_d - h_d * drift.psi_q > 0.0
     lower = at.psi_d * at.psi_d + at.psi_q * at.psi_q > raise_below * raise_below
     if abs(sine) <= 1.0:

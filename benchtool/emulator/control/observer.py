@@ -11,6 +11,10 @@ from benchtool.protocol.modes import Mode
 _VELOCITY = int(Mode.VELOCITY)
 TWO_PI = 2.0 * math.pi
 _TURNS = 1.0 / TWO_PI  # per rad; a product is cheaper than a quotient
+SETTLED = -1  # of `angles`
+_FIRST = (
+    8  # ticks of standstill taken for granted: else the encoder's first step would be 2 pi / 4N in a tick
+)
 
 
 @njit
@@ -45,15 +49,17 @@ def track(theta_m: float, torque: float, drive: Any, control: Any) -> float:
 
     `torque` (`accelerating_torque`) over `J` is fed forward, so that the machine's own torque leaves no lag;
     `J` = 0 feeds nothing forward. The third state is the acceleration by all that is not fed forward: the
-    load, friction, a wrong `J`. With it a constant acceleration of any origin leaves no lag either. The first
-    call takes the angle as it is and starts at standstill.
+    load, friction, a wrong `J`. With it a constant acceleration of any origin leaves no lag either.
 
     The gains put all poles at z = exp(-omega_observer T_s): the critically damped g-h-k filter (Brookner,
-    Tracking and Kalman Filtering Made Easy, 1998, 1.3), stable at any bandwidth.
+    Tracking and Kalman Filtering Made Easy, 1998, 1.3), stable at any bandwidth. To a shaft that turns at the
+    first call it would overshoot by a quarter of its speed. It therefore begins with the gains of the
+    expanding-memory filter, the straight line of least squares through all angles so far (the same book),
+    until these are no longer larger.
     """
     T_s = drive.control_period
-    if control.started == 0:
-        control.started = 1
+    if control.angles == 0:
+        control.angles = _FIRST
         control.theta_m = theta_m
         control.omega_m, control.acceleration = 0.0, 0.0
         return 0.0
@@ -64,10 +70,18 @@ def track(theta_m: float, torque: float, drive: Any, control: Any) -> float:
     predicted = control.theta_m + T_s * (control.omega_m + 0.5 * step)
     error = wrapped(theta_m - predicted)
     z = math.exp(-drive.omega_observer * T_s)
-    per_T_s = (1.0 - z) / T_s
-    corrected = (1.0 - z) * per_T_s * error
-    control.theta_m = wrapped(predicted + (1.0 - z * z * z) * error)
-    control.omega_m += step + 1.5 * (1.0 + z) * corrected
-    control.acceleration += per_T_s * corrected
+    g, h, k = 1.0 - z * z * z, 1.5 * (1.0 + z) * (1.0 - z) * (1.0 - z), (1.0 - z) * (1.0 - z) * (1.0 - z)
+    if control.angles > 0:
+        n = float(control.angles)
+        of_line = 6.0 / ((n + 1.0) * (n + 2.0))
+        if of_line > h:
+            g, h, k = (2.0 * n + 1.0) * of_line / 3.0, of_line, 0.0
+            control.angles += 1
+        else:
+            control.angles = SETTLED
+    per_T_s = 1.0 / T_s
+    control.theta_m = wrapped(predicted + g * error)
+    control.omega_m += step + h * error * per_T_s
+    control.acceleration += k * error * per_T_s * per_T_s
     omega_m: float = control.omega_m
     return omega_m
