@@ -82,7 +82,7 @@ def run(
 def run_named(name: str, chosen: RunOptions) -> int:
     """Run one plan or a folder of plans, print what they measured, and return the exit code."""
     from benchtool.errors import DriveError, LinkError, PlanError
-    from benchtool.experiment.limits import Verdict, worst
+    from benchtool.experiment.limits import worst
     from benchtool.experiment.plan import plan_names
     from benchtool.recording.files import require_own
     from benchtool.report.page import MARK as PAGE_MARK
@@ -115,7 +115,7 @@ def run_named(name: str, chosen: RunOptions) -> int:
     verdict = worst(result.verdict for result in results.values())
     documents = {each: result.to_json() for each, result in results.items()}
     output.document(documents[name] if single else {"verdict": str(verdict), "plans": documents})
-    return 1 if verdict is Verdict.FAIL else 0
+    return 0 if verdict.met else 1
 
 
 def _resumption(name: str, folder: Path, chosen: RunOptions) -> str:

@@ -58,7 +58,7 @@ def _disagreements(found: Mapping[str, Measurement], limits: Mapping[str, Limit]
         if true is None or not (math.isfinite(true.value) and math.isfinite(estimate.value)):
             continue
         if abs(estimate.value - true.value) > COVERAGE * _standard(estimate, true):
-            verdict = limits[name].judge(true.value) if name in limits else None
+            verdict = limits[name].judge(true.value, true.uncertainty) if name in limits else None
             yield Disagreement(estimate, true, verdict)
 
 
