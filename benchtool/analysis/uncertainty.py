@@ -108,6 +108,27 @@ def combined(
     return Uncertainty(math.sqrt(squares), source, dof, budget, half_width)
 
 
+def of_difference(one: Uncertainty, two: Uncertainty) -> Uncertainty:
+    """Uncertainty of the difference of two independent results (JCGM 100:2008, 5.1.2 and G.4.1).
+
+    Where a derived distribution gives the interval of one, the intervals' half-widths are combined as the
+    standard uncertainties are.
+    """
+    standard = math.hypot(one.standard, two.standard)
+    fourth = (
+        sum((each.standard / standard) ** 4 / max(1.0, each.dof) for each in (one, two))
+        if standard > 0.0
+        else 0.0
+    )
+    derived = one.half_width is not None or two.half_width is not None
+    return Uncertainty(
+        standard,
+        "both values",
+        1.0 / fourth if fourth > 0.0 else math.inf,
+        half_width=math.hypot(one.expanded, two.expanded) if derived else None,
+    )
+
+
 def coverage_factor(dof: float) -> float:
     """k of 95 %: the two-sided quantile of Student's distribution (JCGM 100:2008, G.3.2), 1.96 for many."""
     return float(stdtrit(max(1.0, min(dof, 1e12)), 0.5 + 0.5 * COVERAGE))
