@@ -17,6 +17,7 @@ from rich.text import Text
 if TYPE_CHECKING:
     from benchtool.analysis import Measurement
     from benchtool.experiment.assessment import Assessment, RunResult
+    from benchtool.experiment.limits import Limit
     from benchtool.experiment.repetition import Repeated
     from benchtool.recording import Bundle
 
@@ -240,8 +241,6 @@ def _cell(case: Assessment, name: str) -> Text:
 
 def show_assessment(output: Output, title: str, result: Assessment) -> None:
     """Print what one case measured, how it met its limits, and the published figures beside it."""
-    from benchtool.experiment.limits import SIMPLE
-
     published = ("published",) if result.published else ()
     rows = []
     limited = (each for each in result.quality if each.name in result.limits)
@@ -254,19 +253,24 @@ def show_assessment(output: Output, title: str, result: Assessment) -> None:
     headings = (f">{name}" for name in published)
     columns = ("measurement", ">value ± U (95 %)", *headings, "unit", "limit", "verdict")
     output.table(title, columns, rows)
-    if any(not limit.margin for limit in result.limits.values()):
-        output.line(f"decision rule unless another is named: {SIMPLE}; P: probability of conformance", "dim")
+    if result.limits:
+        output.line(f"decision rule: {_rules(result.limits)}; P: probability of conformance", "dim")
     output.line(f"bundle: {result.bundle}")
 
 
 def _judged(result: Assessment, name: str) -> str:
-    """Verdict, the rule behind it unless it is the simple one, and the probability of conformance."""
+    """Verdict and, where the measurement has an uncertainty, the probability of conformance."""
     if name not in result.verdicts:
         return ""
-    limit, parts = result.limits[name], [str(result.verdicts[name])]
-    parts += [limit.rule] if limit.margin else []
-    parts += [f"P = {result.conformances[name]:.3g}"] if name in result.conformances else []
-    return ", ".join(parts)
+    probability = f", P {result.conformances[name]:.3g}" if name in result.conformances else ""
+    return f"{result.verdicts[name]}{probability}"
+
+
+def _rules(limits: Mapping[str, Limit]) -> str:
+    """The decision rule of each limit, those with simple acceptance together."""
+    rules = [f"{name} {limit.rule}" for name, limit in limits.items() if limit.margin]
+    simple = next((limit.rule for limit in limits.values() if not limit.margin), "")
+    return ", ".join((*rules, f"{'others ' if rules else ''}{simple}") if simple else rules)
 
 
 def _bound(sign: str, value: float | None) -> str:
