@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, Final, Literal
 
-from scipy.special import stdtrit
+from scipy.special import ndtr, stdtr, stdtrit
 
 COVERAGE: Final = 0.95
 """Coverage probability of an expanded uncertainty."""
@@ -65,6 +65,18 @@ class Uncertainty:
         if self.half_width is not None and self.standard > 0.0:
             return self.half_width / self.standard
         return coverage_factor(self.dof)
+
+    def probability_within(self, least: float, greatest: float) -> float:
+        """Probability that the true value less the result lies from `least` to `greatest`: of a normal
+        distribution, of Student's with finite degrees of freedom, as wide as the expanded uncertainty says.
+        """
+        dof, U = max(1.0, self.dof), self.expanded
+        if U <= 0.0:
+            return 1.0 if least <= 0.0 <= greatest else 0.0
+        low, high = (bound * coverage_factor(dof) / U for bound in (least, greatest))
+        if math.isfinite(dof):
+            return float(stdtr(dof, high) - stdtr(dof, low))
+        return float(ndtr(high) - ndtr(low))
 
     def scaled(self, factor: float, source: str = "") -> Uncertainty:
         """That of the result times a constant."""

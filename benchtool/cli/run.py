@@ -106,12 +106,14 @@ def run_named(name: str, chosen: RunOptions) -> int:
     from benchtool.errors import DriveError, LinkError, PlanError, UsageError
     from benchtool.experiment.limits import worst
     from benchtool.experiment.plan import plan_names
-    from benchtool.recording.files import require_own
-    from benchtool.report.page import MARK as PAGE_MARK
 
     if chosen.temperature_degC is not None and not math.isfinite(chosen.temperature_degC):
         raise UsageError(f"--temperature is {chosen.temperature_degC}: give a number of degrees Celsius")
     if chosen.page is not None:
+        # a run without a page does not wait for what a page takes
+        from benchtool.recording.files import require_own
+        from benchtool.report.page import MARK as PAGE_MARK
+
         require_own(chosen.page, PAGE_MARK)
     names = plan_names(name)
     if not names:

@@ -12,13 +12,11 @@ from enum import StrEnum
 from typing import TYPE_CHECKING, Any, Final, Literal
 
 from pydantic import field_validator, model_validator
-from scipy.special import ndtr, stdtr
 
-from benchtool.analysis.uncertainty import COVERAGE, Uncertainty, coverage_factor
 from benchtool.document import Section
 
 if TYPE_CHECKING:
-    from benchtool.analysis import Measurement
+    from benchtool.analysis import Measurement, Uncertainty
 
 
 SIMPLE: Final = "simple acceptance"
@@ -85,24 +83,15 @@ class Limit(Section):
         return Verdict.MARGINAL if room < self.margin else Verdict.PASS
 
     def conformance(self, value: float | None, uncertainty: Uncertainty | None) -> float | None:
-        """Probability that the true value lies within the bounds (JCGM 106:2012, 7), given the measurement
-        alone: of a normal distribution, or of Student's with finite degrees of freedom. Its scale is such
-        that the expanded uncertainty covers 95 %. None where value or uncertainty is not known.
-        """
+        """Probability that the true value lies within the bounds (JCGM 106:2012, 7), by the measurement
+        alone; None where value or uncertainty is not known."""
         if value is None or uncertainty is None:
             return None
-        dof, U = max(1.0, uncertainty.dof), uncertainty.expanded
-        if not (math.isfinite(value) and math.isfinite(U)):
+        if not (math.isfinite(value) and math.isfinite(uncertainty.expanded)):
             return None
-        if U <= 0.0:
-            return 1.0 if self.room(value) >= 0.0 else 0.0
-        scale = U / coverage_factor(dof)
-
-        def below(bound: float) -> float:
-            z = (bound - value) / scale
-            return float(stdtr(dof, z) if math.isfinite(dof) else ndtr(z))
-
-        return (1.0 if self.max is None else below(self.max)) - (0.0 if self.min is None else below(self.min))
+        least = -math.inf if self.min is None else self.min - value
+        greatest = math.inf if self.max is None else self.max - value
+        return uncertainty.probability_within(least, greatest)
 
     def room(self, value: float) -> float:
         """How far inside the nearer bound a value lies; negative outside."""
@@ -137,7 +126,7 @@ class Limit(Section):
     def rule(self) -> str:
         """The decision rule, in words."""
         if self.margin == "U":
-            return f"guard band U ({100 * COVERAGE:g} %)"
+            return "guard band U (95 %)"
         return f"marginal within {self.margin:g}" if self.margin else SIMPLE
 
 
