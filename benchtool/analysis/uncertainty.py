@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, Final, Literal
 
-from scipy.special import stdtrit
+from scipy.special import ndtr, stdtr, stdtrit
 
 COVERAGE: Final = 0.95
 """Coverage probability of an expanded uncertainty."""
@@ -66,6 +66,18 @@ class Uncertainty:
             return self.half_width / self.standard
         return coverage_factor(self.dof)
 
+    def probability_within(self, least: float, greatest: float) -> float:
+        """Probability that the true value less the result lies from `least` to `greatest`: of a normal
+        distribution, of Student's with finite degrees of freedom, as wide as the expanded uncertainty says.
+        """
+        dof, U = max(1.0, self.dof), self.expanded
+        if U <= 0.0:
+            return 1.0 if least <= 0.0 <= greatest else 0.0
+        low, high = (bound * coverage_factor(dof) / U for bound in (least, greatest))
+        if math.isfinite(dof):
+            return float(stdtr(dof, high) - stdtr(dof, low))
+        return float(ndtr(high) - ndtr(low))
+
     def scaled(self, factor: float, source: str = "") -> Uncertainty:
         """That of the result times a constant."""
         size = abs(factor)
@@ -106,6 +118,27 @@ def combined(
     fourth = sum(each.standard**4 / each.dof for each in budget)
     dof = squares**2 / fourth if fourth > 0.0 else math.inf
     return Uncertainty(math.sqrt(squares), source, dof, budget, half_width)
+
+
+def of_difference(one: Uncertainty, two: Uncertainty) -> Uncertainty:
+    """Uncertainty of the difference of two independent results (JCGM 100:2008, 5.1.2 and G.4.1).
+
+    Where a derived distribution gives the interval of one, the intervals' half-widths are combined as the
+    standard uncertainties are.
+    """
+    standard = math.hypot(one.standard, two.standard)
+    fourth = (
+        sum((each.standard / standard) ** 4 / max(1.0, each.dof) for each in (one, two))
+        if standard > 0.0
+        else 0.0
+    )
+    derived = one.half_width is not None or two.half_width is not None
+    return Uncertainty(
+        standard,
+        "both values",
+        1.0 / fourth if fourth > 0.0 else math.inf,
+        half_width=math.hypot(one.expanded, two.expanded) if derived else None,
+    )
 
 
 def coverage_factor(dof: float) -> float:

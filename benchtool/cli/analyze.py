@@ -106,7 +106,6 @@ def analyze(
 def _analyze_run(run: Path | None, as_json: bool, has_csv_options: bool) -> int:
     from benchtool.errors import UsageError
     from benchtool.experiment.assessment import RunResult, assess_bundle
-    from benchtool.experiment.limits import Verdict
     from benchtool.experiment.runs import complete_cases, recorded_runs
     from benchtool.recording import Bundle
 
@@ -131,12 +130,12 @@ def _analyze_run(run: Path | None, as_json: bool, has_csv_options: bool) -> int:
             )
         tell_unsealed(output, [case.bundle for case in runs[0].cases])
         cut_short = [case.name for case in runs[0].cases if not case.bundle.complete]
-        result, what = RunResult(tuple(complete_cases(run))), str(run)
+        result, what = RunResult(tuple(complete_cases(run)), runs[0].repeated), str(run)
     show_run(output, what, result)
     if cut_short:
         output.line(f"left out, cut short: {', '.join(cut_short)}")
     output.document(result.to_json())
-    return 1 if result.verdict is Verdict.FAIL or cut_short else 0
+    return 0 if result.verdict.met and not cut_short else 1
 
 
 def _show(output: Output, answer: TableAnswer) -> None:

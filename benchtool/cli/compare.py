@@ -82,6 +82,8 @@ def _labels(runs: Sequence[Path]) -> list[str]:
 
 def _deltas(comparisons: Sequence[Comparison], *, alone_run: bool) -> dict[str, object]:
     """Every difference by case (as `cases` lists it), with what it is a difference to."""
+    from benchtool.experiment.deltas import Chance
+
     document: dict[str, object] = {}
     for comparison in comparisons:
         keys = {
@@ -92,6 +94,7 @@ def _deltas(comparisons: Sequence[Comparison], *, alone_run: bool) -> dict[str, 
         for label, deltas in comparison.deltas.items():
             document[keys[label]] = {
                 "against": reference,
+                "differences": Chance.of(deltas).to_json(),
                 "measurements": {delta.name: delta.to_json() for delta in deltas},
             }
     return document
@@ -106,7 +109,9 @@ def _show(output: Output, comparison: Comparison) -> None:
         _show_many(output, title, comparison, letters)
     else:
         _show_columns(output, title, comparison, letters)
-    output.line("* beyond its uncertainty (k = 2), ~ within it; ✓ better, ✗ worse by a limit", "dim")
+    output.line("* beyond its expanded uncertainty (95 %), ~ within it; ✓ better, ✗ worse by a limit", "dim")
+    if chance := str(comparison.chance):
+        output.line(chance, "dim")
     if comparison.lengths:
         output.line(comparison.lengths, "yellow")
     for label, result in results.items():

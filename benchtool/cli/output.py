@@ -17,6 +17,7 @@ from rich.text import Text
 if TYPE_CHECKING:
     from benchtool.analysis import Measurement
     from benchtool.experiment.assessment import Assessment, RunResult
+    from benchtool.experiment.limits import Limit
     from benchtool.experiment.repetition import Repeated
     from benchtool.recording import Bundle
 
@@ -24,7 +25,7 @@ _CONTROLS = {code: f"\\x{code:02x}" for code in (*range(32), *range(127, 160)) i
 _MOST_COLUMNS = 7
 _WIDTH_OF_A_PIPE = 120
 _FOREMOST = ("torque_ripple_pp", "true_torque_ripple_pp", "flux_ripple_pp", "current_thd")
-_COLOUR = {"pass": "green", "marginal": "yellow", "fail": "red", "none": "dim"}
+_COLOUR = {"pass": "green", "marginal": "yellow", "undecided": "magenta", "fail": "red", "none": "dim"}
 
 
 def printable(text: str) -> str:
@@ -130,6 +131,8 @@ def show_run(output: Output, title: str, result: RunResult, tabulate: Sequence[s
     show_remarks(output, result.assessments)
     output.verdict(result.verdict, result.verdict_by_transducer)
     show_missed(output, result.assessments)
+    for case, missed in result.missed:
+        output.line(f"  {missed.verdict}: {case}, {missed}", _COLOUR[missed.verdict])
     show_disagreements(output, result.assessments)
 
 
@@ -196,13 +199,25 @@ def show_repeated(
 ) -> None:
     """Print what the repetitions of each case come to, all of it or the measurements named."""
     for case, together in repeated.items():
+        limited = any(each.limit is not None for each in together)
         rows: list[tuple[str | Text, ...]] = [
             (each.name, significant(each.mean), f"{each.standard_uncertainty:.2g}", str(each.n), each.unit)
+            + ((_together(each),) if limited else ())
             for each in together
             if not names or each.name in names
         ]
-        columns = ("measurement", ">mean", ">uncertainty", ">n", "unit")
+        verdict = ("verdict",) if limited else ()
+        columns = ("measurement", ">mean", ">uncertainty", ">n", "unit", *verdict)
         output.table(f"{case}: mean of the repetitions and its standard uncertainty", columns, rows)
+
+
+def _together(repeated: Repeated) -> str:
+    """What of the repetitions a limit holds for, and how that meets it."""
+    limit, judged = repeated.limit, repeated.judged
+    if limit is None:
+        return ""
+    what = "" if judged is None else f", {judged.definition.partition(' of ')[0]} {limit.bounds}"
+    return f"{repeated.verdict}{what}"
 
 
 def show_side_by_side(output: Output, title: str, cases: Sequence[Assessment]) -> None:
@@ -230,15 +245,32 @@ def show_assessment(output: Output, title: str, result: Assessment) -> None:
     rows = []
     limited = (each for each in result.quality if each.name in result.limits)
     for each in (*result.measurements, *limited):
-        limit, verdict = result.limits.get(each.name), result.verdicts.get(each.name)
+        limit = result.limits.get(each.name)
         bounds = "" if limit is None else f"{_bound('≥', limit.min)}{_bound('≤', limit.max)}"
         beside = (significant(result.published.get(each.name, math.nan)),) if published else ()
-        cells = (each.name, measured(each), *beside, each.unit, bounds.strip(), str(verdict or ""))
+        cells = (each.name, measured(each), *beside, each.unit, bounds.strip(), _judged(result, each.name))
         rows.append(cells)
     headings = (f">{name}" for name in published)
     columns = ("measurement", ">value ± U (95 %)", *headings, "unit", "limit", "verdict")
     output.table(title, columns, rows)
+    if result.limits:
+        output.line(f"decision rule: {_rules(result.limits)}; P: probability of conformance", "dim")
     output.line(f"bundle: {result.bundle}")
+
+
+def _judged(result: Assessment, name: str) -> str:
+    """Verdict and, where the measurement has an uncertainty, the probability of conformance."""
+    if name not in result.verdicts:
+        return ""
+    probability = f", P {result.conformances[name]:.3g}" if name in result.conformances else ""
+    return f"{result.verdicts[name]}{probability}"
+
+
+def _rules(limits: Mapping[str, Limit]) -> str:
+    """The decision rule of each limit, those with simple acceptance together."""
+    rules = [f"{name} {limit.rule}" for name, limit in limits.items() if limit.margin]
+    simple = next((limit.rule for limit in limits.values() if not limit.margin), "")
+    return ", ".join((*rules, f"{'others ' if rules else ''}{simple}") if simple else rules)
 
 
 def _bound(sign: str, value: float | None) -> str:

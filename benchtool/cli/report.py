@@ -26,7 +26,7 @@ def report(
 ) -> int:
     """Measure a recorded run again and write a report that needs nothing else to be read."""
     from benchtool.errors import RecordingError, UsageError
-    from benchtool.experiment.limits import Verdict, worst
+    from benchtool.experiment.limits import worst
     from benchtool.experiment.plan_reporting import case_label
     from benchtool.experiment.reporting import run_report
     from benchtool.experiment.runs import recorded_runs
@@ -58,7 +58,7 @@ def report(
     damaged = [case.error for each in runs for case in each.cases if isinstance(case.error, RecordingError)]
     if damaged:
         raise damaged[0]
-    return 1 if verdict is Verdict.FAIL else 0
+    return 0 if verdict.met else 1
 
 
 def write_report(report: Report, page: Path, *, pdf: bool, output: Output) -> tuple[Path, Path | None]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import shlex
 import sys
 from collections.abc import Mapping
@@ -18,6 +19,7 @@ from benchtool.cli.output import Output, show_run
 if TYPE_CHECKING:
     from benchtool.experiment.assessment import RunResult
     from benchtool.experiment.plan import Plan
+    from benchtool.recording import Conditions
 
 
 @dataclass(frozen=True)
@@ -35,6 +37,11 @@ class RunOptions:
     jobs: int = 1
     allow_different: bool = False
     live: tuple[str, ...] = ()
+    note: str = ""
+    operator: str = ""
+    serial_number: str = ""
+    temperature_degC: float | None = None
+    instruments: tuple[str, ...] = ()
 
 
 def run(
@@ -57,6 +64,16 @@ def run(
         bool,
         typer.Option("--allow-different", help="Run a drive whose parameters contradict the profile."),
     ] = False,
+    note: Annotated[str, typer.Option(help="A line for the manifest.")] = "",
+    operator: Annotated[str, typer.Option(help="Who runs the test, for the manifest.")] = "",
+    serial_number: Annotated[str, typer.Option(help="Of the motor under test, for the manifest.")] = "",
+    temperature: Annotated[
+        float | None, typer.Option(min=-273.15, help="Of the surroundings in degrees Celsius, likewise.")
+    ] = None,
+    instrument: Annotated[
+        list[str] | None,
+        typer.Option(help="An instrument beside the drive, with its certificate; once for each."),
+    ] = None,
     live: viewing.Live = None,
     seed: options.Seed = 0,
     real_time: options.RealTime = False,
@@ -75,16 +92,23 @@ def run(
         jobs,
         allow_different,
         tuple(live or ()),
+        note,
+        operator,
+        serial_number,
+        temperature,
+        tuple(instrument or ()),
     )
     return run_named(plan, chosen)
 
 
 def run_named(name: str, chosen: RunOptions) -> int:
     """Run one plan or a folder of plans, print what they measured, and return the exit code."""
-    from benchtool.errors import DriveError, LinkError, PlanError
-    from benchtool.experiment.limits import Verdict, worst
+    from benchtool.errors import DriveError, LinkError, PlanError, UsageError
+    from benchtool.experiment.limits import worst
     from benchtool.experiment.plan import plan_names
 
+    if chosen.temperature_degC is not None and not math.isfinite(chosen.temperature_degC):
+        raise UsageError(f"--temperature is {chosen.temperature_degC}: give a number of degrees Celsius")
     if chosen.page is not None:
         _require_page(chosen.page)
     names = plan_names(name)
@@ -113,7 +137,7 @@ def run_named(name: str, chosen: RunOptions) -> int:
     verdict = worst(result.verdict for result in results.values())
     documents = {each: result.to_json() for each, result in results.items()}
     output.document(documents[name] if single else {"verdict": str(verdict), "plans": documents})
-    return 1 if verdict is Verdict.FAIL else 0
+    return 0 if verdict.met else 1
 
 
 def _require_page(page: Path) -> None:
@@ -133,6 +157,11 @@ def _resumption(name: str, folder: Path, chosen: RunOptions) -> str:
     words += ["--jobs", str(chosen.jobs)] if chosen.jobs > 1 else []
     words += ["--page", str(chosen.page)] if chosen.page is not None else []
     words += [word for place in chosen.live for word in ("--live", place)]
+    words += ["--note", chosen.note] if chosen.note else []
+    words += ["--operator", chosen.operator] if chosen.operator else []
+    words += ["--serial-number", chosen.serial_number] if chosen.serial_number else []
+    words += [] if chosen.temperature_degC is None else ["--temperature", f"{chosen.temperature_degC:g}"]
+    words += [word for instrument in chosen.instruments for word in ("--instrument", instrument)]
     words += ["--allow-different"] if chosen.allow_different else []
     words += ["--real-time"] if chosen.real_time else []
     words += ["--json"] if chosen.as_json else []
@@ -195,6 +224,8 @@ def _run(
         chosen.allow_different,
         link=chosen.link,
         profile_toml=profile_path(place).read_text(encoding="utf-8"),
+        note=chosen.note,
+        conditions=_conditions(chosen),
     )
     with RunProgress(output) as bar:
         progress = RunViews(where, bar, output, part)
@@ -221,6 +252,17 @@ def _run(
             )
     show_run(output, plan.title, result, plan.tabulate)
     return result
+
+
+def _conditions(chosen: RunOptions) -> Conditions:
+    from benchtool.recording import Conditions
+
+    return Conditions(
+        operator=chosen.operator,
+        test_object_serial_number=chosen.serial_number,
+        temperature_degC=chosen.temperature_degC,
+        instruments=chosen.instruments,
+    )
 
 
 def _write_page(page: Path, command: str, results: Mapping[str, RunResult]) -> None:

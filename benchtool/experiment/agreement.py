@@ -7,10 +7,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from benchtool.analysis import Measurement
+from benchtool.analysis import Measurement, Uncertainty
+from benchtool.analysis.uncertainty import of_difference
 from benchtool.experiment.limits import Limit, Verdict
 
-COVERAGE = 2.0  # k: of a normal distribution, 95 % of the differences that chance makes lie within
 _TRUE = "true_"
 
 
@@ -36,7 +36,7 @@ class Disagreement:
             "estimate": self.estimate.value,
             "transducer": self.true.value,
             "unit": self.estimate.unit,
-            "standard_uncertainty": _standard(self.estimate, self.true),
+            "standard_uncertainty": _of_difference(self.estimate, self.true).standard,
             "verdict_by_transducer": None if self.verdict is None else str(self.verdict),
         }
 
@@ -44,10 +44,9 @@ class Disagreement:
 def disagreements(
     measurements: Sequence[Measurement], limits: Mapping[str, Limit]
 ) -> tuple[Disagreement, ...]:
-    """Every number NAME that differs from true_NAME by more than twice their combined standard uncertainty.
+    """Every number NAME that differs from true_NAME by more than the expanded uncertainty of the difference.
 
-    The combined one is sqrt(u_1^2 + u_2^2) (JCGM 100:2008, 5.1.2); one that is not known counts as zero, so
-    that a difference is rather told once too often.
+    An uncertainty that is not known counts as zero, so that a difference is rather told once too often.
     """
     return tuple(_disagreements({each.name: each for each in measurements}, limits))
 
@@ -57,11 +56,15 @@ def _disagreements(found: Mapping[str, Measurement], limits: Mapping[str, Limit]
         true = found.get(f"{_TRUE}{name}")
         if true is None or not (math.isfinite(true.value) and math.isfinite(estimate.value)):
             continue
-        if abs(estimate.value - true.value) > COVERAGE * _standard(estimate, true):
-            verdict = limits[name].judge(true.value) if name in limits else None
+        if abs(estimate.value - true.value) > _of_difference(estimate, true).expanded:
+            verdict = limits[name].judge(true.value, true.uncertainty) if name in limits else None
             yield Disagreement(estimate, true, verdict)
 
 
-def _standard(*pair: Measurement) -> float:
-    known = (each.uncertainty.standard for each in pair if each.uncertainty is not None)
-    return math.hypot(*(value for value in known if math.isfinite(value)))
+def _of_difference(estimate: Measurement, true: Measurement) -> Uncertainty:
+    return of_difference(_known(estimate.uncertainty), _known(true.uncertainty))
+
+
+def _known(uncertainty: Uncertainty | None) -> Uncertainty:
+    known = uncertainty is not None and math.isfinite(uncertainty.expanded)
+    return uncertainty if known and uncertainty is not None else Uncertainty(0.0, "not known")

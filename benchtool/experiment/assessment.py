@@ -27,7 +27,7 @@ from benchtool.experiment.cases import case_named
 from benchtool.experiment.limits import Limit, Missed, Verdict, missed, worst
 from benchtool.experiment.operating_point import Seen, asked, default_limits, measure_reached
 from benchtool.experiment.plan import Plan
-from benchtool.experiment.repetition import Repeated
+from benchtool.experiment.repetition import Repeated, limits_together
 from benchtool.experiment.steady_state import assess_steady_state
 from benchtool.profile import Motor
 from benchtool.recording import Bundle
@@ -38,9 +38,9 @@ class Assessment:
     """What a case measured, how each limit was met, and what a publication has for it.
 
     `quality` is what the recording's certificate measured; limits hold for it as well. `limits` are the
-    plan's and, where it sets none, those of the operating point. `without` names what could not be measured
-    for want of channels, with these. `parameter_check` is what `ParameterCheck.to_json` tells of the drive.
-    `refusal` is why nothing but the operating point was measured, where the machine ran elsewhere.
+    plan's for each case and, where it sets none, those of the operating point. `without` names what could not
+    be measured for want of channels, with these. `parameter_check` is what `ParameterCheck.to_json` tells of
+    the drive. `refusal` is why nothing but the operating point was measured, where the machine ran elsewhere.
     """
 
     case: str
@@ -66,8 +66,19 @@ class Assessment:
     @property
     def verdicts(self) -> Mapping[str, Verdict]:
         """Verdict of each limit; a limit on something that was not measured fails."""
-        values = {name: each.value for name, each in self.found.items()}
-        return {name: limit.judge(values.get(name)) for name, limit in self.limits.items()}
+        found = self.found
+        return {name: _verdict(limit, found.get(name)) for name, limit in self.limits.items()}
+
+    @property
+    def conformances(self) -> Mapping[str, float]:
+        """Probability that each limit is met, of those whose measurement has an uncertainty."""
+        found = ((name, limit, self.found.get(name)) for name, limit in self.limits.items())
+        known = (
+            (name, limit.conformance(each.value, each.uncertainty))
+            for name, limit, each in found
+            if each is not None
+        )
+        return {name: probability for name, probability in known if probability is not None}
 
     @property
     def missed(self) -> tuple[Missed, ...]:
@@ -100,10 +111,7 @@ class Assessment:
             "verdict": str(self.verdict),
             "verdict_by_transducer": self.verdict_by_transducer,
             "missed": [str(each) for each in self.missed],
-            "limits": {
-                name: limit.model_dump(exclude_none=True) | {"verdict": str(self.verdicts[name])}
-                for name, limit in self.limits.items()
-            },
+            "limits": {name: limit.to_json(self.found.get(name)) for name, limit in self.limits.items()},
             "disagreements": {each.name: each.to_json() for each in self.disagreements},
             "refusal": self.refusal,
             "not_measured": {title: list(channels) for title, channels in self.without.items()},
@@ -112,6 +120,10 @@ class Assessment:
             "measurements": measurements_to_json(self.measurements),
         }
         return document | ({"tables": tables_to_json(self.tables)} if self.tables else {})
+
+
+def _verdict(limit: Limit, measured: Measurement | None) -> Verdict:
+    return limit.judge(*((None, None) if measured is None else (measured.value, measured.uncertainty)))
 
 
 @dataclass(frozen=True)
@@ -123,14 +135,24 @@ class RunResult:
 
     @property
     def verdict(self) -> Verdict:
-        return worst(each.verdict for each in self.assessments)
+        return worst((*(each.verdict for each in self.assessments), self._verdict_together))
+
+    @property
+    def missed(self) -> tuple[tuple[str, Missed], ...]:
+        """The limits over repetitions that were not met, each with its case."""
+        found = ((case, each.missed) for case, together in self.repeated.items() for each in together)
+        return tuple((case, each) for case, each in found if each is not None)
+
+    @property
+    def _verdict_together(self) -> Verdict:
+        return worst(each.verdict for together in self.repeated.values() for each in together)
 
     @property
     def verdict_by_transducer(self) -> Verdict | None:
         """As that of the cases; None where none has a transducer."""
         found = [each.verdict_by_transducer for each in self.assessments]
         known = [verdict for verdict in found if verdict is not None]
-        return worst(known) if known else None
+        return worst((*known, self._verdict_together)) if known else None
 
     def to_json(self) -> dict[str, Any]:
         """The document that `--json` prints."""
@@ -171,7 +193,10 @@ def assess(
     point = this.operating_point
     wanted = asked(point, motor, seen.u_dc_V)
     reached = measure_reached(wanted, plan, point, motor, capture, transducer, seen)
-    own = {**plan.limits, **plan.case_limits.get(this.group, {}), **plan.case_limits.get(case, {})}
+    together = limits_together(plan, this.group)
+    own = {**plan.limits, **plan.case_limits.get(this.group, {})}
+    own = {name: limit for name, limit in own.items() if name not in together}
+    own |= plan.case_limits.get(case, {})
     limits = {**own, **{name: each for name, each in default_limits(wanted).items() if name not in own}}
     try:
         answers, refusal = _answer(plan, motor, capture, transducer), ""

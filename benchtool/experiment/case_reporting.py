@@ -39,7 +39,9 @@ def case_items(case: RecordedCase, *, alone: bool = True) -> Iterator[Item]:
     limits: dict[str, Bounds] = {}
     if result is not None:
         limits = {
-            name: Bounds(limit.min, limit.max, limit.margin, mark(result.verdicts[name]))
+            name: Bounds(
+                limit.min, limit.max, limit.rule, mark(result.verdicts[name]), result.conformances.get(name)
+            )
             for name, limit in result.limits.items()
         }
         yield limits_section((*result.measurements, *result.quality), limits)

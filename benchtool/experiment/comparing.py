@@ -9,8 +9,8 @@ from itertools import zip_longest
 from typing import Any
 
 from benchtool.analysis import Measurement
+from benchtool.analysis.uncertainty import COVERAGE
 from benchtool.block import Block
-from benchtool.experiment.agreement import COVERAGE
 from benchtool.experiment.assessment import Assessment
 from benchtool.experiment.deltas import Comparison, Delta
 from benchtool.experiment.presenting import mark, picture, read_already
@@ -81,8 +81,9 @@ def _reading(comparisons: Sequence[Comparison]) -> Text:
     reference = next(iter(comparisons[0].results))
     return Text(
         f"Differences are taken against {reference}. A difference exceeds its uncertainty if it is larger "
-        f"than {COVERAGE:g} times the combined standard uncertainty of both values; where one has none, this "
-        f"is not decided. Better and worse are said only where a limit tells which direction is good.",
+        f"than U, the expanded uncertainty for {100 * COVERAGE:g} % from both values, with k from their "
+        f"effective degrees of freedom; where one has no uncertainty, this is not decided. Better and worse "
+        f"are said only where a limit tells which direction is good.",
         "note",
     )
 
@@ -103,7 +104,7 @@ def _measured(comparison: Comparison) -> Iterator[Item]:
     for label, deltas in comparison.deltas.items():
         headings = (
             "measurement",
-            ">difference ± standard uncertainty",
+            f">difference ± U ({100 * COVERAGE:g} %)",
             "unit",
             ">percent",
             "exceeds uncertainty",
@@ -111,6 +112,8 @@ def _measured(comparison: Comparison) -> Iterator[Item]:
         )
         grid = Grid.of(headings, [delta_row(delta) for delta in deltas])
         yield Section(f"{label} against {labels[0]}", (grid,))
+    if chance := str(comparison.chance):
+        yield Text(chance, "note")
 
 
 def _notes(comparison: Comparison, name: str) -> Iterator[str]:
@@ -145,8 +148,8 @@ def delta_row(delta: Delta) -> tuple[str | Cell, ...]:
 
 
 def difference(delta: Delta) -> str:
-    """A difference with its sign and its standard uncertainty, as far as there is one."""
-    text = stated(delta.absolute, delta.standard)
+    """A difference with its sign and its expanded uncertainty, as far as there is one."""
+    text = stated(delta.absolute, None if delta.uncertainty is None else delta.uncertainty.expanded)
     if "±" not in text:
         return signed(delta.absolute)
     if delta.absolute <= 0.0:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Literal, Self
 
-from benchtool.analysis import Measurement
-from benchtool.experiment.agreement import COVERAGE
+from benchtool.analysis import Measurement, Uncertainty
+from benchtool.analysis.uncertainty import COVERAGE, of_difference
 from benchtool.experiment.assessment import Assessment
 from benchtool.experiment.limits import Limit
 
@@ -19,10 +19,10 @@ _SAME_LENGTH = 0.01  # of the longer record: whole periods differ by less
 class Delta:
     """One measurement of a run against that of the reference, both in `unit`.
 
-    `absolute` is the value less the reference, `percent` of the reference's magnitude. `standard` is the
-    combined standard uncertainty sqrt(u_1^2 + u_2^2) (JCGM 100:2008, 5.1.2, of two values without
-    correlation), nan where one of them has none. `exceeds` tells whether the difference is more than
-    `COVERAGE` times that; None where there is none. `judgement` is empty where no limit tells which direction
+    `absolute` is the value less the reference, `percent` of the reference's magnitude. `uncertainty` is
+    that of the difference of two values without correlation, None where one of them has none. `exceeds` tells
+    whether the difference is more than the expanded uncertainty, with k from the effective degrees of freedom
+    of both; None where there is none. `judgement` is empty where no limit tells which direction
     is good, or where the difference is not known to exceed its uncertainty.
     """
 
@@ -32,9 +32,14 @@ class Delta:
     value: float
     absolute: float
     percent: float
-    standard: float
+    uncertainty: Uncertainty | None
     exceeds: bool | None
     judgement: Literal["", "better", "worse"]
+
+    @property
+    def standard(self) -> float:
+        """Standard uncertainty of the difference; nan where there is none."""
+        return math.nan if self.uncertainty is None else self.uncertainty.standard
 
     def to_json(self) -> dict[str, Any]:
         """JSON has no nan, so that it becomes null; so does a judgement that is not made."""
@@ -45,8 +50,48 @@ class Delta:
             "absolute": _finite(self.absolute),
             "percent": _finite(self.percent),
             "standard_uncertainty": _finite(self.standard),
+            "dof": None if self.uncertainty is None else _finite(self.uncertainty.dof),
+            "k": None if self.uncertainty is None else _finite(self.uncertainty.k),
+            "expanded_uncertainty": None if self.uncertainty is None else _finite(self.uncertainty.expanded),
             "exceeds_uncertainty": self.exceeds,
             "judgement": self.judgement or None,
+        }
+
+
+@dataclass(frozen=True)
+class Chance:
+    """Of `decided` differences, how many exceed their uncertainty; nothing is corrected for their number."""
+
+    decided: int
+    exceeding: int
+
+    @classmethod
+    def of(cls, deltas: Sequence[Delta]) -> Self:
+        """Count those that have an uncertainty."""
+        decided = [each.exceeds for each in deltas if each.exceeds is not None]
+        return cls(len(decided), sum(decided))
+
+    @property
+    def expected(self) -> float:
+        """Mean number of false alarms if nothing differed; it holds for differences that depend on each other
+        too, which then come together or not at all."""
+        return self.decided * (1.0 - COVERAGE)
+
+    def __str__(self) -> str:
+        """A sentence; empty where none or one is decided."""
+        if self.decided < 2:
+            return ""
+        return (
+            f"{self.exceeding} of {self.decided} differences exceed their uncertainty; if nothing differed, "
+            f"chance would make {self.expected:.2g} of them do so on average."
+        )
+
+    def to_json(self) -> dict[str, Any]:
+        """The counts and the number expected by chance."""
+        return {
+            "decided": self.decided,
+            "exceeding": self.exceeding,
+            "expected_by_chance": self.expected,
         }
 
 
@@ -69,6 +114,11 @@ class Comparison:
         """Every measurement that one of the runs has."""
         found = (each.name for result in self.results.values() for each in result.measurements)
         return tuple(dict.fromkeys(found))
+
+    @property
+    def chance(self) -> Chance:
+        """How the differences of all runs to the first compare with what chance makes of as many."""
+        return Chance.of([each for found in self.deltas.values() for each in found])
 
     @property
     def lengths(self) -> str:
@@ -129,13 +179,15 @@ def _deltas(reference: Assessment, other: Assessment) -> Iterator[Delta]:
             continue
         absolute = two.value - one.value
         percent = 100.0 * absolute / abs(one.value) if one.value else math.nan
-        standard = _combined(one, two)
-        # nan where either is missing, and then nothing is decided
-        known = math.isfinite(absolute) and math.isfinite(standard)
-        exceeds = bool(abs(absolute) > COVERAGE * standard) if known else None
+        uncertainty = _combined(one, two)
+        # where either is missing, nothing is decided
+        U = math.nan if uncertainty is None else uncertainty.expanded
+        exceeds = bool(abs(absolute) > U) if math.isfinite(absolute) and math.isfinite(U) else None
         limits = [each.limits[one.name] for each in (reference, other) if one.name in each.limits]
         judgement = _judge(absolute, exceeds, limits)
-        yield Delta(one.name, one.unit, one.value, two.value, absolute, percent, standard, exceeds, judgement)
+        yield Delta(
+            one.name, one.unit, one.value, two.value, absolute, percent, uncertainty, exceeds, judgement
+        )
 
 
 def _duration_s(result: Assessment) -> float:
@@ -143,10 +195,10 @@ def _duration_s(result: Assessment) -> float:
     return max((each.basis.duration_s or 0.0 for each in result.measurements), default=0.0)
 
 
-def _combined(one: Measurement, two: Measurement) -> float:
+def _combined(one: Measurement, two: Measurement) -> Uncertainty | None:
     if one.uncertainty is None or two.uncertainty is None:
-        return math.nan
-    return math.hypot(one.uncertainty.standard, two.uncertainty.standard)
+        return None
+    return of_difference(one.uncertainty, two.uncertainty)
 
 
 def _judge(absolute: float, exceeds: bool | None, limits: Sequence[Limit]) -> Literal["", "better", "worse"]:

@@ -1,4 +1,7 @@
-"""Limits with a margin, and the verdict they give."""
+"""Limits, the decision rule that turns a value and its uncertainty into a verdict, and the verdict.
+
+The rules are those of JCGM 106:2012: simple acceptance (8.2) and guard bands (8.3).
+"""
 
 from __future__ import annotations
 
@@ -6,14 +9,18 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Any, Final, Literal
 
-from pydantic import Field, model_validator
+from pydantic import field_validator, model_validator
 
 from benchtool.document import Section
 
 if TYPE_CHECKING:
-    from benchtool.analysis import Measurement
+    from benchtool.analysis import Measurement, Uncertainty
+
+
+SIMPLE: Final = "simple acceptance"
+"""The decision rule without a margin: the value alone is held against the bounds (JCGM 106:2012, 8.2)."""
 
 
 class Verdict(StrEnum):
@@ -22,15 +29,35 @@ class Verdict(StrEnum):
     NONE = "none"
     PASS = "pass"
     MARGINAL = "marginal"
+    UNDECIDED = "undecided"
     FAIL = "fail"
+
+    @property
+    def met(self) -> bool:
+        """Whether nothing that was asked for is missed or left open: what a command ends with 0 for."""
+        return self not in (Verdict.UNDECIDED, Verdict.FAIL)
 
 
 class Limit(Section):
-    """Bounds of one measurement in its own unit; within `margin` of a bound the verdict is marginal."""
+    """Bounds of one measurement in its own unit, and the decision rule.
+
+    `margin` is a number, within which of a bound a value that meets it is marginal; 0 is simple acceptance.
+    `margin = "U"` guards both sides of each bound with the expanded uncertainty of the measurement: a value
+    further inside passes (guarded acceptance, JCGM 106:2012, 8.3.2), one further outside fails (guarded
+    rejection, 8.3.3), and in between it is undecided.
+    """
 
     min: float | None = None
     max: float | None = None
-    margin: Annotated[float, Field(ge=0)] = 0.0
+    margin: float | Literal["U"] = 0.0
+
+    @field_validator("margin", mode="before")
+    @classmethod
+    def _margin_is_known(cls, margin: object) -> object:
+        number = isinstance(margin, int | float) and not isinstance(margin, bool)
+        if margin != "U" and not (number and 0 <= float(str(margin)) < math.inf):
+            raise ValueError('a number from 0 on, or "U" for the expanded uncertainty, is expected')
+        return margin
 
     @model_validator(mode="after")
     def _bounded(self) -> Limit:
@@ -40,16 +67,37 @@ class Limit(Section):
             raise ValueError(f"min {self.min} is above max {self.max}")
         return self
 
-    def judge(self, value: float | None) -> Verdict:
-        """Verdict on a value; a value that is missing or not finite fails."""
+    def judge(self, value: float | None, uncertainty: Uncertainty | None = None) -> Verdict:
+        """Verdict on a value; one that is missing or not finite fails, with `margin = "U"` also an expanded
+        uncertainty that is."""
         if value is None or not math.isfinite(value):
             return Verdict.FAIL
-        below = math.inf if self.min is None else value - self.min
-        above = math.inf if self.max is None else self.max - value
-        room = min(below, above)
+        room = self.room(value)
+        if self.margin == "U":
+            U = math.nan if uncertainty is None else uncertainty.expanded
+            if not math.isfinite(U) or room < -U:
+                return Verdict.FAIL
+            return Verdict.PASS if room >= U else Verdict.UNDECIDED
         if room < 0:
             return Verdict.FAIL
         return Verdict.MARGINAL if room < self.margin else Verdict.PASS
+
+    def conformance(self, value: float | None, uncertainty: Uncertainty | None) -> float | None:
+        """Probability that the true value lies within the bounds (JCGM 106:2012, 7), by the measurement
+        alone; None where value or uncertainty is not known."""
+        if value is None or uncertainty is None:
+            return None
+        if not (math.isfinite(value) and math.isfinite(uncertainty.expanded)):
+            return None
+        least = -math.inf if self.min is None else self.min - value
+        greatest = math.inf if self.max is None else self.max - value
+        return uncertainty.probability_within(least, greatest)
+
+    def room(self, value: float) -> float:
+        """How far inside the nearer bound a value lies; negative outside."""
+        below = math.inf if self.min is None else value - self.min
+        above = math.inf if self.max is None else self.max - value
+        return min(below, above)
 
     def shortfall(self, value: float) -> str:
         """The bound that a value fails by and how far beyond that it is; empty of one that does not."""
@@ -59,16 +107,32 @@ class Limit(Section):
             return f"at most {self.max:g} is allowed: {value - self.max:.3g} too much"
         return ""
 
+    def to_json(self, measured: Measurement | None) -> dict[str, Any]:
+        """The bounds, the rule in words, the verdict on a measurement, and the probability of conformance
+        where that has an uncertainty."""
+        value, uncertainty = (None, None) if measured is None else (measured.value, measured.uncertainty)
+        document = self.model_dump(exclude_none=True)
+        document |= {"rule": self.rule, "verdict": str(self.judge(value, uncertainty))}
+        conformance = self.conformance(value, uncertainty)
+        return document if conformance is None else document | {"conformance": conformance}
+
     @property
     def bounds(self) -> str:
         """`>= 1, <= 2`."""
         signs = ((">=", self.min), ("<=", self.max))
         return ", ".join(f"{sign} {bound:g}" for sign, bound in signs if bound is not None)
 
+    @property
+    def rule(self) -> str:
+        """The decision rule, in words."""
+        if self.margin == "U":
+            return "guard band U (95 %)"
+        return f"marginal within {self.margin:g}" if self.margin else SIMPLE
+
 
 @dataclass(frozen=True)
 class Missed:
-    """A limit that was not met, or met within its margin only, in words."""
+    """A limit that was not met, within its margin only, or not decidedly, in words."""
 
     name: str
     verdict: Verdict
@@ -80,18 +144,31 @@ class Missed:
 
 def missed(name: str, limit: Limit, measured: Measurement | None) -> Missed | None:
     """What is to be said of a limit and the measurement that it holds for; None where it was met."""
-    verdict = limit.judge(None if measured is None else measured.value)
+    if measured is None:
+        return Missed(name, Verdict.FAIL, f"was not measured, {limit.bounds} is asked for")
+    verdict = limit.judge(measured.value, measured.uncertainty)
     if verdict is Verdict.PASS:
         return None
-    if measured is None:
-        return Missed(name, verdict, f"was not measured, {limit.bounds} is asked for")
     if not math.isfinite(measured.value):
         why = measured.reason or measured.definition
         return Missed(name, verdict, f"is undefined ({why}), {limit.bounds} is asked for")
     value = f"is {measured.value:.4g} {measured.unit}".rstrip()
     if verdict is Verdict.MARGINAL:
         return Missed(name, verdict, f"{value}, within {limit.margin:g} of its limit {limit.bounds}")
+    if limit.margin == "U":
+        return Missed(name, verdict, f"{value}, {_guarded(limit, measured)}")
     return Missed(name, verdict, f"{value}, {limit.shortfall(measured.value)}")
+
+
+def _guarded(limit: Limit, measured: Measurement) -> str:
+    """Why a finite value does not pass a limit with a guard band."""
+    uncertainty = measured.uncertainty
+    if uncertainty is None or not math.isfinite(uncertainty.expanded):
+        return f'its uncertainty is not known, which margin = "U" of its limit {limit.bounds} needs'
+    beyond = limit.shortfall(measured.value)
+    place = beyond or f"{limit.room(measured.value):.3g} inside its limit {limit.bounds}"
+    U = f"U = {uncertainty.expanded:.2g} (k = {uncertainty.k:.3g})"
+    return f"{place}, {U}, probability of conformance {limit.conformance(measured.value, uncertainty):.3f}"
 
 
 def worst(verdicts: Iterable[Verdict]) -> Verdict:

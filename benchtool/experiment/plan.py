@@ -133,7 +133,9 @@ class Plan(Section):
 
     `emulator` alters the emulated bench that the plan runs on. With a `stimulus`, the capture is that of the
     drive playing it. `limits` hold for every case, `case_limits` for the case that they name, or for all of
-    its repetitions. `published` has the figures of a publication to print beside ours, by case, `readings`
+    its repetitions. `judge` says what of these the limits hold for: each, their mean with its uncertainty, or
+    the worst; data quality, the operating point reached and limits of a single repetition hold for each
+    anyway. `published` has the figures of a publication to print beside ours, by case, `readings`
     what that publication leaves open and how it is read here. `figure` sets the cases side by side, `sweep`
     as `figure_of` against the operating point that is swept; `tabulate` names the measurements of a table
     with a row for each case.
@@ -152,6 +154,7 @@ class Plan(Section):
     analyses: Analyses = Analyses()
     limits: dict[str, Limit] = Field(default_factory=dict)
     case_limits: dict[str, dict[str, Limit]] = Field(default_factory=dict)
+    judge: Literal["each", "mean", "worst"] = "each"
     published: dict[str, dict[str, float]] = Field(default_factory=dict)
     readings: Array[str] = ()
     figure: Literal["none", "torque", "steady", "spectra", "sweep", "bode"] = "none"
@@ -164,6 +167,10 @@ class Plan(Section):
         point = self.operating_point
         if other := set[str](self.sweep.operating_point) - _OF_MODE[point.mode]:
             raise ValueError(f"{point.mode} mode has no {', '.join(sorted(other))} to sweep")
+        if self.judge != "each" and self.repetitions < 2:
+            raise ValueError(
+                f"judge = '{self.judge}' is over repetitions, of which there is one: set repetitions"
+            )
         if self.figure == "bode" and not self.analyses.frequency_response:
             raise ValueError("figure = 'bode' needs analyses.frequency_response = true")
         if self.stimulus is None:

@@ -9,7 +9,7 @@ from benchtool.experiment.case_reporting import case_facts, case_items, circumst
 from benchtool.experiment.drawing import run_figures
 from benchtool.experiment.plan import Plan
 from benchtool.experiment.presenting import mark, picture
-from benchtool.experiment.repetition import over_repetitions
+from benchtool.experiment.repetition import Repeated
 from benchtool.experiment.runs import RecordedCase, RecordedRun
 from benchtool.report.content import Cell, Grid, Item, Section, Text
 from benchtool.report.numbers import NOTHING, raw, stated
@@ -54,17 +54,30 @@ def _overview(run: RecordedRun) -> Iterator[Item]:
         yield Text("Published figures stand in brackets.", "note")
     if plan is None:
         return
-    measured = {result.case: result.measurements for result in results}
-    if len(measured) == len(run.cases):
-        for case, together in over_repetitions(plan, measured).items():
-            repeated = [
-                (each.name, stated(each.mean, each.standard_uncertainty), each.unit, str(each.n))
-                for each in together
-            ]
-            grid = Grid.of(("measurement", ">mean ± standard uncertainty", "unit", ">repetitions"), repeated)
-            yield Section(f"{case} over its repetitions", (grid,))
+    for case, together in run.repeated.items():
+        repeated = [_repeated_row(each) for each in together]
+        headings_ = (
+            "measurement",
+            ">mean ± standard uncertainty",
+            "unit",
+            ">repetitions",
+            "limit",
+            "verdict",
+        )
+        missed = (each.missed for each in together)
+        told = (Text(f"{str(each.verdict).capitalize()}: {each}.", "warning") for each in missed if each)
+        yield Section(f"{case} over its repetitions", (Grid.of(headings_, repeated), *told))
     for name, figure in run_figures(plan, results).items():
         yield picture(name, figure)
+
+
+def _repeated_row(each: Repeated) -> tuple[str | Cell, ...]:
+    """A measurement over its repetitions, and how it meets the limit that holds for these together."""
+    row = (each.name, stated(each.mean, each.standard_uncertainty), each.unit, str(each.n))
+    if each.limit is None:
+        return (*row, "", "")
+    what = "" if each.judged is None else f" ({each.judged.definition}; {each.limit.rule})"
+    return (*row, f"{each.limit.bounds}{what}", Cell(str(each.verdict), mark(each.verdict)))
 
 
 def _reasons(case: RecordedCase) -> tuple[str, ...]:

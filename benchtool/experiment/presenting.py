@@ -36,6 +36,7 @@ def mark(verdict: Verdict) -> Mark:
         Verdict.NONE: "none",
         Verdict.PASS: "pass",
         Verdict.MARGINAL: "marginal",
+        Verdict.UNDECIDED: "undecided",
         Verdict.FAIL: "fail",
     }
     return marks[verdict]

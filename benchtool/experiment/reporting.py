@@ -19,6 +19,7 @@ _WORDS: Final[dict[Verdict, str]] = {
     Verdict.NONE: "No limits",
     Verdict.PASS: "Pass",
     Verdict.MARGINAL: "Marginal",
+    Verdict.UNDECIDED: "Undecided",
     Verdict.FAIL: "Fail",
 }
 
@@ -33,7 +34,8 @@ def run_report(folder: Path, runs: Sequence[RecordedRun]) -> Report:
     manifest = cases[0].bundle.manifest
     title = manifest.what if len(runs) == 1 else f"{len(runs)} plans: {folder.resolve().name}"
     subtitle = f"Test report · {manifest.when} · profile {manifest.profile_name or 'unknown'}"
-    items: list[Item] = [_banner(worst(run.verdict for run in runs), cases)]
+    together = [each.verdict for run in runs for group in run.repeated.values() for each in group]
+    items: list[Item] = [_banner(worst(run.verdict for run in runs), cases, together)]
     if len(cases) == 1:
         (case,) = cases
         items += [
@@ -54,13 +56,17 @@ def run_report(folder: Path, runs: Sequence[RecordedRun]) -> Report:
     return Report(title, subtitle, manifest.when, tuple(items))
 
 
-def _banner(verdict: Verdict, cases: Sequence[RecordedCase]) -> content.Verdict:
+def _banner(verdict: Verdict, cases: Sequence[RecordedCase], together: Sequence[Verdict]) -> content.Verdict:
+    """The outcome of all limits, those of each case and those of repetitions `together`."""
     limits = [each for case in cases if case.assessment for each in case.assessment.verdicts.values()]
+    limits += [each for each in together if each is not Verdict.NONE]
     failures = [case for case in cases if case.failure]
     parts = []
     if limits:
-        met = sum(each is not Verdict.FAIL for each in limits)
+        met = sum(each.met for each in limits)
         parts.append(f"{met} of {len(limits)} limits met")
+        if undecided := sum(each is Verdict.UNDECIDED for each in limits):
+            parts.append(f"{undecided} undecided")
         if tight := sum(each is Verdict.MARGINAL for each in limits):
             parts.append(f"{tight} of them marginally")
     else:

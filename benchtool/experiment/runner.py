@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 
 from benchtool.analysis import measurements_to_json, tables_to_json
@@ -26,7 +26,7 @@ from benchtool.experiment.rating import require_rated
 from benchtool.experiment.repetition import over_repetitions
 from benchtool.experiment.resumption import Origin, case_folder, require_same_origin
 from benchtool.experiment.watching import Unwatched, Watcher
-from benchtool.recording import Bundle, BundleWriter, EventFile, Manifest, software_versions
+from benchtool.recording import Bundle, BundleWriter, Conditions, EventFile, Manifest, software_versions
 from benchtool.telemetry import (
     FanOut,
     Journal,
@@ -44,7 +44,7 @@ class RunInfo:
 
     `when` is wall time in ISO 8601, `wall_s` tells that of now. `allow_different` lets a drive run whose
     parameters contradict the profile. `profile_toml` is the text of the profile, None if it is not known
-    before the bench is open.
+    before the bench is open. `note` and `conditions` go into the manifest as they are.
     """
 
     when: str
@@ -54,6 +54,8 @@ class RunInfo:
     wall_s: Callable[[], float] = time.time
     link: str = "emulated"
     profile_toml: str | None = None
+    note: str = ""
+    conditions: Conditions = field(default_factory=Conditions)
 
 
 Opener = Callable[[Case, int], AbstractContextManager[Session]]
@@ -298,6 +300,8 @@ def _manifest(session: Session, plan: Plan, case: Case, info: RunInfo, identity:
         versions=software_versions(),
         seed=_seed(info, case),
         command_line=info.command_line,
+        note=info.note,
+        conditions=info.conditions,
         details={
             "case": case.name,
             "operating_point": case.operating_point.model_dump(mode="json"),

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 from pydantic import ValidationError
@@ -14,6 +16,7 @@ from benchtool.experiment.assessment import Assessment, assess_bundle
 from benchtool.experiment.cases import cases
 from benchtool.experiment.limits import Verdict, worst
 from benchtool.experiment.plan import Plan
+from benchtool.experiment.repetition import Repeated, over_repetitions
 from benchtool.recording import Bundle
 
 _MANIFEST = "manifest.json"
@@ -48,9 +51,23 @@ class RecordedRun:
     folder: Path
     cases: tuple[RecordedCase, ...]
 
+    @cached_property
+    def repeated(self) -> Mapping[str, tuple[Repeated, ...]]:
+        """The repetitions of each case together. A run of which cases are missing has only the limits that
+        hold over repetitions to tell of, which it does not meet."""
+        measured = {case.name: case.assessment.measurements for case in self.cases if case.assessment}
+        if not measured:
+            return {}
+        carrier = next(case.bundle for case in self.cases if case.assessment)
+        plan = Plan.model_validate(carrier.manifest.details["plan"])
+        if plan.judge == "each" and any(case.name not in measured for case in cases(plan)):
+            return {}
+        return over_repetitions(plan, measured)
+
     @property
     def verdict(self) -> Verdict:
-        return worst(case.verdict for case in self.cases)
+        together = (each.verdict for group in self.repeated.values() for each in group)
+        return worst((*(case.verdict for case in self.cases), *together))
 
 
 def recorded_runs(folder: Path) -> tuple[RecordedRun, ...]:

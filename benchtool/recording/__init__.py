@@ -13,13 +13,14 @@ plots/*.png           figures
 
 from benchtool.recording.events import Event, EventFile, Level
 from benchtool.recording.integrity import Integrity, enlist, verify
-from benchtool.recording.manifest import Manifest, StreamInfo, software_versions
+from benchtool.recording.manifest import Conditions, Manifest, StreamInfo, software_versions
 from benchtool.recording.reader import Bundle
 from benchtool.recording.writer import BundleWriter
 
 __all__ = [
     "Bundle",
     "BundleWriter",
+    "Conditions",
     "Event",
     "EventFile",
     "Integrity",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import platform
 from importlib import metadata
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 from pydantic import Field, ValidationError
 
@@ -30,12 +30,26 @@ class StreamInfo(Section):
     missing_rows: int
 
 
+class Conditions(Section):
+    """What the operator states of a test; benchtool measures none of it, and all of it may be left out.
+
+    `test_object_serial_number` is that of the motor, `instruments` name what measured beside the drive, one
+    each, with its serial number or certificate. The temperature is that of the surroundings.
+    """
+
+    operator: str = ""
+    test_object_serial_number: str = ""
+    temperature_degC: Annotated[float, Field(ge=-273.15)] | None = None
+    instruments: Array[str] = ()
+
+
 class Manifest(Section):
     """Everything of a run that is neither samples nor results.
 
-    `when` is the ISO 8601 wall time of the start, given by the caller, `note` the operator's, `link` the
-    address of the drive. `verdict`, `quality` (data-quality counters), `streams`, `files` (hashes by path
-    within the bundle) and `complete` are known at the end; `details` takes whatever else is JSON.
+    `when` is the ISO 8601 wall time of the start, given by the caller, `note` and `conditions` are the
+    operator's, `link` the address of the drive. `verdict`, `quality` (data-quality counters), `streams`,
+    `files` (hashes by path within the bundle) and `complete` are known at the end; `details` takes whatever
+    else is JSON.
     """
 
     what: str
@@ -50,6 +64,7 @@ class Manifest(Section):
     seed: int | None = None
     command_line: Array[str] = ()
     note: str = ""
+    conditions: Conditions = Conditions()
     verdict: str | None = None
     quality: dict[str, int] = Field(default_factory=dict)
     details: dict[str, Any] = Field(default_factory=dict)

@@ -10,12 +10,13 @@ from typing import Final, Literal, TypeAlias
 
 from matplotlib.figure import Figure
 
-Mark: TypeAlias = Literal["", "pass", "marginal", "fail", "none", "better", "worse"]
+Mark: TypeAlias = Literal["", "pass", "marginal", "undecided", "fail", "none", "better", "worse"]
 
 SYMBOLS: Final[dict[Mark, str]] = {
     "": "",
     "pass": "✓",
     "marginal": "▲",
+    "undecided": "?",
     "fail": "✗",
     "none": "–",
     "better": "✓",

@@ -31,6 +31,8 @@ def run_facts(manifest: Manifest, plan_name: str = "") -> Facts:
         if identity.get(name) is not None
     ]
     commit = versions.pop("commit", "")
+    conditions = manifest.conditions
+    temperature_degC = conditions.temperature_degC
     point = manifest.details.get("operating_point")
     words = manifest.command_line
     pairs = {
@@ -48,6 +50,10 @@ def run_facts(manifest: Manifest, plan_name: str = "") -> Facts:
         "dictionary": "" if manifest.dictionary_hash is None else f"0x{manifest.dictionary_hash:08X}",
         "seed": "" if manifest.seed is None else str(manifest.seed),
         "command line": f"benchtool {' '.join(words)}" if words else "",
+        "operator": conditions.operator,
+        "test object": conditions.test_object_serial_number,
+        "temperature": "" if temperature_degC is None else f"{raw(temperature_degC)} °C",
+        "instruments": "; ".join(conditions.instruments),
         "note": manifest.note,
         "software": ", ".join(f"{name} {version}" for name, version in versions.items()),
         "commit": commit,

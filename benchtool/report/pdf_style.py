@@ -18,6 +18,7 @@ MARKS: Final = {
     "pass": "#00664b",
     "better": "#00664b",
     "marginal": "#7a4f00",
+    "undecided": "#5b3a8e",
     "fail": "#a32b00",
     "worse": "#a32b00",
     "none": "#595959",

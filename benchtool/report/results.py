@@ -17,12 +17,14 @@ _GAPS = {0: "no gaps", 1: "1 gap"}
 
 @dataclass(frozen=True)
 class Bounds:
-    """A limit as it is printed; within `margin` of a bound the verdict is marginal."""
+    """A limit as it is printed; `rule` is the decision rule in words, `conformance` the probability that the
+    limit is met, where the measurement has an uncertainty."""
 
     least: float | None
     greatest: float | None
-    margin: float
+    rule: str
     verdict: Mark
+    conformance: float | None = None
 
     @property
     def text(self) -> str:
@@ -40,12 +42,22 @@ class Bounds:
 
 
 def limits_section(measured: Sequence[Measurement], limits: Mapping[str, Bounds]) -> Section:
-    """Every limit with the value that it holds for, the verdict and the margin that is left."""
+    """Every limit with the value that it holds for, the rule, the margin left, the probability of conformance
+    and the verdict."""
     if not limits:
         return Section("Limits and verdicts", (Text("The plan sets no limits.", "note"),))
     found = {each.name: each for each in measured}
     rows = [_limit_row(name, bounds, found.get(name)) for name, bounds in limits.items()]
-    headings = ("measurement", ">value", "unit", "limit", ">marginal within", ">margin left", "verdict")
+    headings = (
+        "measurement",
+        ">value",
+        "unit",
+        "limit",
+        "decision rule",
+        ">margin left",
+        ">P(conformance)",
+        "verdict",
+    )
     return Section("Limits and verdicts", (Grid.of(headings, rows),))
 
 
@@ -59,7 +71,8 @@ def _limit_row(name: str, bounds: Bounds, measured: Measurement | None) -> tuple
         share = f" ({100 * room / abs(bound):.2g} %)".replace("-", "−") if bound else ""
         left = number(room, 3) + share
     shown = _value(measured) if measured else "not measured"
-    return name, shown, unit, bounds.text, raw(bounds.margin) if bounds.margin else NOTHING, left, verdict
+    conformance = NOTHING if bounds.conformance is None else number(bounds.conformance, 3)
+    return name, shown, unit, bounds.text, bounds.rule, left, conformance, verdict
 
 
 def measurements_section(

@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy import stats
 
 from benchtool.analysis import Measurement
 from benchtool.analysis.measurement import Basis
-from benchtool.analysis.uncertainty import Uncertainty
+from benchtool.analysis.uncertainty import Uncertainty, of_difference
 from benchtool.block import Block, Channel
 from benchtool.experiment.assessment import Assessment
 from benchtool.experiment.comparing import difference
@@ -40,8 +41,8 @@ def test_a_difference_is_the_other_less_the_reference() -> None:
     assert (delta.absolute, delta.percent, delta.exceeds) == (-1.0, -50.0, None)
 
 
-@pytest.mark.parametrize(("other", "exceeds"), [(1.0 + 0.99e-1, False), (1.0 + 1.01e-1, True), (0.5, True)])
-def test_it_exceeds_twice_the_combined_standard_uncertainty(other: float, exceeds: bool) -> None:
+@pytest.mark.parametrize(("other", "exceeds"), [(1.0 + 0.97e-1, False), (1.0 + 0.99e-1, True), (0.5, True)])
+def test_it_exceeds_the_expanded_uncertainty_of_both(other: float, exceeds: bool) -> None:
     (delta,) = deltas(result(x=(1.0, 0.03)), result(x=(other, 0.04)))
     assert delta.exceeds is exceeds
 
@@ -75,13 +76,58 @@ def test_the_uncertainties_of_both_are_combined() -> None:
     (delta,) = deltas(result(x=(1.0, 0.03)), result(x=(2.0, 0.04)))
     assert delta.standard == pytest.approx(0.05)
     assert delta.to_json()["standard_uncertainty"] == delta.standard
-    assert difference(delta) == "+1.000 ± 0.050"
+    assert difference(delta) == "+1.000 ± 0.098"
     (delta,) = deltas(result(x=(2.0e-7, 3e-9)), result(x=(1.0e-7, 4e-9)))
-    assert difference(delta) == "(−1.000 ± 0.050) × 10⁻⁷"
+    assert difference(delta) == "(−1.000 ± 0.098) × 10⁻⁷"
     (delta,) = deltas(result(x=(1.0e-7, 3e-9)), result(x=(2.0e-7, 4e-9)))
-    assert difference(delta) == "(+1.000 ± 0.050) × 10⁻⁷"
+    assert difference(delta) == "(+1.000 ± 0.098) × 10⁻⁷"
     (delta,) = deltas(result(x=(1.0, None)), result(x=(2.5, 0.04)))
     assert difference(delta) == "+1.50"
+
+
+def test_k_comes_from_the_degrees_of_freedom_of_both() -> None:
+    one, two = Uncertainty(0.03, "", dof=4.0), Uncertainty(0.04, "", dof=9.0)
+    both = of_difference(one, two)
+    assert both.dof == pytest.approx(0.05**4 / (0.03**4 / 4.0 + 0.04**4 / 9.0))
+    assert both.expanded == pytest.approx(stats.t.ppf(0.975, both.dof) * 0.05)
+    derived = of_difference(Uncertainty(0.03, "", half_width=0.05), Uncertainty(0.04, "", half_width=0.12))
+    assert derived.expanded == pytest.approx(0.13)
+    assert of_difference(Uncertainty(0.0, ""), Uncertainty(0.0, "")).expanded == 0.0
+
+
+@pytest.mark.parametrize("dof", [(2.0, 2.0), (4.0, 4.0), (9.0, 3.0), (math.inf, 4.0)])
+def test_false_alarms_are_as_many_as_stated(dof: tuple[float, float]) -> None:
+    """Two normal results of the same truth with estimated uncertainties: 5 % are to exceed, 2 u lets more."""
+    random = np.random.default_rng(3)
+    runs = 20_000
+    u = [
+        np.full(runs, 1.0) if math.isinf(each) else np.sqrt(random.chisquare(each, runs) / each)
+        for each in dof
+    ]
+    difference = random.standard_normal(runs) - random.standard_normal(runs)
+    alarms = sum(
+        abs(d) > of_difference(Uncertainty(a, "", dof[0]), Uncertainty(b, "", dof[1])).expanded
+        for d, a, b in zip(difference.tolist(), u[0].tolist(), u[1].tolist(), strict=True)
+    )
+    by_two = float(np.mean(np.abs(difference) > 2.0 * np.hypot(*u)))
+    assert 0.03 < alarms / runs < 0.06
+    assert alarms / runs < by_two - 0.005
+
+
+def test_how_many_would_exceed_by_chance_is_said() -> None:
+    one = result(a=(1.0, 0.1), b=(1.0, 0.1), c=(1.0, 0.1), d=(1.0, 0.1), e=(1.0, None))
+    two = result(a=(2.0, 0.1), b=(1.0, 0.1), c=(1.0, 0.1), d=(1.0, 0.1), e=(2.0, None))
+    comparison = Comparison.of("", {"one": one, "two": two})
+    assert comparison.chance.to_json() == {
+        "decided": 4,
+        "exceeding": 1,
+        "expected_by_chance": pytest.approx(0.2),
+    }
+    assert str(comparison.chance) == (
+        "1 of 4 differences exceed their uncertainty; if nothing differed, chance would make 0.2 of them do "
+        "so on average."
+    )
+    assert str(Comparison.of("", {"one": result(x=(1.0, 0.1)), "two": result(x=(2.0, 0.1))}).chance) == ""
 
 
 def test_runs_of_other_lengths_are_said_to_be() -> None:
@@ -115,6 +161,9 @@ def test_what_has_no_value_has_no_difference() -> None:
         "absolute": None,
         "percent": None,
         "standard_uncertainty": pytest.approx(math.hypot(0.1, 0.1)),
+        "dof": None,
+        "k": pytest.approx(1.96, abs=1e-3),
+        "expanded_uncertainty": pytest.approx(1.96 * math.hypot(0.1, 0.1), rel=1e-3),
         "exceeds_uncertainty": None,
         "judgement": None,
     }

@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
+import numpy as np
 import pytest
+from pydantic import ValidationError
+from scipy import stats
 
-from benchtool.analysis import Measurement
+from benchtool.analysis import Measurement, Uncertainty
 from benchtool.experiment.assessment import RunResult
+from benchtool.experiment.cases import cases
+from benchtool.experiment.limits import Limit, Verdict
 from benchtool.experiment.plan import Plan
-from benchtool.experiment.repetition import over_repetitions
+from benchtool.experiment.repetition import Repeated, limits_together, over_repetitions
 
 
 def _plan(repetitions: int) -> Plan:
@@ -51,3 +57,58 @@ def test_what_was_never_defined_is_null() -> None:
 def test_one_repetition_says_nothing() -> None:
     assert over_repetitions(_plan(1), {}) == {}
     assert "repeated" not in RunResult(()).to_json()
+
+
+def _judged(judge: str, values: Sequence[float], *, standard: float = 0.0, limit: Limit) -> Repeated:
+    plan = Plan.model_validate(
+        _plan(len(values)).model_dump() | {"judge": judge, "sweep": {}, "limits": {"torque_mean": limit}}
+    )
+    uncertainty = Uncertainty(standard, "each")
+    measured = {
+        case.name: (Measurement("torque_mean", value, "Nm", "mean", uncertainty=uncertainty),)
+        for case, value in zip(cases(plan), values, strict=True)
+    }
+    ((found,),) = over_repetitions(plan, measured).values()
+    return found
+
+
+def test_the_mean_of_repetitions_is_judged_with_its_own_uncertainty() -> None:
+    values = [0.9, 1.0, 1.1, 1.0]
+    found = _judged("mean", values, standard=9.0, limit=Limit(max=1.2, margin="U"))
+    u = float(np.std(values, ddof=1)) / 2.0
+    assert found.judged is not None
+    assert found.judged.uncertainty is not None
+    assert found.judged.uncertainty.standard == pytest.approx(u)
+    assert found.judged.uncertainty.dof == 3.0
+    assert found.judged.uncertainty.expanded == pytest.approx(3.182 * u, rel=1e-3)
+    assert found.verdict is Verdict.PASS
+    assert _judged("mean", values, limit=Limit(max=1.1, margin="U")).verdict is Verdict.UNDECIDED
+    assert _judged("mean", values, limit=Limit(max=1.05)).verdict is Verdict.PASS  # 1.1 alone would fail
+    document = _judged("mean", values, limit=Limit(max=1.05)).to_json()["limit"]
+    assert (document["verdict"], document["rule"]) == ("pass", "simple acceptance")
+    assert document["conformance"] == pytest.approx(float(stats.t.cdf(0.05 / u, 3)))
+
+
+def test_the_worst_repetition_is_judged_with_its_own_uncertainty() -> None:
+    found = _judged("worst", [0.9, 1.0, 1.1], standard=0.01, limit=Limit(max=1.05))
+    assert found.verdict is Verdict.FAIL
+    assert str(found.missed) == "torque_mean is 1.1 Nm, at most 1.05 is allowed: 0.05 too much"
+    assert _judged("worst", [0.9, 1.0, 1.1], standard=0.01, limit=Limit(min=0.8)).verdict is Verdict.PASS
+
+
+@pytest.mark.parametrize("judge", ["mean", "worst"])
+def test_a_repetition_without_a_value_fails_the_limit_of_all(judge: str) -> None:
+    found = _judged(judge, [0.9, math.nan, 1.1], limit=Limit(max=2.0))
+    assert found.verdict is Verdict.FAIL
+    assert "1 of 3 repetitions have no value" in str(found.missed)
+    plan = Plan.model_validate(_plan(2).model_dump() | {"judge": judge, "limits": {"x": Limit(max=1.0)}})
+    assert RunResult((), over_repetitions(plan, {})).verdict is Verdict.FAIL
+
+
+def test_what_each_repetition_answers_for_is_not_judged_together() -> None:
+    limits = {"omega_m_reached": Limit(max=1.0), "capture_rows_missing": Limit(max=0), "x": Limit(max=1)}
+    plan = Plan.model_validate(_plan(2).model_dump() | {"judge": "mean", "limits": limits})
+    assert list(limits_together(plan, "u_s_V=60")) == ["x"]
+    assert limits_together(plan.model_copy(update={"judge": "each"}), "u_s_V=60") == {}
+    with pytest.raises(ValidationError, match="judge = 'mean' is over repetitions, of which there is one"):
+        Plan.model_validate(_plan(1).model_dump() | {"judge": "mean"})

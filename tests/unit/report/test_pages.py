@@ -187,7 +187,7 @@ def test_measurements_come_with_uncertainty_definition_basis_and_published_figur
         "current_thd", 1.838, "%", "harmonics over it", BASIS, Uncertainty(0.0123, "noise floor")
     )
     other = Measurement.undefined("plain", "A", "a mean", "no channel")
-    bounds = Bounds(None, 2.0, 0.5, "marginal")
+    bounds = Bounds(None, 2.0, "marginal within 0.5", "marginal")
     section = measurements_section("M", [measured, other], {"current_thd": bounds}, {"current_thd": 1.5})
     (grid,) = section.items
     assert isinstance(grid, Grid)
@@ -213,10 +213,10 @@ def test_measurements_come_with_uncertainty_definition_basis_and_published_figur
 @pytest.mark.parametrize(
     ("bounds", "value", "left"),
     [
-        (Bounds(None, 0.06, 0.0, "pass"), 0.05, "0.0100 (17 %)"),
-        (Bounds(1.0, 4.0, 0.0, "pass"), 1.5, "0.500 (50 %)"),
-        (Bounds(None, 2.0, 0.0, "fail"), 2.5, "−0.500 (−25 %)"),
-        (Bounds(None, 0.0, 0.0, "pass"), 0.0, "0"),
+        (Bounds(None, 0.06, "simple acceptance", "pass"), 0.05, "0.0100 (17 %)"),
+        (Bounds(1.0, 4.0, "simple acceptance", "pass"), 1.5, "0.500 (50 %)"),
+        (Bounds(None, 2.0, "simple acceptance", "fail"), 2.5, "−0.500 (−25 %)"),
+        (Bounds(None, 0.0, "simple acceptance", "pass"), 0.0, "0"),
     ],
 )
 def test_the_margin_left_is_to_the_nearer_bound(bounds: Bounds, value: float, left: str) -> None:
@@ -226,13 +226,14 @@ def test_the_margin_left_is_to_the_nearer_bound(bounds: Bounds, value: float, le
 
 
 def test_a_limit_on_what_was_not_measured_says_so() -> None:
-    (grid,) = limits_section([], {"x": Bounds(None, 1.0, 0.0, "fail")}).items
+    (grid,) = limits_section([], {"x": Bounds(None, 1.0, "simple acceptance", "fail")}).items
     assert isinstance(grid, Grid)
     assert [cell.text for cell in grid.rows[0]] == [
         "x",
         "not measured",
         "",
         "≤\N{NO-BREAK SPACE}1",
+        "simple acceptance",
         "–",
         "–",
         "fail",

@@ -1,0 +1,124 @@
+"""Decision rules after JCGM 106:2012: guard bands, probability of conformance, limits over repetitions."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from pydantic import ValidationError
+from scipy import stats
+
+from benchtool.analysis import Measurement, Uncertainty
+from benchtool.experiment.limits import Limit, Verdict, missed, worst
+
+ITEMS = 100_000
+
+
+def _U(expanded: float) -> Uncertainty:
+    return Uncertainty(expanded / 2.0, "test", half_width=expanded)
+
+
+@pytest.mark.parametrize(
+    ("value", "verdict"),
+    [
+        (1.75, Verdict.PASS),
+        (1.76, Verdict.UNDECIDED),
+        (2.0, Verdict.UNDECIDED),
+        (2.25, Verdict.UNDECIDED),
+        (2.26, Verdict.FAIL),
+        (1.25, Verdict.PASS),
+        (0.75, Verdict.UNDECIDED),
+        (0.74, Verdict.FAIL),
+        (None, Verdict.FAIL),
+        (math.nan, Verdict.FAIL),
+    ],
+)
+def test_a_guard_band_lies_on_both_sides_of_each_bound(value: float | None, verdict: Verdict) -> None:
+    assert Limit(min=1.0, max=2.0, margin="U").judge(value, _U(0.25)) is verdict
+
+
+@pytest.mark.parametrize("unknown", [None, Uncertainty(math.nan, ""), Uncertainty(math.inf, "")])
+def test_a_guard_band_of_unknown_width_fails(unknown: Uncertainty | None) -> None:
+    assert Limit(max=2.0, margin="U").judge(0.0, unknown) is Verdict.FAIL
+    assert Limit(max=2.0).judge(0.0, unknown) is Verdict.PASS  # simple acceptance asks for none
+    assert Limit(max=2.0).conformance(0.0, unknown) is None
+    told = missed("x", Limit(max=2.0, margin="U"), Measurement("x", 0.0, "Nm", "", uncertainty=unknown))
+    assert 'its uncertainty is not known, which margin = "U" of its limit <= 2 needs' in str(told)
+
+
+@given(st.floats(-10, 10), st.floats(0, 3), st.floats(1, 50))
+def test_a_guard_band_never_reverses_simple_acceptance(value: float, standard: float, dof: float) -> None:
+    uncertainty = Uncertainty(standard, "", dof)
+    simple = Limit(min=-1.0, max=4.0).judge(value)
+    guarded = Limit(min=-1.0, max=4.0, margin="U").judge(value, uncertainty)
+    assert guarded in (simple, Verdict.UNDECIDED)
+
+
+@pytest.mark.parametrize("dof", [4.0, 30.0, math.inf])
+def test_of_items_at_a_limit_a_guard_band_passes_one_in_forty(dof: float) -> None:
+    """97.5 % of what is no better than the limit is kept from passing, whatever the degrees of freedom."""
+    random = np.random.default_rng(7)
+    value = 1.0 + 0.1 * random.standard_normal(ITEMS)
+    share = np.ones(ITEMS) if math.isinf(dof) else random.chisquare(dof, ITEMS) / dof
+    standard = 0.1 * np.sqrt(share)
+    limit = Limit(max=1.0, margin="U")
+    verdicts = [
+        limit.judge(one, Uncertainty(u, "", dof))
+        for one, u in zip(value.tolist(), standard.tolist(), strict=True)
+    ]
+    assert verdicts.count(Verdict.PASS) / ITEMS == pytest.approx(0.025, abs=0.003)
+    assert verdicts.count(Verdict.FAIL) / ITEMS == pytest.approx(0.025, abs=0.003)
+
+
+def test_probability_of_conformance() -> None:
+    limit = Limit(min=12.5, max=16.3)
+    assert limit.conformance(13.6, Uncertainty(1.8, "")) == pytest.approx(0.663, abs=5e-4)
+    student = limit.conformance(13.6, Uncertainty(1.8, "", dof=5.0))
+    expected = stats.t.cdf(2.7 / 1.8, 5) - stats.t.cdf(-1.1 / 1.8, 5)
+    assert student == pytest.approx(expected)
+    assert Limit(max=1.0).conformance(0.0, Uncertainty(0.0, "")) == 1.0
+    assert Limit(max=1.0).conformance(2.0, Uncertainty(0.0, "")) == 0.0
+    assert Limit(max=1.0).conformance(math.nan, Uncertainty(0.1, "")) is None
+
+
+@given(st.floats(-5, 5), st.floats(0.01, 3), st.floats(1, 100))
+def test_conformance_is_975_permille_at_the_edge_of_the_guard_band(
+    bound: float, standard: float, dof: float
+) -> None:
+    uncertainty = Uncertainty(standard, "", dof)
+    inside = Limit(max=bound).conformance(bound - uncertainty.expanded, uncertainty)
+    assert inside == pytest.approx(0.975, abs=1e-6)
+    assert Limit(min=bound).conformance(bound, uncertainty) == pytest.approx(0.5)
+
+
+def test_the_rule_is_stated() -> None:
+    measured = Measurement("x", 1.95, "Nm", "", uncertainty=Uncertainty(0.05, ""))
+    document = Limit(max=2.0, margin="U").to_json(measured)
+    assert (document["margin"], document["verdict"]) == ("U", "undecided")
+    assert document["rule"] == "guard band U (95 %)"
+    assert document["conformance"] == pytest.approx(stats.norm.cdf(1.0))
+    assert Limit(max=2.0).to_json(None) == {
+        "max": 2.0,
+        "margin": 0.0,
+        "rule": "simple acceptance",
+        "verdict": "fail",
+    }
+    assert Limit(max=2.0, margin=0.1).rule == "marginal within 0.1"
+    assert str(missed("x", Limit(max=2.0, margin="U"), measured)) == (
+        "x is 1.95 Nm, 0.05 inside its limit <= 2, U = 0.098 (k = 1.96), probability of conformance 0.841"
+    )
+
+
+@pytest.mark.parametrize("margin", ["u", "", -0.1, True, math.nan, math.inf])
+def test_other_margins_are_refused(margin: object) -> None:
+    with pytest.raises(ValidationError, match='"U" for the expanded uncertainty'):
+        Limit.model_validate({"max": 1.0, "margin": margin})
+
+
+def test_what_is_undecided_is_not_met() -> None:
+    assert [verdict.met for verdict in Verdict] == [True, True, True, False, False]
+    assert worst([Verdict.MARGINAL, Verdict.UNDECIDED]) is Verdict.UNDECIDED
+    assert worst([Verdict.UNDECIDED, Verdict.FAIL]) is Verdict.FAIL
