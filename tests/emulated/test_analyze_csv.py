@@ -33,7 +33,7 @@ def measured(result: Result) -> dict[str, Any]:
     assert document["verdict"] == "none"
     assert list(document["cases"]) == ["csv"]
     case: dict[str, Any] = document["cases"]["csv"]
-    assert set(case) == {"source", "measurements", "tables"}
+    assert set(case) == {"source", "remarks", "measurements", "tables"}
     return case
 
 
@@ -66,7 +66,8 @@ def test_orders_of_a_q_current_at_jittered_stamps(invoke: Invoke) -> None:
     assert found["current_mean"] == pytest.approx(0.1, abs=0.01)
     assert "sample_rate_Hz" not in case["measurements"]["current_mean"]["basis"]
     source = case["source"]
-    assert source["columns"]["current"] == {"number": 4, "name": "Iq", "unit": "A", "unit_from": "assumed"}
+    stated = {"number": 4, "name": "Iq", "unit": "A", "unit_from": "assumed", "gain": 1.0, "offset": 0.0}
+    assert source["columns"]["current"] == stated
     assert (source["head_lines"], source["delimiter"], source["rows_used"]) == (1, ",", 12_000)
     assert not source["time"]["uniform"]
     assert source["time"]["rate_Hz"] is None
@@ -163,7 +164,7 @@ def test_held_samples_claim_no_more_than_they_are(invoke: Invoke) -> None:
 @pytest.mark.parametrize(
     ("mean", "name", "reason"),
     [
-        (2.0, "I", "its mean is 2.02 A and its fundamental 3 A peak"),
+        (2.0, "I", "its mean is 2.02 A and its largest sinusoid 3 A peak"),
         (0.0, "Iq", "'Iq' is by its name a current in rotating coordinates"),
         (0.0, "i_d", "'i_d' is by its name"),
         (0.0, "motor i q", "'motor i q' is by its name"),
