@@ -21,11 +21,9 @@ _LISTED = 10
 _FEWEST = 64
 _LOWEST_BIN = 3  # below it the window spreads the mean
 _MAIN_LOBE = 3  # bins on either side of a line that belong to it, under a Hann window
-_BESIDE = 12  # further bins on either side, whose median is the noise
+_BESIDE = 30  # further bins on either side, whose median is the noise
 _STANDS_OUT = 5.0  # of the noise's rms amplitude: by chance once in 1e11 bins
 _RAYLEIGH = math.sqrt(math.log(2.0))  # median over rms of the amplitude of noise
-_NOISE_BANDWIDTH = 1.5  # bins, of a Hann window
-_HANN_FREQUENCY = 1.3  # standard uncertainty of an interpolated frequency over the Cramer-Rao bound
 
 
 @dataclass(frozen=True)
@@ -34,6 +32,17 @@ class SpectralLines:
 
     measurements: tuple[Measurement, ...]
     tables: tuple[Table, ...]
+
+
+@dataclass(frozen=True)
+class _Line:
+    """Place, in bins, and peak amplitude, with standard uncertainties; `noise` is the rms of a bin nearby."""
+
+    place: float
+    amplitude: float
+    of_place: float
+    of_amplitude: float
+    noise: float
 
 
 def spectral_lines(block: Block, channel: str, name: str = "torque") -> SpectralLines:
@@ -58,7 +67,8 @@ def spectral_lines(block: Block, channel: str, name: str = "torque") -> Spectral
     bins = np.abs(fft.rfft((samples - np.mean(samples)) * weights)) * (2.0 / float(np.sum(weights)))
     width_Hz = rate_Hz / count
     rows = [_line(bins, place) for place in (_peaks(bins) if count >= _FEWEST else ())]
-    rows = sorted((each for each in rows if each[1] > _STANDS_OUT * each[2]), key=lambda each: -each[1])
+    rows = [each for each in rows if each.amplitude > _STANDS_OUT * each.noise]
+    rows.sort(key=lambda each: -each.amplitude)
     basis = Basis(
         samples=count,
         sample_rate_Hz=rate_Hz,
@@ -83,8 +93,8 @@ def spectral_lines(block: Block, channel: str, name: str = "torque") -> Spectral
         )
         return SpectralLines(tuple(undefined), (_table(name, (), unit, what, basis),))
     listed = tuple(
-        (place * width_Hz, amplitude, _of_frequency(amplitude, noise) * width_Hz, noise / math.sqrt(2.0))
-        for place, amplitude, noise in rows[:_LISTED]
+        (each.place * width_Hz, each.amplitude, each.of_place * width_Hz, each.of_amplitude)
+        for each in rows[:_LISTED]
     )
     source = "noise around the line; another line within three bins is left out"
     found = tuple(
@@ -103,26 +113,24 @@ def _peaks(bins: Floats) -> NDArray[np.int64]:
     return places[(places >= _LOWEST_BIN) & (places < len(bins) - _LOWEST_BIN)]
 
 
-def _line(bins: Floats, place: int) -> tuple[float, float, float]:
-    """Place in bins and peak amplitude of a sinusoid, and the rms amplitude of noise in a bin around it."""
+def _line(bins: Floats, place: int) -> _Line:
+    """A sinusoid by the two greatest bins of its maximum, and what noise does to it.
+
+    Under a Hann window neighbouring bins have noise with the correlation -2/3, and a sinusoid in them the
+    opposite sign: ratio r = A_2 / A_1, offset (2 r - 1) / (1 + r), and so u(offset) =
+    3 / (1 + r)^2 x u(A_1) / A_1 x sqrt(1 + r^2 - 4 r / 3).
+    """
     side = 1 if bins[place + 1] > bins[place - 1] else -1
-    ratio = float(bins[place + side] / bins[place])
+    own, ratio = float(bins[place]), float(bins[place + side] / bins[place])
     offset = (2.0 * ratio - 1.0) / (1.0 + ratio)
     # the Hann window's response at `offset` from the middle of a bin
-    response = float(np.sinc(offset)) / (1.0 - offset**2) if abs(offset) < 1.0 else 0.5
+    response = float(np.sinc(offset)) / (1.0 - offset**2)
     first, last = place - _MAIN_LOBE, place + _MAIN_LOBE + 1
     around = np.concatenate([bins[max(1, first - _BESIDE) : max(1, first)], bins[last : last + _BESIDE]])
     noise = float(np.median(around)) / _RAYLEIGH if len(around) else math.nan
-    return place + side * offset, float(bins[place]) / response, noise
-
-
-def _of_frequency(amplitude: float, noise: float) -> float:
-    """Standard uncertainty in bins: the bound of Cramer and Rao, times what the interpolation loses.
-
-    With noise of rms s in n samples a bin of the Hann window has the rms amplitude 2 s sqrt(1.5 / n).
-    """
-    white = noise / (2.0 * math.sqrt(_NOISE_BANDWIDTH))
-    return _HANN_FREQUENCY * math.sqrt(6.0) / math.pi * white / amplitude
+    component = noise / math.sqrt(2.0)
+    spread = 3.0 / (1.0 + ratio) ** 2 * math.sqrt(1.0 + ratio**2 - 4.0 * ratio / 3.0)
+    return _Line(place + side * offset, own / response, spread * component / own, component / response, noise)
 
 
 def _table(name: str, rows: tuple[tuple[float, ...], ...], unit: str, what: str, basis: Basis) -> Table:
