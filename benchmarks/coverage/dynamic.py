@@ -44,10 +44,18 @@ class Lag:
         return np.asarray(1.0 - np.real(both / (z - np.conj(z))))
 
     def ramp(self, time_s: Floats, rise_s: float) -> Floats:
-        """Answer to a unit ramp over `rise_s`: the step's, averaged over it (Gauss and Legendre)."""
-        places, weights = np.polynomial.legendre.leggauss(64)
-        delays = 0.5 * rise_s * (places + 1.0)
-        return np.asarray(sum(0.5 * w * self.step(time_s - d) for d, w in zip(delays, weights, strict=True)))
+        """Answer to a unit ramp over `rise_s`."""
+        return (self._integral(time_s) - self._integral(time_s - rise_s)) / rise_s
+
+    def _integral(self, time_s: Floats) -> Floats:
+        """Of the answer to a step, s."""
+        x = self.omega * np.maximum(time_s, 0.0)
+        if self.damping is None:
+            return np.asarray((x - 1.0 + np.exp(-x)) / self.omega)
+        z = complex(self.damping) + 1j * np.sqrt(complex(1.0 - self.damping**2))
+        w = np.conj(z)
+        both = (1.0 - np.exp(-w * x)) * z / w - (1.0 - np.exp(-z * x)) * w / z
+        return np.asarray((x - np.real(both / (z - w))) / self.omega)
 
     def response(self, frequency_Hz: Floats) -> NDArray[np.complex128]:
         """Frequency response."""
