@@ -116,23 +116,24 @@ def stepped_trial(what: Stepped, random: np.random.Generator) -> Iterator[tuple[
 
 
 def _truths(what: Stepped, time_s: Floats, y: Floats, reference: Floats) -> Mapping[str, float]:
-    """Of the answer without noise, between samples too."""
+    """Of the answer without noise, between samples too; times since the reference has come half the way."""
+    half_s = 0.5 * what.rise_s
     tops = int(np.argmax(y))
     final = float(reference[-1])
     over = max(0.0, float(y[tops]) - 1.0)
     truths = {
-        "dead_time": _crossing(time_s, y, 0.02),
+        "dead_time": _crossing(time_s, y, 0.02) - half_s,
         "overshoot": abs(what.height) * over,
         "overshoot_percent": 100.0 * over,
-        "reach_time": _crossing(time_s, y, 0.98),
+        "reach_time": _crossing(time_s, y, 0.98) - half_s,
         "rise_time": _crossing(time_s, y, 0.9) - _crossing(time_s, y, 0.1),
     }
     if over > 0.0:
-        truths["peak_time"] = float(time_s[tops])
+        truths["peak_time"] = float(time_s[tops]) - half_s
         truths["undershoot"] = abs(what.height) * max(0.0, final - float(np.min(y[tops:])))
     outside = np.flatnonzero(np.abs(y - final) > 0.02)
     if what.noise <= 1e-3 and len(outside):  # beyond that the band is another
-        truths["settling_time"] = float(time_s[outside[-1]])
+        truths["settling_time"] = float(time_s[outside[-1]]) - half_s
     return truths
 
 

@@ -474,7 +474,7 @@ def test_the_help_says_how_columns_are_named(invoke: Invoke) -> None:
 def test_a_stated_rate_and_speed_stand_in_for_time_and_angle(invoke: Invoke) -> None:
     time_s = np.arange(10_000) / 5_000.0
     noise = 1e-3 * np.random.default_rng(0).standard_normal(len(time_s))
-    write("t.csv", "T [%]", [50.0 + 5.0 * np.cos(TURN * 12.5 * 24 * time_s) + noise, time_s])
+    write("t.csv", "T [%],x", [50.0 + 5.0 * np.cos(TURN * 12.5 * 24 * time_s) + noise, time_s])
     stated = ("--torque", "1", "--rate", "5000", "--rated-torque", "2", "--speed", "750rpm")
     case = measured(invoke("--csv", "t.csv", *stated, "--pole-pairs", "4", "--json"))
     assert values(case)["torque_mean"] == pytest.approx(1.0, rel=1e-4)
