@@ -524,5 +524,5 @@ def test_oddities_are_remarks_and_a_bundle_and_a_report_are_kept(invoke: Invoke)
 def test_a_drift_and_a_swing_are_no_regimes(invoke: Invoke) -> None:
     time_s = np.arange(8_000) * 1e-3
     for torque in (1.0 + time_s, np.sin(TURN * 0.2 * time_s) + 2.0):
-        write("t.csv", "t,T", [time_s, torque])
+        write("t.csv", "t,T", [np.asarray(time_s, np.float64), np.asarray(torque, np.float64)])
         assert measured(invoke("--csv", "t.csv", "--time", "t", "--torque", "T", "--json"))["remarks"] == []
