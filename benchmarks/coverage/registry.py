@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from benchmarks.coverage import steady
+from benchmarks.coverage import dynamic, steady
 from benchmarks.coverage.families import Family
 
-FAMILIES: Mapping[str, Family] = {each.name: each for each in (*steady.FAMILIES,)}
+FAMILIES: Mapping[str, Family] = {each.name: each for each in (*steady.FAMILIES, *dynamic.FAMILIES)}

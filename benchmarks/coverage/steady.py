@@ -8,9 +8,9 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import signal
 
 from benchmarks.coverage.families import OF_THE_ENSEMBLE, Family, picked
+from benchmarks.coverage.noise import coloured
 from benchtool.analysis import (
     CoherentSpectrum,
     Measurement,
@@ -94,7 +94,7 @@ def record(what: Disturbance, random: np.random.Generator) -> Record:
     theta_e = cycles + random.uniform(0, 2 * np.pi)
     frequency_Hz = float(theta_e[-1] - theta_e[0]) / (2 * np.pi * (time_s[-1] - time_s[0]))
 
-    noise = _coloured(random.standard_normal(count), what.colour)
+    noise = coloured(random.standard_normal(count), what.colour)
     noise_A = what.noise * what.amplitude_A * noise if what.amplitude_A else what.noise * noise
     current = np.cos(theta_e)
     for order, amplitude in what.harmonics.items():
@@ -119,7 +119,7 @@ def record(what: Disturbance, random: np.random.Generator) -> Record:
         RIPPLE_ORDER * theta_true + 0.3
     )
     torque += COGGING_NM * np.cos(COGGING_ORDER * theta_true + 1.1)
-    torque += 0.1 * TORQUE_NM * what.noise * 10.0 * _coloured(random.standard_normal(count), what.colour)
+    torque += 0.1 * TORQUE_NM * what.noise * 10.0 * coloured(random.standard_normal(count), what.colour)
     clean_torque = torque
     if what.bits:
         step_A, step_Nm = 2.0 * AMPLITUDE_A / 2**what.bits * 1.02, 2.0 * TORQUE_NM / 2**what.bits
@@ -198,15 +198,6 @@ def trial(what: Disturbance, random: np.random.Generator) -> Iterator[tuple[Meas
         yield from picked(orders.measurements, listed)
 
 
-def _coloured(noise: Floats, pole: float) -> Floats:
-    """First-order low-pass, of unit rms again."""
-    if not pole:
-        return noise
-    begin = np.array([pole * noise[0] / math.sqrt(1.0 - pole**2)])
-    filtered, _ = signal.lfilter([1.0], [1.0, -pole], noise, zi=begin)
-    return np.asarray(filtered * math.sqrt(1.0 - pole**2))
-
-
 def _share_between(pole: float, spectrum: CoherentSpectrum) -> float:
     """Root of the mean density in the bins between the harmonics, over that of white noise of equal rms."""
     bins = np.arange(len(spectrum.amplitude))
@@ -222,7 +213,7 @@ def _by_period(noise: tuple[float, float], period: NDArray[np.int64], random: np
     rms, memory = noise
     if not rms:
         return np.zeros(len(period))
-    values = rms * _coloured(random.standard_normal(int(period.max()) + 1), memory)
+    values = rms * coloured(random.standard_normal(int(period.max()) + 1), memory)
     return np.asarray(values[period])
 
 

@@ -24,6 +24,7 @@ from benchtool.analysis.harmonics import (
     relative_phase_rad,
     total_harmonic_distortion,
 )
+from benchtool.analysis.lines import SpectralLines, spectral_lines
 from benchtool.analysis.measurement import (
     Basis,
     Measurement,
@@ -33,7 +34,7 @@ from benchtool.analysis.measurement import (
     tables_to_json,
 )
 from benchtool.analysis.noise import NoiseFloor, harmonic_noise, noise_floor
-from benchtool.analysis.order_spectrum import OrderSpectrum, fitted_orders
+from benchtool.analysis.order_spectrum import OrderSpectrum, fitted_orders, orders_at_speed
 from benchtool.analysis.orders import Orders, order_analysis
 from benchtool.analysis.periods import PhaseTrack, track_angle, track_tone
 from benchtool.analysis.residual import torque_residual
@@ -66,6 +67,7 @@ from benchtool.analysis.switching import (
     switching_states,
 )
 from benchtool.analysis.torque import torque_ripple, true_torque
+from benchtool.analysis.unbalance import current_unbalance
 from benchtool.analysis.uncertainty import Contribution, Uncertainty
 
 __all__ = [
@@ -88,6 +90,7 @@ __all__ = [
     "PhaseTrack",
     "Reference",
     "Ripple",
+    "SpectralLines",
     "Spectrum",
     "SteadyState",
     "StepResponse",
@@ -102,6 +105,7 @@ __all__ = [
     "coherent_samples",
     "coherent_spectrum",
     "current_spectrum",
+    "current_unbalance",
     "cut_to_span",
     "distortion_and_noise",
     "fitted_orders",
@@ -119,12 +123,14 @@ __all__ = [
     "measurements_to_json",
     "noise_floor",
     "order_analysis",
+    "orders_at_speed",
     "peak_to_peak_number",
     "percentile_range",
     "relative_phase_rad",
     "resolution",
     "ripple",
     "ripple_numbers",
+    "spectral_lines",
     "spectrum_of",
     "switching_frequency",
     "switching_states",

@@ -19,6 +19,7 @@ import numpy as np
 from benchtool.analysis.bode import analyze_response
 from benchtool.analysis.current import CurrentSpectrum, current_spectrum
 from benchtool.analysis.flux_trajectory import flux_trajectory
+from benchtool.analysis.lines import spectral_lines
 from benchtool.analysis.measurement import Measurement, Table
 from benchtool.analysis.orders import order_analysis
 from benchtool.analysis.periods import PhaseTrack, track_angle, track_tone
@@ -34,6 +35,7 @@ from benchtool.analysis.specimen import (
 from benchtool.analysis.step import analyze_step
 from benchtool.analysis.switching import switching_frequency, switching_states
 from benchtool.analysis.torque import torque_ripple, true_torque
+from benchtool.analysis.unbalance import current_unbalance
 from benchtool.block import Block
 from benchtool.profile import Motor
 
@@ -182,13 +184,22 @@ def _true_residual(window: Window) -> Findings:
     return Findings(tuple(each for each in window.residual if each.name.startswith("true_")))
 
 
-def _orders(window: Window) -> Findings:
+def _orders(window: Window, channel: str, name: str) -> Findings:
     theta_m = np.unwrap(window.block.column("theta_m"))
     if abs(float(theta_m[-1] - theta_m[0])) < _FEWEST_REVOLUTIONS * 2.0 * np.pi:
         return Findings(())
     slots = None if window.motor is None else window.motor.slots
-    orders = order_analysis(window.block, "torque", pole_pairs=window.pole_pairs, slots=slots)
+    orders = order_analysis(window.block, channel, name, pole_pairs=window.pole_pairs, slots=slots)
     return Findings(orders.measurements, orders.tables)
+
+
+def _unbalance(window: Window) -> Findings:
+    return Findings(current_unbalance(window.block, window.current.track))
+
+
+def _torque_lines(window: Window) -> Findings:
+    lines = spectral_lines(window.block, "torque")
+    return Findings(lines.measurements, lines.tables)
 
 
 CORE: Final = (
@@ -220,7 +231,20 @@ FURTHER: Final = (
     Analysis(
         "torque residual on the shaft", NEEDED_TO_PREDICT, _true_residual, transducer=True, every_tick=True
     ),
-    Analysis("torque orders", ("theta_m", "torque"), _orders, patterns=(r"torque_order_[1-9]\d*",)),
+    Analysis(
+        "torque orders",
+        ("theta_m", "torque"),
+        lambda window: _orders(window, "torque", "torque"),
+        patterns=(r"torque_order_[1-9]\d*",),
+    ),
+    Analysis(
+        "speed orders",
+        ("theta_m", "omega_m"),
+        lambda window: _orders(window, "omega_m", "speed"),
+        patterns=(r"speed_order_[1-9]\d*",),
+    ),
+    Analysis("torque spectrum", ("torque",), _torque_lines),
+    Analysis("current unbalance", ("i_a", "i_b", "i_c"), _unbalance),
 )
 """What channels that not every capture has give besides."""
 

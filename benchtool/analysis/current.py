@@ -51,11 +51,12 @@ _LOW_ORDER = 10
 
 @dataclass(frozen=True)
 class CurrentSpectrum:
-    """Result of `current_spectrum`; `spectrum` is in A peak."""
+    """Result of `current_spectrum`; `spectrum` is in A peak, along `track`, which follows the fundamental."""
 
     measurements: tuple[Measurement, ...]
     tables: tuple[Table, ...]
     spectrum: CoherentSpectrum
+    track: PhaseTrack
 
 
 def current_spectrum(
@@ -104,7 +105,7 @@ def current_spectrum(
         tables = [_without_uncertainty(tables[0], sound.of_amplitudes)]
     if groups is not None:
         tables.append(group_table(groups, "current_groups", unit, _group_basis(coherent, groups, basis)))
-    return CurrentSpectrum(found, tuple(tables), spectrum)
+    return CurrentSpectrum(found, tuple(tables), spectrum, track)
 
 
 def _without_uncertainty(table: Table, reason: str) -> Table:

@@ -6,13 +6,14 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
 from benchtool.analysis.angle import TURN, AngleCoverage
 from benchtool.analysis.angle_orders import MOST_GROUPS, fit_orders
 from benchtool.analysis.measurement import Basis
 from benchtool.analysis.noise import line_noise, repeated_quantisation
-from benchtool.analysis.periods import track_angle
+from benchtool.analysis.periods import PhaseTrack, track_angle
 from benchtool.analysis.ripple import COARSE, resolution
 from benchtool.analysis.spectrum import coherent_spectrum
 from benchtool.analysis.validity import require_unbroken
@@ -20,6 +21,7 @@ from benchtool.block import Block
 from benchtool.errors import AnalysisError
 
 HIGHEST_ORDER = 200
+FEWEST_REVOLUTIONS = 2.0
 
 LARGEST_WOBBLE_RAD = 1.5e-3
 """Rms deviation of the angle from a smooth track at which order 200 loses 5 %: it turns by 0.3 rad."""
@@ -64,7 +66,7 @@ def resampled_orders(
             track by more than `largest_wobble_rad`, rms, so that orders by time are not orders by angle.
     """
     require_unbroken(block)
-    theta_m, samples = np.ascontiguousarray(block.column(angle)), block.column(channel)
+    theta_m = np.ascontiguousarray(block.column(angle))
     track = track_angle(theta_m, 1)
     wobble_rad = track.residual_rad or 0.0
     if wobble_rad > largest_wobble_rad:
@@ -72,27 +74,54 @@ def resampled_orders(
             f"'{angle}' is off a smooth track by {wobble_rad:.3g} rad rms, at most {largest_wobble_rad:.3g} "
             f"is allowed: fit orders to the angle itself"
         )
+    step_rad = resolution(theta_m)
+    return _orders_on(block, channel, track, math.sqrt(max(0.0, wobble_rad**2 - step_rad**2 / 12.0)))
+
+
+def orders_at_speed(block: Block, channel: str, omega_m_rad_s: float) -> OrderSpectrum:
+    """Orders of a uniformly sampled channel at a constant mechanical speed that is stated, not measured.
+
+    What the speed was off the stated one is not in the uncertainty: an order k of a speed that is off by a
+    share x moves by k x of an order, and reads low where that is more than a quarter over the record.
+
+    Raises:
+        AnalysisError: a gap, a dead signal, a speed of zero, or fewer than two revolutions.
+    """
+    require_unbroken(block)
+    omega = abs(omega_m_rad_s) / block.sample_rate_Hz
+    turns = omega * len(block.data) / TURN
+    if not turns >= FEWEST_REVOLUTIONS:
+        raise AnalysisError(
+            f"the record has {turns:.3g} mechanical revolutions at the stated {omega_m_rad_s:.4g} rad/s, at "
+            f"least {FEWEST_REVOLUTIONS:g} are needed for orders: record a longer window"
+        )
+    source = f"stated constant speed of {omega_m_rad_s:.6g} rad/s"
+    return _orders_on(block, channel, PhaseTrack(Polynomial([0.0, omega]), len(block.data), source), None)
+
+
+def _orders_on(block: Block, channel: str, track: PhaseTrack, wobble_rad: float | None) -> OrderSpectrum:
+    """Orders along a mechanical phase that was measured with that wobble, or stated (None)."""
+    samples = np.ascontiguousarray(block.column(channel))
     spectrum = coherent_spectrum(samples, block.sample_rate_Hz, track, channel)
     turns = spectrum.periods
     count = min(HIGHEST_ORDER, (len(spectrum.amplitude) - 1) // turns)
     orders = np.arange(1, count + 1)
     amplitude = spectrum.amplitude[orders * turns]
     noise = line_noise(spectrum, orders * turns)
-    step_rad, step = resolution(theta_m), resolution(samples)
+    step = resolution(samples)
     by_steps = repeated_quantisation(spectrum, step if step > COARSE * float(np.ptp(samples)) else 0.0)
-    wobble_rad = math.sqrt(max(0.0, wobble_rad**2 - step_rad**2 / 12.0))
+    lost = _lost(amplitude, orders, wobble_rad or 0.0)
+    about = "the speed as it was stated" if wobble_rad is None else f"{wobble_rad:.2g} rad rms of wobble"
     return OrderSpectrum(
         signal=channel,
         unit=block.unit(channel),
         order=orders,
         amplitude=amplitude,
-        standard=np.sqrt(
-            noise.in_phase**2 + noise.lost**2 + by_steps**2 + _lost(amplitude, orders, wobble_rad) ** 2
-        ),
+        standard=np.sqrt(noise.in_phase**2 + noise.lost**2 + by_steps**2 + lost**2),
         mean=float(spectrum.amplitude[0]) * math.copysign(1.0, float(np.mean(samples))),
         revolutions=float(turns),
         method=f"DFT over {turns} whole revolutions, resampled to equal steps of a {track.source}",
-        uncertainty_source=f"noise and leakage beside the order, and {wobble_rad:.2g} rad rms of wobble",
+        uncertainty_source=f"noise and leakage beside the order, and {about}",
         dof=noise.dof,
         basis=Basis(
             samples=spectrum.samples,

@@ -12,6 +12,7 @@ from benchtool.analysis.angle import AngleCoverage, angle_coverage
 from benchtool.analysis.angle_orders import sector_means
 from benchtool.analysis.measurement import Basis, Measurement, Table
 from benchtool.analysis.order_spectrum import (
+    FEWEST_REVOLUTIONS,
     LARGEST_WOBBLE_RAD,
     OrderSpectrum,
     fitted_orders,
@@ -22,7 +23,6 @@ from benchtool.analysis.uncertainty import Uncertainty
 from benchtool.block import Block
 from benchtool.errors import AnalysisError
 
-_FEWEST_REVOLUTIONS = 2.0
 _LARGEST_LISTED = 10
 _SECTORS = 72
 _FEWEST_TO_REPEAT = 4  # revolutions
@@ -79,10 +79,10 @@ def order_analysis(
 
 def _by_angle(block: Block, channel: str, angle: str) -> OrderSpectrum:
     coverage = angle_coverage(block.column(angle), angle)
-    if coverage.revolutions < _FEWEST_REVOLUTIONS:
+    if coverage.revolutions < FEWEST_REVOLUTIONS:
         raise AnalysisError(
             f"'{angle}' covers {coverage.revolutions:.2f} mechanical revolutions, at least "
-            f"{_FEWEST_REVOLUTIONS:g} are needed for orders: record a longer window"
+            f"{FEWEST_REVOLUTIONS:g} are needed for orders: record a longer window"
         )
     if coverage.resolution_rad > LARGEST_WOBBLE_RAD:  # then the steps of the angle are no wobble
         try:

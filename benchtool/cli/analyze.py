@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def _column(what: str) -> Any:
-    return typer.Option(metavar="COLUMN[:UNIT]", help=what)
+    return typer.Option(metavar="COLUMN[:UNIT][*GAIN][+OFFSET]", help=what)
 
 
 def analyze(
@@ -30,13 +31,26 @@ def analyze(
             metavar="FILE", help="Measure a text table of another tool instead: CSV, tabs or blanks."
         ),
     ] = None,
-    time: Annotated[str | None, _column("With --csv: column of the time; it and another are needed.")] = None,
+    time: Annotated[
+        str | None, _column("With --csv: column of the time; it or --rate, and a column.")
+    ] = None,
+    rate: Annotated[
+        float | None,
+        typer.Option(metavar="HZ", help="With --csv: rows per second of a table without a time."),
+    ] = None,
     current: Annotated[str | None, _column("With --csv: column of a phase current or q-current.")] = None,
     torque: Annotated[str | None, _column("With --csv: column of the torque.")] = None,
     angle: Annotated[
         str | None, _column("With --csv: column of the mechanical angle; gives orders per revolution.")
     ] = None,
-    speed: Annotated[str | None, _column("With --csv: column of the mechanical speed.")] = None,
+    speed: Annotated[
+        str | None,
+        typer.Option(
+            metavar="COLUMN|VALUE",
+            help="With --csv: column of the mechanical speed, or a constant one with its unit "
+            "(1500rpm), which gives orders without an angle.",
+        ),
+    ] = None,
     pole_pairs: Annotated[
         int | None, typer.Option(min=1, metavar="P", help="With --csv: pole pairs of the motor.")
     ] = None,
@@ -52,32 +66,43 @@ def analyze(
     to: Annotated[
         float | None, typer.Option("--to", metavar="S", help="With --csv: leave out what is later.")
     ] = None,
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="With --csv: write a run bundle of it.")
+    ] = None,
+    report: Annotated[
+        bool, typer.Option("--report", help="With --csv: write the bundle, and a report in it.")
+    ] = False,
     as_json: options.Json = False,
 ) -> int:
     """Measure a recorded run again, by the plan that it carries; or data from elsewhere, with --csv.
 
     COLUMN is a name in the head of the table, or a number counted from 1. Its unit is SI (s, A, Nm, rad,
     rad/s) unless the head states another in brackets, as "Iq [mA]", or the option does behind a colon:
-    --current Iq:mA, --angle 2:deg, --time "t:ms".
+    --current Iq:mA, --angle 2:deg, --time "t:ms". A probe's gain and offset may follow, the offset in that
+    unit: --current CH1:A*10-0.2 is ten times the cell, less 0.2 A.
     """
     if csv is None:
-        given = (time, current, torque, angle, speed, pole_pairs, slots, rated_torque, from_, to)
-        return _analyze_run(run, as_json, any(each is not None for each in given))
+        given = (time, rate, current, torque, angle, speed, pole_pairs, slots, rated_torque, from_, to, out)
+        return _analyze_run(run, as_json, report or any(each is not None for each in given))
     from benchtool.errors import UsageError
     from benchtool.experiment.foreign import TableQuestion, analyze_table
+    from benchtool.recording.text_scaling import quantity
 
     if run is not None:
         raise UsageError(f"both {run} and --csv {csv}: give the folder of a run or a table, one of the two")
-    if time is None or (current is None and torque is None and speed is None):
-        missing = "--time" if time is None else "--current, --torque and --speed"
-        raise UsageError(
-            f"--csv without {missing}: name the column of the time and that of a current, torque or speed"
-        )
+    omega_m_rad_s = None if speed is None else quantity(speed, "rad/s")
+    if omega_m_rad_s is not None:
+        speed = None
+    _require_time(csv, time, rate)
+    if current is None and torque is None and speed is None:
+        missing = "--current, --torque and --speed"
+        raise UsageError(f"--csv without {missing}: name the column of a current, torque or speed")
     if rated_torque is not None and not (math.isfinite(rated_torque) and rated_torque > 0.0):
         raise UsageError(f"--rated-torque is {rated_torque:g}, a torque above zero in Nm is expected")
+    turning = None if angle is None and omega_m_rad_s is None else "--angle"
     for option, without in (
-        ("--pole-pairs", pole_pairs is not None and angle is None and "--angle"),
-        ("--slots", slots is not None and angle is None and "--angle"),
+        ("--pole-pairs", pole_pairs is not None and turning is None and "--angle"),
+        ("--slots", slots is not None and turning is None and "--angle"),
         ("--rated-torque", rated_torque is not None and torque is None and "--torque"),
     ):
         if without:
@@ -95,12 +120,45 @@ def analyze(
             torque_rated_Nm=rated_torque,
             from_s=-math.inf if from_ is None else from_,
             to_s=math.inf if to is None else to,
+            rate_Hz=rate,
+            omega_m_rad_s=None if angle is not None else omega_m_rad_s,
         )
     )
     output = Output(as_json=as_json)
     _show(output, answer)
-    output.document({"verdict": "none", "cases": {"csv": answer.to_json()}})
+    document = {"verdict": "none", "cases": {"csv": answer.to_json()}}
+    if out is not None or report:
+        document |= _keep(output, answer, out, with_report=report)
+    output.document(document)
     return 0
+
+
+def _require_time(csv: Path, time: str | None, rate: float | None) -> None:
+    from benchtool.errors import UsageError
+
+    if time is None and rate is None:
+        raise UsageError("--csv without --time: name the column of the time, or state --rate in Hz")
+    if time is not None and rate is not None:
+        raise UsageError(f"both --time {time} and --rate {rate:g} for {csv}: give one of the two")
+    if rate is not None and not (math.isfinite(rate) and rate > 0.0):
+        raise UsageError(f"--rate is {rate:g}, rows per second above zero are expected")
+
+
+def _keep(output: Output, answer: TableAnswer, out: Path | None, *, with_report: bool) -> dict[str, str]:
+    """Write the bundle, and the report in it; where they are."""
+    from benchtool.cli.report import write_report
+    from benchtool.experiment.foreign.keeping import keep, table_report
+    from benchtool.recording import enlist
+
+    when = options.wall_time()
+    with options.bundle_folder(out, when, f"table-{answer.record.question.file.stem}") as folder:
+        bundle = keep(answer, folder, when.isoformat(timespec="seconds"), sys.argv[1:])
+        output.line(f"bundle: {folder}")
+        if not with_report:
+            return {"bundle": str(folder)}
+        page, _ = write_report(table_report(answer, bundle), folder / "report.html", pdf=False, output=output)
+        enlist(folder, [page])
+        return {"bundle": str(folder), "report": str(page)}
 
 
 def _analyze_run(run: Path | None, as_json: bool, has_csv_options: bool) -> int:
@@ -148,6 +206,8 @@ def _show(output: Output, answer: TableAnswer) -> None:
             undefined.setdefault(each.reason, []).append(each.name)
     for reason, names in undefined.items():
         output.line(f"undefined: {', '.join(names)}: {reason}")
+    for remark in answer.remarks:
+        output.line(f"warning: {remark.text}", "yellow")
     output.line(_read(answer.source))
     output.line(_timed(answer.source["time"]))
 
@@ -161,7 +221,9 @@ def _read(source: Mapping[str, Any]) -> str:
 def _column_read(what: str, column: Mapping[str, Any]) -> str:
     name = f" '{column['name']}'" if column["name"] else ""
     assumed = " (assumed)" if column["unit_from"] == "assumed" else ""
-    return f"{what} from column {column['number']}{name} in {column['unit']}{assumed}"
+    scaled = "" if column["gain"] == 1.0 else f" x {column['gain']:g}"
+    scaled += f" {column['offset']:+g} {column['unit']}" if column["offset"] else ""
+    return f"{what} from column {column['number']}{name}{scaled} in {column['unit']}{assumed}"
 
 
 def _timed(time: Mapping[str, Any]) -> str:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import csv
+import itertools
 import re
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from benchtool.errors import RecordingError
-from benchtool.recording.text_units import is_unit
+from benchtool.recording.text_units import is_scale, is_unit
 
 BLANKS = " "
 """The delimiter that stands for any run of blanks and tabs."""
@@ -31,12 +32,18 @@ _LAYOUTS = (
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 _NO_NUMBER = frozenset(("", "nan", "inf", "+inf", "-inf", "infinity", "null", "na", "n/a"))
 _BRACKETED = re.compile(r"\(.*\)|\[.*\]")
-_UNIT_IN_NAME = re.compile(r"(?P<name>.*\S)\s*(\((?P<round>[^()]*)\)|\[(?P<square>[^\[\]]*)\])")
+_BRACKETS = re.compile(r"\s*(?:\((?P<round>[^()]*)\)|\[(?P<square>[^\[\]]*)\])")
+_SUFFIXES = (1, 2, 4)  # the last 1/n of the lines, in which a long head no longer counts
+_ROWS_IN_HEAD = 0.25  # of the rows below the names: more rows above them are data
 
 
 @dataclass(frozen=True)
 class Column:
-    """One column: `name` as the head has it (empty without one), `unit` as the head states it, or empty."""
+    """One column: `name` as the head has it (empty without one), `unit` as the head states it, or empty.
+
+    What the name has in brackets is its unit where that is a unit, or a scale of which no SI unit is known
+    (`[counts]`, `[%]`); `Iq[0]` and `i (phase a)` have none.
+    """
 
     name: str
     unit: str
@@ -44,8 +51,7 @@ class Column:
     @property
     def bare_name(self) -> str:
         """The name without what stands in brackets behind it."""
-        match = _UNIT_IN_NAME.fullmatch(self.name)
-        return match["name"] if match else self.name
+        return _BRACKETS.sub("", self.name).strip() or self.name
 
 
 @dataclass(frozen=True)
@@ -65,7 +71,8 @@ def find_layout(text: bytes, source: str) -> Layout:
     The delimiter and decimal sign are those by which most cells of most lines, sampled from the beginning,
     the middle and the end, are numbers. What comes before the first such line is the head: the line of it
     nearest the numbers that has a name for each column names them, and of two such lines the second may hold
-    their units. Lines that begin with # or % are comments, which may name the columns too.
+    their units. Where no line above the first numbers names columns and one below a few of them does, those
+    few belong to the head as well. Lines that begin with # or % are comments, which may name the columns too.
 
     Raises:
         RecordingError: no two columns of numbers are there.
@@ -84,20 +91,24 @@ def find_layout(text: bytes, source: str) -> Layout:
             f"thousands separators: export it as such"
         )
     delimiter, decimal, width, numeric = found
-    head_lines, begin = 0, 0
-    for line in lines:
-        cells = split(line.decode(errors="replace"), delimiter)
-        if not is_comment(line) and _is_row(cells, decimal, width, numeric):
-            break
-        head_lines, begin = head_lines + 1, begin + len(line) + 1
-    else:
+    rows = [
+        not is_comment(line)
+        and _is_row(split(line.decode(errors="replace"), delimiter), decimal, width, numeric)
+        for line in lines
+    ]
+    if not any(rows):
         raise RecordingError(
             f"{source}: no line of numbers within the first {len(head)} bytes, a head of a few lines is "
             f"expected: cut the head"
         )
-    empty = _empty_columns(sample, delimiter, width)
-    preamble = [line.decode(errors="replace") for line in lines[:head_lines]]
-    columns = _columns(preamble, delimiter, width - empty)
+    texts = [line.decode(errors="replace") for line in lines]
+    used = width - _empty_columns(sample, delimiter, width)
+    head_lines = rows.index(True)
+    columns = _columns(texts[:head_lines], delimiter, used)
+    if not columns:
+        head_lines = _below_names(texts, rows, delimiter, numeric) or head_lines
+        columns = _columns(texts[:head_lines], delimiter, used)
+    begin = sum(len(line) + 1 for line in lines[:head_lines])
     columns += tuple(Column("", "") for _ in range(width - len(columns)))
     return Layout(delimiter, decimal, columns, head_lines, begin)
 
@@ -146,7 +157,8 @@ def _best(sample: Sequence[bytes]) -> tuple[str, str, int, tuple[bool, ...]] | N
             cells = split(line.decode(errors="replace"), delimiter)
             if 2 <= len(cells) <= _MOST_COLUMNS:
                 by_width[len(cells)].append(cells)
-        for width, rows in by_width.items():
+        for (width, found), part in itertools.product(by_width.items(), _SUFFIXES):
+            rows = found[-(-len(found) * (part - 1) // part) :]
             counts = [sum(_is_number(row[column], decimal) for row in rows) for column in range(width)]
             filled = [sum(bool(row[column]) for row in rows) for column in range(width)]
             numeric = tuple(
@@ -206,6 +218,25 @@ def _columns(preamble: Sequence[str], delimiter: str, width: int) -> tuple[Colum
     return tuple(Column(name, _unit_in(name)) for name in fitting[0])
 
 
+def _below_names(
+    texts: Sequence[str], rows: Sequence[bool], delimiter: str, numeric: Sequence[bool]
+) -> int | None:
+    """Where the rows begin below a line of names that has but a few rows of numbers above it."""
+    for place, text in enumerate(texts):
+        if rows[place] or not any(rows[:place]) or not any(rows[place:]):
+            continue
+        cells = _fitted(text.strip().lstrip("#%").strip(), delimiter, len(numeric))
+        names = [] if cells is None else [cell for cell, kept in zip(cells, numeric, strict=True) if kept]
+        if not names or any(not cell or _has_number(cell) or cell.lower() in _NO_NUMBER for cell in names):
+            continue
+        return rows.index(True, place) if sum(rows[:place]) <= _ROWS_IN_HEAD * sum(rows[place:]) else None
+    return None
+
+
+def _has_number(cell: str) -> bool:
+    return _is_number(cell, ".") or _is_number(cell, ",")
+
+
 def _fitted(line: str, delimiter: str, width: int) -> list[str] | None:
     """The cells of a head line, one for each column, or None; its delimiter may not be the body's."""
     ways = (split(line, delimiter), *(split(line, other) for other in ",;\t"), re.split(r"\s{2,}|\t", line))
@@ -228,5 +259,10 @@ def _are_units(cells: Sequence[str]) -> bool:
 
 
 def _unit_in(name: str) -> str:
-    match = _UNIT_IN_NAME.fullmatch(name)
-    return (match["round"] or match["square"] or "").strip() if match else ""
+    """The last of what stands in brackets that is a unit, else the last that is another scale, or nothing."""
+    found = [str(match["round"] or match["square"] or "").strip() for match in _BRACKETS.finditer(name)]
+    for is_one in (is_unit, is_scale):
+        for text in reversed(found):
+            if is_one(text):
+                return text
+    return ""

@@ -16,7 +16,8 @@ from pyarrow import csv
 
 from benchtool.errors import AnalysisError, RecordingError
 from benchtool.recording.text_layout import BLANKS, Layout, find_layout
-from benchtool.recording.text_units import unit_factor, units_of
+from benchtool.recording.text_scaling import Scaling, scaling
+from benchtool.recording.text_units import PERCENT, unit_factor, units_of
 
 _BLOCK_BYTES = 4 << 20
 _SNIFFED_BYTES = 64 * 1024
@@ -36,9 +37,10 @@ _ASCII_ONLY = bytes(byte if 0 < byte < 128 else (ord("?") if byte else ord(" "))
 
 @dataclass(frozen=True)
 class Selection:
-    """A column that was asked for: `number` counts from 1, values times `factor` are in `si_unit`.
+    """A column that was asked for: `number` counts from 1, (cell x gain + offset) x factor is in `si_unit`.
 
-    `unit_from` is "option", "head", or "assumed" where neither states anything.
+    `unit_from` is "option", "head", or "assumed" where neither states anything; `unit` is that of the value
+    after gain and offset.
     """
 
     number: int
@@ -47,18 +49,22 @@ class Selection:
     unit_from: str
     factor: float
     si_unit: str
+    gain: float = 1.0
+    offset: float = 0.0
 
 
 @dataclass(frozen=True)
 class Rows:
     """Numbers of some columns in SI units, shape (n, columns), all finite: rows in which each cell is one.
 
-    `read` rows were found, and `dropped` says how many of them were left out, by reason.
+    `read` rows were found, and `dropped` says how many of them were left out, by reason. `place` is which of
+    the rows of the right width each is, from 0, shape (n,).
     """
 
     data: NDArray[np.float64]
     read: int
     dropped: Mapping[str, int]
+    place: NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -100,38 +106,45 @@ class TextTable:
             text = text.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
         return cls(path, encoding, find_layout(text, str(path)), text)
 
-    def select(self, wanted: str, si_unit: str) -> Selection:
+    def select(self, wanted: str, si_unit: str, rated: float | None = None) -> Selection:
         """The column that `wanted` names, in a unit of the kind of `si_unit`.
 
-        `wanted` is a name, or a number counted from 1; behind a colon may stand the unit of its values. A
-        name is looked for as it is written, then without what it has in brackets at its end, then in another
-        case; only what is no name is taken as a number, and only what is neither is split at its last colon.
+        `wanted` is a name, or a number counted from 1; behind a colon may stand the unit of its values, a
+        gain and an offset, see `scaling`. A name is looked for as it is written, then without what it has in
+        brackets, then in another case; only what is no name is taken as a number, and only what is neither is
+        split at its last colon. A unit of percent is that of `rated`, in `si_unit`.
 
         Raises:
             AnalysisError: no such column, several of that name, or what the option or else the head states
                 as the unit is not one of that kind.
         """
         number = self._find(wanted)
-        unit, unit_from = "", ""
+        stated = Scaling("")
         if number is None and ":" in wanted:
-            name, _, unit = wanted.rpartition(":")
-            number, unit_from = self._find(name), "option"
+            name, _, behind = wanted.rpartition(":")
+            number, stated = self._find(name), scaling(behind, si_unit)
             wanted = name
         if number is None:
             raise AnalysisError(
                 f"{self.path} has no column '{wanted}', {self._listed()}: give a name or a number"
             )
         column = self.layout.columns[number]
-        if unit_from == "":
-            unit, unit_from = (column.unit, "head") if column.unit else (si_unit, "assumed")
+        unit, unit_from = (column.unit, "head") if column.unit else (si_unit, "assumed")
+        if stated.unit:
+            unit, unit_from = stated.unit, "option"
         factor = unit_factor(unit, si_unit)
+        if factor is None and rated is not None and unit.lower() in PERCENT:
+            factor = rated / 100.0
         if factor is None:
-            stated = "which its head states" if unit_from == "head" else "as given"
+            by = "which its head states" if unit_from == "head" else "as given"
             raise AnalysisError(
-                f"'{unit}' is no unit of column '{wanted}', {stated}; expected is one of "
-                f"{units_of(si_unit)}: state it in the option, as '{wanted}:{si_unit}'"
+                f"'{unit}' is no unit of column '{wanted}', {by}; expected is one of "
+                f"{units_of(si_unit)}: state it in the option, as '{wanted}:{si_unit}', with a gain where "
+                f"one step is another size, as '{wanted}:{si_unit}*0.01'"
             )
-        return Selection(number + 1, column.name, unit, unit_from, factor, si_unit)
+        return Selection(
+            number + 1, column.name, unit, unit_from, factor, si_unit, stated.gain, stated.offset
+        )
 
     def rows(self, selections: Sequence[Selection]) -> Rows:
         """The numbers of some columns, in SI units.
@@ -150,14 +163,18 @@ class TextTable:
             for chunk in table[str(column)].chunks:
                 # not to_numpy, which imports pandas where that is installed: a second
                 values = np.from_dlpack(chunk.fill_null(np.nan) if chunk.null_count else chunk)
-                np.multiply(values, selection.factor, out=data[row : row + len(values), place])
+                target = data[row : row + len(values), place]
+                np.multiply(values, selection.gain * selection.factor, out=target)
+                if selection.offset:
+                    target += selection.offset * selection.factor
                 row += len(values)
         kept = (np.abs(data) < _NO_READING).all(axis=1)  # false of nan as well
         no_number = int(np.count_nonzero(~kept))
         reasons = (("wrong number of cells", wrong_width), ("a cell is no number", no_number))
         if no_number:
             data = np.asfortranarray(data[kept])
-        return Rows(data, table.num_rows + wrong_width, {why: count for why, count in reasons if count})
+        dropped = {why: count for why, count in reasons if count}
+        return Rows(data, table.num_rows + wrong_width, dropped, np.flatnonzero(kept))
 
     def unreadable_cell(self, selections: Sequence[Selection]) -> str:
         """The first cell of these columns that is no number, as it stands in the file; empty without one."""

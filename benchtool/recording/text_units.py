@@ -58,6 +58,46 @@ _WORDS = {
     "ozf·in": ("ozfin", "ozin", "inozf", "inoz"),
     "kgf·cm": ("kgfcm", "kgcm"),
 }
+PERCENT = ("%", "percent")
+"""Of a rated value, which the table does not tell."""
+
+_SCALES = frozenset(
+    (
+        *(
+            "-",
+            "raw",
+            "%",
+            "percent",
+            "pu",
+            "p.u.",
+            "count",
+            "counts",
+            "cnt",
+            "cnts",
+            "lsb",
+            "digit",
+            "digits",
+        ),
+        *(
+            "tick",
+            "ticks",
+            "inc",
+            "step",
+            "steps",
+            "adc",
+            "div",
+            "q15",
+            "q16",
+            "db",
+            "dbm",
+            "degc",
+            "degf",
+            "k",
+            "t",
+        ),
+        *("gauss", "m", "mm", "m/s", "m/s2", "g", "pa", "bar", "var", "va"),
+    )
+)
 _WORD_UNITS = {word: unit for unit, words in _WORDS.items() for word in words}
 
 
@@ -76,6 +116,12 @@ def unit_factor(text: str, unit: str) -> float | None:
 def is_unit(text: str) -> bool:
     """Whether `text` is any unit that a head may state."""
     return any(unit_factor(text, unit) is not None for unit in KNOWN)
+
+
+@cache
+def is_scale(text: str) -> bool:
+    """Whether `text` is a scale that no column here may be in as it stands: counts, percent, another kind."""
+    return text.strip().translate(_CHARACTERS).lower() in _SCALES
 
 
 def units_of(unit: str) -> str:

@@ -173,13 +173,16 @@ def choices_section(choices: Sequence[Choice]) -> Section | None:
 
 
 def files_section(
-    bundles: Iterable[tuple[str, Bundle, Mapping[str, Block]]], commands: Sequence[str]
+    bundles: Iterable[tuple[str, Bundle, Mapping[str, Block]]],
+    commands: Sequence[str],
+    by: str = "the plan that the bundle carries",
 ) -> Section:
     """How to compute everything again: commands, files with their SHA-256, and columns of the streams.
 
     Args:
         bundles: with a prefix for the names of their files, and those of their streams that were read.
         commands: lines to type.
+        by: by which the numbers were computed.
 
     Raises:
         RecordingError: a file cannot be read.
@@ -197,9 +200,7 @@ def files_section(
     return Section(
         "How to compute this again",
         (
-            Text(
-                "Every number above is computed from the recorded data by the plan that the bundle carries:"
-            ),
+            Text(f"Every number above is computed from the recorded data by {by}:"),
             *lines,
             Grid.of(("stream", "rate, rows: columns"), list(streams), "What the data files hold."),
             Grid.of(("file", ">bytes", "SHA-256"), files, "The files that this report was made from."),

@@ -11,7 +11,8 @@ import numpy as np
 from benchtool.analysis import Measurement, Table
 from benchtool.analysis.angle import angle_coverage
 from benchtool.analysis.current import CurrentSpectrum, current_spectrum
-from benchtool.analysis.order_spectrum import fitted_orders
+from benchtool.analysis.lines import spectral_lines
+from benchtool.analysis.order_spectrum import fitted_orders, orders_at_speed
 from benchtool.analysis.orders import Orders, describe_orders, order_analysis
 from benchtool.analysis.ripple import record_basis, ripple_of_rows
 from benchtool.analysis.timebase import held_rows
@@ -42,8 +43,12 @@ def results(record: Record) -> Iterator[Measurement | Table]:
             yield from _current(record, periods)
         else:
             yield from _ripple(record, periods, what)
-        if what != "speed" and "angle" in record.channels:
+        if "angle" in record.channels or record.question.omega_m_rad_s is not None:
             yield from _orders(record, what)
+        elif what != "current" and record.uniform is not None:
+            lines = spectral_lines(record.uniform, record.channels[what].name, what)
+            yield from lines.measurements
+            yield from lines.tables
 
 
 def _undefined(record: Record, what: str, reason: str) -> Iterator[Measurement]:
@@ -114,7 +119,7 @@ def _current_spectrum(record: Record, periods: Periods, name: str) -> CurrentSpe
             f"{base.rate_Hz / held:.4g} Hz and not at {base.rate_Hz:.4g} Hz: export each once"
         )
     track = periods.of_phase_current()
-    found = current_spectrum(record.uniform, name, track, rate_relative=base.rate_relative)
+    found = current_spectrum(record.uniform, name, track, rate_relative=record.rate_relative)
     if base.gaps_known:
         return found
     return replace(
@@ -128,8 +133,9 @@ def _orders(record: Record, what: str) -> Iterator[Measurement | Table]:
     try:
         orders = _found_orders(record, what)
     except AnalysisError as refused:
-        channel, angle = record.channels[what], record.channels["angle"]
-        definition = f"order with the largest peak amplitude of {channel.name} on {angle.name}"
+        channel, angle = record.channels[what], record.channels.get("angle")
+        by = "at the stated speed" if angle is None else f"on {angle.name}"
+        definition = f"order with the largest peak amplitude of {channel.name} {by}"
         yield Measurement.undefined(f"{what}_order_largest", "", definition, str(refused), record.basis)
         return
     yield from orders.measurements
@@ -137,8 +143,15 @@ def _orders(record: Record, what: str) -> Iterator[Measurement | Table]:
 
 
 def _found_orders(record: Record, what: str) -> Orders:
-    channel, angle = record.channels[what].name, record.channels["angle"].name
+    channel = record.channels[what].name
     pole_pairs, slots = record.question.pole_pairs, record.question.slots
+    omega_m_rad_s = record.question.omega_m_rad_s
+    if omega_m_rad_s is not None:
+        if record.uniform is None:
+            raise AnalysisError(record.uneven)
+        stated = orders_at_speed(record.uniform, channel, omega_m_rad_s)
+        return describe_orders(stated, what, pole_pairs, slots)
+    angle = record.channels["angle"].name
     if record.block is not None:
         return order_analysis(record.block, channel, what, angle=angle, pole_pairs=pole_pairs, slots=slots)
     coverage = angle_coverage(record.column("angle"), angle)

@@ -12,21 +12,28 @@ from benchtool.analysis.timebase import time_base
 from benchtool.experiment.foreign.analyses import results
 from benchtool.experiment.foreign.columns import TableColumns, TableQuestion, read_columns
 from benchtool.experiment.foreign.record import Record
+from benchtool.experiment.foreign.remarks import Remark, remarks
 from benchtool.recording.text_layout import BLANKS
 
 
 @dataclass(frozen=True)
 class TableAnswer:
-    """What a table measured; `source` says what was read of it and how its time stamps were understood."""
+    """What a table measured; `source` says what was read of it and how its time stamps were understood.
+
+    `record` has the rows that were used, `remarks` tell what is odd about them.
+    """
 
     measurements: tuple[Measurement, ...]
     tables: tuple[Table, ...]
     source: Mapping[str, Any]
+    record: Record
+    remarks: tuple[Remark, ...] = ()
 
     def to_json(self) -> dict[str, Any]:
         """The case as the JSON document of a run lists one, with its source."""
         return {
             "source": dict(self.source),
+            "remarks": [each.to_json() for each in self.remarks],
             "measurements": measurements_to_json(self.measurements),
             "tables": tables_to_json(self.tables),
         }
@@ -38,7 +45,7 @@ def analyze_table(question: TableQuestion) -> TableAnswer:
     Ripple and orders by angle need no even time steps. What does, a spectrum, is undefined with the reason
     where the time stamps are uneven or rows are missing. A current whose mean is above half of its largest
     sinusoid, in which no sinusoid has a tenth of the power, or whose name is that of a d- or q-current, is
-    taken as one in rotating coordinates: fundamental and distortion are undefined, its ripple is given. The
+    not taken as that of a phase: fundamental and distortion are undefined, its ripple is given. The
     numbers of a dead column are undefined, those of the others are not.
 
     Raises:
@@ -51,7 +58,7 @@ def analyze_table(question: TableQuestion) -> TableAnswer:
     found = list(results(record))
     tables = tuple(each for each in found if isinstance(each, Table))
     measurements = tuple(each for each in found if isinstance(each, Measurement))
-    return TableAnswer(measurements, tables, _source(columns, record))
+    return TableAnswer(measurements, tables, _source(columns, record), record, tuple(remarks(record)))
 
 
 def _source(columns: TableColumns, record: Record) -> dict[str, Any]:
@@ -79,6 +86,8 @@ def _source(columns: TableColumns, record: Record) -> dict[str, Any]:
                 "name": each.name,
                 "unit": each.unit,
                 "unit_from": each.unit_from,
+                "gain": each.gain,
+                "offset": each.offset,
             }
             for what, each in columns.chosen.items()
         },

@@ -24,25 +24,30 @@ class TableQuestion:
     """Which columns of a file are what.
 
     `time`, and `columns` by names of `QUANTITIES`, are as `TextTable.select` takes them; `from_s` and `to_s`
-    are on the file's own time axis.
+    are on the file's own time axis. Without `time` the rows are `rate_Hz` apart, the first at 0 s.
+    `omega_m_rad_s` is a constant mechanical speed, which stands in for an angle; torque in percent is that of
+    `torque_rated_Nm`.
     """
 
     file: Path
-    time: str
+    time: str | None
     columns: Mapping[str, str]
     pole_pairs: int | None = None
     slots: int | None = None
     torque_rated_Nm: float | None = None
     from_s: float = -math.inf
     to_s: float = math.inf
+    rate_Hz: float | None = None
+    omega_m_rad_s: float | None = None
 
 
 @dataclass(frozen=True)
 class TableColumns:
     """The columns that a question names, as the table has them.
 
-    `chosen` has the time first; `data`, shape (n, columns) and in SI units, has its columns in that order,
-    and of the rows that were read those in the span that the question asks for.
+    `chosen` has the time first, if that is a column; `data`, shape (n, 1 + columns) and in SI units, has the
+    time and then the columns in that order, and of the rows that were read those in the span that the
+    question asks for.
     """
 
     table: TextTable
@@ -74,20 +79,31 @@ def read_columns(question: TableQuestion) -> TableColumns:
     table = TextTable.open(question.file)
     chosen = _choose(table, question)
     rows = _rows(table, list(chosen.values()))
-    time_s = rows.data[:, 0]
+    data = rows.data
+    if question.rate_Hz is not None:
+        if "wrong number of cells" in rows.dropped:
+            raise AnalysisError(
+                f"{question.file} has {rows.dropped['wrong number of cells']} rows with a wrong number of "
+                f"cells, which a stated rate leaves without a time: name the column of the time, or mend them"
+            )
+        data = np.column_stack([rows.place / question.rate_Hz, data])
+    time_s = data[:, 0]
     inside = (time_s >= question.from_s) & (time_s <= question.to_s)
     if not inside.any():
         raise AnalysisError(
             f"no row of {question.file} is from {question.from_s:g} s to {question.to_s:g} s, it has "
             f"{time_s.min():g} s to {time_s.max():g} s: choose a span within"
         )
-    return TableColumns(table, chosen, rows, rows.data if inside.all() else rows.data[inside])
+    return TableColumns(table, chosen, rows, data if inside.all() else data[inside])
 
 
 def _choose(table: TextTable, question: TableQuestion) -> dict[str, Selection]:
     """The time and the columns asked for, no two of them the same."""
-    chosen = {"time": table.select(question.time, "s")}
-    chosen |= {what: table.select(name, QUANTITIES[what]) for what, name in question.columns.items()}
+    chosen = {} if question.time is None else {"time": table.select(question.time, "s")}
+    rated = {"torque": question.torque_rated_Nm}
+    chosen |= {
+        what: table.select(name, QUANTITIES[what], rated.get(what)) for what, name in question.columns.items()
+    }
     for number, twice in Counter(each.number for each in chosen.values()).items():
         if twice > 1:
             which = " and ".join(what for what, each in chosen.items() if each.number == number)

@@ -119,8 +119,9 @@ class Periods:
         mean, amplitude = float(np.mean(self.record.column("current"))), self._amplitude(track)
         if abs(mean) > _LARGEST_MEAN * amplitude:
             return (
-                f"its mean is {abs(mean):.3g} A and its fundamental {amplitude:.3g} A peak, that of a phase "
-                f"current has a mean near zero: it is taken as a current in rotating coordinates"
+                f"its mean is {abs(mean):.3g} A and its largest sinusoid {amplitude:.3g} A peak, that of a "
+                f"phase current has a mean near zero: an offset can be taken off in the option, as ':A-0.2'; "
+                f"dc and a current in rotating coordinates have no fundamental"
             )
         if (share := self._share(track)) < _LEAST_SHARE:
             return f"no sinusoid stands out, the largest has {100 * share:.2g} % of the ripple's power"

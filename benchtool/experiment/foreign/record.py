@@ -47,6 +47,11 @@ class Record:
         return Basis(len(self.data), rate_Hz, duration_s, gaps=gaps)
 
     @property
+    def rate_relative(self) -> float | None:
+        """Standard uncertainty of the rate, relative to it, by the stamps; None of a rate that was stated."""
+        return self.base.rate_relative if self.question.rate_Hz is None else None
+
+    @property
     def uneven(self) -> str:
         """Why nothing that needs even steps can be said."""
         return self.base.refusal or (

@@ -373,3 +373,59 @@ def test_units_as_people_write_them(text: str, unit: str, factor: float) -> None
 )
 def test_what_is_no_unit_of_the_kind(text: str, unit: str) -> None:
     assert unit_factor(text, unit) is None
+
+
+@pytest.mark.parametrize(
+    "head",
+    [
+        "10000,2\nTime,Iq\n",
+        "1,2\n3,4\nTime [s],Iq [A]\n",
+        "10000,2\nTime,Iq\ns,A\n",
+        "".join(f"parameter {number},{number}\n" for number in range(12)) + "Time,Iq\n",
+    ],
+)
+def test_numbers_in_the_head_are_no_rows(tmp_path: Path, head: str) -> None:
+    path = write(tmp_path, head + lines())
+    require_all(read(path, "Time", "Iq"))
+    assert TextTable.open(path).layout.head_lines == head.count("\n")
+
+
+@pytest.mark.parametrize("name", ["Iq[0]", "I (phase a)", "Current [Phase A]", "Iq (filtered)"])
+def test_brackets_that_hold_no_unit_are_part_of_the_name(tmp_path: Path, name: str) -> None:
+    table = TextTable.open(write(tmp_path, f"t,{name}\n{lines()}"))
+    assert table.select(name, "A").unit_from == "assumed"
+    both = TextTable.open(write(tmp_path, f"t,{name} [mA] (raw value)\n{lines()}"))
+    assert both.select("2", "A").factor == 1e-3
+
+
+@pytest.mark.parametrize(
+    ("stated", "gain", "offset", "factor"),
+    [
+        ("2:A*10-0.2", 10.0, -0.2, 1.0),
+        ("2:mA*0.5+0.1", 0.5, 0.1, 1e-3),
+        ("2:*-1", -1.0, 0.0, 1e-3),
+        ("2:A+1e-3", 1.0, 1e-3, 1.0),
+        ("2:A*1e-3", 1e-3, 0.0, 1.0),
+    ],
+)
+def test_gain_and_offset(tmp_path: Path, stated: str, gain: float, offset: float, factor: float) -> None:
+    table = TextTable.open(write(tmp_path, "t,CH1 (mA)\n0,1\n1,2\n2,5\n"))
+    selection = table.select(stated, "A")
+    assert (selection.gain, selection.offset, selection.factor) == (gain, offset, factor)
+    expected = (np.array([1.0, 2.0, 5.0]) * gain + offset) * factor
+    np.testing.assert_allclose(table.rows([selection]).data[:, 0], expected, rtol=1e-12)
+
+
+def test_a_unit_that_ends_like_an_offset_is_a_unit(tmp_path: Path) -> None:
+    table = TextTable.open(write(tmp_path, "t,n\n" + lines()))
+    assert table.select("n:min-1", "rad/s").offset == 0.0
+    assert table.select("n:min-1*2-3", "rad/s").offset == -3.0
+    with pytest.raises(AnalysisError, match="a gain other than zero"):
+        table.select("n:rpm*0", "rad/s")
+
+
+def test_percent_is_of_what_is_rated(tmp_path: Path) -> None:
+    table = TextTable.open(write(tmp_path, "t,T [%]\n" + lines()))
+    assert table.select("T", "Nm", rated=2.0).factor == 0.02
+    with pytest.raises(AnalysisError, match="'%' is no unit"):
+        table.select("T", "Nm")

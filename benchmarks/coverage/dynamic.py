@@ -1,0 +1,260 @@
+"""Families of step and frequency responses: lags of first and second order, in noise of either colour."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import optimize, signal
+
+from benchmarks.coverage.families import Family, picked
+from benchmarks.coverage.noise import coloured
+from benchtool.analysis import Measurement, analyze_response, analyze_step
+from benchtool.block import Block
+
+Floats = NDArray[np.float64]
+
+RATE_HZ = 10_000.0
+_BEFORE_S = 0.02
+
+
+@dataclass(frozen=True)
+class Lag:
+    """gain x omega^2 / (s^2 + 2 damping omega s + omega^2), or gain / (1 + s / omega) without a damping."""
+
+    corner_Hz: float
+    damping: float | None = None
+    gain: float = 1.0
+
+    @property
+    def omega(self) -> float:
+        return 2.0 * math.pi * self.corner_Hz
+
+    def step(self, time_s: Floats) -> Floats:
+        """Answer to a unit step at zero, of unit gain at rest, at times of any sign."""
+        x = self.omega * np.maximum(time_s, 0.0)
+        if self.damping is None:
+            return np.asarray(1.0 - np.exp(-x))
+        z = complex(self.damping) + 1j * np.sqrt(complex(1.0 - self.damping**2))
+        both = np.exp(-np.conj(z) * x) * z - np.exp(-z * x) * np.conj(z)
+        return np.asarray(1.0 - np.real(both / (z - np.conj(z))))
+
+    def ramp(self, time_s: Floats, rise_s: float) -> Floats:
+        """Answer to a unit ramp over `rise_s`."""
+        return (self._integral(time_s) - self._integral(time_s - rise_s)) / rise_s
+
+    def _integral(self, time_s: Floats) -> Floats:
+        """Of the answer to a step, s."""
+        x = self.omega * np.maximum(time_s, 0.0)
+        if self.damping is None:
+            return np.asarray((x - 1.0 + np.exp(-x)) / self.omega)
+        z = complex(self.damping) + 1j * np.sqrt(complex(1.0 - self.damping**2))
+        w = np.conj(z)
+        both = (1.0 - np.exp(-w * x)) * z / w - (1.0 - np.exp(-z * x)) * w / z
+        return np.asarray((x - np.real(both / (z - w))) / self.omega)
+
+    def response(self, frequency_Hz: Floats) -> NDArray[np.complex128]:
+        """Frequency response."""
+        s = 1j * np.asarray(frequency_Hz) / self.corner_Hz
+        below = 1.0 + s if self.damping is None else 1.0 + 2.0 * self.damping * s + s**2
+        return np.asarray(self.gain / below)
+
+
+@dataclass(frozen=True)
+class Stepped:
+    """One step response: `noise` is relative to the step, `rise_s` that of the reference, `delay_s` dead."""
+
+    lag: Lag
+    noise: float = 1e-3
+    colour: float = 0.0
+    rise_s: float = 0.0
+    pulse_s: float = math.inf
+    delay_s: float = 0.0
+    height: float = 1.0
+    duration_s: float = 0.2
+
+
+@dataclass(frozen=True)
+class Excited:
+    """One frequency response: `noise` of the output is relative to its own rms."""
+
+    lag: Lag
+    excitation: Literal["chirp", "prbs", "noise"] = "chirp"
+    noise: float = 1e-3
+    colour: float = 0.0
+    delay_s: float = 0.0
+    duration_s: float = 2.0
+
+
+def stepped_trial(what: Stepped, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
+    """Numbers of one step response."""
+    time_s = np.arange(-round(_BEFORE_S * RATE_HZ), round(what.duration_s * RATE_HZ)) / RATE_HZ
+
+    def answer(at_s: Floats) -> Floats:
+        late = np.asarray(at_s) - what.delay_s
+        up = what.lag.ramp(late, what.rise_s) if what.rise_s else what.lag.step(late)
+        return up - what.lag.step(late - what.pulse_s) if math.isfinite(what.pulse_s) else up
+
+    reference = np.clip(time_s / what.rise_s, 0.0, 1.0) if what.rise_s else np.where(time_s >= 0.0, 1.0, 0.0)
+    if math.isfinite(what.pulse_s):
+        reference = np.where(time_s >= what.pulse_s, 0.0, reference)
+    noise = what.noise * coloured(random.standard_normal(len(time_s)), what.colour)
+    block = Block.from_arrays(
+        RATE_HZ,
+        {"y": "Nm", "r": "Nm"},
+        y=what.height * (answer(time_s) + noise),
+        r=what.height * reference,
+    )
+    fine_s = np.linspace(0.0, what.duration_s, 400_001)
+    yield from picked(
+        analyze_step(block, "y", "r").measurements, _truths(what, fine_s, answer(fine_s), reference)
+    )
+
+
+def _truths(what: Stepped, time_s: Floats, y: Floats, reference: Floats) -> Mapping[str, float]:
+    """Of the answer without noise, between samples too; times since the reference has come half the way."""
+    half_s = 0.5 * what.rise_s
+    tops = int(np.argmax(y))
+    final = float(reference[-1])
+    over = max(0.0, float(y[tops]) - 1.0)
+    truths = {
+        "dead_time": _crossing(time_s, y, 0.02) - half_s,
+        "overshoot": abs(what.height) * over,
+        "overshoot_percent": 100.0 * over,
+        "reach_time": _crossing(time_s, y, 0.98) - half_s,
+        "rise_time": _crossing(time_s, y, 0.9) - _crossing(time_s, y, 0.1),
+    }
+    if over > 0.0:
+        truths["peak_time"] = float(time_s[tops]) - half_s
+        truths["undershoot"] = abs(what.height) * max(0.0, final - float(np.min(y[tops:])))
+    outside = np.flatnonzero(np.abs(y - final) > 0.02)
+    if what.noise <= 1e-3 and len(outside):  # beyond that the band is another
+        truths["settling_time"] = float(time_s[outside[-1]]) - half_s
+    return truths
+
+
+def _crossing(time_s: Floats, y: Floats, level: float) -> float:
+    above = np.flatnonzero(y >= level)
+    return float(time_s[above[0]]) if len(above) else math.nan
+
+
+def excited_trial(what: Excited, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
+    """Numbers of one frequency response; the system runs in continuous time, its input is held."""
+    count = round(what.duration_s * RATE_HZ)
+    period = None
+    if what.excitation == "chirp":
+        time_s = np.arange(count) / RATE_HZ
+        x = signal.chirp(time_s, 2.0, what.duration_s, 2_000.0, "logarithmic", phi=random.uniform(0, 360))
+    elif what.excitation == "prbs":
+        bits, _ = signal.max_len_seq(10, state=random.integers(0, 2, 10) | np.eye(10, dtype=int)[0])
+        period = 2 * len(bits)
+        x = np.resize(np.repeat(2.0 * bits - 1.0, 2), count + period)
+    else:
+        x = random.standard_normal(count)
+    x = np.asarray(x, dtype=np.float64)
+    y = _held(what.lag, x)
+    late = round(what.delay_s * RATE_HZ)
+    y = np.concatenate([np.zeros(late), y[: len(y) - late]])
+    y += what.noise * float(np.std(y)) * coloured(random.standard_normal(len(y)), what.colour)
+    block = Block.from_arrays(RATE_HZ, {"x": "Nm", "y": "Nm"}, x=x, y=y)
+    found = analyze_response(block, "x", "y", begin_row=period or 0, period_rows=period)
+    yield from picked(found.measurements, _response_truths(what, late, found.response.frequency_Hz))
+
+
+def _held(lag: Lag, x: Floats) -> Floats:
+    """The samples of the answer to an input that is held from sample to sample, from rest."""
+    numerator, denominator = _discrete(lag)
+    return np.asarray(signal.lfilter(numerator, denominator, x))
+
+
+def _discrete(lag: Lag) -> tuple[Floats, Floats]:
+    omega = lag.omega
+    below = [1.0, omega] if lag.damping is None else [1.0, 2.0 * lag.damping * omega, omega**2]
+    system = (np.array([lag.gain * below[-1]]), np.array(below))
+    numerator, denominator, _ = signal.cont2discrete(system, 1.0 / RATE_HZ, "zoh")
+    return np.ravel(numerator), np.ravel(denominator)
+
+
+def _response_truths(what: Excited, late: int, used_Hz: Floats) -> Mapping[str, float]:
+    numerator, denominator = _discrete(what.lag)
+    grid_Hz = np.geomspace(0.5, 0.45 * RATE_HZ, 20_000)
+
+    def answer(frequency_Hz: Floats) -> NDArray[np.complex128]:
+        omega = 2.0 * np.pi * np.asarray(frequency_Hz) / RATE_HZ
+        _, response = signal.freqz(numerator, denominator, worN=np.atleast_1d(omega))
+        return np.asarray(response * np.exp(-1j * late * np.atleast_1d(omega)))
+
+    gain = np.abs(answer(grid_Hz)) / what.lag.gain
+    phase = np.unwrap(np.angle(answer(grid_Hz)))
+    truths = {"response_gain": what.lag.gain, "resonance_peak": max(0.0, 20.0 * math.log10(np.max(gain)))}
+    top_Hz = min(float(used_Hz[-1]), 2_000.0)
+    for name, curve, level in (
+        ("bandwidth_3dB", gain, math.sqrt(0.5)),
+        ("bandwidth_90deg", phase, -0.5 * math.pi),
+    ):
+        below = np.flatnonzero(curve < level)
+        if len(below) and below[0] > 0 and grid_Hz[below[0]] < top_Hz:
+            pair = grid_Hz[below[0] - 1], grid_Hz[below[0]]
+
+            def left(frequency_Hz: float, name: str = name) -> float:
+                return _level(complex(answer(np.array([frequency_Hz]))[0]), name, what.lag.gain)
+
+            truths[name] = float(optimize.brentq(left, *pair))
+    return truths
+
+
+def _level(value: complex, name: str, gain: float) -> float:
+    """What is zero at the bandwidth."""
+    if name == "bandwidth_3dB":
+        return abs(value) / gain - math.sqrt(0.5)
+    return math.remainder(float(np.angle(value)) + 0.5 * math.pi, 2 * math.pi)
+
+
+_FIRST, _SECOND, _SOFT = Lag(80.0), Lag(60.0, 0.4), Lag(60.0, 0.75)
+STEPPED: Mapping[str, Stepped] = {
+    **{
+        f"step_{name}_{noise}dB{hue}": Stepped(lag, 10 ** (noise / 20), colour)
+        for name, lag in (("lag1", _FIRST), ("lag2", _SECOND))
+        for noise in (-80, -60, -46, -34)
+        for hue, colour in (("", 0.0), ("_coloured", 0.9))
+    },
+    "step_soft": Stepped(_SOFT, 1e-2),
+    "step_delayed": Stepped(_SECOND, 3e-3, delay_s=1.37e-3),
+    "step_down": Stepped(_SECOND, 3e-3, height=-2.0),
+    "step_slow": Stepped(Lag(15.0), 1e-2),
+    "pulse_lag1": Stepped(_FIRST, 3e-3, pulse_s=0.08),
+    "pulse_lag2": Stepped(_SECOND, 1e-2, pulse_s=0.08),
+    "ramp_lag1": Stepped(_FIRST, 3e-3, rise_s=0.02),
+    "ramp_lag2": Stepped(_SECOND, 1e-2, rise_s=0.01),
+}
+EXCITED: Mapping[str, Excited] = {
+    **{
+        f"{excitation}_{name}_{noise}dB": Excited(lag, excitation, 10 ** (noise / 20))
+        for excitation in ("chirp", "prbs", "noise")
+        for name, lag in (("lag1", Lag(100.0, gain=2.0)), ("lag2", Lag(200.0, 0.35)))
+        for noise in (-80, -40, -20)
+    },
+    "chirp_coloured": Excited(Lag(100.0), "chirp", 3e-2, colour=0.95),
+    "prbs_coloured": Excited(Lag(200.0, 0.35), "prbs", 3e-2, colour=0.95),
+    "noise_coloured": Excited(Lag(200.0, 0.7), "noise", 3e-2, colour=0.95),
+    "chirp_delayed": Excited(Lag(300.0), "chirp", 1e-2, delay_s=4e-4),
+    "prbs_delayed": Excited(Lag(300.0), "prbs", 1e-2, delay_s=4e-4),
+}
+
+
+def _stepped(name: str, what: Stepped) -> Family:
+    return Family(name, lambda random: stepped_trial(what, random))
+
+
+def _excited(name: str, what: Excited) -> Family:
+    return Family(name, lambda random: excited_trial(what, random))
+
+
+FAMILIES = (
+    *(_stepped(name, what) for name, what in STEPPED.items()),
+    *(_excited(name, what) for name, what in EXCITED.items()),
+)

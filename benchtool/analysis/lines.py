@@ -1,0 +1,147 @@
+"""Lines of a spectrum where no angle says what repeats: sinusoids of a signal in Hz, the largest first."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import fft
+from scipy.signal import get_window
+
+from benchtool.analysis.measurement import Basis, Measurement, Table
+from benchtool.analysis.uncertainty import Uncertainty
+from benchtool.analysis.validity import require_signal, require_unbroken
+from benchtool.block import Block
+
+Floats = NDArray[np.float64]
+
+_LISTED = 10
+_FEWEST = 64
+_LOWEST_BIN = 3  # below it the window spreads the mean
+_MAIN_LOBE = 3  # bins on either side of a line that belong to it, under a Hann window
+_BESIDE = 30  # further bins on either side, whose median is the noise
+_STANDS_OUT = 5.0  # of the noise's rms amplitude: by chance once in 1e11 bins
+_RAYLEIGH = math.sqrt(math.log(2.0))  # median over rms of the amplitude of noise
+
+
+@dataclass(frozen=True)
+class SpectralLines:
+    """Result of `spectral_lines`: NAME_line_frequency, NAME_line_amplitude, table NAME_lines."""
+
+    measurements: tuple[Measurement, ...]
+    tables: tuple[Table, ...]
+
+
+@dataclass(frozen=True)
+class _Line:
+    """Place, in bins, and peak amplitude, with standard uncertainties; `noise` is the rms of a bin nearby."""
+
+    place: float
+    amplitude: float
+    of_place: float
+    of_amplitude: float
+    noise: float
+
+
+def spectral_lines(block: Block, channel: str, name: str = "torque") -> SpectralLines:
+    """The largest sinusoids of a uniformly sampled channel, up to half the rate; no angle is needed.
+
+    A DFT of the whole record under a Hann window; frequency and amplitude of each local maximum are
+    interpolated between its two greatest bins (Jain, Collins, Davis, IEEE Trans. Instrum. Meas. 28 (1979)
+    113). A line stands out with an amplitude above five times the rms of the noise around it.
+
+    Raises:
+        AnalysisError: a gap, no such channel, or a dead signal.
+    """
+    require_unbroken(block)
+    samples, unit, rate_Hz = (
+        np.ascontiguousarray(block.column(channel)),
+        block.unit(channel),
+        block.sample_rate_Hz,
+    )
+    require_signal(samples, channel)
+    count = len(samples)
+    weights = get_window("hann", count)
+    bins = np.abs(fft.rfft((samples - np.mean(samples)) * weights)) * (2.0 / float(np.sum(weights)))
+    width_Hz = rate_Hz / count
+    rows = [_line(bins, place) for place in (_peaks(bins) if count >= _FEWEST else ())]
+    rows = [each for each in rows if each.amplitude > _STANDS_OUT * each.noise]
+    rows.sort(key=lambda each: -each.amplitude)
+    basis = Basis(
+        samples=count,
+        sample_rate_Hz=rate_Hz,
+        duration_s=count / rate_Hz,
+        bandwidth_Hz=0.5 * rate_Hz,
+        window="Hann, the whole record",
+        gaps=0,
+    )
+    what = (
+        f"{channel}, of the lines above {_STANDS_OUT:g} times the noise around them, {width_Hz:.4g} Hz a bin"
+    )
+    texts = (
+        ("frequency", "Hz", f"frequency of the largest sinusoid of {what}"),
+        ("amplitude", unit, f"peak amplitude of the largest sinusoid of {what}"),
+    )
+    if not rows:
+        reason = "no line stands out of the noise"
+        if count < _FEWEST:
+            reason = f"{count} samples, at least {_FEWEST} are needed for a spectrum"
+        undefined = (
+            Measurement.undefined(f"{name}_line_{key}", of, text, reason, basis) for key, of, text in texts
+        )
+        return SpectralLines(tuple(undefined), (_table(name, (), unit, what, basis),))
+    listed = tuple(
+        (each.place * width_Hz, each.amplitude, each.of_place * width_Hz, each.of_amplitude)
+        for each in rows[:_LISTED]
+    )
+    source = "noise around the line; another line within three bins is left out"
+    found = tuple(
+        Measurement(
+            f"{name}_line_{key}", listed[0][at], of, text, basis, Uncertainty(listed[0][2 + at], source)
+        )
+        for at, (key, of, text) in enumerate(texts)
+    )
+    return SpectralLines(found, (_table(name, listed, unit, what, basis),))
+
+
+def _peaks(bins: Floats) -> NDArray[np.int64]:
+    """Local maxima, away from both ends."""
+    inner = bins[1:-1]
+    places = np.flatnonzero((inner > bins[:-2]) & (inner >= bins[2:])) + 1
+    return places[(places >= _LOWEST_BIN) & (places < len(bins) - _LOWEST_BIN)]
+
+
+def _line(bins: Floats, place: int) -> _Line:
+    """A sinusoid by the two greatest bins of its maximum, and what noise does to it.
+
+    Under a Hann window neighbouring bins have noise with the correlation -2/3, and a sinusoid in them the
+    opposite sign: ratio r = A_2 / A_1, offset (2 r - 1) / (1 + r), and so u(offset) =
+    3 / (1 + r)^2 x u(A_1) / A_1 x sqrt(1 + r^2 - 4 r / 3).
+    """
+    side = 1 if bins[place + 1] > bins[place - 1] else -1
+    own, ratio = float(bins[place]), float(bins[place + side] / bins[place])
+    offset = (2.0 * ratio - 1.0) / (1.0 + ratio)
+    # the Hann window's response at `offset` from the middle of a bin
+    response = float(np.sinc(offset)) / (1.0 - offset**2)
+    first, last = place - _MAIN_LOBE, place + _MAIN_LOBE + 1
+    around = np.concatenate([bins[max(1, first - _BESIDE) : max(1, first)], bins[last : last + _BESIDE]])
+    noise = float(np.median(around)) / _RAYLEIGH if len(around) else math.nan
+    component = noise / math.sqrt(2.0)
+    spread = 3.0 / (1.0 + ratio) ** 2 * math.sqrt(1.0 + ratio**2 - 4.0 * ratio / 3.0)
+    return _Line(place + side * offset, own / response, spread * component / own, component / response, noise)
+
+
+def _table(name: str, rows: tuple[tuple[float, ...], ...], unit: str, what: str, basis: Basis) -> Table:
+    return Table(
+        f"{name}_lines",
+        f"the largest sinusoids of {what}, interpolated between bins, with standard uncertainties from the "
+        f"noise around each",
+        (
+            *(("frequency_Hz", "Hz"), ("amplitude", unit)),
+            *(("frequency_uncertainty_Hz", "Hz"), ("amplitude_uncertainty", unit)),
+        ),
+        rows,
+        basis,
+    )

@@ -1,0 +1,80 @@
+"""Lines of a spectrum, and orders at a stated speed, against sinusoids that were put in."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from benchtool.analysis import orders_at_speed, spectral_lines
+from benchtool.analysis.orders import describe_orders
+from benchtool.block import Block
+from benchtool.errors import AnalysisError
+
+RATE_HZ, COUNT = 5_000.0, 8_000
+TIME_S = np.arange(COUNT) / RATE_HZ
+
+
+def torque(*lines: tuple[float, float], noise: float = 1e-3, seed: int = 0) -> Block:
+    random = np.random.default_rng(seed)
+    values = 1.5 + noise * random.standard_normal(COUNT)
+    for frequency_Hz, amplitude in lines:
+        values += amplitude * np.cos(2 * np.pi * frequency_Hz * TIME_S + random.uniform(0, 6.28))
+    return Block.from_arrays(RATE_HZ, {"torque": "Nm"}, torque=values)
+
+
+@given(frequency_Hz=st.floats(10.0, 2_400.0), amplitude=st.floats(0.02, 2.0))
+@settings(max_examples=30, deadline=None)
+def test_a_line_is_found_between_bins(frequency_Hz: float, amplitude: float) -> None:
+    found = spectral_lines(torque((frequency_Hz, amplitude), noise=1e-4), "torque").measurements
+    assert found[0].value == pytest.approx(frequency_Hz, abs=0.01)
+    assert found[1].value == pytest.approx(amplitude, rel=2e-3)
+
+
+def test_lines_are_listed_by_size_and_noise_is_not() -> None:
+    (table,) = spectral_lines(torque((120.0, 0.1), (240.3, 0.3), (33.3, 0.02)), "torque").tables
+    assert [round(row[0], 1) for row in table.rows] == [240.3, 120.0, 33.3]
+
+
+def test_noise_has_no_lines() -> None:
+    for seed in range(20):
+        found = spectral_lines(torque(noise=0.1, seed=seed), "torque").measurements
+        assert all(
+            np.isnan(each.value) and each.reason == "no line stands out of the noise" for each in found
+        )
+
+
+def test_the_stated_intervals_hold_the_truth() -> None:
+    within = np.zeros(2)
+    for seed in range(60):
+        frequency_Hz = 120.0 + 0.0371 * seed
+        found = spectral_lines(torque((frequency_Hz, 0.1), noise=0.1, seed=seed), "torque").measurements
+        for place, truth in enumerate((frequency_Hz, 0.1)):
+            uncertain = found[place].uncertainty
+            assert uncertain is not None
+            within[place] += abs(found[place].value - truth) <= uncertain.expanded
+    assert within.min() >= 52
+
+
+def test_a_short_record_is_undefined_and_no_error() -> None:
+    short = Block.from_arrays(RATE_HZ, {"torque": "Nm"}, torque=np.arange(20.0))
+    assert "at least 64 are needed" in spectral_lines(short, "torque").measurements[0].reason
+
+
+@pytest.mark.parametrize("direction", [1.0, -1.0])
+def test_orders_at_a_stated_speed(direction: float) -> None:
+    omega_m_rad_s = 2 * np.pi * 12.5
+    block = torque((24 * 12.5, 0.1), (6 * 12.5, 0.03))
+    orders = describe_orders(orders_at_speed(block, "torque", direction * omega_m_rad_s), "torque", 4)
+    values = {each.name: each.value for each in orders.measurements}
+    assert values["torque_order_largest"] == 24
+    assert values["torque_order_24"] == pytest.approx(0.1, rel=5e-3)
+    assert values["torque_order_6"] == pytest.approx(0.03, rel=2e-2)
+    assert "stated constant speed" in orders.measurements[1].definition
+
+
+@pytest.mark.parametrize("omega_m_rad_s", [0.0, 1.0])
+def test_a_stated_speed_that_makes_no_two_turns_is_refused(omega_m_rad_s: float) -> None:
+    with pytest.raises(AnalysisError, match="at least 2 are needed"):
+        orders_at_speed(torque((50.0, 0.1)), "torque", omega_m_rad_s)

@@ -1,0 +1,104 @@
+"""Symmetrical components against currents that were put together from them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from benchtool.analysis import current_unbalance, track_tone
+from benchtool.block import Block
+
+RATE_HZ, COUNT = 10_000.0, 6_000
+A = np.exp(2j * np.pi / 3)
+
+
+def three_phases(
+    positive: complex,
+    negative: complex,
+    zero: complex,
+    noise: float = 0.0,
+    seed: int = 0,
+    common: float = 0.0,
+) -> Block:
+    """Currents with these sequence phasors at 43.7 Hz, a fifth harmonic, and noise."""
+    theta = 2 * np.pi * 43.7 * np.arange(COUNT) / RATE_HZ
+    random = np.random.default_rng(seed)
+    shared = common * random.standard_normal(COUNT)
+    columns = {}
+    for name, turn in (("i_a", 1.0), ("i_b", A**2), ("i_c", A)):
+        phasor = positive * turn + negative * np.conj(turn) + zero
+        wave = np.real(phasor * np.exp(1j * theta)) + 0.02 * np.cos(5 * theta + np.angle(turn))
+        columns[name] = wave + noise * random.standard_normal(COUNT) + shared
+    return Block.from_arrays(RATE_HZ, dict.fromkeys(columns, "A"), **columns)
+
+
+def measured(block: Block) -> dict[str, float]:
+    track = track_tone(np.ascontiguousarray(block.column("i_a")), "i_a")
+    return {each.name: each.value for each in current_unbalance(block, track)}
+
+
+phase = st.floats(-3.1, 3.1)
+
+
+@given(negative=st.floats(0.0, 0.4), zero=st.floats(0.0, 0.3), turns=st.tuples(phase, phase, phase))
+@settings(max_examples=20, deadline=None)
+def test_components_are_found_again(negative: float, zero: float, turns: tuple[float, float, float]) -> None:
+    phasors = [size * np.exp(1j * turn) for size, turn in zip((1.0, negative, zero), turns, strict=True)]
+    found = measured(three_phases(*[4.0 * each for each in phasors]))
+    assert found["current_sequence_positive"] == pytest.approx(4.0, rel=1e-4)
+    assert found["current_sequence_negative"] == pytest.approx(4.0 * negative, abs=4e-4)
+    assert found["current_sequence_zero"] == pytest.approx(4.0 * zero, abs=4e-4)
+    assert found["current_unbalance_percent"] == pytest.approx(100.0 * negative, abs=1e-2)
+    assert found["current_unbalance_zero_percent"] == pytest.approx(100.0 * zero, abs=1e-2)
+
+
+def test_the_direction_of_rotation_is_no_unbalance() -> None:
+    forwards, backwards = three_phases(4.0, 0.2, 0.0), three_phases(0.2, 4.0, 0.0)
+    assert measured(backwards)["current_unbalance_percent"] == pytest.approx(
+        measured(forwards)["current_unbalance_percent"], rel=1e-3
+    )
+
+
+def test_one_phase_of_another_gain_is_the_textbook_s_unbalance() -> None:
+    """Magnitudes 1 + 2 e, 1, 1: I_1 = 1 + 2 e / 3, I_2 = I_0 = 2 e / 3."""
+    block = three_phases(1.0, 0.0, 0.0)
+    e = 0.03
+    data = block.data.copy()
+    data[:, 0] *= 1.0 + 2.0 * e
+    found = measured(Block(block.channels, 0, 1, block.tick_s, data))
+    assert found["current_unbalance_percent"] == pytest.approx(100 * (2 * e / 3) / (1 + 2 * e / 3), rel=1e-3)
+
+
+@pytest.mark.parametrize("common", [0.0, 0.05])
+@pytest.mark.parametrize("negative", [0.0, 0.004, 0.1])
+def test_the_stated_interval_holds_the_truth(negative: float, common: float) -> None:
+    within = 0
+    for seed in range(40):
+        block = three_phases(2.0, 2.0 * negative, 0.01, noise=0.05, seed=seed, common=common)
+        track = track_tone(np.ascontiguousarray(block.column("i_a")), "i_a")
+        number = {each.name: each for each in current_unbalance(block, track)}["current_unbalance_percent"]
+        assert number.uncertainty is not None
+        within += abs(number.value - 100.0 * negative) <= number.uncertainty.expanded
+    assert within >= 34
+
+
+def test_a_clipped_phase_gives_no_unbalance() -> None:
+    block = three_phases(2.0, 0.0, 0.0, noise=0.01)
+    data = block.data.copy()
+    data[:, 2] = np.clip(data[:, 2], -1.5, 1.5)
+    clipped = Block(block.channels, 0, 1, block.tick_s, data)
+    track = track_tone(np.ascontiguousarray(clipped.column("i_a")), "i_a")
+    found = {each.name: each for each in current_unbalance(clipped, track)}
+    assert np.isnan(found["current_unbalance_percent"].value)
+    assert "clipped" in found["current_unbalance_percent"].reason
+
+
+def test_without_a_fundamental_there_is_no_ratio() -> None:
+    random = np.random.default_rng(3)
+    columns = {name: random.standard_normal(COUNT) for name in ("i_a", "i_b", "i_c")}
+    block = Block.from_arrays(RATE_HZ, dict.fromkeys(columns, "A"), **columns)
+    theta = 2 * np.pi * 43.7 * np.arange(COUNT) / RATE_HZ
+    found = {each.name: each for each in current_unbalance(block, track_tone(np.cos(theta), "i_a"))}
+    assert "does not stand out" in found["current_unbalance_percent"].reason
