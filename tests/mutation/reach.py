@@ -107,6 +107,8 @@ def _measured(tree: Path, files: Sequence[Path], plain: bool) -> Iterator[tuple[
     reached: dict[str, dict[str, dict[str, dict[str, list[str]]]]] = {}
     for measured in data.measured_files():
         path = Path(measured)
+        if path.suffix != ".py":
+            continue  # a template, whose compiled form goes by its name
         functions = functions_of(path.read_text(encoding="utf-8"))
         for line, contexts in data.contexts_by_lineno(measured).items():
             # the innermost function that holds the line
