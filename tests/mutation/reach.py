@@ -22,7 +22,10 @@ from coverage import CoverageData
 from tests.mutation.operators import Mutant, functions_of
 
 TESTS = ("tests/unit", "tests/wire", "tests/physics", "tests/emulated")
-TESTS_IN_PLAIN_PYTHON = ("tests/unit/control", "tests/physics/test_control.py", "tests/physics/test_laws.py")
+TESTS_IN_PLAIN_PYTHON = (
+    "tests/unit/control",
+    *(f"tests/physics/test_{name}.py" for name in ("control", "laws", "cycle")),
+)
 _ENTRY = ("benchtool/emulator/core.py", "Core.run")  # what runs the compiled core
 
 
