@@ -87,6 +87,18 @@ def test_what_a_quick_stop_came_to_is_there_after_the_power_stage_went_off() -> 
     assert core.command.standstill == 1
 
 
+def test_a_voltage_in_the_rotors_frame_lies_along_the_rotor_flux() -> None:
+    core = make_core(sensors=FINE)
+    core.turn_rotor(2.2)
+    core.load.held = 1
+    core.command.mode, core.command.pwm_enabled = int(Mode.VOLTAGE), 1
+    stimulated(core, Quantity.VOLTAGE, 20.0)
+    core.stimulus.in_rotor_frame = 1
+    core.run(5)
+    made = complex(signal(core, "u_alpha"), signal(core, "u_beta"))
+    assert made == pytest.approx(20.0 * cmath.exp(2.2j), abs=0.01)
+
+
 @pytest.mark.parametrize(("u", "clipped"), [(60.0, 0), (400.0, 10)])
 def test_a_voltage_beyond_the_hexagon_counts_as_clipped_in_every_tick(u: float, clipped: int) -> None:
     core = make_core(parameters={"i_trip": 14.4})
