@@ -134,3 +134,12 @@ def test_an_unknown_law_makes_no_voltage_and_counts_as_clipped() -> None:
     memory = make_core(parameters={"law": max(Law) + 1, "u_dc": 122.5}).memory[0]
     asked = demand(at(0.1, 1.0, 63.0, memory), 1.0, 0.17, memory, np.zeros(1, CONTROL)[0])
     assert (asked.u_alpha, asked.u_beta, asked.vector, asked.clipped) == (0.0, 0.0, MODULATED, True)
+
+
+def test_parameters_that_make_no_number_make_no_voltage_and_count_as_clipped() -> None:
+    memory = make_core(parameters={"law": int(Law.TPC), "u_dc": 122.5, "R_s": cmath.nan}).memory[0]
+    control = np.zeros(1, CONTROL)[0]
+    control.flux_error_sum = 1.0
+    asked = demand(at(0.1, 1.0, 63.0, memory), 1.0, 0.17, memory, control)
+    assert asked == (0.0, 0.0, MODULATED, 0.0, True)
+    assert control.flux_error_sum == 0.0
