@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 
 import numpy as np
 import pytest
@@ -142,6 +143,28 @@ def test_a_rotor_that_stands_still_counts_once() -> None:
 
     assert spectrum.amplitude[71] == pytest.approx(0.2, abs=0.005)
     assert spectrum.mean == pytest.approx(0.65, abs=0.005)
+
+
+def test_each_degree_of_each_revolution_counts_the_same() -> None:
+    """Against a dense least-squares solution with weights counted one by one: what no order explains (a
+    jump) shows how samples are weighted."""
+    source = np.random.default_rng(12)
+    angle = 0.3 + np.sort(TURN * 5.5 * source.uniform(size=6_000) ** 1.5)
+    values = np.where(np.mod(angle, TURN) < 1.0, 2.0, 0.5) + 0.1 * source.normal(size=len(angle))
+    coverage = angle_coverage(angle)
+    cells = [
+        (math.floor((each - angle.min()) / TURN), math.floor(math.degrees(each) % 360.0)) for each in angle
+    ]
+    visits = Counter(cells)
+    weight = np.sqrt([1.0 / visits[cell] for cell in cells])
+    orders = np.arange(1, 9)[:, np.newaxis]
+    columns = np.vstack([np.ones(len(angle)), np.cos(orders * angle), np.sin(orders * angle)])
+
+    expected = np.linalg.lstsq((columns * weight).T, values * weight)[0]
+    fit = fit_orders(coverage, values, 8)
+
+    assert fit.mean == pytest.approx(expected[0], abs=1e-9)
+    np.testing.assert_allclose(2.0 * fit.coefficient, expected[1:9] - 1j * expected[9:], atol=1e-9)
 
 
 def test_an_angle_that_trembles_and_turns_back_gives_the_same() -> None:

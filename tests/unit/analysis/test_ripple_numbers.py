@@ -63,6 +63,15 @@ def test_a_sampled_triangle_reads_its_closed_form() -> None:
     )
 
 
+def test_of_a_rating_of_zero_there_is_no_percentage() -> None:
+    samples = np.sin(angle(400))
+    measured = {each.name: each for each in torque_ripple(block(samples), torque_rated_Nm=0.0)}
+    for name in ("torque_ripple_percent_of_rated", "torque_ripple_rms_percent_of_rated"):
+        assert math.isnan(measured[name].value)
+        assert "it is 0 Nm" in measured[name].reason
+    assert measured["torque_ripple_pp"].value > 1.9
+
+
 def test_a_triangle_between_the_samples_reads_low_by_at_most_a_step() -> None:
     # the peaks fall between samples: each is missed by at most half a sample's slope
     number = np.arange(10_000) / 40.37

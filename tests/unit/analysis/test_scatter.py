@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from benchtool.analysis.scatter import error_of_record
+from benchtool.analysis.scatter import error_of_record, scatter_of_largest
 
 
 @pytest.mark.parametrize("memory", [0.0, 0.9])
@@ -23,3 +23,19 @@ def test_it_is_the_scatter_of_the_mean_also_of_correlated_samples(memory: float)
 def test_a_short_record_has_none() -> None:
     assert math.isnan(error_of_record(np.arange(19.0)).standard)
     assert error_of_record(np.ones(20)).standard == 0.0
+
+
+def test_the_largest_of_a_record_scatters_over_records_as_stated() -> None:
+    """Exponential values, whose largest has a standard deviation of pi / sqrt(6) beyond a few values."""
+    records = np.random.default_rng(1).exponential(2.0, (400, 200))
+    stated = np.array([scatter_of_largest(record) for record in records])
+    assert np.mean(stated) == pytest.approx(2.0 * math.pi / math.sqrt(6.0), rel=0.1)
+    assert np.mean(stated) == pytest.approx(float(np.std(records.max(axis=1))), rel=0.15)
+
+
+def test_of_fewer_than_four_the_largest_has_no_scatter() -> None:
+    assert math.isnan(scatter_of_largest(np.array([1.0, 3.0, 2.0])))
+    # the mean excess of 2, 3 and 6 over the least of the four, 1
+    assert scatter_of_largest(np.array([2.0, 6.0, 1.0, 3.0])) == pytest.approx(
+        math.pi / math.sqrt(6.0) * (1.0 + 2.0 + 5.0) / 3.0
+    )

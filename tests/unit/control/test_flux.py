@@ -126,9 +126,9 @@ def test_a_point_of_given_flux_is_the_one_of_least_current(saliency: float, psi_
 CURRENT = 12.0
 
 
-def searched_torque(torque: float, omega_e: float, u: float, drive: Drive) -> float:
+def searched_torque(torque: float, omega_e: float, u: float, drive: Drive, current: float = CURRENT) -> float:
     """The torque nearest to `torque` within both limits: over i_d, the torques of all i_q, by bisection."""
-    i_d = np.linspace(-CURRENT, CURRENT, 20_001)
+    i_d = np.linspace(-current, current, 20_001)
     side = math.copysign(1.0, torque)
     ends = []
     a = drive.R_s**2 + (omega_e * drive.L_q) ** 2 + 1e-12
@@ -137,7 +137,7 @@ def searched_torque(torque: float, omega_e: float, u: float, drive: Drive) -> fl
     c = (drive.R_s * i_d) ** 2 + (omega_e * psi_d) ** 2 - u * u
     root = np.sqrt(np.maximum(b * b - a * c, 0.0))
     reachable = b * b - a * c >= 0.0
-    circle = np.sqrt(CURRENT**2 - i_d * i_d)
+    circle = np.sqrt(current**2 - i_d * i_d)
     high, low = np.minimum((root - b) / a, circle), np.maximum((-root - b) / a, -circle)
     reachable &= high >= low
     for i_q in (high, low):
@@ -152,10 +152,24 @@ def searched_torque(torque: float, omega_e: float, u: float, drive: Drive) -> fl
 def test_the_torque_within_the_limits_is_the_nearest_there_is(
     R_s: float, omega_e: float, saliency: float
 ) -> None:
-    drive, u = machine(saliency, R_s=R_s), 60.0
+    the_nearest_is_made(machine(saliency, R_s=R_s), omega_e, CURRENT)
+
+
+@pytest.mark.parametrize("saliency", [0.5, 1.0, 2.5, 4.0])
+@pytest.mark.parametrize("omega_e", [-1500.0, 700.0, 1000.0])
+@pytest.mark.parametrize("R_s", [0.0, 0.4])
+def test_with_current_to_spare_the_torque_is_the_most_that_the_voltage_makes(
+    R_s: float, omega_e: float, saliency: float
+) -> None:
+    """More than psi_r / L_d, 25 A: the most torque per volt lies within the circle of the current."""
+    the_nearest_is_made(machine(saliency, R_s=R_s), omega_e, 40.0)
+
+
+def the_nearest_is_made(drive: Drive, omega_e: float, current: float) -> None:
+    u = 60.0
     for torque in TORQUES:
-        made, psi_s, clipped = reference(torque, 0.0, omega_e, Limits(u, CURRENT), drive)
-        nearest = searched_torque(torque, omega_e, u, drive)
+        made, psi_s, clipped = reference(torque, 0.0, omega_e, Limits(u, current), drive)
+        nearest = searched_torque(torque, omega_e, u, drive, current)
         if torque != 0.0:
             assert made / torque <= 1.0
             assert made / torque >= nearest / torque - 1e-9  # no point of the search is better
@@ -163,5 +177,5 @@ def test_the_torque_within_the_limits_is_the_nearest_there_is(
         psi_d, psi_q, beyond = operating_point(made * (1.0 - 1e-12), psi_s, drive)
         assert not beyond
         point = (psi_d - PSI_R) / drive.L_d, psi_q / drive.L_q
-        assert math.hypot(*point) <= CURRENT * (1.0 + 1e-6)
+        assert math.hypot(*point) <= current * (1.0 + 1e-6)
         assert voltage_of(*point, omega_e, drive) <= u * (1.0 + 1e-6)

@@ -24,6 +24,7 @@ def test_it_is_off_until_it_is_configured() -> None:
     supervision = LinkSupervision()
     supervision.feed(0.0)
     assert _state(supervision) is LinkState.OFF
+    assert supervision.host_node_id == 0
     assert supervision.deadline_s() == math.inf
     assert supervision.may_enable
 

@@ -1,0 +1,145 @@
+"""A phase that leaves its track, and what smooth curves take from their samples: closed forms."""
+
+from __future__ import annotations
+
+import math
+import re
+
+import numpy as np
+import pytest
+from numpy.polynomial import Polynomial
+from numpy.typing import NDArray
+
+from benchtool.analysis.fundamental import frequency, soundness
+from benchtool.analysis.measurement import Basis, Measurement
+from benchtool.analysis.noisy_curve import NoisyCurve
+from benchtool.analysis.periods import PhaseTrack, track_angle
+from benchtool.analysis.phase_following import Wander, follow
+from benchtool.analysis.response_curve import ResponseCurve
+from benchtool.analysis.smoothing import Noise
+from benchtool.analysis.spectrum import FIRST_ROW, CoherentSpectrum, coherent_spectrum
+
+Array = NDArray[np.float64]
+RATE_HZ, FREQUENCY_HZ, SAMPLES = 10_000.0, 50.0, 20_000
+T = np.arange(SAMPLES) / RATE_HZ
+LINEAR = Polynomial([0.0, 2.0 * np.pi * FREQUENCY_HZ / RATE_HZ])
+BASIS = Basis(SAMPLES, RATE_HZ, SAMPLES / RATE_HZ, 0.5 * RATE_HZ, "rectangular", gaps=0)
+
+
+def spectrum_of(samples: Array) -> CoherentSpectrum:
+    return coherent_spectrum(samples, RATE_HZ, PhaseTrack(LINEAR, SAMPLES, "as it was made"))
+
+
+def frequency_of(track: PhaseTrack, seen: Wander) -> Measurement:
+    return frequency(spectrum_of(np.cos(2.0 * np.pi * FREQUENCY_HZ * T)), track, seen, BASIS, None, "")
+
+
+def still(noise_rad: float = 0.0) -> Wander:
+    return Wander(np.zeros(99), np.ones(99), 0.0, noise_rad)
+
+
+def none(at: Array) -> Array:
+    return np.zeros_like(at)
+
+
+def standard(measured: Measurement) -> float:
+    assert measured.uncertainty is not None
+    return measured.uncertainty.standard
+
+
+def test_what_slips_against_an_angle_that_swings_is_followed_in_both() -> None:
+    angle = 2.0 * np.pi * FREQUENCY_HZ * T + 0.3 * np.sin(2.0 * np.pi * 2.0 * T)
+    phase = angle + 0.15 * np.sin(2.0 * np.pi * 0.7 * T)
+    samples = np.cos(phase) + 0.1 * np.cos(5.0 * phase)
+    _, track, seen = follow(samples, RATE_HZ, track_angle(angle, 1))
+    assert "measured angle" in track.source
+    assert "itself" in track.source
+    assert float(np.std(seen.phase_rad)) < 2e-3
+    left = (track.at(np.arange(SAMPLES, dtype=np.float64)) - phase)[500:-500]
+    assert float(np.std(left)) < 2e-3
+
+
+def test_the_frequency_of_the_angle_stands_beside_that_of_a_signal_that_leaves_it() -> None:
+    track = PhaseTrack(
+        LINEAR,
+        SAMPLES,
+        "angle, followed by the phase of it itself",
+        0.0,
+        np.asarray(LINEAR(T * RATE_HZ)),
+        none,
+    )
+    told = re.search(r"the angle alone gives ([\d.]+) Hz", frequency_of(track, still()).definition)
+    assert told is not None
+    assert float(told[1]) == pytest.approx(FREQUENCY_HZ)
+
+
+def test_a_followed_phase_is_as_uncertain_as_its_bend_beyond_the_last_period() -> None:
+    """The last mark is in the middle of the last period; `bend` of a parabola is the same everywhere."""
+    straight = PhaseTrack(LINEAR, SAMPLES, "it itself", None, None, none)
+    assert standard(frequency_of(straight, still())) < 1e-9
+    per_period = RATE_HZ / FREQUENCY_HZ
+    bend = 0.02
+
+    def parabola(at: Array) -> Array:
+        return np.asarray(0.5 * bend * (at / per_period) ** 2)
+
+    bent = PhaseTrack(LINEAR, SAMPLES, "it itself", None, None, parabola)
+    spectrum = spectrum_of(np.cos(2.0 * np.pi * FREQUENCY_HZ * T))
+    beyond = (SAMPLES - FIRST_ROW - spectrum.samples) / per_period + 0.5
+    expected = 2.0 * 0.5 * beyond**2 * bend / (2.0 * np.pi * spectrum.duration_s)
+    assert standard(frequency_of(bent, still())) == pytest.approx(expected, rel=0.02)
+
+
+def test_along_an_angle_both_ends_count_for_a_quarter_of_a_period() -> None:
+    measured = np.asarray(LINEAR(T * RATE_HZ))
+    measured[-50:-2] += 0.01
+    track = PhaseTrack(LINEAR, SAMPLES, "angle", 0.01, measured, none)
+    rms = 0.01 * math.sqrt(48 / 100)
+    duration_s = spectrum_of(np.cos(2.0 * np.pi * FREQUENCY_HZ * T)).duration_s
+    expected = math.sqrt(2.0) * rms / (2.0 * np.pi * duration_s)
+    assert standard(frequency_of(track, still())) == pytest.approx(expected, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("step", "noise", "flagged"),
+    [(0.0, 0.2, False), (0.05, 0.01, False), (0.15, 0.01, True), (0.5, 0.2, True)],
+)
+def test_an_amplitude_that_changes_by_more_than_a_tenth_and_its_noise_is_no_one_regime(
+    step: float, noise: float, flagged: bool
+) -> None:
+    amplitude = np.repeat([1.0, 1.0 + step], 50) + noise * np.random.default_rng(2).standard_normal(100)
+    seen = Wander(np.zeros(100), amplitude, 0.0, noise)
+    sound = soundness(spectrum_of(np.cos(2.0 * np.pi * FREQUENCY_HZ * T)), seen, "", "i_a")
+    assert sound.of_amplitudes.startswith("the amplitude of i_a changes from") == flagged
+
+
+@pytest.mark.parametrize("place", [-0.4, -0.1, 0.0, 0.3])
+def test_the_greatest_value_of_a_parabola_may_be_between_its_samples(place: float) -> None:
+    curve = NoisyCurve(3.0 - 0.2 * (np.arange(-5.0, 6.0) - place) ** 2, np.empty((0, 11)))
+    greatest, missed = curve.greatest()
+    assert greatest == pytest.approx(3.0)
+    assert missed == pytest.approx(0.2 * place**2)
+
+
+def test_a_trend_is_no_noise() -> None:
+    piece = np.random.default_rng(3).standard_normal(400)
+    trend = 5.0 - 0.03 * np.arange(400)
+    np.testing.assert_allclose(
+        Noise.of(piece + trend).autocovariance, Noise.of(piece).autocovariance, atol=1e-12
+    )
+    assert Noise.of(piece + trend).rms == pytest.approx(1.0, rel=0.1)
+
+
+@pytest.mark.parametrize("more", [1.0, 4.0])
+def test_a_value_of_a_response_is_as_uncertain_as_its_points_scatter(more: float) -> None:
+    """Also where they scatter by more than was stated of them."""
+    random, frequency_Hz = np.random.default_rng(4), np.geomspace(10.0, 100.0, 60)
+    misses, stated = [], []
+    for _ in range(100):
+        values = 1.0 + 0.01 * more * random.standard_normal(60)
+        value, uncertain = ResponseCurve(frequency_Hz, values, np.full(60, 0.01), 0.1).at(30.0)
+        misses.append((value - 1.0) / uncertain)
+        stated.append(uncertain)
+    assert 0.6 < float(np.sqrt(np.mean(np.square(misses)))) < 1.6
+    # a level that many points share is told better than each of them
+    assert more > 1.0 or float(np.median(stated)) < 0.005
