@@ -2,44 +2,21 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner, Result
+from typer.testing import CliRunner
 
 from benchtool.cli import app
-from benchtool.recording import Bundle
+from tests.emulated.analyzing import Invoke, analyze, measured, values
 from tests.emulated.tables import TURN, Array, gimbal, phase_current, sinusoid, write
-
-Invoke = Callable[..., Result]
 
 
 @pytest.fixture
 def invoke(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Invoke:
     monkeypatch.chdir(tmp_path)
-
-    def run(*arguments: str) -> Result:
-        return CliRunner().invoke(app, ("analyze", *arguments))
-
-    return run
-
-
-def measured(result: Result) -> dict[str, Any]:
-    assert result.exit_code == 0, result.output
-    document = json.loads(result.stdout)
-    assert document["verdict"] == "none"
-    assert list(document["cases"]) == ["csv"]
-    case: dict[str, Any] = document["cases"]["csv"]
-    assert set(case) == {"source", "remarks", "measurements", "tables"}
-    return case
-
-
-def values(case: dict[str, Any]) -> dict[str, float | None]:
-    return {name: each["value"] for name, each in case["measurements"].items()}
+    return analyze
 
 
 def test_orders_of_a_q_current_at_jittered_stamps(invoke: Invoke) -> None:
@@ -469,60 +446,3 @@ def test_the_help_says_how_columns_are_named(invoke: Invoke) -> None:
     text = " ".join(invoke("--help").stdout.split())
     assert "counted from 1" in text
     assert "--current Iq:mA" in text
-
-
-def test_a_stated_rate_and_speed_stand_in_for_time_and_angle(invoke: Invoke) -> None:
-    time_s = np.arange(10_000) / 5_000.0
-    noise = 1e-3 * np.random.default_rng(0).standard_normal(len(time_s))
-    write("t.csv", "T [%],x", [50.0 + 5.0 * np.cos(TURN * 12.5 * 24 * time_s) + noise, time_s])
-    stated = ("--torque", "1", "--rate", "5000", "--rated-torque", "2", "--speed", "750rpm")
-    case = measured(invoke("--csv", "t.csv", *stated, "--pole-pairs", "4", "--json"))
-    assert values(case)["torque_mean"] == pytest.approx(1.0, rel=1e-4)
-    assert values(case)["torque_order_24"] == pytest.approx(0.1, rel=1e-3)
-    assert case["source"]["time"]["rate_Hz"] == pytest.approx(5_000.0)
-    case = measured(invoke("--csv", "t.csv", *stated[:-2], "--json"))
-    assert values(case)["torque_line_frequency"] == pytest.approx(300.0, abs=0.01)
-
-
-def test_oddities_are_remarks_and_a_bundle_and_a_report_are_kept(invoke: Invoke) -> None:
-    random = np.random.default_rng(1)
-    time_s = np.arange(8_000) * 1e-3
-    torque = np.where(time_s < 3.0, 0.14, 0.31) + 0.01 * random.standard_normal(8_000)
-    torque[1::3] = torque[:-1:3]
-    speed = np.clip(np.cos(TURN * 3.0 * time_s) + 1e-4 * random.standard_normal(8_000), -2.0, 0.8)
-    speed[1::3] = speed[:-1:3]
-    write("odd.csv", "t,T,n", [time_s, torque, speed])
-    result = invoke(
-        *(
-            "--csv",
-            "odd.csv",
-            "--time",
-            "t",
-            "--torque",
-            "T",
-            "--speed",
-            "n",
-            "--out",
-            "kept",
-            "--report",
-            "--json",
-        )
-    )
-    assert result.exit_code == 0, result.output
-    document = json.loads(result.stdout)
-    found = {(each["kind"], each["column"]): each["text"] for each in document["cases"]["csv"]["remarks"]}
-    assert set(found) == {("repeated_rows", ""), ("two_regimes", "torque"), ("clipped", "speed")}
-    assert "average 0.14 Nm, the rest 0.31 Nm" in found["two_regimes", "torque"]
-    bundle = Bundle.open(Path("kept"))
-    assert bundle.complete
-    np.testing.assert_allclose(bundle.block("table").column("T"), torque, rtol=1e-6)
-    page = Path("kept/report.html").read_text(encoding="utf-8")
-    assert "two regimes" in page
-    assert "torque_ripple_pp" in page
-
-
-def test_a_drift_and_a_swing_are_no_regimes(invoke: Invoke) -> None:
-    time_s = np.arange(8_000) * 1e-3
-    for torque in (1.0 + time_s, np.sin(TURN * 0.2 * time_s) + 2.0):
-        write("t.csv", "t,T", [np.asarray(time_s, np.float64), np.asarray(torque, np.float64)])
-        assert measured(invoke("--csv", "t.csv", "--time", "t", "--torque", "T", "--json"))["remarks"] == []
