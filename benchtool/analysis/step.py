@@ -92,16 +92,26 @@ def _times(step: Step, curve: NoisyCurve, arrived: Instant | None) -> Iterator[M
         f"from the step until the smoothed signal is {_ARRIVED:.0%} of the step beyond the mean before it; "
         f"where {_SIGMAS:g} x its uncertainty is more, from there half the way back along a line"
     )
-    yield _time(step, "dead_time", text, _departure(step, curve), "it does not move")
+    ahead = _moves_ahead(step)
+    reason = "it moves before the reference has come half the way"
+    left = None if ahead else _departure(step, curve)
+    yield _time(step, "dead_time", text, left, reason if ahead else "it does not move")
 
     low, high = (curve.first_above(step.before + share * step.height) for share in (_LOW, _HIGH))
     rise = None
-    if low is not None and high is not None:
+    if low is not None and high is not None and not ahead:
         rise = Instant(high.place - low.place, math.hypot(high.standard, low.standard))
     text = f"from {_LOW:.0%} to {_HIGH:.0%} of the step, of the smoothed signal"
-    yield _time(step, "rise_time", text, rise, "it is not reached")
+    yield _time(step, "rise_time", text, rise, reason if ahead else "it is not reached")
     text = f"from the step until the smoothed signal has come {1 - _ARRIVED:.0%} of it"
     yield _time(step, "reach_time", text, arrived, "it is not reached")
+
+
+def _moves_ahead(step: Step) -> bool:
+    """Whether the signal has left its first level before the step's row, as it does along a slow reference."""
+    level = float(np.mean(step.y_before[: max(1, len(step.y_before) // 4)]))
+    least = max(_ARRIVED * step.height, _CALM * step.y_noise.rms)
+    return float(step.y_before[-1]) - level > least
 
 
 def _departure(step: Step, curve: NoisyCurve) -> Instant | None:

@@ -244,13 +244,24 @@ def test_more_than_one_step_is_refused(levels: list[float], what: str, sign: flo
         analyze_step(_block(r + 1e-3 * np.sin(np.arange(len(r))), r), "torque", "torque_reference")
 
 
-@given(st.integers(2, 400))
+@pytest.mark.parametrize("rows", [2, 3, 7, 30, 199, 400])
 def test_a_ramp_and_a_lag_of_the_reference_are_one_step(rows: int) -> None:
     ramp = np.clip((np.arange(1000) - 100) / rows, 0.0, 1.0)
     lag = 1.0 - np.exp(-np.maximum(0.0, np.arange(1000.0) - 100.0) / rows)
     for r in (ramp, lag):
         found = analyze_step(_block(np.roll(r, 3) * (np.arange(1000) >= 3), r), "torque", "torque_reference")
         assert found.step_row >= 100
+
+
+def test_a_signal_along_a_slow_ramp_has_no_rise_time_from_the_middle_of_it() -> None:
+    ramp = np.clip((np.arange(1000) - 100) / 200, 0.0, 1.0)
+    y = np.roll(ramp, 3) * (np.arange(1000) >= 3) + 0.5  # an offset is no movement
+    by_name = {
+        each.name: each for each in analyze_step(_block(y, ramp), "torque", "torque_reference").measurements
+    }
+    for name in ("rise_time", "dead_time"):
+        assert math.isnan(by_name[name].value)
+        assert by_name[name].reason == "it moves before the reference has come half the way"
 
 
 @pytest.mark.parametrize("zeta", [0.4, 1.0])
