@@ -108,7 +108,7 @@ def _times(step: Step, curve: NoisyCurve, arrived: Instant | None) -> Iterator[M
 
 
 def _moves_ahead(step: Step) -> bool:
-    """Whether the signal has left its first level before the step's row, as it does along a slow reference."""
+    """Whether the signal has left its first level before the step, as it does along a slow reference."""
     level = float(np.mean(step.y_before[: max(1, len(step.y_before) // 4)]))
     least = max(_ARRIVED * step.height, _CALM * step.y_noise.rms)
     return float(step.y_before[-1]) - level > least
