@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis.frequency_response import FrequencyResponse, frequency_response
+from benchtool.analysis.frequency_response import NEPER_DB, FrequencyResponse, decibels, frequency_response
 from benchtool.analysis.margins import margins
 from benchtool.analysis.measurement import Basis, Measurement, Table
 from benchtool.analysis.response_curve import Point, ResponseCurve, gain_at_rest
@@ -21,7 +21,6 @@ from benchtool.errors import AnalysisError
 _HALF_POWER_DB = 20.0 * math.log10(math.sqrt(0.5))
 _QUARTER_TURN = -0.5 * math.pi
 _FEWEST_FOR_A_LINE = 3
-_NEPER_DB = 20.0 / math.log(10.0)
 _MOST_OF_THE_LEVEL = 0.3  # of the 3 dB: a gain at rest that is less certain gives no bandwidth
 _STATISTICAL = "random error of H1 from coherence and number of averages"
 
@@ -120,8 +119,8 @@ def _measurements(found: FrequencyResponse, unit: str, basis: Basis) -> Iterator
     gain_error = Uncertainty(rest.gain * rest.relative_error, f"{_STATISTICAL}, and of the fit")
     yield Measurement("response_gain", rest.gain, unit, text, basis, gain_error)
 
-    rest_dB = _NEPER_DB * rest.relative_error
-    relative = ResponseCurve(frequency_Hz, _dB(gain / rest.gain), _NEPER_DB * error, -_HALF_POWER_DB)
+    rest_dB = NEPER_DB * rest.relative_error
+    relative = ResponseCurve(frequency_Hz, decibels(gain / rest.gain), NEPER_DB * error, -_HALF_POWER_DB)
     text = "lowest frequency at which the gain is 3.01 dB below response_gain, by a local parabola"
     down = relative.falls_to(_HALF_POWER_DB, rest_dB)
     reason = f"it stays above up to {frequency_Hz[-1]:.4g} Hz"
@@ -150,10 +149,6 @@ def _measurements(found: FrequencyResponse, unit: str, basis: Basis) -> Iterator
     yield Measurement("coherence_median", float(np.median(coherence)), "", f"median {text}", basis)
     if not unit:
         yield from margins(frequency_Hz, found.response[trusted], error, basis)
-
-
-def _dB(ratio: Floats) -> Floats:
-    return np.asarray(20.0 * np.log10(np.maximum(ratio, np.finfo(np.float64).tiny)))
 
 
 def _frequency(name: str, definition: str, found: Point | None, reason: str, basis: Basis) -> Measurement:

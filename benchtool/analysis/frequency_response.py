@@ -32,6 +32,9 @@ WELL_EXCITED = 1e-2
 REPEATED = 0.8
 """Least share of the input's power that is the same in every period."""
 
+NEPER_DB = 20.0 / math.log(10.0)
+"""dB of a small relative change of a gain, over that change."""
+
 FEWEST_PERIODS = 4
 _FEWEST_SEGMENTS = 4
 _BY_CHANCE = 0.05  # probability that noise alone passes for coherent at one of all frequencies
@@ -101,7 +104,7 @@ class FrequencyResponse:
 
     @property
     def gain_dB(self) -> NDArray[np.float64]:
-        return 20.0 * np.log10(np.maximum(self.gain, np.finfo(np.float64).tiny))
+        return decibels(self.response)
 
     @property
     def phase_rad(self) -> NDArray[np.float64]:
@@ -109,6 +112,11 @@ class FrequencyResponse:
         phase = np.full(len(self.response), math.nan)
         phase[self.trusted] = np.unwrap(np.angle(self.response[self.trusted]))
         return phase
+
+
+def decibels(ratio: NDArray[np.complex128] | NDArray[np.float64]) -> NDArray[np.float64]:
+    """Magnitude of ratios in dB; of zero, that of the smallest number there is."""
+    return np.asarray(20.0 * np.log10(np.maximum(np.abs(ratio), np.finfo(np.float64).tiny)))
 
 
 def frequency_response(

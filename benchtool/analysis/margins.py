@@ -12,13 +12,13 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from benchtool.analysis.frequency_response import NEPER_DB, decibels
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.response_curve import Point, ResponseCurve
 from benchtool.analysis.uncertainty import Uncertainty
 
 Floats = NDArray[np.float64]
 
-_NEPER_DB = 20.0 / math.log(10.0)
 _LEAST = 1e-9  # of 1 - T: a loop that is perfect but for rounding
 _SMALL_DB = 1.0
 _SMALL_RAD = 0.1
@@ -37,7 +37,7 @@ def margins(
     magnitude = np.maximum(np.abs(sensitivity), _LEAST)
     opened = closed / np.where(np.abs(sensitivity) < _LEAST, _LEAST, sensitivity)
     spread = error / magnitude  # dL / L = dT / (T (1 - T))
-    gain = ResponseCurve(frequency_Hz, _dB(opened), _NEPER_DB * spread, _SMALL_DB)
+    gain = ResponseCurve(frequency_Hz, decibels(opened), NEPER_DB * spread, _SMALL_DB)
     phase = ResponseCurve(frequency_Hz, np.unwrap(np.angle(opened)), spread, _SMALL_RAD)
 
     text = "lowest frequency at which the open loop T / (1 - T) has the gain 1"
@@ -78,12 +78,12 @@ def margins(
 
     own_error = error * np.abs(closed) / magnitude
     peak_dB, peak_error = ResponseCurve(
-        frequency_Hz, _dB(sensitivity), _NEPER_DB * own_error, _SMALL_DB
+        frequency_Hz, decibels(sensitivity), NEPER_DB * own_error, _SMALL_DB
     ).greatest()
     peak = 10.0 ** (peak_dB / 20.0)
     text = "greatest magnitude of the sensitivity 1 - T, M_s"
     yield Measurement(
-        "sensitivity_peak", peak, "", text, basis, Uncertainty(peak * peak_error / _NEPER_DB, _SOURCE)
+        "sensitivity_peak", peak, "", text, basis, Uncertainty(peak * peak_error / NEPER_DB, _SOURCE)
     )
 
 
@@ -94,7 +94,3 @@ def _why_not(found: Point | None, frequency_Hz: Floats, otherwise: str) -> str:
     if not math.isfinite(found.standard_Hz):
         return f"it is passed at {frequency_Hz[0]:.4g} Hz already, the lowest frequency used"
     return ""
-
-
-def _dB(values: NDArray[np.complex128]) -> Floats:
-    return np.asarray(20.0 * np.log10(np.maximum(np.abs(values), np.finfo(np.float64).tiny)))

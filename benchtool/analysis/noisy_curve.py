@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,7 +63,7 @@ class NoisyCurve:
         bias = longer.apply(samples) - curve
         return cls(curve, errors + random.standard_normal((draws, 1)) * bias)
 
-    @property
+    @cached_property
     def standard(self) -> Floats:
         """Standard uncertainty at every sample, shape (n,)."""
         return np.std(self.errors, axis=0) if len(self.errors) else np.zeros(len(self.values))

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -87,23 +88,24 @@ class ResponseCurve:
 
     def greatest(self) -> tuple[float, float]:
         """Greatest value, less what the errors add to it, and its standard uncertainty."""
-        widths = self._widths()
+        widths = self._widths
         random = np.random.default_rng(_SEED)
         drawn = random.standard_normal((_DRAWS, len(self.values))) * self.error
         errors = np.array([_running_mean(each, self._weights, widths) for each in drawn])
         return NoisyCurve(self.smooth, errors).greatest()
 
-    @property
+    @cached_property
     def smooth(self) -> Floats:
         """Running means over so many neighbours that their error is small against the movement."""
-        return _running_mean(self.values, self._weights, self._widths())
+        return _running_mean(self.values, self._weights, self._widths)
 
-    @property
+    @cached_property
     def _weights(self) -> Floats:
         least = _LEAST_ERROR * max(float(np.max(np.abs(self.values))), self.movement)
         smallest = max(float(np.min(self.error)), least)
         return 1.0 / np.clip(self.error, least, _MOST_UNEQUAL * smallest) ** 2
 
+    @cached_property
     def _widths(self) -> NDArray[np.int64]:
         """Neighbours to either side of each value."""
         count = len(self.values)
