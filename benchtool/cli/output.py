@@ -89,7 +89,7 @@ class Output:
 
 
 def tell_unsealed(output: Output, bundles: Sequence[Bundle]) -> None:
-    """A line of what was recorded by a version that kept no hashes."""
+    """Print which bundles an earlier version recorded, without hashes."""
     without = [bundle for bundle in bundles if not bundle.integrity.sealed]
     if without:
         more = f" and {len(without) - 1} more" if len(without) > 1 else ""

@@ -97,7 +97,7 @@ def read_parameter_file(path: Path) -> ParameterFile:
 
 
 def write_parameter_file(path: Path, text: str) -> None:
-    """Put a file in place in one step: whoever reads it sees the old or the new one, never a half.
+    """Put a file in place in one step, so that a reader sees the old or the new one, never a half.
 
     Raises:
         RecordingError: it cannot be written.
