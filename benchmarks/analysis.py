@@ -26,9 +26,9 @@ from scipy import signal
 
 from benchmarks.figures import print_figures
 from benchtool.block import Block, Channel
-from benchtool.experiment.steady_state import assess_steady_state
 from benchtool.profile import load_profile
 from benchtool.recording import Bundle, BundleWriter, Manifest
+from benchtool.results.steady_state import assess_steady_state
 
 RATE_HZ = 10_000
 SECONDS = 600

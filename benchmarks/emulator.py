@@ -20,10 +20,10 @@ from collections.abc import Callable
 
 from benchmarks.figures import print_figures
 from benchtool.emulator.core import Core
-from benchtool.emulator.kernel import run_ticks
-from benchtool.emulator.truth import InverterTruth, MotorTruth, SensorTruth
+from benchtool.emulator.core.kernel import run_ticks
+from benchtool.emulator.machine.truth import InverterTruth, MotorTruth, SensorTruth
+from benchtool.protocol.dictionary.objects import table_from_toml
 from benchtool.protocol.modes import Mode
-from benchtool.protocol.objects import table_from_toml
 from benchtool.shipped import shipped
 
 CHANNELS = [

@@ -21,13 +21,13 @@ from benchmarks.figures import print_figures
 from benchtool.analysis import Measurement
 from benchtool.analysis.measurement import measurements_to_json
 from benchtool.block import Block, Channel
-from benchtool.experiment.plan import Plan
-from benchtool.experiment.reporting import run_report
-from benchtool.experiment.runs import recorded_runs
+from benchtool.plan.model import Plan
 from benchtool.profile import load_profile, profile_path
 from benchtool.recording import Bundle, BundleWriter, Manifest
+from benchtool.report.assembly.run import run_report
 from benchtool.report.html import html_page
-from benchtool.report.pdf import pdf_document
+from benchtool.report.pdf.document import pdf_document
+from benchtool.results.runs import recorded_runs
 
 RATE_HZ, P, OMEGA_M_RAD_S = 10_000.0, 4, 15.71
 SHORT_S = 0.52

@@ -28,7 +28,7 @@ from benchmarks.recording import CHANNELS, RATE_HZ
 from benchtool.clock import RealClock
 from benchtool.drive import RemoteDrive
 from benchtool.link.port import PyserialPort
-from benchtool.link.serial import SerialLink
+from benchtool.link.serial.link import SerialLink
 from benchtool.protocol.dictionary import Dictionary
 from benchtool.protocol.serial import Stream, encode_frame, encode_message
 from benchtool.recording import BundleWriter, Manifest

@@ -28,11 +28,11 @@ import can
 
 from benchmarks.figures import print_figures
 from benchtool.clock import RealClock
-from benchtool.emulator.servers.pty import PtyPort
+from benchtool.emulator.ports.pty import PtyPort
 from benchtool.emulator.servers.slcan import SlcanAdapter
-from benchtool.link.canopen import CanopenLink
+from benchtool.link.canopen.link import CanopenLink
+from benchtool.link.canopen.slcan import open_slcan
 from benchtool.link.interface import Frame
-from benchtool.link.slcan import open_slcan
 
 RATE_HZ = 8000
 BITRATE_BIT_S = 1_000_000

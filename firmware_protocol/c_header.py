@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from benchtool.protocol.eds import shortest
-from benchtool.protocol.objects import DataType, Entry, Number, ObjectTable
+from benchtool.protocol.dictionary.eds import shortest
+from benchtool.protocol.dictionary.objects import DataType, Entry, Number, ObjectTable
 
 _ACCESSES = ("ro", "rw", "wo", "const")
 _ROLES = ("parameter", "command", "signal", "status")

@@ -11,7 +11,7 @@ import re
 import struct
 from collections.abc import Iterator
 
-from benchtool.protocol.objects import DataType, Entry, Number, Object, ObjectTable
+from benchtool.protocol.dictionary.objects import DataType, Entry, Number, Object, ObjectTable
 
 _MANDATORY = (0x1000, 0x1001, 0x1018)
 _OBJECT_TYPES = {"var": 0x7, "array": 0x8, "record": 0x9}

@@ -13,7 +13,7 @@ import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from benchtool.protocol.objects import ObjectTable, table_from_toml
+from benchtool.protocol.dictionary.objects import ObjectTable, table_from_toml
 from firmware_protocol import c_header, eds_file, reference_page, vectors
 
 FOLDER = Path(__file__).resolve().parent

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from benchtool.protocol.objects import Entry, Number, Object, ObjectTable
+from benchtool.protocol.dictionary.objects import Entry, Number, Object, ObjectTable
 
 _HEAD = """\
 # Object dictionary

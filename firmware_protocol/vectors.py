@@ -14,7 +14,7 @@ from dataclasses import dataclass, fields
 from typing import Any
 
 from benchtool.protocol import serial as wire
-from benchtool.protocol.emcy import Emergency
+from benchtool.protocol.canopen.emcy import Emergency
 
 _RUN = bytes(range(1, 255))  # 254 bytes without a zero
 _LIMIT = 128

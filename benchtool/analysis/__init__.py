@@ -3,28 +3,10 @@
 Those that take a `Block` take one of plain arrays too: `benchtool.block.Block.from_arrays`.
 """
 
-from benchtool.analysis.angle import AngleCoverage, angle_coverage
-from benchtool.analysis.bode import Bode, analyze_response
-from benchtool.analysis.current import CurrentSpectrum, current_spectrum
+from benchtool.analysis.dynamics.bode import Bode, analyze_response
+from benchtool.analysis.dynamics.frequency_response import FrequencyResponse, frequency_response
+from benchtool.analysis.dynamics.step import StepResponse, analyze_step
 from benchtool.analysis.flux_trajectory import flux_trajectory
-from benchtool.analysis.frequency_response import FrequencyResponse, frequency_response
-from benchtool.analysis.groups import (
-    GroupDistortion,
-    HarmonicGroups,
-    group_distortion,
-    group_table,
-    harmonic_groups,
-)
-from benchtool.analysis.harmonics import (
-    Distortion,
-    Reference,
-    distortion_and_noise,
-    harmonic_table,
-    harmonics,
-    relative_phase_rad,
-    total_harmonic_distortion,
-)
-from benchtool.analysis.lines import SpectralLines, spectral_lines
 from benchtool.analysis.measurement import (
     Basis,
     Measurement,
@@ -33,9 +15,9 @@ from benchtool.analysis.measurement import (
     measurements_to_json,
     tables_to_json,
 )
-from benchtool.analysis.noise import NoiseFloor, harmonic_noise, noise_floor
-from benchtool.analysis.order_spectrum import OrderSpectrum, fitted_orders, orders_at_speed
-from benchtool.analysis.orders import Orders, order_analysis
+from benchtool.analysis.orders.angle import AngleCoverage, angle_coverage
+from benchtool.analysis.orders.order_spectrum import OrderSpectrum, fitted_orders, orders_at_speed
+from benchtool.analysis.orders.orders import Orders, order_analysis
 from benchtool.analysis.periods import PhaseTrack, track_angle, track_tone
 from benchtool.analysis.residual import torque_residual
 from benchtool.analysis.ripple import (
@@ -47,7 +29,26 @@ from benchtool.analysis.ripple import (
     ripple_numbers,
 )
 from benchtool.analysis.span import cut_to_span
-from benchtool.analysis.spectrum import (
+from benchtool.analysis.spectra.current import CurrentSpectrum, current_spectrum
+from benchtool.analysis.spectra.groups import (
+    GroupDistortion,
+    HarmonicGroups,
+    group_distortion,
+    group_table,
+    harmonic_groups,
+)
+from benchtool.analysis.spectra.harmonics import (
+    Distortion,
+    Reference,
+    distortion_and_noise,
+    harmonic_table,
+    harmonics,
+    relative_phase_rad,
+    total_harmonic_distortion,
+)
+from benchtool.analysis.spectra.lines import SpectralLines, spectral_lines
+from benchtool.analysis.spectra.noise import NoiseFloor, harmonic_noise, noise_floor
+from benchtool.analysis.spectra.spectrum import (
     CoherentSamples,
     CoherentSpectrum,
     Component,
@@ -58,8 +59,8 @@ from benchtool.analysis.spectrum import (
     largest_low_component,
     spectrum_of,
 )
+from benchtool.analysis.spectra.unbalance import current_unbalance
 from benchtool.analysis.steady_state import SteadyState, analyze_steady_state
-from benchtool.analysis.step import StepResponse, analyze_step
 from benchtool.analysis.switching import (
     SwitchingStates,
     mean_switching_frequency_Hz,
@@ -67,7 +68,6 @@ from benchtool.analysis.switching import (
     switching_states,
 )
 from benchtool.analysis.torque import torque_ripple, true_torque
-from benchtool.analysis.unbalance import current_unbalance
 from benchtool.analysis.uncertainty import Contribution, Uncertainty
 
 __all__ = [

@@ -16,12 +16,11 @@ from typing import Final, Self
 
 import numpy as np
 
-from benchtool.analysis.bode import analyze_response
-from benchtool.analysis.current import CurrentSpectrum, current_spectrum
+from benchtool.analysis.dynamics.bode import analyze_response
+from benchtool.analysis.dynamics.step import analyze_step
 from benchtool.analysis.flux_trajectory import flux_trajectory
-from benchtool.analysis.lines import spectral_lines
 from benchtool.analysis.measurement import Measurement, Table
-from benchtool.analysis.orders import order_analysis
+from benchtool.analysis.orders.orders import order_analysis
 from benchtool.analysis.periods import PhaseTrack, track_angle, track_tone
 from benchtool.analysis.residual import NEEDED as NEEDED_TO_PREDICT
 from benchtool.analysis.residual import torque_residual
@@ -32,10 +31,11 @@ from benchtool.analysis.specimen import (
     steady_specimen,
     step_specimen,
 )
-from benchtool.analysis.step import analyze_step
+from benchtool.analysis.spectra.current import CurrentSpectrum, current_spectrum
+from benchtool.analysis.spectra.lines import spectral_lines
+from benchtool.analysis.spectra.unbalance import current_unbalance
 from benchtool.analysis.switching import switching_frequency, switching_states
 from benchtool.analysis.torque import torque_ripple, true_torque
-from benchtool.analysis.unbalance import current_unbalance
 from benchtool.block import Block
 from benchtool.profile import Motor
 

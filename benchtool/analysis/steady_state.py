@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from benchtool.analysis.catalogue import CORE, Findings, Window
 from benchtool.analysis.measurement import Measurement, MeasurementJson, Table, measurements_to_json
-from benchtool.analysis.spectrum import CoherentSpectrum
+from benchtool.analysis.spectra.spectrum import CoherentSpectrum
 from benchtool.analysis.validity import require_unbroken
 from benchtool.block import Block
 from benchtool.errors import AnalysisError

@@ -15,7 +15,7 @@ from benchtool.cli.output import Output
 from benchtool.cli.report import write_report
 
 if TYPE_CHECKING:
-    from benchtool.experiment.deltas import Comparison, Delta
+    from benchtool.results.comparison import Comparison, Delta
 
 _LEAST_PLACE = 1e-6  # of a value without uncertainty: smaller differences do not show in it
 _MOST_COLUMNS = 3  # runs beside each other in a terminal; more stand one below the other
@@ -34,9 +34,9 @@ def compare(
 ) -> int:
     """Measure recorded runs again and set them side by side; differences are against the first."""
     from benchtool.errors import UsageError
-    from benchtool.experiment.comparing import comparison_report
-    from benchtool.experiment.deltas import compare_cases
-    from benchtool.experiment.runs import complete_cases
+    from benchtool.report.assembly.comparison import comparison_report
+    from benchtool.results.comparison import compare_cases
+    from benchtool.results.runs import complete_cases
 
     if pdf and html is None:
         raise UsageError("--pdf writes a PDF beside the page of --html, which was not given: add --html FILE")
@@ -82,7 +82,7 @@ def _labels(runs: Sequence[Path]) -> list[str]:
 
 def _deltas(comparisons: Sequence[Comparison], *, alone_run: bool) -> dict[str, object]:
     """Every difference by case (as `cases` lists it), with what it is a difference to."""
-    from benchtool.experiment.deltas import Chance
+    from benchtool.results.comparison import Chance
 
     document: dict[str, object] = {}
     for comparison in comparisons:
@@ -140,7 +140,7 @@ def _show_columns(output: Output, title: str, comparison: Comparison, letters: M
 
 def _show_many(output: Output, title: str, comparison: Comparison, letters: Mapping[str, str]) -> None:
     """A row for each run, with what is asked first; the whole is in the documents."""
-    from benchtool.experiment.plan_reporting import FOREMOST
+    from benchtool.report.assembly.plan import FOREMOST
 
     known = comparison.names
     names: list[str] = [name for name in FOREMOST if name in known] or list(known[:4])
@@ -179,7 +179,7 @@ def _delta(comparison: Comparison, label: str, name: str) -> Delta | None:
 
 def _apart(comparison: Comparison, label: str, name: str) -> list[str | Text]:
     """Value, difference with its uncertainty, and percent."""
-    from benchtool.experiment.comparing import difference
+    from benchtool.report.assembly.comparison import difference
     from benchtool.report.numbers import NOTHING
 
     delta = _delta(comparison, label, name)

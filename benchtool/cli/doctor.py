@@ -59,7 +59,7 @@ def _packages() -> str:
 
 def _dictionary() -> str:
     from benchtool.protocol.dictionary import Dictionary
-    from benchtool.protocol.objects import load_table
+    from benchtool.protocol.dictionary.objects import load_table
     from benchtool.shipped import shipped
 
     folder = shipped("firmware_protocol")
@@ -89,13 +89,13 @@ def _folder() -> str:
 
 
 def _emulator() -> str:
-    from benchtool.bench import emulator_is_compiled
+    from benchtool.bench.session import emulator_is_compiled
 
     return "compiled" if emulator_is_compiled() else "will be compiled at its first run, a few seconds"
 
 
 def _drive(profile: str, link: str, output: Output) -> str:
-    from benchtool.bench import open_session
+    from benchtool.bench.session import open_session
 
     with open_session(profile, link, note=output.note) as session:
         identity = session.drive.identify()

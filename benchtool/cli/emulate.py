@@ -17,7 +17,7 @@ from benchtool.cli.output import Output
 if TYPE_CHECKING:
     from rich.console import Group
 
-    from benchtool.serving import ServedDrive
+    from benchtool.bench.serving import ServedDrive
 
 _TELL_S = 0.5
 _DEFAULT_PROFILE = "zhu2011"
@@ -79,9 +79,9 @@ def emulate(
     All wires lead to the one drive, and clients may come and go. If no wire is named, there are --serial and
     --slcan.
     """
-    from benchtool.bench import emulator_is_compiled
+    from benchtool.bench.serving import Endpoint, serve
+    from benchtool.bench.session import emulator_is_compiled
     from benchtool.errors import UsageError
-    from benchtool.serving import Endpoint, serve
 
     if hold_speed is not None and load_torque:
         raise UsageError("both of --load-torque and --hold-speed: the load machine does one of the two")

@@ -15,7 +15,7 @@ def info(
     as_json: options.Json = False,
 ) -> int:
     """Who answers: identity, firmware, dictionary, state. Nothing is enabled or written."""
-    from benchtool.bench import open_session
+    from benchtool.bench.session import open_session
 
     output = Output(as_json=as_json)
     with open_session(profile, link, note=output.note) as session:

@@ -23,11 +23,11 @@ def jog(
     as_json: options.Json = False,
 ) -> int:
     """Turn the shaft: setpoints from this computer, at a rate; Ctrl-C or the end disables the drive."""
-    from benchtool.bench import open_session
+    from benchtool.bench.session import open_session
     from benchtool.clock import RealClock
     from benchtool.drive import Mode
     from benchtool.errors import UsageError
-    from benchtool.experiment.jog import jog as run
+    from benchtool.run.jog import jog as run
 
     if (speed is None) == (torque is None):
         raise UsageError(

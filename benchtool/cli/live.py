@@ -13,7 +13,7 @@ from benchtool.cli import options, viewing
 from benchtool.cli.output import Output, tell_unsealed
 
 if TYPE_CHECKING:
-    from benchtool.bench import Session
+    from benchtool.bench.session import Session
     from benchtool.telemetry import TelemetryStream
 
 _STEP_S = 0.05
@@ -81,8 +81,8 @@ def _show_drive(
     where: viewing.Places,
     output: Output,
 ) -> int:
-    from benchtool.bench import open_session
-    from benchtool.drive.parameters import snapshot
+    from benchtool.bench.session import open_session
+    from benchtool.drive.parameters.transaction import snapshot
     from benchtool.recording import Manifest
     from benchtool.telemetry import TelemetryStream, fitting, keep_journal
 
@@ -135,9 +135,9 @@ def _show_run(
     folder: Path, profile: str, where: viewing.Places, output: Output, duration_s: float | None
 ) -> int:
     """Send every bundle of a run, each as a recording of its own."""
-    from benchtool.experiment.runs import recorded_runs
     from benchtool.live import setup_of, show_bundle
     from benchtool.profile import load_profile
+    from benchtool.results.runs import recorded_runs
 
     cases = [case for each in recorded_runs(folder) for case in each.cases]
     for case in cases:

@@ -16,10 +16,10 @@ from rich.text import Text
 
 if TYPE_CHECKING:
     from benchtool.analysis import Measurement
-    from benchtool.experiment.assessment import Assessment, RunResult
-    from benchtool.experiment.limits import Limit
-    from benchtool.experiment.repetition import Repeated
+    from benchtool.plan.limits import Limit
     from benchtool.recording import Bundle
+    from benchtool.results.assessment import Assessment, RunResult
+    from benchtool.results.repetitions import Repeated
 
 _CONTROLS = {code: f"\\x{code:02x}" for code in (*range(32), *range(127, 160)) if code not in (9, 10)}
 _MOST_COLUMNS = 7

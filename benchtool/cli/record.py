@@ -17,7 +17,7 @@ from benchtool.cli import options, viewing
 from benchtool.cli.output import Output, significant
 
 if TYPE_CHECKING:
-    from benchtool.bench import Session
+    from benchtool.bench.session import Session
     from benchtool.drive import Identity
     from benchtool.recording import BundleWriter, Event, Manifest
     from benchtool.telemetry import Certificate, FrameLog, Sink, TelemetryStream
@@ -61,7 +61,7 @@ def record(
     as_json: options.Json = False,
 ) -> int:
     """Record the stream of a drive, whatever it is doing; nothing is enabled."""
-    from benchtool.bench import open_session
+    from benchtool.bench.session import open_session
     from benchtool.recording import BundleWriter, EventFile
     from benchtool.telemetry import DEFAULT_CHANNELS, FrameLog, fitting, stream_source
 
@@ -100,7 +100,7 @@ def record(
 
 
 def _manifest(session: Session, identity: Identity, when: str, note: str, seed: int, link: str) -> Manifest:
-    from benchtool.drive.parameters import snapshot
+    from benchtool.drive.parameters.transaction import snapshot
     from benchtool.recording import Manifest, software_versions
 
     drive = session.drive

@@ -26,11 +26,11 @@ def report(
 ) -> int:
     """Measure a recorded run again and write a report that needs nothing else to be read."""
     from benchtool.errors import RecordingError, UsageError
-    from benchtool.experiment.limits import worst
-    from benchtool.experiment.plan_reporting import case_label
-    from benchtool.experiment.reporting import run_report
-    from benchtool.experiment.runs import recorded_runs
+    from benchtool.plan.limits import worst
     from benchtool.recording import enlist
+    from benchtool.report.assembly.plan import case_label
+    from benchtool.report.assembly.run import run_report
+    from benchtool.results.runs import recorded_runs
 
     if out is not None and out.suffix.lower() == ".pdf" and not pdf:
         raise UsageError(f"--out {out} names a PDF, the page is HTML: add --pdf, or name the page")
@@ -75,14 +75,14 @@ def write_report(report: Report, page: Path, *, pdf: bool, output: Output) -> tu
     document = page.with_suffix(".pdf")
     require_own(page, MARK)
     if pdf:
-        from benchtool.report.pdf import MARK as PDF_MARK
+        from benchtool.report.pdf.document import MARK as PDF_MARK
 
         require_own(document, PDF_MARK)
     write_whole(page, html_page(report).encode("utf-8"))
     output.line(f"report: {page}")
     if not pdf:
         return page, None
-    from benchtool.report.pdf import pdf_document
+    from benchtool.report.pdf.document import pdf_document
 
     write_whole(document, pdf_document(report))
     output.line(f"pdf: {document}")

@@ -12,7 +12,7 @@ def reset(
     as_json: options.Json = False,
 ) -> int:
     """Clear a latched fault, such as that of a host that vanished; nothing is enabled."""
-    from benchtool.bench import open_session
+    from benchtool.bench.session import open_session
     from benchtool.protocol.cia402 import State
 
     output = Output(as_json=as_json)

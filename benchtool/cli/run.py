@@ -17,9 +17,9 @@ from benchtool.cli import options, viewing
 from benchtool.cli.output import Output, show_run
 
 if TYPE_CHECKING:
-    from benchtool.experiment.assessment import RunResult
-    from benchtool.experiment.plan import Plan
+    from benchtool.plan.model import Plan
     from benchtool.recording import Conditions
+    from benchtool.results.assessment import RunResult
 
 
 @dataclass(frozen=True)
@@ -104,8 +104,8 @@ def run(
 def run_named(name: str, chosen: RunOptions) -> int:
     """Run one plan or a folder of plans, print what they measured, and return the exit code."""
     from benchtool.errors import DriveError, LinkError, PlanError, UsageError
-    from benchtool.experiment.limits import worst
-    from benchtool.experiment.plan import plan_names
+    from benchtool.plan.limits import worst
+    from benchtool.plan.model import plan_names
 
     if chosen.temperature_degC is not None and not math.isfinite(chosen.temperature_degC):
         raise UsageError(f"--temperature is {chosen.temperature_degC}: give a number of degrees Celsius")
@@ -180,7 +180,7 @@ class _Checked:
 def _check(name: str, chosen: RunOptions) -> _Checked:
     """Read a plan, and refuse what cannot be, before anything is opened or sent."""
     from benchtool.errors import UsageError
-    from benchtool.experiment.plan import load_plan, plan_path
+    from benchtool.plan.model import load_plan, plan_path
     from benchtool.profile import load_profile
 
     plan = load_plan(name)
@@ -188,9 +188,9 @@ def _check(name: str, chosen: RunOptions) -> _Checked:
     profile = load_profile(place)
 
     # Imported once plan and profile are known to be there: a slip of the pen is answered at once.
-    from benchtool.bench import dictionary_of, has_transducer
-    from benchtool.experiment.ranges import require_protected
-    from benchtool.experiment.validation import require_known
+    from benchtool.bench.session import dictionary_of, has_transducer
+    from benchtool.plan.ranges import require_protected
+    from benchtool.plan.validation import require_known
 
     dictionary, transducer = dictionary_of(place), has_transducer(chosen.link)
     require_known(plan, plan_path(name), profile, dictionary, transducer=transducer)
@@ -209,12 +209,12 @@ def _run(
     checked: _Checked, folder: Path, part: str, chosen: RunOptions, output: Output, where: viewing.Places
 ) -> RunResult:
     """Run one plan; `part` of the command it is, empty if it is all of it."""
-    from benchtool.bench import open_session
+    from benchtool.bench.session import open_session
     from benchtool.cli.progress import RunProgress
     from benchtool.cli.run_views import RunViews
-    from benchtool.experiment.parallel import run_in_processes
-    from benchtool.experiment.runner import RunInfo, run_plan
     from benchtool.profile import profile_path
+    from benchtool.run.parallel import run_in_processes
+    from benchtool.run.runner import RunInfo, run_plan
 
     plan, place, folder = checked.plan, checked.profile, folder / part
     info = RunInfo(
@@ -266,7 +266,7 @@ def _conditions(chosen: RunOptions) -> Conditions:
 
 
 def _write_page(page: Path, command: str, results: Mapping[str, RunResult]) -> None:
-    from benchtool.experiment.plan import load_plan
+    from benchtool.plan.model import load_plan
     from benchtool.profile import load_profile
     from benchtool.recording.files import write_whole
     from benchtool.report.page import PlanFigures, reproduction_page

@@ -9,13 +9,13 @@ from benchtool.cli import viewing
 from benchtool.cli.output import Output
 
 if TYPE_CHECKING:
-    from benchtool.bench import Session
+    from benchtool.bench.session import Session
     from benchtool.block import Block
-    from benchtool.experiment.assessment import Assessment
-    from benchtool.experiment.cases import Case
-    from benchtool.experiment.conduct import Progress
     from benchtool.live import LiveView
+    from benchtool.plan.cases import Case
     from benchtool.recording import Event, Manifest
+    from benchtool.results.assessment import Assessment
+    from benchtool.run.conduct import Progress
     from benchtool.telemetry import Sink
 
 

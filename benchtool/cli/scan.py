@@ -14,8 +14,8 @@ from benchtool.cli.output import Output
 from benchtool.errors import LinkError, NoAnswer
 
 if TYPE_CHECKING:
-    from benchtool.drive.discovery import Found
     from benchtool.link.address import Address
+    from benchtool.link.discovery import Found
 
 _AT_ONCE = 8
 
@@ -100,7 +100,7 @@ def _own_ports() -> list[str]:
 
 def _ask_port(place: str, baudrate: int, timeout_s: float) -> list[Found] | Silent:
     from benchtool.clock import RealClock
-    from benchtool.drive.discovery import ask_port
+    from benchtool.link.discovery import ask_port
     from benchtool.link.port import open_port
 
     try:
@@ -111,8 +111,8 @@ def _ask_port(place: str, baudrate: int, timeout_s: float) -> list[Found] | Sile
 
 def _ask_bus(address: Address, timeout_s: float) -> list[Found] | Silent:
     from benchtool.clock import RealClock
-    from benchtool.drive.discovery import ask_bus
-    from benchtool.link.bus import open_bus
+    from benchtool.link.canopen.bus import open_bus
+    from benchtool.link.discovery import ask_bus
 
     try:
         found = ask_bus(address, open_bus(address), timeout_s, RealClock())
@@ -128,7 +128,7 @@ def _place(address: Address) -> str:
 
 
 def _show(output: Output, found: list[Found], silent: list[Silent]) -> None:
-    from benchtool.drive.discovery import duplicates
+    from benchtool.link.discovery import duplicates
 
     twice = duplicates(found)
     for drive in found:

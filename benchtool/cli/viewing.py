@@ -20,7 +20,7 @@ from benchtool.errors import UsageError
 
 if TYPE_CHECKING:
     from benchtool.analysis import Measurement
-    from benchtool.bench import Session
+    from benchtool.bench.session import Session
     from benchtool.drive import RemoteDrive
     from benchtool.live import Destination, FileDestination, LiveView, Viewer
     from benchtool.recording import Manifest

@@ -11,9 +11,9 @@ from benchtool.drive.identity import Identity
 from benchtool.errors import SdoAbort, ValueRefused, WriteNotVerified
 from benchtool.link import Link
 from benchtool.link.ticks import TickMark, WallMark
-from benchtool.protocol.abort import Abort
+from benchtool.protocol.canopen.abort import Abort
 from benchtool.protocol.dictionary import Dictionary
-from benchtool.protocol.variable import Value, Variable
+from benchtool.protocol.dictionary.variable import Value, Variable
 from benchtool.ticks import counted_on
 
 

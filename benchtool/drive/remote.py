@@ -13,7 +13,7 @@ from benchtool.drive.reconnection import Reconnection
 from benchtool.drive.states import Cia402Node
 from benchtool.errors import BenchError, LinkClosed, LinkError, SdoAbort, StateError
 from benchtool.link import Link
-from benchtool.protocol.abort import Abort
+from benchtool.protocol.canopen.abort import Abort
 from benchtool.protocol.cia402 import State
 from benchtool.protocol.dictionary import Dictionary
 

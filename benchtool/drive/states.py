@@ -11,7 +11,9 @@ from benchtool.clock import Clock
 from benchtool.drive.node import RemoteNode
 from benchtool.errors import BenchError, DriveFault, SdoAbort, StateError
 from benchtool.link import Link
-from benchtool.protocol.abort import Abort
+from benchtool.protocol.canopen.abort import Abort
+from benchtool.protocol.canopen.emcy import Emergency, error_text
+from benchtool.protocol.canopen.nmt import NmtCommand
 from benchtool.protocol.cia402 import (
     CONTROLWORD,
     MODE_OF_OPERATION,
@@ -22,9 +24,7 @@ from benchtool.protocol.cia402 import (
     state_of,
 )
 from benchtool.protocol.dictionary import Dictionary
-from benchtool.protocol.emcy import Emergency, error_text
 from benchtool.protocol.modes import Mode
-from benchtool.protocol.nmt import NmtCommand
 
 _TRANSITION_TIMEOUT_S = 1.0
 _POLL_S = 0.001

@@ -10,8 +10,8 @@ from pydantic import Field, model_validator
 from benchtool.document import Section
 from benchtool.errors import ValueRefused
 from benchtool.profile import Motor
+from benchtool.protocol.dictionary.variable import Value
 from benchtool.protocol.modes import Mode
-from benchtool.protocol.variable import Value
 
 _SUFFIXES = {"torque": "Nm", "speed": "rad_s", "d_current": "A", "voltage": "V"}
 _UNITS = {**_SUFFIXES, "speed": "rad/s"}

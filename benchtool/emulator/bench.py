@@ -14,22 +14,22 @@ from benchtool.block import Block
 from benchtool.clock import VirtualClock
 from benchtool.emulator.core import Core
 from benchtool.emulator.firmware.device import Firmware
+from benchtool.emulator.machine.transducer import MAX_TICKS
+from benchtool.emulator.machine.truth import InverterTruth, MotorTruth, SensorTruth
 from benchtool.emulator.servers.canopen import CanopenServer
 from benchtool.emulator.servers.node import DriveNode, OnGone
 from benchtool.emulator.servers.serial import SerialServer
-from benchtool.emulator.transducer import MAX_TICKS
-from benchtool.emulator.truth import InverterTruth, MotorTruth, SensorTruth
 from benchtool.errors import ProfileError
+from benchtool.link.canopen.virtual import VirtualTimeBus
 from benchtool.link.pipe import PipePort, pipe
 from benchtool.link.port import Port
-from benchtool.link.virtual import VirtualTimeBus
 from benchtool.profile import Emulator, Profile
+from benchtool.protocol.canopen.nmt import NmtState
 from benchtool.protocol.dictionary import Dictionary
-from benchtool.protocol.keys import setting_of
-from benchtool.protocol.nmt import NmtState
-from benchtool.protocol.objects import Number, ObjectTable, load_table
-from benchtool.protocol.relations import first_breach
-from benchtool.protocol.variable import Value, Variable
+from benchtool.protocol.dictionary.keys import setting_of
+from benchtool.protocol.dictionary.objects import Number, ObjectTable, load_table
+from benchtool.protocol.dictionary.relations import first_breach
+from benchtool.protocol.dictionary.variable import Value, Variable
 from benchtool.shipped import shipped
 
 _channels = itertools.count(1)

@@ -61,9 +61,12 @@ def is_cached(compiled: Callable[..., Any]) -> bool:
 
 @cache
 def fingerprint() -> int:
-    """CRC-32 over the sources of the core and the compiler's version."""
+    """CRC-32 over the sources of what is compiled and the compiler's version."""
     folder = Path(__file__).parent
+    compiled = [folder / f"{name}.py" for name in ("jit", "memory", "rotation")]
+    for room in ("machine", "control", "core"):
+        compiled += folder.glob(f"{room}/*.py")
     crc = zlib.crc32(numba.__version__.encode())
-    for source in sorted([*folder.glob("*.py"), *folder.glob("control/*.py")]):
+    for source in sorted(compiled):
         crc = zlib.crc32(source.read_bytes(), crc)
     return crc

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.protocol.objects import ObjectTable
+from benchtool.protocol.dictionary.objects import ObjectTable
 
 Record = np.ndarray[Any, np.dtype[Any]]
 

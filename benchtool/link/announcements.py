@@ -8,8 +8,8 @@ from collections.abc import Callable
 from benchtool.clock import Clock
 from benchtool.errors import NoAnswer
 from benchtool.link.interface import Alarm
-from benchtool.protocol.emcy import Emergency
-from benchtool.protocol.nmt import NmtState
+from benchtool.protocol.canopen.emcy import Emergency
+from benchtool.protocol.canopen.nmt import NmtState
 
 _EMERGENCIES = 256
 _POLL_S = 0.01

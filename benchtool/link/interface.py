@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol, runtime_checkable
 
-from benchtool.protocol.emcy import Emergency
-from benchtool.protocol.nmt import NmtCommand, NmtState
+from benchtool.protocol.canopen.emcy import Emergency
+from benchtool.protocol.canopen.nmt import NmtCommand, NmtState
 from benchtool.protocol.serial import Batch, StreamReply
 
 

@@ -12,7 +12,7 @@ from benchtool.clock import Clock
 from benchtool.errors import LinkClosed, LinkError
 from benchtool.link.announcements import Announcements
 from benchtool.link.interface import Alarm, LinkCounters
-from benchtool.protocol.nmt import NmtState
+from benchtool.protocol.canopen.nmt import NmtState
 
 
 class ReceivingLink(ABC):

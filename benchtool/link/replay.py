@@ -13,11 +13,11 @@ from can.io import CanutilsLogReader
 
 from benchtool.clock import VirtualClock
 from benchtool.errors import LinkClosed, LinkError, NoAnswer, SdoAbort
+from benchtool.link.canopen.sdo_transcript import Kind, Transfer, transfers
 from benchtool.link.interface import Alarm, Frame, FrameReceiver, LinkCounters
-from benchtool.link.sdo_transcript import Kind, Transfer, transfers
-from benchtool.protocol.abort import abort_text
-from benchtool.protocol.emcy import Emergency
-from benchtool.protocol.nmt import NmtCommand, NmtState, heartbeat_state
+from benchtool.protocol.canopen.abort import abort_text
+from benchtool.protocol.canopen.emcy import Emergency
+from benchtool.protocol.canopen.nmt import NmtCommand, NmtState, heartbeat_state
 
 FRAMES = Path("data", "frames.log")
 """Where a bundle keeps its frames, in the format of `candump -L`."""

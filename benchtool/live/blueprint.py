@@ -9,8 +9,8 @@ import rerun.blueprint as rrb
 
 from benchtool.block import Channel
 from benchtool.live import names
-from benchtool.live.locus import NEEDED
-from benchtool.live.spectrum import chosen
+from benchtool.live.panels.locus import NEEDED
+from benchtool.live.panels.spectrum import chosen
 
 _MARKERS = (names.ERROR, names.WARNING, names.TRIGGER)
 _FOLLOWED_S = 20.0

@@ -10,11 +10,11 @@ from typing import Any
 from benchtool.block import Block
 from benchtool.link.ticks import WallMark
 from benchtool.live import names
-from benchtool.live.band import Limits
 from benchtool.live.columns import parts
-from benchtool.live.outlet import Destination
+from benchtool.live.panels.band import Limits
+from benchtool.live.panels.documents import certificate_document, results_document
+from benchtool.live.sinks.outlet import Destination
 from benchtool.live.view import LiveView, Setup
-from benchtool.live.words import certificate_document, results_document
 from benchtool.recording import Bundle, Event, Level, Manifest
 
 _SLOW = "telemetry"

@@ -17,8 +17,7 @@ import rerun as rr
 from benchtool.block import Block
 from benchtool.errors import EnvironmentFailure
 from benchtool.link.ticks import WallMark
-from benchtool.live import locus, names
-from benchtool.live.band import Limits, TorqueBand
+from benchtool.live import names
 from benchtool.live.blueprint import Layout, blueprint
 from benchtool.live.columns import (
     Arrangement,
@@ -29,12 +28,14 @@ from benchtool.live.columns import (
     parts,
     series,
 )
-from benchtool.live.events import EventLog, markers
-from benchtool.live.outlet import PATIENCE_S, Destination, Outlet
-from benchtool.live.quality import Counters, Quality
-from benchtool.live.spectra import capture_spectra, running_spectra
-from benchtool.live.spectrum import RunningSpectrum, chosen
-from benchtool.live.words import parameters_document, results_document
+from benchtool.live.panels import locus
+from benchtool.live.panels.band import Limits, TorqueBand
+from benchtool.live.panels.documents import parameters_document, results_document
+from benchtool.live.panels.events import EventLog, markers
+from benchtool.live.panels.quality import Counters, Quality
+from benchtool.live.panels.spectra import capture_spectra, running_spectra
+from benchtool.live.panels.spectrum import RunningSpectrum, chosen
+from benchtool.live.sinks.outlet import PATIENCE_S, Destination, Outlet
 from benchtool.recording import Event, Level
 
 _WATERFALL_S = 1.0  # between two pictures, each of which is kept in the recording

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from benchtool.block import Block, Channel
 from benchtool.errors import CaptureError
-from benchtool.protocol.variable import Variable
+from benchtool.protocol.dictionary.variable import Variable
 
 MAGIC = b"BTC1"
 HEADER_SIZE = 32

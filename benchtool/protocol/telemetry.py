@@ -21,10 +21,10 @@ import numpy as np
 
 from benchtool.block import Block, Channel, Gap
 from benchtool.errors import ValueRefused
+from benchtool.protocol.canopen.pdo import Pdo, most_tpdos, tpdo, tpdo_numbers
 from benchtool.protocol.dictionary import Dictionary
-from benchtool.protocol.objects import DataType
-from benchtool.protocol.pdo import Pdo, most_tpdos, tpdo, tpdo_numbers
-from benchtool.protocol.variable import Variable
+from benchtool.protocol.dictionary.objects import DataType
+from benchtool.protocol.dictionary.variable import Variable
 from benchtool.ticks import TICKS, ahead, counted_on
 
 COUNTING_SIGNALS = {

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 
 from benchtool.errors import ValueRefused
 from benchtool.link import BatchLink
-from benchtool.protocol.nmt import NmtCommand
+from benchtool.protocol.canopen.nmt import NmtCommand
 from benchtool.protocol.serial import Batch, BatchDecoder, StreamFormat
 from benchtool.protocol.telemetry import stream_channel
 from benchtool.telemetry.node import Node

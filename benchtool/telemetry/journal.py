@@ -7,8 +7,8 @@ from contextlib import AbstractContextManager, contextmanager
 from typing import Protocol
 
 from benchtool.errors import BenchError
+from benchtool.protocol.canopen.emcy import Emergency
 from benchtool.protocol.cia402 import State
-from benchtool.protocol.emcy import Emergency
 from benchtool.recording import Event, Level
 
 _FAULTS = (State.FAULT, State.FAULT_REACTION_ACTIVE)

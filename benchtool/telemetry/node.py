@@ -7,7 +7,7 @@ from typing import Protocol
 from benchtool.clock import Clock
 from benchtool.link import Link
 from benchtool.protocol.dictionary import Dictionary
-from benchtool.protocol.variable import Value
+from benchtool.protocol.dictionary.variable import Value
 
 
 class Node(Protocol):

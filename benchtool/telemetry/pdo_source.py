@@ -7,8 +7,8 @@ from contextlib import suppress
 
 from benchtool.errors import BenchError
 from benchtool.link import Frame, FrameLink
-from benchtool.protocol.nmt import NmtCommand
-from benchtool.protocol.pdo import INVALID, TPDO_COB_IDS, most_tpdos, tpdo
+from benchtool.protocol.canopen.nmt import NmtCommand
+from benchtool.protocol.canopen.pdo import INVALID, TPDO_COB_IDS, most_tpdos, tpdo
 from benchtool.protocol.telemetry import RecordDecoder, stream_layout
 from benchtool.telemetry.node import Node
 from benchtool.telemetry.pdo_restoring import FoundPdo, found_if_used

@@ -6,9 +6,9 @@ from typing import Protocol
 
 from benchtool.errors import BenchError, ValueRefused
 from benchtool.link import BatchLink, FrameLink
-from benchtool.protocol.nmt import NmtCommand
-from benchtool.protocol.pdo import MAX_BITS, rpdo
-from benchtool.protocol.variable import Variable
+from benchtool.protocol.canopen.nmt import NmtCommand
+from benchtool.protocol.canopen.pdo import MAX_BITS, rpdo
+from benchtool.protocol.dictionary.variable import Variable
 from benchtool.telemetry.node import Node
 from benchtool.telemetry.pdo_restoring import FoundPdo
 

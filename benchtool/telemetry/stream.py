@@ -12,7 +12,7 @@ from benchtool.block import Gap
 from benchtool.clock import VirtualClock
 from benchtool.errors import BenchError, NoAnswer, StateError
 from benchtool.link.ticks import TickMark
-from benchtool.protocol.nmt import NmtState
+from benchtool.protocol.canopen.nmt import NmtState
 from benchtool.protocol.telemetry import StreamCounters
 from benchtool.telemetry.clock_fit import ArrivalStatistics, ClockFit
 from benchtool.telemetry.fanout import FanOut, Sink

@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 
 from benchtool.profile import load_profile
-from benchtool.protocol.objects import DataType
+from benchtool.protocol.dictionary.objects import DataType
 from tests.wire.raw_host import TABLE, HeldPort, RawHost
 
 FOLDER = Path(__file__).parents[2] / "firmware_protocol" / "c"

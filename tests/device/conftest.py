@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from benchtool.bench import Session, open_session
+from benchtool.bench.session import Session, open_session
 from benchtool.emulator.bench import EmulatedBench
 from benchtool.profile import load_profile
-from benchtool.protocol.nmt import NmtCommand
+from benchtool.protocol.canopen.nmt import NmtCommand
 from tests.device.c_drive import CHost, Library, make, raw_parameters
 from tests.device.can_ends import Pair
 from tests.wire.raw_host import RawHost

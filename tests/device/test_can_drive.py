@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from benchtool.bench import Session
+from benchtool.bench.session import Session
 from benchtool.cli import app
 from benchtool.drive import Capture, CaptureRequest, Mode
 from benchtool.recording import Bundle

@@ -16,7 +16,7 @@ from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
 from benchtool.protocol.capture import decode_header
-from benchtool.protocol.objects import Entry
+from benchtool.protocol.dictionary.objects import Entry
 from tests.device.can_ends import (
     ENABLE,
     HEARD,

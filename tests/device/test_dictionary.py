@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 from benchtool.emulator.bench import EmulatedBench
 from benchtool.profile import load_profile
+from benchtool.protocol.dictionary.objects import DataType, Entry
 from benchtool.protocol.modes import Mode
-from benchtool.protocol.objects import DataType, Entry
 from benchtool.protocol.serial import Nmt, Read, ReadReply, Write, WriteReply
 from tests.device.c_drive import CHost
 from tests.wire.raw_host import TABLE, RawHost

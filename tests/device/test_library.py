@@ -9,8 +9,8 @@ from pathlib import Path
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from benchtool.protocol.canopen.emcy import error_register
 from benchtool.protocol.cia402 import State, statusword, transition
-from benchtool.protocol.emcy import error_register
 from benchtool.protocol.serial import FrameSplitter, encode_frame
 from tests.device.c_drive import Library, make
 

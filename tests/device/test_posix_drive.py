@@ -12,18 +12,18 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from benchtool.bench import Session, open_session
+from benchtool.bench.session import Session, open_session
 from benchtool.cli import app
 from benchtool.drive import Capture, CaptureRequest, Mode
-from benchtool.drive.parameters import snapshot, temporary
+from benchtool.drive.parameters.transaction import snapshot, temporary
 from benchtool.errors import DriveFault, SdoAbort, WriteNotVerified
-from benchtool.experiment.jog import jog
-from benchtool.experiment.runner import run_plan
-from benchtool.link.serial import SerialLink
-from benchtool.protocol.abort import Abort
+from benchtool.link.serial.link import SerialLink
+from benchtool.protocol.canopen.abort import Abort
+from benchtool.protocol.canopen.nmt import NmtCommand, NmtState
 from benchtool.protocol.cia402 import State
-from benchtool.protocol.nmt import NmtCommand, NmtState
 from benchtool.recording import Bundle
+from benchtool.run.jog import jog
+from benchtool.run.runner import run_plan
 from benchtool.telemetry import TelemetryStream
 from tests.device.c_drive import lasting
 from tests.emulated.test_runs import CHANNELS, INFO, Watcher, _plan

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import can
 import pytest
 
-from benchtool.bench import Session, open_session
+from benchtool.bench.session import Session, open_session
 
 _numbers = itertools.count()
 

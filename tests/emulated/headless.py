@@ -12,7 +12,7 @@ from pathlib import Path
 
 from rerun.experimental import ViewerClient
 
-from benchtool.live.viewer import viewer_environment, viewer_program
+from benchtool.live.sinks.viewer import viewer_environment, viewer_program
 
 POSSIBLE = sys.platform == "linux" and any(Path("/usr/share/vulkan/icd.d").glob("lvp_icd*.json"))
 """Whether there is lavapipe, which draws without a graphics card (Debian: mesa-vulkan-drivers)."""

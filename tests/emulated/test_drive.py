@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from benchtool.drive import Capture, CaptureRequest, Mode
-from benchtool.drive.parameters import snapshot, temporary
+from benchtool.drive.parameters.transaction import snapshot, temporary
 from benchtool.errors import CaptureError, DriveFault, SdoAbort, ValueRefused, WriteNotVerified
-from benchtool.protocol.abort import Abort
+from benchtool.protocol.canopen.abort import Abort
 
 from .conftest import Opener, Wire, over_both_wires
 

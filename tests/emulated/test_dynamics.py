@@ -11,16 +11,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from benchtool.bench import Session, open_session
+from benchtool.bench.session import Session, open_session
 from benchtool.errors import AnalysisError, PlanError
-from benchtool.experiment.assessment import Assessment, assess, assess_bundle
-from benchtool.experiment.cases import Case
-from benchtool.experiment.plan import Plan, load_plan
-from benchtool.experiment.runner import RunInfo, run_plan
-from benchtool.experiment.validation import require_known
+from benchtool.plan.cases import Case
+from benchtool.plan.model import Plan, load_plan
+from benchtool.plan.validation import require_known
 from benchtool.profile import Motor
 from benchtool.protocol.dictionary import Dictionary
 from benchtool.recording import Bundle
+from benchtool.results.assessment import Assessment, assess, assess_bundle
+from benchtool.run.runner import RunInfo, run_plan
 
 from .conftest import Wire
 

@@ -19,14 +19,14 @@ import pytest
 from rich.console import Console
 from typer.testing import CliRunner
 
-from benchtool.bench import Session, open_session
+from benchtool.bench.serving import Endpoint, ServedDrive, serve
+from benchtool.bench.session import Session, open_session
 from benchtool.cli import app
 from benchtool.cli.emulate import _status
 from benchtool.drive import Mode
 from benchtool.errors import LinkClosed, LinkError
 from benchtool.protocol.cia402 import State
 from benchtool.recording import Bundle
-from benchtool.serving import Endpoint, ServedDrive, serve
 
 PATIENCE_S = 30.0
 SPEED = 0.4

@@ -11,14 +11,14 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner
 
-from benchtool.bench import Session
+from benchtool.bench.session import Session
 from benchtool.cli import app
 from benchtool.drive import Mode
 from benchtool.errors import DriveFault, ValueRefused
-from benchtool.experiment.jog import jog
 from benchtool.protocol.cia402 import State
 from benchtool.protocol.dictionary import Dictionary
-from benchtool.protocol.objects import DataType
+from benchtool.protocol.dictionary.objects import DataType
+from benchtool.run.jog import jog
 
 from .conftest import Wire, over_both_wires
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 
 from benchtool.drive import Mode
-from benchtool.drive.parameters import default_of
+from benchtool.drive.parameters.transaction import default_of
 from benchtool.emulator.control.laws import Law
 from benchtool.errors import SdoAbort
-from benchtool.protocol.abort import Abort
+from benchtool.protocol.canopen.abort import Abort
 
 from .conftest import Wire
 

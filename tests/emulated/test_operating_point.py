@@ -8,13 +8,13 @@ from pathlib import Path
 
 import pytest
 
-from benchtool.bench import Session
+from benchtool.bench.session import Session
 from benchtool.errors import ParameterMismatch, ValueRefused
-from benchtool.experiment.assessment import Assessment, assess_bundle
-from benchtool.experiment.plan import Plan
-from benchtool.experiment.runner import RunInfo, run_plan
+from benchtool.plan.model import Plan
 from benchtool.protocol.cia402 import State
 from benchtool.recording import Bundle
+from benchtool.results.assessment import Assessment, assess_bundle
+from benchtool.run.runner import RunInfo, run_plan
 
 from .conftest import Opener, Wire, over_both_wires
 
@@ -26,7 +26,7 @@ ALL = ("i_a", "torque", "psi_s", "theta_m", "omega_m", "u_dc", "switching_count"
 def _no_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     """They take longer than all else here, and are looked at elsewhere."""
     for name in ("draw_case", "draw_cases"):
-        monkeypatch.setattr(f"benchtool.experiment.runner.{name}", lambda *_: None)
+        monkeypatch.setattr(f"benchtool.run.runner.{name}", lambda *_: None)
 
 
 class Silent:

@@ -12,7 +12,7 @@ import pytest
 from typer.testing import CliRunner
 
 from benchtool.cli import app
-from benchtool.experiment.plan import load_plan, plan_names
+from benchtool.plan.model import load_plan, plan_names
 
 Measured = dict[str, dict[str, Any]]
 

@@ -7,12 +7,12 @@ from collections.abc import Callable
 import pytest
 
 from benchtool.drive import Mode, RemoteDrive
-from benchtool.drive.parameters import default_of, parameters, snapshot, write_all
-from benchtool.drive.storage import reset, restore_defaults, store
+from benchtool.drive.parameters.storage import reset, restore_defaults, store
+from benchtool.drive.parameters.transaction import default_of, parameters, snapshot, write_all
 from benchtool.errors import NoAnswer, SdoAbort, ValueRefused, WriteNotVerified
-from benchtool.protocol.abort import Abort
-from benchtool.protocol.nmt import NmtCommand
-from benchtool.protocol.variable import Value
+from benchtool.protocol.canopen.abort import Abort
+from benchtool.protocol.canopen.nmt import NmtCommand
+from benchtool.protocol.dictionary.variable import Value
 
 from .conftest import Wire, over_both_wires
 

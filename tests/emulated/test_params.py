@@ -14,11 +14,11 @@ from typer.testing import CliRunner, Result
 
 from benchtool.cli import app
 from benchtool.drive import Identity, Mode, RemoteDrive
-from benchtool.drive import migration as migration_module
-from benchtool.drive.migration import Migration, Migrations
+from benchtool.drive.parameters import migration as migration_module
+from benchtool.drive.parameters.migration import Migration, Migrations
 from benchtool.errors import SdoAbort
-from benchtool.protocol.abort import Abort
-from benchtool.protocol.variable import Value
+from benchtool.protocol.canopen.abort import Abort
+from benchtool.protocol.dictionary.variable import Value
 
 Invoke = Callable[..., Result]
 

@@ -9,9 +9,9 @@ import pytest
 
 from benchtool.drive import Mode
 from benchtool.errors import SdoAbort, ValueRefused
-from benchtool.protocol.abort import Abort
+from benchtool.protocol.canopen.abort import Abort
+from benchtool.protocol.canopen.pdo import INVALID, tpdo
 from benchtool.protocol.cia402 import State
-from benchtool.protocol.pdo import INVALID, tpdo
 from benchtool.telemetry import Setpoints
 
 from .conftest import Wire, over_both_wires

@@ -12,16 +12,16 @@ from typing import Any
 
 import pytest
 
-from benchtool.bench import Session, open_session
+from benchtool.bench.session import Session, open_session
 from benchtool.cli.run import RunOptions, _resumption
 from benchtool.errors import AnalysisError, DriveFault, SdoAbort, UsageError
-from benchtool.experiment.assessment import assess_bundle
-from benchtool.experiment.cases import Case, cases
-from benchtool.experiment.parallel import run_in_processes
-from benchtool.experiment.plan import Plan
-from benchtool.experiment.runner import RunInfo, run_plan
+from benchtool.plan.cases import Case, cases
+from benchtool.plan.model import Plan
 from benchtool.protocol.cia402 import State
 from benchtool.recording import Bundle
+from benchtool.results.assessment import assess_bundle
+from benchtool.run.parallel import run_in_processes
+from benchtool.run.runner import RunInfo, run_plan
 
 from .conftest import Wire, over_both_wires
 

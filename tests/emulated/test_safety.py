@@ -8,7 +8,7 @@ import pytest
 
 from benchtool.drive import Mode, RemoteDrive
 from benchtool.errors import DriveFault, SdoAbort, StateError, WriteNotVerified
-from benchtool.protocol.abort import Abort
+from benchtool.protocol.canopen.abort import Abort
 from benchtool.protocol.cia402 import State
 
 from .conftest import Wire, over_both_wires

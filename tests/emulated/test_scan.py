@@ -15,18 +15,18 @@ from typer.testing import CliRunner, Result
 
 from benchtool.cli import app
 from benchtool.clock import RealClock
-from benchtool.drive.discovery import Found, ask_bus, ask_port, duplicates
 from benchtool.emulator.bench import EmulatedBench
-from benchtool.emulator.servers.pty import PtyPort
+from benchtool.emulator.ports.pty import PtyPort
+from benchtool.emulator.ports.tcp import TcpPort
 from benchtool.emulator.servers.slcan import SlcanAdapter
-from benchtool.emulator.servers.tcp import TcpPort
 from benchtool.errors import LinkClosed, LinkError, NoAnswer
 from benchtool.link.address import DEFAULT_BAUDRATE, Address
+from benchtool.link.canopen.virtual import VirtualTimeBus
+from benchtool.link.discovery import Found, ask_bus, ask_port, duplicates
 from benchtool.link.pipe import pipe
 from benchtool.link.port import open_port
-from benchtool.link.virtual import VirtualTimeBus
 from benchtool.profile import load_profile
-from benchtool.protocol.nmt import NmtState
+from benchtool.protocol.canopen.nmt import NmtState
 from benchtool.protocol.serial import FrameSplitter, Identity, decode_request, encode_frame, encode_message
 
 _numbers = itertools.count()

@@ -11,18 +11,18 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from benchtool.bench import Session, open_session
+from benchtool.bench.session import Session, open_session
 from benchtool.cli import app
 from benchtool.drive import Capture, CaptureRequest, Mode
 from benchtool.emulator.bench import EmulatedBench
 from benchtool.errors import DictionaryMismatch, LinkClosed, LinkError, NoAnswer, StateError, ValueRefused
-from benchtool.experiment.runner import run_plan
 from benchtool.link.pipe import PipePort
-from benchtool.link.serial import SerialLink
+from benchtool.link.serial.link import SerialLink
+from benchtool.protocol.canopen.nmt import NmtCommand
 from benchtool.protocol.cia402 import State
-from benchtool.protocol.nmt import NmtCommand
 from benchtool.protocol.serial import Batch, BatchDecoder, MessageType
 from benchtool.recording import Bundle
+from benchtool.run.runner import run_plan
 from benchtool.telemetry import Sink, TelemetryStream, certify_recording
 
 from .test_runs import INFO, Watcher, _plan

@@ -11,11 +11,11 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from benchtool.bench import open_session
+from benchtool.bench.session import open_session
 from benchtool.cli import app
 from benchtool.drive import Mode
 from benchtool.emulator.bench import EmulatedBench
-from benchtool.emulator.servers.pty import HungUp, PtyPort
+from benchtool.emulator.ports.pty import HungUp, PtyPort
 from benchtool.errors import LinkClosed, LinkError
 from benchtool.profile import load_profile
 from benchtool.recording import Bundle

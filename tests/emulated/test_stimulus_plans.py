@@ -10,10 +10,10 @@ import pytest
 
 from benchtool.drive import Mode
 from benchtool.errors import DriveFault, ValueRefused
-from benchtool.experiment.plan import Plan
-from benchtool.experiment.runner import RunInfo, run_plan
+from benchtool.plan.model import Plan
 from benchtool.protocol.cia402 import State
 from benchtool.recording import Bundle
+from benchtool.run.runner import RunInfo, run_plan
 
 from .conftest import Wire
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from benchtool.bench import Session
+from benchtool.bench.session import Session
 from benchtool.drive import RemoteDrive
 from benchtool.errors import SdoAbort
-from benchtool.protocol.abort import Abort
+from benchtool.protocol.canopen.abort import Abort
 from benchtool.protocol.cia402 import State
 
 from .conftest import Wire, over_both_wires

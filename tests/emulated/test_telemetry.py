@@ -15,10 +15,10 @@ from benchtool.block import Block
 from benchtool.drive import Mode
 from benchtool.emulator.bench import EmulatedBench
 from benchtool.errors import NoAnswer, RecordingError, StateError, ValueRefused
-from benchtool.experiment.runner import run_plan
-from benchtool.link.virtual import VirtualTimeBus
+from benchtool.link.canopen.virtual import VirtualTimeBus
 from benchtool.protocol.cia402 import State
 from benchtool.recording import Bundle, BundleWriter, Manifest
+from benchtool.run.runner import run_plan
 from benchtool.telemetry import Sink, TelemetryStream, certify_recording, record_stream
 
 from .conftest import Opener, Wire, over_both_wires

@@ -10,7 +10,7 @@ import can
 import numpy as np
 import pytest
 
-from benchtool.bench import Session, open_session
+from benchtool.bench.session import Session, open_session
 from benchtool.drive import Mode
 from benchtool.drive.capture import Capture, CaptureRequest
 from benchtool.errors import DriveFault

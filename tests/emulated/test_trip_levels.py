@@ -6,15 +6,15 @@ from pathlib import Path
 
 import pytest
 
-from benchtool.bench import dictionary_of
-from benchtool.drive.parameters import temporary, write_all
+from benchtool.bench.session import dictionary_of
+from benchtool.drive.parameters.transaction import temporary, write_all
 from benchtool.emulator.bench import EmulatedBench
 from benchtool.errors import PlanError, ProfileError, SdoAbort, ValueRefused
-from benchtool.experiment.plan import Plan, load_plan
-from benchtool.experiment.ranges import require_protected
+from benchtool.plan.model import Plan, load_plan
+from benchtool.plan.ranges import require_protected
 from benchtool.profile import altered, load_profile
-from benchtool.protocol.abort import Abort
-from benchtool.protocol.variable import Value
+from benchtool.protocol.canopen.abort import Abort
+from benchtool.protocol.dictionary.variable import Value
 
 from .conftest import Wire, over_both_wires
 

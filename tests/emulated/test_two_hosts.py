@@ -11,9 +11,9 @@ from benchtool.drive import Mode
 from benchtool.drive.remote import RemoteDrive
 from benchtool.emulator.bench import EmulatedBench
 from benchtool.errors import StateError
-from benchtool.link.canopen import CanopenLink
+from benchtool.link.canopen.link import CanopenLink
 from benchtool.link.interface import Link
-from benchtool.link.serial import SerialLink
+from benchtool.link.serial.link import SerialLink
 from benchtool.profile import load_profile
 from benchtool.protocol.cia402 import State
 from benchtool.protocol.dictionary import Dictionary

@@ -22,7 +22,8 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 from benchtool.block import Block
-from benchtool.protocol.objects import DataType
+from benchtool.protocol.dictionary.objects import DataType
+from benchtool.protocol.dictionary.variable import Variable
 from benchtool.protocol.serial import (
     Batch,
     BatchDecoder,
@@ -36,7 +37,6 @@ from benchtool.protocol.serial import (
     encode_frame,
     encode_message,
 )
-from benchtool.protocol.variable import Variable
 
 _CHANNELS = (
     Variable(0x2030, 2, "i_a", DataType.F32, "A"),

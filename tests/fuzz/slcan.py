@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import can
 
 from benchtool.emulator.servers.slcan import SlcanAdapter
-from benchtool.link.slcan import SlcanBus
+from benchtool.link.canopen.slcan import SlcanBus
 from benchtool.protocol.slcan import MAX_LINE, AdapterLines, SlcanFrame, format_frame
 
 _COMMANDS = (b"O", b"L", b"C", b"S6", b"S0", b"s031C", b"F", b"V", b"N", b"Z1", b"Z0", b"M0", b"m00000000")

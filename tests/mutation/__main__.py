@@ -29,7 +29,7 @@ from tests.mutation.warm import PROJECT
 
 MODULES = (
     *("benchtool/link", "benchtool/telemetry", "benchtool/drive", "benchtool/recording"),
-    *("benchtool/emulator/firmware", "benchtool/emulator/control", "benchtool/experiment/limits.py"),
+    *("benchtool/emulator/firmware", "benchtool/emulator/control", "benchtool/plan/limits.py"),
     "benchtool/analysis",
 )
 LEAST = 0.9

@@ -26,7 +26,7 @@ TESTS_IN_PLAIN_PYTHON = (
     "tests/unit/control",
     *(f"tests/physics/test_{name}.py" for name in ("control", "laws", "cycle")),
 )
-_ENTRY = ("benchtool/emulator/core.py", "Core.run")  # what runs the compiled core
+_ENTRY = ("benchtool/emulator/core/__init__.py", "Core.run")  # what runs the compiled core
 
 
 @dataclass(frozen=True)

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.emulator.core import Core
-from benchtool.emulator.truth import InverterTruth, MotorTruth, SensorTruth
-from benchtool.protocol.objects import ObjectTable, table_from_toml
+from benchtool.emulator.machine.truth import InverterTruth, MotorTruth, SensorTruth
+from benchtool.protocol.dictionary.objects import ObjectTable, table_from_toml
 from benchtool.shipped import shipped
 
 MOTOR: dict[str, Any] = {

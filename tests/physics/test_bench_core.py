@@ -10,9 +10,9 @@ import pytest
 from numpy.typing import NDArray
 
 from benchtool.emulator.core import Core
-from benchtool.emulator.plant import airgap_torque, place, step
-from benchtool.emulator.transducer import TRANSDUCER, sample
-from benchtool.emulator.truth import MotorTruth
+from benchtool.emulator.machine.plant import airgap_torque, place, step
+from benchtool.emulator.machine.transducer import TRANSDUCER, sample
+from benchtool.emulator.machine.truth import MotorTruth
 from benchtool.errors import ValueRefused
 from benchtool.protocol.modes import Mode
 from tests.physics.paper_machine import captured, make_core

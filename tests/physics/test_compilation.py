@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 from benchtool.emulator import jit
-from benchtool.emulator.kernel import kernel_is_cached, run_ticks
+from benchtool.emulator.core.kernel import kernel_is_cached, run_ticks
 from tests.physics.paper_machine import make_core
 
 # A core of two files: the entry, and a function in another file that it calls.

@@ -7,10 +7,10 @@ import math
 import numpy as np
 import pytest
 
+from benchtool.emulator.machine.plant import place
+from benchtool.emulator.machine.sensors import Noise, encoder_count, measure
+from benchtool.emulator.machine.truth import SensorTruth
 from benchtool.emulator.memory import MEASUREMENT
-from benchtool.emulator.plant import place
-from benchtool.emulator.sensors import Noise, encoder_count, measure
-from benchtool.emulator.truth import SensorTruth
 from benchtool.errors import ValueRefused
 
 TRUTH = SensorTruth(i_full_scale_A=15.0, u_full_scale_V=500.0)

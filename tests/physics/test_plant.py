@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from benchtool.emulator.inverter import clarke
-from benchtool.emulator.plant import (
+from benchtool.emulator.machine.inverter import clarke
+from benchtool.emulator.machine.plant import (
     Machine,
     State,
     added,
@@ -19,8 +19,8 @@ from benchtool.emulator.plant import (
     place,
     step,
 )
+from benchtool.emulator.machine.truth import MotorTruth
 from benchtool.emulator.rotation import turned
-from benchtool.emulator.truth import MotorTruth
 
 SALIENT = MotorTruth(
     pole_pairs=3,

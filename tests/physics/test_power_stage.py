@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from benchtool.emulator.freewheel import freewheel
-from benchtool.emulator.inverter import (
+from benchtool.emulator.machine.freewheel import freewheel
+from benchtool.emulator.machine.inverter import (
     NEVER,
     PowerStage,
     falling_edge,
@@ -16,9 +16,9 @@ from benchtool.emulator.inverter import (
     phase_currents,
     rising_edge,
 )
-from benchtool.emulator.plant import place
-from benchtool.emulator.transducer import TRANSDUCER
-from benchtool.emulator.truth import MotorTruth
+from benchtool.emulator.machine.plant import place
+from benchtool.emulator.machine.transducer import TRANSDUCER
+from benchtool.emulator.machine.truth import MotorTruth
 from tests.physics.paper_machine import FINE, captured, make_core
 
 STAGE = PowerStage(1e-4, 100.0, 0.0, 2e-6, 1.5)

@@ -7,8 +7,8 @@ import math
 import pytest
 
 from benchtool.analysis import Measurement, Uncertainty
-from benchtool.experiment.agreement import disagreements
-from benchtool.experiment.limits import Limit, Verdict, missed
+from benchtool.plan.limits import Limit, Verdict, missed
+from benchtool.results.agreement import disagreements
 
 
 def _number(name: str, value: float, standard: float | None = None) -> Measurement:

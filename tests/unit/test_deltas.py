@@ -15,10 +15,10 @@ from benchtool.analysis import Measurement
 from benchtool.analysis.measurement import Basis
 from benchtool.analysis.uncertainty import Uncertainty, of_difference
 from benchtool.block import Block, Channel
-from benchtool.experiment.assessment import Assessment
-from benchtool.experiment.comparing import difference
-from benchtool.experiment.deltas import Comparison, compare_cases, deltas
-from benchtool.experiment.limits import Limit
+from benchtool.plan.limits import Limit
+from benchtool.report.assembly.comparison import difference
+from benchtool.results.assessment import Assessment
+from benchtool.results.comparison import Comparison, compare_cases, deltas
 
 BLOCK = Block((Channel("torque", "Nm"),), 0, 1, 1e-4, np.zeros((1, 1)))
 

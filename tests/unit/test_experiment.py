@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from benchtool.errors import PlanError
-from benchtool.experiment.limits import Limit, Verdict, worst
-from benchtool.experiment.plan import load_plan
-from benchtool.experiment.validation import require_known
+from benchtool.plan.limits import Limit, Verdict, worst
+from benchtool.plan.model import load_plan
+from benchtool.plan.validation import require_known
 from benchtool.profile import load_profile
 from benchtool.protocol.dictionary import Dictionary
 from benchtool.shipped import shipped

@@ -11,7 +11,7 @@ from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from benchtool.errors import BenchError
-from benchtool.experiment.foreign import TableQuestion, analyze_table
+from benchtool.tables import TableQuestion, analyze_table
 
 NUMBERS = st.one_of(
     st.floats(-10.0, 10.0),

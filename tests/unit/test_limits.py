@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from scipy import stats
 
 from benchtool.analysis import Measurement, Uncertainty
-from benchtool.experiment.limits import Limit, Verdict, missed, worst
+from benchtool.plan.limits import Limit, Verdict, missed, worst
 
 ITEMS = 100_000
 

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from benchtool.clock import VirtualClock
-from benchtool.experiment.jog import pace
+from benchtool.run.jog import pace
 
 
 def test_an_even_clock_gives_even_periods() -> None:

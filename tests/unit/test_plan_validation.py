@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from benchtool.bench import dictionary_of
+from benchtool.bench.session import dictionary_of
 from benchtool.errors import PlanError
-from benchtool.experiment.plan import load_plan
-from benchtool.experiment.validation import require_known
+from benchtool.plan.model import load_plan
+from benchtool.plan.validation import require_known
 from benchtool.profile import load_profile
 from benchtool.shipped import shipped
 

@@ -11,11 +11,11 @@ from pydantic import ValidationError
 from scipy import stats
 
 from benchtool.analysis import Measurement, Uncertainty
-from benchtool.experiment.assessment import RunResult
-from benchtool.experiment.cases import cases
-from benchtool.experiment.limits import Limit, Verdict
-from benchtool.experiment.plan import Plan
-from benchtool.experiment.repetition import Repeated, limits_together, over_repetitions
+from benchtool.plan.cases import cases
+from benchtool.plan.limits import Limit, Verdict
+from benchtool.plan.model import Plan
+from benchtool.results.assessment import RunResult
+from benchtool.results.repetitions import Repeated, limits_together, over_repetitions
 
 
 def _plan(repetitions: int) -> Plan:

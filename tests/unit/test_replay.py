@@ -11,7 +11,7 @@ from benchtool.errors import LinkClosed, LinkError, NoAnswer, SdoAbort, UsageErr
 from benchtool.link import Frame
 from benchtool.link.address import Address
 from benchtool.link.replay import FRAMES, ReplayLink
-from benchtool.protocol.nmt import NmtCommand, NmtState
+from benchtool.protocol.canopen.nmt import NmtCommand, NmtState
 
 NODE = 1
 LOG = """\

@@ -9,8 +9,8 @@ import pytest
 
 from benchtool.clock import RealClock
 from benchtool.emulator.bench import EmulatedBench
-from benchtool.link.canopen import CanopenLink
-from benchtool.link.virtual import VirtualTimeBus
+from benchtool.link.canopen.link import CanopenLink
+from benchtool.link.canopen.virtual import VirtualTimeBus
 from benchtool.profile import load_profile
 from tests.wire.ends import NODE, ScriptedBus, Served, Wire
 from tests.wire.raw_host import RawHost

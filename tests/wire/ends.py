@@ -10,8 +10,8 @@ from typing import Any
 import can
 from canopen.sdo.exceptions import SdoAbortedError
 
-from benchtool.emulator.sdo_server import SdoServer
-from benchtool.link.virtual import VirtualTimeBus
+from benchtool.emulator.servers.sdo_server import SdoServer
+from benchtool.link.canopen.virtual import VirtualTimeBus
 
 NODE = 5
 

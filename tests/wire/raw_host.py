@@ -9,10 +9,10 @@ from collections.abc import Callable
 from typing import TypeVar
 
 from benchtool.emulator.bench import EmulatedBench
-from benchtool.emulator.servers.client import HungUp
+from benchtool.emulator.ports.client import HungUp
 from benchtool.protocol import serial as wire
+from benchtool.protocol.dictionary.objects import DataType, Entry, load_table
 from benchtool.protocol.modes import Mode
-from benchtool.protocol.objects import DataType, Entry, load_table
 from benchtool.shipped import shipped
 
 TABLE = load_table(shipped("firmware_protocol") / "objects.toml")

@@ -11,8 +11,8 @@ import can
 from canopen.sdo.exceptions import SdoAbortedError
 
 from benchtool.clock import RealClock
-from benchtool.emulator.sdo_server import SdoServer
-from benchtool.emulator.servers.pty import HungUp
+from benchtool.emulator.ports.pty import HungUp
+from benchtool.emulator.servers.sdo_server import SdoServer
 from benchtool.emulator.servers.slcan import SlcanAdapter
 from benchtool.link.pipe import pipe
 from benchtool.link.port import SocketPort

@@ -12,8 +12,8 @@ import pytest
 from benchtool.clock import RealClock
 from benchtool.errors import LinkError, NoAnswer, SdoAbort
 from benchtool.link import Link
-from benchtool.link.canopen import CanopenLink
-from benchtool.protocol.abort import Abort
+from benchtool.link.canopen.link import CanopenLink
+from benchtool.protocol.canopen.abort import Abort
 from tests.wire.ends import NODE, LossyBus, ScriptedBus, Served, Step, script, sdo
 
 VALUE = "43 00 20 01 78 56 34 12"

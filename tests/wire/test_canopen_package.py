@@ -16,8 +16,8 @@ from hypothesis import strategies as st
 
 from benchtool.clock import RealClock
 from benchtool.errors import SdoAbort
-from benchtool.link.canopen import CanopenLink
-from benchtool.protocol.abort import Abort
+from benchtool.link.canopen.link import CanopenLink
+from benchtool.protocol.canopen.abort import Abort
 from tests.wire.ends import NODE, Served
 
 BOUNDARIES = [0, 1, 3, 4, 5, 6, 7, 8, 13, 14, 15, 888, 889, 890, 895, 896, 897, 1777, 1778, 1779, 2000]

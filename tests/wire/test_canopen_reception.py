@@ -9,10 +9,10 @@ import pytest
 
 from benchtool.clock import RealClock, VirtualClock
 from benchtool.errors import LinkClosed, LinkError, NoAnswer
-from benchtool.link.canopen import CanopenLink
-from benchtool.link.virtual import VirtualTimeBus
-from benchtool.protocol.emcy import Emergency
-from benchtool.protocol.nmt import NmtCommand, NmtState
+from benchtool.link.canopen.link import CanopenLink
+from benchtool.link.canopen.virtual import VirtualTimeBus
+from benchtool.protocol.canopen.emcy import Emergency
+from benchtool.protocol.canopen.nmt import NmtCommand, NmtState
 from tests.wire.ends import NODE, ScriptedBus, Served, Step, frame, script, sdo
 
 VALUE = "43 00 20 01 78 56 34 12"

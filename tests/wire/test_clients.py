@@ -10,11 +10,11 @@ from collections.abc import Iterator
 import pytest
 
 from benchtool.emulator.bench import EmulatedBench
-from benchtool.emulator.servers.client import HungUp
-from benchtool.emulator.servers.tcp import TcpPort
+from benchtool.emulator.ports.client import HungUp
+from benchtool.emulator.ports.tcp import TcpPort
 from benchtool.emulator.servers.transmitter import QueuedTransmitter
 from benchtool.protocol import serial as wire
-from benchtool.protocol.abort import Abort
+from benchtool.protocol.canopen.abort import Abort
 from tests.wire.raw_host import TABLE, RawHost, mapping
 
 READS = 200

@@ -13,7 +13,7 @@ import pytest
 from benchtool.clock import RealClock
 from benchtool.errors import LinkClosed, LinkError
 from benchtool.link.port import Port, PyserialPort, SocketPort, open_port
-from benchtool.link.serial import SerialLink
+from benchtool.link.serial.link import SerialLink
 
 EVERY_BYTE = bytes(range(256)) * 8
 

@@ -10,7 +10,7 @@ import pytest
 from benchtool.clock import RealClock
 from benchtool.errors import LinkClosed
 from benchtool.link import Frame
-from benchtool.link.canopen import CanopenLink
+from benchtool.link.canopen.link import CanopenLink
 from tests.wire.ends import NODE, ScriptedBus, frame
 
 

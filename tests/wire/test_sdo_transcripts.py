@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from benchtool.emulator.sdo_server import SdoServer
+from benchtool.emulator.servers.sdo_server import SdoServer
 from tests.wire.ends import Served, Wire
 
 TEN = b"0123456789"

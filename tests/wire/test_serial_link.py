@@ -13,11 +13,11 @@ from hypothesis import strategies as st
 from benchtool.clock import VirtualClock
 from benchtool.errors import IdentityMismatch, LinkClosed, LinkError, NoAnswer, SdoAbort, ValueRefused
 from benchtool.link import BatchLink, FrameLink
-from benchtool.link.serial import SerialLink
+from benchtool.link.serial.link import SerialLink
 from benchtool.protocol import serial as wire
-from benchtool.protocol.abort import Abort
-from benchtool.protocol.emcy import Emergency
-from benchtool.protocol.nmt import NmtCommand, NmtState
+from benchtool.protocol.canopen.abort import Abort
+from benchtool.protocol.canopen.emcy import Emergency
+from benchtool.protocol.canopen.nmt import NmtCommand, NmtState
 from tests.wire.scripted_serial import IDENTITY, NODE, Objects, ScriptedPort, Step, frame
 
 VALUE = bytes.fromhex("78563412")

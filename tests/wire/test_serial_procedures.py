@@ -13,12 +13,12 @@ from benchtool.clock import VirtualClock
 from benchtool.drive import RemoteDrive
 from benchtool.emulator.bench import EmulatedBench
 from benchtool.errors import DictionaryMismatch
-from benchtool.link.serial import SerialLink
+from benchtool.link.serial.link import SerialLink
 from benchtool.protocol import serial as wire
-from benchtool.protocol.abort import Abort
+from benchtool.protocol.canopen.abort import Abort
+from benchtool.protocol.canopen.nmt import NmtState
 from benchtool.protocol.capture import decode_header
 from benchtool.protocol.dictionary import Dictionary
-from benchtool.protocol.nmt import NmtState
 from benchtool.shipped import shipped
 from tests.wire.raw_host import HOST, SUPERVISION, TABLE, RawHost, mapping
 from tests.wire.scripted_serial import IDENTITY, NODE, ScriptedPort

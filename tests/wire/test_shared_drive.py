@@ -12,10 +12,10 @@ import pytest
 
 from benchtool.emulator.bench import EmulatedBench
 from benchtool.errors import LinkClosed
-from benchtool.link.serial import SerialLink
-from benchtool.link.virtual import VirtualTimeBus
+from benchtool.link.canopen.virtual import VirtualTimeBus
+from benchtool.link.serial.link import SerialLink
 from benchtool.profile import load_profile
-from benchtool.protocol.nmt import NmtCommand
+from benchtool.protocol.canopen.nmt import NmtCommand
 from benchtool.protocol.serial import Batch, Event, Heartbeat, HostHeartbeat, Nmt, Setpoint
 from tests.wire.ends import frame
 from tests.wire.raw_host import HOST, SUPERVISION, TABLE, RawHost

@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from benchtool.emulator.ports.pty import HungUp, PtyPort
 from benchtool.emulator.servers.acceptance import ACCEPT_ALL, accepts
-from benchtool.emulator.servers.pty import HungUp, PtyPort
 from benchtool.emulator.servers.slcan import SlcanAdapter
 from benchtool.link.port import PyserialPort
 from benchtool.protocol.slcan import AdapterLines, Cause, SlcanFrame, parse_command

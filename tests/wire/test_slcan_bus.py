@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from benchtool.clock import RealClock
 from benchtool.errors import LinkClosed, LinkError
-from benchtool.link.canopen import CanopenLink
-from benchtool.link.slcan import SlcanBus, open_slcan
+from benchtool.link.canopen.link import CanopenLink
+from benchtool.link.canopen.slcan import SlcanBus, open_slcan
 from benchtool.protocol.slcan import BITRATES_BIT_S, Cause
 from tests.fuzz.slcan import fuzz
 from tests.wire.ends import NODE, frame
@@ -82,7 +82,7 @@ class TestOpening:
     def test_an_adapter_that_never_answers_is_opened_all_the_same(
         self, acknowledged: bool | None, monkeypatch: pytest.MonkeyPatch
     ) -> None:
-        monkeypatch.setattr("benchtool.link.slcan._ANSWER_S", 0.02)
+        monkeypatch.setattr("benchtool.link.canopen.slcan._ANSWER_S", 0.02)
         port = ScriptedPort()
         bus = SlcanBus(port, 500_000, acknowledged=acknowledged, identify=True)
         assert [line for line in port.lines if line] == [b"C", b"V", b"N", b"S6", b"O"]
@@ -100,7 +100,7 @@ class TestOpening:
     def test_answers_that_are_insisted_on_and_do_not_come_are_an_error(
         self, monkeypatch: pytest.MonkeyPatch
     ) -> None:
-        monkeypatch.setattr("benchtool.link.slcan._READY_S", 0.1)
+        monkeypatch.setattr("benchtool.link.canopen.slcan._READY_S", 0.1)
         port = ScriptedPort()
         with pytest.raises(can.CanInitializationError, match=r"answered no command within 0\.1 s; check"):
             SlcanBus(port, 500_000, acknowledged=True)
@@ -119,7 +119,7 @@ class TestOpening:
     def test_an_adapter_that_falls_silent_while_it_is_opened_is_an_error(
         self, monkeypatch: pytest.MonkeyPatch
     ) -> None:
-        monkeypatch.setattr("benchtool.link.slcan._ANSWER_S", 0.02)
+        monkeypatch.setattr("benchtool.link.canopen.slcan._ANSWER_S", 0.02)
         port = ScriptedPort(lambda line: [] if line == b"S6" else obedient(line))
         with pytest.raises(can.CanInitializationError, match="did not answer the command S6 within"):
             SlcanBus(port, 500_000)
@@ -150,7 +150,7 @@ class TestOpening:
         bus.shutdown()
 
     def test_babble_that_never_ends_does_not_hold_it_up(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        monkeypatch.setattr("benchtool.link.slcan._BABBLE_S", 0.05)
+        monkeypatch.setattr("benchtool.link.canopen.slcan._BABBLE_S", 0.05)
         port = ScriptedPort()
         monkeypatch.setattr(port, "read", lambda: b"t1230\r")
         SlcanBus(port, 500_000).shutdown()

@@ -11,15 +11,15 @@ import can
 import canopen
 import pytest
 
-from benchtool.bench import open_session
+from benchtool.bench.session import open_session
 from benchtool.clock import RealClock
-from benchtool.emulator.servers.pty import PtyPort
+from benchtool.emulator.ports.pty import PtyPort
 from benchtool.emulator.servers.slcan import SlcanAdapter
 from benchtool.errors import LinkClosed, LinkError, SdoAbort
-from benchtool.link.canopen import CanopenLink
+from benchtool.link.canopen.link import CanopenLink
+from benchtool.link.canopen.slcan import SlcanBus, open_slcan
 from benchtool.link.interface import Frame
 from benchtool.link.port import PyserialPort, open_port
-from benchtool.link.slcan import SlcanBus, open_slcan
 from tests.wire.ends import NODE
 from tests.wire.slcan_ends import READS, AcceptedPort, Drive
 

@@ -12,7 +12,7 @@ import pytest
 
 from benchtool.clock import VirtualClock
 from benchtool.errors import LinkClosed
-from benchtool.link.virtual import VirtualTimeBus
+from benchtool.link.canopen.virtual import VirtualTimeBus
 
 FRAME = can.Message(arbitration_id=0x181, data=b"\x01\x02", is_extended_id=False)
 

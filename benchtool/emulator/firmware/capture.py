@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from benchtool.emulator.capture import CaptureState
 from benchtool.emulator.core import Core
+from benchtool.emulator.core.capture import CaptureState
 from benchtool.emulator.firmware.objects import ObjectStore, Refused
-from benchtool.protocol.abort import Abort
+from benchtool.protocol.canopen.abort import Abort
 from benchtool.protocol.capture import CaptureHeader, encode_capture
-from benchtool.protocol.objects import Entry, Number
+from benchtool.protocol.dictionary.objects import Entry, Number
 
 _MAX_CHANNELS = 16
 _MAX_VALUES = 1_000_000

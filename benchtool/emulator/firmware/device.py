@@ -11,11 +11,11 @@ from benchtool.emulator.firmware.capture import CaptureObjects
 from benchtool.emulator.firmware.objects import ObjectStore, Refused
 from benchtool.emulator.firmware.stimulus import StimulusObjects
 from benchtool.emulator.firmware.supervision import LinkState, LinkSupervision
-from benchtool.protocol.abort import Abort
+from benchtool.protocol.canopen.abort import Abort
+from benchtool.protocol.canopen.emcy import Emergency, ErrorCode, error_register
 from benchtool.protocol.cia402 import State, statusword, transition
-from benchtool.protocol.emcy import Emergency, ErrorCode, error_register
+from benchtool.protocol.dictionary.objects import Number, ObjectTable
 from benchtool.protocol.modes import Mode
-from benchtool.protocol.objects import Number, ObjectTable
 
 _SAVE = 0x65766173
 _LOAD = 0x64616F6C

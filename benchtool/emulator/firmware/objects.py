@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from benchtool.protocol.abort import Abort
-from benchtool.protocol.objects import DataType, Entry, Number, ObjectTable
+from benchtool.protocol.canopen.abort import Abort
+from benchtool.protocol.dictionary.objects import DataType, Entry, Number, ObjectTable
 
 Value = Number | str | bytes
 

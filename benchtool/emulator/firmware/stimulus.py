@@ -7,9 +7,9 @@ import math
 from benchtool.emulator.control.stimulus import Frame, Quantity, Shape, StimulusState, feedback, halt
 from benchtool.emulator.core import Core
 from benchtool.emulator.firmware.objects import ObjectStore, Refused
-from benchtool.protocol.abort import Abort
+from benchtool.protocol.canopen.abort import Abort
+from benchtool.protocol.dictionary.objects import Number
 from benchtool.protocol.modes import Mode
-from benchtool.protocol.objects import Number
 
 _START = 1
 _MODES = {

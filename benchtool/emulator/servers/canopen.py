@@ -8,11 +8,11 @@ import can
 from canopen import SdoAbortedError
 
 from benchtool.emulator.firmware.objects import Refused
-from benchtool.emulator.sdo_server import SdoServer
 from benchtool.emulator.servers.node import NEVER, DriveNode
 from benchtool.emulator.servers.receiver import Receiver
-from benchtool.protocol.emcy import Emergency
-from benchtool.protocol.nmt import NmtState
+from benchtool.emulator.servers.sdo_server import SdoServer
+from benchtool.protocol.canopen.emcy import Emergency
+from benchtool.protocol.canopen.nmt import NmtState
 
 _NMT = 0x000
 _EMCY = 0x080

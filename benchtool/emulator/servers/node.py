@@ -11,8 +11,8 @@ from benchtool.emulator.firmware.objects import Refused
 from benchtool.emulator.servers.pdo import ProcessData
 from benchtool.emulator.servers.receiver import Receiver
 from benchtool.errors import LinkClosed
-from benchtool.protocol.emcy import Emergency
-from benchtool.protocol.nmt import NmtCommand, NmtState
+from benchtool.protocol.canopen.emcy import Emergency
+from benchtool.protocol.canopen.nmt import NmtCommand, NmtState
 
 OnGone = Callable[[OSError], None]
 

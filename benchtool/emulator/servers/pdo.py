@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from functools import partial
 
 from benchtool.emulator.firmware.objects import ObjectStore, Refused
-from benchtool.protocol.abort import Abort
-from benchtool.protocol.objects import Entry, Number
-from benchtool.protocol.pdo import CAN_ID, INVALID, MAX_BITS, MAX_ENTRIES, RPDO_COB_IDS, TPDO_COB_IDS
+from benchtool.protocol.canopen.abort import Abort
+from benchtool.protocol.canopen.pdo import CAN_ID, INVALID, MAX_BITS, MAX_ENTRIES, RPDO_COB_IDS, TPDO_COB_IDS
+from benchtool.protocol.dictionary.objects import Entry, Number
 
 _NEVER = 1 << 62
 

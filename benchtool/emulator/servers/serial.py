@@ -7,16 +7,16 @@ from collections.abc import Callable
 from contextlib import suppress
 
 from benchtool.emulator.firmware.objects import Refused
-from benchtool.emulator.servers.client import HungUp, Traffic
+from benchtool.emulator.ports.client import HungUp, Traffic
 from benchtool.emulator.servers.node import DriveNode
 from benchtool.emulator.servers.receiver import Receiver
 from benchtool.emulator.servers.stream import ControlRateStream
 from benchtool.emulator.servers.transmitter import DirectTransmitter, QueuedTransmitter
 from benchtool.emulator.servers.upload import Upload
 from benchtool.link.port import Port
-from benchtool.protocol.abort import Abort
-from benchtool.protocol.emcy import Emergency
-from benchtool.protocol.nmt import NmtState
+from benchtool.protocol.canopen.abort import Abort
+from benchtool.protocol.canopen.emcy import Emergency
+from benchtool.protocol.canopen.nmt import NmtState
 from benchtool.protocol.serial import (
     MAX_PAYLOAD,
     VERSION,

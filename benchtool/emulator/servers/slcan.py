@@ -7,8 +7,8 @@ from collections import deque
 
 import can
 
+from benchtool.emulator.ports.client import HungUp, Traffic
 from benchtool.emulator.servers.acceptance import ACCEPT_ALL, accepts
-from benchtool.emulator.servers.client import HungUp, Traffic
 from benchtool.link.port import Port
 from benchtool.protocol.slcan import (
     BITRATES_BIT_S,

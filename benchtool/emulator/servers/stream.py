@@ -9,11 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from benchtool.emulator.core.stream import MAX_CHANNELS, StreamRecorder
 from benchtool.emulator.firmware.objects import ObjectStore, Refused
 from benchtool.emulator.servers.node import NEVER
-from benchtool.emulator.stream import MAX_CHANNELS, StreamRecorder
-from benchtool.protocol.abort import Abort
-from benchtool.protocol.objects import Entry
+from benchtool.protocol.canopen.abort import Abort
+from benchtool.protocol.dictionary.objects import Entry
 from benchtool.protocol.serial import Batch, Stream, StreamFormat
 
 _WORD_BITS = 32

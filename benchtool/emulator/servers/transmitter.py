@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 
 import serial
 
-from benchtool.emulator.servers.client import HungUp
+from benchtool.emulator.ports.client import HungUp
 
 CAPACITY = 64 * 1024
 RESERVE = 16 * 1024

@@ -5,7 +5,7 @@ from __future__ import annotations
 import zlib
 from collections.abc import Iterator
 
-from benchtool.protocol.abort import Abort
+from benchtool.protocol.canopen.abort import Abort
 from benchtool.protocol.serial import ChunkReply, Chunks, Open, OpenReply
 
 CHUNK_BYTES = 1024

@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 
 from benchtool.block import Block, Channel, Gap
 from benchtool.errors import ValueRefused
-from benchtool.protocol.objects import DataType
+from benchtool.protocol.dictionary.objects import DataType
+from benchtool.protocol.dictionary.variable import Variable
 from benchtool.protocol.serial.messages import Batch, StreamFormat
 from benchtool.protocol.telemetry import StreamCounters
-from benchtool.protocol.variable import Variable
 from benchtool.ticks import TICKS, ahead, counted_on
 
 _SEQUENCES = 1 << 32

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import IntEnum
 
-from benchtool.protocol.emcy import Emergency
+from benchtool.protocol.canopen.emcy import Emergency
 
 VERSION = 1
 """Version of the protocol that this package speaks."""

@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from benchtool.errors import ValueRefused
-from benchtool.protocol.emcy import Emergency
+from benchtool.protocol.canopen.emcy import Emergency
 from benchtool.protocol.serial.messages import (
     VERSION,
     Batch,

@@ -12,8 +12,8 @@ from benchtool.analysis import analyze_steady_state
 from benchtool.analysis.catalogue import STEADY, Analysis, Window, analyses_of, response_names, step_names
 from benchtool.analysis.specimen import SPECIMEN_MOTOR, steady_specimen
 from benchtool.block import Block
-from benchtool.experiment.operating_point import NAMES as REACHED
-from benchtool.experiment.steady_state import assess_steady_state
+from benchtool.plan.operating_point import NAMES as REACHED
+from benchtool.results.steady_state import assess_steady_state
 
 PAGE = (Path(__file__).parents[3] / "docs" / "measurements.md").read_text(encoding="utf-8")
 by_title = pytest.mark.parametrize("analysis", STEADY, ids=lambda analysis: analysis.title)

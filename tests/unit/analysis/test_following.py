@@ -10,14 +10,14 @@ import pytest
 from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
-from benchtool.analysis.fundamental import frequency, soundness
+from benchtool.analysis.dynamics.noisy_curve import NoisyCurve
+from benchtool.analysis.dynamics.response_curve import ResponseCurve
+from benchtool.analysis.dynamics.smoothing import Noise
 from benchtool.analysis.measurement import Basis, Measurement
-from benchtool.analysis.noisy_curve import NoisyCurve
 from benchtool.analysis.periods import PhaseTrack, track_angle
-from benchtool.analysis.phase_following import Wander, follow
-from benchtool.analysis.response_curve import ResponseCurve
-from benchtool.analysis.smoothing import Noise
-from benchtool.analysis.spectrum import FIRST_ROW, CoherentSpectrum, coherent_spectrum
+from benchtool.analysis.spectra.fundamental import frequency, soundness
+from benchtool.analysis.spectra.phase_following import Wander, follow
+from benchtool.analysis.spectra.spectrum import FIRST_ROW, CoherentSpectrum, coherent_spectrum
 
 Array = NDArray[np.float64]
 RATE_HZ, FREQUENCY_HZ, SAMPLES = 10_000.0, 50.0, 20_000

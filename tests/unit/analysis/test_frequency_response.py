@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy import signal
 
-from benchtool.analysis.bode import Bode, analyze_response
-from benchtool.analysis.frequency_response import (
+from benchtool.analysis.dynamics.bode import Bode, analyze_response
+from benchtool.analysis.dynamics.frequency_response import (
     averaged_response,
     frequency_response,
     periodic_response,

@@ -10,7 +10,7 @@ from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
 from benchtool.analysis import amplitude_spectrum, coherent_spectrum, current_spectrum, track_angle
-from benchtool.analysis.resampling import HALF_WIDTH, interpolate
+from benchtool.analysis.orders.resampling import HALF_WIDTH, interpolate
 from benchtool.block import Block, Channel
 
 RATE_HZ = 10e3

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from benchtool.analysis import orders_at_speed, spectral_lines
-from benchtool.analysis.orders import describe_orders
+from benchtool.analysis.orders.orders import describe_orders
 from benchtool.block import Block
 from benchtool.errors import AnalysisError
 

@@ -11,10 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from benchtool.analysis.angle import TURN, angle_coverage
-from benchtool.analysis.angle_orders import fit_orders, sector_means
-from benchtool.analysis.order_spectrum import OrderSpectrum, fitted_orders, resampled_orders
-from benchtool.analysis.orders import describe_orders, order_analysis, order_meaning
+from benchtool.analysis.orders.angle import TURN, angle_coverage
+from benchtool.analysis.orders.angle_orders import fit_orders, sector_means
+from benchtool.analysis.orders.order_spectrum import OrderSpectrum, fitted_orders, resampled_orders
+from benchtool.analysis.orders.orders import describe_orders, order_analysis, order_meaning
 from benchtool.block import Block, Channel, Gap
 from benchtool.errors import AnalysisError
 

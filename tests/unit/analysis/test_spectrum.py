@@ -16,7 +16,7 @@ from benchtool.analysis import (
     track_angle,
     track_tone,
 )
-from benchtool.analysis.resampling import HALF_WIDTH, interpolate
+from benchtool.analysis.orders.resampling import HALF_WIDTH, interpolate
 from benchtool.errors import AnalysisError
 
 RATE_HZ = 10e3

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from benchtool.analysis.step import analyze_step
+from benchtool.analysis.dynamics.step import analyze_step
 from benchtool.block import Block, Channel
 from benchtool.errors import AnalysisError
 

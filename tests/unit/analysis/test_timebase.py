@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from benchtool.analysis.timebase import time_base
 from benchtool.block import Gap
+from benchtool.tables.time_base import time_base
 
 Array = NDArray[np.float64]
 ROWS = np.arange(5_000, dtype=np.float64)

@@ -12,7 +12,7 @@ from benchtool.clock import VirtualClock
 from benchtool.drive.identity import Identity
 from benchtool.drive.node import RemoteNode
 from benchtool.errors import IdentityMismatch, SdoAbort
-from benchtool.protocol.abort import Abort
+from benchtool.protocol.canopen.abort import Abort
 from benchtool.protocol.dictionary import Dictionary
 
 VENDOR, PRODUCT, REVISION = 0x9A, 0x30923, 7

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from benchtool.drive.migration import Migration, Migrations, shipped_migrations
+from benchtool.drive.parameters.migration import Migration, Migrations, shipped_migrations
 from benchtool.errors import ParameterFileError
 
 # An invented past: resistance once in mohm, then called R; a filter that went away.

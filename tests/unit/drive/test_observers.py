@@ -14,10 +14,10 @@ from benchtool.drive.states import Cia402Node
 from benchtool.errors import DriveFault
 from benchtool.link import Alarm
 from benchtool.link.ticks import TickMark
+from benchtool.protocol.canopen.emcy import Emergency
 from benchtool.protocol.cia402 import STATUSWORD, State
-from benchtool.protocol.emcy import Emergency
-from benchtool.protocol.objects import DataType
-from benchtool.protocol.variable import Variable
+from benchtool.protocol.dictionary.objects import DataType
+from benchtool.protocol.dictionary.variable import Variable
 
 _OVERCURRENT, _HEARTBEAT, _NONE = Emergency(0x2310, 0x03), Emergency(0x8130, 0x11), Emergency(0, 0)
 

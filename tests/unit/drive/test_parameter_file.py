@@ -12,8 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from benchtool.drive.identity import Identity
-from benchtool.drive.migration import Migration, Migrations
-from benchtool.drive.parameter_file import (
+from benchtool.drive.parameters.file import (
     Origin,
     ParameterFile,
     describe,
@@ -21,13 +20,14 @@ from benchtool.drive.parameter_file import (
     render,
     write_parameter_file,
 )
-from benchtool.drive.parameters import default_of, parameters
-from benchtool.drive.settings import aligned, as_held, compare, is_address, settings
+from benchtool.drive.parameters.migration import Migration, Migrations
+from benchtool.drive.parameters.settings import aligned, as_held, compare, is_address, settings
+from benchtool.drive.parameters.transaction import default_of, parameters
 from benchtool.errors import ParameterFileError, RecordingError, ValueRefused
 from benchtool.protocol.dictionary import Dictionary
-from benchtool.protocol.keys import toml_key
-from benchtool.protocol.objects import DataType
-from benchtool.protocol.variable import Value, Variable
+from benchtool.protocol.dictionary.keys import toml_key
+from benchtool.protocol.dictionary.objects import DataType
+from benchtool.protocol.dictionary.variable import Value, Variable
 from benchtool.shipped import shipped
 
 DICTIONARY = Dictionary.from_eds(shipped("firmware_protocol") / "drive.eds", 1)

@@ -8,12 +8,12 @@ from typing import Any
 import pytest
 
 from benchtool.clock import VirtualClock
-from benchtool.drive.parameters import require_disabled
+from benchtool.drive.parameters.transaction import require_disabled
 from benchtool.drive.states import Cia402Node
 from benchtool.errors import StateError, ValueRefused
+from benchtool.protocol.canopen.nmt import NmtCommand
 from benchtool.protocol.cia402 import State, state_of
 from benchtool.protocol.dictionary import Dictionary
-from benchtool.protocol.nmt import NmtCommand
 from benchtool.shipped import shipped
 
 OFF = {

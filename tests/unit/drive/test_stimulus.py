@@ -10,7 +10,7 @@ from pydantic import ValidationError
 
 from benchtool.drive import Stimulus
 from benchtool.errors import PlanError, ValueRefused
-from benchtool.experiment.plan import Plan, load_plan
+from benchtool.plan.model import Plan, load_plan
 
 T_S = 1e-4
 PRBS: dict[str, Any] = {

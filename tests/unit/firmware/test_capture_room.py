@@ -7,7 +7,7 @@ import struct
 import pytest
 
 from benchtool.emulator.firmware.objects import Refused
-from benchtool.protocol.abort import Abort
+from benchtool.protocol.canopen.abort import Abort
 from tests.unit.firmware.test_protection_limits import TABLE, drive
 
 _SIGNALS = ("torque", "i_d", "i_q", "u_dc", "i_a", "i_b", "i_c", "psi_s")

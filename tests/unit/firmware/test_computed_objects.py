@@ -8,8 +8,8 @@ import pytest
 
 from benchtool.emulator.firmware.device import Firmware
 from benchtool.emulator.firmware.objects import Refused
-from benchtool.protocol.abort import Abort
-from benchtool.protocol.emcy import ErrorCode
+from benchtool.protocol.canopen.abort import Abort
+from benchtool.protocol.canopen.emcy import ErrorCode
 from tests.unit.firmware.test_protection_limits import TABLE, drive
 
 

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 from benchtool.emulator.firmware.objects import ObjectStore, Refused
 from benchtool.emulator.memory import new_memory
-from benchtool.protocol.abort import Abort
-from benchtool.protocol.objects import load_table
+from benchtool.protocol.canopen.abort import Abort
+from benchtool.protocol.dictionary.objects import load_table
 from benchtool.shipped import shipped
 
 TABLE = load_table(shipped("firmware_protocol") / "objects.toml")

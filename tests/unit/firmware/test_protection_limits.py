@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 from benchtool.emulator.core import Core
 from benchtool.emulator.firmware.device import Firmware
 from benchtool.emulator.firmware.objects import Refused
-from benchtool.emulator.truth import InverterTruth, MotorTruth, SensorTruth
-from benchtool.protocol.abort import Abort
+from benchtool.emulator.machine.truth import InverterTruth, MotorTruth, SensorTruth
+from benchtool.protocol.canopen.abort import Abort
+from benchtool.protocol.canopen.emcy import Emergency
 from benchtool.protocol.cia402 import State
-from benchtool.protocol.emcy import Emergency
 from tests.physics.paper_machine import MOTOR, object_table
 
 TABLE = object_table()

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from benchtool.emulator.servers.share import Share
+from benchtool.emulator.ports.share import Share
 
 
 class _Thread:

@@ -343,7 +343,7 @@ def test_a_disk_that_is_about_to_be_full_is_left_alone(
 ) -> None:
     free = {"B": 1 << 30}
     monkeypatch.setattr("shutil.disk_usage", lambda _: SimpleNamespace(free=free["B"]))
-    monkeypatch.setattr("benchtool.live.file._LOOKING_S", 0.0)
+    monkeypatch.setattr("benchtool.live.sinks.file._LOOKING_S", 0.0)
     path, noted = tmp_path / "a.rrd", list[str]()
     with LiveView(_SETUP, [FileDestination(path)], noted.append) as view:
         view.take(block(20))

@@ -9,7 +9,7 @@ from contextlib import closing, suppress
 
 import pytest
 
-from benchtool.live.relay import Relay
+from benchtool.live.sinks.relay import Relay
 
 
 @pytest.fixture

@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from benchtool.block import Block, Channel, Gap
-from benchtool.live import locus
-from benchtool.live.spectrum import RunningSpectrum, bars, decibels, spectrogram
+from benchtool.live.panels import locus
+from benchtool.live.panels.spectrum import RunningSpectrum, bars, decibels, spectrogram
 
 RATE_HZ = 1000.0
 

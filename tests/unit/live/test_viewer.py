@@ -19,8 +19,8 @@ import pytest
 from benchtool.block import Block, Channel
 from benchtool.errors import EnvironmentFailure, UsageError
 from benchtool.live import LiveView, Setup, Viewer, names
-from benchtool.live import viewer as module
-from benchtool.live.viewer import viewer_environment, viewer_program
+from benchtool.live.sinks import viewer as module
+from benchtool.live.sinks.viewer import viewer_environment, viewer_program
 from tests.unit.live.readback import Recording
 
 linux = pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")

@@ -17,8 +17,8 @@ from benchtool.protocol.capture import (
     decode_header,
     encode_capture,
 )
-from benchtool.protocol.objects import DataType
-from benchtool.protocol.variable import Variable
+from benchtool.protocol.dictionary.objects import DataType
+from benchtool.protocol.dictionary.variable import Variable
 
 TICK = Variable(0x2030, 1, "tick", DataType.U32)
 TORQUE = Variable(0x2030, 12, "torque", DataType.F32, unit="Nm")

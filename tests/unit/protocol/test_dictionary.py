@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from benchtool.errors import DictionaryError, ValueRefused
 from benchtool.protocol.dictionary import Dictionary
-from benchtool.protocol.objects import DataType
+from benchtool.protocol.dictionary.objects import DataType
 from benchtool.shipped import shipped
 
 VENDOR = """\

@@ -14,7 +14,7 @@ import canopen
 import pytest
 
 from benchtool.protocol.dictionary import Dictionary
-from benchtool.protocol.objects import DataType, table_from_toml
+from benchtool.protocol.dictionary.objects import DataType, table_from_toml
 from firmware_protocol.generate import FOLDER, generated, main
 
 DOCUMENT = tomllib.loads((FOLDER / "objects.toml").read_text(encoding="utf-8"))

@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from benchtool.protocol.abort import Abort, abort_text
-from benchtool.protocol.emcy import Emergency, ErrorCode, error_register, error_text
-from benchtool.protocol.nmt import NmtState, heartbeat_state
+from benchtool.protocol.canopen.abort import Abort, abort_text
+from benchtool.protocol.canopen.emcy import Emergency, ErrorCode, error_register, error_text
+from benchtool.protocol.canopen.nmt import NmtState, heartbeat_state
 
 
 def test_emergency_on_the_wire() -> None:

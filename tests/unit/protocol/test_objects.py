@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from benchtool.protocol.objects import DataType, ObjectTable, table_from_toml
+from benchtool.protocol.dictionary.objects import DataType, ObjectTable, table_from_toml
 from benchtool.shipped import shipped
 
 DOCUMENT = tomllib.loads((shipped("firmware_protocol") / "objects.toml").read_text(encoding="utf-8"))

@@ -9,9 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from benchtool.errors import ValueRefused
-from benchtool.protocol.objects import DataType, load_table
-from benchtool.protocol.quantity import parse_value, spellings
-from benchtool.protocol.variable import Value, Variable
+from benchtool.protocol.dictionary.objects import DataType, load_table
+from benchtool.protocol.dictionary.quantity import parse_value, spellings
+from benchtool.protocol.dictionary.variable import Value, Variable
 from benchtool.shipped import shipped
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from benchtool.protocol.dictionary import Dictionary
-from benchtool.protocol.relations import relations
+from benchtool.protocol.dictionary.relations import relations
 from benchtool.shipped import shipped
 
 

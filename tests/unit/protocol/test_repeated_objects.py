@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from benchtool.protocol.objects import load_table
-from benchtool.protocol.pdo import INVALID, RPDO_COB_IDS, TPDO_COB_IDS, rpdo, tpdo
+from benchtool.protocol.canopen.pdo import INVALID, RPDO_COB_IDS, TPDO_COB_IDS, rpdo, tpdo
+from benchtool.protocol.dictionary.objects import load_table
 from benchtool.shipped import shipped
 
 TABLE = load_table(shipped("firmware_protocol") / "objects.toml")

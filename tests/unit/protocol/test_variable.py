@@ -12,8 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from benchtool.errors import DictionaryMismatch, ValueRefused
-from benchtool.protocol.objects import DataType
-from benchtool.protocol.variable import Value, Variable
+from benchtool.protocol.dictionary.objects import DataType
+from benchtool.protocol.dictionary.variable import Value, Variable
 
 RESISTANCE = Variable(
     0x2000, 2, "R_s", DataType.F32, unit="ohm", raw_minimum=0.0, raw_maximum=100.0, raw_default=0.1

@@ -12,8 +12,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from benchtool.errors import AnalysisError, BenchError, RecordingError
-from benchtool.recording.text_table import Rows, TextTable
-from benchtool.recording.text_units import is_unit, unit_factor
+from benchtool.tables.text import Rows, TextTable
+from benchtool.tables.units import is_unit, unit_factor
 
 TIME = np.arange(30) * 1e-3
 CURRENT = np.round(np.sin(np.arange(30) * 0.7), 4)

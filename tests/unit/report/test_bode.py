@@ -7,11 +7,11 @@ import pytest
 from matplotlib.patches import Rectangle
 from scipy import signal
 
-from benchtool.analysis.bode import Bode, analyze_response
+from benchtool.analysis.dynamics.bode import Bode, analyze_response
 from benchtool.analysis.switching import switching_states
 from benchtool.block import Block, Channel
-from benchtool.report.bode import draw_bode
-from benchtool.report.switching import draw_switching_states
+from benchtool.report.figures.bode import draw_bode
+from benchtool.report.figures.switching import draw_switching_states
 
 
 def _bode(delay_rows: int) -> Bode:

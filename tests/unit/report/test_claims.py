@@ -9,8 +9,8 @@ import pytest
 from pydantic import ValidationError
 
 from benchtool.analysis import Measurement
-from benchtool.experiment.cases import cases
-from benchtool.experiment.plan import load_plan, plan_names
+from benchtool.plan.cases import cases
+from benchtool.plan.model import load_plan, plan_names
 from benchtool.profile import Claim, Comparison, load_profile
 from benchtool.report.claims import claims_table, finding, literal, verdict
 

@@ -7,7 +7,7 @@ import pytest
 
 from benchtool.analysis import SteadyState, analyze_steady_state
 from benchtool.block import Block, Channel
-from benchtool.report.comparison import Panel, draw_spectra, draw_steady_traces, draw_torque_traces
+from benchtool.report.figures.comparison import Panel, draw_spectra, draw_steady_traces, draw_torque_traces
 
 RATE_HZ, P, OMEGA_M = 10_000.0, 4, 15.71
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from benchtool.analysis.measurement import Basis
-from benchtool.analysis.order_spectrum import OrderSpectrum
-from benchtool.report.orders import draw_orders
+from benchtool.analysis.orders.order_spectrum import OrderSpectrum
+from benchtool.report.figures.orders import draw_orders
 
 
 def spectrum(count: int = 200) -> OrderSpectrum:

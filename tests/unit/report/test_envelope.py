@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from benchtool.block import Block, Channel, Gap
-from benchtool.report.envelope import COLUMNS, envelope, trace
+from benchtool.report.figures.envelope import COLUMNS, envelope, trace
 
 
 @given(st.integers(1, 3000), st.integers(1, 40), st.integers(0, 2**32 - 1), st.floats(0, 0.2))

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from benchtool.analysis import SteadyState, analyze_steady_state
 from benchtool.block import Block, Channel
 from benchtool.errors import AnalysisError, RecordingError
-from benchtool.report.figures import draw_steady_state, save_figures
+from benchtool.report.figures.steady_state import draw_steady_state, save_figures
 
 SAMPLES = 3000
 TICK_S = 1e-4
@@ -148,6 +148,6 @@ def test_a_folder_that_cannot_be_written_is_one_line(tmp_path: Path) -> None:
 
 
 def test_pyplot_with_its_global_state_is_not_imported() -> None:
-    code = "import sys, benchtool.report.figures; sys.exit('matplotlib.pyplot' in sys.modules)"
+    code = "import sys, benchtool.report.figures.steady_state; sys.exit('matplotlib.pyplot' in sys.modules)"
 
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

@@ -28,12 +28,12 @@ from benchtool.report.content import (
     contents,
     describe_figure,
 )
+from benchtool.report.figures.style import BLUE, dress, new_figure
 from benchtool.report.html import html_page
 from benchtool.report.images import MOST_SVG_BYTES, data_uri
 from benchtool.report.numbers import stated
-from benchtool.report.pdf import pdf_document
+from benchtool.report.pdf.document import pdf_document
 from benchtool.report.results import Bounds, basis_text, limits_section, measurements_section, tables_section
-from benchtool.report.style import BLUE, dress, new_figure
 
 HOSTILE = '<script>alert("x")</script> & "quoted" \'title\''
 VOID = {"meta", "img", "link", "br"}

@@ -11,10 +11,10 @@ from benchtool.block import Block
 from benchtool.clock import Clock, VirtualClock
 from benchtool.errors import StateError, ValueRefused
 from benchtool.link.interface import Alarm, BatchReceiver, LinkCounters
+from benchtool.protocol.canopen.nmt import NmtCommand, NmtState
 from benchtool.protocol.dictionary import Dictionary
-from benchtool.protocol.nmt import NmtCommand, NmtState
+from benchtool.protocol.dictionary.variable import Value
 from benchtool.protocol.serial import Batch, StreamReply
-from benchtool.protocol.variable import Value
 from benchtool.shipped import shipped
 from benchtool.telemetry import Sink, TelemetryStream
 from benchtool.telemetry.batch_source import BatchSource, TimedBatch

@@ -8,8 +8,8 @@ from contextlib import contextmanager
 import pytest
 
 from benchtool.errors import DriveFault, RecordingError
+from benchtool.protocol.canopen.emcy import Emergency
 from benchtool.protocol.cia402 import State
-from benchtool.protocol.emcy import Emergency
 from benchtool.recording import Event, Level
 from benchtool.telemetry import Journal, keep_journal
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from benchtool.errors import ValueRefused
 from benchtool.protocol import serial as wire
-from benchtool.protocol.emcy import Emergency
+from benchtool.protocol.canopen.emcy import Emergency
 from tests.unit.protocol.serial.reference import VECTORS
 
 U8, U16, U32 = (st.integers(0, (1 << bits) - 1) for bits in (8, 16, 32))

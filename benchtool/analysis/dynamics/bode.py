@@ -1,0 +1,217 @@
+"""Bandwidth, resonance and delay of a frequency response between two channels of a capture, and its table."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchtool.analysis.dynamics.frequency_response import (
+    NEPER_DB,
+    FrequencyResponse,
+    decibels,
+    frequency_response,
+)
+from benchtool.analysis.dynamics.margins import margins
+from benchtool.analysis.dynamics.response_curve import Point, ResponseCurve, gain_at_rest
+from benchtool.analysis.measurement import Basis, Measurement, Table
+from benchtool.analysis.uncertainty import Uncertainty
+from benchtool.analysis.validity import require_unbroken
+from benchtool.block import Block
+from benchtool.errors import AnalysisError
+
+_HALF_POWER_DB = 20.0 * math.log10(math.sqrt(0.5))
+_QUARTER_TURN = -0.5 * math.pi
+_FEWEST_FOR_A_LINE = 3
+_MOST_OF_THE_LEVEL = 0.3  # of the 3 dB: a gain at rest that is less certain gives no bandwidth
+_STATISTICAL = "random error of H1 from coherence and number of averages"
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Bode:
+    """Result of `analyze_response`: the response of channel `output` to channel `input`, and its numbers.
+
+    `gain_unit` is that of the gain, empty for a pure number.
+    """
+
+    input: str
+    output: str
+    gain_unit: str
+    response: FrequencyResponse
+    measurements: tuple[Measurement, ...]
+    tables: tuple[Table, ...]
+
+
+def analyze_response(
+    block: Block,
+    input: str,
+    output: str,
+    *,
+    begin_row: int = 0,
+    end_row: int | None = None,
+    period_rows: int | None = None,
+) -> Bode:
+    """Response of a channel to another, from what any excitation of the input shows.
+
+    Frequencies are used where the input has power (more than -50 dB of its greatest) and the coherence is
+    0.8 or more, or above what chance makes of few averages; the others are in the table and nowhere else.
+
+    Args:
+        block: a capture without gaps, with both channels.
+        begin_row, end_row: the rows to use; of a repeated stimulus those after its first period, when what
+            it set off has died away.
+        period_rows: after how many rows the input repeats itself, if it does.
+
+    Raises:
+        AnalysisError: a gap, a missing channel, a dead signal, too few rows, or no frequency can be used.
+    """
+    require_unbroken(block)
+    rows = slice(begin_row, end_row)
+    found = frequency_response(
+        block.column(input)[rows],
+        block.column(output)[rows],
+        block.sample_rate_Hz,
+        period=period_rows,
+        names=(input, output),
+    )
+    trusted = found.trusted
+    if not np.any(trusted):
+        raise AnalysisError(
+            f"no frequency of '{input}' shows in '{output}' with a coherence of {found.least_coherence:.2g}, "
+            f"the best has {float(np.max(found.coherence)):.2g}: raise the stimulus or record longer"
+        )
+    band_Hz = found.frequency_Hz[trusted]
+    basis = Basis(
+        samples=found.samples,
+        sample_rate_Hz=block.sample_rate_Hz,
+        duration_s=found.samples / block.sample_rate_Hz,
+        bandwidth_Hz=float(band_Hz[-1]),
+        window=found.method,
+        reference=(
+            f"{output} over {input}; {len(band_Hz)} of {len(trusted)} frequencies used, "
+            f"{band_Hz[0]:.4g} Hz to {band_Hz[-1]:.4g} Hz, coherence {found.least_coherence:.2g} or more"
+        ),
+        gaps=0,
+    )
+    unit = _ratio(block.unit(output), block.unit(input))
+    measurements = tuple(_measurements(found, unit, basis))
+    return Bode(input, output, unit, found, measurements, (_table(found, unit, basis),))
+
+
+def _ratio(above: str, below: str) -> str:
+    """Unit of a quotient."""
+    if above == below:
+        return ""
+    return f"{above or '1'}/({below})" if "/" in below else f"{above or '1'}/{below or '1'}"
+
+
+def _measurements(found: FrequencyResponse, unit: str, basis: Basis) -> Iterator[Measurement]:
+    trusted = found.trusted
+    trusted[: found.reference] = False  # below it no gain is known well
+    frequency_Hz, error = found.frequency_Hz[trusted], found.error[trusted]
+    gain, phase = found.gain[trusted], found.phase_rad[trusted]
+
+    rest = gain_at_rest(frequency_Hz, gain, error)
+    text = (
+        f"gain continued to zero frequency from {frequency_Hz[0]:.4g} Hz and above, 1 / gain^2 as a "
+        f"polynomial of frequency^2; the reference of the others"
+    )
+    gain_error = Uncertainty(rest.gain * rest.relative_error, f"{_STATISTICAL}, and of the fit")
+    yield Measurement("response_gain", rest.gain, unit, text, basis, gain_error)
+
+    rest_dB = NEPER_DB * rest.relative_error
+    relative = ResponseCurve(frequency_Hz, decibels(gain / rest.gain), NEPER_DB * error, -_HALF_POWER_DB)
+    text = "lowest frequency at which the gain is 3.01 dB below response_gain, by a local parabola"
+    down = relative.falls_to(_HALF_POWER_DB, rest_dB)
+    reason = f"it stays above up to {frequency_Hz[-1]:.4g} Hz"
+    if rest_dB > -_MOST_OF_THE_LEVEL * _HALF_POWER_DB:
+        down, reason = None, f"response_gain is uncertain by {rest_dB:.2g} dB: play lower frequencies"
+    yield _frequency("bandwidth_3dB", text, down, reason, basis)
+
+    text = "lowest frequency at which the phase is -90 degrees, by a local parabola"
+    reason = f"the phase stays above up to {frequency_Hz[-1]:.4g} Hz"
+    turned = ResponseCurve(frequency_Hz, phase, error, -_QUARTER_TURN).falls_to(_QUARTER_TURN)
+    yield _frequency("bandwidth_90deg", text, turned, reason, basis)
+
+    peak_dB, standard_dB = relative.greatest()
+    text = f"greatest gain over response_gain, at least 0 dB, up to {frequency_Hz[-1]:.4g} Hz"
+    peak_error = Uncertainty(math.hypot(standard_dB, rest_dB), _STATISTICAL)
+    yield Measurement("resonance_peak", max(0.0, peak_dB), "dB", text, basis, peak_error)
+
+    known = down is not None and math.isfinite(down.standard_Hz)
+    limit_Hz = down.frequency_Hz if down is not None and known else float(frequency_Hz[-1])
+    yield _delay(frequency_Hz, phase, error, limit_Hz, basis)
+
+    inside = found.excited & (found.frequency_Hz >= frequency_Hz[0]) & (found.frequency_Hz <= limit_Hz)
+    text = f"coherence of the excited frequencies from {frequency_Hz[0]:.4g} Hz to {limit_Hz:.4g} Hz"
+    coherence = found.coherence[inside]
+    yield Measurement("coherence_min", float(np.min(coherence)), "", f"least {text}", basis)
+    yield Measurement("coherence_median", float(np.median(coherence)), "", f"median {text}", basis)
+    if not unit:
+        yield from margins(frequency_Hz, found.response[trusted], error, basis)
+
+
+def _frequency(name: str, definition: str, found: Point | None, reason: str, basis: Basis) -> Measurement:
+    if found is None:
+        return Measurement.undefined(name, "Hz", definition, reason, basis)
+    if not math.isfinite(found.standard_Hz):
+        reason = f"it is there at {found.frequency_Hz:.4g} Hz already, the lowest frequency used"
+        return Measurement.undefined(name, "Hz", definition, reason, basis)
+    source = f"{_STATISTICAL}, over the slope, and the length of the local fit"
+    uncertainty = Uncertainty(found.standard_Hz, source)
+    return Measurement(name, found.frequency_Hz, "Hz", definition, basis, uncertainty)
+
+
+def _delay(frequency_Hz: Floats, phase: Floats, error: Floats, limit_Hz: float, basis: Basis) -> Measurement:
+    """Slope of the phase, by a line that need not pass through zero at dc."""
+    name = "response_delay"
+    text = f"-1/(2 pi) x slope of the least-squares line of phase over frequency, up to {limit_Hz:.4g} Hz"
+    inside = frequency_Hz <= limit_Hz
+    count = int(np.count_nonzero(inside))
+    if count < _FEWEST_FOR_A_LINE:
+        reason = f"{count} frequencies up to there, at least {_FEWEST_FOR_A_LINE} are needed"
+        return Measurement.undefined(name, "s", text, reason, basis)
+    omega = 2.0 * np.pi * frequency_Hz[inside]
+    columns = np.stack([omega, np.ones(count)], axis=1)
+    (slope, intercept), *_ = np.linalg.lstsq(columns, phase[inside], rcond=None)
+    left = phase[inside] - slope * omega - intercept
+    across = omega - np.mean(omega)
+    # the errors differ: each point with its own, or with what the line leaves there if that is more
+    spread = math.sqrt(float(np.sum((across * np.maximum(np.abs(left), error[inside])) ** 2)))
+    spread /= float(np.sum(across**2))
+    uncertain = Uncertainty(spread, "scatter of the phase about the line, and its random error")
+    return Measurement(name, -float(slope), "s", text, basis, uncertain)
+
+
+def _table(found: FrequencyResponse, unit: str, basis: Basis) -> Table:
+    columns = (
+        ("frequency_Hz", "Hz"),
+        ("gain", unit),
+        ("gain_dB", "dB"),
+        ("phase_deg", "deg"),
+        ("coherence", ""),
+        ("gain_uncertainty", unit),
+        ("phase_uncertainty_deg", "deg"),
+        ("used", ""),
+    )
+    values = (
+        found.frequency_Hz,
+        found.gain,
+        found.gain_dB,
+        np.degrees(np.where(found.trusted, found.phase_rad, np.angle(found.response))),
+        found.coherence,
+        found.gain * found.error,
+        np.degrees(found.error),
+        found.trusted.astype(np.float64),
+    )
+    definition = (
+        "H1 estimate of the frequency response; used is 1 where the input has power and the coherence is "
+        f"{found.least_coherence:.2g} or more; phase is without jumps from one such frequency to the next"
+    )
+    rows = tuple(tuple(float(cell) for cell in row) for row in np.stack(values, axis=1))
+    return Table("frequency_response", definition, columns, rows, replace(basis, bandwidth_Hz=None))

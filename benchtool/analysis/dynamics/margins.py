@@ -1,0 +1,96 @@
+"""Stability margins of a loop from the response of what it controls to its reference.
+
+With unity feedback the closed loop is T = L / (1 + L), so that the open loop is L = T / (1 - T), and the
+sensitivity S = 1 / (1 + L) = 1 - T (Astroem and Murray, Feedback Systems, 2nd ed., 10.3 and 12.1).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchtool.analysis.dynamics.frequency_response import NEPER_DB, decibels
+from benchtool.analysis.dynamics.response_curve import Point, ResponseCurve
+from benchtool.analysis.measurement import Basis, Measurement
+from benchtool.analysis.uncertainty import Uncertainty
+
+Floats = NDArray[np.float64]
+
+_LEAST = 1e-9  # of 1 - T: a loop that is perfect but for rounding
+_SMALL_DB = 1.0
+_SMALL_RAD = 0.1
+_SOURCE = "random error of H1, propagated to the open loop"
+
+
+def margins(
+    frequency_Hz: Floats, closed: NDArray[np.complex128], error: Floats, basis: Basis
+) -> Iterator[Measurement]:
+    """Crossover, phase margin, gain margin and greatest sensitivity of the loop behind a response.
+
+    `closed` is the response of the controlled quantity to its reference, shape (n,), a pure number, `error`
+    its standard uncertainty relative to it, along it and across it.
+    """
+    sensitivity = 1.0 - closed
+    magnitude = np.maximum(np.abs(sensitivity), _LEAST)
+    opened = closed / np.where(np.abs(sensitivity) < _LEAST, _LEAST, sensitivity)
+    spread = error / magnitude  # dL / L = dT / (T (1 - T))
+    gain = ResponseCurve(frequency_Hz, decibels(opened), NEPER_DB * spread, _SMALL_DB)
+    phase = ResponseCurve(frequency_Hz, np.unwrap(np.angle(opened)), spread, _SMALL_RAD)
+
+    text = "lowest frequency at which the open loop T / (1 - T) has the gain 1"
+    crossover = gain.falls_to(0.0)
+    reason = _why_not(crossover, frequency_Hz, "its gain stays above 1")
+    if crossover is None or reason:
+        yield Measurement.undefined("crossover", "Hz", text, reason, basis)
+        yield Measurement.undefined(
+            "phase_margin", "deg", "180 degrees + phase of the open loop at crossover", reason, basis
+        )
+    else:
+        yield Measurement(
+            "crossover",
+            crossover.frequency_Hz,
+            "Hz",
+            text,
+            basis,
+            Uncertainty(crossover.standard_Hz, _SOURCE),
+        )
+        angle, angle_error = phase.at(crossover.frequency_Hz)
+        along = phase.slope_at(crossover.frequency_Hz) * crossover.standard_Hz
+        text = "180 degrees + phase of the open loop at crossover"
+        uncertain = Uncertainty(math.degrees(math.hypot(angle_error, along)), _SOURCE)
+        margin = math.remainder(180.0 + math.degrees(angle), 360.0)
+        yield Measurement("phase_margin", margin, "deg", text, basis, uncertain)
+
+    text = "gain of the open loop below 1 at the lowest frequency where its phase is -180 degrees"
+    turned = phase.falls_to(-math.pi)
+    reason = _why_not(turned, frequency_Hz, "its phase stays above -180 degrees")
+    if turned is None or reason:
+        yield Measurement.undefined("gain_margin", "dB", text, reason, basis)
+    else:
+        level_dB, level_error = gain.at(turned.frequency_Hz)
+        along = gain.slope_at(turned.frequency_Hz) * turned.standard_Hz
+        yield Measurement(
+            "gain_margin", -level_dB, "dB", text, basis, Uncertainty(math.hypot(level_error, along), _SOURCE)
+        )
+
+    own_error = error * np.abs(closed) / magnitude
+    peak_dB, peak_error = ResponseCurve(
+        frequency_Hz, decibels(sensitivity), NEPER_DB * own_error, _SMALL_DB
+    ).greatest()
+    peak = 10.0 ** (peak_dB / 20.0)
+    text = "greatest magnitude of the sensitivity 1 - T, M_s"
+    yield Measurement(
+        "sensitivity_peak", peak, "", text, basis, Uncertainty(peak * peak_error / NEPER_DB, _SOURCE)
+    )
+
+
+def _why_not(found: Point | None, frequency_Hz: Floats, otherwise: str) -> str:
+    """Why a crossing has no number; empty if it has."""
+    if found is None:
+        return f"{otherwise} up to {frequency_Hz[-1]:.4g} Hz"
+    if not math.isfinite(found.standard_Hz):
+        return f"it is passed at {frequency_Hz[0]:.4g} Hz already, the lowest frequency used"
+    return ""

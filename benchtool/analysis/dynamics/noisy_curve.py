@@ -1,0 +1,192 @@
+"""The smooth curve through a noisy transient, and what the noise does to what is read off it.
+
+Noise as it was found is smoothed like the samples and added to the curve again and again; the scatter of what
+is then read off it is the uncertainty (parametric bootstrap: Efron and Tibshirani, An Introduction to the
+Bootstrap, 6.5). The random numbers are the same at every call, so that the same samples give the same
+numbers.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchtool.analysis.dynamics.smoothing import Noise, fitted_smoothers
+
+Floats = NDArray[np.float64]
+
+_DRAWS = 80
+_FEWEST_DRAWS = 20
+_MOST_VALUES = 1 << 24  # of all draws together, 128 MiB
+_SEED = 20_110_301
+_TIED = 3.0  # standard deviations below the greatest value: what may as well be the greatest
+_LEAST_DEFINED = 0.9  # of the draws, for an instant that the noise leaves certain
+_VANDERMONDE = np.vander(np.arange(-1.0, 3.0), increasing=True)
+
+
+@dataclass(frozen=True)
+class Instant:
+    """Place, in samples from the first, at which a curve passes a level, and its standard uncertainty.
+
+    `standard` is infinite where the noise does not let tell whether the level is passed at all.
+    """
+
+    place: float
+    standard: float
+
+
+@dataclass(frozen=True)
+class NoisyCurve:
+    """Smooth `values`, shape (n,), and `errors`, shape (draws, n), such as noise leaves in them.
+
+    Without noise there are no draws.
+    """
+
+    values: Floats
+    errors: Floats
+
+    @classmethod
+    def through(cls, samples: Floats, noise: Noise) -> NoisyCurve:
+        """The curve through samples, shape (n,), the first of which is where a transient begins."""
+        count = len(samples)
+        smoother, longer = fitted_smoothers(samples, noise)
+        if noise.rms == 0.0:
+            return cls(samples, np.empty((0, count)))
+        draws = max(_FEWEST_DRAWS, min(_DRAWS, _MOST_VALUES // count))
+        random = np.random.default_rng(_SEED)
+        errors = smoother.apply(noise.draw(random, (draws, count)))
+        curve = smoother.apply(samples)
+        bias = longer.apply(samples) - curve
+        return cls(curve, errors + random.standard_normal((draws, 1)) * bias)
+
+    @cached_property
+    def standard(self) -> Floats:
+        """Standard uncertainty at every sample, shape (n,)."""
+        return np.std(self.errors, axis=0) if len(self.errors) else np.zeros(len(self.values))
+
+    def since(self, row: int) -> NoisyCurve:
+        """The curve from a row on."""
+        return NoisyCurve(self.values[row:], self.errors[:, row:])
+
+    def greatest(self) -> tuple[float, float]:
+        """Greatest value and its standard uncertainty.
+
+        Of several values that may as well be the greatest the noise raises some, and that is taken off. How
+        much it is lies between what it does to those within three standard deviations of the greatest, as if
+        they were equal (Chernozhukov, Lee and Rosen, Econometrica 81 (2013) no. 2), and what it does to the
+        curve as it is: the mean of the two. What the parabola through the greatest value adds is added.
+        """
+        top = int(np.argmax(self.values))
+        between = _beyond_samples(self.values, top)
+        if not len(self.errors):
+            return float(self.values[top]) + between, between
+        standard = self.standard
+        tied = self.values >= np.max(self.values - _TIED * standard)
+        highest = np.max(self.errors[:, tied], axis=1)
+        if_equal = float(np.mean(highest))
+        as_it_is = float(np.mean(np.max(self.values + self.errors, axis=1))) - float(self.values[top])
+        bias = 0.5 * (if_equal + as_it_is)
+        of_noise = math.hypot(float(np.std(highest, ddof=1)), 0.5 * (if_equal - as_it_is))
+        return float(self.values[top]) + between - bias, math.hypot(of_noise, between)
+
+    def place_of_greatest(self) -> Instant:
+        """Where the greatest value is, to within a sample."""
+        top = int(np.argmax(self.values))
+        moved = np.argmax(self.values + self.errors, axis=1) - top if len(self.errors) else np.zeros(1)
+        return Instant(float(top), math.hypot(float(np.sqrt(np.mean(moved**2))), 1.0 / math.sqrt(12.0)))
+
+    def first_above(self, level: float | Floats) -> Instant | None:
+        """Where the curve first rises to a level, or to one that is of shape (n,); None if it does not."""
+        above = self.values - level
+        return self._instant(_first(above), [_first(above + each) for each in self.errors])
+
+    def last_outside(self, level: float, band: float) -> Instant | None:
+        """Where it enters `level` +- `band` for good, 0 if it never leaves it; None if it ends outside."""
+        found = _last(self.values, level, band)
+        return self._instant(found, [_last(self.values + each, level, band) for each in self.errors])
+
+    @staticmethod
+    def _instant(found: _Crossing | None, drawn: list[_Crossing | None]) -> Instant | None:
+        if found is None:
+            return None
+        places = np.array([each.place for each in drawn if each is not None])
+        if len(places) < _LEAST_DEFINED * len(drawn):
+            return Instant(found.place, math.inf)
+        noise = float(np.sqrt(np.mean((places - found.place) ** 2))) if len(places) else 0.0
+        return Instant(found.place, math.hypot(noise, found.reach / math.sqrt(3.0)))
+
+
+@dataclass(frozen=True)
+class _Crossing:
+    """Place of a crossing between two samples, and half the width of where it may be by the samples alone."""
+
+    place: float
+    reach: float
+
+
+def _first(above: Floats) -> _Crossing | None:
+    at = int(np.argmax(above >= 0.0))
+    if above[at] < 0.0:
+        return None
+    return _between(above, at) if at else _Crossing(0.0, 0.0)
+
+
+def _last(values: Floats, level: float, band: float) -> _Crossing | None:
+    inside = band - np.abs(values - level)
+    outside = np.flatnonzero(inside < 0.0)
+    if len(outside) == 0:
+        return _Crossing(0.0, 0.0)
+    at = int(outside[-1]) + 1
+    return _between(inside, at) if at < len(inside) else None
+
+
+def _between(above: Floats, at: int) -> _Crossing:
+    """Crossing of zero between samples `at` - 1, below it, and `at`, not below it.
+
+    The line through the two before (or rest, before the first) and that through the two after bound it,
+    unless the curve bends more than samples can show: of a smooth curve the cubic through the four says where
+    it is, of a jump nothing does.
+    """
+    below, here = float(above[at - 1]), float(above[at])
+    first = last = line = below / (below - here)
+    slope = below - float(above[at - 2]) if at >= 2 else 0.0
+    from_before = min(1.0, -below / slope) if slope > 0.0 else 1.0
+    first, last = min(first, from_before), max(last, from_before)
+    if at + 1 < len(above):
+        slope = float(above[at + 1]) - here
+        from_after = max(0.0, 1.0 - here / slope) if slope > 0.0 else 0.0
+        first, last = min(first, from_after), max(last, from_after)
+    width, place = last - first, line
+    if at >= 2 and at + 1 < len(above):
+        place = min(max(_cubic_zero(above[at - 2 : at + 2], line), first), last)
+    return _Crossing(at - 1 + (1.0 - width) * place + width * 0.5 * (first + last), 0.5 * width)
+
+
+def _cubic_zero(four: Floats, start: float) -> float:
+    """Zero of the cubic through samples at -1, 0, 1 and 2, by Newton's method from between 0 and 1."""
+    a, b, c, d = np.linalg.solve(_VANDERMONDE, four).tolist()
+    place = start
+    for _ in range(3):
+        slope = b + place * (2.0 * c + place * 3.0 * d)
+        if slope <= 0.0:
+            return start
+        place = min(max(place - (a + place * (b + place * (c + place * d))) / slope, 0.0), 1.0)
+    return place
+
+
+def _beyond_samples(values: Floats, top: int) -> float:
+    """What the parabola through the greatest value and its neighbours adds to it; 0 beside an edge.
+
+    Between samples a curve goes on as it bends only where it bends the same way at both neighbours.
+    """
+    if not 1 < top < len(values) - 2:
+        return 0.0
+    bends = np.diff(values[top - 2 : top + 3], 2)
+    if np.max(bends) >= 0.0:
+        return 0.0
+    slope = float(values[top + 1] - values[top - 1])
+    return -(slope**2) / (8.0 * float(bends[1]))

@@ -1,0 +1,254 @@
+"""A number of a frequency response along its frequencies, with errors: where it passes a level, its greatest.
+
+A response with errors first falls to a level too early, and its greatest value is too great. Both are read
+off local fits: a parabola over as many neighbouring frequencies as it describes within their errors,
+shortened so that hardly any bias is left.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchtool.analysis.dynamics.noisy_curve import NoisyCurve
+
+Floats = NDArray[np.float64]
+
+_FEWEST = 2  # neighbours to either side of a local fit
+_LONGER = 1.5
+_REACH = 0.7  # of the frequency: a local fit goes at most so far to either side
+_FITS = 2.0  # standard deviations of the mean squared residual above 1: a fit that describes its points
+_SURE = 0.25  # of the smallest movement that matters: what is left of the error of a smooth curve
+_MOST_SMOOTHED = 8  # a smoothing window is at most this part of the frequencies
+_DRAWS = 80
+_SEED = 19_870_201
+_MOST_UNEQUAL = 1e4  # ratio of the greatest error to the least, beyond which neither matters
+_LEAST_ERROR = 1e-9  # of the values, that a fit of exact values has weights
+
+
+@dataclass(frozen=True)
+class Point:
+    """A frequency and its standard uncertainty."""
+
+    frequency_Hz: float
+    standard_Hz: float
+
+
+@dataclass(frozen=True)
+class ResponseCurve:
+    """Values at rising frequencies, all of shape (n,), with the standard uncertainty of each, uncorrelated.
+
+    `movement` is what counts as a small change of the values.
+    """
+
+    frequency_Hz: Floats
+    values: Floats
+    error: Floats
+    movement: float
+
+    def falls_to(self, level: float, level_error: float = 0.0) -> Point | None:
+        """Lowest frequency at which the values are down at a level; None if they stay above, nan if below.
+
+        The standard uncertainty is that of the fit and of the level, over the slope, and what a longer window
+        changes.
+        """
+        smooth = self.smooth
+        below = smooth <= level
+        if not np.any(below):
+            return None
+        at = int(np.argmax(below))
+        if at == 0:
+            return Point(float(self.frequency_Hz[0]), math.nan)
+        before = smooth[at - 1]
+        share = float((before - level) / (before - smooth[at]))
+        low_Hz, high_Hz = self.frequency_Hz[at - 1 : at + 1].tolist()
+        start_Hz = low_Hz + share * (high_Hz - low_Hz)
+        short, long = self._fits(start_Hz)
+        place, standard = short.zero(level)
+        other, _ = long.zero(level)
+        if not math.isfinite(place):
+            return Point(start_Hz, math.nan)
+        changed = other - place if math.isfinite(other) else 0.0
+        spread = math.hypot(standard, level_error / abs(short.slope_at(place)), changed)
+        return Point(start_Hz * (1.0 + place), start_Hz * spread)
+
+    def at(self, frequency_Hz: float) -> tuple[float, float]:
+        """Value at a frequency and its standard uncertainty."""
+        short, long = self._fits(frequency_Hz)
+        return short.level, math.hypot(short.standard, long.level - short.level)
+
+    def slope_at(self, frequency_Hz: float) -> float:
+        """Change of the values per Hz."""
+        return self._fits(frequency_Hz)[0].slope_at(0.0) / frequency_Hz
+
+    def greatest(self) -> tuple[float, float]:
+        """Greatest value, less what the errors add to it, and its standard uncertainty."""
+        widths = self._widths
+        random = np.random.default_rng(_SEED)
+        drawn = random.standard_normal((_DRAWS, len(self.values))) * self.error
+        errors = np.array([_running_mean(each, self._weights, widths) for each in drawn])
+        return NoisyCurve(self.smooth, errors).greatest()
+
+    @cached_property
+    def smooth(self) -> Floats:
+        """Running means over so many neighbours that their error is small against the movement."""
+        return _running_mean(self.values, self._weights, self._widths)
+
+    @cached_property
+    def _weights(self) -> Floats:
+        least = _LEAST_ERROR * max(float(np.max(np.abs(self.values))), self.movement)
+        smallest = max(float(np.min(self.error)), least)
+        return 1.0 / np.clip(self.error, least, _MOST_UNEQUAL * smallest) ** 2
+
+    @cached_property
+    def _widths(self) -> NDArray[np.int64]:
+        """Neighbours to either side of each value."""
+        count = len(self.values)
+        widths = np.zeros(count, dtype=np.int64)
+        total = np.concatenate([[0.0], np.cumsum(self._weights)])
+        places = np.arange(count)
+        for reach in range(1, max(1, count // _MOST_SMOOTHED) + 1):
+            room = np.minimum(np.minimum(places, count - 1 - places), reach - 1)
+            error = 1.0 / np.sqrt(total[places + room + 1] - total[places - room])
+            widths = np.where(error > _SURE * self.movement, reach, widths)
+        return np.minimum(widths, np.minimum(places, count - 1 - places))
+
+    def _fits(self, frequency_Hz: float) -> tuple[_Parabola, _Parabola]:
+        """Local fits about a frequency: the shortened one, and the longest that describes its points."""
+        places = self.frequency_Hz / frequency_Hz - np.ones(len(self.frequency_Hz))
+        nearest = np.argsort(np.abs(places), kind="stable")
+        within = int(np.count_nonzero(np.abs(places) <= _REACH))
+        found: list[_Parabola] = []
+        count = 2 * _FEWEST + 1
+        while count <= max(within, 2 * _FEWEST + 1) and count <= len(places):
+            chosen = nearest[:count]
+            fit = _Parabola.through(places[chosen], self.values[chosen], self._weights[chosen])
+            if found and not fit.describes:
+                break
+            found.append(fit)
+            count = math.ceil(_LONGER * count)
+        if not found:
+            found.append(_Parabola.through(places, self.values, self._weights))
+        return found[max(0, len(found) - 2)], found[-1]
+
+
+@dataclass(frozen=True)
+class _Parabola:
+    """Weighted least-squares parabola about 0: coefficients, their covariance, whether it fits its points."""
+
+    coefficients: Floats
+    covariance: Floats
+    describes: bool
+
+    @classmethod
+    def through(cls, places: Floats, values: Floats, weights: Floats) -> _Parabola:
+        terms = min(3, len(places) - 1) if len(places) > 1 else 1
+        columns = places[:, np.newaxis] ** np.arange(terms)
+        root = np.sqrt(weights)
+        solution, *_ = np.linalg.lstsq(columns * root[:, np.newaxis], values * root, rcond=None)
+        left = (values - columns @ solution) * root
+        freedom = max(1, len(places) - terms)
+        mean_square = float(left @ left) / freedom
+        inverse = np.linalg.pinv((columns * weights[:, np.newaxis]).T @ columns)
+        coefficients, covariance = np.zeros(3), np.zeros((3, 3))
+        coefficients[:terms] = solution
+        covariance[:terms, :terms] = inverse * max(1.0, mean_square)
+        describes = mean_square <= 1.0 + _FITS * math.sqrt(2.0 / freedom)
+        return cls(coefficients, covariance, describes)
+
+    @property
+    def level(self) -> float:
+        return float(self.coefficients[0])
+
+    @property
+    def standard(self) -> float:
+        return math.sqrt(float(self.covariance[0, 0]))
+
+    def slope_at(self, place: float) -> float:
+        return float(self.coefficients[1] + 2.0 * self.coefficients[2] * place)
+
+    def zero(self, level: float) -> tuple[float, float]:
+        """Place nearest to 0 at which it has a level, and its standard uncertainty; nan without one."""
+        constant, b, c = self.coefficients.tolist()
+        a = constant - level
+        root = b * b - 4.0 * a * c
+        if root < 0.0 or b == 0.0:
+            return math.nan, math.nan
+        place = -2.0 * a / (b + math.copysign(math.sqrt(root), b))
+        powers = place ** np.arange(3)
+        standard = math.sqrt(float(powers @ self.covariance @ powers))
+        slope = self.slope_at(place)
+        return (place, standard / abs(slope)) if slope else (math.nan, math.nan)
+
+
+@dataclass(frozen=True)
+class GainAtRest:
+    """Gain of a response at zero frequency and its standard uncertainty relative to it."""
+
+    gain: float
+    relative_error: float
+
+
+def gain_at_rest(frequency_Hz: Floats, gain: Floats, error: Floats) -> GainAtRest:
+    """Gain continued to zero frequency, from gains of shape (n,) with their relative errors.
+
+    1 / gain^2 is a polynomial of f^2 wherever the response has no zeros: of a first-order lag a line, of two
+    poles a parabola, whatever their damping. Of the fits to the lowest frequencies that describe their
+    points, and that one more term does not change by more than its uncertainty, the most certain; what that
+    term changes is part of the uncertainty.
+    """
+    inverse = (gain[0] / gain) ** 2
+    standard = np.maximum(2.0 * error * inverse, _LEAST_ERROR)
+    square = (frequency_Hz / frequency_Hz[-1]) ** 2
+    best = GainAtRest(float(gain[0]), float(error[0]))
+    least = math.inf
+    count = 3
+    while count <= len(gain):
+        lowest = slice(None, count)
+        fits = [
+            _intercept(square[lowest], inverse[lowest], standard[lowest], terms) for terms in (1, 2, 3, 4)
+        ]
+        for fit, richer in pairwise(fits):
+            if fit is None or richer is None or not fit.describes or fit.value <= 0.0:
+                continue
+            steady = abs(richer.value - fit.value) <= _FITS * math.hypot(richer.standard, fit.standard)
+            if steady and fit.standard < least:
+                least = fit.standard
+                spread = math.hypot(fit.standard, richer.value - fit.value)
+                best = GainAtRest(float(gain[0]) / math.sqrt(fit.value), 0.5 * spread / fit.value)
+        count = math.ceil(_LONGER * count)
+    return best
+
+
+@dataclass(frozen=True)
+class _Intercept:
+    value: float
+    standard: float
+    describes: bool
+
+
+def _intercept(places: Floats, values: Floats, standard: Floats, terms: int) -> _Intercept | None:
+    if terms >= len(places):
+        return None
+    columns = (places / places[-1])[:, np.newaxis] ** np.arange(terms) / standard[:, np.newaxis]
+    solution, *_ = np.linalg.lstsq(columns, values / standard, rcond=None)
+    left = values / standard - columns @ solution
+    freedom = len(places) - terms
+    mean_square = float(left @ left) / freedom
+    variance = float(np.linalg.pinv(columns.T @ columns)[0, 0]) * max(1.0, mean_square)
+    return _Intercept(
+        float(solution[0]), math.sqrt(variance), mean_square <= 1.0 + _FITS * math.sqrt(2.0 / freedom)
+    )
+
+
+def _running_mean(values: Floats, weights: Floats, widths: NDArray[np.int64]) -> Floats:
+    places = np.arange(len(values))
+    above = np.concatenate([[0.0], np.cumsum(values * weights)])
+    below = np.concatenate([[0.0], np.cumsum(weights)])
+    first, last = places - widths, places + widths + 1
+    return np.asarray((above[last] - above[first]) / (below[last] - below[first]), dtype=np.float64)

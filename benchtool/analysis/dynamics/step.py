@@ -1,0 +1,239 @@
+"""Response of a signal to a step of its reference, or to a pulse as a torque limit makes of a speed step.
+
+Times and excursions are those of the smooth curve through the samples (`noisy_curve`), so that noise is not
+taken for a movement; least and greatest values of a plateau, and tracking errors, are those of the samples,
+because the ripple belongs to them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchtool.analysis.dynamics.noisy_curve import Instant, NoisyCurve
+from benchtool.analysis.dynamics.step_shape import TAIL, Step, find_step
+from benchtool.analysis.measurement import Measurement, MeasurementJson, measurements_to_json
+from benchtool.analysis.scatter import error_of_record, scatter_of_largest
+from benchtool.analysis.uncertainty import Uncertainty
+from benchtool.block import Block
+
+Floats = NDArray[np.float64]
+
+_LOW, _HIGH = 0.1, 0.9
+_ARRIVED = 0.02  # of the step: what counts as having arrived, and the least band of having settled
+_SIGMAS = 3.0  # standard uncertainties of the curve: the least that counts as a movement
+_CALM = 5.0  # standard uncertainties of the curve that noise alone hardly ever leaves
+_EXTREME = 3.0  # standard uncertainties by which the curve exceeds what it must, for a time of its peak
+_ROUNDING = 1e-7  # of the step: what is less is no overshoot but rounding
+
+
+@dataclass(frozen=True)
+class StepResponse:
+    """Result of `analyze_step`; times are since the step of the reference, values in the signal's unit."""
+
+    measurements: tuple[Measurement, ...]
+    step_row: int
+
+    def to_json(self) -> dict[str, MeasurementJson]:
+        return measurements_to_json(self.measurements)
+
+
+def analyze_step(block: Block, signal: str, reference: str) -> StepResponse:
+    """Latency, rise, overshoot, settling and what is left of the error after a step of `reference`.
+
+    Where the step is and which references are none says `find_step`. Overshoot and plateau are measured
+    against the greatest value of the reference, undershoot and settling against its final one, the mean of
+    its last tenth.
+
+    A signal counts as settled within 2 % of the step or, where the noise leaves the smooth curve more than a
+    third of that uncertain, within three of its standard uncertainties.
+
+    Raises:
+        AnalysisError: a gap, a missing channel, a dead signal, units that differ, no step or several.
+    """
+    step = find_step(block, signal, reference)
+    return StepResponse(tuple(_measurements(step)), step.row)
+
+
+def _measurements(step: Step) -> Iterator[Measurement]:
+    curve = NoisyCurve.through(step.y, step.y_noise)
+    arrived = curve.first_above(step.greatest - _ARRIVED * step.height)
+    band = _band(step, curve)
+    settled = curve.last_outside(step.final, band)
+    yield from _times(step, curve, arrived)
+    yield _time(step, "settling_time", _settling_text(step, band), settled, "it does not settle")
+    yield from _excursions(step, curve, arrived)
+    yield from _plateau(step, arrived)
+    yield from _tracking(step, settled)
+
+
+def _band(step: Step, curve: NoisyCurve) -> float:
+    """Half the width within which the curve counts as settled."""
+    tail = max(1, round(TAIL * len(curve.values)))
+    return max(_ARRIVED * step.height, _CALM * float(np.median(curve.standard[-tail:])))
+
+
+def _settling_text(step: Step, band: float) -> str:
+    least = f"{_ARRIVED:.0%} of the step"
+    why = least if band <= _ARRIVED * step.height else f"{_CALM:g} x its uncertainty, as {least} is less"
+    return (
+        f"from the step until the smoothed signal stays within {band:.4g} {step.unit} of the final "
+        f"reference: {why}"
+    )
+
+
+def _times(step: Step, curve: NoisyCurve, arrived: Instant | None) -> Iterator[Measurement]:
+    text = (
+        f"from the step until the smoothed signal is {_ARRIVED:.0%} of the step beyond the mean before it; "
+        f"where {_SIGMAS:g} x its uncertainty is more, from there half the way back along a line"
+    )
+    ahead = _moves_ahead(step)
+    reason = "it moves before the reference has come half the way"
+    left = None if ahead else _departure(step, curve)
+    yield _time(step, "dead_time", text, left, reason if ahead else "it does not move")
+
+    low, high = (curve.first_above(step.before + share * step.height) for share in (_LOW, _HIGH))
+    rise = None
+    if low is not None and high is not None and not ahead:
+        rise = Instant(high.place - low.place, math.hypot(high.standard, low.standard))
+    text = f"from {_LOW:.0%} to {_HIGH:.0%} of the step, of the smoothed signal"
+    yield _time(step, "rise_time", text, rise, reason if ahead else "it is not reached")
+    text = f"from the step until the smoothed signal has come {1 - _ARRIVED:.0%} of it"
+    yield _time(step, "reach_time", text, arrived, "it is not reached")
+
+
+def _moves_ahead(step: Step) -> bool:
+    """Whether the signal has left its first level before the step, as it does along a slow reference."""
+    level = float(np.mean(step.y_before[: max(1, len(step.y_before) // 4)]))
+    least = max(_ARRIVED * step.height, _CALM * step.y_noise.rms)
+    return float(step.y_before[-1]) - level > least
+
+
+def _departure(step: Step, curve: NoisyCurve) -> Instant | None:
+    """Where the signal leaves its level before the step."""
+    level, least = float(np.mean(step.y_before)), _ARRIVED * step.height
+    clear = np.maximum(least, _SIGMAS * curve.standard)
+    left = curve.first_above(level + clear)
+    if left is None:
+        return None
+    threshold = float(clear[math.floor(left.place)])
+    if threshold <= least:
+        return left
+    further = curve.first_above(level + 2.0 * threshold)
+    if further is None:
+        return None
+    back = min(left.place, max(0.0, further.place - left.place) * (threshold - least) / threshold)
+    return Instant(left.place - 0.5 * back, math.hypot(left.standard, 0.5 * back))
+
+
+def _time(step: Step, name: str, definition: str, found: Instant | None, reason: str) -> Measurement:
+    """A time from the step, which the reference takes at its row, to an instant."""
+    if found is not None and not math.isfinite(found.standard):
+        found, reason = None, "the noise does not let tell whether it is"
+    if found is None:
+        return Measurement.undefined(name, "s", definition, reason, step.basis)
+    source = "noise of the smoothed signal over its slope, and where between two samples it may be"
+    uncertainty = Uncertainty(found.standard * step.period_s, source)
+    return Measurement(name, found.place * step.period_s, "s", definition, step.basis, uncertainty)
+
+
+def _excursions(step: Step, curve: NoisyCurve, arrived: Instant | None) -> Iterator[Measurement]:
+    source = "noise of the smoothed signal, by a parametric bootstrap, and its course between samples"
+    greatest, standard = curve.greatest()
+    text = "greatest value of the smoothed signal beyond the greatest reference"
+    beyond = greatest - step.greatest if greatest - step.greatest > _ROUNDING * step.height else 0.0
+    yield _value(step, "overshoot", text, beyond, Uncertainty(standard, source))
+    percent = 100.0 / step.height
+    text = "100 x overshoot / height of the step of the reference"
+    relative = Uncertainty(percent * standard, source)
+    yield Measurement("overshoot_percent", percent * beyond, "%", text, step.basis, relative)
+
+    peak = curve.place_of_greatest() if greatest - step.greatest > _EXTREME * standard else None
+    text = "from the step to the greatest value of the smoothed signal"
+    yield _time(step, "peak_time", text, peak, "it does not exceed the greatest reference beyond its noise")
+
+    name = "undershoot"
+    text = "greatest value of the smoothed signal short of the final reference after its own greatest value"
+    if arrived is None:
+        yield Measurement.undefined(name, step.unit, text, "98% of the step is not reached", step.basis)
+        return
+    after = curve.since(int(np.argmax(curve.values)))
+    lowest, standard = NoisyCurve(-after.values, -after.errors).greatest()
+    short = max(0.0, step.final + lowest)
+    yield _value(step, name, text, short, Uncertainty(standard, source))
+
+
+def _plateau(step: Step, arrived: Instant | None) -> Iterator[Measurement]:
+    """What the signal holds while the reference is at its greatest, once the signal is there too."""
+    at_top = step.r >= step.greatest - _ARRIVED * step.height
+    begin = int(np.argmax(at_top))
+    leaves = np.flatnonzero(~at_top[begin:])
+    end = begin + int(leaves[0]) if len(leaves) else len(at_top)
+    held = slice(end, end)
+    if arrived is not None:
+        held = slice(max(begin, math.ceil(arrived.place)), end)
+    values = step.sign * step.y[held]
+    of_mean = _of_mean(values)
+    for name, which, of, uncertain in (
+        ("plateau_mean", "mean", np.mean, of_mean),
+        ("plateau_min", "least", np.min, _of_largest(-values)),
+        ("plateau_max", "greatest", np.max, _of_largest(values)),
+    ):
+        text = (
+            f"{which} sample from reaching 98% of the step until the reference leaves the {_ARRIVED:.0%} "
+            f"below its greatest value, {len(values)} samples"
+        )
+        if len(values):
+            yield _value(step, name, text, float(of(values)), uncertain)
+        else:
+            reason = "the reference leaves its greatest value before the signal reaches it"
+            yield Measurement.undefined(name, step.unit, text, reason, step.basis)
+
+
+def _tracking(step: Step, settled: Instant | None) -> Iterator[Measurement]:
+    begin = len(step.y) if settled is None else math.ceil(settled.place)
+    error = step.sign * (step.y[begin:] - step.r[begin:])
+    undefined = partial(Measurement.undefined, unit=step.unit, basis=step.basis)
+    if len(error) < 2:
+        for name in ("mean", "rms", "max"):
+            text = "signal minus reference after settling"
+            yield undefined(f"tracking_error_{name}", definition=text, reason="it does not settle")
+        return
+    window = f"signal minus reference, {len(error)} samples after settling"
+    mean = float(np.mean(error))
+    yield _value(step, "tracking_error_mean", f"mean of {window}", mean, _of_mean(error))
+
+    rms = float(np.sqrt(np.mean(error**2)))
+    of_square = _of_mean(error**2)
+    uncertain = of_square.scaled(0.5 / rms) if of_square is not None and rms > 0.0 else None
+    yield _value(step, "tracking_error_rms", f"rms, with the mean, of {window}", rms, uncertain)
+    greatest = float(np.max(np.abs(error)))
+    text = f"greatest magnitude of {window}"
+    yield _value(step, "tracking_error_max", text, greatest, _of_largest(np.abs(error)))
+
+
+def _value(
+    step: Step, name: str, definition: str, value: float, uncertain: Uncertainty | None
+) -> Measurement:
+    return Measurement(name, value, step.unit, definition, step.basis, uncertain)
+
+
+def _of_mean(values: Floats) -> Uncertainty | None:
+    error = error_of_record(values)
+    if not math.isfinite(error.standard):
+        return None
+    return Uncertainty(
+        error.standard, "scatter over parts of these samples, and their correlation", error.dof
+    )
+
+
+def _of_largest(values: Floats) -> Uncertainty | None:
+    standard = scatter_of_largest(values)
+    if not math.isfinite(standard):
+        return None
+    return Uncertainty(standard, "distribution of the extremes of such samples")

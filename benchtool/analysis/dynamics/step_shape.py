@@ -1,0 +1,145 @@
+"""What a step is: where the reference takes it, from which level to which, and what is no step."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchtool.analysis.dynamics.smoothing import Noise, fitted_smoothers
+from benchtool.analysis.measurement import Basis
+from benchtool.analysis.validity import require_signal, require_unbroken
+from benchtool.block import Block
+from benchtool.errors import AnalysisError
+
+Floats = NDArray[np.float64]
+
+TAIL = 0.1
+"""Part of the window, at its end, where the final value and the noise are read."""
+
+_WAY = 0.1, 0.9  # of the height: between these a step is on its way
+_LANDING = 0.03  # of the height: a band in which it spends little time
+_DWELL = 0.2  # of the way: more than a ramp (0.04) or an exponential (0.12) spends in such a band
+_FEWEST_ON_THE_WAY = 6  # samples; fewer show no landing
+_OPPOSITE = 0.5  # of the height: the most that a step goes the other way
+_QUARTERS = 0.25, 0.75
+
+
+@dataclass(frozen=True)
+class Step:
+    """A step as if it went upwards: signal `y` and reference `r` are times `sign`, from its row on.
+
+    `before`, `greatest` and `final` are levels of the reference; `y_before` is the signal up to the step, and
+    `y_noise` the noise of the signal at rest.
+    """
+
+    y: Floats
+    y_before: Floats
+    y_noise: Noise
+    r: Floats
+    sign: float
+    row: int
+    before: float
+    greatest: float
+    final: float
+    period_s: float
+    unit: str
+    basis: Basis
+
+    @property
+    def height(self) -> float:
+        return self.greatest - self.before
+
+
+def find_step(block: Block, signal: str, reference: str) -> Step:
+    """The one step of a reference and the signal that answers it.
+
+    The step is the row where the reference first leaves its first value by half of its greatest excursion,
+    so that a ramp counts from its middle. A reference that falls back after a while is a pulse and allowed.
+
+    Raises:
+        AnalysisError: a gap, a missing channel, a dead signal, units that differ, no step, or more than one.
+    """
+    require_unbroken(block)
+    y, r = block.column(signal), block.column(reference)
+    require_signal(y, signal)
+    unit, other = block.unit(signal), block.unit(reference)
+    if unit != other:
+        raise AnalysisError(
+            f"'{signal}' is in {unit or 'no unit'} and '{reference}' in {other or 'no unit'}, "
+            f"a step response needs one unit: convert one of the two, or choose the signal's own reference"
+        )
+    tail = max(1, round(TAIL * len(r)))
+    row = _step_row(r, reference)
+    r_noise = Noise.of(r[-tail:])
+    r = np.concatenate([r[:row], fitted_smoothers(r[row:], r_noise)[0].apply(r[row:])])
+    sign = 1.0 if np.max(r) - r[0] >= r[0] - np.min(r) else -1.0
+    y, r = sign * y, sign * r
+    before, greatest = float(r[0]), float(np.max(r))
+    _require_one_step(r, before, greatest, reference, unit)
+    rate_Hz, after = block.sample_rate_Hz, len(y) - row
+    against = (
+        f"{signal} against {reference}, which goes from {sign * before:.6g} to {sign * greatest:.6g} "
+        f"{unit} in row {row}, where it has come half the way"
+    )
+    return Step(
+        y=y[row:],
+        y_before=y[: max(1, row)],
+        y_noise=Noise.of(y[:row], y[-tail:]),
+        r=r[row:],
+        sign=sign,
+        row=row,
+        before=before,
+        greatest=greatest,
+        final=float(np.mean(r[-tail:])),
+        period_s=1.0 / rate_Hz,
+        unit=unit,
+        basis=Basis(after, rate_Hz, after / rate_Hz, 0.5 * rate_Hz, reference=against, gaps=0),
+    )
+
+
+def _step_row(reference: Floats, name: str) -> int:
+    excursion = np.abs(reference - reference[0])
+    greatest = float(np.max(excursion))
+    if not greatest > 0.0:
+        raise AnalysisError(
+            f"'{name}' holds {reference[0]:g} over {len(reference)} samples, a step is needed: "
+            f"record across it"
+        )
+    return int(np.argmax(excursion >= 0.5 * greatest))
+
+
+def _require_one_step(r: Floats, before: float, greatest: float, name: str, unit: str) -> None:
+    """Refuse staircases, square waves and doublets: numbers of a step mean nothing there."""
+    way = (r - before) / (greatest - before)
+    low, high = _QUARTERS
+    side = np.where(way >= high, 1, np.where(way <= low, 0, -1))
+    rises = int(np.count_nonzero(np.diff(side[side >= 0]) > 0))
+    if rises > 1:
+        raise AnalysisError(
+            f"'{name}' rises {rises} times by {greatest - before:.4g} {unit}, one step is needed: record or "
+            f"choose a window with one"
+        )
+    if (least := float(np.min(way))) < -_OPPOSITE:
+        raise AnalysisError(
+            f"'{name}' goes by {greatest - before:.4g} {unit} one way and by "
+            f"{-least * (greatest - before):.4g} {unit} the other, a single step is needed: record one"
+        )
+    begin = int(np.flatnonzero(way[: int(np.argmax(way)) + 1] <= _WAY[0])[-1])
+    end = int(np.argmax(way >= _WAY[1]))
+    if (landing := _landing(way[begin + 1 : end])) is not None:
+        raise AnalysisError(
+            f"'{name}' rests near {before + landing * (greatest - before):.4g} {unit} on its way to "
+            f"{greatest:.4g} {unit}, a single step is needed: record each step of a staircase by itself"
+        )
+
+
+def _landing(way: Floats) -> float | None:
+    """Level at which most of the way up is spent; None where there is none."""
+    if len(way) < _FEWEST_ON_THE_WAY:
+        return None
+    ordered = np.sort(way)
+    within = np.searchsorted(ordered, ordered + _LANDING, side="right") - np.arange(len(ordered))
+    densest = int(np.argmax(within))
+    return float(ordered[densest] + 0.5 * _LANDING) if within[densest] > _DWELL * len(way) else None

@@ -1,0 +1,181 @@
+"""Orders of a signal from pairs of angle and value alone: no time, no even steps."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import cho_factor, cho_solve, toeplitz
+from scipy.signal import fftconvolve
+
+from benchtool.analysis.orders.angle import TURN, AngleCoverage
+from benchtool.analysis.validity import require_signal
+from benchtool.errors import AnalysisError
+
+_SECTORS = 360
+_USABLE_BAND = 0.45  # of one over the longest arc without a sample: the circle's Nyquist limit is 0.5
+_STEPS_PER_PERIOD = 10  # of a coarse angle: the amplitude then reads at most sinc(1/10) = 1.6 % low
+_CELLS_PER_UNKNOWN = 2
+_WORST_CONDITION = 0.2  # least eigenvalue of the normal matrix, 1 for even coverage
+_FEWEST_REVOLUTIONS = 4  # for a scatter over revolutions
+MOST_GROUPS = 1000  # which are held in memory, each with the sums of all orders
+_PIECE = 256  # samples whose powers stay in the cache
+
+
+@dataclass(frozen=True)
+class AngleFit:
+    """Orders 1 to K: `coefficient`, complex, shape (K,), is half the peak amplitude, with the phase.
+
+    `standard` is the standard uncertainty of the peak amplitude, shape (K,), by `uncertainty_source`.
+    """
+
+    coefficient: NDArray[np.complex128]
+    standard: NDArray[np.float64]
+    uncertainty_source: str
+    mean: float
+
+
+def fit_orders(coverage: AngleCoverage, values: NDArray[np.float64], highest_order: int) -> AngleFit:
+    """Sines of orders 1 to `highest_order` and a constant, fitted on angle by weighted least squares.
+
+    As Lomb and Scargle fit one sine to uneven samples, but all orders at once, so that uneven coverage does
+    not leak one order into another. Of each revolution each degree counts the same, however long the rotor
+    stayed there. Fewer orders are fitted where the coverage does not tell more apart: below 0.45 of one
+    over the longest arc (in turns) without a sample, a tenth of the steps in which the angle counts, a
+    quarter of the degrees visited in all revolutions, and as long as the least eigenvalue of the normal
+    matrix is above 0.2. Content above the highest order fitted may add to those below: nothing filters it.
+
+    The uncertainty is the scatter over revolutions (four at least), by the variance that is robust to
+    whatever happens within one (the sandwich formula, clustered by revolution); with fewer it is the noise
+    about the fit, taken as white.
+
+    Args:
+        coverage: the angle.
+        values: shape (n,), taken at those angles.
+        highest_order: fit no orders above it.
+
+    Raises:
+        AnalysisError: not finite, constant, or the samples do not tell even order 1.
+    """
+    require_signal(values, "values")
+    cell = coverage.revolution * _SECTORS
+    cell += np.floor(np.mod(coverage.angle_rad, TURN) * (_SECTORS / TURN)).astype(np.int64) % _SECTORS
+    _, place, visits = np.unique(cell, return_inverse=True, return_counts=True)
+    weights = 1.0 / visits[place]
+    weights /= weights.sum()
+    order = min(highest_order, len(visits) // (2 * _CELLS_PER_UNKNOWN), _resolved(coverage))
+    sums, products = _sums(coverage, weights, values, max(order, 1))
+    total = sums.sum(axis=0)
+    while order > 0 and not _well_conditioned(_normal(total, order)):
+        order = order * 4 // 5
+    if order < 1:
+        raise AnalysisError(
+            f"the angles leave out an arc of {math.degrees(coverage.largest_arc_rad):.3g} degrees, so that "
+            f"order 1 is not told from the mean: record angles all round"
+        )
+    # the unknowns c of exp(1j k angle), k = -order ... order
+    full = _both_sides(products[:, : order + 1])
+    factor = cho_factor(_normal(total, order))
+    solution = cho_solve(factor, full.sum(axis=0))
+    explained = fftconvolve(_both_sides(sums[:, : 2 * order + 1]), solution[np.newaxis], "valid", axes=1)
+    scores = full - explained  # of each revolution; they add up to zero
+    coefficient = np.asarray(solution[order + 1 :], dtype=np.complex128)
+    towards = coefficient / np.maximum(np.abs(coefficient), np.finfo(float).tiny)
+    revolutions = len(scores)
+    if revolutions >= _FEWEST_REVOLUTIONS:
+        shift = cho_solve(factor, scores.T)[order + 1 :]
+        along = np.real(np.conj(towards)[:, np.newaxis] * shift)
+        standard = 2.0 * np.sqrt(revolutions / (revolutions - 1) * np.sum(along**2, axis=1))
+        what = "revolutions" if revolutions < MOST_GROUPS else "groups of revolutions"
+        source = f"scatter of the amplitude over {revolutions} {what}, as standard error of its mean"
+    else:
+        power = float(weights @ values**2 - np.real(np.vdot(solution, full.sum(axis=0))))
+        freedom = max(1.0, 1.0 / float(weights @ weights) - (2 * order + 1))
+        standard = np.full(order, math.sqrt(2.0 * max(power, 0.0) / freedom))
+        source = "noise about the fit, taken as white: with fewer than 4 revolutions none from their scatter"
+    return AngleFit(coefficient, standard, source, float(np.real(solution[order])))
+
+
+def sector_means(
+    coverage: AngleCoverage, values: NDArray[np.float64], sectors: int
+) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Synchronous average: mean value in equal sectors of the circle, and how many revolutions are in each.
+
+    Within a sector each revolution counts the same. Sector k, of shape (sectors,), begins at k turns divided
+    by `sectors`; a sector without a sample is nan.
+    """
+    sector = np.floor(np.mod(coverage.angle_rad, TURN) * (sectors / TURN)).astype(np.int64) % sectors
+    cell = coverage.revolution * sectors + sector
+    visited, place, visits = np.unique(cell, return_inverse=True, return_counts=True)
+    means = np.bincount(place, weights=values) / visits
+    revolutions = np.bincount(visited % sectors, minlength=sectors)
+    sums = np.bincount(visited % sectors, weights=means, minlength=sectors)
+    mean = np.divide(sums, revolutions, out=np.full(sectors, np.nan), where=revolutions > 0)
+    return mean, revolutions
+
+
+def _resolved(coverage: AngleCoverage) -> int:
+    limit = _USABLE_BAND * TURN / coverage.largest_arc_rad
+    if coverage.resolution_rad > 0.0:
+        limit = min(limit, TURN / coverage.resolution_rad / _STEPS_PER_PERIOD)
+    return math.floor(min(limit, 1e9))
+
+
+def _sums(
+    coverage: AngleCoverage, weights: NDArray[np.float64], values: NDArray[np.float64], order: int
+) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+    """The sums of w exp(-1j m angle), m = 0 ... 2 `order`, and of w x exp(-1j m angle), m = 0 ... `order`.
+
+    A row for each revolution, or for each group of them where they are many.
+    """
+    last = int(coverage.revolution.max())
+    rows = min(last + 1, MOST_GROUPS)
+    group = coverage.revolution * rows // (last + 1)
+    sums = np.zeros((rows, 2 * order + 1), dtype=np.complex128)
+    products = np.zeros((rows, order + 1), dtype=np.complex128)
+    weighted = weights * values
+    powers = np.empty((2 * order + 1, _PIECE), dtype=np.complex128)
+    in_order = np.argsort(group, kind="stable")  # a rotor that turns back visits one twice
+    bounds = np.concatenate(([0], np.cumsum(np.bincount(group, minlength=rows))))
+    for row in range(rows):
+        for begin in range(bounds[row], bounds[row + 1], _PIECE):
+            piece = in_order[begin : min(begin + _PIECE, bounds[row + 1])]
+            filled = powers[:, : len(piece)]
+            _raise(np.exp(-1j * coverage.angle_rad[piece]), filled)
+            # not a matrix product, whose threads cost more than they save on pieces of this size
+            sums[row] += np.vecdot(weights[piece], filled)
+            products[row] += np.vecdot(weighted[piece], filled[: order + 1])
+    visited = bounds[1:] > bounds[:-1]
+    return sums[visited], products[visited]
+
+
+def _raise(base: NDArray[np.complex128], powers: NDArray[np.complex128]) -> None:
+    """Fill `powers`, shape (count, n), with powers 0 to `count` - 1, each the product of two known ones."""
+    powers[0] = 1.0
+    powers[1:2] = base
+    known = 2
+    while known < len(powers):
+        more = min(known - 1, len(powers) - known)
+        np.multiply(powers[known - 1], powers[1 : more + 1], out=powers[known : known + more])
+        known += more
+
+
+def _both_sides(sums: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    """Rows of sums for m = 0 ... n, shape (rows, n + 1), as rows for m = -n ... n: the signals are real."""
+    return np.concatenate([np.conj(sums[:, :0:-1]), sums], axis=1)
+
+
+def _well_conditioned(normal: NDArray[np.complex128]) -> bool:
+    """Whether no eigenvalue is below the limit: what is left of them is positive, so Cholesky succeeds."""
+    try:
+        np.linalg.cholesky(normal - _WORST_CONDITION * np.eye(len(normal)))
+    except np.linalg.LinAlgError:
+        return False
+    return True
+
+
+def _normal(sums: NDArray[np.complex128], order: int) -> NDArray[np.complex128]:
+    """Normal matrix of unknowns -order ... order: row j, column k is the sum of w exp(1j (k - j) angle)."""
+    return np.asarray(toeplitz(sums[: 2 * order + 1], np.conj(sums[: 2 * order + 1])))

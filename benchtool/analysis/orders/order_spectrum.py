@@ -1,0 +1,193 @@
+"""Amplitude over order, cycles per mechanical revolution: by time in steady state, else by angle alone."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.polynomial import Polynomial
+from numpy.typing import NDArray
+
+from benchtool.analysis.measurement import Basis
+from benchtool.analysis.orders.angle import TURN, AngleCoverage
+from benchtool.analysis.orders.angle_orders import MOST_GROUPS, fit_orders
+from benchtool.analysis.periods import PhaseTrack, track_angle
+from benchtool.analysis.ripple import COARSE, resolution
+from benchtool.analysis.spectra.noise import line_noise, repeated_quantisation
+from benchtool.analysis.spectra.spectrum import coherent_spectrum
+from benchtool.analysis.validity import require_unbroken
+from benchtool.block import Block
+from benchtool.errors import AnalysisError
+
+HIGHEST_ORDER = 200
+FEWEST_REVOLUTIONS = 2.0
+
+LARGEST_WOBBLE_RAD = 1.5e-3
+"""Rms deviation of the angle from a smooth track at which order 200 loses 5 %: it turns by 0.3 rad."""
+
+
+@dataclass(frozen=True)
+class OrderSpectrum:
+    """Peak `amplitude` of orders `order` (1, 2, 3 ... per mechanical revolution), both of shape (orders,).
+
+    `standard`, of `dof` degrees of freedom, is the standard uncertainty of each, from `uncertainty_source`;
+    `mean` is order 0. All are in `unit`. `method` says in words how they were made.
+    """
+
+    signal: str
+    unit: str
+    order: NDArray[np.int64]
+    amplitude: NDArray[np.float64]
+    standard: NDArray[np.float64]
+    mean: float
+    revolutions: float
+    method: str
+    uncertainty_source: str
+    basis: Basis
+    dof: NDArray[np.float64]
+
+    @property
+    def largest(self) -> NDArray[np.int64]:
+        """Orders by falling amplitude."""
+        return self.order[np.argsort(-self.amplitude, kind="stable")]
+
+
+def resampled_orders(
+    block: Block, channel: str, angle: str = "theta_m", largest_wobble_rad: float = LARGEST_WOBBLE_RAD
+) -> OrderSpectrum:
+    """Orders of a uniformly sampled channel: bin k x revolutions of its coherent spectrum is order k.
+
+    The uncertainty is from the bins beside each order (`line_noise`), and from the wobble of the angle about
+    its smooth track, of which these samples do not tell whether the rotor made it or the encoder.
+
+    Raises:
+        AnalysisError: as `track_angle` and `coherent_spectrum`, a gap, or an angle that is off its smooth
+            track by more than `largest_wobble_rad`, rms, so that orders by time are not orders by angle.
+    """
+    require_unbroken(block)
+    theta_m = np.ascontiguousarray(block.column(angle))
+    track = track_angle(theta_m, 1)
+    wobble_rad = track.residual_rad or 0.0
+    if wobble_rad > largest_wobble_rad:
+        raise AnalysisError(
+            f"'{angle}' is off a smooth track by {wobble_rad:.3g} rad rms, at most {largest_wobble_rad:.3g} "
+            f"is allowed: fit orders to the angle itself"
+        )
+    step_rad = resolution(theta_m)
+    return _orders_on(block, channel, track, math.sqrt(max(0.0, wobble_rad**2 - step_rad**2 / 12.0)))
+
+
+def orders_at_speed(block: Block, channel: str, omega_m_rad_s: float) -> OrderSpectrum:
+    """Orders of a uniformly sampled channel at a constant mechanical speed that is stated, not measured.
+
+    What the speed was off the stated one is not in the uncertainty: an order k of a speed that is off by a
+    share x moves by k x of an order, and reads low where that is more than a quarter over the record.
+
+    Raises:
+        AnalysisError: a gap, a dead signal, a speed of zero, or fewer than two revolutions.
+    """
+    require_unbroken(block)
+    omega = abs(omega_m_rad_s) / block.sample_rate_Hz
+    turns = omega * len(block.data) / TURN
+    if not turns >= FEWEST_REVOLUTIONS:
+        raise AnalysisError(
+            f"the record has {turns:.3g} mechanical revolutions at the stated {omega_m_rad_s:.4g} rad/s, at "
+            f"least {FEWEST_REVOLUTIONS:g} are needed for orders: record a longer window"
+        )
+    source = f"stated constant speed of {omega_m_rad_s:.6g} rad/s"
+    return _orders_on(block, channel, PhaseTrack(Polynomial([0.0, omega]), len(block.data), source), None)
+
+
+def _orders_on(block: Block, channel: str, track: PhaseTrack, wobble_rad: float | None) -> OrderSpectrum:
+    """Orders along a mechanical phase that was measured with that wobble, or stated (None)."""
+    samples = np.ascontiguousarray(block.column(channel))
+    spectrum = coherent_spectrum(samples, block.sample_rate_Hz, track, channel)
+    turns = spectrum.periods
+    count = min(HIGHEST_ORDER, (len(spectrum.amplitude) - 1) // turns)
+    orders = np.arange(1, count + 1)
+    amplitude = spectrum.amplitude[orders * turns]
+    noise = line_noise(spectrum, orders * turns)
+    step = resolution(samples)
+    by_steps = repeated_quantisation(spectrum, step if step > COARSE * float(np.ptp(samples)) else 0.0)
+    lost = _lost(amplitude, orders, wobble_rad or 0.0)
+    about = "the speed as it was stated" if wobble_rad is None else f"{wobble_rad:.2g} rad rms of wobble"
+    return OrderSpectrum(
+        signal=channel,
+        unit=block.unit(channel),
+        order=orders,
+        amplitude=amplitude,
+        standard=np.sqrt(noise.in_phase**2 + noise.lost**2 + by_steps**2 + lost**2),
+        mean=float(spectrum.amplitude[0]) * math.copysign(1.0, float(np.mean(samples))),
+        revolutions=float(turns),
+        method=f"DFT over {turns} whole revolutions, resampled to equal steps of a {track.source}",
+        uncertainty_source=f"noise and leakage beside the order, and {about}",
+        dof=noise.dof,
+        basis=Basis(
+            samples=spectrum.samples,
+            sample_rate_Hz=block.sample_rate_Hz,
+            duration_s=spectrum.samples / block.sample_rate_Hz,
+            bandwidth_Hz=float(spectrum.frequency_Hz[-1]),
+            window=f"rectangular, {turns} whole mechanical revolutions",
+            harmonics=count,
+            gaps=0,
+        ),
+    )
+
+
+def fitted_orders(
+    coverage: AngleCoverage,
+    values: NDArray[np.float64],
+    signal: str,
+    unit: str,
+    angle: str = "theta_m",
+    basis: Basis | None = None,
+    wobble_rad: float = 0.0,
+) -> OrderSpectrum:
+    """Orders of samples taken at any times, by angle alone: see `angle_orders.fit_orders`.
+
+    Args:
+        coverage: the angle, from `angle_coverage`.
+        values: the signal at those angles, shape (n,).
+        signal, unit, angle: names for the definitions.
+        basis: what is known of the samples; window and highest order are filled in.
+        wobble_rad: rms of what may be an error of the angle itself, once per revolution.
+
+    Raises:
+        AnalysisError: not finite, constant, or an arc of the circle is left out.
+    """
+    fit = fit_orders(coverage, values, HIGHEST_ORDER)
+    count = len(fit.coefficient)
+    arc = math.degrees(coverage.largest_arc_rad)
+    method = (
+        f"least squares of orders 1 to {count} on {angle}, each degree of each of {coverage.revolutions:.4g} "
+        f"revolutions weighted the same, largest arc without a sample {arc:.3g} degrees"
+    )
+    if coverage.resolution_rad > 0.0:
+        method += f", angle in steps of {math.degrees(coverage.resolution_rad):.3g} degrees"
+    order = np.arange(1, count + 1)
+    # values taken anywhere within a step of the angle: their mean over the step, and so low by this much
+    low = np.sinc(order * coverage.resolution_rad / TURN)
+    amplitude = 2.0 * np.abs(fit.coefficient) / low
+    return OrderSpectrum(
+        signal=signal,
+        unit=unit,
+        order=order,
+        amplitude=amplitude,
+        standard=np.hypot(fit.standard / low, _lost(amplitude, order, wobble_rad)),
+        mean=fit.mean,
+        revolutions=coverage.revolutions,
+        method=method,
+        uncertainty_source=fit.uncertainty_source,
+        dof=np.full(count, max(1.0, min(coverage.revolutions, MOST_GROUPS) - 1.0)),
+        basis=replace(
+            basis or Basis(len(values)),
+            window=f"by angle, {coverage.revolutions:.4g} mechanical revolutions",
+            harmonics=count,
+        ),
+    )
+
+
+def _lost(amplitude: NDArray[np.float64], order: NDArray[np.int64], wobble_rad: float) -> NDArray[np.float64]:
+    """What an angle that is off by so many rad rms takes off each amplitude, to second order."""
+    return np.asarray(amplitude * np.minimum(1.0, 0.5 * (order * wobble_rad) ** 2))

@@ -1,0 +1,1 @@
+"""Spectra of periodic signals: harmonics, groups, noise, the fundamental, unbalance."""

@@ -1,0 +1,322 @@
+"""Spectrum of a phase current: fundamental, distortion in its several definitions, noise."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from benchtool.analysis.measurement import Basis, Measurement, Table
+from benchtool.analysis.periods import PhaseTrack
+from benchtool.analysis.ripple import resolution
+from benchtool.analysis.scatter import MeanError
+from benchtool.analysis.spectra.fundamental import frequency, soundness
+from benchtool.analysis.spectra.groups import (
+    PERIODS_PER_WINDOW,
+    GroupDistortion,
+    HarmonicGroups,
+    group_distortion,
+    group_table,
+    harmonic_groups,
+)
+from benchtool.analysis.spectra.harmonics import (
+    HIGHEST_HARMONIC,
+    Distortion,
+    LineErrors,
+    Reference,
+    distortion_and_noise,
+    harmonic_table,
+    harmonics,
+    line_errors,
+    total_harmonic_distortion,
+)
+from benchtool.analysis.spectra.noise import NoiseFloor, line_noise, noise_floor
+from benchtool.analysis.spectra.phase_following import follow
+from benchtool.analysis.spectra.spectrum import (
+    FIRST_ROW,
+    CoherentSamples,
+    CoherentSpectrum,
+    Component,
+    largest_low_component,
+    spectrum_of,
+)
+from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
+from benchtool.analysis.validity import clipping, require_unbroken
+from benchtool.block import Block
+
+_LOW_ORDER = 10
+
+
+@dataclass(frozen=True)
+class CurrentSpectrum:
+    """Result of `current_spectrum`; `spectrum` is in A peak, along `track`, which follows the fundamental."""
+
+    measurements: tuple[Measurement, ...]
+    tables: tuple[Table, ...]
+    spectrum: CoherentSpectrum
+    track: PhaseTrack
+
+
+def current_spectrum(
+    block: Block,
+    channel: str,
+    track: PhaseTrack,
+    *,
+    current_rated_A_rms: float | None = None,
+    rate_relative: float | None = None,
+) -> CurrentSpectrum:
+    """Fundamental, harmonics, distortion and noise of one ac current, in A.
+
+    Args:
+        block: rows without gaps, of any uniform rate.
+        channel: the current; its unit is that of the results.
+        track: its electrical phase over the rows, by `track_angle` or `track_tone`.
+        current_rated_A_rms: the base of `current_tdd`, which is left out without it.
+        rate_relative: standard uncertainty of the sample rate, relative to it, where it is known; it is then
+            part of the frequency's.
+
+    Raises:
+        AnalysisError: a gap, no such channel, a dead signal, fewer than two electrical periods, or a
+            fundamental beyond the band.
+    """
+    require_unbroken(block)
+    samples, unit = np.ascontiguousarray(block.column(channel)), block.unit(channel)
+    coherent, track, seen = follow(samples, block.sample_rate_Hz, track, channel)
+    spectrum = spectrum_of(coherent)
+    basis = _basis(coherent, spectrum, track)
+    floor = noise_floor(spectrum)
+    sound = soundness(spectrum, seen, clipping(samples), channel)
+    highest = min(HIGHEST_HARMONIC, len(harmonics(spectrum)))
+    errors = line_errors(spectrum, highest, seen.excess_rad, resolution(samples))
+    groups = harmonic_groups(coherent, HIGHEST_HARMONIC)
+    found = (
+        frequency(spectrum, track, seen, basis, rate_relative, sound.of_ratios),
+        *_refused(_lines(spectrum, errors, unit, basis), sound.of_amplitudes),
+        *_refused(_distortions(spectrum, errors, basis, current_rated_A_rms, unit), sound.of_ratios),
+        *_refused(_group_distortions(coherent, spectrum, errors, groups, basis), sound.of_ratios),
+        *_refused(_noise(floor, unit, basis), sound.of_amplitudes),
+    )
+    tables = [
+        harmonic_table(spectrum, "current_harmonics", unit, replace(basis, harmonics=highest), errors=errors)
+    ]
+    if sound.of_amplitudes:
+        tables = [_without_uncertainty(tables[0], sound.of_amplitudes)]
+    if groups is not None:
+        tables.append(group_table(groups, "current_groups", unit, _group_basis(coherent, groups, basis)))
+    return CurrentSpectrum(found, tuple(tables), spectrum, track)
+
+
+def _without_uncertainty(table: Table, reason: str) -> Table:
+    """The harmonics as they were read, but of unknown uncertainty."""
+    rows = tuple((*row[:-1], math.nan) for row in table.rows)
+    return replace(table, definition=f"{table.definition}; unknown here: {reason}", rows=rows)
+
+
+def _refused(measurements: Iterable[Measurement], reason: str) -> Iterator[Measurement]:
+    """The measurements as they are, or, for a reason, undefined."""
+    for each in measurements:
+        if reason and math.isfinite(each.value):
+            yield Measurement.undefined(each.name, each.unit, each.definition, reason, each.basis)
+        else:
+            yield each
+
+
+def _basis(coherent: CoherentSamples, spectrum: CoherentSpectrum, track: PhaseTrack) -> Basis:
+    return Basis(
+        samples=coherent.samples,
+        sample_rate_Hz=coherent.sample_rate_Hz,
+        duration_s=spectrum.duration_s,
+        bandwidth_Hz=float(spectrum.frequency_Hz[-1]),
+        window=f"rectangular, {coherent.periods} whole electrical periods from row {FIRST_ROW} (from 0) on, "
+        f"by {track.source}, resampled to {coherent.per_period} steps of phase each",
+        gaps=0,
+    )
+
+
+def _lines(spectrum: CoherentSpectrum, errors: LineErrors, unit: str, basis: Basis) -> Iterator[Measurement]:
+    periods, f_1 = spectrum.periods, spectrum.fundamental_Hz
+    text = f"peak amplitude at {f_1:.6g} Hz"
+    source = "noise, resampling, phase and resolution; the sensor's gain is left out"
+    own = combined(errors.budget(0), source)
+    yield Measurement("current_fundamental", spectrum.fundamental, unit, text, basis, own)
+
+    largest = largest_low_component(spectrum, _LOW_ORDER)
+    limit_Hz = min(_LOW_ORDER * f_1, float(spectrum.frequency_Hz[-1]))
+    text = (
+        f"largest peak amplitude below {limit_Hz:.6g} Hz other than dc and the fundamental, here at "
+        f"{largest.frequency_Hz:.6g} Hz; all bins, {f_1 / periods:.4g} Hz apart"
+    )
+    low = replace(basis, bandwidth_Hz=limit_Hz)
+    uncertain = _of_largest(spectrum, largest, errors)
+    yield Measurement("current_max_low_harmonic", largest.amplitude, unit, text, low, uncertain)
+
+
+def _of_largest(spectrum: CoherentSpectrum, largest: Component, errors: LineErrors) -> Uncertainty | None:
+    """Of the largest of n bins: noise alone reads the floor times sqrt(ln n) there."""
+    place = round(largest.frequency_Hz / spectrum.frequency_Hz[1])
+    order = place / spectrum.periods
+    noise = line_noise(spectrum, np.array([place]))
+    floor = noise_floor(spectrum, 0, _LOW_ORDER)
+    alone = (
+        math.nan if floor is None else floor.amplitude * math.sqrt(math.log(_LOW_ORDER * spectrum.periods))
+    )
+    bias = largest.amplitude - math.sqrt(max(0.0, largest.amplitude**2 - alone**2))
+    nearest = min(max(round(order), 1), len(errors.phase)) - 1
+    lines = (
+        Contribution("noise and leakage beside the line", "A", float(noise.in_phase[0]), float(noise.dof[0])),
+        Contribution("largest of many bins of noise", "B", bias),
+        Contribution("resampling", "B", spectrum.resampling_error(largest.amplitude, order)),
+        Contribution("wander of the phase and resolution", "B", _beside(errors, nearest)),
+    )
+    return combined(lines, "noise beside the line, that of the largest of many bins, and the resampling")
+
+
+def _beside(errors: LineErrors, index: int) -> float:
+    return math.hypot(float(errors.phase[index]), float(errors.resolution[index]))
+
+
+def _distortions(
+    spectrum: CoherentSpectrum,
+    errors: LineErrors,
+    basis: Basis,
+    current_rated_A_rms: float | None,
+    unit: str,
+) -> Iterator[Measurement]:
+    bases = [
+        ("current_thd", Reference.FUNDAMENTAL, 0.0, "fundamental"),
+        ("current_thd_r", Reference.TOTAL, 0.0, Reference.TOTAL.value),
+    ]
+    if current_rated_A_rms is not None:
+        rated, peak = (
+            f"rated current of {current_rated_A_rms:g} {unit} rms",
+            math.sqrt(2.0) * current_rated_A_rms,
+        )
+        bases.append(("current_tdd", Reference.STATED, peak, rated))
+    for name, reference, stated, base in bases:
+        distortion = total_harmonic_distortion(spectrum, HIGHEST_HARMONIC, reference, stated, errors)
+        last = distortion.highest_harmonic
+        text = f"100 x root of the sum of squares of harmonics 2 to {last} / {base}"
+        to_last = replace(basis, bandwidth_Hz=last * spectrum.fundamental_Hz, harmonics=last, reference=base)
+        if last < 2 or math.isnan(distortion.ratio):
+            reason = "no harmonic is within the band" if last < 2 else f"the {base} is zero"
+            yield Measurement.undefined(name, "%", text, reason, to_last)
+            continue
+        source = (
+            f"noise beside each harmonic, which alone would read {100 * distortion.noise:.2g} %, the "
+            f"{100 * distortion.bias:.2g} % that it adds, resampling, phase and resolution"
+        )
+        at_most = "; at most: less than twice what noise alone reads" if distortion.is_upper_bound else ""
+        uncertain = _with_bias(distortion, source)
+        yield Measurement(name, 100.0 * distortion.ratio, "%", text + at_most, to_last, uncertain)
+        if reference is Reference.FUNDAMENTAL:
+            yield _corrected(distortion, last, to_last)
+
+    yield from _with_noise(spectrum, basis)
+
+
+def _corrected(distortion: Distortion, last: int, basis: Basis) -> Measurement:
+    name = "current_thd_corrected"
+    text = (
+        f"100 x root of (sum of squares of harmonics 2 to {last} - what the noise floor around them adds to "
+        f"it), at least 0, / fundamental"
+    )
+    if math.isnan(distortion.corrected):
+        reason = "fewer than 8 bins are between harmonics"
+        return Measurement.undefined(name, "%", text, reason, basis)
+    source = "scatter of the noise in the harmonics, and of the floor that is taken out"
+    uncertain = _percent(distortion.corrected_budget, source)
+    return Measurement(name, 100.0 * distortion.corrected, "%", text, basis, uncertain)
+
+
+def _with_noise(spectrum: CoherentSpectrum, basis: Basis) -> Iterator[Measurement]:
+    value = 100.0 * distortion_and_noise(spectrum)
+    text = "100 x rms of all in the band but dc and the fundamental, noise included / fundamental"
+    to_end = replace(basis, reference="fundamental")
+    if math.isnan(value):
+        yield Measurement.undefined("current_thd_n", "%", text, "the fundamental is zero", to_end)
+    else:
+        yield Measurement("current_thd_n", value, "%", text, to_end)
+
+
+def _group_distortions(
+    coherent: CoherentSamples,
+    spectrum: CoherentSpectrum,
+    errors: LineErrors,
+    groups: HarmonicGroups | None,
+    basis: Basis,
+) -> Iterator[Measurement]:
+    distortion = total_harmonic_distortion(spectrum, HIGHEST_HARMONIC, errors=errors)
+    by_noise = combined((each for each in distortion.budget if each is not distortion.budget[-1]), "")
+    noise = None if by_noise is None else MeanError(by_noise.standard, by_noise.dof)
+    for name, kind in (("current_thdg", "group"), ("current_thds", "subgroup")):
+        base = f"{kind} of order 1"
+        if groups is None:
+            text = f"100 x rms of harmonic {kind}s of order 2 and above / {base}, after IEC 61000-4-7"
+            reason = "four periods, and two harmonics in the band, are needed"
+            yield Measurement.undefined(name, "%", text, reason, replace(basis, reference=base))
+            continue
+        squares = groups.group2 if kind == "group" else groups.subgroup2
+        value: GroupDistortion = group_distortion(squares, noise)
+        text = f"100 x rms of harmonic {kind}s of order 2 to {groups.orders} / {base}, after IEC 61000-4-7"
+        if groups.periods_per_window < PERIODS_PER_WINDOW:
+            text += (
+                f", over the {groups.periods_per_window} periods there are in place of {PERIODS_PER_WINDOW}"
+            )
+        own = replace(_group_basis(coherent, groups, basis), reference=base)
+        if math.isnan(value.ratio):
+            yield Measurement.undefined(name, "%", text, "order 1 is zero, or alone in the band", own)
+        else:
+            source = f"scatter over {groups.windows} windows, or the noise beside the lines"
+            scatter = Contribution(source, "A", value.standard, value.dof)
+            uncertain = _percent((scatter,), source)
+            yield Measurement(name, 100.0 * value.ratio, "%", text, own, uncertain)
+
+
+def _group_basis(coherent: CoherentSamples, groups: HarmonicGroups, basis: Basis) -> Basis:
+    periods = groups.windows * groups.periods_per_window
+    return replace(
+        basis,
+        samples=coherent.samples * periods / coherent.periods,
+        duration_s=periods / coherent.fundamental_Hz,
+        bandwidth_Hz=(groups.orders + 1) * coherent.fundamental_Hz,
+        window=f"rectangular, {groups.periods_per_window} whole periods; {_over(groups.windows)}",
+        harmonics=groups.orders,
+    )
+
+
+def _over(windows: int) -> str:
+    return "one of them" if windows == 1 else f"rms over {windows} of them"
+
+
+def _noise(floor: NoiseFloor | None, unit: str, basis: Basis) -> Iterator[Measurement]:
+    which = "bins between the harmonics, from the medians of bands of them / 0.8326 (Rayleigh)"
+    names = (
+        ("current_noise_floor", unit, f"rms over the peak amplitudes of the {which}"),
+        ("current_noise_density", f"{unit}/sqrt(Hz)", f"rms per root of the width of a bin, of the {which}"),
+    )
+    for name, of, text in names:
+        if floor is None:
+            yield Measurement.undefined(name, of, text, "fewer than 8 bins are between harmonics", basis)
+            continue
+        value = floor.amplitude if name == "current_noise_floor" else floor.density
+        source = f"medians of {floor.bins} bins in bands"
+        yield Measurement(
+            name, value, of, text, basis, Uncertainty(value * floor.relative_error, source, floor.dof)
+        )
+
+
+def _with_bias(distortion: Distortion, source: str) -> Uncertainty | None:
+    """Of a ratio that noise makes high by a known bias: the interval of the rest, and the bias once."""
+    *rest, bias = distortion.budget
+    random = combined(rest, source)
+    if random is None or not math.isfinite(bias.standard):
+        return None
+    found = combined(distortion.budget, source, half_width=math.hypot(random.expanded, bias.standard))
+    return None if found is None else found.scaled(100.0)
+
+
+def _percent(budget: Iterable[Contribution], source: str) -> Uncertainty | None:
+    found = combined(budget, source)
+    return None if found is None else found.scaled(100.0)

@@ -1,0 +1,178 @@
+"""Frequency of the fundamental, and whether there is one that the rest can be compared with."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from benchtool.analysis.measurement import Basis, Measurement
+from benchtool.analysis.periods import PhaseTrack
+from benchtool.analysis.scatter import MeanError, error_of_series
+from benchtool.analysis.spectra.noise import harmonic_noise, line_noise
+from benchtool.analysis.spectra.phase_following import Wander
+from benchtool.analysis.spectra.spectrum import FIRST_ROW, CoherentSpectrum
+from benchtool.analysis.uncertainty import Contribution, combined
+
+_HANN_FIT = math.sqrt(54.463)
+"""Standard uncertainty of a frequency by the fit of `track_tone`, in units of that of the mean phase over
+the duration: root of int w^4 t^2 dt / (int w^2 t^2 dt)^2, w = cos^2(pi t), t from -1/2 to 1/2; unweighted it
+is sqrt(12)."""
+
+_STANDS_OUT = 5.0  # standard uncertainties
+_ABOVE_FLOOR = 4.0  # of the rms amplitude of a bin of noise: by chance once in ten million
+_BLOCKS = 64
+_FEWEST_BLOCKS = 8
+_QUARTERS = 4
+_LARGEST_CHANGE = 0.1
+_LARGEST_WANDER_RAD = 0.1  # at which harmonic 5 reads an eighth low
+
+
+@dataclass(frozen=True)
+class Soundness:
+    """Why amplitudes, or ratios to the fundamental, are not told; empty where they are."""
+
+    of_amplitudes: str
+    of_ratios: str
+
+
+def soundness(spectrum: CoherentSpectrum, seen: Wander, clipped: str, name: str) -> Soundness:
+    """Whether the record is unclipped, of one regime and on a phase, and the fundamental out of the noise."""
+    reason = clipped or _regimes(seen, name) or _off_phase(seen, name)
+    amplitude = spectrum.fundamental
+    noise = line_noise(spectrum, np.array([spectrum.periods])).in_phase[0]
+    floor = math.sqrt(2.0) * harmonic_noise(spectrum, 1)[0]
+    if not amplitude > 0.0:
+        return Soundness(reason, reason or "the fundamental is zero")
+    if amplitude < _STANDS_OUT * noise or amplitude < _ABOVE_FLOOR * floor:
+        lost = f"the fundamental of {amplitude:.3g} does not stand out of the noise around it"
+        return Soundness(reason, reason or lost)
+    return Soundness(reason, reason)
+
+
+def frequency(
+    spectrum: CoherentSpectrum,
+    track: PhaseTrack,
+    seen: Wander,
+    basis: Basis,
+    rate_relative: float | None,
+    reason: str,
+) -> Measurement:
+    """Mean electrical frequency over the window; undefined for a `reason` where the signal itself gave it."""
+    name, text = "fundamental_frequency", "mean electrical frequency of the window"
+    by_tone = track.residual_rad is None or (track.departure is not None and "itself" in track.source)
+    if by_tone and track.residual_rad is not None:
+        text += f", of the signal; the angle alone gives {_of_angle_Hz(spectrum, track):.6g} Hz"
+    if by_tone and reason:
+        return Measurement.undefined(name, "Hz", text, reason, basis)
+    random, source = _random(spectrum, track, seen, by_tone)
+    clock = "; the clock is left out" if rate_relative is None else ", and of the rate by the time stamps"
+    budget = [Contribution(source, "A", random.standard, random.dof)]
+    # what is left of a phase by Newton's method and rounding
+    rounding_rad = 1e-9 + np.finfo(float).eps * 2.0 * math.pi * spectrum.periods
+    budget.append(Contribution("rounding", "B", rounding_rad / (2.0 * math.pi * spectrum.duration_s)))
+    if rate_relative is not None:
+        of_rate = Contribution("sample rate", "B", rate_relative * spectrum.fundamental_Hz)
+        budget.append(of_rate)
+    uncertain = combined(budget, f"{source}{clock}")
+    rate_Hz = spectrum.samples / spectrum.duration_s
+    value_Hz = track.periods * rate_Hz / (track.samples - 1)
+    whole = replace(basis, samples=track.samples, duration_s=track.samples / rate_Hz)
+    return Measurement(name, value_Hz, "Hz", text, whole, uncertain)
+
+
+def _random(
+    spectrum: CoherentSpectrum, track: PhaseTrack, seen: Wander, by_tone: bool
+) -> tuple[MeanError, str]:
+    """Standard uncertainty of the frequency by noise, and what it is from."""
+    turns = 2.0 * math.pi * spectrum.duration_s
+    if not by_tone:
+        if track.departure is not None:
+            return _of_ends(track, turns), "deviation of the angle from the track along it, at both ends"
+        return _of_angle(track, spectrum), "deviation of the angle from its fit, by parts of the record"
+    if track.departure is not None:
+        left_rad = float(np.std(seen.phase_rad))
+        end_rad = math.hypot(max(seen.noise_rad, left_rad), _beyond_rad(track, spectrum))
+        # a spline scatters at its ends twice as much as between
+        both_ends = MeanError(2.0 * end_rad / turns, float(len(seen.phase_rad) - 1))
+        return (
+            both_ends,
+            "what is left of the followed phase at both ends, and its bend beyond the last period",
+        )
+    noise = line_noise(spectrum, np.array([spectrum.periods]))
+    phase_rad = float(noise.quadrature[0]) / spectrum.fundamental if spectrum.fundamental else math.nan
+    found = MeanError(_HANN_FIT * phase_rad / turns, float(noise.dof[0]))
+    return found, "noise beside the fundamental, by the sine fit under a Hann window"
+
+
+def _of_angle(track: PhaseTrack, spectrum: CoherentSpectrum) -> MeanError:
+    """Of the slope of an angle's fit: scatter of what parts of the record contribute to it.
+
+    The slope is the sum of (t - mean t) times deviation over the sum of (t - mean t)^2.
+    """
+    if track.measured_rad is None or track.residual_rad is None:
+        return MeanError(math.nan, math.nan)
+    count = track.samples
+    parts = min(_BLOCKS, max(_FEWEST_BLOCKS, int(track.periods)))
+    edges = np.linspace(0, count, parts + 1).astype(np.int64)
+    moments = []
+    for begin, end in itertools.pairwise(edges):
+        number = np.arange(begin, end, dtype=np.float64)
+        left = track.measured_rad[begin:end] - track.at(number)
+        moments.append(float((number - 0.5 * (count - 1)) @ left))
+    scatter = error_of_series(np.array(moments))
+    slope = scatter.standard * parts / (count * (count**2 - 1.0) / 12.0)
+    rate_Hz = spectrum.samples / spectrum.duration_s
+    return MeanError(slope * rate_Hz / (2.0 * math.pi), min(scatter.dof, parts - 3.0))
+
+
+def _beyond_rad(track: PhaseTrack, spectrum: CoherentSpectrum) -> float:
+    """What a followed phase may bend beyond the middle of the last period, where none shows it."""
+    per_period = spectrum.samples / spectrum.periods
+    marks = np.arange(FIRST_ROW + 0.5 * per_period, FIRST_ROW + spectrum.samples, per_period)
+    bend = np.diff(track.at(marks), n=2)
+    left = (track.samples - FIRST_ROW - spectrum.samples) / per_period + 0.5
+    return 0.5 * left**2 * float(np.sqrt(np.mean(bend**2))) if len(bend) else 0.0
+
+
+def _of_ends(track: PhaseTrack, turns: float) -> MeanError:
+    """Of the phase at both ends of a track along the angle, each as uncertain as the angle about it."""
+    if track.measured_rad is None:
+        return MeanError(math.nan, math.nan)
+    left = track.measured_rad - track.at(np.arange(track.samples, dtype=np.float64))
+    # a spline through averages is least sure at its ends
+    size = max(2, round(track.samples / (4.0 * track.periods)))
+    ends = np.concatenate([left[:size], left[-size:]])
+    rms = max(float(np.std(left)), float(np.sqrt(np.mean(ends**2))))
+    return MeanError(math.sqrt(2.0) * rms / turns, math.inf)
+
+
+def _of_angle_Hz(spectrum: CoherentSpectrum, track: PhaseTrack) -> float:
+    begin, end = float(track.phase(0)), float(track.phase(track.samples - 1))
+    rate_Hz = spectrum.samples / spectrum.duration_s
+    return (end - begin) / (2.0 * math.pi) * rate_Hz / (track.samples - 1)
+
+
+def _regimes(seen: Wander, name: str) -> str:
+    """Why the record is not of one regime: quarters differ by more than 10 % and what noise does."""
+    parts = min(_QUARTERS, len(seen.amplitude) // 2)
+    if parts < 2:
+        return ""
+    groups = np.array_split(seen.amplitude, parts)
+    means = np.array([float(np.mean(each)) for each in groups])
+    noise = math.sqrt(float(np.mean([np.var(each, ddof=1) / len(each) for each in groups])))
+    change, middle = float(np.ptp(means)), float(np.mean(means))
+    if change <= _LARGEST_CHANGE * middle + _STANDS_OUT * noise:
+        return ""
+    return (
+        f"the amplitude of {name} changes from {means.min():.3g} to {means.max():.3g} between parts of the "
+        f"window, at most {100 * _LARGEST_CHANGE:g} % is allowed: choose a window in steady state"
+    )
+
+
+def _off_phase(seen: Wander, name: str) -> str:
+    if not seen.excess_rad > _LARGEST_WANDER_RAD:
+        return ""
+    return f"the phase of {name} wanders by {seen.excess_rad:.2g} rad rms about the best track of it"

@@ -1,0 +1,139 @@
+"""Harmonic groups and interharmonic subgroups over short windows, after IEC 61000-4-7:2002+A1:2008."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import fft
+
+from benchtool.analysis.measurement import Basis, Table
+from benchtool.analysis.scatter import MeanError, error_of_series
+from benchtool.analysis.spectra.spectrum import CoherentSamples
+
+PERIODS_PER_WINDOW = 10
+"""The standard's window at 50 Hz: 200 ms there, ten periods of the machine here, however long they are."""
+
+_FEWEST_PERIODS = 4  # with fewer, subgroups overlap and nothing is between them
+_FEWEST_WINDOWS = 3
+_BATCH = 1 << 18  # samples transformed at a time
+
+
+@dataclass(frozen=True)
+class HarmonicGroups:
+    """Squares of rms values, all of shape (windows, orders), of orders 1, 2, 3 ...
+
+    Of a window of N = `periods_per_window` periods, with C_i the rms of DFT bin i:
+    group of order h: bins N h - N/2 to N h + N/2, the two ends by half of their square;
+    subgroup: bins N h - 1 to N h + 1; interharmonic centred subgroup: bins N h + 2 to N (h + 1) - 2, between
+    order h and the next.
+    """
+
+    group2: NDArray[np.float64]
+    subgroup2: NDArray[np.float64]
+    interharmonic2: NDArray[np.float64]
+    periods_per_window: int
+
+    @property
+    def windows(self) -> int:
+        return len(self.group2)
+
+    @property
+    def orders(self) -> int:
+        return int(self.group2.shape[1])
+
+
+@dataclass(frozen=True)
+class GroupDistortion:
+    """A distortion as a ratio to the fundamental's group, and its standard uncertainty; nan if unknown."""
+
+    ratio: float
+    standard: float
+    dof: float = math.nan
+
+
+def harmonic_groups(
+    coherent: CoherentSamples, highest_harmonic: int, periods_per_window: int = PERIODS_PER_WINDOW
+) -> HarmonicGroups | None:
+    """Groups of successive windows without overlap, rectangular; None if there is no order or no window.
+
+    With fewer periods than `periods_per_window` one window takes them all, and four are the fewest; periods
+    after the last whole window are left out. The highest order is the last one whose interharmonics are in
+    the band. The standard's low-pass filter of 1.5 s over the windows is left out.
+    """
+    periods = min(periods_per_window, coherent.periods)
+    orders = min(highest_harmonic, math.floor(coherent.usable_order - 1.0))
+    if periods < _FEWEST_PERIODS or orders < 1:
+        return None
+    windows, size = coherent.periods // periods, periods * coherent.per_period
+    table = coherent.values[: windows * size].reshape(windows, size)
+    bins = (orders + 1) * periods
+    squares = np.empty((windows, bins + 1))
+    batch = max(1, _BATCH // size)
+    for start in range(0, windows, batch):
+        transformed = fft.rfft(table[start : start + batch], axis=1)[:, : bins + 1]
+        squares[start : start + batch] = transformed.real**2 + transformed.imag**2
+    squares *= 2.0 / size**2  # rms; dc, which would be by half of that, is in no group
+    at = periods * np.arange(1, orders + 1)
+
+    def total(first: int, last: int) -> NDArray[np.float64]:
+        sums = np.zeros((windows, orders))
+        for offset in range(first, last + 1):
+            sums += squares[:, at + offset]
+        return sums
+
+    within = (periods - 1) // 2
+    group2 = total(-within, within)
+    if periods % 2 == 0:  # the bin halfway belongs to both neighbours
+        group2 += 0.5 * (squares[:, at - periods // 2] + squares[:, at + periods // 2])
+    return HarmonicGroups(group2, total(-1, 1), total(2, periods - 2), periods)
+
+
+def group_distortion(squares: NDArray[np.float64], by_noise: MeanError | None = None) -> GroupDistortion:
+    """sqrt(sum over h = 2 ... H of Y_h^2) / Y_1 of squares of rms, shape (windows, orders): THDG or THDS.
+
+    Each Y_h^2 is the mean over the windows. The uncertainty is from the scatter of the ratio over them, or,
+    if that is larger, of the squares of the orders each by itself, taken as independent, or `by_noise`, what
+    the noise beside the lines makes of their ratio: few windows have few degrees of freedom.
+    """
+    mean = np.mean(squares, axis=0)
+    if squares.shape[1] < 2 or not mean[0] > 0.0:
+        return GroupDistortion(math.nan, math.nan)
+    ratio = math.sqrt(float(np.sum(mean[1:]) / mean[0]))
+    windows = len(squares)
+    noise = by_noise or MeanError(math.nan, math.nan)
+    if windows < 2 or not np.all(squares[:, 0] > 0.0) or not ratio > 0.0:
+        return GroupDistortion(ratio, noise.standard, noise.dof)
+    each = np.sqrt(np.sum(squares[:, 1:], axis=1) / squares[:, 0])
+    together = error_of_series(each) if windows >= _FEWEST_WINDOWS else MeanError(math.nan, math.nan)
+    variance = np.var(squares / mean[0], axis=0, ddof=1) / windows
+    variance[0] *= ratio**4
+    apart = math.sqrt(float(np.sum(variance))) / (2.0 * ratio)
+    fourth = float(np.sum(variance**2))
+    dof = (windows - 1) * float(np.sum(variance)) ** 2 / fourth if fourth > 0.0 else math.inf
+    candidates = (MeanError(apart, dof), together, noise)
+    largest = max(
+        (each for each in candidates if math.isfinite(each.standard)), key=lambda each: each.standard
+    )
+    return GroupDistortion(ratio, largest.standard, max(1.0, largest.dof))
+
+
+def group_table(groups: HarmonicGroups, name: str, unit: str, basis: Basis) -> Table:
+    """One order a row: rms over the windows of group, subgroup and interharmonic centred subgroup."""
+    rms = [
+        np.sqrt(np.mean(squares, axis=0))
+        for squares in (groups.group2, groups.subgroup2, groups.interharmonic2)
+    ]
+    order = np.arange(1, groups.orders + 1)
+    periods = groups.periods_per_window
+    return Table(
+        name,
+        f"rms over {groups.windows} windows of N = {periods} periods, after IEC 61000-4-7; group of order h: "
+        f"bins N h - N/2 to N h + N/2, ends by half of their square; subgroup: N h - 1 to N h + 1; "
+        f"interharmonic centred subgroup: N h + 2 to N (h + 1) - 2",
+        (("order", ""), ("group_rms", unit), ("subgroup_rms", unit), ("interharmonic_rms", unit)),
+        tuple(tuple(float(value) for value in row) for row in zip(order, *rms, strict=True)),
+        basis,
+    )

@@ -1,0 +1,307 @@
+"""Harmonics of a coherent spectrum: their table, and the distortion they add up to."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from enum import Enum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchtool.analysis.measurement import Basis, Table
+from benchtool.analysis.spectra.noise import harmonic_noise, line_noise, noise_floor, repeated_quantisation
+from benchtool.analysis.spectra.spectrum import CoherentSpectrum
+from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
+
+HIGHEST_HARMONIC = 50
+
+
+class Reference(Enum):
+    """What the rms of the harmonics is divided by."""
+
+    FUNDAMENTAL = "fundamental"
+    """THD_F, the THD of IEC 61000-4-7."""
+
+    TOTAL = "rms of fundamental and harmonics"
+    """THD_R, never above 1."""
+
+    STATED = "stated amplitude"
+    """Total demand distortion where the amplitude is that of the rated current (IEEE Std 519)."""
+
+
+@dataclass(frozen=True)
+class LineErrors:
+    """Standard uncertainties of the amplitudes of harmonics 1, 2, 3 ..., all of shape (harmonics,).
+
+    `noise`, of `dof` degrees of freedom, is by noise and leakage beside the line; `resampling` by that;
+    `phase` what a phase that wanders by `wander_rad`, rms, takes off the line; `resolution` by the steps of a
+    quantised signal, as far as they repeat with the period. `floor` is that of white noise around the line.
+    """
+
+    noise: NDArray[np.float64]
+    dof: NDArray[np.float64]
+    floor: NDArray[np.float64]
+    resampling: NDArray[np.float64]
+    phase: NDArray[np.float64]
+    resolution: NDArray[np.float64]
+
+    @property
+    def standard(self) -> NDArray[np.float64]:
+        """Combined standard uncertainty of each amplitude."""
+        squares = self.noise**2 + self.resampling**2 + self.phase**2 + self.resolution**2
+        return np.asarray(np.sqrt(squares))
+
+    def budget(self, index: int) -> tuple[Contribution, ...]:
+        """Contributions to the amplitude of harmonic `index` + 1; those of nothing are left out."""
+        lines = (
+            Contribution("noise and leakage beside the line", "A", self.noise[index], self.dof[index]),
+            Contribution("resampling", "B", self.resampling[index]),
+            Contribution("wander of the phase", "B", self.phase[index]),
+            Contribution("resolution", "B", self.resolution[index]),
+        )
+        return tuple(each for each in lines if each.standard != 0.0)
+
+
+@dataclass(frozen=True)
+class Distortion:
+    """A distortion as a ratio, from harmonics 2 to `highest_harmonic`.
+
+    Noise adds its power to that of the harmonics, so that `ratio`, as measured, is high. `noise` is what that
+    noise alone would read, `corrected` the ratio with its power taken out again (0 where nothing is left),
+    `bias` how much less that is. `budget` is of `ratio`, the bias included, `corrected_budget` of
+    `corrected`. All but `ratio` are nan where the noise is unknown.
+    """
+
+    ratio: float
+    highest_harmonic: int
+    noise: float
+    corrected: float
+    budget: tuple[Contribution, ...]
+    corrected_budget: tuple[Contribution, ...]
+
+    @property
+    def bias(self) -> float:
+        return self.ratio - self.corrected
+
+    @property
+    def standard(self) -> float:
+        """Standard uncertainty of `ratio`."""
+        return math.sqrt(sum(each.standard**2 for each in self.budget))
+
+    @property
+    def corrected_standard(self) -> float:
+        """Standard uncertainty of `corrected`."""
+        return math.sqrt(sum(each.standard**2 for each in self.corrected_budget))
+
+    @property
+    def is_upper_bound(self) -> bool:
+        """Whether the ratio is less than twice what noise alone reads, and thus says "at most"."""
+        return self.ratio < 2.0 * self.noise
+
+
+@dataclass(frozen=True)
+class _Content:
+    """Root of the sum of squares of the harmonics, in the signal's unit, and what noise does to it.
+
+    `budget` is without the bias of the noise, `alone` is the root of the noise's expected sum of squares.
+    """
+
+    measured: float
+    alone: float
+    corrected: float
+    corrected_random: float
+    budget: tuple[Contribution, ...]
+
+
+def line_errors(
+    spectrum: CoherentSpectrum, orders: int, wander_rad: float = 0.0, step: float = 0.0
+) -> LineErrors:
+    """Of harmonics 1 to `orders`; the phase wanders by `wander_rad`, rms, the signal has steps of `step`."""
+    order = np.arange(1, orders + 1)
+    amplitude = harmonics(spectrum)[:orders]
+    noise = line_noise(spectrum, spectrum.periods * order)
+    return LineErrors(
+        noise=noise.in_phase,
+        dof=noise.dof,
+        floor=harmonic_noise(spectrum, orders),
+        resampling=np.array(
+            [spectrum.resampling_error(float(a), float(k)) for a, k in zip(amplitude, order, strict=True)]
+        ),
+        phase=np.maximum(amplitude * np.minimum(1.0, 0.5 * (order * wander_rad) ** 2), noise.lost),
+        resolution=np.full(orders, repeated_quantisation(spectrum, step)),
+    )
+
+
+def harmonics(spectrum: CoherentSpectrum) -> NDArray[np.float64]:
+    """Peak amplitudes of harmonics 1, 2, 3 ... up to the end of the band, shape (harmonics,)."""
+    return spectrum.amplitude[spectrum.periods :: spectrum.periods]
+
+
+def relative_phase_rad(spectrum: CoherentSpectrum) -> NDArray[np.float64]:
+    """Phase of each harmonic when the fundamental, a cosine, is at its maximum, in -pi to pi.
+
+    It does not depend on where the record begins; 0 for the fundamental itself.
+    """
+    order = np.arange(1, len(spectrum.harmonic_phase_rad) + 1)
+    phase = spectrum.harmonic_phase_rad - order * spectrum.harmonic_phase_rad[0]
+    return np.asarray(np.pi - np.mod(np.pi - phase, 2 * np.pi), dtype=np.float64)
+
+
+def total_harmonic_distortion(
+    spectrum: CoherentSpectrum,
+    highest_harmonic: int = HIGHEST_HARMONIC,
+    reference: Reference = Reference.FUNDAMENTAL,
+    stated_amplitude: float | None = None,
+    errors: LineErrors | None = None,
+) -> Distortion:
+    """THD_F, THD_R or TDD: root of the sum of squares of harmonics 2 to `highest_harmonic` over a reference.
+
+    Harmonics beyond the spectrum's band do not count. The ratio is nan where the reference is zero. The
+    standard uncertainty is that of each amplitude, by `errors` (`line_errors` of the spectrum alone),
+    propagated to first order (JCGM 100:2008, 5.1.2), and the bias of the noise. THD_F is that of IEC
+    61000-4-7:2002+A1:2008; TDD as here, of one record and with the rated current of the machine as its base,
+    is our own, after IEEE Std 519-2022, whose base is the maximum demand load current at the point of common
+    coupling.
+
+    Raises:
+        ValueError: `Reference.STATED` without `stated_amplitude`.
+    """
+    if reference is Reference.STATED and stated_amplitude is None:
+        raise ValueError("a stated reference needs its amplitude")
+    amplitude = harmonics(spectrum)[:highest_harmonic]
+    errors = errors or line_errors(spectrum, len(amplitude))
+    fundamental, content = float(amplitude[0]), _content(spectrum, amplitude, errors)
+
+    def over(value: float) -> tuple[float, float, float]:
+        """Ratio of a content to the reference, and its derivatives by content and fundamental."""
+        match reference:
+            case Reference.STATED:
+                return _ratio(value, stated_amplitude or 0.0), _ratio(1.0, stated_amplitude or 0.0), 0.0
+            case Reference.FUNDAMENTAL:
+                ratio = _ratio(value, fundamental)
+                return ratio, _ratio(1.0, fundamental), _ratio(ratio, fundamental)
+            case Reference.TOTAL:
+                # of c / sqrt(c^2 + a^2): a^2 / r^3 by the content c, c a / r^3 by the fundamental a
+                base = math.hypot(value, fundamental)
+                share, ratio = _ratio(fundamental, base), _ratio(value, base)
+                return ratio, _ratio(share**2, base), _ratio(share * ratio, base)
+
+    def budget(
+        contributions: Iterable[Contribution], slope: float, by_fundamental: float
+    ) -> list[Contribution]:
+        own = [replace(each, standard=slope * each.standard) for each in contributions]
+        base = combined(errors.budget(0), "") or Uncertainty(math.nan, "")
+        of_base = Contribution("fundamental", "A", by_fundamental * base.standard, base.dof)
+        return [*own, of_base] if by_fundamental else own
+
+    ratio, slope, by_fundamental = over(content.measured)
+    corrected, corrected_slope, corrected_by = over(content.corrected)
+    bias = Contribution("power that the noise adds", "B", ratio - corrected)
+    random = Contribution("noise in the harmonics and the floor", "A", content.corrected_random)
+    systematic = [each for each in content.budget if each.evaluation == "B"]
+    return Distortion(
+        ratio=ratio,
+        highest_harmonic=len(amplitude),
+        noise=over(content.alone)[0],
+        corrected=corrected,
+        budget=(*budget(content.budget, slope, by_fundamental), bias),
+        corrected_budget=tuple(budget([random, *systematic], corrected_slope, corrected_by)),
+    )
+
+
+def _content(spectrum: CoherentSpectrum, amplitude: NDArray[np.float64], errors: LineErrors) -> _Content:
+    """Of harmonics 2 and above.
+
+    With a line a and noise of mean square n^2 in a bin, its square has the mean a^2 + n^2 and the variance
+    2 a^2 n^2 + n^4 (noncentral chi-square of two degrees of freedom: Kendall and Stuart, vol. 2, 24.5).
+    """
+    square, own = amplitude[1:] ** 2, errors.noise[1:]
+    noise2 = 2.0 * np.maximum(own, errors.floor[1:]) ** 2
+    repeated2 = 2.0 * float(np.sum(errors.resolution[1:] ** 2))
+    measured = math.sqrt(float(np.sum(square)))
+    alone2 = float(np.sum(2.0 * errors.floor[1:] ** 2)) + repeated2
+    alone4 = float(np.sum(noise2**2))
+    # 2 a^2 n^2 + n^4 with a^2 + n^2 as measured, and no less than without any line
+    variance = max(2.0 * float(np.sum(square * noise2)) - alone4, alone4)
+    floor = noise_floor(spectrum, 1.0, len(amplitude) + 1.0)
+    of_floor = 2.0 * alone2 * floor.relative_error if floor is not None else math.nan
+    deviation = math.hypot(math.sqrt(variance), of_floor, repeated2) if math.isfinite(variance) else math.nan
+    left = max(0.0, measured**2 - alone2) if math.isfinite(alone2) else math.nan
+    # the root is steep at zero: half of the longer side of two deviations, so that twice it covers as many
+    corrected = math.sqrt(left)
+    above = math.sqrt(left + 2.0 * deviation) - corrected
+    below = corrected - math.sqrt(max(0.0, left - 2.0 * deviation)) if math.isfinite(deviation) else math.nan
+
+    def weighted(standard: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Share of each harmonic in an uncertainty of the content."""
+        if measured > 0.0:
+            return amplitude[1:] * standard[1:] / measured
+        return standard[1:] / math.sqrt(max(1, len(standard) - 1))
+
+    random = weighted(errors.noise)
+    fourth = float(np.sum(random**4 / errors.dof[1:]))
+    dof = float(np.sum(random**2)) ** 2 / fourth if fourth > 0.0 else math.inf
+    by_steps = weighted(errors.resolution)
+    budget = (
+        Contribution("noise and leakage beside the harmonics", "A", math.sqrt(float(np.sum(random**2))), dof),
+        Contribution("resampling", "B", float(np.sum(weighted(errors.resampling)))),
+        Contribution("wander of the phase", "B", float(np.sum(weighted(errors.phase)))),
+        Contribution("resolution", "B", math.sqrt(float(np.sum(by_steps**2)))),
+    )
+    return _Content(
+        measured,
+        math.sqrt(alone2),
+        corrected,
+        0.5 * max(above, below),
+        tuple(each for each in budget if each.standard != 0.0),
+    )
+
+
+def distortion_and_noise(spectrum: CoherentSpectrum) -> float:
+    """THD+N: rms of all bins but dc and the fundamental, over the fundamental; nan if that is zero."""
+    others = float(np.sum(np.square(spectrum.amplitude[1:])))
+    fundamental = float(spectrum.amplitude[spectrum.periods])
+    return _ratio(math.sqrt(max(0.0, others - fundamental**2)), fundamental)
+
+
+def harmonic_table(
+    spectrum: CoherentSpectrum,
+    name: str,
+    unit: str,
+    basis: Basis,
+    highest_harmonic: int = HIGHEST_HARMONIC,
+    errors: LineErrors | None = None,
+) -> Table:
+    """Harmonics 1 to `highest_harmonic` or the end of the band, one a row, with their uncertainty."""
+    amplitude = harmonics(spectrum)[:highest_harmonic]
+    order = np.arange(1, len(amplitude) + 1)
+    percent = 100.0 * amplitude / amplitude[0] if amplitude[0] > 0.0 else np.full(len(amplitude), math.nan)
+    columns = (
+        order,
+        spectrum.fundamental_Hz * order,
+        amplitude,
+        percent,
+        relative_phase_rad(spectrum)[: len(amplitude)],
+        (errors or line_errors(spectrum, len(amplitude))).standard,
+    )
+    return Table(
+        name,
+        "amplitude: peak; phase: of the cosine when the fundamental is at its maximum; uncertainty: "
+        "standard, of noise and leakage beside the harmonic, resampling, wander of the phase and resolution",
+        (
+            ("order", ""),
+            ("frequency", "Hz"),
+            ("amplitude", unit),
+            ("percent_of_fundamental", "%"),
+            ("phase", "rad"),
+            ("uncertainty", unit),
+        ),
+        tuple(tuple(float(value) for value in row) for row in zip(*columns, strict=True)),
+        basis,
+    )
+
+
+def _ratio(value: float, base: float) -> float:
+    return value / base if base > 0.0 else math.nan

@@ -1,0 +1,227 @@
+"""What a spectrum reads where nothing periodic is: the noise floor, and what it does to an amplitude."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchtool.analysis.spectra.spectrum import CoherentSpectrum
+
+_FEWEST_BINS = 8
+_LOCAL_BINS = 20  # at least, around each harmonic
+_BAND_BINS = 16
+_PAIRS, _NEAREST = 8, 3
+_QUANTISATION_LINES = 100
+_CLEARLY = 6.0  # a ratio of variances, of 16 degrees of freedom each: by chance once in two thousand
+_LARGE = 1000
+
+MEDIAN_OF_RMS = math.sqrt(math.log(2.0))
+"""Median of Rayleigh-distributed amplitudes over their rms, 0.8326.
+
+Their distribution is P(A < a) = 1 - exp(-a^2 / rms^2) (Papoulis, Probability, Random Variables, and
+Stochastic Processes, 4th ed., 6.2), which is one half at a = rms sqrt(ln 2).
+"""
+
+
+@dataclass(frozen=True)
+class NoiseFloor:
+    """Noise between the harmonics of a spectrum, in the signal's unit.
+
+    `amplitude` is the rms over `bins` bins of their peak amplitude, `density` is rms per sqrt(Hz). The
+    medians of narrow bands give it, so that lines in less than half of the bins of a band do not count, and
+    noise need not be white. A strong interharmonic leaks through the rectangular window into all bins around
+    it, and with that counts as noise. `relative_error` is the relative standard uncertainty of the floor, of
+    `dof` degrees of freedom.
+    """
+
+    amplitude: float
+    density: float
+    bins: int
+    relative_error: float
+    dof: float
+
+    @property
+    def standard(self) -> float:
+        """Standard uncertainty that the noise gives the amplitude of a line well above it.
+
+        Of the two components of the noise, each of rms `amplitude` / sqrt(2), only the one in phase with the
+        line changes its length.
+        """
+        return self.amplitude / math.sqrt(2.0)
+
+
+@dataclass(frozen=True)
+class LineNoise:
+    """What noise and leakage do to lines of a spectrum, all of shape (lines,).
+
+    `in_phase` is the standard uncertainty of a line's amplitude, `quadrature` that of amplitude times phase,
+    each of `dof` degrees of freedom; nan where too few bins are near. `lost` is what a line's own wander of
+    phase has moved into the bins beside it, 0 where that may be noise.
+    """
+
+    in_phase: NDArray[np.float64]
+    quadrature: NDArray[np.float64]
+    dof: NDArray[np.float64]
+    lost: NDArray[np.float64]
+
+
+def noise_floor(
+    spectrum: CoherentSpectrum, first_order: float = 0.0, last_order: float = math.inf
+) -> NoiseFloor | None:
+    """Noise floor from the bins between two orders that are no harmonic; None if they are fewer than eight.
+
+    Where there are four periods or more, the bins next to dc and to a harmonic are left out too: a harmonic
+    that is not quite steady spreads there. In bands of 16 bins or more, each a tenth wider than the one
+    before, the median of the squares over that of an exponential distribution is the band's power.
+
+    The median of n exponentially distributed squares has the mean H_n - H_(n/2), H the harmonic numbers, and
+    scatters by about 1 / sqrt(n) (Kendall and Stuart, The Advanced Theory of Statistics, vol. 1, 10.10 and
+    14.6).
+    """
+    between = _between(spectrum, first_order, last_order)
+    if len(between) < _FEWEST_BINS:
+        return None
+    powers, counts = [], []
+    for band in _bands(len(between)):
+        part = between[band]
+        powers.append(float(np.median(part)) ** 2 / _median_of_exponentials(len(part)))
+        counts.append(len(part))
+    total, square = np.average(powers, weights=counts), np.array(powers) * counts
+    # of each band's power by 1 / (ln 2 sqrt(n)), and half of that of the amplitude
+    variance = (square / np.sqrt(counts) / math.log(2.0)) ** 2
+    sums = float(np.sum(square))
+    relative = math.sqrt(float(np.sum(variance))) / sums if sums > 0.0 else 0.0
+    dof = 2.0 / relative**2 if relative > 0.0 else math.inf
+    amplitude = math.sqrt(float(total))
+    bin_Hz = spectrum.fundamental_Hz / spectrum.periods
+    return NoiseFloor(amplitude, amplitude / math.sqrt(2.0 * bin_Hz), len(between), 0.5 * relative, dof)
+
+
+def harmonic_noise(spectrum: CoherentSpectrum, orders: int) -> NDArray[np.float64]:
+    """Standard uncertainty of amplitudes of harmonics 1 to `orders` by the floor, shape (orders,), or nan.
+
+    Each from the floor around it, because the noise of a drive is not white: from as many orders to either
+    side as hold twenty bins.
+    """
+    per_order = max(1, spectrum.periods - 2 * _guard(spectrum) + 1)
+    reach = math.ceil(_LOCAL_BINS / (2 * per_order))
+    floors = (_local_floor(spectrum, order - reach, order + reach) for order in range(1, orders + 1))
+    return np.array([floor / math.sqrt(2.0) for floor in floors])
+
+
+def line_noise(spectrum: CoherentSpectrum, lines: NDArray[np.int64]) -> LineNoise:
+    """Noise of lines, in bins of shape (lines,), from the pairs of bins at equal distances around each.
+
+    The lower bin of a pair, conjugated, and the upper one, both turned to the line's phase, add up to what
+    changes the amplitude of the line and subtract to what changes its phase, as sidebands do. So noise that
+    is coloured, or shares its phase with the line, and leakage of what is no harmonic are seen as they act on
+    the line. Of the pairs without a harmonic the nearest three count by their mean square, the nearest eight
+    by their median, which lines do not disturb, and the larger of both is taken.
+    """
+    periods, bins = spectrum.periods, spectrum.phasor
+    offsets = np.arange(1, 2 * _PAIRS + 1)
+    upper, lower = lines[:, np.newaxis] + offsets, lines[:, np.newaxis] - offsets
+    inside = (upper < len(bins)) & (lower > 0) & (upper % periods != 0) & (lower % periods != 0)
+    inside &= np.cumsum(inside, axis=1) <= _PAIRS
+    towards = np.exp(-1j * np.angle(bins[lines]))[:, np.newaxis]
+    above = bins[np.where(inside, upper, 0)] * towards
+    below = np.conj(bins[np.where(inside, lower, 0)] * towards)
+    pairs = np.count_nonzero(inside, axis=1).astype(np.float64)
+    together, apart = above + below, above - below
+    return LineNoise(
+        _of_pairs(together, inside),
+        _of_pairs(apart, inside),
+        np.maximum(pairs, 1.0),
+        _lost(together, apart, inside, spectrum.amplitude[lines]),
+    )
+
+
+def repeated_quantisation(spectrum: CoherentSpectrum, step: float) -> float:
+    """Standard uncertainty of each line by the steps of a quantised signal, as far as they repeat with it.
+
+    Quantisation has the mean square step^2 / 12 (JCGM 100:2008, F.2.2.1). What of that is not in the bins
+    between the lines is in these, evenly over some hundred as far as is known.
+    """
+    if step <= 0.0:
+        return 0.0
+    square = np.square(spectrum.amplitude)
+    between = 0.5 * float(np.sum(square[1:]) - np.sum(square[spectrum.periods :: spectrum.periods]))
+    in_band = 2.0 * (len(spectrum.amplitude) / spectrum.samples)
+    missing = max(0.0, in_band * step**2 / 12.0 - between)
+    held = max(1, len(spectrum.amplitude) // spectrum.periods)
+    return math.sqrt(missing / min(held, _QUANTISATION_LINES))
+
+
+def _lost(
+    in_phase: NDArray[np.complex128],
+    quadrature: NDArray[np.complex128],
+    inside: NDArray[np.bool_],
+    amplitude: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """Half of the phase's variance times the amplitude: sidebands in quadrature, less those of noise."""
+    of_phase = np.sum(np.where(inside, np.abs(quadrature) ** 2, 0.0), axis=1)
+    of_amplitude = np.sum(np.where(inside, np.abs(in_phase) ** 2, 0.0), axis=1)
+    excess = np.where(of_phase > _CLEARLY * of_amplitude, of_phase - of_amplitude, 0.0)
+    variance = np.divide(excess, 2.0 * amplitude**2, out=np.zeros_like(excess), where=amplitude > 0.0)
+    return np.asarray(amplitude * np.minimum(1.0, 0.5 * variance))
+
+
+def _of_pairs(sums: NDArray[np.complex128], inside: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """Standard uncertainty of one component, shape (orders,), from sums of pairs, shape (orders, pairs)."""
+    square = np.where(inside, 0.25 * (sums.real**2 + sums.imag**2), np.nan)
+    found = np.full(len(square), np.nan)
+    for row, (values, usable) in enumerate(zip(square, inside, strict=True)):
+        if usable.any():
+            near = values[usable]
+            middle = float(np.median(near)) / _median_of_exponentials(len(near))
+            found[row] = max(float(np.mean(near[:_NEAREST])), middle)
+    return np.asarray(np.sqrt(found))
+
+
+def _bands(count: int) -> list[slice]:
+    """Successive parts of `count` bins: 16 or a tenth of those before, whichever is more."""
+    edges = [0]
+    while edges[-1] < count:
+        edges.append(edges[-1] + max(_BAND_BINS, edges[-1] // 10))
+    if len(edges) > 2 and count - edges[-2] < _BAND_BINS:
+        del edges[-2]
+    edges[-1] = count
+    return [slice(begin, end) for begin, end in itertools.pairwise(edges)]
+
+
+@cache
+def _median_of_exponentials(count: int) -> float:
+    """Mean of the median of `count` independent ones of mean 1: sum of 1 / i above the middle."""
+    if count > _LARGE:
+        return math.log(2.0)
+    upper = sum(1.0 / each for each in range(count // 2 + 1, count + 1))
+    return upper if count % 2 else upper + 1.0 / count
+
+
+def _local_floor(spectrum: CoherentSpectrum, first_order: float, last_order: float) -> float:
+    between = _between(spectrum, first_order, last_order)
+    if len(between) < _FEWEST_BINS:
+        return math.nan
+    return float(np.median(between)) / MEDIAN_OF_RMS
+
+
+def _guard(spectrum: CoherentSpectrum) -> int:
+    """Bins from a harmonic to the nearest that counts as being between harmonics."""
+    return 2 if spectrum.periods >= 4 else 1
+
+
+def _between(spectrum: CoherentSpectrum, first_order: float, last_order: float) -> NDArray[np.float64]:
+    periods, count = spectrum.periods, len(spectrum.amplitude)
+    first = max(0, math.floor(first_order))
+    last = math.ceil(min(last_order, count / periods))
+    guard = _guard(spectrum)
+    whole = spectrum.amplitude[first * periods : min(count, last * periods)]
+    orders = len(whole) // periods
+    table = whole[: orders * periods].reshape(orders, periods)[:, guard : periods - guard + 1]
+    rest = whole[orders * periods :][guard : periods - guard + 1]
+    return np.concatenate([table.ravel(), rest])

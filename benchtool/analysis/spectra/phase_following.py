@@ -1,0 +1,140 @@
+"""The phase of a tone held against a track of it, and a track that follows where the two part.
+
+A spectrum over whole periods is right only as far as its phase is: a harmonic k of a phase that is off by x
+rad rms reads low by k^2 x^2 / 2. The fundamental itself shows how far it is off, period by period.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.polynomial import Polynomial
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline, make_smoothing_spline
+from scipy.special import fdtri
+
+from benchtool.analysis.periods import PhaseTrack
+from benchtool.analysis.spectra.spectrum import FIRST_ROW, CoherentSamples, coherent_samples
+
+_OFF_RAD = 2e-3  # rms: at which harmonic 50 reads 0.5 % low
+_BY_CHANCE = 1e-4
+_FEWEST_PERIODS = 4  # and so many phases, from which a wander is told from noise
+_FEWEST_KNOTS = 5  # of a smoothing spline
+_ROUNDS = 3
+_PER_PERIOD = 16  # places at which an angle is followed, in each electrical period
+_LONGEST_TURN = 0.45  # of a turn between periods, by which a phase may move and still be told
+
+
+@dataclass(frozen=True)
+class Wander:
+    """How the fundamental moves about a track: `phase_rad`, without jumps, and `amplitude`, shape (periods,).
+
+    `excess_rad` is the rms deviation of the phase from its mean beyond what noise does, which moves amplitude
+    and phase alike; 0 where it may be noise. `noise_rad` is what noise does to one period's phase.
+    """
+
+    phase_rad: NDArray[np.float64]
+    amplitude: NDArray[np.float64]
+    excess_rad: float
+    noise_rad: float
+
+
+def wander(coherent: CoherentSamples) -> Wander:
+    """Phase and amplitude of the fundamental in each period."""
+    table = coherent.values.reshape(coherent.periods, coherent.per_period)
+    turn = np.exp(-2j * np.pi / coherent.per_period * np.arange(coherent.per_period))
+    phasor = (table @ turn.real + 1j * (table @ turn.imag)) * (2.0 / coherent.per_period)
+    if coherent.periods > 2:
+        # a ramp of d a period under the signal, as of a decaying dc, reads j d / pi
+        phasor -= 1j / np.pi * np.gradient(np.mean(table, axis=1))
+    amplitude = np.abs(phasor)
+    steps = np.angle(phasor[1:] * np.conj(phasor[:-1]))
+    phase_rad = np.angle(phasor[0]) + np.concatenate(([0.0], np.cumsum(steps)))
+    middle = float(np.mean(amplitude))
+    if not middle > 0.0:
+        return Wander(phase_rad, amplitude, math.inf, math.inf)
+    of_phase, of_amplitude = float(np.var(phase_rad)), float(np.var(amplitude)) / middle**2
+    freedom = len(phasor) - 1
+    excess = 0.0
+    if freedom + 1 >= _FEWEST_PERIODS and of_phase > of_amplitude * fdtri(freedom, freedom, 1.0 - _BY_CHANCE):
+        excess = math.sqrt(of_phase - of_amplitude)
+    return Wander(phase_rad, amplitude, excess, math.sqrt(of_amplitude))
+
+
+def follow(
+    samples: NDArray[np.float64], sample_rate_Hz: float, track: PhaseTrack, name: str = "signal"
+) -> tuple[CoherentSamples, PhaseTrack, Wander]:
+    """The signal at equal steps of phase, and the track: the one given, while the fundamental stays on it.
+
+    Where it does not, by more than 2 mrad rms and more than noise explains, the track follows the measured
+    angle, if the fundamental then stays closer, and after that the phase of the fundamental itself, by a
+    smoothing spline through its phase in each period (the smoothness by generalized cross-validation: Wahba,
+    Spline Models for Observational Data, ch. 4). So a speed that swings or drifts, and an angle that slips
+    against the signal, leave the harmonics whole.
+
+    Raises:
+        AnalysisError: as `coherent_samples`.
+    """
+    coherent = coherent_samples(samples, sample_rate_Hz, track, name)
+    seen = wander(coherent)
+    by_angle = _by_angle(track, coherent.samples / coherent.periods)
+    if by_angle is not None:
+        other = coherent_samples(samples, sample_rate_Hz, by_angle, name)
+        of_other = wander(other)
+        if _off(of_other) < _off(seen):
+            coherent, track, seen = other, by_angle, of_other
+    for _ in range(_ROUNDS):
+        by_tone = _by_tone(coherent, track, seen, name)
+        if by_tone is None:
+            break
+        other = coherent_samples(samples, sample_rate_Hz, by_tone, name)
+        of_other = wander(other)
+        if not _off(of_other) < _off(seen):
+            break
+        coherent, track, seen = other, by_tone, of_other
+    return coherent, track, seen
+
+
+def _off(seen: Wander) -> float:
+    return float(np.std(seen.phase_rad))
+
+
+def _by_angle(track: PhaseTrack, samples_per_period: float) -> PhaseTrack | None:
+    """The track along the angle, averaged over a sixteenth of a period; None if that makes no change."""
+    if track.measured_rad is None or not (track.residual_rad or 0.0) > _OFF_RAD:
+        return None
+    size = max(1, round(samples_per_period / _PER_PERIOD))
+    count = len(track.measured_rad) // size
+    number = size * np.arange(count) + 0.5 * (size - 1)
+    # of a part in which the speed is constant the mean is the value in the middle
+    means = np.mean(track.measured_rad[: count * size].reshape(count, size), axis=1)
+    departure = means - np.asarray(track.phase(number))
+    if count < _FEWEST_KNOTS or not float(np.std(departure)) > _OFF_RAD:
+        return None
+    spline = CubicSpline(number, departure)
+    return replace(track, departure=spline, source=f"{track.source}, and the measured angle about it")
+
+
+def _by_tone(coherent: CoherentSamples, track: PhaseTrack, seen: Wander, name: str) -> PhaseTrack | None:
+    """The track along the fundamental's own phase; None where that stays on it, or is lost in noise."""
+    largest_step = float(np.max(np.abs(np.diff(seen.phase_rad)), initial=0.0))
+    if not _OFF_RAD < seen.excess_rad < math.inf or largest_step > 2 * np.pi * _LONGEST_TURN:
+        return None
+    if coherent.periods < _FEWEST_KNOTS:
+        return None
+    begin = float(track.at(np.array([float(FIRST_ROW)]))[0])
+    middle = begin + 2 * np.pi * (np.arange(coherent.periods, dtype=np.float64) + 0.5)
+    numbers = track.sample_numbers(middle)
+    # a drift is the polynomial's, because the spline is straight at its ends
+    drift = Polynomial.fit(numbers, seen.phase_rad - np.mean(seen.phase_rad), 2)
+    spline = make_smoothing_spline(numbers, seen.phase_rad - np.mean(seen.phase_rad) - drift(numbers))
+    before = track.departure
+    added = "" if name in track.source else f", followed by the phase of {name} itself"
+
+    def departure(at: NDArray[np.float64]) -> NDArray[np.float64]:
+        own = np.asarray(spline(at) + drift(at), dtype=np.float64)
+        return own if before is None else own + before(at)
+
+    return replace(track, departure=departure, source=f"{track.source}{added}")

@@ -1,0 +1,139 @@
+"""Symmetrical components of three phase currents at the fundamental, and the unbalance that they state.
+
+Fortescue's positive-, negative- and zero-sequence components (IEC 60034-26, IEC 61000-4-30:2015, 5.7.1):
+I_1 = (I_a + a I_b + a^2 I_c) / 3, I_2 = (I_a + a^2 I_b + a I_c) / 3, I_0 = (I_a + I_b + I_c) / 3 with
+a = exp(j 2 pi / 3), of the phasors of the fundamental.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchtool.analysis.measurement import Basis, Measurement
+from benchtool.analysis.periods import PhaseTrack
+from benchtool.analysis.scatter import error_of_series
+from benchtool.analysis.spectra.spectrum import FIRST_ROW, coherent_samples
+from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
+from benchtool.analysis.validity import clipping, require_unbroken
+from benchtool.block import Block
+
+Phasors = NDArray[np.complex128]
+
+_STANDS_OUT = 5.0  # standard uncertainties of the positive sequence
+_SOURCE = (
+    "scatter of the components over periods, and what it adds to a magnitude; the sensors' gains are left out"
+)
+
+
+@dataclass(frozen=True)
+class _Component:
+    """Magnitude of the mean of one phasor per period, and what is known of it."""
+
+    magnitude: float
+    budget: tuple[Contribution, ...]
+
+    @property
+    def uncertainty(self) -> Uncertainty | None:
+        return combined(self.budget, _SOURCE)
+
+
+def current_unbalance(
+    block: Block, track: PhaseTrack, channels: Sequence[str] = ("i_a", "i_b", "i_c")
+) -> tuple[Measurement, ...]:
+    """Sequence components of the fundamental, A peak, and the unbalance factors, %.
+
+    Of negative and positive sequence the positive is the larger, whichever way the machine turns.
+
+    Args:
+        block: rows without gaps.
+        track: electrical phase over the rows, as `CurrentSpectrum.track` has it.
+        channels: the currents of phases a, b and c; a zero sequence of a current that was computed from the
+            other two is zero by that.
+
+    Raises:
+        AnalysisError: a gap, a missing channel, a dead signal, or fewer than two electrical periods.
+    """
+    require_unbroken(block)
+    columns = [np.ascontiguousarray(block.column(name)) for name in channels]
+    parts = [
+        coherent_samples(each, block.sample_rate_Hz, track, name)
+        for each, name in zip(columns, channels, strict=True)
+    ]
+    first = parts[0]
+    turn = np.exp(-2j * np.pi / first.per_period * np.arange(first.per_period))
+    phases = np.array(
+        [2.0 / first.per_period * (each.values.reshape(first.periods, -1) @ turn) for each in parts]
+    )
+    a = np.exp(2j * np.pi / 3.0)
+    sequences = np.array([[1.0, a, a**2], [1.0, a**2, a], [1.0, 1.0, 1.0]]) @ phases / 3.0
+    one, other, zero = (_component(each) for each in sequences)
+    positive, negative = (one, other) if one.magnitude >= other.magnitude else (other, one)
+    basis = Basis(
+        samples=first.samples,
+        sample_rate_Hz=block.sample_rate_Hz,
+        duration_s=first.samples / block.sample_rate_Hz,
+        window=f"rectangular, {first.periods} whole electrical periods from row {FIRST_ROW} (from 0) on, by "
+        f"{track.source}",
+        reference="positive sequence of the fundamental",
+        gaps=0,
+    )
+    reason = next(filter(None, map(clipping, columns)), "")
+    return tuple(_numbers((positive, negative, zero), channels, block.unit(channels[0]), basis, reason))
+
+
+def _component(phasors: Phasors) -> _Component:
+    mean = complex(np.mean(phasors))
+    towards = np.conj(mean) / abs(mean) if mean else 1.0
+    along, across = error_of_series((phasors * towards).real), error_of_series((phasors * towards).imag)
+    magnitude = abs(mean)
+    # noise across the phasor makes its magnitude larger (Rice distribution)
+    bias = magnitude - math.sqrt(max(0.0, magnitude**2 - across.standard**2))
+    return _Component(
+        magnitude,
+        (
+            Contribution("scatter over periods", "A", along.standard, along.dof),
+            Contribution("what scatter adds to a magnitude", "B", bias),
+        ),
+    )
+
+
+def _numbers(
+    components: Sequence[_Component], channels: Sequence[str], unit: str, basis: Basis, reason: str
+) -> Iterator[Measurement]:
+    of = f"sequence component of the fundamental of {', '.join(channels)} (Fortescue), peak"
+    positive = components[0]
+    for component, name in zip(components, ("positive", "negative", "zero"), strict=True):
+        text = f"magnitude of the {name}-{of}"
+        if reason:
+            yield Measurement.undefined(f"current_sequence_{name}", unit, text, reason, basis)
+            continue
+        yield Measurement(
+            f"current_sequence_{name}", component.magnitude, unit, text, basis, component.uncertainty
+        )
+    own = positive.uncertainty
+    lost = positive.magnitude <= 0.0 or (own is not None and positive.magnitude < _STANDS_OUT * own.standard)
+    if lost and not reason:
+        reason = "the positive sequence does not stand out of the noise"
+    for component, name, short in (
+        (components[1], "current_unbalance_percent", "negative"),
+        (components[2], "current_unbalance_zero_percent", "zero"),
+    ):
+        text = f"100 x {short}- over positive-{of}; unbalance after IEC 61000-4-30"
+        if reason:
+            yield Measurement.undefined(name, "%", text, reason, basis)
+            continue
+        ratio = component.magnitude / positive.magnitude
+        shares = [(each, 1.0) for each in component.budget]
+        shares += [(each, ratio) for each in positive.budget]
+        budget = (
+            Contribution(
+                each.name, each.evaluation, 100.0 * share * each.standard / positive.magnitude, each.dof
+            )
+            for each, share in shares
+        )
+        yield Measurement(name, 100.0 * ratio, "%", text, basis, combined(budget, _SOURCE))

@@ -1,0 +1,202 @@
+"""The composition root: a profile and a link address become one session on a bench.
+
+Only this module and `benchtool.bench.serving` know both the host's side and the emulated drive.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Literal, Protocol
+
+import can
+
+from benchtool.block import Block
+from benchtool.clock import Clock, RealClock, VirtualClock
+from benchtool.drive import RemoteDrive
+from benchtool.errors import UsageError
+from benchtool.link import Link
+from benchtool.link.address import Address
+from benchtool.link.canopen.bus import open_bus
+from benchtool.link.canopen.link import CanopenLink
+from benchtool.link.port import open_port
+from benchtool.link.replay import ReplayLink
+from benchtool.link.serial.link import SerialLink
+from benchtool.profile import Profile, altered, eds_path, load_profile, profile_path
+from benchtool.protocol.dictionary import Dictionary
+from benchtool.recording import Bundle
+from benchtool.recording.manifest import MANIFEST
+
+if TYPE_CHECKING:
+    from benchtool.telemetry import FrameLog
+
+
+class LoadMachine(Protocol):
+    """Equipment on the shaft that loads the motor."""
+
+    def apply(self, torque_Nm: float) -> None:
+        """Load the shaft; positive torque opposes positive speed. It may turn as it likes again."""
+
+    def hold(self, omega_m_rad_s: float) -> None:
+        """Turn the shaft at this speed, whatever torque that takes."""
+
+
+class Transducer(Protocol):
+    """A torque transducer on the shaft, with a sampling of its own."""
+
+    @property
+    def longest_s(self) -> float:
+        """The longest time that it records."""
+
+    def start(self, duration_s: float) -> None:
+        """Record for `duration_s` from now."""
+
+    def block(self) -> Block:
+        """What was recorded, as channel `torque_transducer`."""
+
+
+@dataclass(frozen=True)
+class Session:
+    """One connected bench; `load` and `transducer` are None where the bench has none."""
+
+    profile_name: str
+    profile: Profile
+    profile_toml: str
+    drive: RemoteDrive
+    clock: Clock
+    load: LoadMachine | None = None
+    transducer: Transducer | None = None
+
+
+@contextmanager
+def open_session(
+    profile_name: str,
+    url: str = "emulated",
+    *,
+    seed: int = 0,
+    real_time: bool = False,
+    note: Callable[[str], None] = lambda _: None,
+    alter: Mapping[str, float] = MappingProxyType({}),
+    frames: FrameLog | None = None,
+    first_tick: int = 0,
+) -> Iterator[Session]:
+    """A session whose drive is not yet checked; on the way out it is disabled and everything is closed.
+
+    Args:
+        profile_name: a shipped profile's name or a TOML file.
+        url: link address.
+        seed: of the emulated bench's noise.
+        real_time: pace an emulated bench by the wall clock.
+        note: takes a line where something takes its time.
+        alter: what differs on an emulated bench, as `profile.altered` takes it.
+        frames: takes every frame of the session.
+        first_tick: the tick at which an emulated drive is powered up.
+
+    Raises:
+        ProfileError, DictionaryError, UsageError: what was asked for cannot be.
+        LinkError: the adapter or the port cannot be opened.
+    """
+    source = profile_path(profile_name)
+    profile = altered(load_profile(profile_name), alter)
+    address = Address.parse(url)
+    if alter and address.kind != "emulated":
+        raise UsageError(
+            f"the plan alters the emulated bench ({', '.join(alter)}) and the link is '{url}': "
+            f"run it with --link emulated"
+        )
+    node_id = address.node_id(profile.drive.node_id)
+    text = source.read_text(encoding="utf-8")
+    eds = eds_path(profile, source)
+    dictionary = Dictionary.from_eds(eds, node_id)
+    if frames is not None and address.wire == "serial":
+        raise UsageError(
+            f"frames are those of CAN and the link is '{url}': record without --frames, or over CAN"
+        )
+    with ExitStack() as stack:
+        if address.kind == "emulated":
+            # Imported here: compiled code is of no use to a session with a real drive.
+            from benchtool.emulator.bench import EmulatedBench
+
+            if not emulator_is_compiled():
+                note("compiling the emulated drive, once on this machine: a few seconds")
+            # A bus that is named may have listeners, whatever the host itself goes over.
+            wire: Literal["can", "serial"] = "can" if address.channel or address.wire == "can" else "serial"
+            bench = EmulatedBench(
+                profile, address.channel, seed=seed, paced=real_time, first_tick=first_tick, wire=wire
+            )
+            stack.callback(bench.close)
+
+            def open_emulated() -> Link:
+                if address.wire == "serial":
+                    return SerialLink(bench.host_port(), node_id, bench.clock)
+                bus: can.BusABC = bench.host_bus()
+                if frames is not None:
+                    bus = frames.tap(bus, bench.clock)
+                return CanopenLink(bus, node_id, bench.clock, arrival_s=_timestamp)
+
+            drive = _drive(stack, open_emulated, dictionary, eds.name, bench.clock)
+            stack.callback(bench.load.apply, 0.0)
+            yield Session(profile_name, profile, text, drive, bench.clock, bench.load, bench.transducer)
+        elif address.kind == "replay":
+            replayed = VirtualClock(paced=real_time)
+            if (Path(address.channel) / MANIFEST).is_file():
+                Bundle.open(Path(address.channel)).require_intact()
+            recording = ReplayLink(Path(address.channel), node_id, replayed)
+            stack.callback(recording.close)
+            drive = stack.enter_context(RemoteDrive(recording, dictionary, eds.name, replayed))
+            yield Session(profile_name, profile, text, drive, replayed)
+        else:
+            clock = RealClock()
+
+            def open_real() -> Link:
+                if address.wire == "serial":
+                    return SerialLink(open_port(address.channel, address.baudrate), node_id, clock)
+                bus = open_bus(address)
+                if frames is not None:
+                    bus = frames.tap(bus, clock, stamp=True)
+                return CanopenLink(bus, node_id, clock, arrival_s=None if frames is None else _timestamp)
+
+            drive = _drive(stack, open_real, dictionary, eds.name, clock)
+            yield Session(profile_name, profile, text, drive, clock)
+
+
+def _drive(
+    stack: ExitStack, open_link: Callable[[], Link], dictionary: Dictionary, source: str, clock: Clock
+) -> RemoteDrive:
+    """A drive whose link, the first or a later one, is closed after it was disabled."""
+    drive = RemoteDrive(open_link(), dictionary, source, clock, reopen=open_link)
+    stack.callback(drive.close_link)
+    return stack.enter_context(drive)
+
+
+def _timestamp(frame: can.Message) -> float:
+    return frame.timestamp
+
+
+def dictionary_of(profile_name: str) -> Dictionary:
+    """The dictionary of the drive that a profile describes.
+
+    Raises:
+        ProfileError, DictionaryError: the profile or its EDS cannot be read.
+    """
+    profile = load_profile(profile_name)
+    return Dictionary.from_eds(eds_path(profile, profile_path(profile_name)), profile.drive.node_id)
+
+
+def has_transducer(url: str) -> bool:
+    """Whether the bench at a link address has a torque transducer: an emulated one in this process.
+
+    Raises:
+        UsageError: the address is none.
+    """
+    return Address.parse(url).kind == "emulated"
+
+
+def emulator_is_compiled() -> bool:
+    """Whether this machine holds the compiled emulator, or its first run will compile it."""
+    from benchtool.emulator.core.kernel import kernel_is_cached
+
+    return kernel_is_cached()

@@ -1,0 +1,97 @@
+"""What a drive keeps over a reset: parameters stored on command, and the way back to its defaults."""
+
+from __future__ import annotations
+
+from benchtool.drive.parameters.transaction import default_of, parameters, require_disabled
+from benchtool.drive.remote import RemoteDrive
+from benchtool.errors import NoAnswer, WriteNotVerified
+from benchtool.protocol.canopen.nmt import NmtCommand, NmtState
+from benchtool.protocol.dictionary.variable import Value, Variable
+
+STORE_ALL = "0x1010:1"
+RESTORE_ALL = "0x1011:1"
+_SAVE = b"save"
+_LOAD = b"load"
+_ON_COMMAND = 1
+_BOOT_S = 3.0
+_POLL_S = 0.005
+
+
+def store(drive: RemoteDrive) -> None:
+    """Have the drive keep its parameters over a reset (CiA 301, object 0x1010).
+
+    Raises:
+        ValueRefused: the power stage is on, or the dictionary has no such object.
+        WriteNotVerified: the drive does not store on command.
+        SdoAbort: the drive refused.
+    """
+    require_disabled(drive, "parameters are stored")
+    _sign(drive, STORE_ALL, _SAVE, "stores parameters")
+
+
+def restore_defaults(drive: RemoteDrive) -> dict[str, Value]:
+    """Have the drive forget what it stored (CiA 301, object 0x1011), and reset it: the defaults are in force.
+
+    Returns:
+        Every parameter that has a default, as the drive read back after the reset.
+
+    Raises:
+        ValueRefused: the power stage is on, or the dictionary has no such object.
+        WriteNotVerified: the drive does not restore on command, or another value than a default is in force.
+        NoAnswer: it did not come back from the reset.
+        SdoAbort: the drive refused.
+    """
+    require_disabled(drive, "defaults are restored")
+    _sign(drive, RESTORE_ALL, _LOAD, "restores defaults")
+    reset(drive)
+    known = [each for each in parameters(drive.dictionary) if each.default is not None and each.readable]
+    values = {variable.name: drive.read(variable.name) for variable in known}
+    others = [each.name for each in known if values[each.name] not in (default_of(each), _cut(drive, each))]
+    if others:
+        raise WriteNotVerified(
+            f"after the reset {', '.join(others)} differ from their defaults in {drive.dictionary.source}: "
+            f"check the EDS against the drive's firmware"
+        )
+    return values
+
+
+def _cut(drive: RemoteDrive, variable: Variable) -> Value | None:
+    """The default, cut to what the variable that limits it allows; None where none does."""
+    default = default_of(variable)
+    if variable.max_entry not in drive.dictionary or not isinstance(default, int | float):
+        return None
+    most = variable.max_times * drive.number(variable.max_entry)
+    return min(default, most) if most > 0 else None
+
+
+def reset(drive: RemoteDrive) -> None:
+    """Reset the node and wait for its boot-up message.
+
+    Raises:
+        NoAnswer: none came.
+    """
+    heard = drive.link.counters.heartbeats_received
+    drive.link.nmt(NmtCommand.RESET_NODE)
+    deadline_s = drive.clock.now_s() + _BOOT_S
+    while (
+        drive.link.counters.heartbeats_received == heard
+        or drive.link.heartbeat_state() is not NmtState.BOOT_UP
+    ):
+        if drive.clock.now_s() >= deadline_s:
+            raise NoAnswer(
+                f"no boot-up message of node {drive.link.node_id} within {_BOOT_S:g} s of its reset; "
+                f"switch it off and on"
+            )
+        drive.clock.wait(_POLL_S)
+
+
+def _sign(drive: RemoteDrive, name: str, signature: bytes, ability: str) -> None:
+    """Write a signature; such an object reads as an ability (bit 0) and never as what was written."""
+    variable = drive.dictionary[name]
+    if not int(drive.number(name)) & _ON_COMMAND:
+        raise WriteNotVerified(
+            f"{name} reads {drive.number(name):g}, bit 0 is expected to say that the drive {ability} on "
+            f"command: this one does not"
+        )
+    drive.link.download(variable.index, variable.sub, signature)
+    drive.read(name)

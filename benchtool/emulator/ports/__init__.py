@@ -1,0 +1,1 @@
+"""Byte ports that other programs open: pseudo-terminals and TCP."""

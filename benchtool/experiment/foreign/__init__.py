@@ -1,6 +1,0 @@
-"""Numbers of a table that another tool recorded: what its columns and its time stamps allow, and no more."""
-
-from benchtool.experiment.foreign.answer import TableAnswer, analyze_table
-from benchtool.experiment.foreign.columns import TableQuestion
-
-__all__ = ["TableAnswer", "TableQuestion", "analyze_table"]

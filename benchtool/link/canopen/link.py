@@ -1,0 +1,210 @@
+"""One CANopen drive as the host sees it: SDO, NMT, heartbeat and emergencies over a python-can bus."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+
+import can
+import canopen
+from canopen.sdo.exceptions import SdoAbortedError, SdoCommunicationError
+
+from benchtool.clock import Clock, VirtualClock
+from benchtool.errors import LinkError, NoAnswer, SdoAbort
+from benchtool.link.canopen.sdo_client import BlockNotOfferedError, SdoClient, SdoTimeoutError
+from benchtool.link.interface import CountsMalformed, Frame, FrameReceiver, LinkCounters
+from benchtool.link.receiving import ReceivingLink
+from benchtool.protocol.canopen.abort import abort_text
+from benchtool.protocol.canopen.emcy import Emergency
+from benchtool.protocol.canopen.nmt import NmtCommand, NmtState, heartbeat_state
+
+_NMT = 0x000
+_EMCY = 0x080
+_SDO_RESPONSE = 0x580
+_HEARTBEAT = 0x700
+_RECEIVE_S = 0.05
+_ERROR_PAUSE_S = 0.001
+_ERRORS_IN_A_ROW = 100
+_FAILING_S = _ERRORS_IN_A_ROW * _ERROR_PAUSE_S * 4.0
+_CHECK_SENDING = "that the bus is powered and terminated and that another node acknowledges"
+
+
+class CanopenLink(ReceivingLink):
+    """A `FrameLink` over CANopen, with one receive thread that no frame and no driver error ends.
+
+    Errors of the driver are counted and reception goes on; only a hundred in a row, without a frame or
+    a quiet interval between them, count as a vanished adapter. Frames are handled in the receive thread,
+    transfers run in the caller's, one at a time.
+
+    Args:
+        bus: open bus, owned from now on.
+        node_id: the drive's, 1 to 127.
+        clock: what `wait_heartbeat` goes by.
+        host_node_id: whose heartbeat `send_heartbeat` is.
+        sdo_timeout_s: wall time to wait for each answer.
+        arrival_s: when a frame arrived, on `clock`; the moment of its handling if None.
+    """
+
+    def __init__(
+        self,
+        bus: can.BusABC,
+        node_id: int,
+        clock: Clock,
+        *,
+        host_node_id: int = 127,
+        sdo_timeout_s: float = 0.5,
+        arrival_s: Callable[[can.Message], float] | None = None,
+    ) -> None:
+        super().__init__(
+            node_id, clock, thread_name="canopen-link", device="adapter", check="its cable and driver"
+        )
+        self._bus = bus
+        self._host_node_id = host_node_id
+        self._arrival_s = arrival_s or (lambda _: clock.now_s())
+        self._receivers: dict[int, FrameReceiver] = {_EMCY + node_id: self._on_emergency}
+        self._network = canopen.Network()
+        self._network.bus = bus
+        settle = clock.settle if isinstance(clock, VirtualClock) else None
+        self._sdo = SdoClient(self._network, node_id, sdo_timeout_s, settle)
+        self._network.subscribe(_SDO_RESPONSE + node_id, self._on_sdo_response)
+        self._network.subscribe(_HEARTBEAT + node_id, self._on_heartbeat)
+        self._transfer_lock = threading.Lock()
+        self._thread.start()
+
+    @property
+    def counters(self) -> LinkCounters:
+        counts = {**self._counts, **self._announced.counts, "stale_answers": self._sdo.stale}
+        counts["overruns"] += self._sdo.overruns
+        if isinstance(self._bus, CountsMalformed):
+            counts["frames_dropped"] += self._bus.malformed
+        return LinkCounters(**counts)
+
+    def upload(self, index: int, sub: int, *, block: bool = False, length: int | None = None) -> bytes:
+        """See `Link.upload`. A server without block upload is read by segmented transfer instead."""
+        with self._transfer_lock, self._translating(f"reading 0x{index:04X}:{sub}, asked twice"):
+            try:
+                return self._read(index, sub, block, length)
+            except SdoCommunicationError:
+                self._require_open()
+                self._counts["retries"] += 1
+                return self._read(index, sub, block, length)
+
+    def download(self, index: int, sub: int, data: bytes, *, block: bool = False) -> None:
+        """See `Link.download`."""
+        write = self._sdo.block_download if block else self._sdo.download
+        with self._transfer_lock, self._translating(f"writing 0x{index:04X}:{sub}, asked once"):
+            write(index, sub, data)
+
+    def nmt(self, command: NmtCommand) -> None:
+        """See `Link.nmt`."""
+        self._send(_NMT, bytes([command, self._node_id]))
+
+    def send_heartbeat(self) -> None:
+        """See `Link.send_heartbeat`; the message says operational (CiA 301, 7.2.8.3.2.2)."""
+        self._send(_HEARTBEAT + self._host_node_id, bytes([NmtState.OPERATIONAL]))
+
+    def subscribe(self, can_ids: Iterable[int], receiver: FrameReceiver) -> None:
+        """See `FrameLink.subscribe`."""
+        self._receivers = self._receivers | dict.fromkeys(can_ids, receiver)
+
+    def unsubscribe(self, can_ids: Iterable[int]) -> None:
+        """See `FrameLink.unsubscribe`."""
+        gone = set(can_ids)
+        self._receivers = {key: value for key, value in self._receivers.items() if key not in gone}
+
+    def send_pdo(self, can_id: int, data: bytes) -> None:
+        """See `FrameLink.send_pdo`."""
+        self._send(can_id, data)
+
+    # ---- transfers ---------------------------------------------------------------------------------------
+
+    def _read(self, index: int, sub: int, block: bool, length: int | None) -> bytes:
+        if block:
+            try:
+                return self._sdo.block_upload(index, sub)
+            except BlockNotOfferedError:
+                pass  # a read may be asked again in another way; a write never is
+        return self._sdo.upload(index, sub, length)
+
+    @contextmanager
+    def _translating(self, doing: str) -> Iterator[None]:
+        self._require_open()
+        node = f"node {self._node_id}"
+        try:
+            yield
+        except SdoAbortedError as aborted:
+            self._counts["sdo_aborts"] += 1
+            what = doing.partition(",")[0]
+            raise SdoAbort(f"{node} refused {what}: {abort_text(aborted.code)}", aborted.code) from None
+        except SdoTimeoutError:
+            self._require_open()
+            raise NoAnswer(
+                f"{node} did not answer within {self._sdo.timeout_s:g} s when {doing}; "
+                f"check that the drive is powered, its node id, the bit rate and the wiring"
+            ) from None
+        except SdoCommunicationError as reason:
+            raise LinkError(
+                f"{node} answered out of protocol when {doing}: {reason}; "
+                f"check the wiring, and that no other SDO client talks to this node"
+            ) from None
+        except (can.CanError, OSError) as reason:
+            raise self._send_failure(reason, _FAILING_S, _CHECK_SENDING) from reason
+
+    def _send(self, can_id: int, data: bytes) -> None:
+        self._require_open()
+        try:
+            self._network.send_message(can_id, data)
+        except (can.CanError, OSError) as reason:
+            raise self._send_failure(reason, _FAILING_S, _CHECK_SENDING) from reason
+
+    def _close_device(self) -> None:
+        self._bus.shutdown()
+
+    # ---- receive thread ------------------------------------------------------------------------------------
+
+    def _receive(self) -> None:
+        errors = 0
+        while not self._stopping.is_set():
+            try:
+                frame = self._bus.recv(_RECEIVE_S)
+                if frame is not None:
+                    self._handle(frame)
+            except Exception as error:  # noqa: BLE001  drivers raise anything at a line that is disturbed
+                self._counts["receive_errors"] += 1
+                errors += 1
+                if errors == _ERRORS_IN_A_ROW:
+                    self._failure = error
+                    return
+                self._stopping.wait(_ERROR_PAUSE_S)
+            else:
+                errors = 0
+
+    def _handle(self, frame: can.Message) -> None:
+        self._counts["frames_received"] += 1
+        if frame.is_error_frame or frame.is_remote_frame or frame.is_extended_id:
+            self._counts["frames_dropped"] += 1
+        elif (receiver := self._receivers.get(frame.arbitration_id)) is not None:
+            receiver(Frame(frame.arbitration_id, bytes(frame.data), self._arrival_s(frame)))
+        else:
+            self._network.notify(frame.arbitration_id, frame.data, frame.timestamp)
+
+    def _on_sdo_response(self, can_id: int, data: bytearray, timestamp: float) -> None:
+        if len(data) == 8:
+            self._sdo.on_response(can_id, data, timestamp)
+        else:
+            self._counts["frames_dropped"] += 1
+
+    def _on_heartbeat(self, can_id: int, data: bytearray, timestamp: float) -> None:
+        state = heartbeat_state(bytes(data))
+        if state is None:
+            self._counts["frames_dropped"] += 1
+            return
+        self._announced.hear_heartbeat(state)
+
+    def _on_emergency(self, frame: Frame) -> None:
+        emergency = Emergency.decode(frame.data)
+        if emergency is None:
+            self._counts["frames_dropped"] += 1
+            return
+        self._announced.hear_emergency(emergency, frame.arrival_s)

@@ -1,0 +1,1 @@
+"""What the live view shows, one module for each panel."""

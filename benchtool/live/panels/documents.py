@@ -1,0 +1,64 @@
+"""Parameters and results as documents of a recording, in Markdown."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+import rerun as rr
+
+from benchtool.live.panels.band import Limits
+
+
+def parameters_document(title: str, parameters: Mapping[str, object]) -> rr.TextDocument:
+    """What the drive was set to, by name with its unit."""
+    rows = [f"| {_cell(name)} | {_cell(_text(value))} |" for name, value in parameters.items()]
+    body = ["| parameter | value |", "|---|---:|", *rows] if rows else ["no parameters were read"]
+    return _markdown([f"**{title}**", "", *body])
+
+
+def results_document(
+    title: str,
+    measurements: Sequence[tuple[str, float, str]],
+    limits: Limits | None = None,
+    verdicts: Mapping[str, str] | None = None,
+    remarks: Sequence[str] = (),
+) -> rr.TextDocument:
+    """What was measured: (name, value, unit) each, those with a limit first, with the verdict on them."""
+    bounds, verdicts = limits or {}, verdicts or {}
+    ordered = sorted(measurements, key=lambda each: each[0] not in bounds)
+    rows = [
+        f"| {_cell(name)} | {_text(value)} | {_cell(unit)} | {_limit(bounds.get(name))} "
+        f"| {verdicts.get(name, '')} |"
+        for name, value, unit in ordered
+    ]
+    table = ["| measurement | value | unit | limit | verdict |", "|---|---:|---|---|---|", *rows]
+    return _markdown([f"**{title}**", "", *(f"{remark}\n" for remark in remarks), *(table if rows else [])])
+
+
+def certificate_document(measurements: Sequence[tuple[str, float, str]]) -> rr.TextDocument:
+    """How good the data are: (name, value, unit) each, missing rows first, then what is not zero."""
+    ordered = sorted(measurements, key=lambda each: (not each[0].endswith("_rows_missing"), each[1] == 0.0))
+    rows = [f"| {_cell(name)} | {_text(value)} | {_cell(unit)} |" for name, value, unit in ordered]
+    return _markdown(["| data quality | value | unit |", "|---|---:|---|", *rows])
+
+
+def _limit(bounds: tuple[float | None, float | None] | None) -> str:
+    if bounds is None:
+        return ""
+    least, most = bounds
+    return " ".join(f"{sign} {value:g}" for sign, value in (("≥", least), ("≤", most)) if value is not None)
+
+
+def _text(value: object) -> str:
+    if isinstance(value, float):
+        return f"{value:.4g}" if math.isfinite(value) else "–"
+    return str(value)
+
+
+def _cell(text: str) -> str:
+    return text.replace("|", "\\|").replace("\n", " ").replace("_", "\\_")
+
+
+def _markdown(lines: Sequence[str]) -> rr.TextDocument:
+    return rr.TextDocument("\n".join(lines), media_type=rr.MediaType.MARKDOWN)

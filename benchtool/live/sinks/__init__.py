@@ -1,0 +1,1 @@
+"""Where the live view goes: viewers and files."""

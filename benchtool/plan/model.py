@@ -1,0 +1,221 @@
+"""A plan as a validated TOML file."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, Literal
+
+from pydantic import AfterValidator, Field, model_validator
+
+from benchtool.document import Array, Section, document_path, load_document
+from benchtool.drive import Mode, Stimulus
+from benchtool.errors import PlanError
+from benchtool.plan.limits import Limit
+from benchtool.shipped import shipped
+
+Seconds = Annotated[float, Field(gt=0, le=3600)]
+Setting = float | str
+
+
+def _distinct(values: Sequence[Setting]) -> Sequence[Setting]:
+    """Refuse an array in which a value comes twice: as a channel's name, or in that of a case."""
+    shown = [part(value) for value in values]
+    for position, text in enumerate(shown):
+        if text in shown[:position]:
+            raise ValueError(f"{text} comes twice, once is expected: leave one out")
+    return values
+
+
+def part(value: Setting) -> str:
+    """A swept value in the name of its case: text as it is, a number to six digits."""
+    return value if isinstance(value, str) else f"{value:g}"
+
+
+Swept = Annotated[Array[float], Field(min_length=1), AfterValidator(_distinct)]
+_OF_MODE = {
+    "velocity": frozenset({"omega_m_rad_s", "load_torque_Nm"}),
+    "torque": frozenset({"torque_Nm", "hold_speed_rad_s", "load_torque_Nm"}),
+}
+
+
+class OperatingPoint(Section):
+    """Where the machine runs.
+
+    In velocity mode the drive holds the speed and the load machine loads the shaft. In torque mode the drive
+    makes the torque and the load machine holds the speed; without `hold_speed_rad_s` it loads the shaft.
+    `u_dc_V` is the dc link that this takes; without it, that of the profile's emulated bench.
+    """
+
+    mode: Literal["velocity", "torque"] = "velocity"
+    omega_m_rad_s: float = 0.0
+    load_torque_Nm: float = 0.0
+    torque_Nm: float = 0.0
+    hold_speed_rad_s: float | None = None
+    u_dc_V: Annotated[float, Field(gt=0)] | None = None
+    settle_s: Seconds = 1.0
+
+    @model_validator(mode="after")
+    def _keys_are_of_the_mode(self) -> OperatingPoint:
+        if self.mode == "velocity" and "omega_m_rad_s" not in self.model_fields_set:
+            raise ValueError("velocity mode needs omega_m_rad_s")
+        for key in sorted(frozenset[str]().union(*_OF_MODE.values()) - _OF_MODE[self.mode]):
+            if getattr(self, key):
+                raise ValueError(f"{self.mode} mode has no {key}")
+        if self.hold_speed_rad_s is not None and self.load_torque_Nm:
+            raise ValueError("a load machine holds a speed or a torque: give one of the two")
+        return self
+
+    @property
+    def mode_of_operation(self) -> Mode:
+        """The drive's mode."""
+        return Mode[self.mode.upper()]
+
+
+class Record(Section):
+    """What the drive captures, `stride` control ticks per row, from `pretrigger_s` before a stimulus on."""
+
+    duration_s: Seconds
+    channels: Annotated[Array[str], Field(min_length=1, max_length=16), AfterValidator(_distinct)]
+    stride: Annotated[int, Field(ge=1, le=10000)] = 1
+    pretrigger_s: Annotated[float, Field(ge=0)] = 0.01
+
+
+class Sweep(Section):
+    """Values to go through: every combination (`grid`), or the first of each, then the second (`list`).
+
+    `emulator` names what differs on an emulated bench (`inverter.dead_time_s`).
+    """
+
+    order: Literal["grid", "list"] = "grid"
+    setup: dict[str, Annotated[Array[Setting], Field(min_length=1), AfterValidator(_distinct)]] = Field(
+        default_factory=dict
+    )
+    emulator: dict[str, Swept] = Field(default_factory=dict)
+    operating_point: dict[
+        Literal["omega_m_rad_s", "load_torque_Nm", "torque_Nm", "hold_speed_rad_s"], Swept
+    ] = Field(default_factory=dict)
+
+    @model_validator(mode="after")
+    def _lists_are_equally_long(self) -> Sweep:
+        axes = (*self.setup.values(), *self.emulator.values(), *self.operating_point.values())
+        lengths = {len(values) for values in axes}
+        if self.order == "list" and len(lengths) > 1:
+            raise ValueError(f"order = 'list' needs lists of one length, these are {sorted(lengths)}")
+        return self
+
+
+class Variant(Section):
+    """A departure from the plan: other drive parameters, or another emulated bench; without a name, the plan
+    as it is."""
+
+    name: str = ""
+    setup: dict[str, Setting] = Field(default_factory=dict)
+    emulator: dict[str, float] = Field(default_factory=dict)
+
+
+class Analyses(Section):
+    """What is measured: the steady state from `steady_from_s` of the capture on, the response to a step, the
+    frequency response of a channel to another while a stimulus plays."""
+
+    steady: bool = True
+    steady_from_s: Annotated[float, Field(ge=0)] = 0.0
+    step: bool = False
+    step_signal: str = "torque"
+    step_reference: str = "torque_reference"
+    frequency_response: bool = False
+    response_input: str = "torque_reference"
+    response_output: str = "torque"
+
+
+class Plan(Section):
+    """One test: set up, run, record, measure, judge; once, or for every variant at every point of a sweep.
+
+    `emulator` alters the emulated bench that the plan runs on. With a `stimulus`, the capture is that of the
+    drive playing it. `limits` hold for every case, `case_limits` for the case that they name, or for all of
+    its repetitions. `judge` says what of these the limits hold for: each, their mean with its uncertainty, or
+    the worst; data quality, the operating point reached and limits of a single repetition hold for each
+    anyway. `published` has the figures of a publication to print beside ours, by case, `readings`
+    what that publication leaves open and how it is read here. `figure` sets the cases side by side, `sweep`
+    as `figure_of` against the operating point that is swept; `tabulate` names the measurements of a table
+    with a row for each case.
+    """
+
+    title: str
+    profile: str
+    case: str = ""
+    repetitions: Annotated[int, Field(ge=1, le=1000)] = 1
+    setup: dict[str, Setting] = Field(default_factory=dict)
+    operating_point: OperatingPoint
+    variants: Array[Variant] = ()
+    sweep: Sweep = Sweep()
+    record: Record
+    stimulus: Stimulus | None = None
+    analyses: Analyses = Analyses()
+    limits: dict[str, Limit] = Field(default_factory=dict)
+    case_limits: dict[str, dict[str, Limit]] = Field(default_factory=dict)
+    judge: Literal["each", "mean", "worst"] = "each"
+    published: dict[str, dict[str, float]] = Field(default_factory=dict)
+    readings: Array[str] = ()
+    figure: Literal["none", "torque", "steady", "spectra", "sweep", "bode"] = "none"
+    figure_of: str = "torque_ripple_pp"
+    tabulate: Array[str] = ()
+    emulator: dict[str, float] = Field(default_factory=dict)
+
+    @model_validator(mode="after")
+    def _sections_fit(self) -> Plan:
+        point = self.operating_point
+        if other := set[str](self.sweep.operating_point) - _OF_MODE[point.mode]:
+            raise ValueError(f"{point.mode} mode has no {', '.join(sorted(other))} to sweep")
+        if self.judge != "each" and self.repetitions < 2:
+            raise ValueError(
+                f"judge = '{self.judge}' is over repetitions, of which there is one: set repetitions"
+            )
+        if self.figure == "bode" and not self.analyses.frequency_response:
+            raise ValueError("figure = 'bode' needs analyses.frequency_response = true")
+        if self.stimulus is None:
+            return self
+        if point.mode_of_operation not in self.stimulus.modes:
+            raise ValueError(f"a {self.stimulus.quantity} stimulus does not play in {point.mode} mode")
+        if self.analyses.steady and not self.analyses.steady_from_s:
+            raise ValueError(
+                "a capture with a stimulus is no steady state: set analyses.steady = false, or steady_from_s"
+            )
+        if self.record.pretrigger_s >= self.record.duration_s:
+            raise ValueError("record.pretrigger_s leaves nothing of record.duration_s for the stimulus")
+        return self
+
+
+def plan_path(name: str) -> Path:
+    """File of a shipped plan's name (`zhu2011/ripple`), or of a path.
+
+    Raises:
+        PlanError: neither exists.
+    """
+    path = shipped("profiles") / f"{name}.toml"
+    place = path if path.name != "profile.toml" else None
+    return document_path(name, place, "plan", _names, PlanError)
+
+
+def plan_names(name: str) -> tuple[str, ...]:
+    """The plans of a folder, a shipped profile's (`zhu2011`) or another; a single plan's name as it is."""
+    for folder, prefix in ((shipped("profiles") / name, name), (Path(name), "")):
+        if folder.is_dir() and folder != shipped("profiles"):
+            files = sorted(path for path in folder.glob("*.toml") if path.name != "profile.toml")
+            return tuple(f"{prefix}/{path.stem}" if prefix else str(path) for path in files)
+    return (name,)
+
+
+def load_plan(name: str) -> Plan:
+    """The plan of a name or of a file.
+
+    Raises:
+        PlanError: unknown, unreadable, or a key is wrong.
+    """
+    return load_document(plan_path(name), Plan, PlanError)
+
+
+def _names() -> list[str]:
+    root = shipped("profiles")
+    plans = (path for path in root.glob("*/*.toml") if path.name != "profile.toml")
+    return sorted(str(path.relative_to(root).with_suffix("")) for path in plans)

@@ -1,0 +1,257 @@
+"""Whether the machine ran where the plan asked for it: what was reached as measurements, each with a limit.
+
+Speed, torque, load and dc link are means over the rows that are measured, or, with a stimulus, over those
+before it. What the capture does not hold is read from the drive just before the capture; what neither tells
+is undefined, and fails.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from dataclasses import replace as copied
+from typing import Any, Final
+
+import numpy as np
+
+from benchtool.analysis import Basis, Measurement, Uncertainty, cut_to_span
+from benchtool.analysis.ripple import record_basis
+from benchtool.analysis.scatter import error_of_record
+from benchtool.block import Block
+from benchtool.drive import Mode, RemoteDrive
+from benchtool.errors import AnalysisError
+from benchtool.plan.limits import Limit
+from benchtool.plan.model import OperatingPoint, Plan
+from benchtool.profile import Motor
+
+SIGNALS: Final = ("omega_m", "torque", "u_dc")
+READINGS, READING_EVERY_S = 20, 5e-3
+NAMES: Final = ("omega_m_reached", "torque_reached", "load_torque_reached", "u_dc_reached")
+
+_FEWEST_ROWS = 20
+_TRANSDUCER = "torque_transducer"
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What is known of a case besides its capture.
+
+    `readings` are of the drive just before it, by signal, `u_dc_V` is the dc link of the bench that the
+    profile describes, `parameter_check` is what `ParameterCheck.to_json` tells of the drive.
+    """
+
+    readings: Mapping[str, Sequence[float]] = field(default_factory=dict)
+    u_dc_V: float | None = None
+    parameter_check: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, details: Mapping[str, Any]) -> Seen:
+        """As `to_json` put it into a manifest."""
+        return cls(details.get("readings", {}), details.get("u_dc_V"), details.get("parameter_check", {}))
+
+    def to_json(self) -> dict[str, Any]:
+        """As a manifest keeps it."""
+        readings = {name: list(values) for name, values in self.readings.items()}
+        return {"readings": readings, "u_dc_V": self.u_dc_V, "parameter_check": dict(self.parameter_check)}
+
+
+@dataclass(frozen=True)
+class Asked:
+    """A quantity of the operating point: where it is to be, and by how much it may miss that.
+
+    `tolerance` is None where nothing says where it is to be.
+    """
+
+    name: str
+    value: float
+    unit: str
+    tolerance: float | None
+
+    @property
+    def limit(self) -> Limit | None:
+        """The limit that holds unless the plan sets another."""
+        if self.tolerance is None:
+            return None
+        return Limit(min=self.value - self.tolerance, max=self.value + self.tolerance)
+
+
+def asked(point: OperatingPoint, motor: Motor, u_dc_V: float | None) -> tuple[Asked, ...]:
+    """What an operating point asks for.
+
+    The tolerances, of what is asked and of the motor's rating, the greater of the two: speed 2 % and 0.5 %,
+    torque 5 % and 1 %, load 10 % and 2 %, dc link 10 %. That of the rating is at most half of what is asked,
+    so that a load that was never there is missed; without load friction may take 5 % of the rated torque.
+    """
+    return tuple(_asked(point, motor, point.u_dc_V or u_dc_V))
+
+
+def _asked(point: OperatingPoint, motor: Motor, u_dc_V: float | None) -> Iterator[Asked]:
+    speed, rated_Nm = motor.omega_m_N_rad_s, motor.T_N_Nm
+    velocity = point.mode_of_operation is Mode.VELOCITY
+    omega_m = point.omega_m_rad_s if velocity else point.hold_speed_rad_s
+    if omega_m is not None:
+        yield Asked("omega_m_reached", omega_m, "rad/s", _tolerance(omega_m, 0.02, 0.005 * speed))
+    if not velocity:
+        torque = point.torque_Nm
+        yield Asked("torque_reached", torque, "Nm", _tolerance(torque, 0.05, 0.01 * rated_Nm))
+    load = point.load_torque_Nm
+    if velocity or load:
+        least = 0.02 * rated_Nm if load else 0.05 * rated_Nm
+        yield Asked("load_torque_reached", load, "Nm", _tolerance(load, 0.1, least))
+    if u_dc_V is None:
+        yield Asked("u_dc_reached", math.nan, "V", None)
+    else:
+        yield Asked("u_dc_reached", u_dc_V, "V", 0.1 * u_dc_V)
+
+
+def _tolerance(value: float, share: float, least: float) -> float:
+    return max(share * abs(value), min(least, 0.5 * abs(value)) if value else least)
+
+
+def default_limits(wanted: Iterable[Asked]) -> dict[str, Limit]:
+    """The limits by the names of their measurements."""
+    return {each.name: each.limit for each in wanted if each.limit is not None}
+
+
+def to_read(plan: Plan, control_period_s: float) -> tuple[str, ...]:
+    """The signals of the operating point that the capture will not tell."""
+    before = round(plan.record.pretrigger_s / (control_period_s * plan.record.stride))
+    told = plan.stimulus is None or before >= _FEWEST_ROWS
+    return tuple(name for name in SIGNALS if not (told and name in plan.record.channels))
+
+
+def read(drive: RemoteDrive, names: Sequence[str]) -> dict[str, tuple[float, ...]]:
+    """Readings of these signals over a tenth of a second, as far as the drive has them."""
+    known = [name for name in names if name in drive.dictionary]
+    found: dict[str, list[float]] = {name: [] for name in known}
+    for _ in range(READINGS if known else 0):
+        for name in known:
+            if math.isfinite(value := drive.number(name)):
+                found[name].append(value)
+        drive.wait(READING_EVERY_S)
+    return {name: tuple(values) for name, values in found.items()}
+
+
+def measure_reached(
+    wanted: Sequence[Asked],
+    plan: Plan,
+    point: OperatingPoint,
+    motor: Motor,
+    capture: Block,
+    transducer: Block | None,
+    seen: Seen,
+) -> tuple[Measurement, ...]:
+    """What was reached of each quantity that is asked for.
+
+    Args:
+        wanted: as `asked` gives it.
+        plan: what was captured and played.
+        point: the operating point of the case.
+        motor: its inertia tells load from acceleration in torque mode.
+        capture: rows that are measured.
+        transducer: torque on the shaft over the same time, if there is one.
+        seen: what was read from the drive.
+    """
+    signals = _Signals(_rows(plan, capture), transducer, seen)
+    return tuple(_measured(each, point, motor, signals) for each in wanted)
+
+
+def _rows(plan: Plan, capture: Block) -> Block | None:
+    """The rows at the operating point: all, or those before the stimulus; None if these are too few."""
+    if capture.gaps:
+        return None
+    begin, end = 0, len(capture.data)
+    if plan.stimulus is not None:
+        end = round(plan.record.pretrigger_s * capture.sample_rate_Hz)
+    elif plan.analyses.steady:
+        begin = round(plan.analyses.steady_from_s * capture.sample_rate_Hz)
+    if end - begin < _FEWEST_ROWS:
+        return None
+    first = capture.first_tick + begin * capture.stride
+    return copied(capture, first_tick=first, data=capture.data[begin:end])
+
+
+@dataclass(frozen=True)
+class _Mean:
+    """Mean of a signal, what it rests on, and where it comes from in words."""
+
+    value: float
+    standard: float
+    basis: Basis
+    source: str
+
+
+@dataclass(frozen=True)
+class _Signals:
+    """Where the signals of an operating point are found."""
+
+    rows: Block | None
+    transducer: Block | None
+    seen: Seen
+
+    def mean(self, name: str) -> _Mean | None:
+        """Mean over the rows, or else of the readings; None without both."""
+        if self.rows is not None and name in self.rows.names:
+            return _mean_of(self.rows, name, f"{name} in the capture")
+        readings = np.array(self.seen.readings.get(name, ()), dtype=np.float64)
+        if not len(readings):
+            return None
+        basis = Basis(len(readings), 1.0 / READING_EVERY_S, len(readings) * READING_EVERY_S)
+        spread = float(np.std(readings, ddof=1)) / math.sqrt(len(readings)) if len(readings) > 1 else math.nan
+        return _Mean(float(np.mean(readings)), spread, basis, f"{name} read just before the capture")
+
+    def on_shaft(self) -> _Mean | None:
+        """Mean of the transducer over the rows, or else of the drive's estimate."""
+        if self.transducer is not None and self.rows is not None:
+            try:
+                inside = cut_to_span(self.transducer, self.rows)
+            except AnalysisError:  # it covers the stimulus, and not all of what is before
+                return self.mean("torque")
+            return _mean_of(inside, _TRANSDUCER, f"{_TRANSDUCER} over the same time")
+        return self.mean("torque")
+
+    def acceleration_rad_s2(self) -> float | None:
+        """Slope of the speed over the rows, or else over the readings."""
+        if self.rows is not None and "omega_m" in self.rows.names:
+            omega_m, period_s = self.rows.column("omega_m"), 1.0 / self.rows.sample_rate_Hz
+        else:
+            omega_m, period_s = np.array(self.seen.readings.get("omega_m", ())), READING_EVERY_S
+        if len(omega_m) < 2:
+            return None
+        slope = np.polynomial.Polynomial.fit(np.arange(len(omega_m)), omega_m, 1).convert().coef
+        return float(slope[1] / period_s) if len(slope) > 1 else 0.0
+
+
+def _mean_of(block: Block, name: str, source: str) -> _Mean:
+    samples = block.column(name)
+    return _Mean(float(np.mean(samples)), error_of_record(samples).standard, record_basis(block), source)
+
+
+def _measured(each: Asked, point: OperatingPoint, motor: Motor, signals: _Signals) -> Measurement:
+    text = (
+        f"asked for: {each.value:g} {each.unit}" if each.tolerance is not None else "nothing says where to be"
+    )
+    match each.name:
+        case "load_torque_reached" if point.mode_of_operation is Mode.TORQUE:
+            mean, slope = signals.mean("torque"), signals.acceleration_rad_s2()
+            if mean is not None and slope is not None:
+                braked = mean.value - motor.J_kgm2 * slope
+                source = f"{mean.source}, less J x slope of omega_m"
+                mean = copied(mean, value=braked, source=source)
+            else:
+                mean = None
+        case "load_torque_reached":
+            mean = signals.on_shaft()
+        case name:
+            mean = signals.mean(name.removesuffix("_reached"))
+    if mean is None:
+        return Measurement.undefined(
+            each.name, each.unit, f"mean; {text}", "neither the capture nor the drive tells it"
+        )
+    # samples that are all the same, but for rounding, are below the resolution and tell no scatter
+    known = math.isfinite(mean.standard) and mean.standard > 1e-9 * abs(mean.value)
+    uncertain = Uncertainty(mean.standard, "scatter over parts of the record") if known else None
+    return Measurement(
+        each.name, mean.value, each.unit, f"mean of {mean.source}; {text}", mean.basis, uncertain
+    )

@@ -1,0 +1,266 @@
+"""A plan against profile, dictionary and bench, before anything is opened or sent."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Final
+
+from benchtool.document import Path_, closest, line_of
+from benchtool.errors import PlanError, ProfileError, ValueRefused
+from benchtool.plan.cases import Case, cases
+from benchtool.plan.model import Plan, Setting
+from benchtool.plan.naming import Naming
+from benchtool.plan.rating import beyond_rating, speed_rad_s
+from benchtool.profile import Profile, altered
+from benchtool.protocol.capture import MOST_VALUES
+from benchtool.protocol.dictionary import Dictionary
+from benchtool.protocol.dictionary.keys import setting_of
+
+_FEWEST_PERIODS = 2
+_ROWS_AT_THE_ENDS = 63  # of a current, which only feed the interpolation
+_PERIODIC: Final = frozenset({"i_a", "theta_m", "psi_alpha", "psi_beta"})
+_LONGEST_NAME = 200
+_TAKEN: Final = frozenset({"plots", "data"})
+
+Faults = Iterator[tuple[Path_, str]]
+
+
+def require_known(
+    plan: Plan, path: Path, profile: Profile, dictionary: Dictionary, *, transducer: bool
+) -> None:
+    """Check all that the plan at `path` names and asks for.
+
+    Args:
+        plan: as it was read.
+        path: of its file, for messages.
+        profile: of the motor and the bench that it will run on.
+        dictionary: of the drive.
+        transducer: whether that bench has a torque transducer.
+
+    Raises:
+        ProfileError: the profile sets a parameter that there is not, or to what it cannot be.
+        PlanError: something is unknown, out of its limits or cannot be measured; the message names file, line
+            and key of the first such thing.
+    """
+    for key, value in profile.drive.parameters.items():
+        try:
+            setting_of(dictionary, key, value)
+        except ValueRefused as refused:
+            raise ProfileError(f"profile '{profile.title}', [drive.parameters]: {refused}") from None
+    text = path.read_text(encoding="utf-8")
+    stream = "stream_sequence" in dictionary
+    naming = Naming(plan, profile.motor, transducer, stream)
+    for faults in (
+        _setting_faults(plan, dictionary),
+        _channel_faults(plan, dictionary),
+        _case_faults(plan),
+        _bench_faults(plan, profile),
+        _rating_faults(plan, profile),
+        _record_faults(plan, dictionary),
+        _window_faults(plan, profile, dictionary),
+        naming.faults(),
+    ):
+        for location, reason in faults:
+            raise PlanError(f"{path}{line_of(text, location)}: {reason}")
+
+
+def _setting_faults(plan: Plan, dictionary: Dictionary) -> Faults:
+    """Parameters that there are not, and values that they cannot have."""
+    for location, key, value in _settings(plan):
+        try:
+            variable = setting_of(dictionary, key, value)
+        except ValueRefused as refused:
+            yield location, str(refused)
+            continue
+        if variable.role in ("signal", "command") or not variable.writable:
+            yield location, f"'{key}' is not a parameter to set up: see 'benchtool params list'"
+
+
+def _channel_faults(plan: Plan, dictionary: Dictionary) -> Faults:
+    """Signals that there are not, and channels that an analysis asks for and the capture does not have."""
+    known = [variable.name for variable in dictionary if variable.role == "signal"]
+    for channel in plan.record.channels:
+        if channel not in known:
+            yield ("record", "channels"), f"no signal '{channel}' to capture: {closest(channel, known)}"
+    for key, channel in _analysed(plan):
+        if channel not in plan.record.channels:
+            yield (
+                ("analyses", key),
+                f"{key} is '{channel}', which record.channels does not have: add it there, or choose one of "
+                f"{', '.join(plan.record.channels)}",
+            )
+
+
+def _case_faults(plan: Plan) -> Faults:
+    """Cases that would share a name or a folder, and names that no folder can have."""
+    todo = cases(plan)
+    if len(todo) == 1:
+        return  # its folder is the run's
+    seen: dict[str, str] = {}
+    for case in todo:
+        place = _origin(plan, case)
+        folder = case.folder.casefold()
+        if folder in seen:
+            other = f"'{seen[folder]}'" if seen[folder] != case.name else "another"
+            yield (
+                place,
+                f"case '{case.name}' would share its folder with {other}: rename a variant or a value",
+            )
+        seen[folder] = case.name
+        if not folder.strip(".") or folder.startswith(".") or folder in _TAKEN:
+            yield place, f"case '{case.name}' would have the folder '{case.folder}': give it another name"
+        if len(folder.encode()) > _LONGEST_NAME:
+            yield place, f"case '{case.name[:40]}...' has {len(folder)} characters: give it a shorter name"
+
+
+def _origin(plan: Plan, case: Case) -> Path_:
+    """Where the name of a case comes from, as far as that can be told."""
+    for number, variant in enumerate(plan.variants):
+        if case.group == variant.name or case.group.startswith(f"{variant.name},"):
+            return "variants", number, "name"
+    if plan.sweep.setup or plan.sweep.emulator or plan.sweep.operating_point:
+        return ("sweep",)
+    return ("case",) if plan.case else ("setup", "law")
+
+
+def _bench_faults(plan: Plan, profile: Profile) -> Faults:
+    """Alterations of the emulated bench that it cannot have."""
+    sections: list[tuple[Path_, dict[str, float]]] = [(("emulator",), plan.emulator)]
+    sections += [
+        (("variants", number, "emulator"), variant.emulator) for number, variant in enumerate(plan.variants)
+    ]
+    sections += [
+        (("sweep", "emulator"), {key: value})
+        for key, values in plan.sweep.emulator.items()
+        for value in values
+    ]
+    for location, alterations in sections:
+        for key, value in alterations.items():
+            try:
+                altered(profile, {key: value})
+            except ProfileError as refused:
+                yield (*location, key), str(refused)
+
+
+def _rating_faults(plan: Plan, profile: Profile) -> Faults:
+    """Setpoints and stimuli beyond the motor's rating, in any case."""
+    for case in cases(plan):
+        parameters = {**profile.drive.parameters, **plan.setup, **case.setup}
+        for key, reason in beyond_rating(case.operating_point, plan.stimulus, profile.motor, parameters):
+            if key in plan.sweep.operating_point:
+                yield ("sweep", "operating_point", key), reason
+            elif key == "stimulus":
+                yield ("stimulus",), reason
+            else:
+                yield ("operating_point", key), reason
+
+
+def _record_faults(plan: Plan, dictionary: Dictionary) -> Faults:
+    """More rows than the drive records, and a stimulus that its control period cannot play."""
+    record = plan.record
+    period_s = _control_period_s(dictionary)
+    if period_s is None:
+        return
+    rows = round(record.duration_s / (period_s * record.stride))
+    shown = f"record.duration_s = {record.duration_s:g} makes {rows} rows of {period_s * record.stride:g} s"
+    place = ("record", "duration_s")
+    remedy = "shorten it, or record every so many ticks with stride"
+    if rows < 2:
+        yield place, f"{shown}: at least 2 are needed, lengthen it"
+    if "capture_rows" in dictionary:
+        most = dictionary["capture_rows"].maximum
+        if most is not None and rows > most:
+            yield place, f"{shown}, the drive records {most:g} at most: {remedy}"
+    values = rows * len(record.channels)
+    if "capture_data" in dictionary and values > MOST_VALUES:
+        yield (
+            place,
+            f"{shown} and {len(record.channels)} channels, {values} values, the drive has room for "
+            f"{MOST_VALUES}: {remedy}",
+        )
+    if plan.stimulus is None:
+        return
+    try:
+        table = plan.stimulus.table(period_s)
+        for name, value in table.items():
+            if name in dictionary:
+                dictionary[name].encode(value)
+    except ValueRefused as refused:
+        yield ("stimulus",), str(refused)
+
+
+def _control_period_s(dictionary: Dictionary) -> float | None:
+    """Of the drive, as its dictionary states it; None if it does not."""
+    period_s = dictionary["control_period"].default if "control_period" in dictionary else None
+    return period_s if isinstance(period_s, int | float) else None
+
+
+def _window_faults(plan: Plan, profile: Profile, dictionary: Dictionary) -> Faults:
+    """Windows that are too short for what is to be measured in them."""
+    record, analyses = plan.record, plan.analyses
+    if analyses.steady and analyses.steady_from_s >= record.duration_s:
+        yield (
+            ("analyses", "steady_from_s"),
+            f"steady_from_s = {analyses.steady_from_s:g} leaves nothing of the {record.duration_s:g} s that "
+            f"are recorded: begin earlier or record longer",
+        )
+    elif analyses.steady and _PERIODIC & set(record.channels):
+        yield from _period_faults(plan, profile, _control_period_s(dictionary) or 0.0)
+    stimulus = plan.stimulus
+    if stimulus is None or not analyses.frequency_response:
+        return
+    after_s = record.duration_s - record.pretrigger_s
+    length_s = stimulus.duration_s
+    if length_s is None and stimulus.prbs_clock_s is not None and stimulus.prbs_length is not None:
+        length_s = stimulus.prbs_clock_s * ((1 << stimulus.prbs_length) - 1)
+    if stimulus.repetitions > 1 and length_s is not None and after_s < 2.0 * length_s:
+        yield (
+            ("record", "duration_s"),
+            f"the stimulus repeats itself every {length_s:g} s and {after_s:g} s of it are recorded: two "
+            f"repetitions at least are needed, of which the first is left out",
+        )
+
+
+def _period_faults(plan: Plan, profile: Profile, period_s: float) -> Faults:
+    """Fewer than two electrical periods in the steady state of a case."""
+    record = plan.record
+    window_s = record.duration_s - plan.analyses.steady_from_s
+    lost_s = _ROWS_AT_THE_ENDS * period_s * record.stride if "i_a" in record.channels else 0.0
+    for case in cases(plan):
+        omega_m = speed_rad_s(case.operating_point, plan.stimulus)
+        if omega_m is None:
+            continue
+        f_e_Hz = profile.motor.pole_pairs * abs(omega_m) / (2.0 * math.pi)
+        periods = max(0.0, window_s - lost_s) * f_e_Hz
+        if periods >= _FEWEST_PERIODS:
+            continue
+        least = f"record {_FEWEST_PERIODS / f_e_Hz + lost_s:.3g} s at least" if f_e_Hz else "the shaft stands"
+        yield (
+            ("record", "duration_s"),
+            f"the steady state lasts {window_s:g} s, {periods:.2g} electrical periods at {omega_m:g} rad/s "
+            f"(case '{case.name}'), {_FEWEST_PERIODS} are needed: {least}, or set analyses.steady = false",
+        )
+
+
+def _analysed(plan: Plan) -> Iterator[tuple[str, str]]:
+    """The keys of `analyses` that name a channel, and that channel."""
+    analyses = plan.analyses
+    if analyses.step:
+        yield "step_signal", analyses.step_signal
+        yield "step_reference", analyses.step_reference
+    if analyses.frequency_response:
+        yield "response_input", analyses.response_input
+        yield "response_output", analyses.response_output
+
+
+def _settings(plan: Plan) -> Iterator[tuple[Path_, str, Setting]]:
+    for key, value in plan.setup.items():
+        yield ("setup", key), key, value
+    for key, values in plan.sweep.setup.items():
+        for value in values:
+            yield ("sweep", "setup", key), key, value
+    for number, variant in enumerate(plan.variants):
+        for key, value in variant.setup.items():
+            yield ("variants", number, "setup", key), key, value

@@ -1,0 +1,1 @@
+"""What CANopen adds to a dictionary (CiA 301): network management, process data, emergencies, abort codes."""

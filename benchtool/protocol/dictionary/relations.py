@@ -1,0 +1,65 @@
+"""Limits that are the value of another variable, such as a trip level's: the end of the converter's range."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from benchtool.protocol.dictionary import Dictionary
+from benchtool.protocol.dictionary.keys import variable_of
+from benchtool.protocol.dictionary.variable import Value, Variable
+
+_ROUNDING = 1e-6  # of a float32
+
+
+@dataclass(frozen=True)
+class Relation:
+    """`lower` is at most `times` the value of `upper`; where that is 0 it is not known, and no limit."""
+
+    lower: Variable
+    upper: Variable
+    times: float
+
+    def breach(self, values: Mapping[str, Value]) -> str:
+        """What is wrong with these values, by name, and what to do; empty if nothing, or one is missing."""
+        lower, upper = values.get(self.lower.name), values.get(self.upper.name)
+        if not (isinstance(lower, int | float) and isinstance(upper, int | float)) or upper <= 0:
+            return ""
+        most = self.times * upper
+        if lower <= most * (1.0 + _ROUNDING):
+            return ""
+        times = "" if self.times == 1 else f"{self.times:g} times "
+        return (
+            f"{self.lower.name} = {lower:.6g} {self.lower.unit} is above {times}{self.upper.name} "
+            f"= {upper:.6g} {self.upper.unit}: give at most {most:.6g} {self.lower.unit}"
+        )
+
+
+def relations(dictionary: Dictionary) -> Iterator[Relation]:
+    """Every relation of two variables that the dictionary states, once."""
+    stated: set[tuple[str, str]] = set()
+    for variable in dictionary:
+        pairs = ((variable.name, variable.max_entry), (variable.min_entry, variable.name))
+        for lower, upper in pairs:
+            if lower in dictionary and upper in dictionary and (lower, upper) not in stated:
+                stated.add((lower, upper))
+                times = variable.max_times if lower == variable.name else 1.0
+                yield Relation(dictionary[lower], dictionary[upper], times)
+
+
+def first_breach(dictionary: Dictionary, given: Mapping[str, Value], ranges: Mapping[str, Value]) -> str:
+    """What is wrong with parameters, by key, on a drive whose sensors have these `ranges`; empty if nothing.
+
+    What is not given has its default, except for levels that a drive cuts to its ranges.
+    """
+    values = {variable.name: variable.default for variable in dictionary if variable.default is not None}
+    set_here = [(variable_of(dictionary, key), value) for key, value in given.items()]
+    values |= {variable.name: variable.decode(variable.encode(value)) for variable, value in set_here}
+    values |= {variable_of(dictionary, key).name: value for key, value in ranges.items()}
+    names = {variable.name for variable, _ in set_here}
+    found = (
+        each.breach(values)
+        for each in relations(dictionary)
+        if each.lower.name in names or each.upper.name in names
+    )
+    return next(filter(None, found), "")

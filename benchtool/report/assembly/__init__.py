@@ -1,0 +1,1 @@
+"""Reports put together from results: one case, a plan, a comparison, a table of another tool."""

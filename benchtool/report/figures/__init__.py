@@ -1,0 +1,1 @@
+"""Figures of results and recordings, as matplotlib figures without pyplot."""

@@ -1,0 +1,43 @@
+"""Figure of the inverter's states: how much of the time each of its vectors takes."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from benchtool.analysis import Table
+from benchtool.report.figures.style import BLUE, ORANGE, add_legend, dress, new_figure
+
+
+def draw_switching_states(table: Table, *, title: str) -> Figure:
+    """A bar for each vector: share of the time, and beside it share of the periods that use it.
+
+    Args:
+        table: `switching_states` of `benchtool.analysis.switching`.
+    """
+    vector, angle_deg, time_share, period_share = np.array(table.rows).T
+    figure = new_figure(3.2, title, f"without voltage {time_share[0]:.3g} % of the time")
+    axes = figure.subplots()
+    place = np.arange(len(vector))
+    axes.bar(place - 0.2, time_share, 0.4, color=BLUE, label="of the time")
+    axes.bar(
+        place + 0.2,
+        period_share,
+        0.4,
+        facecolor="none",
+        edgecolor=ORANGE,
+        hatch="////",
+        linewidth=0.9,
+        label="of the periods",
+    )
+    names = [
+        "zero (0, 7)" if math.isnan(angle) else f"{number:.0f}: {angle:.0f}°"
+        for number, angle in zip(vector, angle_deg, strict=True)
+    ]
+    dress(axes, "voltage vector and its angle", "share (%)")
+    axes.set_xticks(place, names)
+    axes.grid(visible=False, axis="x")
+    add_legend(axes)
+    return figure

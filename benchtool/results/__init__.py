@@ -1,0 +1,1 @@
+"""What recorded cases come to: measurements, verdicts, repetitions together, and how runs differ."""

@@ -1,0 +1,142 @@
+"""What the repetitions of a case come to together: the mean of each measurement, what it is worth, and how it
+meets a limit that holds for all of them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+import numpy as np
+
+from benchtool.analysis import Measurement, Uncertainty
+from benchtool.plan.cases import cases
+from benchtool.plan.limits import Limit, Missed, Verdict, missed
+from benchtool.plan.model import Plan
+from benchtool.plan.operating_point import NAMES as REACHED
+from benchtool.telemetry.certificate import certificate_names
+
+
+@dataclass(frozen=True)
+class Repeated:
+    """One measurement over `n` repetitions in which it was defined.
+
+    `standard_uncertainty` is that of the mean, the standard deviation over sqrt(n) with n - 1 degrees of
+    freedom (JCGM 100:2008, 4.2.3), and nan of fewer than two. It knows nothing of what all repetitions share.
+    `limit` is the one that holds for them together and `judged` what it is put to: the mean, or the worst
+    repetition; None where the plan judges each, or where nothing was measured.
+    """
+
+    name: str
+    unit: str
+    mean: float
+    standard_uncertainty: float
+    n: int
+    limit: Limit | None = None
+    judged: Measurement | None = None
+
+    @property
+    def uncertainty(self) -> Uncertainty | None:
+        """Of the mean; None of fewer than two repetitions."""
+        if self.n < 2:
+            return None
+        return Uncertainty(self.standard_uncertainty, f"scatter over {self.n} repetitions", self.n - 1.0)
+
+    @property
+    def verdict(self) -> Verdict:
+        """How the limit is met; `NONE` without one."""
+        if self.limit is None:
+            return Verdict.NONE
+        if self.judged is None:
+            return Verdict.FAIL
+        return self.limit.judge(self.judged.value, self.judged.uncertainty)
+
+    @property
+    def missed(self) -> Missed | None:
+        """What is to be said of the limit; None where it is met or where there is none."""
+        return None if self.limit is None else missed(self.name, self.limit, self.judged)
+
+    def to_json(self) -> dict[str, Any]:
+        """JSON has no nan, so that it becomes null."""
+        document: dict[str, Any] = {
+            "mean": _finite(self.mean),
+            "standard_uncertainty": _finite(self.standard_uncertainty),
+            "n": self.n,
+            "unit": self.unit,
+        }
+        if self.uncertainty is not None:
+            document["uncertainty"] = self.uncertainty.to_json()
+        if self.limit is not None:
+            document["limit"] = self.limit.to_json(self.judged)
+        return document
+
+
+def over_repetitions(
+    plan: Plan, measured: Mapping[str, Sequence[Measurement]]
+) -> dict[str, tuple[Repeated, ...]]:
+    """Every measurement of every case over its repetitions, by the case's name without their number.
+
+    Args:
+        plan: if it has one repetition only, there is nothing to say.
+        measured: the measurements of its cases by name; a case that is missing has measured nothing.
+    """
+    if plan.repetitions < 2:
+        return {}
+    groups: dict[str, list[Sequence[Measurement]]] = {}
+    for case in cases(plan):
+        groups.setdefault(case.group, []).append(measured.get(case.name, ()))
+    return {
+        name: tuple(_together(group, plan.judge, limits_together(plan, name)))
+        for name, group in groups.items()
+    }
+
+
+def limits_together(plan: Plan, group: str) -> dict[str, Limit]:
+    """The limits of a case that hold for all of its repetitions together, by `judge` of the plan."""
+    if plan.judge == "each":
+        return {}
+    each = {*REACHED, *certificate_names(stream=True)}
+    limits = {**plan.limits, **plan.case_limits.get(group, {})}
+    return {name: limit for name, limit in limits.items() if name not in each}
+
+
+def _together(
+    group: Sequence[Sequence[Measurement]],
+    judge: Literal["each", "mean", "worst"],
+    limits: Mapping[str, Limit],
+) -> Iterator[Repeated]:
+    units = {each.name: each.unit for measurements in group for each in measurements}
+    for name in dict.fromkeys((*units, *limits)):
+        found = [each for measurements in group for each in measurements if each.name == name]
+        values = [each.value for each in found if math.isfinite(each.value)]
+        mean = float(np.mean(values)) if values else math.nan
+        spread = float(np.std(values, ddof=1)) / math.sqrt(len(values)) if len(values) > 1 else math.nan
+        limit = limits.get(name)
+        together = Repeated(name, units.get(name, ""), mean, spread, len(values), limit)
+        if limit is not None and found:
+            together = replace(together, judged=_judged(together, found, len(group), judge == "mean"))
+        yield together
+
+
+def _judged(together: Repeated, found: Sequence[Measurement], count: int, of_mean: bool) -> Measurement:
+    """What a limit over `count` repetitions is put to; undefined where one of them has no value."""
+    limit, name, unit = together.limit, together.name, together.unit
+    assert limit is not None
+    definition = f"{'mean' if of_mean else 'worst'} of {count} repetitions"
+    if together.n < count:
+        reason = f"{count - together.n} of {count} repetitions have no value"
+        return Measurement.undefined(name, unit, definition, reason)
+    if of_mean:
+        return Measurement(name, together.mean, unit, definition, uncertainty=together.uncertainty)
+    order = list(Verdict)
+
+    def merit(each: Measurement) -> tuple[int, float]:
+        """Verdict before distance: with guard bands, the widest uncertainty may be what misses."""
+        return -order.index(limit.judge(each.value, each.uncertainty)), limit.room(each.value)
+
+    return replace(min(found, key=merit), definition=definition)
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None

@@ -1,0 +1,1 @@
+"""Running a plan on a session: every case conducted, recorded and assessed in turn."""

@@ -1,0 +1,132 @@
+"""Conducting one case: hold or load the shaft, enable, settle, capture or play, and disable again."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+from benchtool.bench.session import LoadMachine, Session
+from benchtool.block import Block
+from benchtool.drive import Capture, CaptureRequest, Mode, play
+from benchtool.plan.cases import Case
+from benchtool.plan.model import OperatingPoint, Plan, Record
+from benchtool.plan.operating_point import read, to_read
+
+_LOAD_RAMP = 0.25  # of the settling time
+_LOAD_STEPS = 50
+
+
+class Progress(Protocol):
+    """Whoever watches a run."""
+
+    def begin(self, case: str, number: int, count: int) -> None:
+        """Case `number` of `count` begins."""
+
+    def note(self, text: str) -> None:
+        """A step within the case begins."""
+
+
+@dataclass(frozen=True)
+class Conducted:
+    """What a case gave: the drive's capture, that of the torque transducer where the bench has one, and what
+    was read from the drive just before, by signal."""
+
+    capture: Block
+    transducer: Block | None
+    readings: Mapping[str, Sequence[float]]
+
+
+def conduct(session: Session, plan: Plan, case: Case, progress: Progress) -> Conducted:
+    """Run one case and return what was recorded.
+
+    The drive is disabled and the shaft unloaded when this returns or raises.
+
+    Raises:
+        BenchError: whatever went wrong.
+    """
+    point = case.operating_point
+    try:
+        _hold(session, point, progress)
+        progress.note("enabling")
+        with session.drive.enabled(point.mode_of_operation):
+            _settle(session, point, progress)
+            names = to_read(plan, session.drive.number("control_period"))
+            readings = read(session.drive, names)
+            capture = _play if plan.stimulus else _capture
+            return Conducted(*capture(session, plan, progress), readings)
+    finally:
+        if session.load is not None:
+            session.load.apply(0.0)
+
+
+def _hold(session: Session, point: OperatingPoint, progress: Progress) -> None:
+    """Have the load machine turn the shaft, before the drive is switched on."""
+    if point.hold_speed_rad_s is None:
+        return
+    progress.note(f"holding {point.hold_speed_rad_s:g} rad/s")
+    if session.load is not None:
+        session.load.hold(point.hold_speed_rad_s)
+    else:
+        progress.note("this bench has no load machine: turn the shaft at this speed yourself")
+    session.drive.wait(point.settle_s / 2.0)
+
+
+def _apply_load(session: Session, load: LoadMachine, point: OperatingPoint) -> None:
+    """Ramp the load up: a step would be a test of the speed controller."""
+    for step in range(1, _LOAD_STEPS + 1):
+        load.apply(point.load_torque_Nm * step / _LOAD_STEPS)
+        session.drive.wait(_LOAD_RAMP * point.settle_s / _LOAD_STEPS)
+
+
+def _settle(session: Session, point: OperatingPoint, progress: Progress) -> None:
+    """Take the setpoint, then load, then wait: half of the time for each."""
+    if point.mode_of_operation is Mode.TORQUE:
+        progress.note(f"making {point.torque_Nm:g} Nm")
+        session.drive.write("torque_command", point.torque_Nm)
+    else:
+        loaded = f" with {point.load_torque_Nm:g} Nm" if session.load is not None else ""
+        progress.note(f"running at {point.omega_m_rad_s:g} rad/s{loaded}")
+        session.drive.write("omega_m_command", point.omega_m_rad_s)
+    session.drive.wait(point.settle_s / 2.0)
+    if point.hold_speed_rad_s is not None:
+        return
+    if session.load is not None:
+        _apply_load(session, session.load, point)
+    elif point.load_torque_Nm:
+        progress.note(
+            f"this bench has no load machine: load the shaft with {point.load_torque_Nm:g} Nm yourself"
+        )
+    session.drive.wait(point.settle_s / 2.0)
+
+
+def _capture(session: Session, plan: Plan, progress: Progress) -> tuple[Block, Block | None]:
+    progress.note(f"capturing {plan.record.duration_s:g} s on the drive")
+    capture = Capture(session.drive, _request(session, plan.record))
+    if session.transducer is not None:
+        session.transducer.start(capture.duration_s)
+    capture.wait()
+    transducer = session.transducer.block() if session.transducer is not None else None
+    progress.note("reading the capture")
+    return capture.read(), transducer
+
+
+def _play(session: Session, plan: Plan, progress: Progress) -> tuple[Block, Block | None]:
+    """Capture while the drive plays the plan's stimulus, from some rows before it on."""
+    assert plan.stimulus is not None
+    request = _request(session, plan.record)
+    row_s = plan.record.duration_s / request.rows
+    request = replace(request, pretrigger_rows=round(plan.record.pretrigger_s / row_s))
+    progress.note(f"playing a {plan.stimulus.quantity} {plan.stimulus.shape} on the drive, and capturing")
+    if session.transducer is not None:
+        session.transducer.start(plan.record.duration_s)
+    block = play(session.drive, plan.stimulus, request, motor=session.profile.motor)
+    assert block is not None  # there was a request
+    return block, session.transducer.block() if session.transducer is not None else None
+
+
+def _request(session: Session, record: Record) -> CaptureRequest:
+    period_s = session.drive.number("control_period")
+    return CaptureRequest(
+        record.channels, rows=round(record.duration_s / (period_s * record.stride)), stride=record.stride
+    )

@@ -1,0 +1,312 @@
+"""Runs a plan on a session: every case in turn, each kept as a bundle of its own."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, contextmanager
+from dataclasses import asdict, dataclass, field, replace
+from pathlib import Path
+
+from benchtool.analysis import measurements_to_json, tables_to_json
+from benchtool.bench.session import Session
+from benchtool.block import Block
+from benchtool.drive import Identity
+from benchtool.drive.parameters.transaction import snapshot, temporary
+from benchtool.errors import RecordingError, ValueRefused
+from benchtool.plan.cases import Case, cases
+from benchtool.plan.limits import Verdict
+from benchtool.plan.model import Plan, Setting
+from benchtool.plan.operating_point import Seen
+from benchtool.plan.rating import require_rated
+from benchtool.recording import Bundle, BundleWriter, Conditions, EventFile, Manifest, software_versions
+from benchtool.report.assembly.figures import draw_case, draw_cases
+from benchtool.results.assessment import Assessment, RunResult, assess, assess_bundle
+from benchtool.results.repetitions import over_repetitions
+from benchtool.run.conduct import Progress, conduct
+from benchtool.run.observers import Unwatched, Watcher
+from benchtool.run.parameter_check import ParameterCheck, check_parameters
+from benchtool.run.resumption import Origin, case_folder, require_same_origin
+from benchtool.telemetry import (
+    FanOut,
+    Journal,
+    Sink,
+    TelemetryStream,
+    certify_recording,
+    keep_journal,
+    record_stream,
+)
+
+
+@dataclass(frozen=True)
+class RunInfo:
+    """What only the caller knows of a run.
+
+    `when` is wall time in ISO 8601, `wall_s` tells that of now. `allow_different` lets a drive run whose
+    parameters contradict the profile. `profile_toml` is the text of the profile, None if it is not known
+    before the bench is open. `note` and `conditions` go into the manifest as they are.
+    """
+
+    when: str
+    seed: int
+    command_line: tuple[str, ...]
+    allow_different: bool = False
+    wall_s: Callable[[], float] = time.time
+    link: str = "emulated"
+    profile_toml: str | None = None
+    note: str = ""
+    conditions: Conditions = field(default_factory=Conditions)
+
+
+Opener = Callable[[Case, int], AbstractContextManager[Session]]
+
+
+def run_plan(
+    opener: Opener,
+    plan: Plan,
+    folder: Path,
+    info: RunInfo,
+    progress: Progress,
+    *,
+    resume: bool = False,
+    watcher: Watcher | None = None,
+) -> RunResult:
+    """Run every case of `plan`; a plan of one case has its bundle in `folder`, others in folders within it.
+
+    When this returns or raises, the drive is disabled and its parameters are what they were.
+
+    Args:
+        opener: opens the session of a case; on an emulated bench as the case alters it, with the seed given.
+        resume: take the cases that `folder` already holds complete from there.
+        watcher: looks on.
+
+    Raises:
+        UsageError: those cases were recorded with something else than what is there now.
+        BenchError: whatever went wrong; a bundle that was begun says where, and holds what came till then.
+    """
+    todo = cases(plan)
+    results = run_cases(opener, plan, todo, folder, info, progress, resume=resume, watcher=watcher)
+    draw_cases(plan, results, folder)
+    measured = {each.case: each.measurements for each in results}
+    return RunResult(tuple(results), over_repetitions(plan, measured))
+
+
+def run_cases(
+    opener: Opener,
+    plan: Plan,
+    todo: Sequence[Case],
+    folder: Path,
+    info: RunInfo,
+    progress: Progress,
+    *,
+    resume: bool = False,
+    watcher: Watcher | None = None,
+) -> list[Assessment]:
+    """Run some of a plan's cases, each in a session of its own, so that none depends on those before it."""
+    results: list[Assessment] = []
+    origin = Origin(plan, info.link, info.seed, info.profile_toml)
+    if resume:
+        require_same_origin(folder, origin)
+    for number, case in enumerate(todo, start=1):
+        progress.begin(case.name, number, len(todo))
+        place = case_folder(plan, case, folder)
+        done = _finished(place) if resume else None
+        if done is not None:
+            progress.note("already there")
+            results.append(assess_bundle(done))
+            continue
+        with opener(case, _seed(info, case)) as session:
+            progress.note("checking identity and dictionary")
+            identity = session.drive.connect()
+            if resume:
+                here = replace(
+                    origin,
+                    profile_toml=session.profile_toml,
+                    identity=identity,
+                    parameters=snapshot(session.drive),
+                )
+                require_same_origin(folder, here)
+            _require_rated(session, plan, case)
+            setup = {**plan.setup, **case.setup}
+            check = _checked(session, setup, info, progress)
+            with temporary(session.drive, setup):
+                looking = watcher or Unwatched()
+                results.append(
+                    _run_case(session, plan, case, place, info, identity, check, progress, looking)
+                )
+    return results
+
+
+def _seed(info: RunInfo, case: Case) -> int:
+    """Repetitions differ in the noise of an emulated bench, and in nothing else."""
+    return info.seed + case.repetition - 1
+
+
+def _finished(place: Path) -> Bundle | None:
+    """The complete bundle at `place`; a half-done one is put aside under a name of its own."""
+    if not place.exists():
+        return None
+    bundle = Bundle.open(place)
+    if bundle.complete:
+        return bundle
+    aside = next(
+        candidate
+        for n in range(1, 1000)
+        if not (candidate := place.with_name(f"{place.name}.cut-{n}")).exists()
+    )
+    place.rename(aside)
+    return None
+
+
+def _require_rated(session: Session, plan: Plan, case: Case) -> None:
+    """Refuse what the motor may not have, or the bench cannot record, before anything is set up."""
+    parameters = {**session.profile.drive.parameters, **plan.setup, **case.setup}
+    require_rated(case.operating_point, plan.stimulus, session.profile.motor, parameters)
+    transducer = session.transducer
+    if transducer is not None and plan.record.duration_s > transducer.longest_s:
+        raise ValueRefused(
+            f"record.duration_s is {plan.record.duration_s:g} s, the torque transducer records "
+            f"{transducer.longest_s:g} s at most: shorten it; the drive was not enabled"
+        )
+
+
+def _checked(
+    session: Session, setup: Mapping[str, Setting], info: RunInfo, progress: Progress
+) -> ParameterCheck:
+    """The drive's parameters against the profile's; what differs is told, or refused if not allowed."""
+    check = check_parameters(session.drive, session.profile, setup)
+    if not info.allow_different:
+        check.require_equal()
+    for line in check.lines():
+        progress.note(line)
+    return check
+
+
+def _run_case(
+    session: Session,
+    plan: Plan,
+    case: Case,
+    place: Path,
+    info: RunInfo,
+    identity: Identity,
+    check: ParameterCheck,
+    progress: Progress,
+    watcher: Watcher,
+) -> Assessment:
+    link = session.drive.link
+    manifest = _manifest(session, plan, case, info, identity)
+    with BundleWriter(place, manifest) as writer:
+        stream = None
+        takers = (EventFile(place).append, watcher.happened)
+        try:
+            sinks = watcher.opened(session, case, manifest)
+            with keep_journal(session.drive, takers) as journal:
+                with _telemetry(session, writer, sinks) as stream:
+                    conducted = conduct(session, plan, case, _Steps(progress, journal))
+                capture, transducer = conducted.capture, conducted.transducer
+                writer.append("capture", capture)
+                if transducer is not None:
+                    writer.append("transducer", transducer)
+                watcher.captured(capture, transducer, _trigger_row(plan, capture))
+                progress.note("analysing")
+                certificate, facts = certify_recording(stream, {"capture": capture}, link.counters)
+                motor, quality = session.profile.motor, certificate.measurements
+                seen = Seen(conducted.readings, _dc_link_V(session), check.to_json())
+                result = assess(plan, case.name, motor, place, capture, transducer, quality, seen)
+        except BaseException as failure:
+            try:
+                reason = f"{type(failure).__name__}: {failure}".rstrip(": ")
+                certificate, facts = certify_recording(stream, {}, link.counters)
+                writer.fail(
+                    reason,
+                    verdict=Verdict.FAIL,
+                    quality=asdict(link.counters),
+                    details=facts | {"parameter_check": check.to_json()},
+                    certificate=certificate.to_json(),
+                )
+            except RecordingError as also:
+                failure.add_note(str(also))
+            watcher.closed(None, reason)
+            raise
+        progress.note(certificate.summary)
+        writer.finish(
+            measurements_to_json(result.measurements),
+            tables=tables_to_json(result.tables),
+            verdict=result.verdict,
+            quality=asdict(link.counters),
+            details=facts
+            | seen.to_json()
+            | {"verdicts": {name: str(verdict) for name, verdict in result.verdicts.items()}},
+            certificate=certificate.to_json(),
+        )
+    watcher.closed(result, "")
+    progress.note("drawing")
+    draw_case(plan, result)
+    return result
+
+
+def _dc_link_V(session: Session) -> float | None:
+    """Of the bench that the profile describes."""
+    emulator = session.profile.emulator
+    return None if emulator is None else emulator.inverter.u_dc_V
+
+
+class _Steps:
+    """Steps of a case, to whoever watches and into the case's log."""
+
+    def __init__(self, progress: Progress, journal: Journal) -> None:
+        self._progress = progress
+        self._journal = journal
+
+    def begin(self, case: str, number: int, count: int) -> None:
+        """See `Progress.begin`."""
+        self._progress.begin(case, number, count)
+
+    def note(self, text: str) -> None:
+        """See `Progress.note`."""
+        self._progress.note(text)
+        self._journal.note(text)
+
+
+def _trigger_row(plan: Plan, capture: Block) -> int | None:
+    """Row at which the drive began to play; None without a stimulus."""
+    return round(plan.record.pretrigger_s * capture.sample_rate_Hz) if plan.stimulus else None
+
+
+@contextmanager
+def _telemetry(
+    session: Session, writer: BundleWriter, others: Sequence[Sink]
+) -> Iterator[TelemetryStream | None]:
+    """The slow stream into the bundle, if the drive has one; what goes wrong with it ends the run."""
+    if "stream_sequence" not in session.drive.dictionary:
+        FanOut(others).close()
+        yield None
+        return
+    with record_stream(session.drive, writer, others=others) as stream, session.drive.watched(stream.check):
+        yield stream
+
+
+def _manifest(session: Session, plan: Plan, case: Case, info: RunInfo, identity: Identity) -> Manifest:
+    facts: Mapping[str, int | float | str | None] = asdict(identity)
+    return Manifest(
+        what=plan.title,
+        when=info.when,
+        profile_name=session.profile_name,
+        profile_toml=session.profile_toml,
+        link=info.link,
+        identity={key: value for key, value in facts.items() if value is not None},
+        dictionary_hash=identity.dictionary_hash,
+        parameters=snapshot(session.drive),
+        versions=software_versions(),
+        seed=_seed(info, case),
+        command_line=info.command_line,
+        note=info.note,
+        conditions=info.conditions,
+        details={
+            "case": case.name,
+            "operating_point": case.operating_point.model_dump(mode="json"),
+            "plan": plan.model_dump(mode="json"),
+            "motor": session.profile.motor.model_dump(mode="json"),
+            "wall": session.drive.wall_mark(info.wall_s()),
+        },
+    )

@@ -1,0 +1,165 @@
+"""What is measured of a record: ripple of its columns, spectrum of a phase current, orders by its angle."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import TypeVar
+
+import numpy as np
+
+from benchtool.analysis import Measurement, Table
+from benchtool.analysis.orders.angle import angle_coverage
+from benchtool.analysis.orders.order_spectrum import fitted_orders, orders_at_speed
+from benchtool.analysis.orders.orders import Orders, describe_orders, order_analysis
+from benchtool.analysis.ripple import record_basis, ripple_of_rows
+from benchtool.analysis.spectra.current import CurrentSpectrum, current_spectrum
+from benchtool.analysis.spectra.lines import spectral_lines
+from benchtool.errors import AnalysisError
+from benchtool.tables.periods import Periods
+from benchtool.tables.record import Record
+from benchtool.tables.time_base import held_rows
+
+_MEASURED = ("torque", "current", "speed")
+_AC_NUMBERS = (
+    ("fundamental_frequency", "Hz", "frequency of the largest sinusoid"),
+    ("current_fundamental", "A", "peak amplitude of the largest sinusoid"),
+    ("current_thd", "%", "harmonics in percent of the fundamental"),
+)
+
+_Result = TypeVar("_Result", Measurement, Table)
+
+
+def results(record: Record) -> Iterator[Measurement | Table]:
+    """All numbers of a record, column by column; what it cannot answer is undefined, with the reason."""
+    periods = Periods(record)
+    for what in _MEASURED:
+        if what not in record.channels:
+            continue
+        if reason := record.dead(what):
+            yield from _undefined(record, what, reason)
+            continue
+        if what == "current":
+            yield from _current(record, periods)
+        else:
+            yield from _ripple(record, periods, what)
+        if "angle" in record.channels or record.question.omega_m_rad_s is not None:
+            yield from _orders(record, what)
+        elif what != "current" and record.uniform is not None:
+            lines = spectral_lines(record.uniform, record.channels[what].name, what)
+            yield from lines.measurements
+            yield from lines.tables
+
+
+def _undefined(record: Record, what: str, reason: str) -> Iterator[Measurement]:
+    name, unit = record.channels[what].name, record.channels[what].unit
+    numbers = [
+        (f"{what}_mean", unit, "mean"),
+        (f"{what}_ripple_pp", unit, "maximum minus minimum"),
+        (f"{what}_ripple_rms", unit, "rms about the mean"),
+    ]
+    if what == "current":
+        numbers = [*_AC_NUMBERS, *numbers]
+    for number, of, definition in numbers:
+        yield Measurement.undefined(number, of, f"{definition} of {name}", reason, record.basis)
+
+
+def _ripple(record: Record, periods: Periods, what: str) -> Iterator[Measurement]:
+    channel, basis, rows = record.channels[what], record.basis, ""
+    if record.uniform is not None:
+        basis = replace(record_basis(record.uniform), gaps=basis.gaps)
+    else:
+        rows = f", over {len(record.data)} rows, each counting the same whatever the time between them"
+    begins, repeated = periods.repetition()
+    rated = record.question.torque_rated_Nm if what == "torque" else None
+    for each in ripple_of_rows(
+        np.ascontiguousarray(record.column(what)),
+        channel.unit,
+        what,
+        basis,
+        rated=rated,
+        begins=begins,
+        repeated=repeated,
+        what=channel.name,
+    ):
+        number = replace(each, definition=f"{each.definition}{rows}")
+        yield _limited(record, number, held_rows(record.column(what)))
+
+
+def _limited(record: Record, number: Measurement, held: int) -> Measurement:
+    """The number with a basis that claims no more than the rows hold."""
+    if held == 1 or number.basis.bandwidth_Hz is None:
+        return number
+    definition = f"{number.definition}, each value held for {held} rows"
+    basis = replace(number.basis, bandwidth_Hz=0.5 * record.base.rate_Hz / held)
+    return replace(number, definition=definition, basis=basis)
+
+
+def _current(record: Record, periods: Periods) -> Iterator[Measurement | Table]:
+    name = record.channels["current"].name
+    try:
+        spectrum = _current_spectrum(record, periods, name)
+    except AnalysisError as refused:
+        for number, unit, definition in _AC_NUMBERS:
+            yield Measurement.undefined(number, unit, f"{definition} of {name}", str(refused), record.basis)
+        yield from _ripple(record, periods, "current")
+        return
+    yield from spectrum.measurements
+    yield from spectrum.tables
+
+
+def _current_spectrum(record: Record, periods: Periods, name: str) -> CurrentSpectrum:
+    """Raises AnalysisError with the reason why there is none."""
+    base = record.base
+    if record.uniform is None:
+        raise AnalysisError(record.uneven)
+    if (held := held_rows(record.column("current"))) > 1:
+        raise AnalysisError(
+            f"each value is held for {held} rows, the current was sampled at about "
+            f"{base.rate_Hz / held:.4g} Hz and not at {base.rate_Hz:.4g} Hz: export each once"
+        )
+    track = periods.of_phase_current()
+    found = current_spectrum(record.uniform, name, track, rate_relative=record.rate_relative)
+    if base.gaps_known:
+        return found
+    return replace(
+        found,
+        measurements=tuple(_without_gaps(each) for each in found.measurements),
+        tables=tuple(_without_gaps(each) for each in found.tables),
+    )
+
+
+def _orders(record: Record, what: str) -> Iterator[Measurement | Table]:
+    try:
+        orders = _found_orders(record, what)
+    except AnalysisError as refused:
+        channel, angle = record.channels[what], record.channels.get("angle")
+        by = "at the stated speed" if angle is None else f"on {angle.name}"
+        definition = f"order with the largest peak amplitude of {channel.name} {by}"
+        yield Measurement.undefined(f"{what}_order_largest", "", definition, str(refused), record.basis)
+        return
+    yield from orders.measurements
+    yield from orders.tables
+
+
+def _found_orders(record: Record, what: str) -> Orders:
+    channel = record.channels[what].name
+    pole_pairs, slots = record.question.pole_pairs, record.question.slots
+    omega_m_rad_s = record.question.omega_m_rad_s
+    if omega_m_rad_s is not None:
+        if record.uniform is None:
+            raise AnalysisError(record.uneven)
+        stated = orders_at_speed(record.uniform, channel, omega_m_rad_s)
+        return describe_orders(stated, what, pole_pairs, slots)
+    angle = record.channels["angle"].name
+    if record.block is not None:
+        return order_analysis(record.block, channel, what, angle=angle, pole_pairs=pole_pairs, slots=slots)
+    coverage = angle_coverage(record.column("angle"), angle)
+    unit = record.channels[what].unit
+    spectrum = fitted_orders(coverage, record.column(what), channel, unit, angle, record.basis)
+    return describe_orders(spectrum, what, pole_pairs, slots)
+
+
+def _without_gaps(number: _Result) -> _Result:
+    """With a basis that does not say how many gaps there are: the stamps do not tell."""
+    return replace(number, basis=replace(number.basis, gaps=None))

@@ -1,0 +1,128 @@
+"""Which columns of a table are what, and the rows that hold a number in each of them."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchtool.block import Channel
+from benchtool.errors import AnalysisError
+from benchtool.tables.text import Rows, Selection, TextTable
+
+QUANTITIES: Mapping[str, str] = {"current": "A", "torque": "Nm", "angle": "rad", "speed": "rad/s"}
+"""What a column may be, and the SI unit that its values become."""
+
+
+@dataclass(frozen=True)
+class TableQuestion:
+    """Which columns of a file are what.
+
+    `time`, and `columns` by names of `QUANTITIES`, are as `TextTable.select` takes them; `from_s` and `to_s`
+    are on the file's own time axis. Without `time` the rows are `rate_Hz` apart, the first at 0 s.
+    `omega_m_rad_s` is a constant mechanical speed, which stands in for an angle; torque in percent is that of
+    `torque_rated_Nm`.
+    """
+
+    file: Path
+    time: str | None
+    columns: Mapping[str, str]
+    pole_pairs: int | None = None
+    slots: int | None = None
+    torque_rated_Nm: float | None = None
+    from_s: float = -math.inf
+    to_s: float = math.inf
+    rate_Hz: float | None = None
+    omega_m_rad_s: float | None = None
+
+
+@dataclass(frozen=True)
+class TableColumns:
+    """The columns that a question names, as the table has them.
+
+    `chosen` has the time first, if that is a column; `data`, shape (n, 1 + columns) and in SI units, has the
+    time and then the columns in that order, and of the rows that were read those in the span that the
+    question asks for.
+    """
+
+    table: TextTable
+    chosen: Mapping[str, Selection]
+    rows: Rows
+    data: NDArray[np.float64]
+
+    @property
+    def channels(self) -> dict[str, Channel]:
+        """One for each column but the time, by its name in the file, or its number where that is none."""
+        names = [each.name for each in self.chosen.values()]
+        return {
+            what: Channel(
+                each.name if each.name and names.count(each.name) == 1 else f"column {each.number} as {what}",
+                each.si_unit,
+            )
+            for what, each in self.chosen.items()
+            if what != "time"
+        }
+
+
+def read_columns(question: TableQuestion) -> TableColumns:
+    """The columns asked for, in the rows that have a number in each and are in the span.
+
+    Raises:
+        RecordingError: the file cannot be read as a table.
+        AnalysisError: a column is missing or asked for twice, or no rows are left.
+    """
+    table = TextTable.open(question.file)
+    chosen = _choose(table, question)
+    rows = _rows(table, list(chosen.values()))
+    data = rows.data
+    if question.rate_Hz is not None:
+        if "wrong number of cells" in rows.dropped:
+            raise AnalysisError(
+                f"{question.file} has {rows.dropped['wrong number of cells']} rows with a wrong number of "
+                f"cells, which a stated rate leaves without a time: name the column of the time, or mend them"
+            )
+        data = np.column_stack([rows.place / question.rate_Hz, data])
+    time_s = data[:, 0]
+    inside = (time_s >= question.from_s) & (time_s <= question.to_s)
+    if not inside.any():
+        raise AnalysisError(
+            f"no row of {question.file} is from {question.from_s:g} s to {question.to_s:g} s, it has "
+            f"{time_s.min():g} s to {time_s.max():g} s: choose a span within"
+        )
+    return TableColumns(table, chosen, rows, data if inside.all() else data[inside])
+
+
+def _choose(table: TextTable, question: TableQuestion) -> dict[str, Selection]:
+    """The time and the columns asked for, no two of them the same."""
+    chosen = {} if question.time is None else {"time": table.select(question.time, "s")}
+    rated = {"torque": question.torque_rated_Nm}
+    chosen |= {
+        what: table.select(name, QUANTITIES[what], rated.get(what)) for what, name in question.columns.items()
+    }
+    for number, twice in Counter(each.number for each in chosen.values()).items():
+        if twice > 1:
+            which = " and ".join(what for what, each in chosen.items() if each.number == number)
+            raise AnalysisError(
+                f"column {number} of {table.path} is asked for as {which}: name a column for each"
+            )
+    return chosen
+
+
+def _rows(table: TextTable, selections: list[Selection]) -> Rows:
+    """The rows with a number in each of the columns; one at least."""
+    rows = table.rows(selections)
+    if len(rows.data):
+        return rows
+    reasons = ", ".join(f"{count} with {why}" for why, count in rows.dropped.items())
+    cell = table.unreadable_cell(selections)
+    first = f", the first {cell}" if cell else ""
+    raise AnalysisError(
+        f"{table.path} has no row with a number in each column asked for, of {rows.read} rows"
+        f"{f' {reasons}' if reasons else ''}{first}: check the columns; times "
+        f"in seconds, and numbers without thousands separators, are expected"
+    )

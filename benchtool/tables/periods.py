@@ -1,0 +1,141 @@
+"""What repeats in a record: the electrical periods of its angle or of its phase current, and revolutions."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchtool.analysis.orders.angle import angle_coverage, revolution_rows, unwrapped_angle
+from benchtool.analysis.periods import PhaseTrack, track_angle, track_tone
+from benchtool.errors import AnalysisError
+from benchtool.tables.record import Record
+
+_LARGEST_MEAN = 0.5  # of the largest sinusoid: beyond it the current is not that of a phase
+_LEAST_SHARE = 0.1  # of the power of the ripple in the largest sinusoid
+_ROTATING_FRAME = re.compile(r"(?<![a-z])i[\s_]*[dq]\b|\b[dq][\s_-]*(axis|current)", re.IGNORECASE)
+
+
+@dataclass(frozen=True)
+class Periods:
+    """Electrical periods of a record with even time steps; `repetition` is of any record."""
+
+    record: Record
+
+    def of_phase_current(self) -> PhaseTrack:
+        """Those of the current, by the angle where it tells them, else by the current's own sinusoid.
+
+        Raises:
+            AnalysisError: with the reason why the current is not that of a phase, or why angle or current
+                tells no periods.
+        """
+        name = self.record.channels["current"].name
+        if _ROTATING_FRAME.search(name):
+            raise AnalysisError(
+                f"'{name}' is by its name a current in rotating coordinates, which has no fundamental"
+            )
+        track = self._of_angle()
+        if track is not None and (reason := self._contradiction(track)):
+            raise AnalysisError(reason)
+        if track is None:
+            track = track_tone(self.record.column("current"), name)
+        if reason := self._not_ac(track):
+            raise AnalysisError(reason)
+        return track
+
+    def repetition(self) -> tuple[NDArray[np.int64] | None, str]:
+        """The rows at which what repeats begins, and what that is: electrical periods, else revolutions."""
+        track = self._for_scatter() if self.record.uniform is not None else None
+        if track is not None:
+            return track.period_rows(), "electrical periods"
+        if "angle" not in self.record.channels:
+            return None, ""
+        angle = self.record.channels["angle"].name
+        try:
+            coverage = angle_coverage(self.record.column("angle"), angle)
+        except AnalysisError:
+            return None, ""
+        return revolution_rows(coverage.angle_rad), f"revolutions of {angle}"
+
+    def _of_angle(self) -> PhaseTrack | None:
+        """Electrical periods from angle and pole pairs, where both are there.
+
+        Raises:
+            AnalysisError: the angle is in another unit, the speed is not steady, or the record too short or
+                too slow.
+        """
+        pole_pairs = self.record.question.pole_pairs
+        if "angle" not in self.record.channels or pole_pairs is None:
+            return None
+        name = self.record.channels["angle"].name
+        track = track_angle(unwrapped_angle(self.record.column("angle"), name), pole_pairs)
+        if track.periods > 0.5 * track.samples:
+            raise AnalysisError(
+                f"'{name}' has {track.periods:.4g} electrical periods in "
+                f"{track.samples} rows, at least two rows for each are needed: check the angle's unit, and "
+                f"the pole pairs"
+            )
+        return track
+
+    def _for_scatter(self) -> PhaseTrack | None:
+        """Electrical periods for uncertainties: of the angle, else of an ac current, else none."""
+        try:
+            track = self._of_angle()
+        except AnalysisError:
+            track = None
+        if track is not None and not self._contradiction(track):
+            return track
+        return self._tone
+
+    @cached_property
+    def _tone(self) -> PhaseTrack | None:
+        """The current's own sinusoid, if it is that of a phase."""
+        if "current" not in self.record.channels:
+            return None
+        try:
+            track = track_tone(self.record.column("current"), self.record.channels["current"].name)
+        except AnalysisError:
+            return None
+        return None if self._not_ac(track) else track
+
+    def _contradiction(self, track: PhaseTrack) -> str:
+        """What speaks against a track by the angle: a current whose sinusoid is elsewhere; or nothing."""
+        channels = self.record.channels
+        if "current" not in channels or self._share(track) >= _LEAST_SHARE or self._tone is None:
+            return ""
+        per_period_Hz = self.record.base.rate_Hz / (track.samples - 1)
+        return (
+            f"the largest sinusoid of '{channels['current'].name}' is at "
+            f"{self._tone.periods * per_period_Hz:.4g} Hz, the angle with {self.record.question.pole_pairs} "
+            f"pole pairs says {track.periods * per_period_Hz:.4g} Hz: check the angle's unit and the pole "
+            f"pairs"
+        )
+
+    def _not_ac(self, track: PhaseTrack) -> str:
+        """Why this is no current of a phase, or nothing."""
+        mean, amplitude = float(np.mean(self.record.column("current"))), self._amplitude(track)
+        if abs(mean) > _LARGEST_MEAN * amplitude:
+            return (
+                f"its mean is {abs(mean):.3g} A and its largest sinusoid {amplitude:.3g} A peak, that of a "
+                f"phase current has a mean near zero: an offset can be taken off in the option, as ':A-0.2'; "
+                f"dc and a current in rotating coordinates have no fundamental"
+            )
+        if (share := self._share(track)) < _LEAST_SHARE:
+            return f"no sinusoid stands out, the largest has {100 * share:.2g} % of the ripple's power"
+        return ""
+
+    def _share(self, track: PhaseTrack) -> float:
+        """How much of the power of the current's ripple is in its sinusoid at the track's frequency."""
+        deviation = float(np.std(self.record.column("current")))
+        return 0.5 * (self._amplitude(track) / deviation) ** 2 if deviation > 0.0 else 0.0
+
+    def _amplitude(self, track: PhaseTrack) -> float:
+        """Of the current's sinusoid at the track's frequency, by correlation under a Hann window."""
+        samples = self.record.column("current")
+        window = np.hanning(len(samples))
+        carrier = np.exp(-1j * track.at(np.arange(len(samples), dtype=np.float64)))
+        about = samples - np.mean(samples)
+        return float(2.0 * abs(np.sum(window * carrier * about)) / np.sum(window))

@@ -1,0 +1,122 @@
+"""What is odd about the columns of a table, and does not keep them from being measured."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchtool.analysis.ripple import resolution
+from benchtool.analysis.validity import clipping
+from benchtool.tables.record import Record
+
+_PARTS = 64
+_FEWEST_PER_PART = 8
+_EXPLAINED = 0.88  # of the variance over parts by two levels: a line has 0.75, a sine 0.81, noise 0.64
+_LARGEST_CHANGE = 0.1  # of the greatest value
+_REPEATED_SHARE = 0.02
+_FINE = 10.0
+
+
+class RemarkKind(StrEnum):
+    """What a remark is about."""
+
+    CLIPPED = "clipped"
+    REPEATED_ROWS = "repeated_rows"
+    TWO_REGIMES = "two_regimes"
+
+
+@dataclass(frozen=True)
+class Remark:
+    """One oddity: `column` is what the column is ("current"), or empty where it is of all rows."""
+
+    kind: RemarkKind
+    column: str
+    text: str
+
+    def to_json(self) -> dict[str, str]:
+        return {"kind": str(self.kind), "column": self.column, "text": self.text}
+
+
+def remarks(record: Record) -> Iterator[Remark]:
+    """Clipping, rows that repeat the one before, and two regimes that one number would average."""
+    if text := _repeated(record.data[:, 1:]):
+        yield Remark(RemarkKind.REPEATED_ROWS, "", text)
+    for what, channel in record.channels.items():
+        samples = record.column(what)
+        if what == "angle":
+            continue
+        if clipped := clipping(samples):
+            yield Remark(RemarkKind.CLIPPED, what, f"'{channel.name}': {clipped}")
+        for values, of in ((_means(samples), "average"), (_deviations(samples), "have an rms deviation of")):
+            if text := _two_levels(values, float(np.max(np.abs(samples))), channel.unit, of):
+                yield Remark(RemarkKind.TWO_REGIMES, what, f"'{channel.name}': {text}")
+                break
+
+
+def _repeated(values: NDArray[np.float64]) -> str:
+    if len(values) < 2:
+        return ""
+    steps = np.diff(values, axis=0)
+    if not any(_is_fine(column, step) for column, step in zip(values.T, steps.T, strict=True)):
+        return ""
+    same = np.all(steps == 0.0, axis=1)
+    share = float(np.mean(same))
+    if share < _REPEATED_SHARE:
+        return ""
+    return (
+        f"{100 * share:.2g} % of the rows repeat all values of the row before, the first is row "
+        f"{int(np.argmax(same)) + 2} of those used: values were held or written twice, and count as often"
+    )
+
+
+def _is_fine(samples: NDArray[np.float64], steps: NDArray[np.float64]) -> bool:
+    """Whether a column changes by many of its least steps, so that equal neighbours are no chance."""
+    moved = steps[steps != 0.0]
+    least = resolution(samples)
+    return bool(len(moved)) and (least == 0.0 or float(np.median(np.abs(moved))) > _FINE * least)
+
+
+def _means(samples: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.array([float(np.mean(each)) for each in _parts(samples)])
+
+
+def _deviations(samples: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.array([float(np.std(each)) for each in _parts(samples)])
+
+
+def _parts(samples: NDArray[np.float64]) -> list[NDArray[np.float64]]:
+    count = min(_PARTS, len(samples) // _FEWEST_PER_PART)
+    return np.array_split(samples, count) if count >= _FEWEST_PER_PART else []
+
+
+def _two_levels(values: NDArray[np.float64], greatest: float, unit: str, of: str) -> str:
+    """That parts of the record have either of two levels, each for a while, and hardly any one between.
+
+    The best split in two of the sorted values, by the share of their variance that the two means explain
+    (Otsu, IEEE Trans. Syst. Man Cybern. 9 (1979) 62).
+    """
+    count = len(values)
+    if not count or not float(np.var(values)) > 0.0:
+        return ""
+    ordered = np.sort(values)
+    below = np.arange(1, count)
+    lower = np.cumsum(ordered)[:-1] / below
+    upper = (np.sum(ordered) - np.cumsum(ordered)[:-1]) / (count - below)
+    share = below / count
+    explained = share * (1.0 - share) * (upper - lower) ** 2 / float(np.var(values))
+    best = int(np.argmax(explained))
+    fewest = min(below[best], count - below[best])
+    change = float(upper[best] - lower[best])
+    if explained[best] < _EXPLAINED or fewest < 0.05 * count or change < _LARGEST_CHANGE * greatest:
+        return ""
+    is_low = values <= ordered[best]
+    if np.count_nonzero(np.diff(is_low)) > count // 4:  # it swings, and has no regimes
+        return ""
+    return (
+        f"two regimes: {100 * share[best]:.0f} % of the record {of} {lower[best]:.3g} {unit}, the rest "
+        f"{upper[best]:.3g} {unit}; the numbers are of both together: choose one with --from and --to"
+    )

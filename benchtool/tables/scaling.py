@@ -1,0 +1,53 @@
+"""What is stated of a column's values behind its name: unit, gain and offset, as `Iq:mA`, `CH1:A*10-0.2`."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+
+from benchtool.errors import AnalysisError
+from benchtool.tables.units import unit_factor
+
+_NUMBER = r"(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
+_SCALING = re.compile(
+    rf"(?P<unit>[^*]*?)\s*(?:\*\s*(?P<gain>[+-]?{_NUMBER}))?\s*(?P<offset>[+-]\s*{_NUMBER})?"
+)
+_VALUE = re.compile(rf"(?P<number>[+-]?{_NUMBER})\s*(?P<unit>[^\d\s.+-].*)")
+
+
+@dataclass(frozen=True)
+class Scaling:
+    """A value is (cell x gain + offset) in `unit`; the unit is empty where none is stated."""
+
+    unit: str
+    gain: float = 1.0
+    offset: float = 0.0
+
+
+def scaling(text: str, si_unit: str) -> Scaling:
+    """What stands behind the colon of a column: `mA`, `A*10`, `mA*0.5+0.1`, `*-1`, `A-0.2`.
+
+    What is a unit as a whole (min-1) is taken as that.
+
+    Raises:
+        AnalysisError: the gain is zero or not finite, or the offset not finite.
+    """
+    match = None if unit_factor(text, si_unit) is not None else _SCALING.fullmatch(text.strip())
+    if match is None:
+        return Scaling(text.strip())
+    gain = float(match["gain"] or 1.0)
+    offset = float((match["offset"] or "0").replace(" ", ""))
+    if gain == 0.0 or not (math.isfinite(gain) and math.isfinite(offset)):
+        raise AnalysisError(
+            f"'{text}' scales by {gain:g} and adds {offset:g}, a gain other than zero and finite numbers are "
+            f"expected: as A*10-0.2, a value is cell x gain + offset in that unit"
+        )
+    return Scaling(match["unit"].strip(), gain, offset)
+
+
+def quantity(text: str, si_unit: str) -> float | None:
+    """A number with its unit, as `1500rpm`, in `si_unit`; None where it is not one."""
+    match = _VALUE.fullmatch(text.strip())
+    factor = None if match is None else unit_factor(match["unit"], si_unit)
+    return None if match is None or factor is None else float(match["number"]) * factor
