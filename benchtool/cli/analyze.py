@@ -6,15 +6,21 @@ import math
 import sys
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
 from benchtool.cli import options
-from benchtool.cli.output import Output, measured, show_run, tell_unsealed
-
-if TYPE_CHECKING:
-    from benchtool.tables import TableAnswer
+from benchtool.cli.output import Output, tell_unsealed
+from benchtool.cli.report import write_report
+from benchtool.cli.results import measured, show_run
+from benchtool.errors import UsageError
+from benchtool.recording import Bundle, enlist
+from benchtool.report.assembly.table import keep, table_report
+from benchtool.results.assessment import RunResult, assess_bundle
+from benchtool.results.runs import complete_cases, recorded_runs
+from benchtool.tables import TableAnswer, TableQuestion, analyze_table
+from benchtool.tables.scaling import quantity
 
 
 def _column(what: str) -> Any:
@@ -84,9 +90,6 @@ def analyze(
     if csv is None:
         given = (time, rate, current, torque, angle, speed, pole_pairs, slots, rated_torque, from_, to, out)
         return _analyze_run(run, as_json, report or any(each is not None for each in given))
-    from benchtool.errors import UsageError
-    from benchtool.tables import TableQuestion, analyze_table
-    from benchtool.tables.scaling import quantity
 
     if run is not None:
         raise UsageError(f"both {run} and --csv {csv}: give the folder of a run or a table, one of the two")
@@ -134,7 +137,6 @@ def analyze(
 
 
 def _require_time(csv: Path, time: str | None, rate: float | None) -> None:
-    from benchtool.errors import UsageError
 
     if time is None and rate is None:
         raise UsageError("--csv without --time: name the column of the time, or state --rate in Hz")
@@ -146,9 +148,6 @@ def _require_time(csv: Path, time: str | None, rate: float | None) -> None:
 
 def _keep(output: Output, answer: TableAnswer, out: Path | None, *, with_report: bool) -> dict[str, str]:
     """Write the bundle, and the report in it; where they are."""
-    from benchtool.cli.report import write_report
-    from benchtool.recording import enlist
-    from benchtool.report.assembly.table import keep, table_report
 
     when = options.wall_time()
     with options.bundle_folder(out, when, f"table-{answer.record.question.file.stem}") as folder:
@@ -162,10 +161,6 @@ def _keep(output: Output, answer: TableAnswer, out: Path | None, *, with_report:
 
 
 def _analyze_run(run: Path | None, as_json: bool, has_csv_options: bool) -> int:
-    from benchtool.errors import UsageError
-    from benchtool.recording import Bundle
-    from benchtool.results.assessment import RunResult, assess_bundle
-    from benchtool.results.runs import complete_cases, recorded_runs
 
     if run is None:
         raise UsageError("neither RUN nor --csv FILE: give the folder of a run, or a table of another tool")

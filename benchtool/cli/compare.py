@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 from rich.text import Text
@@ -13,9 +13,12 @@ from rich.text import Text
 from benchtool.cli import options
 from benchtool.cli.output import Output
 from benchtool.cli.report import write_report
-
-if TYPE_CHECKING:
-    from benchtool.results.comparison import Comparison, Delta
+from benchtool.errors import UsageError
+from benchtool.report.assembly.comparison import comparison_report, difference
+from benchtool.report.assembly.plan import FOREMOST
+from benchtool.report.numbers import NOTHING, placed, signed
+from benchtool.results.comparison import Chance, Comparison, Delta, compare_cases
+from benchtool.results.runs import complete_cases
 
 _LEAST_PLACE = 1e-6  # of a value without uncertainty: smaller differences do not show in it
 _MOST_COLUMNS = 3  # runs beside each other in a terminal; more stand one below the other
@@ -33,10 +36,6 @@ def compare(
     as_json: options.Json = False,
 ) -> int:
     """Measure recorded runs again and set them side by side; differences are against the first."""
-    from benchtool.errors import UsageError
-    from benchtool.report.assembly.comparison import comparison_report
-    from benchtool.results.comparison import compare_cases
-    from benchtool.results.runs import complete_cases
 
     if pdf and html is None:
         raise UsageError("--pdf writes a PDF beside the page of --html, which was not given: add --html FILE")
@@ -82,7 +81,6 @@ def _labels(runs: Sequence[Path]) -> list[str]:
 
 def _deltas(comparisons: Sequence[Comparison], *, alone_run: bool) -> dict[str, object]:
     """Every difference by case (as `cases` lists it), with what it is a difference to."""
-    from benchtool.results.comparison import Chance
 
     document: dict[str, object] = {}
     for comparison in comparisons:
@@ -140,7 +138,6 @@ def _show_columns(output: Output, title: str, comparison: Comparison, letters: M
 
 def _show_many(output: Output, title: str, comparison: Comparison, letters: Mapping[str, str]) -> None:
     """A row for each run, with what is asked first; the whole is in the documents."""
-    from benchtool.report.assembly.plan import FOREMOST
 
     known = comparison.names
     names: list[str] = [name for name in FOREMOST if name in known] or list(known[:4])
@@ -153,7 +150,6 @@ def _show_many(output: Output, title: str, comparison: Comparison, letters: Mapp
 
 def _value(comparison: Comparison, label: str, name: str) -> str:
     """The value to the place of its uncertainty; where it has none, to that of the difference."""
-    from benchtool.report.numbers import NOTHING, placed
 
     found = next((each for each in comparison.results[label].measurements if each.name == name), None)
     if found is None:
@@ -179,8 +175,6 @@ def _delta(comparison: Comparison, label: str, name: str) -> Delta | None:
 
 def _apart(comparison: Comparison, label: str, name: str) -> list[str | Text]:
     """Value, difference with its uncertainty, and percent."""
-    from benchtool.report.assembly.comparison import difference
-    from benchtool.report.numbers import NOTHING
 
     delta = _delta(comparison, label, name)
     absolute = difference(delta) if delta is not None and math.isfinite(delta.absolute) else NOTHING
@@ -197,7 +191,6 @@ def _together(comparison: Comparison, label: str, name: str) -> Text:
 
 
 def _percent(delta: Delta | None, unit: str = "") -> Text:
-    from benchtool.report.numbers import signed
 
     if delta is None or not math.isfinite(delta.percent):
         return Text("–")

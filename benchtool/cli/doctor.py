@@ -9,9 +9,14 @@ import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
+from benchtool.bench.session import emulator_is_compiled, open_session
 from benchtool.cli import options
 from benchtool.cli.output import Output
 from benchtool.errors import BenchError, EnvironmentFailure
+from benchtool.protocol.dictionary import Dictionary
+from benchtool.protocol.dictionary.objects import load_table
+from benchtool.recording import software_versions
+from benchtool.shipped import shipped
 
 _LEAST_FREE_BYTES = 1_000_000_000
 
@@ -52,15 +57,11 @@ def _python() -> str:
 
 
 def _packages() -> str:
-    from benchtool.recording import software_versions
 
     return ", ".join(f"{name} {version}" for name, version in software_versions().items())
 
 
 def _dictionary() -> str:
-    from benchtool.protocol.dictionary import Dictionary
-    from benchtool.protocol.dictionary.objects import load_table
-    from benchtool.shipped import shipped
 
     folder = shipped("firmware_protocol")
     eds = folder / "drive.eds"
@@ -89,13 +90,11 @@ def _folder() -> str:
 
 
 def _emulator() -> str:
-    from benchtool.bench.session import emulator_is_compiled
 
     return "compiled" if emulator_is_compiled() else "will be compiled at its first run, a few seconds"
 
 
 def _drive(profile: str, link: str, output: Output) -> str:
-    from benchtool.bench.session import open_session
 
     with open_session(profile, link, note=output.note) as session:
         identity = session.drive.identify()

@@ -7,17 +7,19 @@ import shlex
 import sys
 from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
+from rich.console import Group
+from rich.live import Live
+from rich.table import Table
+from rich.text import Text
 
+from benchtool.bench.serving import Endpoint, ServedDrive, serve
+from benchtool.bench.session import emulator_is_compiled
 from benchtool.cli import options
 from benchtool.cli.output import Output
-
-if TYPE_CHECKING:
-    from rich.console import Group
-
-    from benchtool.bench.serving import ServedDrive
+from benchtool.errors import UsageError
 
 _TELL_S = 0.5
 _DEFAULT_PROFILE = "zhu2011"
@@ -79,9 +81,6 @@ def emulate(
     All wires lead to the one drive, and clients may come and go. If no wire is named, there are --serial and
     --slcan.
     """
-    from benchtool.bench.serving import Endpoint, serve
-    from benchtool.bench.session import emulator_is_compiled
-    from benchtool.errors import UsageError
 
     if hold_speed is not None and load_torque:
         raise UsageError("both of --load-torque and --hold-speed: the load machine does one of the two")
@@ -130,8 +129,6 @@ def _live(drive: ServedDrive, output: Output) -> None:
     with ExitStack() as stack:
         show = None
         if output.progress.is_terminal:
-            from rich.live import Live
-
             show = stack.enter_context(
                 Live(_status(drive), console=output.progress, auto_refresh=False, transient=True)
             )
@@ -142,9 +139,6 @@ def _live(drive: ServedDrive, output: Output) -> None:
 
 
 def _status(drive: ServedDrive) -> Group:
-    from rich.console import Group
-    from rich.table import Table
-    from rich.text import Text
 
     now = drive.status()
     facts = (

@@ -16,10 +16,10 @@ from typing import Final, NoReturn, ParamSpec
 
 import typer
 
-from benchtool.cli.output import printable
 from benchtool.errors import BenchError, EnvironmentFailure
 
 INTERRUPTED: Final = 130
+_CONTROLS: Final = {code: f"\\x{code:02x}" for code in (*range(32), *range(127, 160)) if code not in (9, 10)}
 _REMEDIES: Final = {
     errno.ENOSPC: "make space there, or write to another place",
     errno.EDQUOT: "make space there, or write to another place",
@@ -72,6 +72,11 @@ def run_to_the_end(app: Callable[[], object]) -> NoReturn:
     except OSError as failure:
         code = tell_refused(failure)
     raise SystemExit(code)
+
+
+def printable(text: str) -> str:
+    """Text that comes from outside, such that a terminal shows it and obeys none of it."""
+    return text.translate(_CONTROLS)
 
 
 def tell(text: str, failure: BaseException) -> int:

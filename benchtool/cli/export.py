@@ -10,6 +10,9 @@ import typer
 
 from benchtool.cli import options
 from benchtool.cli.output import Output, tell_unsealed
+from benchtool.recording import Bundle
+from benchtool.recording.export import Format
+from benchtool.recording.export import export as write
 
 
 class _Format(StrEnum):
@@ -32,9 +35,6 @@ def export(
     as_json: options.Json = False,
 ) -> int:
     """Write the data of a run for other tools: CSV, MATLAB or MDF4, with units and every bit."""
-    from benchtool.recording import Bundle
-    from benchtool.recording.export import Format
-    from benchtool.recording.export import export as write
 
     output = Output(as_json=as_json)
     bundle = Bundle.open(run)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import Any
 
+from benchtool.bench.session import open_session
 from benchtool.cli import options
 from benchtool.cli.output import Output
 
@@ -15,7 +16,6 @@ def info(
     as_json: options.Json = False,
 ) -> int:
     """Who answers: identity, firmware, dictionary, state. Nothing is enabled or written."""
-    from benchtool.bench.session import open_session
 
     output = Output(as_json=as_json)
     with open_session(profile, link, note=output.note) as session:

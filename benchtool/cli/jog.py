@@ -7,8 +7,13 @@ from typing import Annotated
 
 import typer
 
+from benchtool.bench.session import open_session
 from benchtool.cli import options
 from benchtool.cli.output import Output, significant
+from benchtool.clock import RealClock
+from benchtool.drive import Mode
+from benchtool.errors import UsageError
+from benchtool.run.jog import jog as run
 
 
 def jog(
@@ -23,11 +28,6 @@ def jog(
     as_json: options.Json = False,
 ) -> int:
     """Turn the shaft: setpoints from this computer, at a rate; Ctrl-C or the end disables the drive."""
-    from benchtool.bench.session import open_session
-    from benchtool.clock import RealClock
-    from benchtool.drive import Mode
-    from benchtool.errors import UsageError
-    from benchtool.run.jog import jog as run
 
     if (speed is None) == (torque is None):
         raise UsageError(

@@ -5,16 +5,20 @@ from __future__ import annotations
 import math
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
+from benchtool.bench.session import Session, open_session
 from benchtool.cli import options, viewing
 from benchtool.cli.output import Output, tell_unsealed
-
-if TYPE_CHECKING:
-    from benchtool.bench.session import Session
-    from benchtool.telemetry import TelemetryStream
+from benchtool.drive.parameters.transaction import snapshot
+from benchtool.errors import UsageError
+from benchtool.live import setup_of, show_bundle
+from benchtool.profile import load_profile
+from benchtool.recording import Manifest
+from benchtool.results.runs import recorded_runs
+from benchtool.telemetry import TelemetryStream, fitting, keep_journal
 
 _STEP_S = 0.05
 _ROUNDING_S = 1e-9
@@ -53,7 +57,6 @@ def live(
     as_json: options.Json = False,
 ) -> int:
     """Show a drive live in Rerun, whatever it is doing, or a recorded run; nothing is enabled."""
-    from benchtool.errors import UsageError
 
     output = Output(as_json=as_json)
     if save is not None and save.suffix != ".rrd":
@@ -81,10 +84,6 @@ def _show_drive(
     where: viewing.Places,
     output: Output,
 ) -> int:
-    from benchtool.bench.session import open_session
-    from benchtool.drive.parameters.transaction import snapshot
-    from benchtool.recording import Manifest
-    from benchtool.telemetry import TelemetryStream, fitting, keep_journal
 
     # An emulated drive is looked at in the time that it would take.
     with open_session(profile, link, seed=seed, real_time=True, note=output.note) as session:
@@ -135,9 +134,6 @@ def _show_run(
     folder: Path, profile: str, where: viewing.Places, output: Output, duration_s: float | None
 ) -> int:
     """Send every bundle of a run, each as a recording of its own."""
-    from benchtool.live import setup_of, show_bundle
-    from benchtool.profile import load_profile
-    from benchtool.results.runs import recorded_runs
 
     cases = [case for each in recorded_runs(folder) for case in each.cases]
     for case in cases:

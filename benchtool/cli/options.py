@@ -11,6 +11,8 @@ from typing import Annotated
 
 import typer
 
+from benchtool.recording.failures import writing
+
 Profile = Annotated[str, typer.Option(metavar="NAME|FILE", help="Profile of motor and drive.")]
 Link = Annotated[
     str,
@@ -50,7 +52,6 @@ def bundle_folder(out: Path | None, when: datetime, name: str) -> Iterator[Path]
     if out is not None:
         yield out
         return
-    from benchtool.recording.failures import writing
 
     wanted = Path("runs") / f"{when:%Y%m%d-%H%M%S}-{name.replace('/', '-')}"
     with writing(wanted):

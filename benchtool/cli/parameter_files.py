@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 from rich.text import Text
@@ -13,10 +13,11 @@ from rich.text import Text
 from benchtool.cli import options
 from benchtool.cli.output import Output
 from benchtool.cli.params import advise, connected, plain, shown
+from benchtool.drive.parameters.file import describe, read_parameter_file, render, write_parameter_file
+from benchtool.drive.parameters.migration import shipped_migrations
+from benchtool.drive.parameters.settings import Difference, aligned, as_held, compare, settings
+from benchtool.drive.parameters.transaction import parameters, require_disabled, snapshot, write_all
 from benchtool.errors import ParameterFileError
-
-if TYPE_CHECKING:
-    from benchtool.drive.parameters.settings import Difference
 
 File = Annotated[Path, typer.Argument(metavar="FILE", help="Parameter file, as dump writes it.")]
 
@@ -31,8 +32,6 @@ def dump(
     as_json: options.Json = False,
 ) -> int:
     """Write every parameter to a TOML file that load takes back."""
-    from benchtool.drive.parameters.file import describe, render, write_parameter_file
-    from benchtool.drive.parameters.transaction import snapshot
 
     output = Output(as_json=as_json)
     if file is not None and file.exists() and not force:
@@ -60,10 +59,6 @@ def diff(
     as_json: options.Json = False,
 ) -> int:
     """Compare a file with the drive, or two files; exit code 1 if they differ; a missing key does."""
-    from benchtool.drive.parameters.file import describe, read_parameter_file
-    from benchtool.drive.parameters.migration import shipped_migrations
-    from benchtool.drive.parameters.settings import aligned, as_held, compare
-    from benchtool.drive.parameters.transaction import snapshot
 
     output = Output(as_json=as_json)
     ours = read_parameter_file(first)
@@ -98,10 +93,6 @@ def load(
     On any failure the old values are restored. Only values that differ are written. The drive has to be
     disabled, and stores nothing until save.
     """
-    from benchtool.drive.parameters.file import read_parameter_file
-    from benchtool.drive.parameters.migration import shipped_migrations
-    from benchtool.drive.parameters.settings import settings
-    from benchtool.drive.parameters.transaction import parameters, require_disabled, write_all
 
     output = Output(as_json=as_json)
     content = read_parameter_file(file)

@@ -6,17 +6,27 @@ import fnmatch
 import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
+from benchtool.bench.session import open_session
 from benchtool.cli import options
 from benchtool.cli.output import Output
+from benchtool.drive import Identity, RemoteDrive
+from benchtool.drive.parameters.file import about
+from benchtool.drive.parameters.storage import restore_defaults, store
+from benchtool.drive.parameters.transaction import (
+    default_of,
+    named,
+    parameter,
+    parameters,
+    snapshot,
+    write_all,
+)
 from benchtool.errors import ValueRefused
-
-if TYPE_CHECKING:
-    from benchtool.drive import Identity, RemoteDrive
-    from benchtool.protocol.dictionary.variable import Value, Variable
+from benchtool.protocol.dictionary.quantity import parse_value
+from benchtool.protocol.dictionary.variable import Value, Variable
 
 Names = Annotated[list[str], typer.Argument(metavar="NAME", help="Name, TOML key or 0xINDEX:SUB.")]
 Assignments = Annotated[
@@ -28,7 +38,6 @@ Assignments = Annotated[
 @contextmanager
 def connected(profile: str, link: str, output: Output) -> Iterator[tuple[RemoteDrive, Identity]]:
     """The drive of a profile, known to speak its dictionary; nothing is written to it."""
-    from benchtool.bench.session import open_session
 
     with open_session(profile, link, note=output.note) as session:
         identity = session.drive.identify()
@@ -48,8 +57,6 @@ def list_(
 
     'rw if off' can be written with the power stage off only.
     """
-    from benchtool.drive.parameters.file import about
-    from benchtool.drive.parameters.transaction import parameters
 
     output = Output(as_json=as_json)
     with connected(profile, link, output) as (drive, _):
@@ -97,8 +104,6 @@ def set_(
 
     A value that begins with a minus sign needs the form NAME=VALUE.
     """
-    from benchtool.drive.parameters.transaction import parameter, write_all
-    from benchtool.protocol.dictionary.quantity import parse_value
 
     output = Output(as_json=as_json)
     with connected(profile, link, output) as (drive, _):
@@ -128,8 +133,6 @@ def save(
     profile: options.Profile = "zhu2011", link: options.Link = "emulated", as_json: options.Json = False
 ) -> int:
     """Have the drive store its parameters, so that they survive a reset and power off (object 0x1010)."""
-    from benchtool.drive.parameters.storage import store
-    from benchtool.drive.parameters.transaction import snapshot
 
     output = Output(as_json=as_json)
     with connected(profile, link, output) as (drive, _):
@@ -148,7 +151,6 @@ def restore(
 
     The defaults are those of the dictionary and fit no motor: load or set the motor's before enabling.
     """
-    from benchtool.drive.parameters.storage import restore_defaults
 
     output = Output(as_json=as_json)
     with connected(profile, link, output) as (drive, _):
@@ -212,7 +214,6 @@ def plain(value: Value) -> int | float | str:
 
 
 def _readable(drive: RemoteDrive, name: str) -> Variable:
-    from benchtool.drive.parameters.transaction import named
 
     variable = named(drive.dictionary, name)
     if not variable.readable:
@@ -226,7 +227,6 @@ def _matches(name: str, pattern: str) -> bool:
 
 
 def _facts(variable: Variable, value: Value) -> dict[str, Any]:
-    from benchtool.drive.parameters.transaction import default_of
 
     default = default_of(variable)
     return {

@@ -7,7 +7,8 @@ from typing import Self
 
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-from benchtool.cli.output import Output, printable
+from benchtool.cli.ending import printable
+from benchtool.cli.output import Output
 
 
 class RunProgress:

@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from benchtool.cli import options
 from benchtool.cli.output import Output, tell_unsealed
-
-if TYPE_CHECKING:
-    from benchtool.report.content import Report
+from benchtool.errors import RecordingError, UsageError
+from benchtool.plan.limits import worst
+from benchtool.recording import enlist
+from benchtool.recording.files import require_own, write_whole
+from benchtool.report.assembly.plan import case_label
+from benchtool.report.assembly.run import run_report
+from benchtool.report.content import Report
+from benchtool.results.runs import recorded_runs
 
 
 def report(
@@ -25,12 +30,6 @@ def report(
     as_json: options.Json = False,
 ) -> int:
     """Measure a recorded run again and write a report that needs nothing else to be read."""
-    from benchtool.errors import RecordingError, UsageError
-    from benchtool.plan.limits import worst
-    from benchtool.recording import enlist
-    from benchtool.report.assembly.plan import case_label
-    from benchtool.report.assembly.run import run_report
-    from benchtool.results.runs import recorded_runs
 
     if out is not None and out.suffix.lower() == ".pdf" and not pdf:
         raise UsageError(f"--out {out} names a PDF, the page is HTML: add --pdf, or name the page")
@@ -67,7 +66,6 @@ def write_report(report: Report, page: Path, *, pdf: bool, output: Output) -> tu
     Raises:
         RecordingError: a file cannot be written, or one that is no report is there.
     """
-    from benchtool.recording.files import require_own, write_whole
     from benchtool.report.html import MARK, html_page
 
     if pdf and page.suffix == ".pdf":

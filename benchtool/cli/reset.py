@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from benchtool.bench.session import open_session
 from benchtool.cli import options
 from benchtool.cli.output import Output
+from benchtool.protocol.cia402 import State
 
 
 def reset(
@@ -12,8 +14,6 @@ def reset(
     as_json: options.Json = False,
 ) -> int:
     """Clear a latched fault, such as that of a host that vanished; nothing is enabled."""
-    from benchtool.bench.session import open_session
-    from benchtool.protocol.cia402 import State
 
     output = Output(as_json=as_json)
     with open_session(profile, link, note=output.note) as session:

@@ -9,17 +9,28 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
+from benchtool.bench.session import dictionary_of, has_transducer, open_session
 from benchtool.cli import options, viewing
-from benchtool.cli.output import Output, show_run
-
-if TYPE_CHECKING:
-    from benchtool.plan.model import Plan
-    from benchtool.recording import Conditions
-    from benchtool.results.assessment import RunResult
+from benchtool.cli.output import Output
+from benchtool.cli.progress import RunProgress
+from benchtool.cli.results import show_run
+from benchtool.cli.run_views import RunViews
+from benchtool.errors import DriveError, LinkError, PlanError, UsageError
+from benchtool.plan.limits import worst
+from benchtool.plan.model import Plan, load_plan, plan_names, plan_path
+from benchtool.plan.ranges import require_protected
+from benchtool.plan.validation import require_known
+from benchtool.profile import load_profile, profile_path
+from benchtool.recording import Conditions
+from benchtool.recording.files import require_own, write_whole
+from benchtool.report.page import MARK, PlanFigures, reproduction_page
+from benchtool.results.assessment import RunResult
+from benchtool.run.parallel import run_in_processes
+from benchtool.run.runner import RunInfo, run_plan
 
 
 @dataclass(frozen=True)
@@ -103,9 +114,6 @@ def run(
 
 def run_named(name: str, chosen: RunOptions) -> int:
     """Run one plan or a folder of plans, print what they measured, and return the exit code."""
-    from benchtool.errors import DriveError, LinkError, PlanError, UsageError
-    from benchtool.plan.limits import worst
-    from benchtool.plan.model import plan_names
 
     if chosen.temperature_degC is not None and not math.isfinite(chosen.temperature_degC):
         raise UsageError(f"--temperature is {chosen.temperature_degC}: give a number of degrees Celsius")
@@ -142,8 +150,6 @@ def run_named(name: str, chosen: RunOptions) -> int:
 
 def _require_page(page: Path) -> None:
     """Refuse to write the page over a file that no such run wrote."""
-    from benchtool.recording.files import require_own
-    from benchtool.report.page import MARK
 
     require_own(page, MARK)
 
@@ -179,18 +185,12 @@ class _Checked:
 
 def _check(name: str, chosen: RunOptions) -> _Checked:
     """Read a plan, and refuse what cannot be, before anything is opened or sent."""
-    from benchtool.errors import UsageError
-    from benchtool.plan.model import load_plan, plan_path
-    from benchtool.profile import load_profile
 
     plan = load_plan(name)
     place = chosen.profile or plan.profile
     profile = load_profile(place)
 
     # Imported once plan and profile are known to be there: a slip of the pen is answered at once.
-    from benchtool.bench.session import dictionary_of, has_transducer
-    from benchtool.plan.ranges import require_protected
-    from benchtool.plan.validation import require_known
 
     dictionary, transducer = dictionary_of(place), has_transducer(chosen.link)
     require_known(plan, plan_path(name), profile, dictionary, transducer=transducer)
@@ -209,12 +209,6 @@ def _run(
     checked: _Checked, folder: Path, part: str, chosen: RunOptions, output: Output, where: viewing.Places
 ) -> RunResult:
     """Run one plan; `part` of the command it is, empty if it is all of it."""
-    from benchtool.bench.session import open_session
-    from benchtool.cli.progress import RunProgress
-    from benchtool.cli.run_views import RunViews
-    from benchtool.profile import profile_path
-    from benchtool.run.parallel import run_in_processes
-    from benchtool.run.runner import RunInfo, run_plan
 
     plan, place, folder = checked.plan, checked.profile, folder / part
     info = RunInfo(
@@ -255,7 +249,6 @@ def _run(
 
 
 def _conditions(chosen: RunOptions) -> Conditions:
-    from benchtool.recording import Conditions
 
     return Conditions(
         operator=chosen.operator,
@@ -266,10 +259,6 @@ def _conditions(chosen: RunOptions) -> Conditions:
 
 
 def _write_page(page: Path, command: str, results: Mapping[str, RunResult]) -> None:
-    from benchtool.plan.model import load_plan
-    from benchtool.profile import load_profile
-    from benchtool.recording.files import write_whole
-    from benchtool.report.page import PlanFigures, reproduction_page
 
     figures = []
     for name, result in results.items():

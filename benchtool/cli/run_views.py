@@ -5,18 +5,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from benchtool.bench.session import Session
+from benchtool.block import Block
 from benchtool.cli import viewing
 from benchtool.cli.output import Output
+from benchtool.plan.cases import Case
+from benchtool.recording import Event, Manifest
+from benchtool.results.assessment import Assessment
+from benchtool.run.conduct import Progress
+from benchtool.telemetry import Sink
 
 if TYPE_CHECKING:
-    from benchtool.bench.session import Session
-    from benchtool.block import Block
     from benchtool.live import LiveView
-    from benchtool.plan.cases import Case
-    from benchtool.recording import Event, Manifest
-    from benchtool.results.assessment import Assessment
-    from benchtool.run.conduct import Progress
-    from benchtool.telemetry import Sink
 
 
 class RunViews:

@@ -5,17 +5,19 @@ from __future__ import annotations
 import shlex
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
+from serial.tools import list_ports
 
 from benchtool.cli import options
 from benchtool.cli.output import Output
+from benchtool.clock import RealClock
 from benchtool.errors import LinkError, NoAnswer
-
-if TYPE_CHECKING:
-    from benchtool.link.address import Address
-    from benchtool.link.discovery import Found
+from benchtool.link.address import DEFAULT_BAUDRATE, Address
+from benchtool.link.canopen.bus import open_bus
+from benchtool.link.discovery import Found, ask_bus, ask_port, duplicates
+from benchtool.link.port import open_port
 
 _AT_ONCE = 8
 
@@ -68,7 +70,6 @@ def scan(
     A serial port gets one question of some bytes, each node of a CAN bus one SDO read. A node serves one
     transfer at a time, so better not scan a bus on which another program is transferring.
     """
-    from benchtool.link.address import DEFAULT_BAUDRATE, Address
 
     output = Output(as_json=as_json)
     buses = [Address.parse(f"can:{each}") for each in can or ()]
@@ -93,15 +94,11 @@ def scan(
 
 
 def _own_ports() -> list[str]:
-    from serial.tools import list_ports
 
     return sorted(str(port.device) for port in list_ports.comports())
 
 
 def _ask_port(place: str, baudrate: int, timeout_s: float) -> list[Found] | Silent:
-    from benchtool.clock import RealClock
-    from benchtool.link.discovery import ask_port
-    from benchtool.link.port import open_port
 
     try:
         return [ask_port(place, open_port(place, baudrate), baudrate, timeout_s, RealClock())]
@@ -110,9 +107,6 @@ def _ask_port(place: str, baudrate: int, timeout_s: float) -> list[Found] | Sile
 
 
 def _ask_bus(address: Address, timeout_s: float) -> list[Found] | Silent:
-    from benchtool.clock import RealClock
-    from benchtool.link.canopen.bus import open_bus
-    from benchtool.link.discovery import ask_bus
 
     try:
         found = ask_bus(address, open_bus(address), timeout_s, RealClock())
@@ -128,7 +122,6 @@ def _place(address: Address) -> str:
 
 
 def _show(output: Output, found: list[Found], silent: list[Silent]) -> None:
-    from benchtool.link.discovery import duplicates
 
     twice = duplicates(found)
     for drive in found:

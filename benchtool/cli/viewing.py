@@ -15,16 +15,17 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.text import Text
 
+from benchtool.analysis import Measurement
+from benchtool.bench.session import Session
 from benchtool.cli.output import Output
+from benchtool.drive import RemoteDrive
 from benchtool.errors import UsageError
+from benchtool.recording import Manifest
+from benchtool.recording.files import require_free
+from benchtool.telemetry import Certificate, Sink
 
 if TYPE_CHECKING:
-    from benchtool.analysis import Measurement
-    from benchtool.bench.session import Session
-    from benchtool.drive import RemoteDrive
     from benchtool.live import Destination, FileDestination, LiveView, Viewer
-    from benchtool.recording import Manifest
-    from benchtool.telemetry import Certificate, Sink
 
 Live = Annotated[
     list[str] | None,
@@ -82,7 +83,6 @@ def places(where: Sequence[str], output: Output, bind: str = "") -> Iterator[Pla
         return
     os.environ.setdefault("RUST_LOG", "off")  # what the SDK would log of a lost viewer is said by a note
     from benchtool.live import LOOPBACK, FileDestination, Viewer
-    from benchtool.recording.files import require_free
 
     unknown = [each for each in where if each not in ("viewer", "web") and not each.endswith(".rrd")]
     if unknown:
@@ -110,7 +110,6 @@ def _free(path: Path) -> Path:
 
 def live_sink(view: LiveView) -> Sink:
     """A view as a sink of a stream, which drops what it does not take in time."""
-    from benchtool.telemetry import Sink
 
     sink = Sink("live", view.take, lossless=False)
     view.count_drops(lambda: sink.rows_dropped)

@@ -13,7 +13,7 @@ from benchtool.bench.session import Session
 from benchtool.block import Block
 from benchtool.drive import Identity
 from benchtool.drive.parameters.transaction import snapshot, temporary
-from benchtool.errors import RecordingError, ValueRefused
+from benchtool.errors import ValueRefused
 from benchtool.plan.cases import Case, cases
 from benchtool.plan.limits import Verdict
 from benchtool.plan.model import Plan, Setting
@@ -24,6 +24,7 @@ from benchtool.report.assembly.figures import draw_case, draw_cases
 from benchtool.results.assessment import Assessment, RunResult, assess, assess_bundle
 from benchtool.results.repetitions import over_repetitions
 from benchtool.run.conduct import Progress, conduct
+from benchtool.run.failure import fail_bundle
 from benchtool.run.observers import Unwatched, Watcher
 from benchtool.run.parameter_check import ParameterCheck, check_parameters
 from benchtool.run.resumption import Origin, case_folder, require_same_origin
@@ -214,18 +215,10 @@ def _run_case(
                 seen = Seen(conducted.readings, _dc_link_V(session), check.to_json())
                 result = assess(plan, case.name, motor, place, capture, transducer, quality, seen)
         except BaseException as failure:
-            try:
-                reason = f"{type(failure).__name__}: {failure}".rstrip(": ")
-                certificate, facts = certify_recording(stream, {}, link.counters)
-                writer.fail(
-                    reason,
-                    verdict=Verdict.FAIL,
-                    quality=asdict(link.counters),
-                    details=facts | {"parameter_check": check.to_json()},
-                    certificate=certificate.to_json(),
-                )
-            except RecordingError as also:
-                failure.add_note(str(also))
+            details = {"parameter_check": check.to_json()}
+            reason = fail_bundle(
+                writer, failure, stream, link.counters, verdict=Verdict.FAIL, details=details
+            )
             watcher.closed(None, reason)
             raise
         progress.note(certificate.summary)

@@ -14,7 +14,6 @@ from typer.testing import CliRunner, Result
 
 from benchtool.cli import app
 from benchtool.drive import Identity, Mode, RemoteDrive
-from benchtool.drive.parameters import migration as migration_module
 from benchtool.drive.parameters.migration import Migration, Migrations
 from benchtool.errors import SdoAbort
 from benchtool.protocol.canopen.abort import Abort
@@ -181,7 +180,8 @@ def test_a_file_of_an_old_dictionary(invoke: Invoke, monkeypatch: pytest.MonkeyP
     rule = Migration(
         from_hash=0x01D001D0, to_hash=hash_, rename={"R_s_mohm": "R_s_ohm"}, scale={"R_s_ohm": 0.001}
     )
-    monkeypatch.setattr(migration_module, "shipped_migrations", lambda: Migrations(migration=(rule,)))
+    rules = Migrations(migration=(rule,))
+    monkeypatch.setattr("benchtool.cli.parameter_files.shipped_migrations", lambda: rules)
     loaded = _document(invoke("load", "old.toml", "--json"))
     assert loaded["changed"] == {"R_s": {"before": 0.123, "value": 0.2}}
     (difference,) = _document(invoke("diff", "old.toml", "--json"), 1)["differences"]

@@ -1,0 +1,98 @@
+"""The verbs of the command line, and the module that is loaded when one of them is used."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib import import_module
+from typing import Any, Final
+
+import typer
+from typer.core import TyperGroup
+
+from benchtool.cli.ending import reporting
+
+
+@dataclass(frozen=True)
+class Verb:
+    """One command: the function of its name in `benchtool.cli.MODULE`, its help, and whether it may enable
+    the drive."""
+
+    name: str
+    module: str
+    help: str
+    enables: bool = False
+
+    def load(self) -> Any:
+        """The command, of typer; its module is imported here and nowhere else."""
+        module = import_module(f"benchtool.cli.{self.module}")
+        function = getattr(module, self.name, None) or getattr(module, f"{self.name}_")
+        alone = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
+        alone.command(self.name)(reporting(function, enables=self.enables))
+        return typer.main.get_command(alone)
+
+
+VERBS: Final = (
+    Verb("demo", "demo", "Run a torque-ripple test on the emulated drive.", enables=True),
+    Verb("run", "run", "Run a test plan: set up, capture, measure, judge.", enables=True),
+    Verb("jog", "jog", "Turn the shaft by setpoints from this computer.", enables=True),
+    Verb("record", "record", "Record the stream of a drive; nothing is enabled."),
+    Verb("live", "live", "Show a drive, or a recorded run, live in Rerun."),
+    Verb("analyze", "analyze", "Measure a recorded run again, or another tool's table."),
+    Verb("report", "report", "Write a run as a page that needs nothing else."),
+    Verb("export", "export", "Write the data of a run as CSV, MATLAB or MDF4."),
+    Verb("compare", "compare", "Set recorded runs side by side, with their differences."),
+    Verb("info", "info", "Tell which drive answers on a link, and its state."),
+    Verb("reset", "reset", "Clear a latched fault; nothing is enabled."),
+    Verb("scan", "scan", "Find drives on serial ports and CAN buses."),
+    Verb("emulate", "emulate", "Offer the emulated drive to other programs, in real time."),
+    Verb("doctor", "doctor", "Check that this machine has what benchtool needs."),
+)
+"""What `benchtool` offers."""
+
+PARAMETER_VERBS: Final = (
+    Verb("list", "params", "List the parameters; '*' marks what is not the default."),
+    Verb("get", "params", "Read objects of any kind by name."),
+    Verb("set", "params", "Write parameters: all of them, or none."),
+    Verb("dump", "parameter_files", "Write every parameter to a TOML file."),
+    Verb("diff", "parameter_files", "Compare a file with the drive, or two files."),
+    Verb("load", "parameter_files", "Write the parameters of a file, each read back."),
+    Verb("save", "params", "Have the drive keep its parameters over a reset."),
+    Verb("restore", "params", "Set every parameter to its default."),
+)
+"""What `benchtool params` offers."""
+
+
+class LazyGroup(TyperGroup):
+    """A group whose verbs are listed by name and help, and loaded one at a time."""
+
+    verbs: tuple[Verb, ...] = ()
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        """The command of a name, loaded now; None where there is none."""
+        for verb in self.verbs:
+            if verb.name == cmd_name:
+                return verb.load()
+        return super().get_command(ctx, cmd_name)
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """List what the group offers, without loading any of it."""
+        rows = [(name, command.help or "") for name, command in self.commands.items()]
+        with formatter.section("Commands"):
+            formatter.write_dl(rows)
+
+
+def group(verbs: tuple[Verb, ...], **settings: Any) -> typer.Typer:
+    """A typer application of these verbs."""
+
+    class Group(LazyGroup):
+        pass
+
+    Group.verbs = verbs
+    app = typer.Typer(cls=Group, no_args_is_help=True, rich_markup_mode=None, **settings)
+    for verb in verbs:
+        app.command(verb.name, help=verb.help)(_listed)
+    return app
+
+
+def _listed() -> None:
+    """Stands for a verb that is not loaded yet."""
