@@ -1,0 +1,54 @@
+"""The verbs of the command line: listed without being loaded, loaded when used."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+from typer.testing import CliRunner
+
+from benchtool.cli import app
+from benchtool.cli.verbs import PARAMETER_VERBS, VERBS, Verb
+
+HEAVY = ("numpy", "pydantic", "can", "pyarrow", "scipy", "rerun", "matplotlib", "numba")
+
+
+@pytest.mark.parametrize("verb", [*VERBS, *PARAMETER_VERBS], ids=lambda verb: f"{verb.module}-{verb.name}")
+def test_every_verb_loads_and_tells_its_own_help(verb: Verb) -> None:
+    command = verb.load()
+    assert command.name == verb.name
+    assert command.help
+
+
+@pytest.mark.parametrize(("arguments", "verbs"), [((), VERBS), (("params",), PARAMETER_VERBS)])
+def test_the_list_of_verbs_is_whole(arguments: tuple[str, ...], verbs: tuple[Verb, ...]) -> None:
+    shown = CliRunner().invoke(app, [*arguments, "--help"]).output
+    listed = shown.partition("Commands:")[2]
+    for verb in verbs:
+        assert f"  {verb.name}" in listed
+        assert verb.help in listed, "shortened"
+
+
+def test_help_loads_no_verb_and_nothing_heavy() -> None:
+    code = (
+        "import sys\n"
+        "from typer.testing import CliRunner\n"
+        "from benchtool.cli import app\n"
+        "assert CliRunner().invoke(app, ['--help']).exit_code == 0\n"
+        f"print([name for name in {HEAVY} if name in sys.modules])\n"
+        "print([name for name in sys.modules if name == 'benchtool.cli.run'])\n"
+    )
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    assert found.splitlines() == ["[]", "[]"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "suggestion"), [(["rnu"], "'run'"), (["params", "gte"], "'get'"), (["anlyze"], "'analyze'")]
+)
+def test_a_misspelt_verb_is_answered_with_the_one_that_is_meant(
+    arguments: list[str], suggestion: str
+) -> None:
+    answer = CliRunner().invoke(app, arguments)
+    assert answer.exit_code == 2
+    assert f"Did you mean {suggestion}" in answer.output
