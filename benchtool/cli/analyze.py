@@ -11,6 +11,7 @@ from typing import Annotated, Any
 import typer
 
 from benchtool.cli import options
+from benchtool.cli.folder import bundle_folder
 from benchtool.cli.output import Output, tell_unsealed
 from benchtool.cli.report import write_report
 from benchtool.cli.results import measured, show_run
@@ -150,7 +151,7 @@ def _keep(output: Output, answer: TableAnswer, out: Path | None, *, with_report:
     """Write the bundle, and the report in it; where they are."""
 
     when = options.wall_time()
-    with options.bundle_folder(out, when, f"table-{answer.record.question.file.stem}") as folder:
+    with bundle_folder(out, when, f"table-{answer.record.question.file.stem}") as folder:
         bundle = keep(answer, folder, when.isoformat(timespec="seconds"), sys.argv[1:])
         output.line(f"bundle: {folder}")
         if not with_report:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from benchtool.cli import options, viewing
+from benchtool.cli import options
 from benchtool.cli.run import RunOptions, run_named
 
 PLAN = "zhu2011/ripple"
@@ -10,7 +10,7 @@ PLAN = "zhu2011/ripple"
 
 def demo(
     out: options.Out = None,
-    live: viewing.Live = None,
+    live: options.Live = None,
     seed: options.Seed = 0,
     real_time: options.RealTime = False,
     as_json: options.Json = False,

@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
 from datetime import datetime
 from pathlib import Path
 from typing import Annotated
 
 import typer
-
-from benchtool.recording.failures import writing
 
 Profile = Annotated[str, typer.Option(metavar="NAME|FILE", help="Profile of motor and drive.")]
 Link = Annotated[
@@ -30,6 +25,15 @@ Out = Annotated[
 RealTime = Annotated[bool, typer.Option("--real-time", help="Pace the emulated bench by the wall clock.")]
 
 
+Live = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="viewer|web|FILE.rrd",
+        help="Show it live in Rerun's viewer, in a browser, or write a file; several times for several.",
+    ),
+]
+
+
 def listed(names: str) -> tuple[str, ...]:
     """Names that an option lists with commas; none of an option that was not given."""
     return tuple(name.strip() for name in names.split(",")) if names else ()
@@ -38,43 +42,3 @@ def listed(names: str) -> tuple[str, ...]:
 def wall_time() -> datetime:
     """Now, with its offset from UTC."""
     return datetime.now().astimezone()
-
-
-@contextmanager
-def bundle_folder(out: Path | None, when: datetime, name: str) -> Iterator[Path]:
-    """The folder asked for, or one of its own for this run, which no other run takes as well.
-
-    One of its own is there at once; it goes again if the `with` block leaves nothing in it.
-
-    Raises:
-        RecordingError: it cannot be made.
-    """
-    if out is not None:
-        yield out
-        return
-
-    wanted = Path("runs") / f"{when:%Y%m%d-%H%M%S}-{name.replace('/', '-')}"
-    with writing(wanted):
-        first_of_all = not wanted.parent.exists()
-        wanted.parent.mkdir(exist_ok=True)
-        folder = next(each for each in _numbered(wanted) if _made(each))
-    try:
-        yield folder
-    finally:
-        with suppress(OSError):  # it has content
-            folder.rmdir()
-            if first_of_all:
-                folder.parent.rmdir()
-
-
-def _numbered(wanted: Path) -> Iterator[Path]:
-    yield wanted
-    yield from (wanted.with_name(f"{wanted.name}-{number}") for number in itertools.count(2))
-
-
-def _made(folder: Path) -> bool:
-    try:
-        folder.mkdir()
-    except FileExistsError:
-        return False
-    return True

@@ -8,14 +8,16 @@ import math
 import sys
 from collections.abc import Mapping, Sequence
 from contextlib import nullcontext, suppress
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
 from benchtool.cli.ending import printable
-from benchtool.recording import Bundle
+
+if TYPE_CHECKING:
+    from benchtool.recording import Bundle
 
 _WIDTH_OF_A_PIPE = 120
 VERDICT_COLOURS = {

@@ -11,6 +11,7 @@ import typer
 
 from benchtool.bench.session import open_session
 from benchtool.cli import options, viewing
+from benchtool.cli.folder import bundle_folder
 from benchtool.cli.output import Output, significant
 from benchtool.recording import BundleWriter, EventFile
 from benchtool.run.recording import Recording, manifest_of
@@ -52,7 +53,7 @@ def record(
         float,
         typer.Option(metavar="S", min=0.0, help="Wait so long for a link that is lost, and go on; 0: end."),
     ] = 0.0,
-    live: viewing.Live = None,
+    live: options.Live = None,
     seed: options.Seed = 0,
     real_time: options.RealTime = False,
     as_json: options.Json = False,
@@ -63,7 +64,7 @@ def record(
     when = options.wall_time()
     log = FrameLog() if frames else None
     with (
-        options.bundle_folder(out, when, "record") as folder,
+        bundle_folder(out, when, "record") as folder,
         viewing.places(live or (), output) as where,
     ):
         with open_session(

@@ -10,9 +10,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
-import typer
 from rich.text import Text
 
 from benchtool.analysis import Measurement
@@ -26,14 +25,6 @@ from benchtool.telemetry import Certificate, Sink
 
 if TYPE_CHECKING:
     from benchtool.live import Destination, FileDestination, LiveView, Viewer
-
-Live = Annotated[
-    list[str] | None,
-    typer.Option(
-        metavar="viewer|web|FILE.rrd",
-        help="Show it live in Rerun's viewer, in a browser, or write a file; several times for several.",
-    ),
-]
 
 
 class Places:

@@ -63,7 +63,7 @@ def is_cached(compiled: Callable[..., Any]) -> bool:
 def fingerprint() -> int:
     """CRC-32 over the sources of what is compiled and the compiler's version."""
     folder = Path(__file__).parent
-    compiled = [folder / f"{name}.py" for name in ("jit", "memory", "rotation")]
+    compiled = [source for source in folder.glob("*.py") if source.name != "bench.py"]
     for room in ("machine", "control", "core"):
         compiled += folder.glob(f"{room}/*.py")
     crc = zlib.crc32(numba.__version__.encode())

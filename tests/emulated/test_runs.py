@@ -13,7 +13,8 @@ from typing import Any
 import pytest
 
 from benchtool.bench.session import Session, open_session
-from benchtool.cli.run import RunOptions, _resumption
+from benchtool.cli.run import RunOptions
+from benchtool.cli.running import _resumption
 from benchtool.errors import AnalysisError, DriveFault, SdoAbort, UsageError
 from benchtool.plan.cases import Case, cases
 from benchtool.plan.model import Plan

@@ -144,13 +144,13 @@ def test_two_runs_in_one_second_have_folders_of_their_own(
     monkeypatch.chdir(tmp_path)
     when = options.wall_time()
     with (
-        options.bundle_folder(None, when, "a/b") as one,
-        options.bundle_folder(None, when, "a/b") as two,
-        options.bundle_folder(None, when, "a/b") as three,
+        bundle_folder(None, when, "a/b") as one,
+        bundle_folder(None, when, "a/b") as two,
+        bundle_folder(None, when, "a/b") as three,
     ):
         assert len({one, two, three}) == 3
         (two / "kept").touch()
     assert list(Path("runs").iterdir()) == [two]
-    with options.bundle_folder(tmp_path / "mine", when, "a") as mine:
+    with bundle_folder(tmp_path / "mine", when, "a") as mine:
         assert mine == tmp_path / "mine"
     assert not mine.exists()

@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 from pydantic import ValidationError
 
-from benchtool.cli.run import RunOptions, _conditions, _resumption
+from benchtool.cli.run import RunOptions
+from benchtool.cli.running import _conditions, _resumption
 from benchtool.recording import Conditions, Manifest
 from benchtool.recording.manifest import read_manifest, write_manifest
 from benchtool.report.origin import run_facts
