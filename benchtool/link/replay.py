@@ -15,6 +15,7 @@ from benchtool.clock import VirtualClock
 from benchtool.errors import LinkClosed, LinkError, NoAnswer, SdoAbort
 from benchtool.link.canopen.sdo_transcript import Kind, Transfer, transfers
 from benchtool.link.interface import Alarm, Frame, FrameReceiver, LinkCounters
+from benchtool.protocol.canopen import cob_id
 from benchtool.protocol.canopen.abort import abort_text
 from benchtool.protocol.canopen.emcy import Emergency
 from benchtool.protocol.canopen.nmt import NmtCommand, NmtState, heartbeat_state
@@ -22,10 +23,6 @@ from benchtool.protocol.canopen.nmt import NmtCommand, NmtState, heartbeat_state
 FRAMES = Path("data", "frames.log")
 """Where a bundle keeps its frames, in the format of `candump -L`."""
 
-_EMCY = 0x080
-_SDO_ANSWER = 0x580
-_SDO_REQUEST = 0x600
-_HEARTBEAT = 0x700
 _ROUNDING_S = 1e-6  # of the times in the file
 _AFTER_THE_END_S = 0.5
 
@@ -190,10 +187,10 @@ class ReplayLink:
         self._count(frames_received=1)
         if (receiver := self._receivers.get(can_id)) is not None:
             receiver(Frame(can_id, data, frame.timestamp))
-        elif can_id == _HEARTBEAT + self._node_id and (state := heartbeat_state(data)) is not None:
+        elif can_id == cob_id.HEARTBEAT + self._node_id and (state := heartbeat_state(data)) is not None:
             self._state = state
             self._count(heartbeats_received=1)
-        elif can_id == _EMCY + self._node_id and (emergency := Emergency.decode(data)) is not None:
+        elif can_id == cob_id.EMCY + self._node_id and (emergency := Emergency.decode(data)) is not None:
             self._emergencies.append(Alarm(emergency, frame.timestamp))
             self._count(emcy_received=1)
 
@@ -206,7 +203,7 @@ class ReplayLink:
         return transfer
 
     def _sort_transfers(self) -> None:
-        answer, request = _SDO_ANSWER + self._node_id, _SDO_REQUEST + self._node_id
+        answer, request = cob_id.SDO_RESPONSE + self._node_id, cob_id.SDO_REQUEST + self._node_id
         sdo = (
             (position, frame.arbitration_id == answer, bytes(frame.data))
             for position, frame in enumerate(self._frames)

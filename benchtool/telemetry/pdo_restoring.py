@@ -7,7 +7,8 @@ from contextlib import suppress
 from dataclasses import dataclass
 
 from benchtool.errors import BenchError, NoAnswer, SdoAbort
-from benchtool.protocol.canopen.pdo import INVALID, Pdo
+from benchtool.protocol.canopen.cob_id import INVALID
+from benchtool.protocol.canopen.pdo import Pdo
 from benchtool.telemetry.node import Node
 
 

@@ -7,14 +7,14 @@ from contextlib import suppress
 
 from benchtool.errors import BenchError
 from benchtool.link import Frame, FrameLink
+from benchtool.protocol.canopen.cob_id import INVALID, TPDO
 from benchtool.protocol.canopen.nmt import NmtCommand
-from benchtool.protocol.canopen.pdo import INVALID, TPDO_COB_IDS, most_tpdos, tpdo
+from benchtool.protocol.canopen.pdo import TPDO_COMMUNICATION, most_tpdos, tpdo
 from benchtool.protocol.telemetry import RecordDecoder, stream_layout
 from benchtool.telemetry.node import Node
 from benchtool.telemetry.pdo_restoring import FoundPdo, found_if_used
 from benchtool.telemetry.source import Sent, control_period_s
-
-_SEQUENCES = 1 << 32
+from benchtool.ticks import ahead
 
 
 class PdoSource:
@@ -71,7 +71,7 @@ class PdoSource:
 
     def _set_up(self, receive: Callable[[Frame], None]) -> None:
         node = self._node
-        for number in range(1, len(TPDO_COB_IDS) + 1):
+        for number in range(1, len(TPDO) + 1):
             self._switch_off(number)
         self._sequence_before = int(node.number("stream_sequence"))
         self._link.subscribe((pdo.can_id for pdo in self._layout.pdos), receive)
@@ -85,7 +85,7 @@ class PdoSource:
         """See `Source.stop`."""
         for pdo in self._layout.pdos:
             self._node.write(*pdo.switch_off)
-        sent = Sent((int(self._node.number("stream_sequence")) - self._sequence_before) % _SEQUENCES)
+        sent = Sent(ahead(int(self._node.number("stream_sequence")), self._sequence_before))
         self._put_back()
         return sent
 
@@ -102,7 +102,7 @@ class PdoSource:
             each.put_back(self._node)
 
     def _switch_off(self, number: int) -> None:
-        label = f"0x{0x1800 + number - 1:04X}:1"
+        label = f"0x{TPDO_COMMUNICATION + number - 1:04X}:1"
         if label in self._node.dictionary:
             cob_id = int(self._node.number(label))
             if not cob_id & INVALID:

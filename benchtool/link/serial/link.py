@@ -28,6 +28,7 @@ from benchtool.protocol.serial import (
     encode_frame,
     encode_message,
 )
+from benchtool.ticks import on_wire
 
 _FAILING_S = 0.2
 _CHECK_SENDING = "that the other end of the line reads, and that there is no flow control"
@@ -123,7 +124,7 @@ class SerialLink(ReceivingLink):
     def send_setpoint(self, torque_Nm: float, omega_m_rad_s: float) -> None:
         """See `BatchLink.send_setpoint`."""
         self._requests.identity()
-        self._setpoint_sequence = self._setpoint_sequence + 1 & 0xFFFFFFFF
+        self._setpoint_sequence = on_wire(self._setpoint_sequence + 1)
         self._send(Setpoint(self._setpoint_sequence, torque_Nm, omega_m_rad_s))
 
     # ---- inside ------------------------------------------------------------------------------------------
