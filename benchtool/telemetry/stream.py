@@ -9,7 +9,6 @@ from types import TracebackType
 from typing import Any, Self
 
 from benchtool.block import Gap
-from benchtool.clock import VirtualClock
 from benchtool.errors import BenchError, NoAnswer, StateError
 from benchtool.link.ticks import TickMark
 from benchtool.protocol.canopen.nmt import NmtState
@@ -117,11 +116,8 @@ class TelemetryStream:
     # ---- life ------------------------------------------------------------------------------------------
 
     def __enter__(self) -> Self:
-        clock = self._node.clock
-        if isinstance(clock, VirtualClock):
-            clock.settle_with(self._worker.settle)
-            for sink in self._fan_out.sinks:
-                clock.settle_with(sink.worker.settle)
+        for worker in self._workers():
+            self._node.clock.settle_with(worker.settle)
         try:
             self._start()
         except BaseException:
@@ -274,14 +270,14 @@ class TelemetryStream:
         self._fan_out.check()
 
     def _close(self) -> None:
-        clock = self._node.clock
         self._source.detach()
         with ExitStack() as stack:
             stack.callback(self._fan_out.close)
             self._worker.close()
             if not self._worker.failed:
                 self._hand_on()
-        if isinstance(clock, VirtualClock):
-            clock.forget(self._worker.settle)
-            for sink in self._fan_out.sinks:
-                clock.forget(sink.worker.settle)
+        for worker in self._workers():
+            self._node.clock.forget(worker.settle)
+
+    def _workers(self) -> tuple[Worker[Any], ...]:
+        return self._worker, *(sink.worker for sink in self._fan_out.sinks)

@@ -10,7 +10,7 @@ import can
 import canopen
 from canopen.sdo.exceptions import SdoAbortedError, SdoCommunicationError
 
-from benchtool.clock import Clock, VirtualClock
+from benchtool.clock import Clock
 from benchtool.errors import LinkError, NoAnswer, SdoAbort
 from benchtool.link.canopen.sdo_client import BlockNotOfferedError, SdoClient, SdoTimeoutError
 from benchtool.link.interface import CountsMalformed, Frame, FrameReceiver, LinkCounters
@@ -62,8 +62,7 @@ class CanopenLink(ReceivingLink):
         self._receivers: dict[int, FrameReceiver] = {cob_id.EMCY + node_id: self._on_emergency}
         self._network = canopen.Network()
         self._network.bus = bus
-        settle = clock.settle if isinstance(clock, VirtualClock) else None
-        self._sdo = SdoClient(self._network, node_id, sdo_timeout_s, settle)
+        self._sdo = SdoClient(self._network, node_id, sdo_timeout_s, clock.settle)
         self._network.subscribe(cob_id.SDO_RESPONSE + node_id, self._on_sdo_response)
         self._network.subscribe(cob_id.HEARTBEAT + node_id, self._on_heartbeat)
         self._transfer_lock = threading.Lock()

@@ -47,8 +47,7 @@ class SdoClient(client.SdoClient):
         network: to send on; its owner has `on_response` called for every frame of the server.
         node_id: the server's.
         timeout_s: wall time to wait for each answer.
-        settle: in virtual time, returns when every frame sent so far has been handled; an answer that is
-            not there then is not waited for.
+        settle: `Clock.settle`; an answer that is not there when it is true is not waited for.
     """
 
     def __init__(
@@ -56,7 +55,7 @@ class SdoClient(client.SdoClient):
         network: canopen.Network,
         node_id: int,
         timeout_s: float,
-        settle: Callable[[], None] | None = None,
+        settle: Callable[[], bool] = lambda: False,
     ) -> None:
         super().__init__(
             cob_id.SDO_REQUEST + node_id, cob_id.SDO_RESPONSE + node_id, canopen.ObjectDictionary()
@@ -109,8 +108,7 @@ class SdoClient(client.SdoClient):
         self.send_request(bytes([sdo.ABORT]) + self._object + sdo.ABORT_CODE.pack(abort_code))
 
     def _next_frame(self, timeout_s: float) -> bytes:
-        if self.settle is not None and self.responses.empty():
-            self.settle()
+        if self.responses.empty() and self.settle():
             timeout_s = 0.0  # what has not come by now never will
         try:
             return self.responses.get(timeout=timeout_s)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Sequence
 
-from benchtool.clock import Clock, VirtualClock
+from benchtool.clock import Clock
 from benchtool.link.interface import BatchReceiver, LinkCounters
 from benchtool.link.port import Port
 from benchtool.link.receiving import ReceivingLink
@@ -58,8 +58,7 @@ class SerialLink(ReceivingLink):
         self._clock = clock
         self._host_node_id = host_node_id
         self._splitter = FrameSplitter()
-        settle = clock.settle if isinstance(clock, VirtualClock) else None
-        self._exchange = Exchange(self._send, timeout_s, settle)
+        self._exchange = Exchange(self._send, timeout_s, clock.settle)
         self._requests = SerialRequests(self._exchange, node_id, self._require_open)
         self._batch_receiver: BatchReceiver | None = None
         self._setpoint_sequence = 0
