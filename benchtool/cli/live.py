@@ -84,13 +84,14 @@ def _show_drive(
     from benchtool.bench.session import open_session
     from benchtool.drive.parameters.transaction import snapshot
     from benchtool.recording import Manifest
-    from benchtool.telemetry import TelemetryStream, fitting, keep_journal
+    from benchtool.telemetry import TelemetryStream, keep_journal
 
     # An emulated drive is looked at in the time that it would take.
     with open_session(profile, link, seed=seed, real_time=True, note=output.note) as session:
         drive = session.drive
         drive.check()
-        names = options.listed(channels) or fitting(drive, _CHANNELS)
+        fitting = drive.link.process_data.fitting(drive.dictionary, _CHANNELS)
+        names = options.listed(channels) or fitting
         now = options.wall_time()
         manifest = Manifest(
             what="live",

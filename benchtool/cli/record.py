@@ -63,7 +63,7 @@ def record(
     """Record the stream of a drive, whatever it is doing; nothing is enabled."""
     from benchtool.bench.session import open_session
     from benchtool.recording import BundleWriter, EventFile
-    from benchtool.telemetry import DEFAULT_CHANNELS, FrameLog, fitting, stream_source
+    from benchtool.telemetry import DEFAULT_CHANNELS, FrameLog
 
     output = Output(as_json=as_json)
     when = options.wall_time()
@@ -76,9 +76,10 @@ def record(
             profile, link, seed=seed, real_time=real_time, note=output.note, frames=log
         ) as session:
             drive = session.drive
-            names = options.listed(channels) or fitting(drive, DEFAULT_CHANNELS)
+            process_data = drive.link.process_data
+            names = options.listed(channels) or process_data.fitting(drive.dictionary, DEFAULT_CHANNELS)
             # Before there is a folder: what cannot be streamed leaves nothing behind.
-            stream_source(drive, names, rate)
+            process_data.source(drive, names, rate)
             identity = drive.check()
             manifest = _manifest(session, identity, when.isoformat(timespec="seconds"), note, seed, link)
             with (

@@ -12,6 +12,7 @@ from canopen.sdo.exceptions import SdoAbortedError, SdoCommunicationError
 
 from benchtool.clock import Clock
 from benchtool.errors import LinkError, NoAnswer, SdoAbort
+from benchtool.link.canopen.process_data import PdoProcessData
 from benchtool.link.canopen.sdo_client import BlockNotOfferedError, SdoClient, SdoTimeoutError
 from benchtool.link.interface import CountsMalformed, Frame, FrameReceiver, LinkCounters
 from benchtool.link.receiving import ReceivingLink
@@ -112,6 +113,11 @@ class CanopenLink(ReceivingLink):
     def send_pdo(self, can_id: int, data: bytes) -> None:
         """See `FrameLink.send_pdo`."""
         self._send(can_id, data)
+
+    @property
+    def process_data(self) -> PdoProcessData:
+        """See `Link.process_data`."""
+        return PdoProcessData(self)
 
     # ---- transfers ---------------------------------------------------------------------------------------
 

@@ -10,6 +10,7 @@ from benchtool.link.interface import BatchReceiver, LinkCounters
 from benchtool.link.port import Port
 from benchtool.link.receiving import ReceivingLink
 from benchtool.link.serial.exchange import Exchange
+from benchtool.link.serial.process_data import BatchProcessData
 from benchtool.link.serial.requests import SerialRequests
 from benchtool.protocol.canopen.nmt import NmtCommand, NmtState
 from benchtool.protocol.serial import (
@@ -55,7 +56,6 @@ class SerialLink(ReceivingLink):
             node_id, clock, thread_name="serial-link", device="serial port", check="its cable and adapter"
         )
         self._port = port
-        self._clock = clock
         self._host_node_id = host_node_id
         self._splitter = FrameSplitter()
         self._exchange = Exchange(self._send, timeout_s, clock.settle)
@@ -126,6 +126,11 @@ class SerialLink(ReceivingLink):
         self._setpoint_sequence = on_wire(self._setpoint_sequence + 1)
         self._send(Setpoint(self._setpoint_sequence, torque_Nm, omega_m_rad_s))
 
+    @property
+    def process_data(self) -> BatchProcessData:
+        """See `Link.process_data`."""
+        return BatchProcessData(self)
+
     # ---- inside ------------------------------------------------------------------------------------------
 
     def _send(self, message: Request) -> None:
@@ -159,7 +164,7 @@ class SerialLink(ReceivingLink):
 
     def _read(self) -> tuple[bytes, float]:
         data = self._port.read()
-        return data, self._clock.now_s()
+        return data, self.clock.now_s()
 
     def _handle(self, payload: bytes, arrival_s: float) -> None:
         message = decode_reply(payload)
