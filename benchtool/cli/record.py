@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from benchtool.bench.wires import registry
 from benchtool.cli import options, viewing
 from benchtool.cli.output import Output, significant
 
@@ -36,7 +37,7 @@ def record(
         str,
         typer.Option(
             metavar="A,B,C",
-            help="Signals: 13 at most over CAN, 16 over a serial line.",
+            help=registry.channels_help(),
             show_default="torque,omega_m,i_q,...",
         ),
     ] = "",
@@ -44,7 +45,7 @@ def record(
         float,
         typer.Option(
             metavar="HZ",
-            help="Records per second: 1000 at most over CAN, the rate of the control over a serial line.",
+            help=registry.rate_help(),
         ),
     ] = 100.0,
     note: Annotated[str, typer.Option(help="A line for the manifest.")] = "",
