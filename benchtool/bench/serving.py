@@ -92,7 +92,7 @@ def serve(
 
     Raises:
         ProfileError: the profile cannot be read, or describes no emulated bench.
-        UsageError: `speed` is not positive.
+        UsageError: `speed` is not positive, or there is no such wire.
         LinkError: a wire cannot be offered.
         EnvironmentFailure: this system has no pseudo-terminals.
     """
@@ -125,12 +125,13 @@ def serve(
 def _offer(
     stack: ExitStack, bench: EmulatedBench, endpoint: Endpoint, node_id: int, note: Callable[[str], None]
 ) -> ServedWire:
+    offer = registry.offer_named(endpoint.wire)
     port, place = _open(stack, endpoint)
 
     def gone(reason: OSError) -> None:
         note(f"{place} is lost: {reason}; the drive runs on")
 
-    offered = registry.offer_named(endpoint.wire)(bench, port, place, node_id, gone)
+    offered = offer(bench, port, place, node_id, gone)
     return ServedWire(endpoint.wire, place, offered.link, offered.traffic)
 
 

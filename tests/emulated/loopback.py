@@ -8,12 +8,13 @@ import struct
 import threading
 from collections.abc import Callable
 
-from benchtool.bench.wires.wire import Opening, Wire
+from benchtool.bench.wires.wire import Offered, Opening, Wire
 from benchtool.clock import Clock
 from benchtool.emulator.bench import EmulatedBench
+from benchtool.emulator.servers.node import OnGone
 from benchtool.emulator.servers.serial import SerialServer
 from benchtool.link import Link
-from benchtool.link.port import READ_S
+from benchtool.link.port import READ_S, Port
 from benchtool.link.serial.link import SerialLink
 
 _TIME_S = struct.Struct("<d")
@@ -83,4 +84,9 @@ def _host_link(bench: EmulatedBench, opening: Opening) -> Callable[[], Link]:
     return open_link
 
 
-WIRE = Wire("loopback", host_link=_host_link)
+def _offer(bench: EmulatedBench, port: Port, place: str, _node_id: int, on_gone: OnGone) -> Offered:
+    server = bench.add_serial(port, on_gone)
+    return Offered(f"elsewhere:{place}", lambda: server.traffic)
+
+
+WIRE = Wire("loopback", host_link=_host_link, offers={"loopback-serial": _offer})

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from benchtool.bench.serving import Endpoint, serve
 from benchtool.bench.session import open_session
 from benchtool.bench.wires import registry
 from benchtool.cli import app
@@ -111,6 +112,18 @@ def test_the_command_line_knows_an_installed_wire() -> None:
     got = CliRunner().invoke(app, arguments)
     assert got.exit_code == 0, got.output
     assert got.stdout == CliRunner().invoke(app, arguments[:3]).stdout
+
+
+@pytest.mark.usefixtures("installed")
+def test_an_emulated_drive_offers_the_wire_of_somebody_else() -> None:
+    with serve("zhu2011", [Endpoint("loopback-serial")]) as drive:
+        (wire,) = drive.wires
+        assert (wire.wire, wire.link) == ("loopback-serial", f"elsewhere:{wire.place}")
+    with (
+        pytest.raises(UsageError, match="offers no 'usb': choose slcan or serial or loopback-serial"),
+        serve("zhu2011", [Endpoint("usb")]),
+    ):
+        pass
 
 
 @pytest.mark.parametrize(

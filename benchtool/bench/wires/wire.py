@@ -100,9 +100,14 @@ Raises:
 class Wire:
     """One wire; what it cannot do stays None. Its callables import what they need when they are called.
 
+    How it carries streams and setpoints is for the links to say that `connect` and `host_link` open.
+
+    Raises:
+        ValueError: it has addresses and cannot open them, or the other way about.
+
     Attributes:
         name: what `emulated?wire=` calls it.
-        form, connect: of its own addresses, which lead to `far_end`.
+        form, connect: of its own addresses, which lead to `far_end`; both, or neither.
         carries_frames: what travels are CAN frames: they can be kept, and others can listen.
         stream: what a stream over it may be.
         host_link: makes what opens a link to an emulated drive in this process.
@@ -121,3 +126,7 @@ class Wire:
     offers: Mapping[str, Offer] = field(default_factory=dict)
     own_places: Callable[[], Sequence[str]] = lambda: ()
     discover: Discover | None = None
+
+    def __post_init__(self) -> None:
+        if (self.form is None) != (self.connect is None):
+            raise ValueError(f"wire '{self.name}' has one of form and connect, both or neither are expected")
