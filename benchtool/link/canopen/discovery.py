@@ -23,7 +23,6 @@ from benchtool.link.discovery import (
 from benchtool.protocol.canopen import cob_id, sdo
 from benchtool.protocol.canopen.nmt import NmtState, heartbeat_state
 
-_HOST = 127
 _SPACING_S = 0.005  # 200 requests a second are 5 % of a bus at 500 kbit/s
 _SDO_READ_SERIAL_NUMBER = sdo.INITIATE.pack(sdo.Request.UPLOAD, *SERIAL_NUMBER, 0)
 
@@ -46,7 +45,7 @@ def ask_bus(place: str, bus: can.BusABC, bitrate: int | None, timeout_s: float, 
     """
     try:
         heard = _Heard()
-        with CanopenLink(_Lent(bus), _HOST, clock) as survey:
+        with CanopenLink(_Lent(bus), cob_id.HOST_NODE, clock) as survey:
             survey.subscribe([cob_id.SDO_RESPONSE + node for node in cob_id.NODES], heard.answer)
             survey.subscribe([cob_id.HEARTBEAT + node for node in cob_id.NODES], heard.heartbeat)
             for node in cob_id.NODES:

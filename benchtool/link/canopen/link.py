@@ -50,7 +50,7 @@ class CanopenLink(ReceivingLink):
         node_id: int,
         clock: Clock,
         *,
-        host_node_id: int = 127,
+        host_node_id: int = cob_id.HOST_NODE,
         sdo_timeout_s: float = 0.5,
         arrival_s: Callable[[can.Message], float] | None = None,
     ) -> None:

@@ -12,6 +12,7 @@ from benchtool.link.receiving import ReceivingLink
 from benchtool.link.serial.exchange import Exchange
 from benchtool.link.serial.process_data import BatchProcessData
 from benchtool.link.serial.requests import SerialRequests
+from benchtool.protocol.canopen.cob_id import HOST_NODE
 from benchtool.protocol.canopen.nmt import NmtCommand, NmtState
 from benchtool.protocol.serial import (
     VERSION,
@@ -50,7 +51,7 @@ class SerialLink(ReceivingLink):
     """
 
     def __init__(
-        self, port: Port, node_id: int, clock: Clock, *, host_node_id: int = 127, timeout_s: float = 0.5
+        self, port: Port, node_id: int, clock: Clock, *, host_node_id: int = HOST_NODE, timeout_s: float = 0.5
     ) -> None:
         super().__init__(
             node_id, clock, thread_name="serial-link", device="serial port", check="its cable and adapter"

@@ -28,6 +28,8 @@ FIRST_OF_PDO, LAST_OF_PDO = TPDO[0] + 1, SDO_RESPONSE - 1
 """Identifiers that a PDO may have; below are NMT, SYNC and EMCY, above SDO and heartbeat."""
 
 NODES = range(1, 128)
+HOST_NODE = 127
+"""The node id under which a host of this project sends heartbeats."""
 
 INVALID = 1 << 31
 """Bit of a COB-ID object: the PDO is not in use."""
