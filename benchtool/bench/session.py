@@ -96,47 +96,47 @@ def open_session(
     profile = altered(load_profile(profile_name), alter)
     text = source.read_text(encoding="utf-8")
     eds = eds_path(profile, source)
+    address = registry.parse(link) if isinstance(link, str) else link
+    node_id = address.node_id(profile.drive.node_id) if isinstance(address, Address) else address.node_id
+    dictionary = Dictionary.from_eds(eds, node_id)
+    opening = Opening(profile, node_id, seed, real_time, first_tick, frames, note)
     with ExitStack() as stack:
-        if isinstance(link, str):
-            address = registry.parse(link)
-            node_id = address.node_id(profile.drive.node_id)
-            dictionary = Dictionary.from_eds(eds, node_id)
-            _require_possible(address, alter, frames)
-            opening = Opening(profile, node_id, seed, real_time, first_tick, frames, note)
-            connect = registry.wire_of(address).connect
-            assert connect is not None  # a wire whose addresses have a form
-            connection = connect(stack, address, opening)
-            opened = connection.open_link()
+        if isinstance(address, Address):
+            connection = _connect(stack, address, opening, alter)
         else:
-            dictionary = Dictionary.from_eds(eds, link.node_id)
-            _require_unaltered(alter, "an open link")
-            if frames is not None:
-                raise UsageError("frames are kept from the opening of a link on: give its address instead")
-            connection, opened = Connection(link.clock, lambda: link, reopens=False), link
-        drive = RemoteDrive(
-            opened,
-            dictionary,
-            eds.name,
-            connection.clock,
-            reopen=connection.open_link if connection.reopens else None,
-        )
-        if isinstance(link, str):
+            connection = _lent(address, opening, alter)
+        reopen = connection.open_link if connection.reopens else None
+        drive = RemoteDrive(connection.open_link(), dictionary, eds.name, connection.clock, reopen=reopen)
+        if connection.reopens:
             stack.callback(drive.close_link)
         stack.enter_context(drive)
-        if connection.load is not None:
-            stack.callback(connection.load.apply, 0.0)
-        yield Session(
-            profile_name, profile, text, drive, connection.clock, connection.load, connection.transducer
-        )
+        bench = connection.bench
+        if bench is None:
+            yield Session(profile_name, profile, text, drive, connection.clock)
+        else:
+            stack.callback(bench.load.apply, 0.0)
+            yield Session(profile_name, profile, text, drive, bench.clock, bench.load, bench.transducer)
 
 
-def _require_possible(address: Address, alter: Mapping[str, float], frames: FrameLog | None) -> None:
-    if registry.wire_of(address).far_end is not FarEnd.EMULATED_DRIVE:
+def _connect(stack: ExitStack, address: Address, opening: Opening, alter: Mapping[str, float]) -> Connection:
+    """The way to the drive at an address."""
+    wire = registry.wire_of(address)
+    if wire.far_end is not FarEnd.EMULATED_DRIVE:
         _require_unaltered(alter, f"'{address.url}'")
-    if frames is not None and not registry.carrier(address).carries_frames:
+    if opening.frames is not None and not registry.carrier(address).carries_frames:
         raise UsageError(
             f"frames are those of CAN and the link is '{address.url}': record without --frames, or over CAN"
         )
+    assert wire.connect is not None  # it has a form
+    return wire.connect(stack, address, opening)
+
+
+def _lent(link: Link, opening: Opening, alter: Mapping[str, float]) -> Connection:
+    """The way to a drive whose link is open already."""
+    _require_unaltered(alter, "an open link")
+    if opening.frames is not None:
+        raise UsageError("frames are kept from the opening of a link on: give its address instead")
+    return Connection(link.clock, lambda: link, reopens=False)
 
 
 def _require_unaltered(alter: Mapping[str, float], link: str) -> None:

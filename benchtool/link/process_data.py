@@ -143,13 +143,20 @@ class ProcessData(Protocol):
             ValueRefused: the drive cannot stream this.
         """
 
-    def setpoints(self, drive: DriveAccess, torque: Variable, speed: Variable) -> SetpointMessage:
-        """Set the drive up for setpoints of these two objects.
+    def setpoints(
+        self, drive: DriveAccess, torque: Variable | None, speed: Variable | None
+    ) -> SetpointMessage:
+        """Set the drive up for setpoints of these objects in Nm and rad/s, of which one may be left out.
 
         Raises:
             ValueRefused: the drive takes no such setpoints.
             SdoAbort, NoAnswer, WriteNotVerified: it cannot be set up.
         """
+
+
+def encoded(variable: Variable | None, value: float) -> bytes:
+    """A setpoint as the drive takes it; nothing for one that is left out."""
+    return b"" if variable is None else variable.encode(value)
 
 
 def control_period_s(drive: DriveAccess) -> float:

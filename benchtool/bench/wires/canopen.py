@@ -22,16 +22,26 @@ _SCHEME = "can"
 _OFFERED_BITRATE = 500_000
 
 
+def bus_at(address: Address) -> can.BusABC:
+    """The bus that an address of this wire names.
+
+    Raises:
+        LinkError: it cannot be opened.
+    """
+    from benchtool.link.canopen.bus import open_bus
+
+    interface, channel = address.place
+    return open_bus(interface, channel, address.number("bitrate"))
+
+
 def _connect(_stack: ExitStack, address: Address, opening: Opening) -> Connection:
     from benchtool.clock import RealClock
-    from benchtool.link.canopen.bus import open_bus
     from benchtool.link.canopen.link import CanopenLink
 
     clock = RealClock()
-    interface, channel = address.place
 
     def open_link() -> Link:
-        bus = open_bus(interface, channel, address.number("bitrate"))
+        bus = bus_at(address)
         if opening.frames is None:
             return CanopenLink(bus, opening.node_id, clock)
         tapped = opening.frames.tap(bus, clock, stamp=True)
@@ -68,12 +78,9 @@ def _offer_slcan(bench: EmulatedBench, port: Port, place: str, node_id: int, on_
 def _discover(address: Address, timeout_s: float) -> list[Found]:
     from benchtool.clock import RealClock
     from benchtool.errors import NoAnswer
-    from benchtool.link.canopen.bus import open_bus
     from benchtool.link.canopen.discovery import ask_bus
 
-    interface, channel = address.place
-    bitrate = address.number("bitrate")
-    bus = open_bus(interface, channel, bitrate)
+    bus, bitrate = bus_at(address), address.number("bitrate")
     found = ask_bus(address.without_options, bus, bitrate, timeout_s, RealClock())
     if not found:
         raise NoAnswer("no node answered or was heard; check the bit rate and the wiring")

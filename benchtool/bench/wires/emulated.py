@@ -33,8 +33,7 @@ def emulated(carrier: Callable[[Address], Wire], check: Check) -> Wire:
             has_bus=bool(channel) or wire.carries_frames,
         )
         stack.callback(bench.close)
-        open_link = wire.host_link(bench, opening)
-        return Connection(bench.clock, open_link, load=bench.load, transducer=bench.transducer)
+        return Connection(bench.clock, wire.host_link(bench, opening), bench=bench)
 
     form = Form(SCHEME, options={"channel": any_text, "node": whole_number, "wire": check})
     return Wire(SCHEME, form, connect, FarEnd.EMULATED_DRIVE)

@@ -9,7 +9,7 @@ from benchtool.bench.wires.address import Address, Form, whole_number
 from benchtool.bench.wires.wire import Connection, FarEnd, Opening, Wire
 
 
-def _connect(_stack: ExitStack, address: Address, opening: Opening) -> Connection:
+def _connect(stack: ExitStack, address: Address, opening: Opening) -> Connection:
     from benchtool.clock import VirtualClock
     from benchtool.link.replay import ReplayLink
     from benchtool.recording import Bundle
@@ -19,7 +19,9 @@ def _connect(_stack: ExitStack, address: Address, opening: Opening) -> Connectio
     folder = Path(address.place[0])
     if (folder / MANIFEST).is_file():
         Bundle.open(folder).require_intact()
-    return Connection(clock, lambda: ReplayLink(folder, opening.node_id, clock), reopens=False)
+    link = ReplayLink(folder, opening.node_id, clock)
+    stack.callback(link.close)
+    return Connection(clock, lambda: link, reopens=False)
 
 
 WIRE = Wire(

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 from benchtool.bench.wires.address import Address, Form
 
 if TYPE_CHECKING:
-    from benchtool.bench.session import LoadMachine, Transducer
     from benchtool.clock import Clock
     from benchtool.emulator.bench import EmulatedBench
     from benchtool.emulator.ports.client import Traffic
@@ -52,13 +51,16 @@ class Opening:
 
 @dataclass(frozen=True)
 class Connection:
-    """The way to a drive: `open_link` opens its link, and opens it anew if it was lost and `reopens`."""
+    """The way to a drive.
+
+    If it `reopens`, each call of `open_link` opens a link, which the session closes and opens anew if it was
+    lost; else there is the one, which is closed where it was opened. `bench` is what the drive stands on, if that is emulated in this process.
+    """
 
     clock: Clock
     open_link: Callable[[], Link]
     reopens: bool = True
-    load: LoadMachine | None = None
-    transducer: Transducer | None = None
+    bench: EmulatedBench | None = None
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from benchtool.errors import BenchError, ValueRefused
 from benchtool.link.canopen.pdo_restoring import FoundPdo
 from benchtool.link.canopen.pdo_source import PdoSource
 from benchtool.link.interface import FrameLink
-from benchtool.link.process_data import DriveAccess, Source
+from benchtool.link.process_data import DriveAccess, Source, encoded
 from benchtool.protocol.canopen.pdo import MAX_BITS, rpdo
 from benchtool.protocol.dictionary import Dictionary
 from benchtool.protocol.dictionary.variable import Variable
@@ -34,7 +34,7 @@ class PdoProcessData:
             drive, self._link, channels, rate_Hz, after if isinstance(after, PdoSource) else None
         )
 
-    def setpoints(self, drive: DriveAccess, torque: Variable, speed: Variable) -> PdoSetpoints:
+    def setpoints(self, drive: DriveAccess, torque: Variable | None, speed: Variable | None) -> PdoSetpoints:
         """See `ProcessData.setpoints`."""
         return PdoSetpoints(drive, self._link, torque, speed)
 
@@ -42,12 +42,15 @@ class PdoProcessData:
 class PdoSetpoints:
     """A `SetpointMessage` in RPDO1, whose parameters are put back in the end."""
 
-    def __init__(self, drive: DriveAccess, link: FrameLink, torque: Variable, speed: Variable) -> None:
+    def __init__(
+        self, drive: DriveAccess, link: FrameLink, torque: Variable | None, speed: Variable | None
+    ) -> None:
         self._drive = drive
         self._link = link
         self._torque, self._speed = torque, speed
-        _require_mappable(torque, speed)
-        self._pdo = rpdo(link.node_id, [torque.mapping, speed.mapping])
+        mapped = [each for each in (torque, speed) if each is not None]
+        _require_mappable(*mapped)
+        self._pdo = rpdo(link.node_id, [each.mapping for each in mapped])
         self._found = FoundPdo.of(drive, self._pdo)
         try:
             for label, value in self._pdo.set_up():
@@ -61,7 +64,7 @@ class PdoSetpoints:
 
     def encode(self, torque_Nm: float, omega_m_rad_s: float) -> bytes:
         """See `SetpointMessage.encode`."""
-        return self._torque.encode(torque_Nm) + self._speed.encode(omega_m_rad_s)
+        return encoded(self._torque, torque_Nm) + encoded(self._speed, omega_m_rad_s)
 
     def send(self, torque_Nm: float, omega_m_rad_s: float) -> None:
         """See `SetpointMessage.send`."""

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from benchtool.link.interface import BatchLink
-from benchtool.link.process_data import DriveAccess, Source
+from benchtool.link.process_data import DriveAccess, Source, encoded
 from benchtool.link.serial.batch_source import BatchSource
 from benchtool.protocol.dictionary import Dictionary
 from benchtool.protocol.dictionary.variable import Variable
@@ -28,7 +28,9 @@ class BatchProcessData:
         """See `ProcessData.source`; a stream leaves nothing on the drive that a later one has to know."""
         return BatchSource(drive, self._link, channels, rate_Hz)
 
-    def setpoints(self, drive: DriveAccess, torque: Variable, speed: Variable) -> SerialSetpoints:
+    def setpoints(
+        self, drive: DriveAccess, torque: Variable | None, speed: Variable | None
+    ) -> SerialSetpoints:
         """See `ProcessData.setpoints`."""
         return SerialSetpoints(self._link, torque, speed)
 
@@ -36,13 +38,13 @@ class BatchProcessData:
 class SerialSetpoints:
     """A `SetpointMessage` that the drive takes in any case."""
 
-    def __init__(self, link: BatchLink, torque: Variable, speed: Variable) -> None:
+    def __init__(self, link: BatchLink, torque: Variable | None, speed: Variable | None) -> None:
         self._link = link
         self._torque, self._speed = torque, speed
 
     def encode(self, torque_Nm: float, omega_m_rad_s: float) -> bytes:
         """See `SetpointMessage.encode`."""
-        return self._torque.encode(torque_Nm) + self._speed.encode(omega_m_rad_s)
+        return encoded(self._torque, torque_Nm) + encoded(self._speed, omega_m_rad_s)
 
     def send(self, torque_Nm: float, omega_m_rad_s: float) -> None:
         """See `SetpointMessage.send`."""
