@@ -12,7 +12,7 @@ import itertools
 import threading
 import time
 from collections.abc import Callable
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 
 class Timer(Protocol):
@@ -25,6 +25,9 @@ class Timer(Protocol):
 class Clock(Protocol):
     """What host and emulator know of time; seconds, monotonic, from an arbitrary origin."""
 
+    virtual: ClassVar[bool]
+    """Whether time advances only inside `wait`: periods are exact, whatever the computer does."""
+
     def now_s(self) -> float:
         """The present."""
 
@@ -34,9 +37,25 @@ class Clock(Protocol):
     def call_every(self, period_s: float, action: Callable[[], None]) -> Timer:
         """Call `action` now and then every `period_s`, until cancelled."""
 
+    def settle(self) -> bool:
+        """Have everything sent so far, and everything sent in answer, handled; whether that can be known.
+
+        If it is true, what has not come by now will not come before time moves. A real clock knows nothing of
+        what is under way, and returns False at once.
+        """
+
+    def settle_with(self, settle: Callable[[], bool]) -> None:
+        """Have `settle()` called before time moves, where time waits: it returns once nothing sent to it is
+        unhandled, and says whether there was something."""
+
+    def forget(self, callback: Callable[..., object]) -> None:
+        """Take back a `settle_with`."""
+
 
 class RealClock:
-    """The wall clock."""
+    """The wall clock, which waits for nothing."""
+
+    virtual: ClassVar[bool] = False
 
     def now_s(self) -> float:
         return time.monotonic()
@@ -46,6 +65,15 @@ class RealClock:
 
     def call_every(self, period_s: float, action: Callable[[], None]) -> Timer:
         return _RealTimer(period_s, action)
+
+    def settle(self) -> bool:
+        return False
+
+    def settle_with(self, settle: Callable[[], bool]) -> None:
+        """Nothing: this clock waits for no one."""
+
+    def forget(self, callback: Callable[..., object]) -> None:
+        """Nothing was kept."""
 
 
 class _RealTimer:
@@ -89,6 +117,8 @@ class VirtualClock:
         ValueError: speed or step are not positive.
     """
 
+    virtual: ClassVar[bool] = True
+
     def __init__(
         self, *, paced: bool = False, speed: float = 1.0, step_s: float = 0.02, catch_up_s: float = 1.0
     ) -> None:
@@ -112,8 +142,7 @@ class VirtualClock:
         self._followers.append(advance)
 
     def settle_with(self, settle: Callable[[], bool]) -> None:
-        """Have `settle()` called before time moves: it returns once nothing sent to it is unhandled, and
-        says whether there was something."""
+        """See `Clock.settle_with`."""
         self._settlers.append(settle)
 
     def forget(self, callback: Callable[..., object]) -> None:
@@ -121,12 +150,13 @@ class VirtualClock:
         self._followers = [each for each in self._followers if each != callback]
         self._settlers = [each for each in self._settlers if each != callback]
 
-    def settle(self) -> None:
-        """Return when every frame sent so far, and every frame sent in answer, has been handled."""
+    def settle(self) -> bool:
+        """See `Clock.settle`."""
         busy = True
         while busy:
             outcomes = [settle() for settle in self._settlers]
             busy = any(outcomes)
+        return True
 
     def wait(self, duration_s: float) -> None:
         end_s = self._now_s + max(0.0, duration_s)

@@ -11,6 +11,7 @@ import re
 import struct
 from collections.abc import Iterator
 
+from benchtool.protocol.canopen.pdo import RPDOS, TPDOS
 from benchtool.protocol.dictionary.objects import DataType, Entry, Number, Object, ObjectTable
 
 _MANDATORY = (0x1000, 0x1001, 0x1018)
@@ -63,8 +64,8 @@ def _device_info(table: ObjectTable) -> Iterator[str]:
     yield from (f"BaudRate_{rate}=1" for rate in _BIT_RATES)
     yield from ("SimpleBootUpMaster=0", "SimpleBootUpSlave=1", "Granularity=8", "DynamicChannelsSupported=0")
     yield from ("CompactPDO=0", "GroupMessaging=0")
-    yield f"NrOfRXPDO={sum(0x1400 <= item.index < 0x1600 for item in table.objects)}"
-    yield f"NrOfTXPDO={sum(0x1800 <= item.index < 0x1A00 for item in table.objects)}"
+    yield f"NrOfRXPDO={sum(item.index in RPDOS for item in table.objects)}"
+    yield f"NrOfTXPDO={sum(item.index in TPDOS for item in table.objects)}"
     yield "LSS_Supported=0"
     yield from ("", "[DummyUsage]")
     yield from (f"Dummy{number:04d}=0" for number in range(1, 8))

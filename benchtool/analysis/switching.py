@@ -14,10 +14,10 @@ from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
 from benchtool.analysis.validity import require_unbroken
 from benchtool.block import Block
 from benchtool.errors import AnalysisError
+from benchtool.ticks import TICKS
 
 _LEGS = 3
 _SCATTER = "scatter over parts of the record, with their correlation"
-_WRAP = 2.0**32
 _SQRT3 = math.sqrt(3.0)
 _VECTORS = 7  # the zero vectors 0 and 7 count as one: the voltage does not tell them apart
 _USED = 1e-5  # of a period, above the rounding of single-precision voltages
@@ -50,8 +50,8 @@ def mean_switching_frequency_Hz(switching_count: NDArray[np.float64], sample_per
             f"'switching_count' has {len(switching_count)} samples, at least 2 are needed: "
             f"record a longer window"
         )
-    turn_ons = np.mod(np.diff(switching_count), _WRAP)
-    if not np.all(turn_ons < _WRAP / 2):
+    turn_ons = np.mod(np.diff(switching_count), TICKS)
+    if not np.all(turn_ons < TICKS / 2):
         raise AnalysisError(
             "'switching_count' went backwards within the window, a counter that only grows (u32, wrapping) "
             "is expected: the drive restarted, choose a window on one side of it"
@@ -75,7 +75,7 @@ def switching_frequency(block: Block) -> Measurement:
         "Hz",
         "turn-ons of the three upper switches / (3 x duration)",
         Basis(len(count), rate_Hz, duration_s, gaps=0),
-        _of_frequency(np.mod(np.diff(count), _WRAP), rate_Hz),
+        _of_frequency(np.mod(np.diff(count), TICKS), rate_Hz),
     )
 
 

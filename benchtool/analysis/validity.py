@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from benchtool.block import Block
 from benchtool.errors import AnalysisError
+from benchtool.ticks import TICKS
 
-_WRAP = 2.0**32
 _FEWEST_CLIPPED, _CLIPPED_SHARE = 8, 2e-3
 _OFTENER, _VALUES_BESIDE, _FEWEST_VALUES = 4.0, 3, 16
 _LOOKED_AT = 1 << 16  # samples, to count values by
@@ -52,7 +52,7 @@ def require_unbroken(block: Block) -> None:
         return
     steps = np.diff(block.column("tick"))
     wrong = np.flatnonzero(steps != block.stride)  # and what is left of these is no wrap
-    steps = np.mod(steps[wrong], _WRAP)
+    steps = np.mod(steps[wrong], TICKS)
     wrong, steps = wrong[steps != block.stride], steps[steps != block.stride]
     if len(wrong):
         raise AnalysisError(

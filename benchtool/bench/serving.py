@@ -11,8 +11,9 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
+from benchtool.bench.wires import registry
 from benchtool.errors import EnvironmentFailure, LinkError, UsageError
 from benchtool.profile import load_profile
 
@@ -26,7 +27,6 @@ STEP_S = 0.002
 """Wall-clock seconds for which a frame may wait for the drive's time to go on."""
 
 _CATCH_UP_S = 0.1  # a drive that hurries on for longer could take its haste for the silence of its host
-_SLCAN_BITRATE = 500_000
 _EVERYWHERE = ("0.0.0.0", "::")
 _TERMINALS = ("/dev/pts/", "/dev/ttys")  # of Linux, of macOS
 
@@ -35,10 +35,11 @@ _TERMINALS = ("/dev/pts/", "/dev/ttys")  # of Linux, of macOS
 class Endpoint:
     """A wire to be offered: a pseudo-terminal, or a TCP port if `tcp` is an address and a number.
 
-    Of number 0 the system chooses one that is free. `name` is a symbolic link to the pseudo-terminal.
+    `wire` is the name of an offer of a `Wire`: `serial`, `slcan` or another. Of number 0 the system chooses
+    one that is free. `name` is a symbolic link to the pseudo-terminal.
     """
 
-    wire: Literal["serial", "slcan"]
+    wire: str
     tcp: tuple[str, int] | None = None
     name: Path | None = None
 
@@ -91,7 +92,7 @@ def serve(
 
     Raises:
         ProfileError: the profile cannot be read, or describes no emulated bench.
-        UsageError: `speed` is not positive.
+        UsageError: `speed` is not positive, or there is no such wire.
         LinkError: a wire cannot be offered.
         EnvironmentFailure: this system has no pseudo-terminals.
     """
@@ -108,7 +109,7 @@ def serve(
             speed=speed,
             step_s=STEP_S * speed,
             catch_up_s=_CATCH_UP_S,
-            wire="serial",
+            has_bus=False,
         )
         stack.callback(bench.close)
         if hold_omega_m_rad_s is not None:
@@ -124,20 +125,14 @@ def serve(
 def _offer(
     stack: ExitStack, bench: EmulatedBench, endpoint: Endpoint, node_id: int, note: Callable[[str], None]
 ) -> ServedWire:
+    offer = registry.offer_named(endpoint.wire)
     port, place = _open(stack, endpoint)
 
     def gone(reason: OSError) -> None:
         note(f"{place} is lost: {reason}; the drive runs on")
 
-    if endpoint.wire == "serial":
-        server = bench.add_serial(port, gone)
-        return ServedWire("serial", place, f"serial:{place}?node={node_id}", lambda: server.traffic)
-    from benchtool.emulator.servers.slcan import SlcanAdapter
-
-    adapter = SlcanAdapter(port, name=place)
-    bench.add_can(adapter, gone)
-    link = f"can:slcan:{place}?bitrate={_SLCAN_BITRATE}&node={node_id}"
-    return ServedWire("slcan", place, link, lambda: adapter.traffic)
+    offered = offer(bench, port, place, node_id, gone)
+    return ServedWire(endpoint.wire, place, offered.link, offered.traffic)
 
 
 def _open(stack: ExitStack, endpoint: Endpoint) -> tuple[PtyPort | TcpPort, str]:

@@ -1,6 +1,7 @@
 """The composition root: a profile and a link address become one session on a bench.
 
-Only this module and `benchtool.bench.serving` know both the host's side and the emulated drive.
+Only the wires (`benchtool.bench.wires`) and `benchtool.bench.serving` know both the host's side and the
+emulated drive.
 """
 
 from __future__ import annotations
@@ -8,27 +9,19 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
-from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Literal, Protocol
+from typing import TYPE_CHECKING, Protocol
 
-import can
-
+from benchtool.bench.wires import registry
+from benchtool.bench.wires.address import Address
+from benchtool.bench.wires.wire import Connection, FarEnd, Opening
 from benchtool.block import Block
-from benchtool.clock import Clock, RealClock, VirtualClock
+from benchtool.clock import Clock
 from benchtool.drive import RemoteDrive
 from benchtool.errors import UsageError
 from benchtool.link import Link
-from benchtool.link.address import Address
-from benchtool.link.canopen.bus import open_bus
-from benchtool.link.canopen.link import CanopenLink
-from benchtool.link.port import open_port
-from benchtool.link.replay import ReplayLink
-from benchtool.link.serial.link import SerialLink
 from benchtool.profile import Profile, altered, eds_path, load_profile, profile_path
 from benchtool.protocol.dictionary import Dictionary
-from benchtool.recording import Bundle
-from benchtool.recording.manifest import MANIFEST
 
 if TYPE_CHECKING:
     from benchtool.telemetry import FrameLog
@@ -74,7 +67,7 @@ class Session:
 @contextmanager
 def open_session(
     profile_name: str,
-    url: str = "emulated",
+    link: str | Link = "emulated",
     *,
     seed: int = 0,
     real_time: bool = False,
@@ -83,11 +76,11 @@ def open_session(
     frames: FrameLog | None = None,
     first_tick: int = 0,
 ) -> Iterator[Session]:
-    """A session whose drive is not yet checked; on the way out it is disabled and everything is closed.
+    """A session whose drive is not yet checked; on the way out it is disabled and what was opened is closed.
 
     Args:
         profile_name: a shipped profile's name or a TOML file.
-        url: link address.
+        link: address of a link; or an open one, which stays open, and whose session cannot reconnect.
         seed: of the emulated bench's noise.
         real_time: pace an emulated bench by the wall clock.
         note: takes a line where something takes its time.
@@ -101,79 +94,57 @@ def open_session(
     """
     source = profile_path(profile_name)
     profile = altered(load_profile(profile_name), alter)
-    address = Address.parse(url)
-    if alter and address.kind != "emulated":
-        raise UsageError(
-            f"the plan alters the emulated bench ({', '.join(alter)}) and the link is '{url}': "
-            f"run it with --link emulated"
-        )
-    node_id = address.node_id(profile.drive.node_id)
     text = source.read_text(encoding="utf-8")
     eds = eds_path(profile, source)
+    address = registry.parse(link) if isinstance(link, str) else link
+    node_id = address.node_id(profile.drive.node_id) if isinstance(address, Address) else address.node_id
     dictionary = Dictionary.from_eds(eds, node_id)
-    if frames is not None and address.wire == "serial":
-        raise UsageError(
-            f"frames are those of CAN and the link is '{url}': record without --frames, or over CAN"
-        )
+    opening = Opening(profile, node_id, seed, real_time, first_tick, frames, note)
     with ExitStack() as stack:
-        if address.kind == "emulated":
-            # Imported here: compiled code is of no use to a session with a real drive.
-            from benchtool.emulator.bench import EmulatedBench
-
-            if not emulator_is_compiled():
-                note("compiling the emulated drive, once on this machine: a few seconds")
-            # A bus that is named may have listeners, whatever the host itself goes over.
-            wire: Literal["can", "serial"] = "can" if address.channel or address.wire == "can" else "serial"
-            bench = EmulatedBench(
-                profile, address.channel, seed=seed, paced=real_time, first_tick=first_tick, wire=wire
-            )
-            stack.callback(bench.close)
-
-            def open_emulated() -> Link:
-                if address.wire == "serial":
-                    return SerialLink(bench.host_port(), node_id, bench.clock)
-                bus: can.BusABC = bench.host_bus()
-                if frames is not None:
-                    bus = frames.tap(bus, bench.clock)
-                return CanopenLink(bus, node_id, bench.clock, arrival_s=_timestamp)
-
-            drive = _drive(stack, open_emulated, dictionary, eds.name, bench.clock)
+        if isinstance(address, Address):
+            connection = _connect(stack, address, opening, alter)
+        else:
+            connection = _lent(address, opening, alter)
+        reopen = connection.open_link if connection.reopens else None
+        drive = RemoteDrive(connection.open_link(), dictionary, eds.name, connection.clock, reopen=reopen)
+        if connection.reopens:
+            stack.callback(drive.close_link)
+        stack.enter_context(drive)
+        bench = connection.bench
+        if bench is None:
+            yield Session(profile_name, profile, text, drive, connection.clock)
+        else:
             stack.callback(bench.load.apply, 0.0)
             yield Session(profile_name, profile, text, drive, bench.clock, bench.load, bench.transducer)
-        elif address.kind == "replay":
-            replayed = VirtualClock(paced=real_time)
-            if (Path(address.channel) / MANIFEST).is_file():
-                Bundle.open(Path(address.channel)).require_intact()
-            recording = ReplayLink(Path(address.channel), node_id, replayed)
-            stack.callback(recording.close)
-            drive = stack.enter_context(RemoteDrive(recording, dictionary, eds.name, replayed))
-            yield Session(profile_name, profile, text, drive, replayed)
-        else:
-            clock = RealClock()
-
-            def open_real() -> Link:
-                if address.wire == "serial":
-                    return SerialLink(open_port(address.channel, address.baudrate), node_id, clock)
-                bus = open_bus(address)
-                if frames is not None:
-                    bus = frames.tap(bus, clock, stamp=True)
-                return CanopenLink(bus, node_id, clock, arrival_s=None if frames is None else _timestamp)
-
-            drive = _drive(stack, open_real, dictionary, eds.name, clock)
-            yield Session(profile_name, profile, text, drive, clock)
 
 
-def _drive(
-    stack: ExitStack, open_link: Callable[[], Link], dictionary: Dictionary, source: str, clock: Clock
-) -> RemoteDrive:
-    """A drive whose link, the first or a later one, is closed after it was disabled."""
-    drive = RemoteDrive(open_link(), dictionary, source, clock, reopen=open_link)
-    stack.callback(drive.close_link)
-    return stack.enter_context(drive)
+def _connect(stack: ExitStack, address: Address, opening: Opening, alter: Mapping[str, float]) -> Connection:
+    """The way to the drive at an address."""
+    wire = registry.wire_of(address)
+    if wire.far_end is not FarEnd.EMULATED_DRIVE:
+        _require_unaltered(alter, f"'{address.url}'")
+    if opening.frames is not None and not registry.carrier(address).carries_frames:
+        raise UsageError(
+            f"frames are those of CAN and the link is '{address.url}': record without --frames, or over CAN"
+        )
+    assert wire.connect is not None  # it has a form
+    return wire.connect(stack, address, opening)
 
 
-def _timestamp(frame: can.Message) -> float:
-    return frame.timestamp
+def _lent(link: Link, opening: Opening, alter: Mapping[str, float]) -> Connection:
+    """The way to a drive whose link is open already."""
+    _require_unaltered(alter, "an open link")
+    if opening.frames is not None:
+        raise UsageError("frames are kept from the opening of a link on: give its address instead")
+    return Connection(link.clock, lambda: link, reopens=False)
+
+
+def _require_unaltered(alter: Mapping[str, float], link: str) -> None:
+    if alter:
+        raise UsageError(
+            f"the plan alters the emulated bench ({', '.join(alter)}) and the link is {link}: "
+            f"run it with --link emulated"
+        )
 
 
 def dictionary_of(profile_name: str) -> Dictionary:
@@ -192,7 +163,7 @@ def has_transducer(url: str) -> bool:
     Raises:
         UsageError: the address is none.
     """
-    return Address.parse(url).kind == "emulated"
+    return registry.far_end(url) is FarEnd.EMULATED_DRIVE
 
 
 def emulator_is_compiled() -> bool:

@@ -138,7 +138,6 @@ def analyze(
 
 
 def _require_time(csv: Path, time: str | None, rate: float | None) -> None:
-
     if time is None and rate is None:
         raise UsageError("--csv without --time: name the column of the time, or state --rate in Hz")
     if time is not None and rate is not None:
@@ -149,7 +148,6 @@ def _require_time(csv: Path, time: str | None, rate: float | None) -> None:
 
 def _keep(output: Output, answer: TableAnswer, out: Path | None, *, with_report: bool) -> dict[str, str]:
     """Write the bundle, and the report in it; where they are."""
-
     when = options.wall_time()
     with bundle_folder(out, when, f"table-{answer.record.question.file.stem}") as folder:
         bundle = keep(answer, folder, when.isoformat(timespec="seconds"), sys.argv[1:])
@@ -162,7 +160,6 @@ def _keep(output: Output, answer: TableAnswer, out: Path | None, *, with_report:
 
 
 def _analyze_run(run: Path | None, as_json: bool, has_csv_options: bool) -> int:
-
     if run is None:
         raise UsageError("neither RUN nor --csv FILE: give the folder of a run, or a table of another tool")
     if has_csv_options:

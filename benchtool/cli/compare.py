@@ -36,7 +36,6 @@ def compare(
     as_json: options.Json = False,
 ) -> int:
     """Measure recorded runs again and set them side by side; differences are against the first."""
-
     if pdf and html is None:
         raise UsageError("--pdf writes a PDF beside the page of --html, which was not given: add --html FILE")
     output = Output(as_json=as_json)
@@ -81,7 +80,6 @@ def _labels(runs: Sequence[Path]) -> list[str]:
 
 def _deltas(comparisons: Sequence[Comparison], *, alone_run: bool) -> dict[str, object]:
     """Every difference by case (as `cases` lists it), with what it is a difference to."""
-
     document: dict[str, object] = {}
     for comparison in comparisons:
         keys = {
@@ -138,7 +136,6 @@ def _show_columns(output: Output, title: str, comparison: Comparison, letters: M
 
 def _show_many(output: Output, title: str, comparison: Comparison, letters: Mapping[str, str]) -> None:
     """A row for each run, with what is asked first; the whole is in the documents."""
-
     known = comparison.names
     names: list[str] = [name for name in FOREMOST if name in known] or list(known[:4])
     rows: list[tuple[str | Text, ...]] = [
@@ -150,7 +147,6 @@ def _show_many(output: Output, title: str, comparison: Comparison, letters: Mapp
 
 def _value(comparison: Comparison, label: str, name: str) -> str:
     """The value to the place of its uncertainty; where it has none, to that of the difference."""
-
     found = next((each for each in comparison.results[label].measurements if each.name == name), None)
     if found is None:
         return NOTHING
@@ -175,7 +171,6 @@ def _delta(comparison: Comparison, label: str, name: str) -> Delta | None:
 
 def _apart(comparison: Comparison, label: str, name: str) -> list[str | Text]:
     """Value, difference with its uncertainty, and percent."""
-
     delta = _delta(comparison, label, name)
     absolute = difference(delta) if delta is not None and math.isfinite(delta.absolute) else NOTHING
     return [_value(comparison, label, name), absolute, _percent(delta)]
@@ -191,7 +186,6 @@ def _together(comparison: Comparison, label: str, name: str) -> Text:
 
 
 def _percent(delta: Delta | None, unit: str = "") -> Text:
-
     if delta is None or not math.isfinite(delta.percent):
         return Text("–")
     sign = {True: "*", False: "~", None: ""}[delta.exceeds]

@@ -57,12 +57,10 @@ def _python() -> str:
 
 
 def _packages() -> str:
-
     return ", ".join(f"{name} {version}" for name, version in software_versions().items())
 
 
 def _dictionary() -> str:
-
     folder = shipped("firmware_protocol")
     eds = folder / "drive.eds"
     dictionary, table = Dictionary.from_eds(eds, 1), load_table(folder / "objects.toml")
@@ -90,12 +88,10 @@ def _folder() -> str:
 
 
 def _emulator() -> str:
-
     return "compiled" if emulator_is_compiled() else "will be compiled at its first run, a few seconds"
 
 
 def _drive(profile: str, link: str, output: Output) -> str:
-
     with open_session(profile, link, note=output.note) as session:
         identity = session.drive.identify()
         identity.require(session.drive.dictionary, session.drive.dictionary.source)

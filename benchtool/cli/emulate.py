@@ -52,6 +52,13 @@ def emulate(
         int | None,
         typer.Option(metavar="PORT", min=0, max=65535, help="The CAN adapter at a TCP port; 0: any."),
     ] = None,
+    offer: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME",
+            help="A wire that an installed package brings, at a pseudo-terminal. May be repeated.",
+        ),
+    ] = None,
     bind: Annotated[
         str, typer.Option(metavar="ADDRESS", help="Where TCP ports listen; loopback is this computer only.")
     ] = _LOOPBACK,
@@ -90,6 +97,7 @@ def emulate(
         *([Endpoint("slcan", name=slcan_at)] if slcan or slcan_at else []),
         *([Endpoint("serial", tcp=(bind, tcp))] if tcp is not None else []),
         *([Endpoint("slcan", tcp=(bind, slcan_tcp))] if slcan_tcp is not None else []),
+        *(Endpoint(each) for each in offer or ()),
     ]
     try:
         if not emulator_is_compiled():
@@ -139,7 +147,6 @@ def _live(drive: ServedDrive, output: Output) -> None:
 
 
 def _status(drive: ServedDrive) -> Group:
-
     now = drive.status()
     facts = (
         f"{now.drive_s:.1f} s",

@@ -35,7 +35,6 @@ def export(
     as_json: options.Json = False,
 ) -> int:
     """Write the data of a run for other tools: CSV, MATLAB or MDF4, with units and every bit."""
-
     output = Output(as_json=as_json)
     bundle = Bundle.open(run)
     bundle.require_intact()

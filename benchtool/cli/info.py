@@ -16,7 +16,6 @@ def info(
     as_json: options.Json = False,
 ) -> int:
     """Who answers: identity, firmware, dictionary, state. Nothing is enabled or written."""
-
     output = Output(as_json=as_json)
     with open_session(profile, link, note=output.note) as session:
         identity = session.drive.identify()

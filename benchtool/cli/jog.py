@@ -10,7 +10,6 @@ import typer
 from benchtool.bench.session import open_session
 from benchtool.cli import options
 from benchtool.cli.output import Output, significant
-from benchtool.clock import RealClock
 from benchtool.drive import Mode
 from benchtool.errors import UsageError
 from benchtool.run.jog import jog as run
@@ -28,7 +27,6 @@ def jog(
     as_json: options.Json = False,
 ) -> int:
     """Turn the shaft: setpoints from this computer, at a rate; Ctrl-C or the end disables the drive."""
-
     if (speed is None) == (torque is None):
         raise UsageError(
             f"{'neither' if speed is None else 'both'} of --speed and --torque: give one of the two"
@@ -47,7 +45,7 @@ def jog(
             rate_Hz=rate,
         )
     pacing = result.pacing
-    clock = "real" if isinstance(session.clock, RealClock) else "virtual, always even"
+    clock = "virtual" if session.clock.virtual else "real"
     rows = [
         ("omega_m at the end", significant(result.omega_m_rad_s), "rad/s"),
         ("torque at the end", significant(result.torque_Nm), "Nm"),
@@ -56,7 +54,7 @@ def jog(
         ("period, rms deviation", f"{pacing.period_rms_s * 1e3:.4f}", "ms"),
         ("period, longest", f"{pacing.period_max_s * 1e3:.4f}", "ms"),
         ("late periods", str(pacing.late), ""),
-        ("clock", clock, ""),
+        ("clock", f"{clock}, always even" if session.clock.virtual else clock, ""),
     ]
     output.table(f"jog of profile {profile}", ("what", ">value", "unit"), rows)
     output.document(
@@ -64,7 +62,7 @@ def jog(
             "omega_m_rad_s": result.omega_m_rad_s,
             "torque_Nm": result.torque_Nm,
             "pacing": asdict(pacing),
-            "clock": clock.partition(",")[0],
+            "clock": clock,
         }
     )
     return 0

@@ -18,7 +18,7 @@ from benchtool.live import setup_of, show_bundle
 from benchtool.profile import load_profile
 from benchtool.recording import Manifest
 from benchtool.results.runs import recorded_runs
-from benchtool.telemetry import TelemetryStream, fitting, keep_journal
+from benchtool.telemetry import TelemetryStream, keep_journal
 
 _STEP_S = 0.05
 _ROUNDING_S = 1e-9
@@ -57,7 +57,6 @@ def live(
     as_json: options.Json = False,
 ) -> int:
     """Show a drive live in Rerun, whatever it is doing, or a recorded run; nothing is enabled."""
-
     output = Output(as_json=as_json)
     if save is not None and save.suffix != ".rrd":
         raise UsageError(f"--save {save}: a file that ends in .rrd is expected")
@@ -84,12 +83,12 @@ def _show_drive(
     where: viewing.Places,
     output: Output,
 ) -> int:
-
     # An emulated drive is looked at in the time that it would take.
     with open_session(profile, link, seed=seed, real_time=True, note=output.note) as session:
         drive = session.drive
         drive.check()
-        names = options.listed(channels) or fitting(drive, _CHANNELS)
+        fitting = drive.link.process_data.fitting(drive.dictionary, _CHANNELS)
+        names = options.listed(channels) or fitting
         now = options.wall_time()
         manifest = Manifest(
             what="live",
@@ -134,7 +133,6 @@ def _show_run(
     folder: Path, profile: str, where: viewing.Places, output: Output, duration_s: float | None
 ) -> int:
     """Send every bundle of a run, each as a recording of its own."""
-
     cases = [case for each in recorded_runs(folder) for case in each.cases]
     for case in cases:
         case.bundle.require_intact()

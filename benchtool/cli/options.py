@@ -8,13 +8,14 @@ from typing import Annotated
 
 import typer
 
+from benchtool.bench.wires import registry
+
 Profile = Annotated[str, typer.Option(metavar="NAME|FILE", help="Profile of motor and drive.")]
 Link = Annotated[
     str,
     typer.Option(
         metavar="URL",
-        help="'emulated', 'can:INTERFACE:CHANNEL?bitrate=500000&node=1', "
-        "'serial:PORT?baudrate=921600&node=1' or 'replay:DIR'.",
+        help=registry.links_help(),
     ),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document on standard output.")]

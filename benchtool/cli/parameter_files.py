@@ -32,7 +32,6 @@ def dump(
     as_json: options.Json = False,
 ) -> int:
     """Write every parameter to a TOML file that load takes back."""
-
     output = Output(as_json=as_json)
     if file is not None and file.exists() and not force:
         raise ParameterFileError(f"{file} exists: give another name, or --force to replace it")
@@ -59,7 +58,6 @@ def diff(
     as_json: options.Json = False,
 ) -> int:
     """Compare a file with the drive, or two files; exit code 1 if they differ; a missing key does."""
-
     output = Output(as_json=as_json)
     ours = read_parameter_file(first)
     rules = shipped_migrations()

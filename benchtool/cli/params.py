@@ -38,7 +38,6 @@ Assignments = Annotated[
 @contextmanager
 def connected(profile: str, link: str, output: Output) -> Iterator[tuple[RemoteDrive, Identity]]:
     """The drive of a profile, known to speak its dictionary; nothing is written to it."""
-
     with open_session(profile, link, note=output.note) as session:
         identity = session.drive.identify()
         identity.require(session.drive.dictionary, session.drive.dictionary.source)
@@ -133,7 +132,6 @@ def save(
     profile: options.Profile = "zhu2011", link: options.Link = "emulated", as_json: options.Json = False
 ) -> int:
     """Have the drive store its parameters, so that they survive a reset and power off (object 0x1010)."""
-
     output = Output(as_json=as_json)
     with connected(profile, link, output) as (drive, _):
         values = snapshot(drive)
@@ -214,7 +212,6 @@ def plain(value: Value) -> int | float | str:
 
 
 def _readable(drive: RemoteDrive, name: str) -> Variable:
-
     variable = named(drive.dictionary, name)
     if not variable.readable:
         raise ValueRefused(f"'{variable.name}' is write-only: it cannot be read")
@@ -227,7 +224,6 @@ def _matches(name: str, pattern: str) -> bool:
 
 
 def _facts(variable: Variable, value: Value) -> dict[str, Any]:
-
     default = default_of(variable)
     return {
         "name": variable.name,

@@ -10,6 +10,7 @@ from typing import Annotated
 import typer
 
 from benchtool.bench.session import open_session
+from benchtool.bench.wires import registry
 from benchtool.cli import options, viewing
 from benchtool.cli.folder import bundle_folder
 from benchtool.cli.output import Output, significant
@@ -20,8 +21,6 @@ from benchtool.telemetry import (
     DEFAULT_CHANNELS,
     Certificate,
     FrameLog,
-    fitting,
-    stream_source,
 )
 
 
@@ -34,7 +33,7 @@ def record(
         str,
         typer.Option(
             metavar="A,B,C",
-            help="Signals: 13 at most over CAN, 16 over a serial line.",
+            help=registry.channels_help(),
             show_default="torque,omega_m,i_q,...",
         ),
     ] = "",
@@ -42,7 +41,7 @@ def record(
         float,
         typer.Option(
             metavar="HZ",
-            help="Records per second: 1000 at most over CAN, the rate of the control over a serial line.",
+            help=registry.rate_help(),
         ),
     ] = 100.0,
     note: Annotated[str, typer.Option(help="A line for the manifest.")] = "",
@@ -59,7 +58,6 @@ def record(
     as_json: options.Json = False,
 ) -> int:
     """Record the stream of a drive, whatever it is doing; nothing is enabled."""
-
     output = Output(as_json=as_json)
     when = options.wall_time()
     log = FrameLog() if frames else None
@@ -71,9 +69,10 @@ def record(
             profile, link, seed=seed, real_time=real_time, note=output.note, frames=log
         ) as session:
             drive = session.drive
-            names = options.listed(channels) or fitting(drive, DEFAULT_CHANNELS)
+            process_data = drive.link.process_data
+            names = options.listed(channels) or process_data.fitting(drive.dictionary, DEFAULT_CHANNELS)
             # Before there is a folder: what cannot be streamed leaves nothing behind.
-            stream_source(drive, names, rate)
+            process_data.source(drive, names, rate)
             identity = drive.check()
             manifest = manifest_of(
                 session,

@@ -30,7 +30,6 @@ def report(
     as_json: options.Json = False,
 ) -> int:
     """Measure a recorded run again and write a report that needs nothing else to be read."""
-
     if out is not None and out.suffix.lower() == ".pdf" and not pdf:
         raise UsageError(f"--out {out} names a PDF, the page is HTML: add --pdf, or name the page")
     output = Output(as_json=as_json)

@@ -14,7 +14,6 @@ def reset(
     as_json: options.Json = False,
 ) -> int:
     """Clear a latched fault, such as that of a host that vanished; nothing is enabled."""
-
     output = Output(as_json=as_json)
     with open_session(profile, link, note=output.note) as session:
         drive = session.drive

@@ -20,7 +20,6 @@ _FOREMOST = ("torque_ripple_pp", "true_torque_ripple_pp", "flux_ripple_pp", "cur
 
 def measured(measurement: Measurement) -> str:
     """Its value with its expanded uncertainty for 95 %, if it has one."""
-
     uncertainty = measurement.uncertainty
     return stated(measurement.value, None if uncertainty is None else uncertainty.expanded)
 

@@ -104,7 +104,6 @@ def _run(
     checked: NamedPlan, folder: Path, part: str, chosen: RunOptions, output: Output, where: viewing.Places
 ) -> RunResult:
     """Run one plan; `part` of the command it is, empty if it is all of it."""
-
     plan, place, folder = checked.plan, checked.profile, folder / part
     info = RunInfo(
         options.wall_time().isoformat(timespec="seconds"),

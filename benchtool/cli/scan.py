@@ -8,16 +8,13 @@ from dataclasses import asdict, dataclass
 from typing import Annotated, Any
 
 import typer
-from serial.tools import list_ports
 
+from benchtool.bench.wires import registry
+from benchtool.bench.wires.address import Address
 from benchtool.cli import options
 from benchtool.cli.output import Output
-from benchtool.clock import RealClock
 from benchtool.errors import LinkError, NoAnswer
-from benchtool.link.address import DEFAULT_BAUDRATE, Address
-from benchtool.link.canopen.bus import open_bus
-from benchtool.link.discovery import Found, ask_bus, ask_port, duplicates
-from benchtool.link.port import open_port
+from benchtool.link.discovery import Found, duplicates
 
 _AT_ONCE = 8
 
@@ -70,18 +67,18 @@ def scan(
     A serial port gets one question of some bytes, each node of a CAN bus one SDO read. A node serves one
     transfer at a time, so better not scan a bus on which another program is transferring.
     """
-
     output = Output(as_json=as_json)
-    buses = [Address.parse(f"can:{each}") for each in can or ()]
-    places = list(dict.fromkeys([*(_own_ports() if own_ports else ()), *(ports or ())]))
-    asked = [(place, each) for place in places for each in baudrate or (DEFAULT_BAUDRATE,)]
-    names = ", ".join([*places, *(_place(bus) for bus in buses)]) or "no place: there are no serial ports"
+    speeds = [f"?baudrate={each}" for each in baudrate or ()] or [""]
+    own = [place for wire in registry.wires() for place in wire.own_places()] if own_ports else []
+    named = [f"serial:{each}" for each in ports or ()]
+    asked = [*dict.fromkeys([*own, *named]), *(f"can:{each}" for each in can or ())]
+    at_speeds = ([each + it for it in speeds] if each.startswith("serial:") else [each] for each in asked)
+    places = [registry.parse(each) for several in at_speeds for each in several]
+    names = ", ".join(dict.fromkeys(each.without_options for each in places))
+    names = names or "no place: there are no serial ports"
     output.note(f"asking at {names}")
     with ThreadPoolExecutor(_AT_ONCE) as pool:
-        outcomes = [
-            *pool.map(lambda port: _ask_port(port[0], port[1], timeout), asked),
-            *pool.map(lambda bus: _ask_bus(bus, timeout), buses),
-        ]
+        outcomes = list(pool.map(lambda place: _ask(place, timeout), places))
     found = [each for outcome in outcomes if not isinstance(outcome, Silent) for each in outcome]
     silent = [outcome for outcome in outcomes if isinstance(outcome, Silent)]
     _show(output, found, silent)
@@ -93,36 +90,17 @@ def scan(
     return 0
 
 
-def _own_ports() -> list[str]:
-
-    return sorted(str(port.device) for port in list_ports.comports())
-
-
-def _ask_port(place: str, baudrate: int, timeout_s: float) -> list[Found] | Silent:
-
+def _ask(place: Address, timeout_s: float) -> list[Found] | Silent:
+    discover = registry.wire_of(place).discover
+    if discover is None:
+        return Silent(place.without_options, "drives cannot be looked for there")
     try:
-        return [ask_port(place, open_port(place, baudrate), baudrate, timeout_s, RealClock())]
+        return discover(place, timeout_s)
     except LinkError as reason:
-        return Silent(f"serial:{place}", str(reason))
-
-
-def _ask_bus(address: Address, timeout_s: float) -> list[Found] | Silent:
-
-    try:
-        found = ask_bus(address, open_bus(address), timeout_s, RealClock())
-    except LinkError as reason:
-        return Silent(_place(address), str(reason))
-    return found or Silent(
-        _place(address), "no node answered or was heard; check the bit rate and the wiring"
-    )
-
-
-def _place(address: Address) -> str:
-    return f"can:{address.interface}:{address.channel}"
+        return Silent(place.without_options, str(reason))
 
 
 def _show(output: Output, found: list[Found], silent: list[Silent]) -> None:
-
     twice = duplicates(found)
     for drive in found:
         output.line(f"--link {shlex.quote(drive.link)}", style="bold")

@@ -101,7 +101,6 @@ def _free(path: Path) -> Path:
 
 def live_sink(view: LiveView) -> Sink:
     """A view as a sink of a stream, which drops what it does not take in time."""
-
     sink = Sink("live", view.take, lossless=False)
     view.count_drops(lambda: sink.rows_dropped)
     return sink

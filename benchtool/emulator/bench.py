@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Literal
 
 import can
 import numpy as np
@@ -17,7 +16,7 @@ from benchtool.emulator.firmware.device import Firmware
 from benchtool.emulator.machine.transducer import MAX_TICKS
 from benchtool.emulator.machine.truth import InverterTruth, MotorTruth, SensorTruth
 from benchtool.emulator.servers.canopen import CanopenServer
-from benchtool.emulator.servers.node import DriveNode, OnGone
+from benchtool.emulator.servers.node import DriveNode, OnGone, Server
 from benchtool.emulator.servers.serial import SerialServer
 from benchtool.errors import ProfileError
 from benchtool.link.canopen.virtual import VirtualTimeBus
@@ -45,8 +44,7 @@ class EmulatedBench:
         paced: hold virtual time to the wall clock.
         speed, step_s, catch_up_s: of a paced clock, as `VirtualClock` takes them.
         first_tick: the drive's tick at power-up, for a drive that is about to reach 2**32.
-        wire: `can` for a drive that is on the virtual CAN bus from power-up; `serial` for one without a CAN
-            bus. Other wires are added at will.
+        has_bus: the drive is on the virtual CAN bus from power-up. Other wires are added at will.
 
     Raises:
         ProfileError: the profile describes no emulated bench, or a trip level that its sensors cannot tell.
@@ -64,7 +62,7 @@ class EmulatedBench:
         step_s: float = 0.02,
         catch_up_s: float = 1.0,
         first_tick: int = 0,
-        wire: Literal["can", "serial"] = "can",
+        has_bus: bool = True,
     ) -> None:
         if profile.emulator is None:
             raise ProfileError(
@@ -80,7 +78,7 @@ class EmulatedBench:
         self.load = EmulatedLoad(core)
         self.transducer = EmulatedTransducer(core)
         self._node = DriveNode(node_id, lambda emit: Firmware(table, core, node_id, stored, emit))
-        if wire == "can":
+        if has_bus:
             # Frames bear the drive's time: the clock stands still while the drive runs up to it.
             bus = VirtualTimeBus(self.channel, clock=self.clock, preserve_timestamps=True)
             self.add_can(bus)
@@ -119,6 +117,11 @@ class EmulatedBench:
         server = SerialServer(port, self._node, buffered=buffered)
         self._node.add(server, on_gone)
         return server
+
+    def add(self, make: Callable[[DriveNode], Server], on_gone: OnGone = lambda _: None) -> None:
+        """Connect the drive to a wire of another kind, whose server is made for the drive; `on_gone` as in
+        `add_can`."""
+        self._node.add(make(self._node), on_gone)
 
     def warm_up(self) -> None:
         """Live through the first tick, which may compile for some seconds, before the clock begins to run."""

@@ -60,13 +60,20 @@ def is_cached(compiled: Callable[..., Any]) -> bool:
 
 
 @cache
-def fingerprint() -> int:
-    """CRC-32 over the sources of what is compiled and the compiler's version."""
-    folder = Path(__file__).parent
-    compiled = [source for source in folder.glob("*.py") if source.name != "bench.py"]
-    for room in ("machine", "control", "core"):
-        compiled += folder.glob(f"{room}/*.py")
+def fingerprint(package: Path = Path(__file__).parent.parent) -> int:
+    """CRC-32 over the sources of what is compiled, in a package's folder, and the compiler's version.
+
+    Firmware, servers and ports are not compiled: an edit there leaves it as it is.
+    """
     crc = zlib.crc32(numba.__version__.encode())
-    for source in sorted(compiled):
+    for source in compiled_sources(package):
         crc = zlib.crc32(source.read_bytes(), crc)
     return crc
+
+
+def compiled_sources(package: Path) -> list[Path]:
+    """Files whose functions are compiled, or whose constants compiled functions hold, in order."""
+    sources = [package / "emulator" / f"{name}.py" for name in ("jit", "memory", "rotation")]
+    for room in ("machine", "control", "core"):
+        sources += package.glob(f"emulator/{room}/*.py")
+    return [*sorted(sources), package / "protocol" / "modes.py", package / "ticks.py"]

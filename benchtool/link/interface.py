@@ -6,6 +6,8 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol, runtime_checkable
 
+from benchtool.clock import Clock
+from benchtool.link.process_data import ProcessData
 from benchtool.protocol.canopen.emcy import Emergency
 from benchtool.protocol.canopen.nmt import NmtCommand, NmtState
 from benchtool.protocol.serial import Batch, StreamReply
@@ -59,7 +61,7 @@ class CountsMalformed(Protocol):
 class Link(Protocol):
     """One drive at the other end. Every call is synchronous and may come from any thread.
 
-    Each method but `close` and `counters` raises LinkClosed once the link is closed or its adapter is gone.
+    Each method but `close` raises LinkClosed once the link is closed or its adapter is gone.
     """
 
     @property
@@ -69,6 +71,14 @@ class Link(Protocol):
     @property
     def counters(self) -> LinkCounters:
         """Snapshot."""
+
+    @property
+    def clock(self) -> Clock:
+        """What its waiting, and the times of what arrives, go by."""
+
+    @property
+    def process_data(self) -> ProcessData:
+        """How it carries streams and setpoints."""
 
     def upload(self, index: int, sub: int, *, block: bool = False, length: int | None = None) -> bytes:
         """Bytes of one object; `block` for a transfer that is fast for long ones. Asked twice if need be.

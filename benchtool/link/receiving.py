@@ -31,6 +31,7 @@ class ReceivingLink(ABC):
     """
 
     def __init__(self, node_id: int, clock: Clock, *, thread_name: str, device: str, check: str) -> None:
+        self.clock = clock
         self._node_id = node_id
         self._device = device
         self._check = check

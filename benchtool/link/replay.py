@@ -13,8 +13,10 @@ from can.io import CanutilsLogReader
 
 from benchtool.clock import VirtualClock
 from benchtool.errors import LinkClosed, LinkError, NoAnswer, SdoAbort
+from benchtool.link.canopen.process_data import PdoProcessData
 from benchtool.link.canopen.sdo_transcript import Kind, Transfer, transfers
 from benchtool.link.interface import Alarm, Frame, FrameReceiver, LinkCounters
+from benchtool.protocol.canopen import cob_id
 from benchtool.protocol.canopen.abort import abort_text
 from benchtool.protocol.canopen.emcy import Emergency
 from benchtool.protocol.canopen.nmt import NmtCommand, NmtState, heartbeat_state
@@ -22,10 +24,6 @@ from benchtool.protocol.canopen.nmt import NmtCommand, NmtState, heartbeat_state
 FRAMES = Path("data", "frames.log")
 """Where a bundle keeps its frames, in the format of `candump -L`."""
 
-_EMCY = 0x080
-_SDO_ANSWER = 0x580
-_SDO_REQUEST = 0x600
-_HEARTBEAT = 0x700
 _ROUNDING_S = 1e-6  # of the times in the file
 _AFTER_THE_END_S = 0.5
 
@@ -49,7 +47,7 @@ class ReplayLink:
     def __init__(self, bundle: Path, node_id: int, clock: VirtualClock) -> None:
         self._bundle = bundle
         self._node_id = node_id
-        self._clock = clock
+        self.clock = clock
         self._frames = _read_frames(bundle)
         self._position = 0
         self._receivers: dict[int, FrameReceiver] = {}
@@ -131,6 +129,11 @@ class ReplayLink:
         """
         raise LinkError(f"the recording {self._bundle} takes no setpoints: use the drive's link")
 
+    @property
+    def process_data(self) -> PdoProcessData:
+        """See `Link.process_data`."""
+        return PdoProcessData(self)
+
     def heartbeat_state(self) -> NmtState | None:
         """See `Link.heartbeat_state`.
 
@@ -139,16 +142,16 @@ class ReplayLink:
         """
         self._require_open()
         end_s = self._frames[-1].timestamp
-        if self._clock.now_s() > end_s + _AFTER_THE_END_S:
+        if self.clock.now_s() > end_s + _AFTER_THE_END_S:
             raise LinkClosed(f"the recording {self._bundle} ends after {end_s:.2f} s: ask for less")
         return self._state
 
     def wait_heartbeat(self, timeout_s: float) -> NmtState:
         """See `Link.wait_heartbeat`."""
         heard = self._counters.heartbeats_received
-        end_s = self._clock.now_s() + timeout_s
-        while self._clock.now_s() < end_s:
-            self._clock.wait(min(0.01, timeout_s))
+        end_s = self.clock.now_s() + timeout_s
+        while self.clock.now_s() < end_s:
+            self.clock.wait(min(0.01, timeout_s))
             state = self.heartbeat_state()
             if state is not None and self._counters.heartbeats_received != heard:
                 return state
@@ -171,7 +174,7 @@ class ReplayLink:
     def close(self) -> None:
         """See `Link.close`."""
         self._closed = True
-        self._clock.forget(self._advance_to)
+        self.clock.forget(self._advance_to)
 
     # ---- playing -------------------------------------------------------------------------------------------
 
@@ -190,23 +193,23 @@ class ReplayLink:
         self._count(frames_received=1)
         if (receiver := self._receivers.get(can_id)) is not None:
             receiver(Frame(can_id, data, frame.timestamp))
-        elif can_id == _HEARTBEAT + self._node_id and (state := heartbeat_state(data)) is not None:
+        elif can_id == cob_id.HEARTBEAT + self._node_id and (state := heartbeat_state(data)) is not None:
             self._state = state
             self._count(heartbeats_received=1)
-        elif can_id == _EMCY + self._node_id and (emergency := Emergency.decode(data)) is not None:
+        elif can_id == cob_id.EMCY + self._node_id and (emergency := Emergency.decode(data)) is not None:
             self._emergencies.append(Alarm(emergency, frame.timestamp))
             self._count(emcy_received=1)
 
     def _next(self, recorded: deque[Transfer]) -> Transfer:
         """The next of these transfers, in its time."""
         transfer = recorded.popleft()
-        ahead_s = self._frames[transfer.position].timestamp - self._clock.now_s()
+        ahead_s = self._frames[transfer.position].timestamp - self.clock.now_s()
         if ahead_s > 0.0:
-            self._clock.wait(ahead_s)
+            self.clock.wait(ahead_s)
         return transfer
 
     def _sort_transfers(self) -> None:
-        answer, request = _SDO_ANSWER + self._node_id, _SDO_REQUEST + self._node_id
+        answer, request = cob_id.SDO_RESPONSE + self._node_id, cob_id.SDO_REQUEST + self._node_id
         sdo = (
             (position, frame.arbitration_id == answer, bytes(frame.data))
             for position, frame in enumerate(self._frames)

@@ -36,7 +36,6 @@ COUNTING_SIGNALS = {
 _WORD = 4
 _WORDS_PER_PDO = 2
 _FRAMING_WORDS = 3  # tick, and the sequence number twice
-_SEQUENCES = 1 << 32
 _STAMP = struct.Struct("<LL")
 _SEQUENCE = struct.Struct("<L")
 
@@ -241,7 +240,7 @@ class RecordDecoder:
                 self._off_grid += 1
                 return False
             self._missing += steps - 1
-            self._lost += max(0, (sequence - self._sequence) % _SEQUENCES - 1)
+            self._lost += max(0, ahead(sequence, self._sequence) - 1)
             self.tick += ticks
         else:
             self.tick = counted_on(tick, self._near)

@@ -10,9 +10,10 @@ from typing import Any, Final
 
 from pydantic import ValidationError
 
+from benchtool.bench.wires import registry
+from benchtool.bench.wires.wire import FarEnd
 from benchtool.drive import Identity
 from benchtool.errors import UsageError
-from benchtool.link.address import Address
 from benchtool.plan.cases import Case, cases
 from benchtool.plan.model import Plan
 from benchtool.recording import Bundle, Manifest
@@ -70,7 +71,7 @@ def _differences(manifest: Manifest, case: Case, origin: Origin) -> Iterator[tup
     if origin.identity is not None:
         now = {name: value for name, value in asdict(origin.identity).items() if value is not None}
         yield from _first("drive", manifest.identity, now)
-    if origin.parameters is not None and Address.parse(origin.link).kind != "emulated":
+    if origin.parameters is not None and registry.far_end(origin.link) is not FarEnd.EMULATED_DRIVE:
         set_by_plan = {*origin.plan.setup, *case.setup}
         held = {key: value for key, value in manifest.parameters.items() if key not in set_by_plan}
         holds = {key: value for key, value in origin.parameters.items() if key not in set_by_plan}
@@ -82,9 +83,8 @@ def _of_link(manifest: Manifest, origin: Origin) -> Iterator[tuple[str, str, str
     if manifest.link == origin.link:
         return
     if manifest.link:
-        then, now = Address.parse(manifest.link), Address.parse(origin.link)
-        alike = (then.kind, then.wire) == (now.kind, now.wire)
-        if alike and then.kind in ("can", "serial") and manifest.identity.get("serial_number"):
+        then, now = (registry.wire_of(registry.parse(link)) for link in (manifest.link, origin.link))
+        if then is now and then.far_end is FarEnd.DRIVE and manifest.identity.get("serial_number"):
             return
     yield "link", f"'{manifest.link}'" if manifest.link else "unknown to it", f"'{origin.link}'"
 

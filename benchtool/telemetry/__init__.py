@@ -7,7 +7,6 @@ from benchtool.telemetry.frames import FrameLog
 from benchtool.telemetry.journal import Journal, keep_journal
 from benchtool.telemetry.recorder import STREAM, record_stream
 from benchtool.telemetry.setpoints import Setpoints
-from benchtool.telemetry.sources import fitting, stream_source
 from benchtool.telemetry.stream import DEFAULT_CHANNELS, DEFAULT_RATE_HZ, StreamReport, TelemetryStream
 
 __all__ = [
@@ -27,8 +26,6 @@ __all__ = [
     "TelemetryStream",
     "certify",
     "certify_recording",
-    "fitting",
     "keep_journal",
     "record_stream",
-    "stream_source",
 ]

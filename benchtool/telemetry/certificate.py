@@ -15,8 +15,7 @@ from benchtool.link import LinkCounters
 from benchtool.protocol.telemetry import COUNTING_SIGNALS, StreamCounters
 from benchtool.telemetry.recorder import STREAM
 from benchtool.telemetry.stream import StreamReport, TelemetryStream
-
-_WRAP = 1 << 32
+from benchtool.ticks import TICKS
 
 
 @dataclass(frozen=True)
@@ -141,7 +140,7 @@ def _stream(name: str, facts: StreamFacts) -> Iterator[Measurement]:
         definition = f"{text}, last less first value of {signal} in {name}"
         if signal in facts.counts:
             first, last = facts.counts[signal]
-            yield Measurement(f"{name}_{signal}", (last - first) % _WRAP, "", definition)
+            yield Measurement(f"{name}_{signal}", (last - first) % TICKS, "", definition)
         else:
             yield Measurement.undefined(f"{name}_{signal}", "", definition, f"{signal} is not recorded")
 

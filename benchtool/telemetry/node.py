@@ -4,22 +4,12 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from benchtool.clock import Clock
 from benchtool.link import Link
-from benchtool.protocol.dictionary import Dictionary
-from benchtool.protocol.dictionary.variable import Value
+from benchtool.link.process_data import DriveAccess
 
 
-class Node(Protocol):
-    """A drive by the names of its dictionary; see `RemoteDrive` for what its methods raise."""
+class Node(DriveAccess, Protocol):
+    """A drive and its link, which may become another one when it is opened anew."""
 
     @property
     def link(self) -> Link: ...
-    @property
-    def dictionary(self) -> Dictionary: ...
-    @property
-    def clock(self) -> Clock: ...
-
-    def tick_now(self) -> int | None: ...
-    def number(self, name: str) -> float: ...
-    def write(self, name: str, value: Value) -> None: ...

@@ -9,16 +9,14 @@ from types import TracebackType
 from typing import Any, Self
 
 from benchtool.block import Gap
-from benchtool.clock import VirtualClock
 from benchtool.errors import BenchError, NoAnswer, StateError
+from benchtool.link.process_data import Sent
 from benchtool.link.ticks import TickMark
 from benchtool.protocol.canopen.nmt import NmtState
 from benchtool.protocol.telemetry import StreamCounters
 from benchtool.telemetry.clock_fit import ArrivalStatistics, ClockFit
 from benchtool.telemetry.fanout import FanOut, Sink
 from benchtool.telemetry.node import Node
-from benchtool.telemetry.source import Sent
-from benchtool.telemetry.sources import fitting, stream_source
 from benchtool.telemetry.worker import Worker
 from benchtool.ticks import ahead
 
@@ -86,12 +84,12 @@ class TelemetryStream:
         rate_Hz: float = DEFAULT_RATE_HZ,
     ) -> None:
         self._node = node
-        self._channels = tuple(channels) or fitting(node, DEFAULT_CHANNELS)
+        self._channels = tuple(channels) or node.link.process_data.fitting(node.dictionary, DEFAULT_CHANNELS)
         self._rate_Hz = rate_Hz
         self._fan_out = FanOut(sinks)
         with ExitStack() as stack:
             stack.callback(self._fan_out.close)
-            self._source = stream_source(node, self._channels, rate_Hz)
+            self._source = node.link.process_data.source(node, self._channels, rate_Hz)
             stack.pop_all()
         self._rows = max(1, round(_BATCH_S * rate_Hz))
         self._arrivals = ArrivalStatistics(self._source.tick_s)
@@ -117,11 +115,8 @@ class TelemetryStream:
     # ---- life ------------------------------------------------------------------------------------------
 
     def __enter__(self) -> Self:
-        clock = self._node.clock
-        if isinstance(clock, VirtualClock):
-            clock.settle_with(self._worker.settle)
-            for sink in self._fan_out.sinks:
-                clock.settle_with(sink.worker.settle)
+        for worker in self._workers():
+            self._node.clock.settle_with(worker.settle)
         try:
             self._start()
         except BaseException:
@@ -157,7 +152,8 @@ class TelemetryStream:
             self._before = self._mark()
         self._resumptions += 1
         self._arrivals = ArrivalStatistics(self._source.tick_s)
-        self._source = stream_source(self._node, self._channels, self._rate_Hz, self._source)
+        process_data = self._node.link.process_data
+        self._source = process_data.source(self._node, self._channels, self._rate_Hz, self._source)
         self._start()
 
     def check(self) -> None:
@@ -274,14 +270,14 @@ class TelemetryStream:
         self._fan_out.check()
 
     def _close(self) -> None:
-        clock = self._node.clock
         self._source.detach()
         with ExitStack() as stack:
             stack.callback(self._fan_out.close)
             self._worker.close()
             if not self._worker.failed:
                 self._hand_on()
-        if isinstance(clock, VirtualClock):
-            clock.forget(self._worker.settle)
-            for sink in self._fan_out.sinks:
-                clock.forget(sink.worker.settle)
+        for worker in self._workers():
+            self._node.clock.forget(worker.settle)
+
+    def _workers(self) -> tuple[Worker[Any], ...]:
+        return self._worker, *(sink.worker for sink in self._fan_out.sinks)

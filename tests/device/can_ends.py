@@ -79,7 +79,7 @@ class EmulatedEnd:
     def __init__(self, first_tick: int = 0) -> None:
         self._bus = HeldBus()
         begun: dict[str, Any] = {"first_tick": first_tick} if first_tick else {}
-        self._bench = EmulatedBench(load_profile("zhu2011"), wire="serial", **begun)
+        self._bench = EmulatedBench(load_profile("zhu2011"), has_bus=False, **begun)
         self._ticks = 0
         self._node = self._bench._node
         self.memory = self._node.firmware.core.memory

@@ -32,7 +32,7 @@ def library(build: Path) -> Library:
 @pytest.fixture(scope="session")
 def parameters(build: Path) -> list[int]:
     """Those that the emulated drive of the paper keeps."""
-    bench = EmulatedBench(load_profile("zhu2011"), wire="serial")
+    bench = EmulatedBench(load_profile("zhu2011"), has_bus=False)
     try:
         return raw_parameters(RawHost(bench))
     finally:

@@ -18,7 +18,7 @@ DATA = TABLE.by_name["capture_data"]
 
 @pytest.fixture
 def emulated() -> Iterator[RawHost]:
-    bench = EmulatedBench(load_profile("zhu2011"), wire="serial")
+    bench = EmulatedBench(load_profile("zhu2011"), has_bus=False)
     host = RawHost(bench)
     host.hear()
     yield host

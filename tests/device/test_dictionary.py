@@ -79,7 +79,7 @@ def _attempts(entry: Entry) -> Iterator[bytes]:
 
 @pytest.fixture
 def emulated() -> Iterator[RawHost]:
-    bench = EmulatedBench(load_profile("zhu2011"), wire="serial")
+    bench = EmulatedBench(load_profile("zhu2011"), has_bus=False)
     host = RawHost(bench)
     host.hear()
     yield host

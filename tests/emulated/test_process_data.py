@@ -10,7 +10,8 @@ import pytest
 from benchtool.drive import Mode
 from benchtool.errors import SdoAbort, ValueRefused
 from benchtool.protocol.canopen.abort import Abort
-from benchtool.protocol.canopen.pdo import INVALID, tpdo
+from benchtool.protocol.canopen.cob_id import INVALID
+from benchtool.protocol.canopen.pdo import tpdo
 from benchtool.protocol.cia402 import State
 from benchtool.telemetry import Setpoints
 

@@ -13,6 +13,7 @@ import pytest
 from serial.tools import list_ports
 from typer.testing import CliRunner, Result
 
+from benchtool.bench.wires import registry
 from benchtool.cli import app
 from benchtool.clock import RealClock
 from benchtool.emulator.bench import EmulatedBench
@@ -20,11 +21,12 @@ from benchtool.emulator.ports.pty import PtyPort
 from benchtool.emulator.ports.tcp import TcpPort
 from benchtool.emulator.servers.slcan import SlcanAdapter
 from benchtool.errors import LinkClosed, LinkError, NoAnswer
-from benchtool.link.address import DEFAULT_BAUDRATE, Address
+from benchtool.link.canopen.discovery import ask_bus
 from benchtool.link.canopen.virtual import VirtualTimeBus
-from benchtool.link.discovery import Found, ask_bus, ask_port, duplicates
+from benchtool.link.discovery import Found, duplicates
 from benchtool.link.pipe import pipe
-from benchtool.link.port import open_port
+from benchtool.link.port import DEFAULT_BAUDRATE, open_port
+from benchtool.link.serial.discovery import ask_port
 from benchtool.profile import load_profile
 from benchtool.protocol.canopen.nmt import NmtState
 from benchtool.protocol.serial import FrameSplitter, Identity, decode_request, encode_frame, encode_message
@@ -55,8 +57,8 @@ def bench(channel: str) -> Iterator[EmulatedBench]:
 
 
 @pytest.fixture
-def address(channel: str) -> Address:
-    return Address.parse(f"can:virtual:{channel}?bitrate=500000")
+def place(channel: str) -> str:
+    return f"can:virtual:{channel}"
 
 
 # ---- serial lines ----------------------------------------------------------------------------------------
@@ -88,7 +90,7 @@ def test_a_drive_on_a_serial_line(bench: EmulatedBench) -> None:
 def test_a_baud_rate_that_is_not_the_usual_is_part_of_the_link(bench: EmulatedBench) -> None:
     found = ask_port("a", bench.host_port(), 115_200, 1.0, bench.clock)
     assert found.link == "serial:a?baudrate=115200&node=1"
-    assert Address.parse(found.link).baudrate == 115_200
+    assert registry.parse(found.link).number("baudrate") == 115_200
 
 
 def test_a_drive_of_another_version_is_told_of_without_being_read() -> None:
@@ -132,16 +134,16 @@ def _host_bus(bench: EmulatedBench, *, of: EmulatedBench | None = None) -> Virtu
     return bus
 
 
-def test_a_drive_on_a_bus(bench: EmulatedBench, address: Address) -> None:
-    (found,) = ask_bus(address, bench.host_bus(), 1.0, bench.clock)
+def test_a_drive_on_a_bus(bench: EmulatedBench, place: str) -> None:
+    (found,) = ask_bus(place, bench.host_bus(), 500_000, 1.0, bench.clock)
     link = f"can:virtual:{bench.channel}?bitrate=500000&node=1"
     assert found == replace(DRIVE, link=link)
     assert bench.clock.now_s() < 2.0, "a search takes the time it was given, and 5 ms for each node"
 
 
-def test_nothing_is_sent_but_reads(bench: EmulatedBench, address: Address) -> None:
+def test_nothing_is_sent_but_reads(bench: EmulatedBench, place: str) -> None:
     with can.Bus(interface="virtual", channel=bench.channel) as observer:
-        ask_bus(address, bench.host_bus(), 1.0, bench.clock)
+        ask_bus(place, bench.host_bus(), 500_000, 1.0, bench.clock)
         sent: dict[int, set[int]] = {}
         times: list[float] = []
         while (frame := observer.recv(0.0)) is not None:
@@ -155,21 +157,21 @@ def test_nothing_is_sent_but_reads(bench: EmulatedBench, address: Address) -> No
     assert min(gaps_s) > 0.004, "no burst"
 
 
-def test_two_nodes_of_one_number_are_seen(bench: EmulatedBench, address: Address) -> None:
+def test_two_nodes_of_one_number_are_seen(bench: EmulatedBench, place: str) -> None:
     copy = EmulatedBench(load_profile("zhu2011"))
     _host_bus(bench, of=copy)
-    (found,) = ask_bus(address, bench.host_bus(), 1.0, bench.clock)
+    (found,) = ask_bus(place, bench.host_bus(), 500_000, 1.0, bench.clock)
     copy.close()
     assert found.answers == 2
     (line,) = duplicates([found])
     assert line.startswith("node 1 answered 2 times")
 
 
-def test_a_node_that_is_only_heard_is_told_of(bench: EmulatedBench, address: Address) -> None:
+def test_a_node_that_is_only_heard_is_told_of(bench: EmulatedBench, place: str) -> None:
     with can.Bus(interface="virtual", channel=bench.channel) as other:
         beat = can.Message(arbitration_id=0x705, data=b"\x05", is_extended_id=False)
         timer = bench.clock.call_every(0.3, lambda: other.send(beat))
-        found = ask_bus(address, bench.host_bus(), 1.0, bench.clock)
+        found = ask_bus(place, bench.host_bus(), 500_000, 1.0, bench.clock)
         timer.cancel()
     assert [each.node_id for each in found] == [1, 5]
     assert found[1] == Found(
@@ -185,10 +187,10 @@ class Unacknowledged(VirtualTimeBus):
         raise can.CanOperationError("no buffer space available")
 
 
-def test_a_bus_that_takes_nothing_is_given_back(bench: EmulatedBench, address: Address) -> None:
+def test_a_bus_that_takes_nothing_is_given_back(bench: EmulatedBench, place: str) -> None:
     bus = Unacknowledged(bench.channel, clock=bench.clock)
     with pytest.raises(LinkError, match="no buffer space"):
-        ask_bus(address, bus, 1.0, bench.clock)
+        ask_bus(place, bus, 500_000, 1.0, bench.clock)
     assert bus._is_shutdown
 
 

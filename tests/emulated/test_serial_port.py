@@ -40,7 +40,7 @@ class Adapter:
 
     def __init__(self, folder: Path) -> None:
         self.path = folder / "ttyBENCH"
-        self._bench = EmulatedBench(load_profile("zhu2011"), paced=True, step_s=0.002, wire="serial")
+        self._bench = EmulatedBench(load_profile("zhu2011"), paced=True, step_s=0.002, has_bus=False)
         self._port: Plugged | None = None
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._live)

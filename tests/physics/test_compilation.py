@@ -8,21 +8,23 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 from benchtool.emulator import jit
 from benchtool.emulator.core.kernel import kernel_is_cached, run_ticks
 from tests.physics.paper_machine import make_core
 
 # A core of two files: the entry, and a function in another file that it calls.
 CALLEE = """
-from core_copy.jit import njit
+from core_copy.emulator.jit import njit
 
 @njit
 def scaled(x):
     return {factor} * x
 """
 ENTRY = """
-from core_copy.callee import scaled
-from core_copy.jit import entry, is_cached
+from core_copy.emulator.core.callee import scaled
+from core_copy.emulator.jit import entry, is_cached
 
 @entry
 def answer(x):
@@ -35,12 +37,17 @@ print(answer(1.0), cached, answer.stats.cache_hits.total())
 
 def run_copy(folder: Path, factor: float, **environment: str) -> list[str]:
     package = folder / "core_copy"
-    package.mkdir(exist_ok=True)
-    shutil.copy(jit.__file__, package / "jit.py")
-    (package / "callee.py").write_text(CALLEE.format(factor=factor))
-    (package / "caller.py").write_text(ENTRY)
+    for source in jit.compiled_sources(package):  # every file that the fingerprint is of has to be there
+        if source.parent.name != "core":
+            source.parent.mkdir(parents=True, exist_ok=True)
+            source.write_text("")
+    shutil.copy(jit.__file__, package / "emulator" / "jit.py")
+    core = package / "emulator" / "core"
+    core.mkdir(exist_ok=True)
+    (core / "callee.py").write_text(CALLEE.format(factor=factor))
+    (core / "caller.py").write_text(ENTRY)
     done = subprocess.run(
-        [sys.executable, "-m", "core_copy.caller"],
+        [sys.executable, "-m", "core_copy.emulator.core.caller"],
         cwd=folder,
         env={**os.environ, **environment},
         capture_output=True,
@@ -58,9 +65,9 @@ def test_edit_of_a_called_file_recompiles_its_caller(tmp_path: Path) -> None:
 
 def test_runs_without_any_place_to_cache(tmp_path: Path) -> None:
     """A file in the place of each cache folder keeps even the superuser from writing there."""
-    package = tmp_path / "core_copy"
-    package.mkdir()
-    (package / "__pycache__").write_text("")
+    core = tmp_path / "core_copy" / "emulator" / "core"
+    core.mkdir(parents=True)
+    (core / "__pycache__").write_text("")
     (tmp_path / "no_home").write_text("")
     blocked = str(tmp_path / "no_home")
     assert run_copy(tmp_path, 2.0, HOME=blocked, XDG_CACHE_HOME=blocked, PYTHONDONTWRITEBYTECODE="1") == [
@@ -74,3 +81,49 @@ def test_kernel_is_cached_once_it_ran() -> None:
     make_core().run(1)
     assert kernel_is_cached()
     assert f"{jit.fingerprint():08x}" in run_ticks.__qualname__
+
+
+PACKAGE = Path(jit.__file__).parent.parent
+
+
+def fingerprint_after_an_edit(copy: Path, source: str) -> int:
+    """That of a package in which one file has another comment than before."""
+    path = copy / source
+    before = path.read_bytes()
+    path.write_bytes(before + b"# edited\n")
+    try:
+        return jit.fingerprint.__wrapped__(copy)
+    finally:
+        path.write_bytes(before)
+
+
+@pytest.fixture(scope="module")
+def copy(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The sources of the package, to be edited."""
+    place = tmp_path_factory.mktemp("package") / "benchtool"
+    for source in PACKAGE.rglob("*.py"):
+        target = place / source.relative_to(PACKAGE)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(source, target)
+    return place
+
+
+def test_an_edit_of_a_server_the_firmware_or_the_host_leaves_the_compiled_kernel_valid(copy: Path) -> None:
+    assert jit.fingerprint.__wrapped__(copy) == jit.fingerprint()
+    rooms = ("emulator/servers", "emulator/ports", "emulator/firmware", "bench", "link", "protocol/canopen")
+    sources = [each.relative_to(copy) for room in rooms for each in (copy / room).rglob("*.py")]
+    assert len(sources) > 40
+    for source in [*sources, Path("emulator/bench.py")]:
+        assert fingerprint_after_an_edit(copy, str(source)) == jit.fingerprint(), source
+
+
+def test_an_edit_of_what_is_compiled_makes_it_another_kernel(copy: Path) -> None:
+    """Whatever uses the compiler counts, and what it imports from elsewhere if that holds a constant."""
+    compiled = [
+        each.relative_to(PACKAGE)
+        for each in PACKAGE.rglob("*.py")
+        if "from benchtool.emulator.jit import" in each.read_text(encoding="utf-8")
+    ]
+    assert len(compiled) > 25
+    for source in (*compiled, "emulator/jit.py", "emulator/memory.py", "protocol/modes.py", "ticks.py"):
+        assert fingerprint_after_an_edit(copy, str(source)) != jit.fingerprint(), source

@@ -158,3 +158,21 @@ def test_a_drive_that_is_too_slow_for_the_pace_says_so(monkeypatch: pytest.Monke
 def test_a_pace_is_positive(arguments: dict[str, float]) -> None:
     with pytest.raises(ValueError, match="must be positive"):
         VirtualClock(paced=True, **arguments)
+
+
+def test_a_real_clock_knows_nothing_of_what_is_under_way() -> None:
+    """What waits for an answer goes by this: only a clock that has settled it says that none will come."""
+    asked: list[str] = []
+
+    def settle() -> bool:
+        asked.append("settled")
+        return False
+
+    for clock, known in ((RealClock(), False), (VirtualClock(), True)):
+        asked.clear()
+        clock.settle_with(settle)
+        assert clock.settle() is known is clock.virtual
+        assert asked == ["settled"] * known
+        clock.forget(settle)
+        clock.settle()
+        assert asked == ["settled"] * known

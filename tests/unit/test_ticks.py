@@ -5,7 +5,7 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from benchtool.ticks import TICKS, ahead, apart, counted_on, on_wire
+from benchtool.ticks import TICKS, ahead, apart, counted_on, follows, on_wire
 
 counts = st.integers(0, 5 * TICKS)
 near_enough = st.integers(-TICKS // 2 + 1, TICKS // 2 - 1)
@@ -27,6 +27,12 @@ def test_distances_do_not_depend_on_the_wrap(one: int, other: int) -> None:
     assert ahead(one, other) == ahead(on_wire(one), on_wire(other))
     assert apart(one, other) == apart(other, one) <= TICKS // 2
     assert on_wire(other + ahead(one, other)) == on_wire(one)
+
+
+@given(counts, near_enough)
+def test_of_two_counts_one_follows_the_other(count: int, off: int) -> None:
+    assert follows(on_wire(count + off), on_wire(count)) is (off > 0)
+    assert follows(on_wire(count), on_wire(count + off)) is (off < 0)
 
 
 def test_around_the_wrap() -> None:

@@ -64,7 +64,7 @@ def impatient(scripted: ScriptedBus) -> Iterator[CanopenLink]:
 @pytest.fixture
 def bench() -> Iterator[EmulatedBench]:
     """An emulated drive without any wire yet."""
-    powered = EmulatedBench(load_profile("zhu2011"), wire="serial")
+    powered = EmulatedBench(load_profile("zhu2011"), has_bus=False)
     yield powered
     powered.close()
 

@@ -180,7 +180,7 @@ def test_an_adapter_that_is_unplugged_takes_no_other_wire_with_it(
 
 
 def test_a_defect_of_a_server_is_not_hidden(monkeypatch: pytest.MonkeyPatch) -> None:
-    bench = EmulatedBench(load_profile("zhu2011"), wire="serial")
+    bench = EmulatedBench(load_profile("zhu2011"), has_bus=False)
     monkeypatch.setattr("benchtool.emulator.servers.serial.decode_request", lambda _: 1 / 0)
     host = RawHost(bench)
     host.tell(Nmt(1))
@@ -192,7 +192,7 @@ def test_a_defect_of_a_server_is_not_hidden(monkeypatch: pytest.MonkeyPatch) -> 
 
 
 def test_a_bench_without_a_can_bus_has_none() -> None:
-    bench = EmulatedBench(load_profile("zhu2011"), wire="serial")
+    bench = EmulatedBench(load_profile("zhu2011"), has_bus=False)
     host = CanHost(bench)
     bench.clock.wait(0.2)
     assert host.tell(0x601, "4000200200000000") == []
@@ -201,7 +201,7 @@ def test_a_bench_without_a_can_bus_has_none() -> None:
 
 
 def test_the_line_of_a_bench_is_in_its_time() -> None:
-    bench = EmulatedBench(load_profile("zhu2011"), wire="serial")
+    bench = EmulatedBench(load_profile("zhu2011"), has_bus=False)
     with SerialLink(bench.host_port(), NODE, bench.clock) as link:
         assert link.upload(0x2000, 2) == struct.pack("<f", 0.123)
         batches: list[tuple[Batch, float]] = []

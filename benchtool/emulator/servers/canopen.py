@@ -11,14 +11,10 @@ from benchtool.emulator.firmware.objects import Refused
 from benchtool.emulator.servers.node import NEVER, DriveNode
 from benchtool.emulator.servers.receiver import Receiver
 from benchtool.emulator.servers.sdo_server import SdoServer
+from benchtool.protocol.canopen import cob_id
 from benchtool.protocol.canopen.emcy import Emergency
 from benchtool.protocol.canopen.nmt import NmtState
 
-_NMT = 0x000
-_EMCY = 0x080
-_SDO_RESPONSE = 0x580
-_SDO_REQUEST = 0x600
-_HEARTBEAT = 0x700
 _POLL_S = 0.2
 _ERRORS_IN_A_ROW = 10
 _ERROR_PAUSE_S = 0.02
@@ -43,7 +39,7 @@ class CanopenServer:
         self._sdo = SdoServer(
             self._read,
             self._write,
-            lambda data: self._send(_SDO_RESPONSE + node.node_id, data),
+            lambda data: self._send(cob_id.SDO_RESPONSE + node.node_id, data),
             node.firmware.objects.length,
         )
 
@@ -57,11 +53,11 @@ class CanopenServer:
 
     def heartbeat(self, state: NmtState) -> None:
         """See `Server.heartbeat`."""
-        self._send(_HEARTBEAT + self._node.node_id, bytes([state]))
+        self._send(cob_id.HEARTBEAT + self._node.node_id, bytes([state]))
 
     def emergency(self, emergency: Emergency) -> None:
         """See `Server.emergency`."""
-        self._send(_EMCY + self._node.node_id, emergency.encode())
+        self._send(cob_id.EMCY + self._node.node_id, emergency.encode())
 
     def process_data(self, can_id: int, data: bytes) -> None:
         """See `Server.process_data`."""
@@ -99,15 +95,15 @@ class CanopenServer:
 
     def _handle(self, can_id: int, data: bytes) -> None:
         node = self._node
-        if can_id == _NMT:
+        if can_id == cob_id.NMT:
             if len(data) == 2 and data[1] in (0, node.node_id):
                 node.command(data[0])
-        elif can_id == _SDO_REQUEST + node.node_id:
+        elif can_id == cob_id.SDO_REQUEST + node.node_id:
             if node.nmt_state is not NmtState.STOPPED:
                 self._sdo.on_request(data)
-        elif _HEARTBEAT < can_id < _HEARTBEAT + 0x80:
+        elif can_id - cob_id.HEARTBEAT in cob_id.NODES:
             if len(data) == 1:
-                node.take_heartbeat(can_id - _HEARTBEAT)
+                node.take_heartbeat(can_id - cob_id.HEARTBEAT)
         else:
             node.take_process_data(can_id, data)
 

@@ -13,6 +13,7 @@ from benchtool.emulator.servers.receiver import Receiver
 from benchtool.errors import LinkClosed
 from benchtool.protocol.canopen.emcy import Emergency
 from benchtool.protocol.canopen.nmt import NmtCommand, NmtState
+from benchtool.ticks import on_wire
 
 OnGone = Callable[[OSError], None]
 
@@ -180,7 +181,7 @@ class DriveNode:
     def count(self, name: str, more: int = 1) -> None:
         """Add to a counter of the dictionary."""
         objects = self.firmware.objects
-        objects[name] = (int(objects[name]) + more) & 0xFFFFFFFF
+        objects[name] = on_wire(int(objects[name]) + more)
 
     def feed_link(self) -> None:
         self.firmware.feed_link()

@@ -7,9 +7,12 @@ from dataclasses import dataclass
 from functools import partial
 
 from benchtool.emulator.firmware.objects import ObjectStore, Refused
+from benchtool.protocol.canopen import cob_id
 from benchtool.protocol.canopen.abort import Abort
-from benchtool.protocol.canopen.pdo import CAN_ID, INVALID, MAX_BITS, MAX_ENTRIES, RPDO_COB_IDS, TPDO_COB_IDS
+from benchtool.protocol.canopen.cob_id import CAN_ID, INVALID
+from benchtool.protocol.canopen.pdo import MAX_BITS, MAX_ENTRIES, PDO_PARAMETERS
 from benchtool.protocol.dictionary.objects import Entry, Number
+from benchtool.ticks import on_wire
 
 _NEVER = 1 << 62
 
@@ -60,7 +63,7 @@ class ProcessData:
     def reset(self) -> None:
         """Set every communication and mapping parameter to its default: no PDO is in use."""
         for entry in self._objects.table:
-            if 0x1400 <= entry.index < 0x1C00 and isinstance(entry.default, int):
+            if entry.index in PDO_PARAMETERS and isinstance(entry.default, int):
                 self._objects[entry.name] = entry.default + (self._node_id if entry.add_node_id else 0)
         self._renew()
 
@@ -72,7 +75,7 @@ class ProcessData:
         """Send what is due in this tick, lowest identifier first as the bus would have it."""
         due = [pdo for pdo in self._transmitted if tick % pdo.ticks == 0]
         if any(pdo.name == "tpdo1" for pdo in due):
-            self._objects["stream_sequence"] = int(self._objects["stream_sequence"]) + 1 & 0xFFFFFFFF
+            self._objects["stream_sequence"] = on_wire(int(self._objects["stream_sequence"]) + 1)
         for pdo in due:
             self._send(pdo.can_id, b"".join(self._objects.read(e.index, e.sub) for e in pdo.entries))
 
@@ -114,11 +117,11 @@ class ProcessData:
         return not int(self._objects[f"{name}_cob_id"]) & INVALID
 
     def _check_cob_id(self, name: str, raw: Number) -> None:
-        cob_id = int(raw)
-        if self._is_used(name) and not cob_id & INVALID and cob_id != self._objects[f"{name}_cob_id"]:
+        raw_id = int(raw)
+        if self._is_used(name) and not raw_id & INVALID and raw_id != self._objects[f"{name}_cob_id"]:
             raise Refused(Abort.VALUE)
-        # 29-bit identifiers are not supported; those below 0x181 are of NMT, SYNC, EMCY and SDO managers.
-        if cob_id >> 11 & 0x7FFFF or not 0x181 <= cob_id & CAN_ID <= 0x57F:
+        # 29-bit identifiers are not supported.
+        if raw_id >> 11 & 0x7FFFF or not cob_id.FIRST_OF_PDO <= raw_id & CAN_ID <= cob_id.LAST_OF_PDO:
             raise Refused(Abort.VALUE)
 
     def _check_mapping(self, name: str, raw: Number) -> None:
@@ -164,5 +167,5 @@ class ProcessData:
 
 
 def _names() -> list[str]:
-    transmit = [f"tpdo{number}" for number in range(1, len(TPDO_COB_IDS) + 1)]
-    return transmit + [f"rpdo{number}" for number in range(1, len(RPDO_COB_IDS) + 1)]
+    transmit = [f"tpdo{number}" for number in range(1, len(cob_id.TPDO) + 1)]
+    return transmit + [f"rpdo{number}" for number in range(1, len(cob_id.RPDO) + 1)]

@@ -8,17 +8,14 @@ The CRC-16 is that of `binascii.crc_hqx` with initial value 0, over the data wit
 from __future__ import annotations
 
 import binascii
-import struct
 
 from canopen.sdo.exceptions import SdoAbortedError
 
+from benchtool.protocol.canopen import sdo
 from benchtool.protocol.canopen.abort import Abort
+from benchtool.protocol.canopen.sdo import LAST_SEGMENT, MAX_BLOCK_SIZE, SEGMENT_SIZE, Block, Response
 
-SEGMENT_SIZE = 7
-MAX_BLOCK_SIZE = 127
-_LAST = 0x80
 _HEADERS = [bytes([value]) for value in range(256)]
-_END = struct.Struct("<BH5x")
 
 
 class BlockUpload:
@@ -48,7 +45,7 @@ class BlockUpload:
         self._sent = len(segments)
         frames = [_HEADERS[number] + segment for number, segment in enumerate(segments, start=1)]
         if self._position + self._sent == len(self._segments):
-            frames[-1] = _HEADERS[_LAST | self._sent] + segments[-1]
+            frames[-1] = _HEADERS[LAST_SEGMENT | self._sent] + segments[-1]
         return frames
 
     def acknowledge(self, last_in_order: int, block_size: int) -> bytes | None:
@@ -61,7 +58,7 @@ class BlockUpload:
             raise SdoAbortedError(Abort.SEQUENCE_NUMBER)
         self._position += last_in_order
         if self._position == len(self._segments):
-            return _END.pack(0xC1 | self._unused << 2, self._crc)
+            return sdo.block_end(Response.BLOCK_UPLOAD, self._unused, self._crc)
         self._size = _require_block_size(block_size)
         return None
 
@@ -87,7 +84,7 @@ class BlockDownload:
         Raises:
             canopen.SdoAbortedError: it has number 0, or there are more data than were announced.
         """
-        number, last = frame[0] & ~_LAST, bool(frame[0] & _LAST)
+        number, last = frame[0] & ~LAST_SEGMENT, bool(frame[0] & LAST_SEGMENT)
         if number == 0:
             raise SdoAbortedError(Abort.SEQUENCE_NUMBER)
         if number == self._in_order + 1:
@@ -101,7 +98,8 @@ class BlockDownload:
         if not last and number < MAX_BLOCK_SIZE:
             return None
         acknowledged, self._in_order = self._in_order, 0
-        return bytes([0xA2, acknowledged, MAX_BLOCK_SIZE, 0, 0, 0, 0, 0])
+        command = Response.BLOCK_DOWNLOAD | Block.ACKNOWLEDGE
+        return bytes([command, acknowledged, MAX_BLOCK_SIZE]).ljust(sdo.FRAME_SIZE, b"\x00")
 
     def finish(self, frame: bytes) -> bytes:
         """The data, from the client's end frame.
@@ -109,9 +107,9 @@ class BlockDownload:
         Raises:
             canopen.SdoAbortedError: their length or their CRC is not what the client says.
         """
-        command, crc = _END.unpack(frame)
+        command, crc = sdo.BLOCK_END.unpack(frame)
         joined = b"".join(self._segments)
-        data = joined[: len(joined) - (command >> 2 & 0x07)]
+        data = joined[: len(joined) - sdo.block_unused(command)]
         if self._announced is not None and len(data) != self._announced:
             raise SdoAbortedError(Abort.LENGTH)
         if self._crc and crc != binascii.crc_hqx(data, 0):

@@ -10,21 +10,17 @@ to keep to the protocol, so that here each request is first checked against the 
 
 from __future__ import annotations
 
-import struct
 from collections.abc import Callable
 from enum import Enum, auto
 
 import canopen
 from canopen.sdo import server
-from canopen.sdo.constants import CRC_SUPPORTED, EXPEDITED, NO_MORE_DATA, SDO_STRUCT, SIZE_SPECIFIED
 from canopen.sdo.exceptions import SdoAbortedError
 
-from benchtool.emulator.servers.sdo_block import MAX_BLOCK_SIZE, BlockDownload, BlockUpload
+from benchtool.emulator.servers.sdo_block import BlockDownload, BlockUpload
+from benchtool.protocol.canopen import sdo
 from benchtool.protocol.canopen.abort import Abort
-
-_ABORT = 0x80
-_BLOCK_SIZE_INDICATED = 0x02
-_RESPONSE = struct.Struct("<BHBL")
+from benchtool.protocol.canopen.sdo import EXPEDITED, MAX_BLOCK_SIZE, SIZE_INDICATED, Block, Request, Response
 
 
 class _Stage(Enum):
@@ -100,11 +96,11 @@ class SdoServer(server.SdoServer):
         A frame that is not eight bytes long is no SDO and is only counted in `malformed`; one that does not
         fit the stage of the transfer is counted and answered with abort 0x05040001.
         """
-        if len(data) != 8:
+        if len(data) != sdo.FRAME_SIZE:
             self.malformed += 1
             return
         try:
-            if data[0] == _ABORT:
+            if data[0] == sdo.ABORT:
                 self._stage = _Stage.IDLE
             elif self._stage is _Stage.BLOCK_DOWNLOAD_SEGMENT:
                 self._take_segment(data)
@@ -120,24 +116,24 @@ class SdoServer(server.SdoServer):
 
     def _dispatch(self, data: bytes) -> None:
         command = data[0]
-        match command >> 5:
-            case 0 if self._stage is _Stage.SEGMENT_DOWNLOAD:
+        match command & sdo.SPECIFIER:
+            case Request.DOWNLOAD_SEGMENT if self._stage is _Stage.SEGMENT_DOWNLOAD:
                 self.segmented_download(command, data)
-                if command & NO_MORE_DATA:
+                if command & sdo.NO_MORE_SEGMENTS:
                     self._stage = _Stage.IDLE
-            case 1:
+            case Request.DOWNLOAD:
                 self._begin_download(data)
-            case 2:
+            case Request.UPLOAD:
                 self._begin_upload(data, self._read(data))
-            case 3 if self._stage is _Stage.SEGMENT_UPLOAD:
+            case Request.UPLOAD_SEGMENT if self._stage is _Stage.SEGMENT_UPLOAD:
                 self.segmented_upload(command)
                 if not self._buffer:
                     self._stage = _Stage.IDLE
-            case 5:
+            case Request.BLOCK_UPLOAD:
                 self._continue_block_upload(data)
-            case 6 if not command & 0x01:
+            case Request.BLOCK_DOWNLOAD if not command & Block.END:
                 self._begin_block_download(data)
-            case 6 if self._stage is _Stage.BLOCK_DOWNLOAD_END:
+            case Request.BLOCK_DOWNLOAD if self._stage is _Stage.BLOCK_DOWNLOAD_END:
                 self._end_block_download(data)
             case _:
                 self._refuse()
@@ -148,7 +144,7 @@ class SdoServer(server.SdoServer):
 
     def _read(self, data: bytes) -> bytes:
         self._stage = _Stage.IDLE
-        _, self._index, self._subindex = SDO_STRUCT.unpack_from(data)
+        self._index, self._subindex = sdo.key(data)
         return self._objects.read(self._index, self._subindex)
 
     # ---- expedited and segmented -------------------------------------------------------------------------
@@ -156,44 +152,43 @@ class SdoServer(server.SdoServer):
     def _begin_upload(self, request: bytes, value: bytes) -> None:
         size = len(value)
         if 1 <= size <= 4:
-            command = 0x40 | EXPEDITED | SIZE_SPECIFIED | (4 - size) << 2
+            command = sdo.expedited(Response.UPLOAD, size)
             self._send(bytes([command]) + request[1:4] + value.ljust(4, b"\x00"))
             return
         self._buffer, self._toggle = bytearray(value), 0
         self._stage = _Stage.SEGMENT_UPLOAD
-        self._send(_RESPONSE.pack(0x40 | SIZE_SPECIFIED, self._index, self._subindex, size))
+        self._send(sdo.INITIATE.pack(Response.UPLOAD | SIZE_INDICATED, self._index, self._subindex, size))
 
     def _begin_download(self, request: bytes) -> None:
         segmented = not request[0] & EXPEDITED
-        announces = segmented and request[0] & SIZE_SPECIFIED
+        announces = segmented and request[0] & SIZE_INDICATED
         self._objects.announced = int.from_bytes(request[4:], "little") if announces else None
         self._stage = _Stage.SEGMENT_DOWNLOAD if segmented else _Stage.IDLE
-        if not segmented and not request[0] & SIZE_SPECIFIED:
+        if not segmented and not request[0] & SIZE_INDICATED:
             request = self._with_size(request)
         self.init_download(request)
 
     def _with_size(self, request: bytes) -> bytes:
         """An expedited download as it would be with the size of its object indicated (7.2.4.3.3, s)."""
-        _, index, sub = SDO_STRUCT.unpack_from(request)
-        size = min(self._length(index, sub) or 4, 4)
-        return bytes([request[0] & ~0x0C | SIZE_SPECIFIED | (4 - size) << 2]) + request[1:]
+        size = min(self._length(*sdo.key(request)) or 4, 4)
+        return bytes([sdo.expedited(Request.DOWNLOAD, size)]) + request[1:]
 
     # ---- block upload ------------------------------------------------------------------------------------
 
     def _continue_block_upload(self, data: bytes) -> None:
-        match data[0] & 0x03, self._stage:
-            case 0, _:
+        match data[0] & sdo.BLOCK_SUBCOMMAND, self._stage:
+            case Block.INITIATE, _:
                 self._begin_block_upload(data)
-            case 3, _Stage.BLOCK_UPLOAD_START:
+            case Block.START_UPLOAD, _Stage.BLOCK_UPLOAD_START:
                 self._send_sub_block()
-            case 2, _Stage.BLOCK_UPLOAD_ACKNOWLEDGE:
+            case Block.ACKNOWLEDGE, _Stage.BLOCK_UPLOAD_ACKNOWLEDGE:
                 end = self._upload.acknowledge(data[1], data[2])
                 if end is None:
                     self._send_sub_block()
                 else:
                     self._stage = _Stage.BLOCK_UPLOAD_END
                     self._send(end)
-            case 1, _Stage.BLOCK_UPLOAD_END:
+            case Block.END, _Stage.BLOCK_UPLOAD_END:
                 self._stage = _Stage.IDLE
             case _:
                 self._refuse()
@@ -204,10 +199,10 @@ class SdoServer(server.SdoServer):
             # The client allows the change of protocol for so few bytes (7.2.4.3.13, pst).
             self._begin_upload(request, value)
             return
-        self._upload = BlockUpload(value, request[4], bool(request[0] & CRC_SUPPORTED))
+        self._upload = BlockUpload(value, request[4], bool(request[0] & sdo.BLOCK_CRC))
         self._stage = _Stage.BLOCK_UPLOAD_START
-        command = 0xC0 | CRC_SUPPORTED | _BLOCK_SIZE_INDICATED
-        self._send(_RESPONSE.pack(command, self._index, self._subindex, len(value)))
+        command = Response.BLOCK_UPLOAD | sdo.BLOCK_CRC | sdo.BLOCK_SIZE_INDICATED
+        self._send(sdo.INITIATE.pack(command, self._index, self._subindex, len(value)))
 
     def _send_sub_block(self) -> None:
         self._stage = _Stage.BLOCK_UPLOAD_ACKNOWLEDGE
@@ -217,11 +212,12 @@ class SdoServer(server.SdoServer):
     # ---- block download ----------------------------------------------------------------------------------
 
     def _begin_block_download(self, request: bytes) -> None:
-        command, self._index, self._subindex, size = _RESPONSE.unpack(request)
-        announced = size if command & _BLOCK_SIZE_INDICATED else None
-        self._download = BlockDownload(announced, bool(command & CRC_SUPPORTED))
+        command, self._index, self._subindex, size = sdo.INITIATE.unpack(request)
+        announced = size if command & sdo.BLOCK_SIZE_INDICATED else None
+        self._download = BlockDownload(announced, bool(command & sdo.BLOCK_CRC))
         self._stage = _Stage.BLOCK_DOWNLOAD_SEGMENT
-        self._send(_RESPONSE.pack(0xA0 | CRC_SUPPORTED, self._index, self._subindex, MAX_BLOCK_SIZE))
+        response = Response.BLOCK_DOWNLOAD | sdo.BLOCK_CRC
+        self._send(sdo.INITIATE.pack(response, self._index, self._subindex, MAX_BLOCK_SIZE))
 
     def _take_segment(self, frame: bytes) -> None:
         acknowledgement = self._download.segment(frame)
@@ -233,4 +229,4 @@ class SdoServer(server.SdoServer):
     def _end_block_download(self, frame: bytes) -> None:
         self._stage = _Stage.IDLE
         self._objects.write(self._index, self._subindex, self._download.finish(frame))
-        self._send(bytes([0xA1]) + bytes(7))
+        self._send(bytes([Response.BLOCK_DOWNLOAD | Block.END]).ljust(sdo.FRAME_SIZE, b"\x00"))

@@ -46,7 +46,7 @@ from benchtool.protocol.serial import (
     encode_frame,
     encode_message,
 )
-from benchtool.ticks import on_wire
+from benchtool.ticks import follows, on_wire
 
 MAX_REQUEST = 256
 """Longest request that this drive takes, bytes; a stream of 16 scaled signals has 135."""
@@ -233,10 +233,10 @@ class SerialServer:
         node = self._node
         if node.nmt_state is not NmtState.OPERATIONAL:
             return
-        ahead = 1 if self._last_sequence is None else (message.sequence - self._last_sequence) & 0xFFFFFFFF
+        newer = self._last_sequence is None or follows(message.sequence, self._last_sequence)
         torque_command = _F32.pack(message.torque_command_Nm)
         omega_m_command = _F32.pack(message.omega_m_command_rad_s)
-        if 0 < ahead < 1 << 31 and node.take_setpoint(torque_command, omega_m_command):
+        if newer and node.take_setpoint(torque_command, omega_m_command):
             self._last_sequence = message.sequence
         else:
             node.count("rpdo_dropped")

@@ -15,6 +15,7 @@ from benchtool.emulator.servers.node import NEVER
 from benchtool.protocol.canopen.abort import Abort
 from benchtool.protocol.dictionary.objects import Entry
 from benchtool.protocol.serial import Batch, Stream, StreamFormat
+from benchtool.ticks import on_wire
 
 _WORD_BITS = 32
 _NO_VALUE = -(1 << 15)
@@ -148,10 +149,10 @@ class ControlRateStream:
         self._count(len(rows), sent=self._send(batch))
 
     def _count(self, records: int, *, sent: bool) -> None:
-        self._sequence = (self._sequence + 1) & 0xFFFFFFFF
-        self.sent = (self.sent + records) & 0xFFFFFFFF
+        self._sequence = on_wire(self._sequence + 1)
+        self.sent = on_wire(self.sent + records)
         if not sent:
-            self.dropped = (self.dropped + records) & 0xFFFFFFFF
+            self.dropped = on_wire(self.dropped + records)
 
     def _signal(self, mapping: int) -> Entry:
         entry = self._objects.table.by_key.get((mapping >> 16, mapping >> 8 & 0xFF))

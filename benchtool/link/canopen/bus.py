@@ -7,23 +7,22 @@ from typing import Any
 import can
 
 from benchtool.errors import LinkError
-from benchtool.link.address import Address
 from benchtool.link.canopen.slcan import open_slcan
 
 
-def open_bus(address: Address) -> can.BusABC:
-    """The bus that an address of kind `can` names.
+def open_bus(interface: str, channel: str, bitrate: int | None = None) -> can.BusABC:
+    """A bus of python-can; without a bit rate, in bit/s, the adapter stays as it is set.
 
     Raises:
         LinkError: it cannot be opened.
     """
-    bitrate: dict[str, Any] = {} if address.bitrate is None else {"bitrate": address.bitrate}
+    options: dict[str, Any] = {} if bitrate is None else {"bitrate": bitrate}
     try:
-        if address.interface == "slcan":
-            return open_slcan(address.channel, address.bitrate)
-        return can.Bus(interface=address.interface, channel=address.channel, **bitrate)
+        if interface == "slcan":
+            return open_slcan(channel, bitrate)
+        return can.Bus(interface=interface, channel=channel, **options)
     except (can.CanError, OSError, ImportError, ValueError, TypeError) as reason:
         raise LinkError(
-            f"cannot open can:{address.interface}:{address.channel}: {reason}; "
+            f"cannot open can:{interface}:{channel}: {reason}; "
             f"check the interface's name, its driver and the channel"
         ) from None

@@ -10,19 +10,17 @@ import can
 import canopen
 from canopen.sdo.exceptions import SdoAbortedError, SdoCommunicationError
 
-from benchtool.clock import Clock, VirtualClock
+from benchtool.clock import Clock
 from benchtool.errors import LinkError, NoAnswer, SdoAbort
+from benchtool.link.canopen.process_data import PdoProcessData
 from benchtool.link.canopen.sdo_client import BlockNotOfferedError, SdoClient, SdoTimeoutError
 from benchtool.link.interface import CountsMalformed, Frame, FrameReceiver, LinkCounters
 from benchtool.link.receiving import ReceivingLink
+from benchtool.protocol.canopen import cob_id, sdo
 from benchtool.protocol.canopen.abort import abort_text
 from benchtool.protocol.canopen.emcy import Emergency
 from benchtool.protocol.canopen.nmt import NmtCommand, NmtState, heartbeat_state
 
-_NMT = 0x000
-_EMCY = 0x080
-_SDO_RESPONSE = 0x580
-_HEARTBEAT = 0x700
 _RECEIVE_S = 0.05
 _ERROR_PAUSE_S = 0.001
 _ERRORS_IN_A_ROW = 100
@@ -52,7 +50,7 @@ class CanopenLink(ReceivingLink):
         node_id: int,
         clock: Clock,
         *,
-        host_node_id: int = 127,
+        host_node_id: int = cob_id.HOST_NODE,
         sdo_timeout_s: float = 0.5,
         arrival_s: Callable[[can.Message], float] | None = None,
     ) -> None:
@@ -62,13 +60,12 @@ class CanopenLink(ReceivingLink):
         self._bus = bus
         self._host_node_id = host_node_id
         self._arrival_s = arrival_s or (lambda _: clock.now_s())
-        self._receivers: dict[int, FrameReceiver] = {_EMCY + node_id: self._on_emergency}
+        self._receivers: dict[int, FrameReceiver] = {cob_id.EMCY + node_id: self._on_emergency}
         self._network = canopen.Network()
         self._network.bus = bus
-        settle = clock.settle if isinstance(clock, VirtualClock) else None
-        self._sdo = SdoClient(self._network, node_id, sdo_timeout_s, settle)
-        self._network.subscribe(_SDO_RESPONSE + node_id, self._on_sdo_response)
-        self._network.subscribe(_HEARTBEAT + node_id, self._on_heartbeat)
+        self._sdo = SdoClient(self._network, node_id, sdo_timeout_s, clock.settle)
+        self._network.subscribe(cob_id.SDO_RESPONSE + node_id, self._on_sdo_response)
+        self._network.subscribe(cob_id.HEARTBEAT + node_id, self._on_heartbeat)
         self._transfer_lock = threading.Lock()
         self._thread.start()
 
@@ -98,11 +95,11 @@ class CanopenLink(ReceivingLink):
 
     def nmt(self, command: NmtCommand) -> None:
         """See `Link.nmt`."""
-        self._send(_NMT, bytes([command, self._node_id]))
+        self._send(cob_id.NMT, bytes([command, self._node_id]))
 
     def send_heartbeat(self) -> None:
         """See `Link.send_heartbeat`; the message says operational (CiA 301, 7.2.8.3.2.2)."""
-        self._send(_HEARTBEAT + self._host_node_id, bytes([NmtState.OPERATIONAL]))
+        self._send(cob_id.HEARTBEAT + self._host_node_id, bytes([NmtState.OPERATIONAL]))
 
     def subscribe(self, can_ids: Iterable[int], receiver: FrameReceiver) -> None:
         """See `FrameLink.subscribe`."""
@@ -116,6 +113,11 @@ class CanopenLink(ReceivingLink):
     def send_pdo(self, can_id: int, data: bytes) -> None:
         """See `FrameLink.send_pdo`."""
         self._send(can_id, data)
+
+    @property
+    def process_data(self) -> PdoProcessData:
+        """See `Link.process_data`."""
+        return PdoProcessData(self)
 
     # ---- transfers ---------------------------------------------------------------------------------------
 
@@ -190,7 +192,7 @@ class CanopenLink(ReceivingLink):
             self._network.notify(frame.arbitration_id, frame.data, frame.timestamp)
 
     def _on_sdo_response(self, can_id: int, data: bytearray, timestamp: float) -> None:
-        if len(data) == 8:
+        if len(data) == sdo.FRAME_SIZE:
             self._sdo.on_response(can_id, data, timestamp)
         else:
             self._counts["frames_dropped"] += 1

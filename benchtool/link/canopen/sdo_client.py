@@ -12,31 +12,19 @@ from __future__ import annotations
 
 import binascii
 import queue
-import struct
 import time
 from collections.abc import Callable
 
 import canopen
 from canopen.sdo import client
-from canopen.sdo.constants import (
-    BLOCK_SIZE_SPECIFIED,
-    CRC_SUPPORTED,
-    EXPEDITED,
-    REQUEST_BLOCK_DOWNLOAD,
-    REQUEST_BLOCK_UPLOAD,
-    REQUEST_DOWNLOAD,
-    SIZE_SPECIFIED,
-    TOGGLE_BIT,
-)
 from canopen.sdo.exceptions import SdoAbortedError, SdoCommunicationError
 
+from benchtool.protocol.canopen import cob_id, sdo
 from benchtool.protocol.canopen.abort import Abort
+from benchtool.protocol.canopen.sdo import MAX_BLOCK_SIZE, SEGMENT_SIZE, Block, Request, Response
 
-_ABORTED = 0x80
-_BLOCK_SIZE = 127
 _QUEUE_SIZE = 1024
 _FRUITLESS_SUB_BLOCKS = 3
-_OBJECT = struct.Struct("<BHBL")
 _HEADERS = [bytes([value]) for value in range(256)]
 
 
@@ -59,8 +47,7 @@ class SdoClient(client.SdoClient):
         network: to send on; its owner has `on_response` called for every frame of the server.
         node_id: the server's.
         timeout_s: wall time to wait for each answer.
-        settle: in virtual time, returns when every frame sent so far has been handled; an answer that is
-            not there then is not waited for.
+        settle: `Clock.settle`; an answer that is not there when it is true is not waited for.
     """
 
     def __init__(
@@ -68,9 +55,11 @@ class SdoClient(client.SdoClient):
         network: canopen.Network,
         node_id: int,
         timeout_s: float,
-        settle: Callable[[], None] | None = None,
+        settle: Callable[[], bool] = lambda: False,
     ) -> None:
-        super().__init__(0x600 + node_id, 0x580 + node_id, canopen.ObjectDictionary())
+        super().__init__(
+            cob_id.SDO_REQUEST + node_id, cob_id.SDO_RESPONSE + node_id, canopen.ObjectDictionary()
+        )
         self.network = network
         self.timeout_s = timeout_s
         self.settle = settle
@@ -99,7 +88,7 @@ class SdoClient(client.SdoClient):
         while not self.responses.empty():
             self.responses.get_nowait()
             self.stale += 1
-        initiates = _initiates(request[0])
+        initiates = sdo.initiates(request[0])
         if initiates:
             self._object = bytes(request[1:4])
         self.send_request(request)
@@ -116,11 +105,10 @@ class SdoClient(client.SdoClient):
 
     def abort(self, abort_code: int = Abort.GENERAL) -> None:
         """Tell the server that the transfer is over."""
-        self.send_request(bytes([_ABORTED]) + self._object + struct.pack("<L", abort_code))
+        self.send_request(bytes([sdo.ABORT]) + self._object + sdo.ABORT_CODE.pack(abort_code))
 
     def _next_frame(self, timeout_s: float) -> bytes:
-        if self.settle is not None and self.responses.empty():
-            self.settle()
+        if self.responses.empty() and self.settle():
             timeout_s = 0.0  # what has not come by now never will
         try:
             return self.responses.get(timeout=timeout_s)
@@ -128,7 +116,7 @@ class SdoClient(client.SdoClient):
             raise SdoTimeoutError("no answer") from None
 
     def _raise_abort(self, response: bytes) -> bytes:
-        if response[0] == _ABORTED:
+        if response[0] == sdo.ABORT:
             raise SdoAbortedError(int.from_bytes(response[4:8], "little"))
         return response
 
@@ -142,22 +130,23 @@ class SdoClient(client.SdoClient):
         """Write by expedited (1 to 4 bytes) or segmented transfer."""
         size = len(data)
         if 1 <= size <= 4 and not force_segment:
-            command = REQUEST_DOWNLOAD | EXPEDITED | SIZE_SPECIFIED | (4 - size) << 2
-            self._confirm(_OBJECT.pack(command, index, subindex, int.from_bytes(data, "little")), 0x60)
+            command, value = sdo.expedited(Request.DOWNLOAD, size), int.from_bytes(data, "little")
+            self._confirm(sdo.INITIATE.pack(command, index, subindex, value), Response.DOWNLOAD)
             return
-        self._confirm(_OBJECT.pack(REQUEST_DOWNLOAD | SIZE_SPECIFIED, index, subindex, size), 0x60)
+        command = Request.DOWNLOAD | sdo.SIZE_INDICATED
+        self._confirm(sdo.INITIATE.pack(command, index, subindex, size), Response.DOWNLOAD)
         toggle = 0
-        for start in range(0, max(1, size), 7):
-            chunk = data[start : start + 7]
-            command = toggle | (7 - len(chunk)) << 1 | (start + 7 >= size)
-            self._confirm(bytes([command]) + chunk.ljust(7, b"\x00"), 0x20 | toggle)
-            toggle ^= TOGGLE_BIT
+        for start in range(0, max(1, size), SEGMENT_SIZE):
+            chunk, last = data[start : start + SEGMENT_SIZE], start + SEGMENT_SIZE >= size
+            request = sdo.segment(Request.DOWNLOAD_SEGMENT, toggle, chunk, last=last)
+            self._confirm(request, Response.DOWNLOAD_SEGMENT | toggle)
+            toggle ^= sdo.TOGGLE
 
     def block_download(self, index: int, subindex: int, data: bytes) -> None:
         """Write by block transfer with CRC."""
-        command = REQUEST_BLOCK_DOWNLOAD | CRC_SUPPORTED | BLOCK_SIZE_SPECIFIED
-        response = self.request_response(_OBJECT.pack(command, index, subindex, len(data)))
-        if response[0] & 0xE3 != 0xA0:
+        command = Request.BLOCK_DOWNLOAD | sdo.BLOCK_CRC | sdo.BLOCK_SIZE_INDICATED
+        response = self.request_response(sdo.INITIATE.pack(command, index, subindex, len(data)))
+        if not _is_block(response, Response.BLOCK_DOWNLOAD, Block.INITIATE):
             raise self._refuse(response, Abort.COMMAND_SPECIFIER, "no answer to a block download")
         segments = _segments(data)
         position, size, fruitless = 0, self._block_size(response, response[4]), 0
@@ -169,26 +158,26 @@ class SdoClient(client.SdoClient):
                 raise self._refuse(acknowledgement, Abort.SEQUENCE_NUMBER, "the segments do not get through")
             position += acknowledged
             size = self._block_size(acknowledgement, acknowledgement[2])
-        unused = 7 * len(segments) - len(data)
-        end = struct.pack("<BH5x", 0xC1 | unused << 2, binascii.crc_hqx(data, 0) if response[0] & 0x04 else 0)
-        self._confirm(end, 0xA1)
+        unused = SEGMENT_SIZE * len(segments) - len(data)
+        crc = binascii.crc_hqx(data, 0) if response[0] & sdo.BLOCK_CRC else 0
+        self._confirm(sdo.block_end(Request.BLOCK_DOWNLOAD, unused, crc), Response.BLOCK_DOWNLOAD | Block.END)
 
     def _send_sub_block(self, segments: list[bytes], position: int, size: int) -> bytes:
         sub_block = segments[position : position + size]
         for number, segment in enumerate(sub_block, start=1):
             last = position + number == len(segments)
-            self.send_request(_HEADERS[0x80 | number if last else number] + segment)
+            self.send_request(_HEADERS[sdo.LAST_SEGMENT | number if last else number] + segment)
         try:
             response = self.read_response()
         except SdoTimeoutError:
             self.abort(Abort.TIMED_OUT)
             raise
-        if response[0] != 0xA2:
+        if response[0] != Response.BLOCK_DOWNLOAD | Block.ACKNOWLEDGE:
             raise self._refuse(response, Abort.COMMAND_SPECIFIER, "no acknowledgement of a sub-block")
         return response
 
     def _block_size(self, response: bytes, size: int) -> int:
-        if not 1 <= size <= _BLOCK_SIZE:
+        if not 1 <= size <= MAX_BLOCK_SIZE:
             raise self._refuse(response, Abort.BLOCK_SIZE, f"a block size of {size}")
         return size
 
@@ -226,28 +215,29 @@ class SdoClient(client.SdoClient):
             raise
 
     def _block_upload(self, index: int, subindex: int) -> bytes:
-        request = _OBJECT.pack(REQUEST_BLOCK_UPLOAD | CRC_SUPPORTED, index, subindex, _BLOCK_SIZE)
+        command = Request.BLOCK_UPLOAD | sdo.BLOCK_CRC
+        request = sdo.INITIATE.pack(command, index, subindex, MAX_BLOCK_SIZE)
         try:
             start = self.request_response(request)
         except SdoAbortedError as aborted:
             if aborted.code == Abort.COMMAND_SPECIFIER:
                 raise BlockNotOfferedError("block upload refused") from None
             raise
-        if start[0] & 0xE1 != 0xC0:
+        if start[0] & (sdo.SPECIFIER | Block.END) != Response.BLOCK_UPLOAD | Block.INITIATE:
             self.abort(Abort.COMMAND_SPECIFIER)
             raise BlockNotOfferedError("block upload answered by another protocol")
-        self.send_request(bytes([0xA3]) + bytes(7))
+        self.send_request(_block_request(Block.START_UPLOAD))
         segments = self._receive_segments()
         end = self.read_response()
-        if end[0] & 0xE3 != 0xC1:
+        if not _is_block(end, Response.BLOCK_UPLOAD, Block.END):
             raise self._refuse(end, Abort.COMMAND_SPECIFIER, "no end of the block upload")
         joined = b"".join(segments)
-        data = joined[: len(joined) - (end[0] >> 2 & 0x07)]
-        if start[0] & CRC_SUPPORTED and int.from_bytes(end[1:3], "little") != binascii.crc_hqx(data, 0):
+        data = joined[: len(joined) - sdo.block_unused(end[0])]
+        if start[0] & sdo.BLOCK_CRC and int.from_bytes(end[1:3], "little") != binascii.crc_hqx(data, 0):
             raise self._refuse(end, Abort.CRC, f"the CRC of {len(data)} bytes is wrong")
-        if start[0] & BLOCK_SIZE_SPECIFIED and int.from_bytes(start[4:8], "little") != len(data):
+        if start[0] & sdo.BLOCK_SIZE_INDICATED and int.from_bytes(start[4:8], "little") != len(data):
             raise self._refuse(start, Abort.LENGTH, f"{len(data)} bytes came, others were announced")
-        self.send_request(bytes([0xA1]) + bytes(7))
+        self.send_request(_block_request(Block.END))
         return data
 
     def _receive_segments(self) -> list[bytes]:
@@ -263,8 +253,8 @@ class SdoClient(client.SdoClient):
                     raise
                 ended = True
             else:
-                last, number = frame[0] >= 0x80, frame[0] & 0x7F
-                ended = last or number == _BLOCK_SIZE
+                last, number = bool(frame[0] & sdo.LAST_SEGMENT), frame[0] & ~sdo.LAST_SEGMENT
+                ended = last or number == MAX_BLOCK_SIZE
                 if number == in_order + 1:
                     in_order = number
                     segments.append(frame[1:])
@@ -273,28 +263,26 @@ class SdoClient(client.SdoClient):
                 fruitless = 0 if in_order else fruitless + 1
                 if fruitless == _FRUITLESS_SUB_BLOCKS:
                     raise self._refuse(frame, Abort.SEQUENCE_NUMBER, "the segments do not get through")
-                self.send_request(bytes([0xA2, in_order, _BLOCK_SIZE, 0, 0, 0, 0, 0]))
+                self.send_request(_block_request(Block.ACKNOWLEDGE, in_order, MAX_BLOCK_SIZE))
                 in_order = 0
                 if complete:
                     return segments
 
 
 def _segments(data: bytes) -> list[bytes]:
-    return [data[start : start + 7].ljust(7, b"\x00") for start in range(0, max(1, len(data)), 7)]
+    starts = range(0, max(1, len(data)), SEGMENT_SIZE)
+    return [data[start : start + SEGMENT_SIZE].ljust(SEGMENT_SIZE, b"\x00") for start in starts]
 
 
-def _initiates(command: int) -> bool:
-    """Whether a request names an object, which its answer then repeats."""
-    match command >> 5:
-        case 1 | 2:
-            return True
-        case 5:
-            return not command & 0x03
-        case 6:
-            return not command & 0x01
-    return False
+def _block_request(subcommand: Block, *content: int) -> bytes:
+    """A request of a block upload that is under way."""
+    return bytes([Request.BLOCK_UPLOAD | subcommand, *content]).ljust(sdo.FRAME_SIZE, b"\x00")
+
+
+def _is_block(response: bytes, specifier: Response, subcommand: Block) -> bool:
+    return response[0] & (sdo.SPECIFIER | sdo.BLOCK_SUBCOMMAND) == specifier | subcommand
 
 
 def _aborts_anything(response: bytes) -> bool:
     """Whether it is an abort that names no object: some servers leave that out."""
-    return response[0] == _ABORTED and not any(response[1:4])
+    return response[0] == sdo.ABORT and not any(response[1:4])

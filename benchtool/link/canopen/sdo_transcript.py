@@ -6,8 +6,8 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from enum import Enum
 
-_ABORTED = 0x80
-_LAST_SEGMENT = 0x80
+from benchtool.protocol.canopen import sdo
+from benchtool.protocol.canopen.sdo import EXPEDITED, SIZE_INDICATED, SPECIFIER, Block, Request, Response
 
 
 class Kind(Enum):
@@ -42,7 +42,7 @@ def transfers(frames: Iterable[tuple[int, bool, bytes]]) -> Iterator[Transfer]:
     """
     conversation = _Conversation()
     for position, of_server, data in frames:
-        if len(data) == 8:
+        if len(data) == sdo.FRAME_SIZE:
             ended = conversation.answer(data) if of_server else conversation.request(data)
             if ended is not None:
                 yield Transfer(position, *ended, sized=conversation.sized)
@@ -63,18 +63,18 @@ class _Conversation:
 
     def request(self, data: bytes) -> _Ended | None:
         """Take a frame of the client."""
-        command = data[0] >> 5
-        if command in (1, 2) or (command == 5 and not data[0] & 0x03):
-            self._key, self._content, self._in_blocks = _key(data), b"", False
-            self._writing, self.sized = command == 1, not _is_unsized(data)
-            if command == 1 and data[0] & 0x02:
-                self._content = _expedited(data)
-        elif command == 0 and self._writing:
-            self._content += data[1 : 8 - (data[0] >> 1 & 0x07)]
-            self._last = bool(data[0] & 0x01)
-        elif command == 5 and data[0] & 0x03 == 2:
+        command = data[0] & SPECIFIER
+        if sdo.initiates(data[0]) and command != Request.BLOCK_DOWNLOAD:
+            self._key, self._content, self._in_blocks = sdo.key(data), b"", False
+            self._writing, self.sized = command == Request.DOWNLOAD, not _is_unsized(data)
+            if command == Request.DOWNLOAD and data[0] & EXPEDITED:
+                self._content = sdo.expedited_data(data)
+        elif command == Request.DOWNLOAD_SEGMENT and self._writing:
+            self._content += sdo.segment_data(data)
+            self._last = bool(data[0] & sdo.NO_MORE_SEGMENTS)
+        elif command == Request.BLOCK_UPLOAD and data[0] & sdo.BLOCK_SUBCOMMAND == Block.ACKNOWLEDGE:
             self._segment = 0
-        elif data[0] == _ABORTED:
+        elif data[0] == sdo.ABORT:
             self._in_blocks = False
         return None
 
@@ -82,52 +82,44 @@ class _Conversation:
         """Take a frame of the server."""
         if self._in_blocks and self._block(data):
             return None
-        command = data[0] >> 5
-        if data[0] == _ABORTED:
+        command = data[0] & SPECIFIER
+        if data[0] == sdo.ABORT:
             self._in_blocks = False
             return Kind.ABORTED, self._key, data[4:8]
-        if command == 2 and _key(data) == self._key:
+        if command == Response.UPLOAD and sdo.key(data) == self._key:
             self._content, self.sized = b"", not _is_unsized(data)
-            return (Kind.READ, self._key, _expedited(data)) if data[0] & 0x02 else None
-        if command == 0:
-            self._content += data[1 : 8 - (data[0] >> 1 & 0x07)]
-            return (Kind.READ, self._key, self._content) if data[0] & 0x01 else None
-        if command == 3 and _key(data) == self._key:
+            return (Kind.READ, self._key, sdo.expedited_data(data)) if data[0] & EXPEDITED else None
+        if command == Response.UPLOAD_SEGMENT:
+            self._content += sdo.segment_data(data)
+            return (Kind.READ, self._key, self._content) if data[0] & sdo.NO_MORE_SEGMENTS else None
+        if command == Response.DOWNLOAD and sdo.key(data) == self._key:
             # Segments follow if the request had no data of its own.
             return (Kind.WRITTEN, self._key, self._content) if self._content else None
-        if command == 1 and self._writing and self._last:
+        if command == Response.DOWNLOAD_SEGMENT and self._writing and self._last:
             return Kind.WRITTEN, self._key, self._content
-        if command == 6:
+        if command == Response.BLOCK_UPLOAD:
             return self._block_command(data)
         return None
 
     def _block_command(self, data: bytes) -> _Ended | None:
-        if not data[0] & 0x01:
+        if not data[0] & Block.END:
             self._in_blocks, self._segment, self._content = True, 0, b""
             return None
-        unused = data[0] >> 2 & 0x07
-        return Kind.READ, self._key, self._content[: len(self._content) - unused]
+        end = len(self._content) - sdo.block_unused(data[0])
+        return Kind.READ, self._key, self._content[:end]
 
     def _block(self, data: bytes) -> bool:
         """Take a segment; one that is repeated after a loss counts once."""
-        number = data[0] & 0x7F
+        number = data[0] & ~sdo.LAST_SEGMENT
         if number == self._segment + 1:
             self._segment = number
             self._content += data[1:]
-            self._in_blocks = not data[0] & _LAST_SEGMENT
+            self._in_blocks = not data[0] & sdo.LAST_SEGMENT
             return True
-        return data[0] != _ABORTED
-
-
-def _key(data: bytes) -> tuple[int, int]:
-    return int.from_bytes(data[1:3], "little"), data[3]
+        return data[0] != sdo.ABORT
 
 
 def _is_unsized(data: bytes) -> bool:
     """Of an initiate of a download, or the answer to one of an upload: expedited, without size indication."""
-    return data[0] >> 5 in (1, 2) and data[0] & 0x03 == 0x02
-
-
-def _expedited(data: bytes) -> bytes:
-    unused = data[0] >> 2 & 0x03 if data[0] & 0x01 else 0
-    return data[4 : 8 - unused]
+    initiates = data[0] & SPECIFIER in (Request.DOWNLOAD, Request.UPLOAD)
+    return initiates and data[0] & (EXPEDITED | SIZE_INDICATED) == EXPEDITED

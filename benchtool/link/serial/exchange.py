@@ -53,12 +53,11 @@ class Exchange:
     Args:
         send: takes a question.
         timeout_s: wall time to wait for each answer.
-        settle: in virtual time, returns when all bytes sent so far have been handled; an answer that is not
-            there then is not waited for.
+        settle: `Clock.settle`; an answer that is not there when it is true is not waited for.
     """
 
     def __init__(
-        self, send: Callable[[Question], None], timeout_s: float, settle: Callable[[], None] | None
+        self, send: Callable[[Question], None], timeout_s: float, settle: Callable[[], bool]
     ) -> None:
         self.timeout_s = timeout_s
         self.stale = 0
@@ -100,8 +99,7 @@ class Exchange:
 
     def _next(self, pending: _Pending) -> Answer:
         timeout_s = self.timeout_s
-        if self._settle is not None and pending.answers.empty():
-            self._settle()
+        if pending.answers.empty() and self._settle():
             timeout_s = 0.0  # what has not come by now never will
         try:
             answer = pending.answers.get(timeout=timeout_s)

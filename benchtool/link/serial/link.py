@@ -5,12 +5,14 @@ from __future__ import annotations
 import threading
 from collections.abc import Sequence
 
-from benchtool.clock import Clock, VirtualClock
+from benchtool.clock import Clock
 from benchtool.link.interface import BatchReceiver, LinkCounters
 from benchtool.link.port import Port
 from benchtool.link.receiving import ReceivingLink
 from benchtool.link.serial.exchange import Exchange
+from benchtool.link.serial.process_data import BatchProcessData
 from benchtool.link.serial.requests import SerialRequests
+from benchtool.protocol.canopen.cob_id import HOST_NODE
 from benchtool.protocol.canopen.nmt import NmtCommand, NmtState
 from benchtool.protocol.serial import (
     VERSION,
@@ -28,6 +30,7 @@ from benchtool.protocol.serial import (
     encode_frame,
     encode_message,
 )
+from benchtool.ticks import on_wire
 
 _FAILING_S = 0.2
 _CHECK_SENDING = "that the other end of the line reads, and that there is no flow control"
@@ -48,17 +51,15 @@ class SerialLink(ReceivingLink):
     """
 
     def __init__(
-        self, port: Port, node_id: int, clock: Clock, *, host_node_id: int = 127, timeout_s: float = 0.5
+        self, port: Port, node_id: int, clock: Clock, *, host_node_id: int = HOST_NODE, timeout_s: float = 0.5
     ) -> None:
         super().__init__(
             node_id, clock, thread_name="serial-link", device="serial port", check="its cable and adapter"
         )
         self._port = port
-        self._clock = clock
         self._host_node_id = host_node_id
         self._splitter = FrameSplitter()
-        settle = clock.settle if isinstance(clock, VirtualClock) else None
-        self._exchange = Exchange(self._send, timeout_s, settle)
+        self._exchange = Exchange(self._send, timeout_s, clock.settle)
         self._requests = SerialRequests(self._exchange, node_id, self._require_open)
         self._batch_receiver: BatchReceiver | None = None
         self._setpoint_sequence = 0
@@ -123,8 +124,13 @@ class SerialLink(ReceivingLink):
     def send_setpoint(self, torque_Nm: float, omega_m_rad_s: float) -> None:
         """See `BatchLink.send_setpoint`."""
         self._requests.identity()
-        self._setpoint_sequence = self._setpoint_sequence + 1 & 0xFFFFFFFF
+        self._setpoint_sequence = on_wire(self._setpoint_sequence + 1)
         self._send(Setpoint(self._setpoint_sequence, torque_Nm, omega_m_rad_s))
+
+    @property
+    def process_data(self) -> BatchProcessData:
+        """See `Link.process_data`."""
+        return BatchProcessData(self)
 
     # ---- inside ------------------------------------------------------------------------------------------
 
@@ -159,7 +165,7 @@ class SerialLink(ReceivingLink):
 
     def _read(self) -> tuple[bytes, float]:
         data = self._port.read()
-        return data, self._clock.now_s()
+        return data, self.clock.now_s()
 
     def _handle(self, payload: bytes, arrival_s: float) -> None:
         message = decode_reply(payload)

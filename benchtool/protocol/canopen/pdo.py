@@ -5,24 +5,23 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-INVALID = 1 << 31
-"""Bit of a COB-ID object: the PDO is not in use."""
+from benchtool.protocol.canopen import cob_id
+from benchtool.protocol.canopen.cob_id import INVALID
 
-CAN_ID = 0x7FF
-"""Bits of a COB-ID object that are the 11-bit identifier."""
+RPDO_COMMUNICATION, RPDO_MAPPING = 0x1400, 0x1600
+TPDO_COMMUNICATION, TPDO_MAPPING = 0x1800, 0x1A00
+"""Indices of the parameters of the first PDO of each kind (7.5.2.35 to 38)."""
+
+RPDOS = range(RPDO_COMMUNICATION, RPDO_MAPPING)
+TPDOS = range(TPDO_COMMUNICATION, TPDO_MAPPING)
+PDO_PARAMETERS = range(RPDO_COMMUNICATION, TPDO_MAPPING + len(TPDOS))
+"""Indices of the communication parameters of all PDOs of a kind, and of every parameter of them."""
 
 BY_TIMER = 255
 """Transmission type: event-driven, specific to the device profile; here by the event timer."""
 
 MAX_ENTRIES = 4
 MAX_BITS = 64
-
-RPDO_COB_IDS = (0x200, 0x300)
-TPDO_COB_IDS = (0x180, 0x280, 0x380, 0x480, 0x1C0, 0x2C0, 0x3C0, 0x4C0)
-"""Without the node id. The first four TPDOs are of the predefined connection set (CiA 301, 7.3.3), which
-has no more; the others are free while every node id on the bus is below 64."""
-
-_LAST_NODE_OF_EIGHT = 63
 
 
 @dataclass(frozen=True)
@@ -37,12 +36,12 @@ class Pdo:
     @property
     def communication(self) -> int:
         """Index of the communication parameter."""
-        return (0x1800 if self.transmit else 0x1400) + self.number - 1
+        return (TPDO_COMMUNICATION if self.transmit else RPDO_COMMUNICATION) + self.number - 1
 
     @property
     def mapping(self) -> int:
         """Index of the mapping parameter."""
-        return (0x1A00 if self.transmit else 0x1600) + self.number - 1
+        return (TPDO_MAPPING if self.transmit else RPDO_MAPPING) + self.number - 1
 
     @property
     def switch_off(self) -> tuple[str, int]:
@@ -68,12 +67,12 @@ class Pdo:
 
 def rpdo(node_id: int, mappings: Sequence[int], number: int = 1) -> Pdo:
     """The drive's receive PDO with its predefined identifier."""
-    return Pdo(number, RPDO_COB_IDS[number - 1] + node_id, tuple(mappings), transmit=False)
+    return Pdo(number, cob_id.RPDO[number - 1] + node_id, tuple(mappings), transmit=False)
 
 
 def most_tpdos(node_id: int) -> int:
     """How many TPDOs a node has whose COB-IDs are no other node's."""
-    return len(TPDO_COB_IDS) if node_id <= _LAST_NODE_OF_EIGHT else 4
+    return len(cob_id.TPDO) if node_id <= cob_id.LAST_NODE_OF_EIGHT_TPDOS else 4
 
 
 def tpdo_numbers(node_id: int, count: int) -> list[int]:
@@ -85,9 +84,9 @@ def tpdo_numbers(node_id: int, count: int) -> list[int]:
     most = most_tpdos(node_id)
     if count > most:
         raise ValueError(f"{count} TPDOs of node {node_id}, which has {most}")
-    return sorted(range(1, count + 1), key=lambda number: TPDO_COB_IDS[number - 1])
+    return sorted(range(1, count + 1), key=lambda number: cob_id.TPDO[number - 1])
 
 
 def tpdo(node_id: int, mappings: Sequence[int], number: int) -> Pdo:
-    """The drive's transmit PDO with the identifier of `TPDO_COB_IDS`."""
-    return Pdo(number, TPDO_COB_IDS[number - 1] + node_id, tuple(mappings), transmit=True)
+    """The drive's transmit PDO with the identifier of `cob_id.TPDO`."""
+    return Pdo(number, cob_id.TPDO[number - 1] + node_id, tuple(mappings), transmit=True)

@@ -21,7 +21,6 @@ from benchtool.protocol.serial.messages import Batch, StreamFormat
 from benchtool.protocol.telemetry import StreamCounters
 from benchtool.ticks import TICKS, ahead, counted_on
 
-_SEQUENCES = 1 << 32
 _NO_VALUE = -(1 << 15)  # what a drive sends for a value that is not finite or beyond the int16's reach
 
 
@@ -119,7 +118,7 @@ class BatchDecoder:
         first_tick = counted_on(batch.first_tick, self._near)
         if self._received:
             ticks_ahead = ahead(batch.first_tick, self.tick)
-            batches_ahead = (batch.sequence - self._sequence) % _SEQUENCES
+            batches_ahead = ahead(batch.sequence, self._sequence)
             records_ahead, rest = divmod(ticks_ahead, self._stride)
             # Every batch on the way to this one, and this one, has one record or more of those on the way.
             if rest or ticks_ahead >= TICKS // 2 or not 0 < batches_ahead <= records_ahead:

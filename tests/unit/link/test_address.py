@@ -4,20 +4,21 @@ from __future__ import annotations
 
 import pytest
 
+from benchtool.bench.wires import registry
 from benchtool.errors import UsageError
-from benchtool.link.address import Address
+from benchtool.link.port import DEFAULT_BAUDRATE
 
 
 def test_emulated() -> None:
-    address = Address.parse("emulated")
-    assert (address.kind, address.node_id(1), address.bitrate) == ("emulated", 1, None)
-    assert Address.parse("emulated?channel=bench-a").channel == "bench-a"
+    address = registry.parse("emulated")
+    assert (address.scheme, address.node_id(1), address.number("bitrate")) == ("emulated", 1, None)
+    assert registry.parse("emulated?channel=bench-a").options["channel"] == "bench-a"
 
 
 def test_can_with_a_channel_that_has_colons() -> None:
-    address = Address.parse("can:slcan:socket://127.0.0.1:4000?bitrate=500000&node=5")
-    assert (address.interface, address.channel) == ("slcan", "socket://127.0.0.1:4000")
-    assert (address.bitrate, address.node_id(1)) == (500_000, 5)
+    address = registry.parse("can:slcan:socket://127.0.0.1:4000?bitrate=500000&node=5")
+    assert address.place == ("slcan", "socket://127.0.0.1:4000")
+    assert (address.number("bitrate"), address.node_id(1)) == (500_000, 5)
 
 
 @pytest.mark.parametrize(
@@ -32,15 +33,22 @@ def test_can_with_a_channel_that_has_colons() -> None:
 def test_serial_with_a_port_that_has_colons_and_slashes(
     url: str, port: str, baudrate: int, node: int
 ) -> None:
-    address = Address.parse(url)
-    assert (address.kind, address.wire, address.channel) == ("serial", "serial", port)
-    assert (address.baudrate, address.node_id(1)) == (baudrate, node)
+    address = registry.parse(url)
+    assert (address.scheme, registry.carrier(address).name, address.place) == ("serial", "serial", (port,))
+    assert (address.number("baudrate") or DEFAULT_BAUDRATE, address.node_id(1)) == (baudrate, node)
 
 
 def test_the_emulated_drive_has_two_wires() -> None:
-    assert Address.parse("emulated").wire == "can"
-    assert Address.parse("emulated?wire=serial").wire == "serial"
-    assert Address.parse("can:slcan:/dev/ttyACM0").wire == "can"
+    assert registry.carrier(registry.parse("emulated")).name == "can"
+    assert registry.carrier(registry.parse("emulated?wire=serial")).name == "serial"
+    assert registry.carrier(registry.parse("can:slcan:/dev/ttyACM0")).name == "can"
+
+
+def test_examples_in_the_help_are_addresses_with_the_defaults_that_there_are() -> None:
+    spellings = [part.strip("'.") for part in registry.links_help().replace(" or ", ", ").split(", ")]
+    addresses = [registry.parse(each) for each in spellings]
+    assert [each.scheme for each in addresses] == ["emulated", "can", "serial", "replay"]
+    assert addresses[2].number("baudrate") == DEFAULT_BAUDRATE
 
 
 @pytest.mark.parametrize(
@@ -63,5 +71,5 @@ def test_the_emulated_drive_has_two_wires() -> None:
 )
 def test_mistakes(url: str, complaint: str) -> None:
     with pytest.raises(UsageError) as refused:
-        Address.parse(url).node_id(1)
+        registry.parse(url).node_id(1)
     assert complaint in str(refused.value)

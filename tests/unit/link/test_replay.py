@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
+from benchtool.bench.wires import registry
 from benchtool.clock import VirtualClock
 from benchtool.errors import LinkClosed, LinkError, NoAnswer, SdoAbort, UsageError
 from benchtool.link import Frame
-from benchtool.link.address import Address
 from benchtool.link.replay import FRAMES, ReplayLink
 from benchtool.protocol.canopen.nmt import NmtCommand, NmtState
 
@@ -153,10 +153,10 @@ def test_a_folder_without_frames_says_what_is_needed(tmp_path: Path, clock: Virt
 
 
 def test_addresses_of_replays() -> None:
-    address = Address.parse("replay:C:/runs/a b?node=7")
-    assert (address.kind, address.channel, address.node_id(1)) == ("replay", "C:/runs/a b", 7)
+    address = registry.parse("replay:C:/runs/a b?node=7")
+    assert (address.scheme, address.place, address.node_id(1)) == ("replay", ("C:/runs/a b",), 7)
     with pytest.raises(UsageError, match="unknown option 'bitrate'"):
-        Address.parse("replay:a?bitrate=5")
+        registry.parse("replay:a?bitrate=5")
 
 
 def test_an_answer_without_size_has_the_length_of_its_object(tmp_path: Path, clock: VirtualClock) -> None:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from benchtool.protocol.canopen.pdo import INVALID, RPDO_COB_IDS, TPDO_COB_IDS, rpdo, tpdo
+from benchtool.protocol.canopen.cob_id import INVALID, RPDO, TPDO
+from benchtool.protocol.canopen.pdo import rpdo, tpdo
 from benchtool.protocol.dictionary.objects import load_table
 from benchtool.shipped import shipped
 
@@ -10,12 +11,12 @@ TABLE = load_table(shipped("firmware_protocol") / "objects.toml")
 
 
 def test_each_copy_has_its_index_its_names_and_its_defaults() -> None:
-    for number, cob_id in enumerate(TPDO_COB_IDS, start=1):
+    for number, cob_id in enumerate(TPDO, start=1):
         entry = TABLE.by_key[0x1800 + number - 1, 1]
         assert (entry.name, entry.default) == (f"tpdo{number}_cob_id", 0xC0000000 | cob_id)
         assert entry.add_node_id
         assert TABLE.by_key[0x1A00 + number - 1, 4].name == f"tpdo{number}_mapping_4"
-    for number, cob_id in enumerate(RPDO_COB_IDS, start=1):
+    for number, cob_id in enumerate(RPDO, start=1):
         assert TABLE.by_key[0x1400 + number - 1, 1].default == INVALID | cob_id
     assert (0x1808, 1) not in TABLE.by_key
     assert "{n}" not in "".join(f"{entry.name}{entry.description}" for entry in TABLE)

@@ -11,14 +11,15 @@ from benchtool.block import Block
 from benchtool.clock import Clock, VirtualClock
 from benchtool.errors import StateError, ValueRefused
 from benchtool.link.interface import Alarm, BatchReceiver, LinkCounters
+from benchtool.link.process_data import Sent
+from benchtool.link.serial.batch_source import BatchSource, TimedBatch
+from benchtool.link.serial.process_data import BatchProcessData
 from benchtool.protocol.canopen.nmt import NmtCommand, NmtState
 from benchtool.protocol.dictionary import Dictionary
 from benchtool.protocol.dictionary.variable import Value
 from benchtool.protocol.serial import Batch, StreamReply
 from benchtool.shipped import shipped
 from benchtool.telemetry import Sink, TelemetryStream
-from benchtool.telemetry.batch_source import BatchSource, TimedBatch
-from benchtool.telemetry.source import Sent
 
 DICTIONARY = Dictionary.from_eds(shipped("firmware_protocol") / "drive.eds", 1)
 SCHEMA = 7
@@ -34,12 +35,17 @@ class Link:
 
     node_id = 1
     counters = LinkCounters()
+    clock: Clock = VirtualClock()
 
     def __init__(self, room: int, early: Sequence[Batch] = ()) -> None:
         self.room = room
         self.early = early
         self.asked: list[tuple[Sequence[int], int, int]] = []
         self.receiver: BatchReceiver | None = None
+
+    @property
+    def process_data(self) -> BatchProcessData:
+        return BatchProcessData(self)
 
     def batch_rows(self, channels: int) -> int:
         return self.room

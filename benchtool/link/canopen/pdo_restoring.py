@@ -7,8 +7,9 @@ from contextlib import suppress
 from dataclasses import dataclass
 
 from benchtool.errors import BenchError, NoAnswer, SdoAbort
-from benchtool.protocol.canopen.pdo import INVALID, Pdo
-from benchtool.telemetry.node import Node
+from benchtool.link.process_data import DriveAccess
+from benchtool.protocol.canopen.cob_id import INVALID
+from benchtool.protocol.canopen.pdo import Pdo
 
 
 @dataclass(frozen=True)
@@ -22,21 +23,21 @@ class FoundPdo:
     entries: tuple[int, ...]
 
     @classmethod
-    def of(cls, node: Node, pdo: Pdo) -> FoundPdo:
+    def of(cls, drive: DriveAccess, pdo: Pdo) -> FoundPdo:
         """Read the parameters that `pdo.set_up` writes.
 
         Raises:
             ValueRefused: the drive has no such PDO.
             NoAnswer, SdoAbort: they cannot be read.
         """
-        cob_id = int(node.number(f"0x{pdo.communication:04X}:1"))
+        cob_id = int(drive.number(f"0x{pdo.communication:04X}:1"))
         labels = [f"0x{pdo.communication:04X}:2", *([f"0x{pdo.communication:04X}:5"] if pdo.transmit else [])]
-        count = int(node.number(f"0x{pdo.mapping:04X}:0"))
+        count = int(drive.number(f"0x{pdo.mapping:04X}:0"))
         subs = range(1, max(count, len(pdo.mappings)) + 1)
-        entries = tuple(int(node.number(f"0x{pdo.mapping:04X}:{sub}")) for sub in subs)
-        return cls(pdo, cob_id, tuple((label, node.number(label)) for label in labels), count, entries)
+        entries = tuple(int(drive.number(f"0x{pdo.mapping:04X}:{sub}")) for sub in subs)
+        return cls(pdo, cob_id, tuple((label, drive.number(label)) for label in labels), count, entries)
 
-    def put_back(self, node: Node) -> None:
+    def put_back(self, drive: DriveAccess) -> None:
         """Write everything as it was; the PDO is in use again only if it was, and then last of all.
 
         Raises:
@@ -44,12 +45,12 @@ class FoundPdo:
         """
         try:
             for label, value in self._writes():
-                node.write(label, value)
+                drive.write(label, value)
             for sub, mapping in enumerate(self.entries[self.count :], start=self.count + 1):
                 with suppress(SdoAbort):  # out of use in any case, and not every drive takes a zero
-                    node.write(f"0x{self.pdo.mapping:04X}:{sub}", mapping)
-            node.write(f"0x{self.pdo.mapping:04X}:0", self.count)
-            node.write(f"0x{self.pdo.communication:04X}:1", self.cob_id)
+                    drive.write(f"0x{self.pdo.mapping:04X}:{sub}", mapping)
+            drive.write(f"0x{self.pdo.mapping:04X}:0", self.count)
+            drive.write(f"0x{self.pdo.communication:04X}:1", self.cob_id)
         except BenchError as failed:
             kind = "T" if self.pdo.transmit else "R"
             failed.add_note(
@@ -66,12 +67,12 @@ class FoundPdo:
             yield f"0x{self.pdo.mapping:04X}:{sub}", mapping
 
 
-def found_if_used(node: Node, pdo: Pdo) -> FoundPdo | None:
+def found_if_used(drive: DriveAccess, pdo: Pdo) -> FoundPdo | None:
     """A PDO that is in use; None of one that is not, which takes one read, or that cannot be read."""
     label = f"0x{pdo.communication:04X}:1"
-    if label not in node.dictionary or int(node.number(label)) & INVALID:
+    if label not in drive.dictionary or int(drive.number(label)) & INVALID:
         return None
     try:
-        return FoundPdo.of(node, pdo)
+        return FoundPdo.of(drive, pdo)
     except (NoAnswer, SdoAbort):
         return None

@@ -7,21 +7,20 @@ from contextlib import suppress
 
 from benchtool.errors import BenchError
 from benchtool.link import Frame, FrameLink
+from benchtool.link.canopen.pdo_restoring import FoundPdo, found_if_used
+from benchtool.link.process_data import DriveAccess, Sent, control_period_s
+from benchtool.protocol.canopen.cob_id import INVALID, TPDO
 from benchtool.protocol.canopen.nmt import NmtCommand
-from benchtool.protocol.canopen.pdo import INVALID, TPDO_COB_IDS, most_tpdos, tpdo
+from benchtool.protocol.canopen.pdo import TPDO_COMMUNICATION, most_tpdos, tpdo
 from benchtool.protocol.telemetry import RecordDecoder, stream_layout
-from benchtool.telemetry.node import Node
-from benchtool.telemetry.pdo_restoring import FoundPdo, found_if_used
-from benchtool.telemetry.source import Sent, control_period_s
-
-_SEQUENCES = 1 << 32
+from benchtool.ticks import ahead
 
 
 class PdoSource:
     """A `Source` of frames.
 
     Args:
-        node: connected drive.
+        drive: connected.
         link: its link.
         channels: signals of four bytes, 13 at most.
         rate_Hz: records per second; a whole number of milliseconds apart.
@@ -35,17 +34,17 @@ class PdoSource:
 
     def __init__(
         self,
-        node: Node,
+        drive: DriveAccess,
         link: FrameLink,
         channels: Sequence[str],
         rate_Hz: float,
         after: PdoSource | None = None,
     ) -> None:
-        self._node = node
+        self._drive = drive
         self._link = link
-        self.tick_s = control_period_s(node)
-        self._layout = stream_layout(node.dictionary, link.node_id, channels, rate_Hz, self.tick_s)
-        self.decoder = RecordDecoder(self._layout, node.tick_now())
+        self.tick_s = control_period_s(drive)
+        self._layout = stream_layout(drive.dictionary, link.node_id, channels, rate_Hz, self.tick_s)
+        self.decoder = RecordDecoder(self._layout, drive.tick_now())
         self._sequence_before = 0
         self._found: tuple[FoundPdo, ...] | None = None if after is None else after._found
 
@@ -55,12 +54,12 @@ class PdoSource:
 
     def start(self, receive: Callable[[Frame], None]) -> None:
         """See `Source.start`."""
-        node = self._node
+        drive = self._drive
         mapped = {pdo.number: pdo for pdo in self._layout.pdos}
         numbers = range(1, most_tpdos(self._link.node_id) + 1)
         all_pdos = [mapped.get(number) or tpdo(self._link.node_id, (), number) for number in numbers]
         if self._found is None:
-            found = (found_if_used(node, pdo) for pdo in all_pdos)
+            found = (found_if_used(drive, pdo) for pdo in all_pdos)
             self._found = tuple(each for each in found if each is not None)
         try:
             self._set_up(receive)
@@ -70,22 +69,22 @@ class PdoSource:
             raise
 
     def _set_up(self, receive: Callable[[Frame], None]) -> None:
-        node = self._node
-        for number in range(1, len(TPDO_COB_IDS) + 1):
+        drive = self._drive
+        for number in range(1, len(TPDO) + 1):
             self._switch_off(number)
-        self._sequence_before = int(node.number("stream_sequence"))
+        self._sequence_before = int(drive.number("stream_sequence"))
         self._link.subscribe((pdo.can_id for pdo in self._layout.pdos), receive)
         # The first PDO last: a record begins with it, so that none begins before all are in use.
         for pdo in reversed(self._layout.pdos):
             for label, value in pdo.set_up(self._layout.period_s):
-                node.write(label, value)
+                drive.write(label, value)
         self._link.nmt(NmtCommand.START)
 
     def stop(self) -> Sent:
         """See `Source.stop`."""
         for pdo in self._layout.pdos:
-            self._node.write(*pdo.switch_off)
-        sent = Sent((int(self._node.number("stream_sequence")) - self._sequence_before) % _SEQUENCES)
+            self._drive.write(*pdo.switch_off)
+        sent = Sent(ahead(int(self._drive.number("stream_sequence")), self._sequence_before))
         self._put_back()
         return sent
 
@@ -99,11 +98,11 @@ class PdoSource:
 
     def _put_back(self) -> None:
         for each in self._found or ():
-            each.put_back(self._node)
+            each.put_back(self._drive)
 
     def _switch_off(self, number: int) -> None:
-        label = f"0x{0x1800 + number - 1:04X}:1"
-        if label in self._node.dictionary:
-            cob_id = int(self._node.number(label))
+        label = f"0x{TPDO_COMMUNICATION + number - 1:04X}:1"
+        if label in self._drive.dictionary:
+            cob_id = int(self._drive.number(label))
             if not cob_id & INVALID:
-                self._node.write(label, cob_id | INVALID)
+                self._drive.write(label, cob_id | INVALID)

@@ -7,11 +7,10 @@ from collections.abc import Callable, Sequence
 
 from benchtool.errors import ValueRefused
 from benchtool.link import BatchLink
+from benchtool.link.process_data import DriveAccess, Sent, control_period_s
 from benchtool.protocol.canopen.nmt import NmtCommand
 from benchtool.protocol.serial import Batch, BatchDecoder, StreamFormat
 from benchtool.protocol.telemetry import stream_channel
-from benchtool.telemetry.node import Node
-from benchtool.telemetry.source import Sent, control_period_s
 
 MOST_CHANNELS = 16
 _LATENCY_S = 0.02  # how long the first record of a batch may wait for the last
@@ -24,7 +23,7 @@ class BatchSource:
     """A `Source` of batches.
 
     Args:
-        node: connected drive.
+        drive: connected.
         link: its link.
         channels: signals of four bytes, 16 at most.
         rate_Hz: records per second; a whole number of the drive's ticks apart.
@@ -33,16 +32,16 @@ class BatchSource:
         ValueRefused: the drive cannot stream this.
     """
 
-    def __init__(self, node: Node, link: BatchLink, channels: Sequence[str], rate_Hz: float) -> None:
-        self._node = node
+    def __init__(self, drive: DriveAccess, link: BatchLink, channels: Sequence[str], rate_Hz: float) -> None:
+        self._drive = drive
         self._link = link
-        self._channels = tuple(stream_channel(node.dictionary, name) for name in channels)
+        self._channels = tuple(stream_channel(drive.dictionary, name) for name in channels)
         if not 1 <= len(channels) <= MOST_CHANNELS or len(set(channels)) != len(channels):
             raise ValueRefused(
                 f"channels are '{','.join(channels)}', 1 to {MOST_CHANNELS} different signals are expected: "
                 f"name each once, and fewer"
             )
-        self.tick_s = control_period_s(node)
+        self.tick_s = control_period_s(drive)
         self.stride = _stride(rate_Hz, self.tick_s)
         self._lock = threading.Lock()
         self._receive: Callable[[TimedBatch], None] | None = None
@@ -97,7 +96,7 @@ class BatchSource:
             self._receive(item)
 
     def _decoder_of(self, schema: int) -> BatchDecoder:
-        near = self._node.tick_now()
+        near = self._drive.tick_now()
         return BatchDecoder(self._channels, self.stride, self.tick_s, StreamFormat.WORDS, (), schema, near)
 
 

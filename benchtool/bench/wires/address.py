@@ -1,0 +1,97 @@
+"""Addresses of links, as `--link` takes them: a scheme, the places that it wants, and options."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from urllib.parse import parse_qsl
+
+from benchtool.errors import UsageError
+
+Check = Callable[[str, str], str]
+"""What is wrong with an option, given its name and its value; empty if nothing is."""
+
+
+def whole_number(option: str, value: str) -> str:
+    """A `Check` of numbers without sign."""
+    return "" if value.isdecimal() else f"option '{option}' is '{value}', a whole number is expected"
+
+
+def any_text(_option: str, _value: str) -> str:
+    """A `Check` that lets everything pass."""
+    return ""
+
+
+@dataclass(frozen=True)
+class Form:
+    """How the addresses of one wire are spelled.
+
+    `places` are the parts after the scheme, separated by colons, the first of which must not be empty;
+    `example` are options as the help shows them, `remark` is what the help says besides.
+    """
+
+    scheme: str
+    places: tuple[str, ...] = ()
+    options: Mapping[str, Check] = field(default_factory=dict)
+    example: str = ""
+    remark: str = ""
+
+    @property
+    def spelling(self) -> str:
+        """As the help shows it."""
+        options = f"?{self.example}" if self.example else ""
+        return f"'{':'.join((self.scheme, *self.places))}{options}'"
+
+
+@dataclass(frozen=True)
+class Address:
+    """An address that its form has been checked against."""
+
+    url: str
+    scheme: str
+    place: tuple[str, ...]
+    options: Mapping[str, str]
+
+    @classmethod
+    def parse(cls, url: str, forms: Sequence[Form]) -> Address:
+        """Address that `url` spells.
+
+        Raises:
+            UsageError: it is of none of these forms, or an option is unknown or wrong.
+        """
+        # The URL of a port may have options of its own before ours.
+        head, _, query = url.rpartition("?") if "?" in url else (url, "", "")
+        scheme, colon, rest = head.partition(":")
+        form = next((each for each in forms if each.scheme == scheme), None)
+        place = tuple(rest.split(":", max(0, len(form.places) - 1))) if form and colon else ()
+        if form is None or len(place) != len(form.places) or (place and not place[0]):
+            known = [f"{each.spelling}{each.remark}" for each in forms]
+            raise UsageError(f"link '{url}' is not known: use {', '.join(known[:-1])} or {known[-1]}")
+        options = dict(parse_qsl(query, keep_blank_values=True))
+        for key, value in options.items():
+            if key not in form.options:
+                names = ", ".join(sorted(form.options))
+                raise UsageError(f"link '{url}': unknown option '{key}', known are {names}")
+            if complaint := form.options[key](key, value):
+                raise UsageError(f"link '{url}': {complaint}")
+        return cls(url, scheme, place, options)
+
+    @property
+    def without_options(self) -> str:
+        """The scheme and the places."""
+        return ":".join((self.scheme, *self.place))
+
+    def number(self, option: str) -> int | None:
+        """Value of an option that is a whole number; None if it is not given."""
+        return int(self.options[option]) if option in self.options else None
+
+    def node_id(self, default: int) -> int:
+        """The node that the address names, else `default`.
+
+        Raises:
+            UsageError: it is not 1 to 126; 127 is the host itself.
+        """
+        node_id = int(self.options.get("node", default))
+        if not 1 <= node_id <= 126:
+            raise UsageError(f"node id {node_id} is outside 1 to 126: choose the drive's node id")
+        return node_id
