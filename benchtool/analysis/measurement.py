@@ -21,8 +21,8 @@ class Basis:
 
     `samples` were used, taken at `sample_rate_Hz` over `duration_s`, with `gaps` places where rows are
     missing; components up to `bandwidth_Hz` could contribute. `window` names the window and what it spans,
-    `harmonics` is the highest harmonic counted, `reference` what a ratio is a ratio to. `sensors` says what is
-    not known of the sensors, or what they do not let through.
+    `harmonics` is the highest harmonic counted, `reference` what a ratio is a ratio to. `sensors` says
+    what is not known of the sensors, or what they do not let through.
     """
 
     samples: float | None = None

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
+import math
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from datetime import datetime
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+if TYPE_CHECKING:
+    from benchtool.recording import Conditions
 
 Profile = Annotated[str, typer.Option(metavar="NAME|FILE", help="Profile of motor and drive.")]
 Link = Annotated[
@@ -25,7 +29,38 @@ Seed = Annotated[int, typer.Option(help="Seed of the emulated bench's noise.")]
 Out = Annotated[
     Path | None, typer.Option(help="Folder of the run bundle.", show_default="runs/<time>-<plan>")
 ]
+Note = Annotated[str, typer.Option(help="A line for the manifest.")]
+Operator = Annotated[str, typer.Option(help="Who runs the test, for the manifest.")]
+SerialNumber = Annotated[str, typer.Option(help="Of the motor under test, for the manifest.")]
+Temperature = Annotated[
+    float | None, typer.Option(min=-273.15, help="Of the surroundings in degrees Celsius, likewise.")
+]
+InstrumentsBeside = Annotated[
+    list[str] | None,
+    typer.Option("--instrument", help="An instrument beside the drive, with its certificate; once for each."),
+]
 RealTime = Annotated[bool, typer.Option("--real-time", help="Pace the emulated bench by the wall clock.")]
+
+
+def conditions(
+    operator: str, serial_number: str, temperature_degC: float | None, instruments: Sequence[str]
+) -> Conditions:
+    """What the operator states of a test.
+
+    Raises:
+        UsageError: a temperature that is no number.
+    """
+    from benchtool.errors import UsageError
+    from benchtool.recording import Conditions
+
+    if temperature_degC is not None and not math.isfinite(temperature_degC):
+        raise UsageError(f"--temperature is {temperature_degC}: give a number of degrees Celsius")
+    return Conditions(
+        operator=operator,
+        test_object_serial_number=serial_number,
+        temperature_degC=temperature_degC,
+        instruments=tuple(instruments),
+    )
 
 
 def listed(names: str) -> tuple[str, ...]:

@@ -6,7 +6,7 @@ from __future__ import annotations
 import json
 import math
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import nullcontext, suppress
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from benchtool.plan.limits import Limit
     from benchtool.recording import Bundle
     from benchtool.results.assessment import Assessment, RunResult
+    from benchtool.results.calibration import Overdue
     from benchtool.results.repetitions import Repeated
 
 _CONTROLS = {code: f"\\x{code:02x}" for code in (*range(32), *range(127, 160)) if code not in (9, 10)}
@@ -54,11 +55,12 @@ class Output:
         """A line of the result, for people; never broken, so that it can be copied."""
         self._show(Text(printable(text), style=style), soft_wrap=True)
 
-    def verdict(self, verdict: str, by_transducer: str | None = None) -> None:
-        """The verdict, in its colour; that by the transducer beside it, where it is another."""
+    def verdict(self, verdict: str, by_transducer: str | None = None, remark: str = "") -> None:
+        """The verdict, in its colour; that by the transducer beside it, where it is another, and a remark."""
         beside = f" by the drive's own estimate, {by_transducer} by the transducer on the shaft"
         differs = by_transducer is not None and by_transducer != verdict
-        self._show(Text(f"verdict: {verdict}{beside if differs else ''}", style=_COLOUR[verdict]))
+        remark = f" ({remark})" if remark else ""
+        self._show(Text(f"verdict: {verdict}{beside if differs else ''}{remark}", style=_COLOUR[verdict]))
 
     def table(self, title: str, columns: tuple[str, ...], rows: Sequence[tuple[str | Text, ...]]) -> None:
         """A table of the result; columns whose heading begins with `>` are right-aligned."""
@@ -98,6 +100,12 @@ def tell_unsealed(output: Output, bundles: Sequence[Bundle]) -> None:
         )
 
 
+def tell_overdue(output: Output, overdue: Iterable[Overdue]) -> None:
+    """Print on standard error which instruments were used after their calibration was due, each once."""
+    for text in dict.fromkeys(str(each) for each in overdue):
+        output.note(f"warning: {text}")
+
+
 def _console(*, stderr: bool) -> Console:
     """A console as wide as its terminal; a file or a pipe takes what a table needs. No text is markup."""
     console = Console(stderr=stderr, highlight=False, markup=False, emoji=False)
@@ -121,6 +129,8 @@ def measured(measurement: Measurement) -> str:
 
 def show_run(output: Output, title: str, result: RunResult, tabulate: Sequence[str] = ()) -> None:
     """Print for people what every case of a run measured, and how it met its limits."""
+    from benchtool.results.calibration import overdue_text
+
     if len(result.assessments) == 1:
         show_assessment(output, title, result.assessments[0])
     elif tabulate or len(result.assessments) > _MOST_COLUMNS:
@@ -129,7 +139,8 @@ def show_run(output: Output, title: str, result: RunResult, tabulate: Sequence[s
         show_side_by_side(output, title, result.assessments)
     show_repeated(output, result.repeated, tabulate)
     show_remarks(output, result.assessments)
-    output.verdict(result.verdict, result.verdict_by_transducer)
+    tell_overdue(output, result.overdue)
+    output.verdict(result.verdict, result.verdict_by_transducer, overdue_text(result.overdue))
     show_missed(output, result.assessments)
     for case, missed in result.missed:
         output.line(f"  {missed.verdict}: {case}, {missed}", _COLOUR[missed.verdict])
@@ -168,8 +179,13 @@ def show_disagreements(output: Output, cases: Sequence[Assessment]) -> None:
 
 
 def show_remarks(output: Output, cases: Sequence[Assessment]) -> None:
-    """Print what was not measured for want of channels, and where the drive contradicts the profile."""
+    """Print what was not measured for want of channels, what uncertainties leave out, and where the drive
+    contradicts the profile."""
+    from benchtool.analysis.instruments import UNSTATED
+
     told: dict[str, None] = {}
+    if any(each.basis.sensors == UNSTATED for case in cases for each in case.measurements):
+        told[f"± without the sensors: {UNSTATED}, see [bench] of the profile"] = None
     for case in cases:
         if case.refusal:
             told[f"{_of(case, cases)}nothing else was measured: {case.refusal}"] = None

@@ -14,12 +14,12 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from benchtool.cli import options, viewing
-from benchtool.cli.output import Output, significant
+from benchtool.cli.output import Output, significant, tell_overdue
 
 if TYPE_CHECKING:
     from benchtool.bench.session import Session
     from benchtool.drive import Identity
-    from benchtool.recording import BundleWriter, Event, Manifest
+    from benchtool.recording import BundleWriter, Conditions, Event, Manifest
     from benchtool.telemetry import Certificate, FrameLog, Sink, TelemetryStream
 
 _STEP_S = 0.05
@@ -47,7 +47,11 @@ def record(
             help="Records per second: 1000 at most over CAN, the rate of the control over a serial line.",
         ),
     ] = 100.0,
-    note: Annotated[str, typer.Option(help="A line for the manifest.")] = "",
+    note: options.Note = "",
+    operator: options.Operator = "",
+    serial_number: options.SerialNumber = "",
+    temperature: options.Temperature = None,
+    instrument: options.InstrumentsBeside = None,
     frames: Annotated[
         bool, typer.Option("--frames", help="Keep every frame too, for candump and --link replay:DIR.")
     ] = False,
@@ -63,9 +67,11 @@ def record(
     """Record the stream of a drive, whatever it is doing; nothing is enabled."""
     from benchtool.bench.session import open_session
     from benchtool.recording import BundleWriter, EventFile
+    from benchtool.results.calibration import Calibration
     from benchtool.telemetry import DEFAULT_CHANNELS, FrameLog, fitting, stream_source
 
     output = Output(as_json=as_json)
+    stated = options.conditions(operator, serial_number, temperature, instrument or ())
     when = options.wall_time()
     log = FrameLog() if frames else None
     with (
@@ -80,7 +86,9 @@ def record(
             # Before there is a folder: what cannot be streamed leaves nothing behind.
             stream_source(drive, names, rate)
             identity = drive.check()
-            manifest = _manifest(session, identity, when.isoformat(timespec="seconds"), note, seed, link)
+            begun = when.isoformat(timespec="seconds")
+            manifest = _manifest(session, identity, begun, note, stated, seed, link)
+            tell_overdue(output, Calibration.at(session.profile.bench, begun).overdue(names))
             with (
                 BundleWriter(folder, manifest) as bundle,
                 viewing.stream_view(where, session, folder.name, manifest, output) as view,
@@ -99,7 +107,9 @@ def record(
     return 0
 
 
-def _manifest(session: Session, identity: Identity, when: str, note: str, seed: int, link: str) -> Manifest:
+def _manifest(
+    session: Session, identity: Identity, when: str, note: str, stated: Conditions, seed: int, link: str
+) -> Manifest:
     from benchtool.drive.parameters.transaction import snapshot
     from benchtool.recording import Manifest, software_versions
 
@@ -118,6 +128,7 @@ def _manifest(session: Session, identity: Identity, when: str, note: str, seed: 
         seed=seed,
         command_line=tuple(sys.argv[1:]),
         note=note,
+        conditions=stated,
         details={"state": drive.state().value, "wall": wall},
     )
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from benchtool.cli import options
-from benchtool.cli.output import Output, tell_unsealed
+from benchtool.cli.output import Output, tell_overdue, tell_unsealed
 
 if TYPE_CHECKING:
     from benchtool.report.content import Report
@@ -30,6 +30,7 @@ def report(
     from benchtool.recording import enlist
     from benchtool.report.assembly.plan import case_label
     from benchtool.report.assembly.run import run_report
+    from benchtool.results.calibration import overdue_text
     from benchtool.results.runs import recorded_runs
 
     if out is not None and out.suffix.lower() == ".pdf" and not pdf:
@@ -40,7 +41,10 @@ def report(
     page, document = write_report(run_report(run, runs), out or run / "report.html", pdf=pdf, output=output)
     enlist(run, [page] if document is None else [page, document])
     verdict = worst(each.verdict for each in runs)
-    output.verdict(str(verdict))
+    found = [case.assessment for each in runs for case in each.cases if case.assessment]
+    overdue = [late for each in found for late in each.overdue]
+    tell_overdue(output, overdue)
+    output.verdict(str(verdict), remark=overdue_text(overdue))
     cases = {
         case_label(each, case): {"verdict": str(case.verdict), "bundle": str(case.bundle.directory)}
         | ({"failure": case.failure} if case.failure else {})
@@ -52,6 +56,7 @@ def report(
             "report": str(page),
             "pdf": None if document is None else str(document),
             "verdict": str(verdict),
+            "overdue": [late.to_json() for late in dict.fromkeys(overdue)],
             "cases": cases,
         }
     )

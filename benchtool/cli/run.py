@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import shlex
 import sys
 from collections.abc import Mapping
@@ -64,16 +63,11 @@ def run(
         bool,
         typer.Option("--allow-different", help="Run a drive whose parameters contradict the profile."),
     ] = False,
-    note: Annotated[str, typer.Option(help="A line for the manifest.")] = "",
-    operator: Annotated[str, typer.Option(help="Who runs the test, for the manifest.")] = "",
-    serial_number: Annotated[str, typer.Option(help="Of the motor under test, for the manifest.")] = "",
-    temperature: Annotated[
-        float | None, typer.Option(min=-273.15, help="Of the surroundings in degrees Celsius, likewise.")
-    ] = None,
-    instrument: Annotated[
-        list[str] | None,
-        typer.Option(help="An instrument beside the drive, with its certificate; once for each."),
-    ] = None,
+    note: options.Note = "",
+    operator: options.Operator = "",
+    serial_number: options.SerialNumber = "",
+    temperature: options.Temperature = None,
+    instrument: options.InstrumentsBeside = None,
     live: viewing.Live = None,
     seed: options.Seed = 0,
     real_time: options.RealTime = False,
@@ -103,12 +97,11 @@ def run(
 
 def run_named(name: str, chosen: RunOptions) -> int:
     """Run one plan or a folder of plans, print what they measured, and return the exit code."""
-    from benchtool.errors import DriveError, LinkError, PlanError, UsageError
+    from benchtool.errors import DriveError, LinkError, PlanError
     from benchtool.plan.limits import worst
     from benchtool.plan.model import plan_names
 
-    if chosen.temperature_degC is not None and not math.isfinite(chosen.temperature_degC):
-        raise UsageError(f"--temperature is {chosen.temperature_degC}: give a number of degrees Celsius")
+    _conditions(chosen)  # a slip in them is answered at once
     if chosen.page is not None:
         _require_page(chosen.page)
     names = plan_names(name)
@@ -255,13 +248,8 @@ def _run(
 
 
 def _conditions(chosen: RunOptions) -> Conditions:
-    from benchtool.recording import Conditions
-
-    return Conditions(
-        operator=chosen.operator,
-        test_object_serial_number=chosen.serial_number,
-        temperature_degC=chosen.temperature_degC,
-        instruments=chosen.instruments,
+    return options.conditions(
+        chosen.operator, chosen.serial_number, chosen.temperature_degC, chosen.instruments
     )
 
 

@@ -61,6 +61,8 @@ def case_items(case: RecordedCase, *, alone: bool = True) -> Iterator[Item]:
 def remarks(result: Assessment) -> Iterator[Item]:
     """What a verdict does not say: limits missed, by how much; where the shaft does not agree; what is not
     measured; where the drive contradicts the profile."""
+    for late in result.overdue:
+        yield Text(f"Overdue: {late}.", "warning")
     for missed in result.missed:
         yield Text(f"{str(missed.verdict).capitalize()}: {missed}.", "warning")
     for each in result.disagreements:

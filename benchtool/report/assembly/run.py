@@ -13,6 +13,7 @@ from benchtool.report.assembly.marks import mark, read_already
 from benchtool.report.assembly.plan import plan_items
 from benchtool.report.content import Cell, Grid, Item, Mark, Report, Section
 from benchtool.report.origin import files_section
+from benchtool.results.calibration import overdue_text
 from benchtool.results.runs import RecordedCase, RecordedRun
 
 _WORDS: Final[dict[Verdict, str]] = {
@@ -75,6 +76,8 @@ def _banner(verdict: Verdict, cases: Sequence[RecordedCase], together: Sequence[
         parts.append(f"{len(failures)} of {len(cases)} cases failed or were cut short")
     elif len(cases) > 1:
         parts.append(f"{len(cases)} cases")
+    overdue = [each for case in cases if case.assessment for each in case.assessment.overdue]
+    parts += [overdue_text(overdue)] if overdue else []
     mark_: Mark = mark(verdict)
     text = f"{content.SYMBOLS[mark_]} {_WORDS[verdict]}"
     summary = ", ".join(parts)
