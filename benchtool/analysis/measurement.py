@@ -121,8 +121,41 @@ def measurements_from_json(document: Mapping[str, Any]) -> tuple[Measurement, ..
     return tuple(_measurement(name, entry) for name, entry in document.items())
 
 
+def tables_from_json(document: Mapping[str, Any]) -> tuple[Table, ...]:
+    """What `tables_to_json` wrote.
+
+    Raises:
+        AnalysisError: an entry is none of a table.
+    """
+    try:
+        return tuple(_Table.model_validate(entry).read(name) for name, entry in document.items())
+    except ValidationError as failed:
+        first = failed.errors()[0]
+        raise AnalysisError(
+            f"tables have {'.'.join(str(part) for part in first['loc'])}: {first['msg'].lower()}, what "
+            f"benchtool wrote is expected: analyze the recording again"
+        ) from None
+
+
 _BASIS = TypeAdapter(Basis)
 _OF_A_BUNDLE = "; undefined here: "  # what older bundles have between definition and reason
+
+
+class _Column(BaseModel):
+    name: str
+    unit: str
+
+
+class _Table(BaseModel):
+    definition: str
+    basis: Basis = Basis()
+    columns: tuple[_Column, ...]
+    rows: tuple[tuple[float | None, ...], ...]
+
+    def read(self, name: str) -> Table:
+        rows = tuple(tuple(_or(value, math.nan) for value in row) for row in self.rows)
+        columns = tuple((each.name, each.unit) for each in self.columns)
+        return Table(name, self.definition, columns, rows, self.basis)
 
 
 class _Contribution(BaseModel):

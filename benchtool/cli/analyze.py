@@ -66,6 +66,13 @@ def analyze(
     to: Annotated[
         float | None, typer.Option("--to", metavar="S", help="With --csv: leave out what is later.")
     ] = None,
+    bench: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME|FILE",
+            help="With --csv: profile, or TOML file, whose [bench] states the sensors of the columns.",
+        ),
+    ] = None,
     out: Annotated[
         Path | None, typer.Option(metavar="DIR", help="With --csv: write a run bundle of it.")
     ] = None,
@@ -82,9 +89,24 @@ def analyze(
     unit: --current CH1:A*10-0.2 is ten times the cell, less 0.2 A.
     """
     if csv is None:
-        given = (time, rate, current, torque, angle, speed, pole_pairs, slots, rated_torque, from_, to, out)
+        given = (
+            time,
+            rate,
+            current,
+            torque,
+            angle,
+            speed,
+            pole_pairs,
+            slots,
+            rated_torque,
+            from_,
+            to,
+            bench,
+            out,
+        )
         return _analyze_run(run, as_json, report or any(each is not None for each in given))
     from benchtool.errors import UsageError
+    from benchtool.profile import Bench, load_bench
     from benchtool.tables import TableQuestion, analyze_table
     from benchtool.tables.scaling import quantity
 
@@ -122,6 +144,7 @@ def analyze(
             to_s=math.inf if to is None else to,
             rate_Hz=rate,
             omega_m_rad_s=None if angle is not None else omega_m_rad_s,
+            bench=Bench() if bench is None else load_bench(bench),
         )
     )
     output = Output(as_json=as_json)
@@ -156,7 +179,7 @@ def _keep(output: Output, answer: TableAnswer, out: Path | None, *, with_report:
         output.line(f"bundle: {folder}")
         if not with_report:
             return {"bundle": str(folder)}
-        page, _ = write_report(table_report(answer, bundle), folder / "report.html", pdf=False, output=output)
+        page, _ = write_report(table_report(bundle), folder / "report.html", pdf=False, output=output)
         enlist(folder, [page])
         return {"bundle": str(folder), "report": str(page)}
 

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from pydantic import ValidationError
 
+from benchtool.analysis import measurements_from_json
 from benchtool.errors import BenchError
 from benchtool.plan.model import Plan
 from benchtool.profile import Choice, Profile
@@ -49,6 +50,8 @@ def case_items(case: RecordedCase, *, alone: bool = True) -> Iterator[Item]:
         yield measurements_section("Measurements", result.measurements, limits, result.published)
         if (tables := tables_section(result.tables)) is not None:
             yield tables
+    elif case.error is None and case.bundle.measurements:  # of a table of another tool
+        yield measurements_section("Measurements", measurements_from_json(case.bundle.measurements), {}, {})
     if figures := _figures(case):
         yield Section("Figures", tuple(figures))
     if (events := events_section(case.bundle.events)) is not None:
@@ -97,7 +100,7 @@ def failure(case: RecordedCase) -> Iterator[Item]:
         yield Text(
             f"This case did not come to its end: {case.failure}. What follows came till then.", "warning"
         )
-    elif case.assessment is None:
+    elif case.assessment is None and not case.bundle.measurements:
         yield Text("A recording without a plan: nothing is measured or judged.", "note")
 
 
