@@ -86,9 +86,7 @@ class Sensor(Instrument):
             ending = str(key)[len(stem) + 1 :]
             if ending not in UNITS:
                 known = ", ".join(f"{stem}_{each}" for each in UNITS)
-                raise ValueError(
-                    f"'{key}' does not end in the unit of its channel, one of {known} is expected"
-                )
+                raise ValueError(f"'{key}' does not end in its channel's unit, one of {known} is expected")
             found[stem], units[key] = value, UNITS[ending]
         if len(set(units.values())) > 1:
             raise ValueError(f"{', '.join(units)} end in different units, those of one channel are expected")

@@ -83,11 +83,11 @@ def _instruments(record: Record) -> Instruments:
                 f"[bench.channels.{name}] is in {sensor.unit} and its column in {channel.unit}: state offset "
                 f"and resolution in that"
             )
+    columns = ", ".join(channel.name for channel in record.channels.values())
     if stated and not sensors:
         raise AnalysisError(
-            f"[bench.channels] states {', '.join(stated)}, none of which is a column that is measured: name "
-            f"one as its column ({', '.join(channel.name for channel in record.channels.values())}) or as what "
-            f"it is ({', '.join(record.channels)})"
+            f"[bench.channels] states {', '.join(stated)}, none of which is a column that is measured: call "
+            f"one as its column ({columns}) or as what it is ({', '.join(record.channels)})"
         )
     blocks = () if record.block is None else (record.block,)
     return Instruments(
