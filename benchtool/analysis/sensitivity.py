@@ -78,13 +78,15 @@ class Sensitivity:
 class Declared:
     """The sensitivities of measurements whose names match `pattern`, a regular expression.
 
-    `line_Hz` is the frequency of what is one line.
+    `line_Hz` is the frequency of what is one line. A `bound` is what an error moves at most: a magnitude near
+    zero grows with an error of either sign, which a derivative does not tell.
     """
 
     pattern: str
     sensitivities: tuple[Sensitivity, ...] = ()
     bandwidth: Bandwidth = "level"
     line_Hz: Derivative | None = None
+    bound: bool = False
 
 
 def declared(name: str) -> Declared | None:
@@ -135,6 +137,24 @@ def _other(name: str, factor: float) -> Derivative:
     return lambda found: factor * found.other(name)
 
 
+def _sequences() -> Iterator[Declared]:
+    """Each phase is a third of each symmetrical component, whatever its angle to that."""
+    components = tuple(f"current_sequence_{each}" for each in ("positive", "negative", "zero"))
+
+    def of_phase(found: Found) -> float:
+        return sum(found.other(each) for each in components) / 3.0
+
+    def in_percent(found: Found) -> float:
+        return 100.0 * of_phase(found) / found.other(components[0])
+
+    for pattern, gain in (
+        ("|".join(components), of_phase),
+        ("current_unbalance(_zero)?_percent", in_percent),
+    ):
+        phases = tuple(Sensitivity(channel, gain) for channel in ("i_a", "i_b", "i_c"))
+        yield Declared(pattern, phases, bound=True)
+
+
 def _all() -> Iterator[Declared]:
     for name, channel in (
         ("torque", "torque"),
@@ -161,6 +181,7 @@ def _all() -> Iterator[Declared]:
     )
     yield Declared("current_(max_low_harmonic|tdd|noise_floor|noise_density)", (fundamental,), "band")
     yield Declared(r"current_thd(|_corrected|_r|_n|g|s)", (Sensitivity("i_a"),), "band")
+    yield from _sequences()
     for signal in ("omega_m", "torque", "u_dc"):
         yield Declared(f"{signal}_reached", (Sensitivity(signal, _own, _one, _of_mean_step),))
 

@@ -221,7 +221,7 @@ def test_the_interval_covers_what_sensors_with_such_errors_read() -> None:
     sensors = {
         "i_a": _sensor(gain_limit_percent=2.0, offset_limit_A=0.05),
         "torque": _sensor(gain_U_percent=3.0, offset_U_Nm=0.04),
-        "torque_transducer": _sensor(gain_U_percent=2.0, offset_limit_Nm=0.03),
+        "torque_transducer": _sensor(gain_U_percent=2.0, offset_U_Nm=0.03),
     }
     titles = [
         "torque ripple",
@@ -229,18 +229,18 @@ def test_the_interval_covers_what_sensors_with_such_errors_read() -> None:
         "error of the torque estimate",
         "current spectrum",
     ]
-    share = covered(sensors, titles, 80)
-    for name in ("torque_ripple_rms", "current_fundamental"):
+    share = covered(sensors, titles, 80, seed=7)
+    means = "torque_mean", "true_torque_mean", "torque_error"
+    for name in (*means, "torque_ripple_rms", "current_fundamental"):
         assert share[name] >= 0.88, name
-    for name in ("torque_mean", "true_torque_mean", "torque_error"):
-        assert 0.88 <= share[name] < 1.0, name  # and it is not simply wide
+    assert min(share[name] for name in means) < 1.0  # they are not simply wide
 
 
 def test_the_interval_of_an_unbalance_covers_that_of_unequal_gains() -> None:
     sensors = {name: _sensor(gain_limit_percent=2.0) for name in ("i_a", "i_b", "i_c")}
-    share = covered(sensors, ["current unbalance"], 25)
-    assert share["current_sequence_positive"] >= 0.85
-    assert share["current_unbalance_percent"] >= 0.85
+    share = covered(sensors, ["current unbalance"], 50, seed=7)
+    assert share["current_sequence_positive"] >= 0.88
+    assert share["current_unbalance_percent"] >= 0.88
 
 
 # --- in common ------------------------------------------------------------------------------------------
