@@ -49,6 +49,11 @@ class Repeated:
         return scatter.with_instruments(self.instruments)
 
     @property
+    def combined(self) -> float:
+        """Standard uncertainty of the mean, the instruments in it; nan of fewer than two repetitions."""
+        return math.nan if self.uncertainty is None else self.uncertainty.standard
+
+    @property
     def verdict(self) -> Verdict:
         """How the limit is met; `NONE` without one."""
         if self.limit is None:
