@@ -152,11 +152,9 @@ def test_a_step_knows_the_gain_of_its_signal() -> None:
 
     sensor = Sensor(gain_U_percent=4.0)
     without, stated = assessed(Bench()), assessed(Bench(channels={"torque": sensor}))
-    line = next(
-        each
-        for each in stated.found["plateau_mean"].uncertainty.budget
-        if each.instrument is not None  # type: ignore[union-attr]
-    )
+    plateau = stated.found["plateau_mean"].uncertainty
+    assert plateau is not None
+    (line,) = [each for each in plateau.budget if each.instrument is not None]
     assert line.standard == pytest.approx(0.02, rel=0.1)
     # 1 - exp(-0.05 n) reaches 98 % at n = 78; with 2 % less it is far later
     assert _U(stated, "reach_time") > 5.0 * _U(without, "reach_time")

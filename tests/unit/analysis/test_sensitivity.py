@@ -62,7 +62,11 @@ def _stated(name: str, values: Values, channel: str, error: str) -> float:
     of = declared(name)
     assert of is not None
     found = Found(name, values[name], values, SPECIMEN_MOTOR.pole_pairs)
-    return sum(getattr(each, error)(found) for each in of.sensitivities if each.channel == channel)
+    return sum(
+        (each.gain if error == "gain" else each.offset)(found)
+        for each in of.sensitivities
+        if each.channel == channel
+    )
 
 
 @pytest.mark.parametrize("error", ["gain", "offset"])
