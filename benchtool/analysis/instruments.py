@@ -215,6 +215,18 @@ class Instruments:
         return found
 
 
+def said_of_sensors(measurements: Iterable[Measurement]) -> tuple[str, ...]:
+    """What `Basis.sensors` says of these, each sentence once with what it says of how many."""
+    found: dict[str, list[str]] = {}
+    for each in measurements:
+        if each.basis.sensors:
+            found.setdefault(each.basis.sensors, []).append(each.name)
+    return tuple(
+        f"{text} ({names[0]}{f' and {len(names) - 1} more' if len(names) > 1 else ''})"
+        for text, names in found.items()
+    )
+
+
 def _larger(up: float, down: float) -> float:
     """The change of greater magnitude; nan if neither is known."""
     known = [each for each in (up, down) if math.isfinite(each)]

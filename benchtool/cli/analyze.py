@@ -221,6 +221,8 @@ def _analyze_run(run: Path | None, as_json: bool, has_csv_options: bool) -> int:
 
 def _show(output: Output, answer: TableAnswer) -> None:
     """The measurements, why some are undefined, and what was read, for people."""
+    from benchtool.analysis.instruments import said_of_sensors
+
     rows = [(each.name, measured(each), each.unit) for each in answer.measurements]
     output.table(str(answer.source["file"]), ("measurement", ">value ± U (95 %)", "unit"), rows)
     undefined: dict[str, list[str]] = {}
@@ -229,6 +231,8 @@ def _show(output: Output, answer: TableAnswer) -> None:
             undefined.setdefault(each.reason, []).append(each.name)
     for reason, names in undefined.items():
         output.line(f"undefined: {', '.join(names)}: {reason}")
+    for text in said_of_sensors(answer.measurements):
+        output.line(f"± without sensors: {text}", "dim")
     for remark in answer.remarks:
         output.line(f"warning: {remark.text}", "yellow")
     output.line(_read(answer.source))

@@ -181,11 +181,9 @@ def show_disagreements(output: Output, cases: Sequence[Assessment]) -> None:
 def show_remarks(output: Output, cases: Sequence[Assessment]) -> None:
     """Print what was not measured for want of channels, what uncertainties leave out, and where the drive
     contradicts the profile."""
-    from benchtool.analysis.instruments import UNSTATED
-
     told: dict[str, None] = {}
-    if any(each.basis.sensors == UNSTATED for case in cases for each in case.measurements):
-        told[f"± without the sensors: {UNSTATED}, see [bench] of the profile"] = None
+    for case in cases:
+        told |= dict.fromkeys(f"{_of(case, cases)}± without sensors: {text}" for text in case.of_sensors)
     for case in cases:
         if case.refusal:
             told[f"{_of(case, cases)}nothing else was measured: {case.refusal}"] = None

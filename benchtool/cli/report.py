@@ -30,7 +30,7 @@ def report(
     from benchtool.recording import enlist
     from benchtool.report.assembly.plan import case_label
     from benchtool.report.assembly.run import run_report
-    from benchtool.results.calibration import overdue_text
+    from benchtool.results.calibration import overdue_text, stated_overdue
     from benchtool.results.runs import recorded_runs
 
     if out is not None and out.suffix.lower() == ".pdf" and not pdf:
@@ -56,9 +56,9 @@ def report(
             "report": str(page),
             "pdf": None if document is None else str(document),
             "verdict": str(verdict),
-            "overdue": [late.to_json() for late in dict.fromkeys(overdue)],
             "cases": cases,
         }
+        | stated_overdue(overdue)
     )
     damaged = [case.error for each in runs for case in each.cases if isinstance(case.error, RecordingError)]
     if damaged:

@@ -23,7 +23,7 @@ from benchtool.analysis import (
 from benchtool.analysis.catalogue import STEADY, Window, analyses_of, response_names, step_names
 from benchtool.analysis.dynamics.bode import Bode, analyze_response
 from benchtool.analysis.dynamics.step import analyze_step
-from benchtool.analysis.instruments import Altered, Instruments
+from benchtool.analysis.instruments import Altered, Instruments, said_of_sensors
 from benchtool.analysis.sensitivity import declared
 from benchtool.block import Block
 from benchtool.errors import AnalysisError
@@ -34,7 +34,7 @@ from benchtool.plan.operating_point import Seen, asked, default_limits, measure_
 from benchtool.profile import Motor
 from benchtool.recording import Bundle
 from benchtool.results.agreement import Disagreement, disagreements
-from benchtool.results.calibration import Calibration, Overdue
+from benchtool.results.calibration import Calibration, Overdue, stated_overdue
 from benchtool.results.repetitions import Repeated, limits_together
 from benchtool.results.steady_state import assess_steady_state
 
@@ -65,6 +65,11 @@ class Assessment:
     parameter_check: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     refusal: str = ""
     overdue: tuple[Overdue, ...] = ()
+
+    @property
+    def of_sensors(self) -> tuple[str, ...]:
+        """What is to be said of the sensors, each once, the general before the particular."""
+        return said_of_sensors(self.measurements)
 
     @property
     def found(self) -> Mapping[str, Measurement]:
@@ -122,12 +127,12 @@ class Assessment:
             "limits": {name: limit.to_json(self.found.get(name)) for name, limit in self.limits.items()},
             "disagreements": {each.name: each.to_json() for each in self.disagreements},
             "refusal": self.refusal,
-            "overdue": [each.to_json() for each in self.overdue],
             "not_measured": {title: list(channels) for title, channels in self.without.items()},
             "different_parameters": dict(self.parameter_check.get("contradicted", {})),
             "unstated_parameters": dict(self.parameter_check.get("unstated", {})),
             "measurements": measurements_to_json(self.measurements),
         }
+        document |= stated_overdue(self.overdue)
         return document | ({"tables": tables_to_json(self.tables)} if self.tables else {})
 
 

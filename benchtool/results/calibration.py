@@ -98,3 +98,9 @@ def overdue_text(overdue: Sequence[Overdue]) -> str:
     if not overdue:
         return ""
     return f"calibration overdue: {', '.join(dict.fromkeys(each.channel for each in overdue))}"
+
+
+def stated_overdue(overdue: Sequence[Overdue]) -> dict[str, list[dict[str, Any]]]:
+    """`overdue` of a JSON document; nothing where no instrument is."""
+    found = list(dict.fromkeys(overdue))
+    return {"overdue": [each.to_json() for each in found]} if found else {}

@@ -22,7 +22,7 @@ from benchtool.plan.rating import require_rated
 from benchtool.recording import Bundle, BundleWriter, Conditions, EventFile, Manifest, software_versions
 from benchtool.report.assembly.figures import draw_case, draw_cases
 from benchtool.results.assessment import Assessment, RunResult, assess, assess_bundle
-from benchtool.results.calibration import Calibration
+from benchtool.results.calibration import Calibration, stated_overdue
 from benchtool.results.repetitions import over_repetitions
 from benchtool.run.conduct import Progress, conduct
 from benchtool.run.observers import Unwatched, Watcher
@@ -241,7 +241,7 @@ def _run_case(
             details=facts
             | seen.to_json()
             | {"verdicts": {name: str(verdict) for name, verdict in result.verdicts.items()}},
-            certificate=certificate.to_json() | {"overdue": [each.to_json() for each in result.overdue]},
+            certificate=certificate.to_json() | stated_overdue(result.overdue),
         )
     watcher.closed(result, "")
     progress.note("drawing")

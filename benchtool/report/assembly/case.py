@@ -79,6 +79,8 @@ def remarks(result: Assessment) -> Iterator[Item]:
             f"estimate, {true} {each.true.unit} on the shaft{verdict}.",
             "note" if each.verdict is None or each.verdict is result.verdicts.get(each.name) else "warning",
         )
+    for text in result.of_sensors:
+        yield Text(f"{text[0].upper()}{text[1:]}.", "note")
     if result.refusal:
         yield Text(f"Nothing else was measured: {result.refusal}.", "warning")
     if result.without:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from benchtool.analysis import measurements_from_json, measurements_to_json, tables_from_json, tables_to_json
+from benchtool.analysis.instruments import said_of_sensors
 from benchtool.block import Block, Channel
 from benchtool.recording import Bundle, BundleWriter, Manifest, software_versions
 from benchtool.recording.seal import hash_of
@@ -74,6 +75,7 @@ def table_report(bundle: Bundle) -> Report:
     items += [
         Text(f"Undefined: {', '.join(names)}: {reason}.", "note") for reason, names in undefined.items()
     ]
+    items += [Text(f"{text[0].upper()}{text[1:]}.", "note") for text in said_of_sensors(measurements)]
     items += [
         Section("The table", (_facts(manifest.details["source"]), run_facts(manifest))),
         measurements_section("Measurements", measurements, {}, {}),
