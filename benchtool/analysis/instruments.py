@@ -118,7 +118,11 @@ class Instruments:
         lacking = [self._entry(each) for each in channels if self._sensor(each) is None]
         if not lacking:
             return ""
-        return UNSTATED if len(lacking) == len(channels) else f"that of {', '.join(lacking)} is not stated"
+        return (
+            UNSTATED
+            if len(lacking) == len(channels)
+            else f"the uncertainty of {', '.join(lacking)} is not stated"
+        )
 
     def _lines(self, part: Sensitivity, found: Found) -> Iterator[Contribution]:
         """Gain, offset and resolution of one channel."""

@@ -232,7 +232,7 @@ def _show(output: Output, answer: TableAnswer) -> None:
     for reason, names in undefined.items():
         output.line(f"undefined: {', '.join(names)}: {reason}")
     for text in said_of_sensors(answer.measurements):
-        output.line(f"± without sensors: {text}", "dim")
+        output.line(text, "dim")
     for remark in answer.remarks:
         output.line(f"warning: {remark.text}", "yellow")
     output.line(_read(answer.source))

@@ -51,6 +51,11 @@ class Output:
         with suppress(OSError):
             self.progress.print(Text(printable(text), style="dim"))
 
+    def warning(self, text: str) -> None:
+        """Print a warning on standard error, on one line however long."""
+        with suppress(OSError):
+            self.progress.print(Text(printable(f"warning: {text}"), style="yellow"), soft_wrap=True)
+
     def line(self, text: str, style: str = "") -> None:
         """A line of the result, for people; never broken, so that it can be copied."""
         self._show(Text(printable(text), style=style), soft_wrap=True)
@@ -103,7 +108,7 @@ def tell_unsealed(output: Output, bundles: Sequence[Bundle]) -> None:
 def tell_overdue(output: Output, overdue: Iterable[Overdue]) -> None:
     """Print on standard error which instruments were used after their calibration was due, each once."""
     for text in dict.fromkeys(str(each) for each in overdue):
-        output.note(f"warning: {text}")
+        output.warning(text)
 
 
 def _console(*, stderr: bool) -> Console:
@@ -183,7 +188,7 @@ def show_remarks(output: Output, cases: Sequence[Assessment]) -> None:
     contradicts the profile."""
     told: dict[str, None] = {}
     for case in cases:
-        told |= dict.fromkeys(f"{_of(case, cases)}± without sensors: {text}" for text in case.of_sensors)
+        told |= dict.fromkeys(f"{_of(case, cases)}{text}" for text in case.of_sensors)
     for case in cases:
         if case.refusal:
             told[f"{_of(case, cases)}nothing else was measured: {case.refusal}"] = None

@@ -26,6 +26,7 @@ from benchtool.analysis.dynamics.step import analyze_step
 from benchtool.analysis.instruments import Altered, Instruments, said_of_sensors
 from benchtool.analysis.sensitivity import declared
 from benchtool.block import Block
+from benchtool.drive import Mode
 from benchtool.errors import AnalysisError
 from benchtool.plan.cases import case_named
 from benchtool.plan.limits import Limit, Missed, Verdict, missed, worst
@@ -227,7 +228,7 @@ def assess(
         # the machine ran elsewhere: that is the result, and no wonder that nothing else can be told
         answers, refusal = _Answers(), str(refused)
     blocks = [capture] if transducer is None else [capture, transducer]
-    rests_on = partial(_rests_on, plan)
+    rests_on = partial(_rests_on, plan, transducer is not None)
     instruments = Instruments(calibration.bench, blocks, rests_on=rests_on, pole_pairs=motor.pole_pairs)
 
     def again(altered: Altered) -> Iterator[Measurement]:
@@ -258,10 +259,12 @@ def assess(
     )
 
 
-def _rests_on(plan: Plan, name: str) -> tuple[str, ...]:
+def _rests_on(plan: Plan, transducer: bool, name: str) -> tuple[str, ...]:
     """The channels of a measurement whose sensitivities are not declared."""
     if name == "load_torque_reached":
-        return "torque", "torque_transducer", "omega_m"
+        if plan.operating_point.mode_of_operation is Mode.TORQUE:
+            return "torque", "omega_m"
+        return ("torque_transducer",) if transducer else ("torque",)
     if name in step_names():
         return plan.analyses.step_signal, plan.analyses.step_reference
     if name in response_names():
@@ -290,12 +293,12 @@ def _answer_again(
         for analysis in STEADY:
             names = [name for name in analysis.names if declared(name) is None]
             possible = analysis.possible(channels, transducer=transducer is not None, stride=stride)
-            if possible and names and channel in _rests_on(plan, names[0]):
+            if possible and names and channel in _rests_on(plan, transducer is not None, names[0]):
                 yield from analysis.measure(window).measurements
-    if plan.analyses.step and channel in _rests_on(plan, step_names()[0]):
+    if plan.analyses.step and channel in _rests_on(plan, False, step_names()[0]):
         signal, reference = plan.analyses.step_signal, plan.analyses.step_reference
         yield from analyze_step(capture, signal, reference).measurements
-    if plan.analyses.frequency_response and channel in _rests_on(plan, response_names()[0]):
+    if plan.analyses.frequency_response and channel in _rests_on(plan, False, response_names()[0]):
         yield from _response(plan, capture).measurements
 
 

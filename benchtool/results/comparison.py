@@ -21,10 +21,10 @@ class Delta:
     """One measurement of a run against that of the reference, both in `unit`.
 
     `absolute` is the value less the reference, `percent` of the reference's magnitude. `uncertainty` is
-    that of the difference, with what both have in common of their instruments, None where one of them has none. `exceeds` tells
-    whether the difference is more than the expanded uncertainty, with k from the effective degrees of freedom
-    of both; None where there is none. `judgement` is empty where no limit tells which direction
-    is good, or where the difference is not known to exceed its uncertainty.
+    that of the difference, in which errors of instruments that both have in common cancel; None where one of
+    them has none. `exceeds` tells whether the difference is more than the expanded uncertainty, with k from
+    the effective degrees of freedom of both; None where there is none. `judgement` is empty where no limit
+    tells which direction is good, or where the difference is not known to exceed its uncertainty.
     """
 
     name: str

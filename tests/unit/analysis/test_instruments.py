@@ -72,7 +72,7 @@ def test_without_a_bench_nothing_changes_but_what_is_said() -> None:
     assert [replace(each, basis=Basis()) for each in after] == before
     stated = Bench(channels={"torque": _sensor(gain_U_percent=1.0)})
     (error,) = _applied(stated, _of("torque_error", 0.1, 0.1))[:1]
-    assert error.basis.sensors == "that of torque_transducer is not stated"
+    assert error.basis.sensors == "the uncertainty of torque_transducer is not stated"
 
 
 def test_an_uncertainty_that_is_not_known_stays_so() -> None:
