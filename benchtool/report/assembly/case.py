@@ -48,6 +48,7 @@ def case_items(case: RecordedCase, *, alone: bool = True) -> Iterator[Item]:
         yield limits_section((*result.measurements, *result.quality), limits)
         yield from remarks(result)
         yield measurements_section("Measurements", result.measurements, limits, result.published)
+        yield from (Text(f"{text[0].upper()}{text[1:]}.", "note") for text in result.of_sensors)
         if (tables := tables_section(result.tables)) is not None:
             yield tables
     elif case.error is None and case.bundle.measurements:  # of a table of another tool
@@ -79,8 +80,6 @@ def remarks(result: Assessment) -> Iterator[Item]:
             f"estimate, {true} {each.true.unit} on the shaft{verdict}.",
             "note" if each.verdict is None or each.verdict is result.verdicts.get(each.name) else "warning",
         )
-    for text in result.of_sensors:
-        yield Text(f"{text[0].upper()}{text[1:]}.", "note")
     if result.refusal:
         yield Text(f"Nothing else was measured: {result.refusal}.", "warning")
     if result.without:
