@@ -148,7 +148,9 @@ def _explain(model: type[BaseModel], detail: ErrorDetails) -> str:
 def _allowed_keys(model: type[BaseModel], location: Path_) -> list[str]:
     for part in location:
         field = model.model_fields.get(str(part))
-        annotation = field.annotation if field else None
+        if field is None:  # the key of a table of tables, or the place in an array
+            continue
+        annotation = field.annotation
         options = [annotation, *getattr(annotation, "__args__", ())]
         found = [each for each in options if isinstance(each, type) and issubclass(each, BaseModel)]
         if not found:

@@ -13,6 +13,7 @@ from benchtool.analysis.measurement import (
     Table,
     measurements_from_json,
     measurements_to_json,
+    tables_from_json,
     tables_to_json,
 )
 from benchtool.analysis.orders.angle import AngleCoverage, angle_coverage
@@ -134,6 +135,7 @@ __all__ = [
     "spectrum_of",
     "switching_frequency",
     "switching_states",
+    "tables_from_json",
     "tables_to_json",
     "torque_residual",
     "torque_ripple",

@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
-from benchtool.analysis.uncertainty import Contribution, Uncertainty
+from benchtool.analysis.uncertainty import Contribution, InstrumentError, Uncertainty
 from benchtool.errors import AnalysisError
 
 MeasurementJson = dict[str, Any]
@@ -21,7 +21,8 @@ class Basis:
 
     `samples` were used, taken at `sample_rate_Hz` over `duration_s`, with `gaps` places where rows are
     missing; components up to `bandwidth_Hz` could contribute. `window` names the window and what it spans,
-    `harmonics` is the highest harmonic counted, `reference` what a ratio is a ratio to.
+    `harmonics` is the highest harmonic counted, `reference` what a ratio is a ratio to. `sensors` says
+    what is not known of the sensors, or what they do not let through.
     """
 
     samples: float | None = None
@@ -32,6 +33,7 @@ class Basis:
     harmonics: int | None = None
     reference: str = ""
     gaps: int | None = None
+    sensors: str = ""
 
     def to_json(self) -> dict[str, float | int | str]:
         """The fields that apply."""
@@ -119,8 +121,41 @@ def measurements_from_json(document: Mapping[str, Any]) -> tuple[Measurement, ..
     return tuple(_measurement(name, entry) for name, entry in document.items())
 
 
+def tables_from_json(document: Mapping[str, Any]) -> tuple[Table, ...]:
+    """What `tables_to_json` wrote.
+
+    Raises:
+        AnalysisError: an entry is none of a table.
+    """
+    try:
+        return tuple(_Table.model_validate(entry).read(name) for name, entry in document.items())
+    except ValidationError as failed:
+        first = failed.errors()[0]
+        raise AnalysisError(
+            f"tables have {'.'.join(str(part) for part in first['loc'])}: {first['msg'].lower()}, what "
+            f"benchtool wrote is expected: analyze the recording again"
+        ) from None
+
+
 _BASIS = TypeAdapter(Basis)
 _OF_A_BUNDLE = "; undefined here: "  # what older bundles have between definition and reason
+
+
+class _Column(BaseModel):
+    name: str
+    unit: str
+
+
+class _Table(BaseModel):
+    definition: str
+    basis: Basis = Basis()
+    columns: tuple[_Column, ...]
+    rows: tuple[tuple[float | None, ...], ...]
+
+    def read(self, name: str) -> Table:
+        rows = tuple(tuple(_or(value, math.nan) for value in row) for row in self.rows)
+        columns = tuple((each.name, each.unit) for each in self.columns)
+        return Table(name, self.definition, columns, rows, self.basis)
 
 
 class _Contribution(BaseModel):
@@ -128,6 +163,12 @@ class _Contribution(BaseModel):
     evaluation: Literal["A", "B"]
     standard: float | None
     dof: float | None = None
+    instrument: InstrumentError | None = None
+    sign: Literal[-1, 1] = 1
+
+    def read(self) -> Contribution:
+        standard, dof = _or(self.standard, math.nan), _or(self.dof, math.inf)
+        return Contribution(self.name, self.evaluation, standard, dof, self.instrument, self.sign)
 
 
 class _Uncertainty(BaseModel):
@@ -140,10 +181,7 @@ class _Uncertainty(BaseModel):
     half_width: float | None = None
 
     def read(self) -> Uncertainty:
-        budget = tuple(
-            Contribution(each.name, each.evaluation, _or(each.standard, math.nan), _or(each.dof, math.inf))
-            for each in self.budget
-        )
+        budget = tuple(each.read() for each in self.budget)
         standard, dof = _or(self.standard, math.nan), _or(self.dof, math.inf)
         return Uncertainty(standard, self.source, dof, budget, self.half_width)
 

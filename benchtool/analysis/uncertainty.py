@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict, dataclass, replace
 from typing import Any, Final, Literal
 
 from scipy.special import ndtr, stdtr, stdtrit
@@ -14,26 +14,65 @@ COVERAGE: Final = 0.95
 
 
 @dataclass(frozen=True)
+class InstrumentError:
+    """An error of an instrument that stays the same over all results made with it, such as that of its gain.
+
+    `effect` says of what, `channel` what it measured. Two results have it in common where `effect` and
+    serial number are the same and the certificate is, so that it was not adjusted in between; without serial
+    number, where effect, channel and certificate are; without both it cannot be told, so that they have not.
+    """
+
+    effect: str
+    channel: str
+    sensor: str = ""
+    serial_number: str = ""
+    certificate: str = ""
+
+    def is_same(self, other: InstrumentError) -> bool:
+        """Whether the error of both is one and the same."""
+        identified = bool(self.serial_number or self.certificate)
+        return identified and self._identity == other._identity
+
+    @property
+    def _identity(self) -> tuple[str, ...]:
+        if self.serial_number:
+            return self.effect, self.sensor, self.serial_number, self.certificate
+        return self.effect, self.channel, self.sensor, "", self.certificate
+
+
+@dataclass(frozen=True)
 class Contribution:
     """One line of a budget: a standard uncertainty in the unit of the result.
 
     `evaluation` is A where it comes from the statistics of repeated observations, B where it comes from
     anything else, such as a resolution (JCGM 100:2008, 2.3.2 and 2.3.3); `dof` are its degrees of freedom.
+    `instrument` tells of which error of which instrument it comes, and `sign` whether the result grows (1)
+    or falls (-1) as that error does: both are needed where results have the error in common.
     """
 
     name: str
     evaluation: Literal["A", "B"]
     standard: float
     dof: float = math.inf
+    instrument: InstrumentError | None = None
+    sign: Literal[-1, 1] = 1
+
+    def scaled(self, factor: float) -> Contribution:
+        """That to the result times a constant."""
+        sign: Literal[-1, 1] = 1 if (factor < 0.0) == (self.sign < 0) else -1
+        return replace(self, standard=abs(factor) * self.standard, sign=sign)
 
     def to_json(self) -> dict[str, Any]:
         """Its fields; infinite degrees of freedom are null."""
-        return {
+        document: dict[str, Any] = {
             "name": self.name,
             "evaluation": self.evaluation,
             "standard": _finite(self.standard),
             "dof": _finite(self.dof),
         }
+        if self.instrument is not None:
+            document |= {"instrument": asdict(self.instrument), "sign": self.sign}
+        return document
 
 
 @dataclass(frozen=True)
@@ -81,11 +120,43 @@ class Uncertainty:
     def scaled(self, factor: float, source: str = "") -> Uncertainty:
         """That of the result times a constant."""
         size = abs(factor)
-        budget = tuple(
-            Contribution(each.name, each.evaluation, size * each.standard, each.dof) for each in self.budget
-        )
+        budget = tuple(each.scaled(factor) for each in self.budget)
         width = None if self.half_width is None else size * self.half_width
         return Uncertainty(size * self.standard, source or self.source, self.dof, budget, width)
+
+    @property
+    def lines(self) -> tuple[Contribution, ...]:
+        """The budget, of one line where it was left out."""
+        return self.budget or (Contribution(self.source, "A", self.standard, self.dof),)
+
+    def with_instruments(self, errors: Sequence[Contribution]) -> Uncertainty:
+        """That which the errors of instruments contribute to besides, as independent of all that is known.
+
+        Where a derived distribution gives the half-width, the errors' is combined with it as standard
+        uncertainties are.
+        """
+        if not errors:
+            return self
+        added = math.hypot(*(each.standard for each in errors))
+        return self._with(self.standard**2 + added**2, added, (*self.lines, *errors))
+
+    def without(self, errors: Sequence[Contribution]) -> Uncertainty:
+        """That which is left without some lines of the budget, of infinite degrees of freedom."""
+        if not errors:
+            return self
+        removed = math.hypot(*(each.standard for each in errors))
+        left = tuple(each for each in self.budget if each not in errors)
+        return self._with(max(0.0, self.standard**2 - removed**2), -removed, left)
+
+    def _with(self, square: float, changed: float, budget: tuple[Contribution, ...]) -> Uncertainty:
+        """Of this square of the standard uncertainty; `changed` is what was added or, negative, removed."""
+        width = self.half_width
+        if width is not None:
+            moved = math.copysign((coverage_factor(math.inf) * changed) ** 2, changed)
+            width = math.sqrt(max(0.0, width**2 + moved))
+        fourth = self.standard**4 / self.dof if self.dof > 0.0 else 0.0
+        dof = square**2 / fourth if fourth > 0.0 else math.inf
+        return Uncertainty(math.sqrt(square), self.source, dof, budget, width)
 
     def to_json(self) -> dict[str, Any]:
         """Fields and `k`, `coverage` and `expanded` besides; what is not finite is null."""
@@ -121,11 +192,25 @@ def combined(
 
 
 def of_difference(one: Uncertainty, two: Uncertainty) -> Uncertainty:
-    """Uncertainty of the difference of two independent results (JCGM 100:2008, 5.1.2 and G.4.1).
+    """Uncertainty of the difference of two results (JCGM 100:2008, 5.1.2 and G.4.1).
 
+    They are independent but for the errors of instruments that they have in common: of those remains what
+    each moves one result more than the other (5.2.2, with a correlation of one).
     Where a derived distribution gives the interval of one, the intervals' half-widths are combined as the
     standard uncertainties are.
     """
+    common = [
+        (a, b)
+        for a in one.budget
+        for b in two.budget
+        if a.instrument is not None and b.instrument is not None and a.instrument.is_same(b.instrument)
+    ]
+    if common:
+        rest = of_difference(
+            one.without([each for each, _ in common]), two.without([each for _, each in common])
+        )
+        left = [replace(a, standard=abs(a.sign * a.standard - b.sign * b.standard)) for a, b in common]
+        return rest.with_instruments([each for each in left if each.standard > 0.0])
     standard = math.hypot(one.standard, two.standard)
     fourth = (
         sum((each.standard / standard) ** 4 / max(1.0, each.dof) for each in (one, two))

@@ -10,12 +10,14 @@ from typing import Annotated, Any
 
 import typer
 
+from benchtool.analysis.instruments import said_of_sensors
 from benchtool.cli import options
-from benchtool.cli.folder import bundle_folder
+from benchtool.cli.bundles import bundle_folder
 from benchtool.cli.output import Output, tell_unsealed
 from benchtool.cli.report import write_report
 from benchtool.cli.results import measured, show_run
 from benchtool.errors import UsageError
+from benchtool.profile import Bench, load_bench
 from benchtool.recording import Bundle, enlist
 from benchtool.report.assembly.table import keep, table_report
 from benchtool.results.assessment import RunResult, assess_bundle
@@ -73,6 +75,13 @@ def analyze(
     to: Annotated[
         float | None, typer.Option("--to", metavar="S", help="With --csv: leave out what is later.")
     ] = None,
+    bench: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME|FILE",
+            help="With --csv: profile, or TOML file, whose [bench] states the sensors of the columns.",
+        ),
+    ] = None,
     out: Annotated[
         Path | None, typer.Option(metavar="DIR", help="With --csv: write a run bundle of it.")
     ] = None,
@@ -89,7 +98,21 @@ def analyze(
     unit: --current CH1:A*10-0.2 is ten times the cell, less 0.2 A.
     """
     if csv is None:
-        given = (time, rate, current, torque, angle, speed, pole_pairs, slots, rated_torque, from_, to, out)
+        given = (
+            time,
+            rate,
+            current,
+            torque,
+            angle,
+            speed,
+            pole_pairs,
+            slots,
+            rated_torque,
+            from_,
+            to,
+            bench,
+            out,
+        )
         return _analyze_run(run, as_json, report or any(each is not None for each in given))
 
     if run is not None:
@@ -126,6 +149,7 @@ def analyze(
             to_s=math.inf if to is None else to,
             rate_Hz=rate,
             omega_m_rad_s=None if angle is not None else omega_m_rad_s,
+            bench=Bench() if bench is None else load_bench(bench),
         )
     )
     output = Output(as_json=as_json)
@@ -154,7 +178,7 @@ def _keep(output: Output, answer: TableAnswer, out: Path | None, *, with_report:
         output.line(f"bundle: {folder}")
         if not with_report:
             return {"bundle": str(folder)}
-        page, _ = write_report(table_report(answer, bundle), folder / "report.html", pdf=False, output=output)
+        page, _ = write_report(table_report(bundle), folder / "report.html", pdf=False, output=output)
         enlist(folder, [page])
         return {"bundle": str(folder), "report": str(page)}
 
@@ -191,6 +215,7 @@ def _analyze_run(run: Path | None, as_json: bool, has_csv_options: bool) -> int:
 
 def _show(output: Output, answer: TableAnswer) -> None:
     """The measurements, why some are undefined, and what was read, for people."""
+
     rows = [(each.name, measured(each), each.unit) for each in answer.measurements]
     output.table(str(answer.source["file"]), ("measurement", ">value ± U (95 %)", "unit"), rows)
     undefined: dict[str, list[str]] = {}
@@ -199,6 +224,8 @@ def _show(output: Output, answer: TableAnswer) -> None:
             undefined.setdefault(each.reason, []).append(each.name)
     for reason, names in undefined.items():
         output.line(f"undefined: {', '.join(names)}: {reason}")
+    for text in said_of_sensors(answer.measurements):
+        output.line(text, "dim")
     for remark in answer.remarks:
         output.line(f"warning: {remark.text}", "yellow")
     output.line(_read(answer.source))

@@ -11,7 +11,7 @@ import typer
 from rich.text import Text
 
 from benchtool.cli import options
-from benchtool.cli.output import Output
+from benchtool.cli.output import Output, tell_overdue
 from benchtool.cli.report import write_report
 from benchtool.errors import UsageError
 from benchtool.report.assembly.comparison import comparison_report, difference
@@ -45,6 +45,7 @@ def compare(
         raise UsageError(f"{runs[0]} is one run of one case, two are compared: name another run beside it")
     for comparison in comparisons:
         _show(output, comparison)
+        tell_overdue(output, comparison.overdue)
     if alone:
         output.line(f"without a counterpart: {', '.join(alone)}")
     written = {}

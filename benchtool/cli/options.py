@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from datetime import datetime
 from pathlib import Path
 from typing import Annotated
@@ -9,6 +10,7 @@ from typing import Annotated
 import typer
 
 from benchtool.bench.wires import registry
+from benchtool.errors import UsageError
 
 Profile = Annotated[str, typer.Option(metavar="NAME|FILE", help="Profile of motor and drive.")]
 Link = Annotated[
@@ -23,6 +25,16 @@ Seed = Annotated[int, typer.Option(help="Seed of the emulated bench's noise.")]
 Out = Annotated[
     Path | None, typer.Option(help="Folder of the run bundle.", show_default="runs/<time>-<plan>")
 ]
+Note = Annotated[str, typer.Option(help="A line for the manifest.")]
+Operator = Annotated[str, typer.Option(help="Who runs the test, for the manifest.")]
+SerialNumber = Annotated[str, typer.Option(help="Of the motor under test, for the manifest.")]
+Temperature = Annotated[
+    float | None, typer.Option(min=-273.15, help="Of the surroundings in degrees Celsius, likewise.")
+]
+InstrumentsBeside = Annotated[
+    list[str] | None,
+    typer.Option("--instrument", help="An instrument beside the drive, with its certificate; once for each."),
+]
 RealTime = Annotated[bool, typer.Option("--real-time", help="Pace the emulated bench by the wall clock.")]
 
 
@@ -33,6 +45,16 @@ Live = Annotated[
         help="Show it live in Rerun's viewer, in a browser, or write a file; several times for several.",
     ),
 ]
+
+
+def require_temperature(temperature_degC: float | None) -> None:
+    """Refuse a temperature that is no number.
+
+    Raises:
+        UsageError: it is none.
+    """
+    if temperature_degC is not None and not math.isfinite(temperature_degC):
+        raise UsageError(f"--temperature is {temperature_degC}: give a number of degrees Celsius")
 
 
 def listed(names: str) -> tuple[str, ...]:

@@ -6,7 +6,7 @@ from __future__ import annotations
 import json
 import math
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import nullcontext, suppress
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -18,6 +18,7 @@ from benchtool.cli.ending import printable
 
 if TYPE_CHECKING:
     from benchtool.recording import Bundle
+    from benchtool.results.calibration import Overdue
 
 _WIDTH_OF_A_PIPE = 120
 VERDICT_COLOURS = {
@@ -46,15 +47,21 @@ class Output:
         with suppress(OSError):
             self.progress.print(Text(printable(text), style="dim"))
 
+    def warning(self, text: str) -> None:
+        """Print a warning on standard error, on one line however long."""
+        with suppress(OSError):
+            self.progress.print(Text(printable(f"warning: {text}"), style="yellow"), soft_wrap=True)
+
     def line(self, text: str, style: str = "") -> None:
         """A line of the result, for people; never broken, so that it can be copied."""
         self._show(Text(printable(text), style=style), soft_wrap=True)
 
-    def verdict(self, verdict: str, by_transducer: str | None = None) -> None:
-        """The verdict, in its colour; that by the transducer beside it, where it is another."""
+    def verdict(self, verdict: str, by_transducer: str | None = None, remark: str = "") -> None:
+        """The verdict, in its colour; that by the transducer beside it, where it is another, and a remark."""
         beside = f" by the drive's own estimate, {by_transducer} by the transducer on the shaft"
         differs = by_transducer is not None and by_transducer != verdict
-        self._show(Text(f"verdict: {verdict}{beside if differs else ''}", style=VERDICT_COLOURS[verdict]))
+        text = f"verdict: {verdict}{beside if differs else ''}{f' ({remark})' if remark else ''}"
+        self._show(Text(text, style=VERDICT_COLOURS[verdict]))
 
     def table(self, title: str, columns: tuple[str, ...], rows: Sequence[tuple[str | Text, ...]]) -> None:
         """A table of the result; columns whose heading begins with `>` are right-aligned."""
@@ -92,6 +99,12 @@ def tell_unsealed(output: Output, bundles: Sequence[Bundle]) -> None:
         output.note(
             f"{without[0].directory}{more}: recorded without hashes, so that damage to the files is not seen"
         )
+
+
+def tell_overdue(output: Output, overdue: Iterable[Overdue]) -> None:
+    """Print on standard error which instruments were used after their calibration was due, each once."""
+    for text in dict.fromkeys(str(each) for each in overdue):
+        output.warning(text)
 
 
 def _console(*, stderr: bool) -> Console:

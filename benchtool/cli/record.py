@@ -12,9 +12,10 @@ import typer
 from benchtool.bench.session import open_session
 from benchtool.bench.wires import registry
 from benchtool.cli import options, viewing
-from benchtool.cli.folder import bundle_folder
-from benchtool.cli.output import Output, significant
+from benchtool.cli.bundles import bundle_folder, conditions
+from benchtool.cli.output import Output, significant, tell_overdue
 from benchtool.recording import BundleWriter, EventFile
+from benchtool.results.calibration import Calibration
 from benchtool.run.recording import Recording, manifest_of
 from benchtool.run.recording import record as keep
 from benchtool.telemetry import (
@@ -44,7 +45,11 @@ def record(
             help=registry.rate_help(),
         ),
     ] = 100.0,
-    note: Annotated[str, typer.Option(help="A line for the manifest.")] = "",
+    note: options.Note = "",
+    operator: options.Operator = "",
+    serial_number: options.SerialNumber = "",
+    temperature: options.Temperature = None,
+    instrument: options.InstrumentsBeside = None,
     frames: Annotated[
         bool, typer.Option("--frames", help="Keep every frame too, for candump and --link replay:DIR.")
     ] = False,
@@ -59,6 +64,7 @@ def record(
 ) -> int:
     """Record the stream of a drive, whatever it is doing; nothing is enabled."""
     output = Output(as_json=as_json)
+    stated = conditions(operator, serial_number, temperature, instrument or ())
     when = options.wall_time()
     log = FrameLog() if frames else None
     with (
@@ -74,16 +80,19 @@ def record(
             # Before there is a folder: what cannot be streamed leaves nothing behind.
             process_data.source(drive, names, rate)
             identity = drive.check()
+            begun = when.isoformat(timespec="seconds")
             manifest = manifest_of(
                 session,
                 identity,
-                when=when.isoformat(timespec="seconds"),
+                when=begun,
                 wall_s=options.wall_time().timestamp(),
                 note=note,
+                conditions=stated,
                 seed=seed,
                 link=link,
                 command_line=tuple(sys.argv[1:]),
             )
+            tell_overdue(output, Calibration.at(session.profile.bench, begun).overdue(names))
             with (
                 BundleWriter(folder, manifest) as bundle,
                 viewing.stream_view(where, session, folder.name, manifest, output) as view,

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from benchtool.cli import options
-from benchtool.cli.output import Output, tell_unsealed
+from benchtool.cli.output import Output, tell_overdue, tell_unsealed
 from benchtool.errors import RecordingError, UsageError
 from benchtool.plan.limits import worst
 from benchtool.recording import enlist
@@ -16,6 +16,7 @@ from benchtool.recording.files import require_own, write_whole
 from benchtool.report.assembly.plan import case_label
 from benchtool.report.assembly.run import run_report
 from benchtool.report.content import Report
+from benchtool.results.calibration import overdue_text, stated_overdue
 from benchtool.results.runs import recorded_runs
 
 
@@ -30,6 +31,7 @@ def report(
     as_json: options.Json = False,
 ) -> int:
     """Measure a recorded run again and write a report that needs nothing else to be read."""
+
     if out is not None and out.suffix.lower() == ".pdf" and not pdf:
         raise UsageError(f"--out {out} names a PDF, the page is HTML: add --pdf, or name the page")
     output = Output(as_json=as_json)
@@ -38,7 +40,10 @@ def report(
     page, document = write_report(run_report(run, runs), out or run / "report.html", pdf=pdf, output=output)
     enlist(run, [page] if document is None else [page, document])
     verdict = worst(each.verdict for each in runs)
-    output.verdict(str(verdict))
+    found = [case.assessment for each in runs for case in each.cases if case.assessment]
+    overdue = [late for each in found for late in each.overdue]
+    tell_overdue(output, overdue)
+    output.verdict(str(verdict), remark=overdue_text(overdue))
     cases = {
         case_label(each, case): {"verdict": str(case.verdict), "bundle": str(case.bundle.directory)}
         | ({"failure": case.failure} if case.failure else {})
@@ -52,6 +57,7 @@ def report(
             "verdict": str(verdict),
             "cases": cases,
         }
+        | stated_overdue(overdue)
     )
     damaged = [case.error for each in runs for case in each.cases if isinstance(case.error, RecordingError)]
     if damaged:

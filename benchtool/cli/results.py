@@ -8,10 +8,11 @@ from collections.abc import Mapping, Sequence
 from rich.text import Text
 
 from benchtool.analysis import Measurement
-from benchtool.cli.output import VERDICT_COLOURS, Output, significant
+from benchtool.cli.output import VERDICT_COLOURS, Output, significant, tell_overdue
 from benchtool.plan.limits import Limit
 from benchtool.report.numbers import stated
 from benchtool.results.assessment import Assessment, RunResult
+from benchtool.results.calibration import overdue_text
 from benchtool.results.repetitions import Repeated
 
 _MOST_COLUMNS = 7
@@ -34,7 +35,8 @@ def show_run(output: Output, title: str, result: RunResult, tabulate: Sequence[s
         show_side_by_side(output, title, result.assessments)
     show_repeated(output, result.repeated, tabulate)
     show_remarks(output, result.assessments)
-    output.verdict(result.verdict, result.verdict_by_transducer)
+    tell_overdue(output, result.overdue)
+    output.verdict(result.verdict, result.verdict_by_transducer, overdue_text(result.overdue))
     show_missed(output, result.assessments)
     for case, missed in result.missed:
         output.line(f"  {missed.verdict}: {case}, {missed}", VERDICT_COLOURS[missed.verdict])
@@ -73,8 +75,11 @@ def show_disagreements(output: Output, cases: Sequence[Assessment]) -> None:
 
 
 def show_remarks(output: Output, cases: Sequence[Assessment]) -> None:
-    """Print what was not measured for want of channels, and where the drive contradicts the profile."""
+    """Print what was not measured for want of channels, what uncertainties leave out, and where the drive
+    contradicts the profile."""
     told: dict[str, None] = {}
+    for case in cases:
+        told |= dict.fromkeys(f"{_of(case, cases)}{text}" for text in case.of_sensors)
     for case in cases:
         if case.refusal:
             told[f"{_of(case, cases)}nothing else was measured: {case.refusal}"] = None
@@ -106,7 +111,7 @@ def show_repeated(
     for case, together in repeated.items():
         limited = any(each.limit is not None for each in together)
         rows: list[tuple[str | Text, ...]] = [
-            (each.name, significant(each.mean), f"{each.standard_uncertainty:.2g}", str(each.n), each.unit)
+            (each.name, significant(each.mean), f"{each.combined:.2g}", str(each.n), each.unit)
             + ((_together(each),) if limited else ())
             for each in together
             if not names or each.name in names

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
@@ -10,7 +9,7 @@ from typing import Annotated
 import typer
 
 from benchtool.cli import options
-from benchtool.errors import PlanError, UsageError
+from benchtool.errors import PlanError
 from benchtool.plan.model import Plan, load_plan, plan_names
 from benchtool.profile import load_profile
 
@@ -109,8 +108,7 @@ def run_named(name: str, chosen: RunOptions) -> int:
     Raises:
         PlanError, ProfileError: one of them is not there, or a key is wrong.
     """
-    if chosen.temperature_degC is not None and not math.isfinite(chosen.temperature_degC):
-        raise UsageError(f"--temperature is {chosen.temperature_degC}: give a number of degrees Celsius")
+    options.require_temperature(chosen.temperature_degC)
     names = plan_names(name)
     if not names:
         raise PlanError(f"folder {name} holds no plans: TOML files are expected, one a plan")

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from benchtool.bench.session import dictionary_of, has_transducer, open_session
 from benchtool.cli import options, viewing
-from benchtool.cli.folder import bundle_folder
+from benchtool.cli.bundles import bundle_folder, conditions
 from benchtool.cli.output import Output
 from benchtool.cli.progress import RunProgress
 from benchtool.cli.results import show_run
@@ -22,7 +22,6 @@ from benchtool.plan.model import load_plan, plan_path
 from benchtool.plan.ranges import require_protected
 from benchtool.plan.validation import require_known
 from benchtool.profile import load_profile, profile_path
-from benchtool.recording import Conditions
 from benchtool.recording.files import require_own, write_whole
 from benchtool.report.page import MARK, PlanFigures, reproduction_page
 from benchtool.results.assessment import RunResult
@@ -113,7 +112,9 @@ def _run(
         link=chosen.link,
         profile_toml=profile_path(place).read_text(encoding="utf-8"),
         note=chosen.note,
-        conditions=_conditions(chosen),
+        conditions=conditions(
+            chosen.operator, chosen.serial_number, chosen.temperature_degC, chosen.instruments
+        ),
     )
     with RunProgress(output) as bar:
         progress = RunViews(where, bar, output, part)
@@ -140,15 +141,6 @@ def _run(
             )
     show_run(output, plan.title, result, plan.tabulate)
     return result
-
-
-def _conditions(chosen: RunOptions) -> Conditions:
-    return Conditions(
-        operator=chosen.operator,
-        test_object_serial_number=chosen.serial_number,
-        temperature_degC=chosen.temperature_degC,
-        instruments=chosen.instruments,
-    )
 
 
 def _write_page(page: Path, command: str, results: Mapping[str, RunResult]) -> None:

@@ -18,6 +18,9 @@ from benchtool.protocol.capture import MOST_VALUES
 from benchtool.protocol.dictionary import Dictionary
 from benchtool.protocol.dictionary.keys import setting_of
 
+TRANSDUCER: Final = "torque_transducer"
+"""Channel of a torque transducer, which no dictionary knows."""
+
 _FEWEST_PERIODS = 2
 _ROWS_AT_THE_ENDS = 63  # of a current, which only feed the interpolation
 _PERIODIC: Final = frozenset({"i_a", "theta_m", "psi_alpha", "psi_beta"})
@@ -40,7 +43,8 @@ def require_known(
         transducer: whether that bench has a torque transducer.
 
     Raises:
-        ProfileError: the profile sets a parameter that there is not, or to what it cannot be.
+        ProfileError: the profile sets a parameter that there is not, or to what it cannot be; or it states a
+            sensor of no channel.
         PlanError: something is unknown, out of its limits or cannot be measured; the message names file, line
             and key of the first such thing.
     """
@@ -49,6 +53,8 @@ def require_known(
             setting_of(dictionary, key, value)
         except ValueRefused as refused:
             raise ProfileError(f"profile '{profile.title}', [drive.parameters]: {refused}") from None
+    for reason in _sensor_faults(profile, dictionary):
+        raise ProfileError(f"profile '{profile.title}', [bench.channels]: {reason}")
     text = path.read_text(encoding="utf-8")
     stream = "stream_sequence" in dictionary
     naming = Naming(plan, profile.motor, transducer, stream)
@@ -64,6 +70,19 @@ def require_known(
     ):
         for location, reason in faults:
             raise PlanError(f"{path}{line_of(text, location)}: {reason}")
+
+
+def _sensor_faults(profile: Profile, dictionary: Dictionary) -> Iterator[str]:
+    """Sensors of channels that there are not, and what is stated of them in another unit."""
+    units = {each.name: each.unit for each in dictionary if each.role == "signal"} | {TRANSDUCER: "Nm"}
+    for name, sensor in profile.bench.channels.items():
+        if name not in units:
+            yield f"no channel '{name}' of drive or torque transducer: {closest(name, list(units))}"
+        elif sensor.unit and sensor.unit != units[name]:
+            yield (
+                f"'{name}' is in {units[name] or 'no unit'}, its offset or resolution in {sensor.unit}: "
+                f"state them in the channel's unit"
+            )
 
 
 def _setting_faults(plan: Plan, dictionary: Dictionary) -> Faults:

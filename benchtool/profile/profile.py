@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
-from pydantic import ValidationError
+from pydantic import ConfigDict, ValidationError
 
 from benchtool.document import Array, Section, document_path, explain, load_document
 from benchtool.errors import ProfileError
+from benchtool.profile.bench import Bench
 from benchtool.profile.claims import Choice, Claim
 from benchtool.profile.drive import Drive
 from benchtool.profile.emulator import Emulator
@@ -24,6 +26,7 @@ class Profile(Section):
     title: str
     motor: Motor
     drive: Drive
+    bench: Bench = Bench()
     emulator: Emulator | None = None
     choices: Array[Choice] = ()
     claims: Array[Claim] = ()
@@ -40,6 +43,14 @@ class Profile(Section):
         encoder = {"encoder_lines", "encoder_offset_rad"}
         sensors = self.emulator.sensors.model_dump(include=encoder) if self.emulator else {}
         return {**sensors, **self.stated_parameters}
+
+
+class _BenchOfDocument(Section):
+    """`[bench]` of a document, whatever else that holds."""
+
+    model_config = ConfigDict(extra="ignore")
+
+    bench: Bench = Bench()
 
 
 def profile_path(name: str) -> Path:
@@ -60,6 +71,28 @@ def load_profile(name: str) -> Profile:
         ProfileError: unknown, unreadable, or a key is wrong.
     """
     return load_document(profile_path(name), Profile, ProfileError)
+
+
+def bench_of(content: dict[str, Any]) -> Bench:
+    """`[bench]` of a profile's content, whether or not this version understands the rest of it.
+
+    Raises:
+        ValidationError: the section is wrong.
+    """
+    return _BenchOfDocument.model_validate(content).bench
+
+
+def load_bench(name: str) -> Bench:
+    """`[bench]` of a profile, or of a file that need not hold anything else.
+
+    Raises:
+        ProfileError: there is no such file, or its section is missing or wrong.
+    """
+    path = profile_path(name)
+    found = load_document(path, _BenchOfDocument, ProfileError)
+    if "bench" not in found.model_fields_set:
+        raise ProfileError(f"{path} has no section [bench]: state the sensors there, [bench.channels.NAME]")
+    return found.bench
 
 
 def altered(profile: Profile, emulator: Mapping[str, Number]) -> Profile:

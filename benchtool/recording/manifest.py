@@ -18,6 +18,7 @@ SCHEMA_VERSION = 1
 MANIFEST = "manifest.json"
 MEASUREMENTS = "measurements.json"
 CERTIFICATE = "certificate.json"
+TABLES = "tables.json"
 
 _PACKAGES = ("canopen", "matplotlib", "numba", "numpy", "pyarrow", "python-can", "scipy")
 

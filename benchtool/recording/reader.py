@@ -12,7 +12,7 @@ from benchtool.errors import RecordingError
 from benchtool.recording.events import EVENTS, Event, read_events
 from benchtool.recording.failures import reading
 from benchtool.recording.integrity import Integrity, check_bundle
-from benchtool.recording.manifest import CERTIFICATE, MEASUREMENTS, Manifest, read_manifest
+from benchtool.recording.manifest import CERTIFICATE, MEASUREMENTS, TABLES, Manifest, read_manifest
 from benchtool.recording.seal import read_json
 from benchtool.recording.stream import DATA, FINISHED, RUNNING, read_parquet, read_stream
 
@@ -72,6 +72,17 @@ class Bundle:
         path = self.directory / CERTIFICATE
         _require_intact(self.directory, self.integrity, [CERTIFICATE])
         return read_json(path) if path.is_file() else None
+
+    @property
+    def tables(self) -> dict[str, Any]:
+        """Tables of what was measured, as they were written; none of a recording that measured none.
+
+        Raises:
+            RecordingError: they cannot be read.
+        """
+        path = self.directory / TABLES
+        _require_intact(self.directory, self.integrity, [TABLES])
+        return read_json(path) if path.is_file() else {}
 
     @property
     def events(self) -> tuple[Event, ...]:

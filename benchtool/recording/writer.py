@@ -14,12 +14,18 @@ from benchtool.errors import RecordingError
 from benchtool.recording.checkpoints import Checkpoints
 from benchtool.recording.failures import writing
 from benchtool.recording.integrity import files_of
-from benchtool.recording.manifest import CERTIFICATE, MEASUREMENTS, Manifest, StreamInfo, write_manifest
+from benchtool.recording.manifest import (
+    CERTIFICATE,
+    MEASUREMENTS,
+    TABLES,
+    Manifest,
+    StreamInfo,
+    write_manifest,
+)
 from benchtool.recording.reader import Bundle
 from benchtool.recording.seal import FileHash, hash_of, write_json
 from benchtool.recording.stream import DATA, FINISHED, RUNNING, StreamWriter
 
-TABLES = "tables.json"
 _STREAM_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]*")
 
 

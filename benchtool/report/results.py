@@ -166,6 +166,8 @@ def basis_text(basis: Basis) -> str:
         parts.append(f"relative to {basis.reference}")
     if basis.gaps is not None:
         parts.append(_GAPS.get(basis.gaps, f"{basis.gaps} gaps"))
+    if basis.sensors:
+        parts.append(basis.sensors)
     return f"Basis: {'; '.join(parts)}." if parts else ""
 
 

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from pydantic import ValidationError
 
 from benchtool.analysis import (
@@ -17,10 +20,13 @@ from benchtool.analysis import (
     measurements_to_json,
     tables_to_json,
 )
-from benchtool.analysis.catalogue import STEADY
+from benchtool.analysis.catalogue import STEADY, Window, analyses_of, response_names, step_names
 from benchtool.analysis.dynamics.bode import Bode, analyze_response
 from benchtool.analysis.dynamics.step import analyze_step
+from benchtool.analysis.instruments import Altered, Instruments, said_of_sensors
+from benchtool.analysis.sensitivity import declared
 from benchtool.block import Block
+from benchtool.drive import Mode
 from benchtool.errors import AnalysisError
 from benchtool.plan.cases import case_named
 from benchtool.plan.limits import Limit, Missed, Verdict, missed, worst
@@ -29,6 +35,7 @@ from benchtool.plan.operating_point import Seen, asked, default_limits, measure_
 from benchtool.profile import Motor
 from benchtool.recording import Bundle
 from benchtool.results.agreement import Disagreement, disagreements
+from benchtool.results.calibration import Calibration, Overdue, stated_overdue
 from benchtool.results.repetitions import Repeated, limits_together
 from benchtool.results.steady_state import assess_steady_state
 
@@ -41,6 +48,7 @@ class Assessment:
     plan's for each case and, where it sets none, those of the operating point. `without` names what could not
     be measured for want of channels, with these. `parameter_check` is what `ParameterCheck.to_json` tells of
     the drive. `refusal` is why nothing but the operating point was measured, where the machine ran elsewhere.
+    `overdue` are the instruments whose calibration was due before the run.
     """
 
     case: str
@@ -57,6 +65,12 @@ class Assessment:
     without: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     parameter_check: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     refusal: str = ""
+    overdue: tuple[Overdue, ...] = ()
+
+    @property
+    def of_sensors(self) -> tuple[str, ...]:
+        """What is to be said of the sensors, each once, the general before the particular."""
+        return said_of_sensors(self.measurements)
 
     @property
     def found(self) -> Mapping[str, Measurement]:
@@ -119,6 +133,7 @@ class Assessment:
             "unstated_parameters": dict(self.parameter_check.get("unstated", {})),
             "measurements": measurements_to_json(self.measurements),
         }
+        document |= stated_overdue(self.overdue)
         return document | ({"tables": tables_to_json(self.tables)} if self.tables else {})
 
 
@@ -142,6 +157,11 @@ class RunResult:
         """The limits over repetitions that were not met, each with its case."""
         found = ((case, each.missed) for case, together in self.repeated.items() for each in together)
         return tuple((case, each) for case, each in found if each is not None)
+
+    @property
+    def overdue(self) -> tuple[Overdue, ...]:
+        """The instruments whose calibration was due before their case was run."""
+        return tuple(dict.fromkeys(each for case in self.assessments for each in case.overdue))
 
     @property
     def _verdict_together(self) -> Verdict:
@@ -178,6 +198,7 @@ def assess(
     transducer: Block | None,
     quality: tuple[Measurement, ...] = (),
     seen: Seen | None = None,
+    calibration: Calibration | None = None,
 ) -> Assessment:
     """Analyse what one case recorded.
 
@@ -185,11 +206,12 @@ def assess(
         case: its name.
         quality: what the recording's certificate measured.
         seen: what was read from drive and bench beside the capture.
+        calibration: what is known of the sensors.
 
     Raises:
         AnalysisError: the data cannot answer what the plan asks, though the operating point was reached.
     """
-    this, seen = case_named(plan, case), seen or Seen()
+    this, seen, calibration = case_named(plan, case), seen or Seen(), calibration or Calibration()
     point = this.operating_point
     wanted = asked(point, motor, seen.u_dc_V)
     reached = measure_reached(wanted, plan, point, motor, capture, transducer, seen)
@@ -205,10 +227,23 @@ def assess(
             raise
         # the machine ran elsewhere: that is the result, and no wonder that nothing else can be told
         answers, refusal = _Answers(), str(refused)
+    blocks = [capture] if transducer is None else [capture, transducer]
+    rests_on = partial(_rests_on, plan, transducer is not None)
+    instruments = Instruments(calibration.bench, blocks, rests_on=rests_on, pole_pairs=motor.pole_pairs)
+
+    def again(altered: Altered) -> Iterator[Measurement]:
+        """What hangs on the waveform of an altered channel."""
+        other = altered.of(capture)
+        shaft = None if transducer is None else altered.of(transducer)
+        yield from measure_reached(wanted, plan, point, motor, other, shaft, _altered(seen, altered))
+        if not refusal:
+            with suppress(AnalysisError):  # what is not found again has an unknown uncertainty
+                yield from _answer_again(plan, motor, other, shaft, altered.channel)
+
     return Assessment(
         case,
         bundle,
-        (*answers.measurements, *reached),
+        instruments.applied((*answers.measurements, *reached), again),
         quality,
         limits,
         {**plan.published.get(this.group, {}), **plan.published.get(case, {})},
@@ -220,7 +255,51 @@ def assess(
         answers.without,
         seen.parameter_check,
         refusal,
+        calibration.overdue(name for block in blocks for name in block.names),
     )
+
+
+def _rests_on(plan: Plan, transducer: bool, name: str) -> tuple[str, ...]:
+    """The channels of a measurement whose sensitivities are not declared."""
+    if name == "load_torque_reached":
+        if plan.operating_point.mode_of_operation is Mode.TORQUE:
+            return "torque", "omega_m"
+        return ("torque_transducer",) if transducer else ("torque",)
+    if name in step_names():
+        return plan.analyses.step_signal, plan.analyses.step_reference
+    if name in response_names():
+        return plan.analyses.response_input, plan.analyses.response_output
+    found = next(analyses_of(name), None)
+    if found is None:
+        return ()
+    return (*found.channels, "torque_transducer") if found.transducer else found.channels
+
+
+def _altered(seen: Seen, altered: Altered) -> Seen:
+    """What was read, with the error of its channel."""
+    if altered.channel not in seen.readings:
+        return seen
+    values = altered.reading(np.array(seen.readings[altered.channel]))
+    return replace(seen, readings={**seen.readings, altered.channel: tuple(values.tolist())})
+
+
+def _answer_again(
+    plan: Plan, motor: Motor, capture: Block, transducer: Block | None, channel: str
+) -> Iterator[Measurement]:
+    """The analyses of a plan that rest on a channel and declare no sensitivity to it."""
+    if plan.analyses.steady:
+        window = Window.of(_from(capture, plan.analyses.steady_from_s), motor, transducer)
+        channels, stride = frozenset(capture.names), capture.stride
+        for analysis in STEADY:
+            names = [name for name in analysis.names if declared(name) is None]
+            possible = analysis.possible(channels, transducer=transducer is not None, stride=stride)
+            if possible and names and channel in _rests_on(plan, transducer is not None, names[0]):
+                yield from analysis.measure(window).measurements
+    if plan.analyses.step and channel in _rests_on(plan, False, step_names()[0]):
+        signal, reference = plan.analyses.step_signal, plan.analyses.step_reference
+        yield from analyze_step(capture, signal, reference).measurements
+    if plan.analyses.frequency_response and channel in _rests_on(plan, False, response_names()[0]):
+        yield from _response(plan, capture).measurements
 
 
 @dataclass(frozen=True)
@@ -296,7 +375,8 @@ def assess_bundle(bundle: Bundle) -> Assessment:
     certificate = bundle.certificate or {}
     quality = measurements_from_json(certificate.get("measurements", {}))
     capture, seen = bundle.block("capture"), Seen.of(details)
-    return assess(plan, case, motor, bundle.directory, capture, transducer, quality, seen)
+    calibration = Calibration.of(bundle.manifest)
+    return assess(plan, case, motor, bundle.directory, capture, transducer, quality, seen, calibration)
 
 
 def _from(block: Block, start_s: float) -> Block:

@@ -11,6 +11,7 @@ from benchtool.analysis import Measurement, Uncertainty
 from benchtool.analysis.uncertainty import COVERAGE, of_difference
 from benchtool.plan.limits import Limit
 from benchtool.results.assessment import Assessment
+from benchtool.results.calibration import Overdue
 
 _SAME_LENGTH = 0.01  # of the longer record: whole periods differ by less
 
@@ -20,10 +21,10 @@ class Delta:
     """One measurement of a run against that of the reference, both in `unit`.
 
     `absolute` is the value less the reference, `percent` of the reference's magnitude. `uncertainty` is
-    that of the difference of two values without correlation, None where one of them has none. `exceeds` tells
-    whether the difference is more than the expanded uncertainty, with k from the effective degrees of freedom
-    of both; None where there is none. `judgement` is empty where no limit tells which direction
-    is good, or where the difference is not known to exceed its uncertainty.
+    that of the difference, in which errors of instruments that both have in common cancel; None where one of
+    them has none. `exceeds` tells whether the difference is more than the expanded uncertainty, with k from
+    the effective degrees of freedom of both; None where there is none. `judgement` is empty where no limit
+    tells which direction is good, or where the difference is not known to exceed its uncertainty.
     """
 
     name: str
@@ -114,6 +115,11 @@ class Comparison:
         """Every measurement that one of the runs has."""
         found = (each.name for result in self.results.values() for each in result.measurements)
         return tuple(dict.fromkeys(found))
+
+    @property
+    def overdue(self) -> tuple[Overdue, ...]:
+        """The instruments of any of the runs whose calibration was due before it."""
+        return tuple(dict.fromkeys(late for result in self.results.values() for late in result.overdue))
 
     @property
     def chance(self) -> Chance:

@@ -10,7 +10,8 @@ from typing import Any, Literal
 
 import numpy as np
 
-from benchtool.analysis import Measurement, Uncertainty
+from benchtool.analysis import Contribution, Measurement, Uncertainty
+from benchtool.analysis.uncertainty import InstrumentError
 from benchtool.plan.cases import cases
 from benchtool.plan.limits import Limit, Missed, Verdict, missed
 from benchtool.plan.model import Plan
@@ -23,7 +24,8 @@ class Repeated:
     """One measurement over `n` repetitions in which it was defined.
 
     `standard_uncertainty` is that of the mean, the standard deviation over sqrt(n) with n - 1 degrees of
-    freedom (JCGM 100:2008, 4.2.3), and nan of fewer than two. It knows nothing of what all repetitions share.
+    freedom (JCGM 100:2008, 4.2.3), and nan of fewer than two. It knows nothing of what all repetitions share;
+    of that, `instruments` are the errors of sensors and clock, which `uncertainty` contains besides.
     `limit` is the one that holds for them together and `judged` what it is put to: the mean, or the worst
     repetition; None where the plan judges each, or where nothing was measured.
     """
@@ -35,13 +37,21 @@ class Repeated:
     n: int
     limit: Limit | None = None
     judged: Measurement | None = None
+    instruments: tuple[Contribution, ...] = ()
 
     @property
     def uncertainty(self) -> Uncertainty | None:
         """Of the mean; None of fewer than two repetitions."""
         if self.n < 2:
             return None
-        return Uncertainty(self.standard_uncertainty, f"scatter over {self.n} repetitions", self.n - 1.0)
+        source = f"scatter over {self.n} repetitions"
+        scatter = Uncertainty(self.standard_uncertainty, source, self.n - 1.0)
+        return scatter.with_instruments(self.instruments)
+
+    @property
+    def combined(self) -> float:
+        """Standard uncertainty of the mean, the instruments in it; nan of fewer than two repetitions."""
+        return math.nan if self.uncertainty is None else self.uncertainty.standard
 
     @property
     def verdict(self) -> Verdict:
@@ -113,10 +123,25 @@ def _together(
         mean = float(np.mean(values)) if values else math.nan
         spread = float(np.std(values, ddof=1)) / math.sqrt(len(values)) if len(values) > 1 else math.nan
         limit = limits.get(name)
-        together = Repeated(name, units.get(name, ""), mean, spread, len(values), limit)
+        shared = tuple(_shared(found))
+        together = Repeated(name, units.get(name, ""), mean, spread, len(values), limit, instruments=shared)
         if limit is not None and found:
             together = replace(together, judged=_judged(together, found, len(group), judge == "mean"))
         yield together
+
+
+def _shared(found: Sequence[Measurement]) -> Iterator[Contribution]:
+    """The errors of instruments, each of which moves the mean as it moves the repetitions on average."""
+    lines: dict[InstrumentError, list[Contribution]] = {}
+    count = sum(math.isfinite(each.value) for each in found)
+    for each in found:
+        if each.uncertainty is not None and math.isfinite(each.value):
+            for line in each.uncertainty.budget:
+                if line.instrument is not None:
+                    lines.setdefault(line.instrument, []).append(line)
+    for same in lines.values():
+        mean = sum(line.sign * line.standard for line in same) / count
+        yield replace(same[0], standard=abs(mean), sign=-1 if mean < 0.0 else 1)
 
 
 def _judged(together: Repeated, found: Sequence[Measurement], count: int, of_mean: bool) -> Measurement:

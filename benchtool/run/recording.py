@@ -10,7 +10,7 @@ from benchtool.bench.session import Session
 from benchtool.drive import Identity
 from benchtool.drive.parameters.transaction import snapshot
 from benchtool.errors import LinkClosed, NoAnswer
-from benchtool.recording import BundleWriter, Event, Manifest, software_versions
+from benchtool.recording import BundleWriter, Conditions, Event, Manifest, software_versions
 from benchtool.run.failure import fail_bundle
 from benchtool.telemetry import (
     Certificate,
@@ -53,6 +53,7 @@ def manifest_of(
     when: str,
     wall_s: float,
     note: str,
+    conditions: Conditions,
     seed: int,
     link: str,
     command_line: tuple[str, ...],
@@ -72,6 +73,7 @@ def manifest_of(
         seed=seed,
         command_line=command_line,
         note=note,
+        conditions=conditions,
         details={"state": drive.state().value, "wall": drive.wall_mark(wall_s)},
     )
 

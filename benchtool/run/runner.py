@@ -22,6 +22,7 @@ from benchtool.plan.rating import require_rated
 from benchtool.recording import Bundle, BundleWriter, Conditions, EventFile, Manifest, software_versions
 from benchtool.report.assembly.figures import draw_case, draw_cases
 from benchtool.results.assessment import Assessment, RunResult, assess, assess_bundle
+from benchtool.results.calibration import Calibration, stated_overdue
 from benchtool.results.repetitions import over_repetitions
 from benchtool.run.conduct import Progress, conduct
 from benchtool.run.failure import fail_bundle
@@ -213,7 +214,10 @@ def _run_case(
                 certificate, facts = certify_recording(stream, {"capture": capture}, link.counters)
                 motor, quality = session.profile.motor, certificate.measurements
                 seen = Seen(conducted.readings, _dc_link_V(session), check.to_json())
-                result = assess(plan, case.name, motor, place, capture, transducer, quality, seen)
+                calibration = Calibration.at(session.profile.bench, info.when)
+                result = assess(
+                    plan, case.name, motor, place, capture, transducer, quality, seen, calibration
+                )
         except BaseException as failure:
             details = {"parameter_check": check.to_json()}
             reason = fail_bundle(
@@ -230,7 +234,7 @@ def _run_case(
             details=facts
             | seen.to_json()
             | {"verdicts": {name: str(verdict) for name, verdict in result.verdicts.items()}},
-            certificate=certificate.to_json(),
+            certificate=certificate.to_json() | stated_overdue(result.overdue),
         )
     watcher.closed(result, "")
     progress.note("drawing")

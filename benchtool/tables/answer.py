@@ -3,17 +3,24 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from benchtool.analysis import Measurement, Table, measurements_to_json, tables_to_json
+from benchtool.analysis.instruments import Instruments
+from benchtool.errors import AnalysisError
+from benchtool.profile import Bench
 from benchtool.tables.analyses import results
 from benchtool.tables.columns import TableColumns, TableQuestion, read_columns
 from benchtool.tables.layout import BLANKS
 from benchtool.tables.record import Record
 from benchtool.tables.remarks import Remark, remarks
 from benchtool.tables.time_base import time_base
+
+_SENSED: Mapping[str, str] = {"current": "i_a", "speed": "omega_m"}
+"""Channel of a drive by what a column is, where they are called otherwise."""
 
 
 @dataclass(frozen=True)
@@ -50,15 +57,47 @@ def analyze_table(question: TableQuestion) -> TableAnswer:
 
     Raises:
         RecordingError: the file cannot be read as a table.
-        AnalysisError: a column is missing, or no rows are left.
+        AnalysisError: a column is missing, no rows are left, or a sensor is stated in another unit.
     """
     columns = read_columns(question)
     base = time_base(columns.data[:, 0], columns.data[:, 1:])
     record = Record(columns.data, base, columns.channels, question)
     found = list(results(record))
     tables = tuple(each for each in found if isinstance(each, Table))
-    measurements = tuple(each for each in found if isinstance(each, Measurement))
+    measured = tuple(each for each in found if isinstance(each, Measurement))
+    measurements = _instruments(record).applied(measured)
     return TableAnswer(measurements, tables, _source(columns, record), record, tuple(remarks(record)))
+
+
+def _instruments(record: Record) -> Instruments:
+    """The sensors of the columns. When they were read is not known, nor by which clock: neither is judged."""
+    stated, sensors, entries = record.question.bench.channels, {}, {}
+    for what, channel in record.channels.items():
+        entries[_SENSED.get(what, what)] = channel.name
+        name = next((each for each in (*_names(channel.name), what) if each in stated), None)
+        if name is None:
+            continue
+        sensors[channel.name] = sensor = stated[name]
+        if sensor.unit and sensor.unit != channel.unit:
+            raise AnalysisError(
+                f"[bench.channels.{name}] is in {sensor.unit} and its column in {channel.unit}: state offset "
+                f"and resolution in that"
+            )
+    columns = ", ".join(channel.name for channel in record.channels.values())
+    if stated and not sensors:
+        raise AnalysisError(
+            f"[bench.channels] states {', '.join(stated)}, none of which is a column that is measured: call "
+            f"one as its column ({columns}) or as what it is ({', '.join(record.channels)})"
+        )
+    blocks = () if record.block is None else (record.block,)
+    return Instruments(
+        Bench(channels=sensors), blocks, entries=entries, pole_pairs=record.question.pole_pairs
+    )
+
+
+def _names(column: str) -> tuple[str, str]:
+    """Of a column in its head, with the unit behind it and without."""
+    return column, re.sub(r"\s*[\[(][^\])]*[\])]\s*$", "", column)
 
 
 def _source(columns: TableColumns, record: Record) -> dict[str, Any]:

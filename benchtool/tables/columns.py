@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from benchtool.block import Channel
 from benchtool.errors import AnalysisError
+from benchtool.profile import Bench
 from benchtool.tables.text import Rows, Selection, TextTable
 
 QUANTITIES: Mapping[str, str] = {"current": "A", "torque": "Nm", "angle": "rad", "speed": "rad/s"}
@@ -26,7 +27,7 @@ class TableQuestion:
     `time`, and `columns` by names of `QUANTITIES`, are as `TextTable.select` takes them; `from_s` and `to_s`
     are on the file's own time axis. Without `time` the rows are `rate_Hz` apart, the first at 0 s.
     `omega_m_rad_s` is a constant mechanical speed, which stands in for an angle; torque in percent is that of
-    `torque_rated_Nm`.
+    `torque_rated_Nm`. `bench` states the sensors of columns by the names of these, or by what they are.
     """
 
     file: Path
@@ -39,6 +40,7 @@ class TableQuestion:
     to_s: float = math.inf
     rate_Hz: float | None = None
     omega_m_rad_s: float | None = None
+    bench: Bench = field(default_factory=Bench)
 
 
 @dataclass(frozen=True)

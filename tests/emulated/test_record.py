@@ -97,6 +97,28 @@ def test_a_recording(invoke: Invoke) -> None:
     assert manifest.dictionary_hash == manifest.identity["dictionary_hash"]
 
 
+def test_what_the_operator_states_is_in_the_manifest(invoke: Invoke, tmp_path: Path) -> None:
+    text = (shipped("profiles") / "zhu2011" / "profile.toml").read_text(encoding="utf-8")
+    sensor = '[bench.channels.torque]\nserial_number = "7"\ndue = 2000-01-01\n'
+    (tmp_path / "mine.toml").write_text(f"{text}\n{sensor}", encoding="utf-8")
+    result = invoke(
+        *("--duration", "0.1", "--out", "run", "--profile", "mine.toml", "--note", "cold"),
+        *("--operator", "A. Müller", "--serial-number", "M-17", "--temperature", "21.5"),
+        *("--instrument", "T40B", "--instrument", "LEM"),
+    )
+    assert result.exit_code == 0, result.output
+    manifest = Bundle.open(tmp_path / "run").manifest
+    assert manifest.note == "cold"
+    assert manifest.conditions.model_dump() == {
+        "operator": "A. Müller",
+        "test_object_serial_number": "M-17",
+        "temperature_degC": 21.5,
+        "instruments": ("T40B", "LEM"),
+    }
+    assert "warning: calibration of torque (no. 7) was due on 2000-01-01" in result.stderr
+    assert invoke("--duration", "0.1", "--temperature", "nan").exit_code == 2
+
+
 def test_the_same_seed_gives_the_same_bytes(invoke: Invoke) -> None:
     for folder in "ab":
         assert invoke("--duration", "1", "--out", folder, "--seed", "3", "--frames").exit_code == 0

@@ -14,8 +14,8 @@ from rich.text import Text
 from typer.testing import CliRunner
 
 from benchtool.cli import app, options
+from benchtool.cli.bundles import bundle_folder
 from benchtool.cli.ending import reporting, tell
-from benchtool.cli.folder import bundle_folder
 from benchtool.cli.output import Output
 from benchtool.cli.progress import RunProgress
 from benchtool.recording import BundleWriter, Manifest, verify

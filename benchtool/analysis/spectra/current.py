@@ -138,7 +138,7 @@ def _basis(coherent: CoherentSamples, spectrum: CoherentSpectrum, track: PhaseTr
 def _lines(spectrum: CoherentSpectrum, errors: LineErrors, unit: str, basis: Basis) -> Iterator[Measurement]:
     periods, f_1 = spectrum.periods, spectrum.fundamental_Hz
     text = f"peak amplitude at {f_1:.6g} Hz"
-    source = "noise, resampling, phase and resolution; the sensor's gain is left out"
+    source = "noise, resampling, phase and resolution"
     own = combined(errors.budget(0), source)
     yield Measurement("current_fundamental", spectrum.fundamental, unit, text, basis, own)
 

@@ -25,9 +25,7 @@ from benchtool.block import Block
 Phasors = NDArray[np.complex128]
 
 _STANDS_OUT = 5.0  # standard uncertainties of the positive sequence
-_SOURCE = (
-    "scatter of the components over periods, and what it adds to a magnitude; the sensors' gains are left out"
-)
+_SOURCE = "scatter of the components over periods, and what it adds to a magnitude"
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from pydantic import ValidationError
 
+from benchtool.analysis import measurements_from_json
 from benchtool.errors import BenchError
 from benchtool.plan.model import Plan
 from benchtool.profile import Choice, Profile
@@ -47,8 +48,11 @@ def case_items(case: RecordedCase, *, alone: bool = True) -> Iterator[Item]:
         yield limits_section((*result.measurements, *result.quality), limits)
         yield from remarks(result)
         yield measurements_section("Measurements", result.measurements, limits, result.published)
+        yield from (Text(f"{text[0].upper()}{text[1:]}.", "note") for text in result.of_sensors)
         if (tables := tables_section(result.tables)) is not None:
             yield tables
+    elif case.error is None and case.bundle.measurements:  # of a table of another tool
+        yield measurements_section("Measurements", measurements_from_json(case.bundle.measurements), {}, {})
     if figures := _figures(case):
         yield Section("Figures", tuple(figures))
     if (events := events_section(case.bundle.events)) is not None:
@@ -61,6 +65,8 @@ def case_items(case: RecordedCase, *, alone: bool = True) -> Iterator[Item]:
 def remarks(result: Assessment) -> Iterator[Item]:
     """What a verdict does not say: limits missed, by how much; where the shaft does not agree; what is not
     measured; where the drive contradicts the profile."""
+    for late in result.overdue:
+        yield Text(f"Overdue: {late}.", "warning")
     for missed in result.missed:
         yield Text(f"{str(missed.verdict).capitalize()}: {missed}.", "warning")
     for each in result.disagreements:
@@ -95,7 +101,7 @@ def failure(case: RecordedCase) -> Iterator[Item]:
         yield Text(
             f"This case did not come to its end: {case.failure}. What follows came till then.", "warning"
         )
-    elif case.assessment is None:
+    elif case.assessment is None and not case.bundle.measurements:
         yield Text("A recording without a plan: nothing is measured or judged.", "note")
 
 

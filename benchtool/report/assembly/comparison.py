@@ -50,7 +50,8 @@ def comparison_report(
     for each in comparisons:
         many = len(comparisons) > 1
         warned = (Text(each.lengths, "warning"),) if each.lengths else ()
-        body = (*warned, *_measured(each), *_figures(each), *_circumstances(each))
+        late = (Text(f"Overdue: {one}.", "warning") for one in each.overdue)
+        body = (*warned, *late, *_measured(each), *_figures(each), *_circumstances(each))
         items.append(Section(f"Case {each.case}" if many else "Comparison", body, listed=many))
     items.append(files_section(bundles, [f"benchtool compare {shlex.join(folders)}"]))
     title = f"Comparison: {read_manifest(first.bundle)[0].what}"

@@ -73,7 +73,7 @@ def _overview(run: RecordedRun) -> Iterator[Item]:
 
 def _repeated_row(each: Repeated) -> tuple[str | Cell, ...]:
     """A measurement over its repetitions, and how it meets the limit that holds for these together."""
-    row = (each.name, stated(each.mean, each.standard_uncertainty), each.unit, str(each.n))
+    row = (each.name, stated(each.mean, each.combined), each.unit, str(each.n))
     if each.limit is None:
         return (*row, "", "")
     what = "" if each.judged is None else f" ({each.judged.definition}; {each.limit.rule})"

@@ -11,8 +11,10 @@ from benchtool.report import content
 from benchtool.report.assembly.case import case_facts, case_items, failure
 from benchtool.report.assembly.marks import mark, read_already
 from benchtool.report.assembly.plan import plan_items
+from benchtool.report.assembly.table import is_table, table_report
 from benchtool.report.content import Cell, Grid, Item, Mark, Report, Section
 from benchtool.report.origin import files_section
+from benchtool.results.calibration import overdue_text
 from benchtool.results.runs import RecordedCase, RecordedRun
 
 _WORDS: Final[dict[Verdict, str]] = {
@@ -31,6 +33,8 @@ def run_report(folder: Path, runs: Sequence[RecordedRun]) -> Report:
         RecordingError: a file of a bundle cannot be read.
     """
     cases = [case for run in runs for case in run.cases]
+    if len(cases) == 1 and is_table(cases[0].bundle) and cases[0].error is None:
+        return table_report(cases[0].bundle)
     manifest = cases[0].bundle.manifest
     title = manifest.what if len(runs) == 1 else f"{len(runs)} plans: {folder.resolve().name}"
     subtitle = f"Test report · {manifest.when} · profile {manifest.profile_name or 'unknown'}"
@@ -75,6 +79,8 @@ def _banner(verdict: Verdict, cases: Sequence[RecordedCase], together: Sequence[
         parts.append(f"{len(failures)} of {len(cases)} cases failed or were cut short")
     elif len(cases) > 1:
         parts.append(f"{len(cases)} cases")
+    overdue = [each for case in cases if case.assessment for each in case.assessment.overdue]
+    parts += [overdue_text(overdue)] if overdue else []
     mark_: Mark = mark(verdict)
     text = f"{content.SYMBOLS[mark_]} {_WORDS[verdict]}"
     summary = ", ".join(parts)

@@ -6,7 +6,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from benchtool.analysis import measurements_to_json, tables_to_json
+from benchtool.analysis import measurements_from_json, measurements_to_json, tables_from_json, tables_to_json
+from benchtool.analysis.instruments import said_of_sensors
 from benchtool.block import Block, Channel
 from benchtool.recording import Bundle, BundleWriter, Manifest, software_versions
 from benchtool.recording.seal import hash_of
@@ -38,7 +39,10 @@ def keep(answer: TableAnswer, folder: Path, when: str, command_line: Sequence[st
         when=when,
         versions=software_versions(),
         command_line=tuple(command_line),
-        details={"source": dict(answer.source) | {"hash": hashed.model_dump()}},
+        details={
+            "source": dict(answer.source) | {"hash": hashed.model_dump()},
+            "remarks": [each.to_json() for each in answer.remarks],
+        },
     )
     with BundleWriter(folder, manifest) as bundle:
         bundle.append(STREAM, _block(record))
@@ -47,25 +51,36 @@ def keep(answer: TableAnswer, folder: Path, when: str, command_line: Sequence[st
         )
 
 
-def table_report(answer: TableAnswer, bundle: Bundle) -> Report:
-    """The report of a table that `keep` has written."""
+def is_table(bundle: Bundle) -> bool:
+    """Whether `keep` wrote a bundle, to its end."""
+    return bundle.complete and isinstance(bundle.manifest.details.get("source"), dict)
+
+
+def table_report(bundle: Bundle) -> Report:
+    """The report of a table that `keep` has written, with what was measured when it was.
+
+    Raises:
+        RecordingError, AnalysisError: a file of the bundle cannot be read, or was not written by `keep`.
+    """
     manifest = bundle.manifest
+    measurements = measurements_from_json(bundle.measurements)
     undefined: dict[str, list[str]] = {}
-    for each in answer.measurements:
+    for each in measurements:
         if each.reason:
             undefined.setdefault(each.reason, []).append(each.name)
     items: list[Item] = [
         content.Verdict("none", f"{content.SYMBOLS['none']} No limits", "A table of another tool, measured.")
     ]
-    items += [Text(f"{each.text}.", "warning") for each in answer.remarks]
+    items += [Text(f"{each['text']}.", "warning") for each in manifest.details.get("remarks", ())]
     items += [
         Text(f"Undefined: {', '.join(names)}: {reason}.", "note") for reason, names in undefined.items()
     ]
+    items += [Text(f"{text[0].upper()}{text[1:]}.", "note") for text in said_of_sensors(measurements)]
     items += [
-        Section("The table", (_facts(answer), run_facts(manifest))),
-        measurements_section("Measurements", answer.measurements, {}, {}),
+        Section("The table", (_facts(manifest.details["source"]), run_facts(manifest))),
+        measurements_section("Measurements", measurements, {}, {}),
     ]
-    if (tables := tables_section(answer.tables)) is not None:
+    if (tables := tables_section(tables_from_json(bundle.tables))) is not None:
         items.append(tables)
     command = f"benchtool {' '.join(manifest.command_line)}"
     items.append(files_section([("", bundle, {})], [command], by="the command"))
@@ -80,9 +95,9 @@ def _block(record: Record) -> Block:
     return Block(channels, 0, 1, step_s, record.data, gaps)
 
 
-def _facts(answer: TableAnswer) -> content.Facts:
+def _facts(source: Mapping[str, Any]) -> content.Facts:
     """What was read, and how."""
-    source, time = answer.source, answer.source["time"]
+    time = source["time"]
     dropped = "".join(f", {count} left out ({why})" for why, count in source["rows_dropped"].items())
     pairs = {
         "file": str(source["file"]),

@@ -8,8 +8,9 @@ from pathlib import Path
 import pytest
 from pydantic import ValidationError
 
+from benchtool.cli.bundles import conditions
 from benchtool.cli.run import RunOptions
-from benchtool.cli.running import _conditions, _resumption
+from benchtool.cli.running import _resumption
 from benchtool.recording import Conditions, Manifest
 from benchtool.recording.manifest import read_manifest, write_manifest
 from benchtool.report.origin import run_facts
@@ -60,7 +61,8 @@ def test_a_run_that_goes_on_states_the_same() -> None:
         temperature_degC=STATED.temperature_degC,
         instruments=STATED.instruments,
     )
-    assert _conditions(chosen) == STATED
+    stated = (chosen.operator, chosen.serial_number, chosen.temperature_degC, chosen.instruments)
+    assert conditions(*stated) == STATED
     words = shlex.split(_resumption("zhu2011/ripple", Path("runs/a"), chosen))
     assert words[words.index("--note") + 1] == "cold motor"
     assert words[words.index("--temperature") + 1] == "23.5"

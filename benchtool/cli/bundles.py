@@ -1,13 +1,15 @@
-"""The folder of a run bundle: the one that was asked for, or one that no other run takes as well."""
+"""What every verb that records needs for its bundle: a folder, and the conditions that a person states."""
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from datetime import datetime
 from pathlib import Path
 
+from benchtool.cli.options import require_temperature
+from benchtool.recording import Conditions
 from benchtool.recording.failures import writing
 
 
@@ -49,3 +51,20 @@ def _made(folder: Path) -> bool:
     except FileExistsError:
         return False
     return True
+
+
+def conditions(
+    operator: str, serial_number: str, temperature_degC: float | None, instruments: Sequence[str]
+) -> Conditions:
+    """What the operator states of a test.
+
+    Raises:
+        UsageError: a temperature that is no number.
+    """
+    require_temperature(temperature_degC)
+    return Conditions(
+        operator=operator,
+        test_object_serial_number=serial_number,
+        temperature_degC=temperature_degC,
+        instruments=tuple(instruments),
+    )

@@ -1,0 +1,169 @@
+"""What stands beside the drive on a bench, as a profile states it: its sensors and their certificates."""
+
+from __future__ import annotations
+
+import math
+import re
+from datetime import date
+from typing import Annotated, Any, Final
+
+from pydantic import Field, field_validator, model_validator
+
+from benchtool.document import Section
+from benchtool.profile.motor import NotNegative, Positive
+
+UNITS: Final = {"A": "A", "V": "V", "Nm": "Nm", "Wb": "Wb", "rad": "rad", "rad_s": "rad/s"}
+"""Units of channels, by the end of a key."""
+
+_WITH_UNIT: Final = ("offset_U", "offset_limit", "resolution")
+_ANGLE: Final = "theta_m"
+_ROOT_3: Final = math.sqrt(3.0)
+
+
+class Instrument(Section):
+    """What tells one instrument from another, and how long what is stated of it holds.
+
+    `k` is the coverage factor with which its certificate states an expanded uncertainty U; `due` is the day
+    of the next calibration.
+    """
+
+    sensor: str = ""
+    serial_number: str = ""
+    certificate: str = ""
+    due: date | None = None
+    k: Annotated[float, Field(ge=1.0, le=5.0)] = 2.0
+
+    @field_validator("due", mode="before")
+    @classmethod
+    def _is_a_date(cls, due: object) -> object:
+        if isinstance(due, str):
+            raise ValueError("a date without quotes is expected, such as 2027-03-01")
+        return due
+
+    @property
+    def label(self) -> str:
+        """Sensor, serial number and certificate in words; empty where none is stated."""
+        number = f"no. {self.serial_number}" if self.serial_number else ""
+        certificate = f"certificate {self.certificate}" if self.certificate else ""
+        return ", ".join(part for part in (self.sensor, number, certificate) if part)
+
+    def overdue(self, on: date) -> bool:
+        """Whether the next calibration was due before this day."""
+        return self.due is not None and self.due < on
+
+
+class Sensor(Instrument):
+    """What is known of how one channel measures (JCGM 100:2008, 4.3).
+
+    The reading is (1 + gain error) x value + offset error. Each error is stated in one of two ways: as an
+    expanded uncertainty of a certificate (`gain_U_percent`, `offset_U_A`; u = U / k, 4.3.3), or as the limits
+    of error of a data sheet (`gain_limit_percent`, `offset_limit_A`: a half-width, rectangular,
+    u = limit / sqrt(3), 4.3.7). The gain is relative to the reading, offset and `resolution_A` are in the
+    channel's unit, in which their keys end. `bandwidth_Hz` is where a first-order sensor has lost 3 dB.
+    """
+
+    gain_U_percent: NotNegative | None = None
+    gain_limit_percent: NotNegative | None = None
+    offset_U: NotNegative | None = None
+    offset_limit: NotNegative | None = None
+    resolution: NotNegative | None = None
+    bandwidth_Hz: Positive | None = None
+    unit: str = ""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _units_of_keys(cls, content: Any) -> Any:
+        """Take the unit off `offset_U_A`, `offset_limit_A` and `resolution_A`."""
+        if not isinstance(content, dict):
+            return content
+        found: dict[str, Any] = {}
+        units: dict[str, str] = {}
+        for key, value in content.items():
+            stem = next((each for each in _WITH_UNIT if re.fullmatch(f"{each}(_.*)?", str(key))), "")
+            if not stem:
+                found[key] = value
+                continue
+            ending = str(key)[len(stem) + 1 :]
+            if ending not in UNITS:
+                known = ", ".join(f"{stem}_{each}" for each in UNITS)
+                raise ValueError(f"'{key}' does not end in its channel's unit, one of {known} is expected")
+            found[stem], units[key] = value, UNITS[ending]
+        if len(set(units.values())) > 1:
+            raise ValueError(f"{', '.join(units)} end in different units, those of one channel are expected")
+        if "unit" in content:
+            raise ValueError("the unit is that of the keys, such as offset_U_A: leave out 'unit'")
+        return found | ({"unit": next(iter(units.values()))} if units else {})
+
+    @model_validator(mode="after")
+    def _stated_once(self) -> Sensor:
+        for of, pair in (
+            ("gain", (self.gain_U_percent, self.gain_limit_percent)),
+            ("offset", (self.offset_U, self.offset_limit)),
+        ):
+            if None not in pair:
+                raise ValueError(
+                    f"both {of}_U and {of}_limit: state what the certificate says, or the limits"
+                )
+        return self
+
+    @property
+    def gain_standard(self) -> float:
+        """Standard uncertainty of the gain, relative; 0 where nothing is stated."""
+        return 0.01 * self._standard(self.gain_U_percent, self.gain_limit_percent)
+
+    @property
+    def offset_standard(self) -> float:
+        """Standard uncertainty of the offset in the channel's unit; 0 where nothing is stated."""
+        return self._standard(self.offset_U, self.offset_limit)
+
+    @property
+    def gain_text(self) -> str:
+        """What is stated of the gain."""
+        return self._text(self.gain_U_percent, self.gain_limit_percent, "%")
+
+    @property
+    def offset_text(self) -> str:
+        """What is stated of the offset."""
+        return self._text(self.offset_U, self.offset_limit, self.unit)
+
+    def _standard(self, expanded: float | None, limit: float | None) -> float:
+        if expanded is not None:
+            return expanded / self.k
+        return 0.0 if limit is None else limit / _ROOT_3
+
+    def _text(self, expanded: float | None, limit: float | None, unit: str) -> str:
+        if expanded is not None:
+            return f"U = {expanded:g} {unit}, k = {self.k:g}"
+        return "" if limit is None else f"limits of {limit:g} {unit}, rectangular"
+
+
+class ReferenceClock(Instrument):
+    """The clock by which the drive samples: the limits of its relative error, rectangular."""
+
+    tolerance_ppm: NotNegative
+
+    @property
+    def relative_standard(self) -> float:
+        """Standard uncertainty of its period, relative."""
+        return 1e-6 * self.tolerance_ppm / _ROOT_3
+
+
+class Bench(Section):
+    """The bench: the sensor of each channel, by the channel's name, and the drive's clock.
+
+    The drive's channels are those of its dictionary, its estimates among them; that of a torque transducer is
+    `torque_transducer`.
+    """
+
+    channels: dict[str, Sensor] = Field(default_factory=dict)
+    clock: ReferenceClock | None = None
+
+    @model_validator(mode="after")
+    def _an_angle_has_no_gain(self) -> Bench:
+        angle = self.channels.get(_ANGLE)
+        if angle is not None and angle.gain_standard > 0.0:
+            raise ValueError(
+                f"channels.{_ANGLE} has an uncertainty of its gain, and an angle is exact after a whole "
+                f"revolution: state that of its offset"
+            )
+        return self

@@ -1,0 +1,130 @@
+"""The sensors behind the columns of a table, and the report of a bundle made of one."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner, Result
+
+from benchtool.analysis.sensitivity import declared
+from benchtool.cli import app
+from tests.emulated.analyzing import Invoke, analyze, measured
+from tests.emulated.tables import phase_current, sinusoid, write
+
+BENCH = """
+[bench.channels."CH1 [A]"]
+sensor = "current probe"
+serial_number = "C-3"
+certificate = "2026-1"
+due = 2000-01-01
+gain_U_percent = 0.5
+offset_limit_A = 0.02
+"""
+
+
+@pytest.fixture
+def invoke(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Invoke:
+    monkeypatch.chdir(tmp_path)
+    time_s, current = phase_current()
+    current = current + 1e-3 * np.random.default_rng(0).standard_normal(len(current))
+    write("scope.csv", "t,CH1 [A]", [time_s, current])
+    return analyze
+
+
+def _report(folder: str) -> Result:
+    result = CliRunner().invoke(app, ["report", folder])
+    assert result.exit_code == 0, result.output
+    return result
+
+
+SCOPE = ("--csv", "scope.csv", "--time", "t", "--current", "CH1")
+
+
+@pytest.mark.parametrize("key", ['"CH1 [A]"', "CH1", "current"])
+def test_a_probe_counts_by_its_column_or_by_what_it_is(invoke: Invoke, key: str) -> None:
+    Path("bench.toml").write_text(BENCH.replace('"CH1 [A]"', key), encoding="utf-8")
+    without = measured(invoke(*SCOPE, "--json"))["measurements"]["current_fundamental"]
+    stated = measured(invoke(*SCOPE, "--bench", "bench.toml", "--json"))["measurements"]
+    assert without["uncertainty"]["standard"] < 1e-3
+    assert without["basis"]["sensors"] == "the sensors' own uncertainty is not stated"
+    amplitude = stated["current_fundamental"]
+    assert amplitude["uncertainty"]["standard"] == pytest.approx(3.0 * 0.0025, rel=0.01)
+    (line,) = [each for each in amplitude["uncertainty"]["budget"] if "instrument" in each]
+    assert line["name"] == "gain of CH1 [A] (current probe, no. C-3, certificate 2026-1); U = 0.5 %, k = 2"
+    assert "sensors" not in amplitude["basis"]
+    assert stated["current_thd"]["uncertainty"]["standard"] < 0.01
+
+
+def test_every_number_of_a_table_has_a_stated_sensitivity(invoke: Invoke) -> None:
+    """A table is not measured again: what is not declared would leave its sensors out."""
+    time_s, current, angle = sinusoid(50.0)
+    noise = 1e-3 * np.random.default_rng(1).standard_normal((3, len(time_s)))
+    torque, speed = 1.0 + 0.1 * np.cos(6.0 * angle) + noise[0], 80.0 + np.cos(2.0 * angle) + noise[1]
+    write("x.csv", "t,i,T,w,phi", [time_s, current + noise[2], torque, speed, angle])
+    columns = ("--csv", "x.csv", "--time", "t", "--current", "i", "--torque", "T", "--speed", "w")
+    turning = ("--angle", "phi", "--pole-pairs", "4", "--rated-torque", "2")
+    names = set()
+    for more in (turning, ("--rated-torque", "2")):
+        names |= set(measured(invoke(*columns, *more, "--json"))["measurements"])
+    write("q.csv", "t,Iq,T", [time_s, 2.0 + noise[0], torque])
+    names |= set(
+        measured(invoke(*SCOPE[:1], "q.csv", "--time", "t", "--current", "Iq", "--json"))["measurements"]
+    )
+    assert len(names) > 30
+    assert [name for name in sorted(names) if declared(name) is None] == []
+
+
+def test_a_ripple_of_a_table_knows_gain_and_offset_of_its_column(invoke: Invoke) -> None:
+    time_s, _, angle = sinusoid(50.0)
+    torque = 1.0 + 0.1 * np.cos(24.0 * angle) + 1e-4 * np.random.default_rng(1).standard_normal(len(time_s))
+    write("x.csv", "t,T,phi", [time_s, torque, angle])
+    Path("bench.toml").write_text(
+        "[bench.channels.T]\ngain_limit_percent = 3.0\noffset_U_Nm = 0.1\n", encoding="utf-8"
+    )
+    turning = ("--angle", "phi", "--pole-pairs", "4")
+    found = measured(
+        invoke("--csv", "x.csv", "--time", "t", "--torque", "T", *turning, "--bench", "bench.toml", "--json")
+    )["measurements"]
+    gain, offset = 0.03 / math.sqrt(3.0), 0.05
+    assert found["torque_mean"]["uncertainty"]["standard"] == pytest.approx(
+        math.hypot(gain, offset), rel=0.01
+    )
+    assert found["torque_ripple_rms"]["uncertainty"]["standard"] == pytest.approx(
+        gain * found["torque_ripple_rms"]["value"], rel=0.05
+    )
+    assert found["torque_order_24"]["uncertainty"]["standard"] == pytest.approx(0.1 * gain, rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("bench", "message"),
+    [
+        ("[bench.channels.CH2]\ngain_U_percent = 1.0", "states CH2, none of which is a column"),
+        ("[bench.channels.current]\noffset_U_V = 1.0", "is in V and its column in A"),
+        ("title = 'none'", "has no section [bench]"),
+    ],
+)
+def test_a_bench_of_other_columns_is_refused(invoke: Invoke, bench: str, message: str) -> None:
+    Path("bench.toml").write_text(bench, encoding="utf-8")
+    result = invoke(*SCOPE, "--bench", "bench.toml")
+    assert result.exit_code != 0
+    assert message in result.stderr
+
+
+def test_no_day_is_known_of_a_table(invoke: Invoke) -> None:
+    Path("bench.toml").write_text(BENCH, encoding="utf-8")
+    assert "due" not in invoke(*SCOPE, "--bench", "bench.toml").output
+
+
+def test_the_report_of_a_bundle_shows_what_the_table_measured(invoke: Invoke) -> None:
+    Path("bench.toml").write_text(BENCH, encoding="utf-8")
+    result = invoke(*SCOPE, "--bench", "bench.toml", "--out", "kept", "--report")
+    assert result.exit_code == 0, result.output
+    first = Path("kept/report.html").read_bytes()
+    _report("kept")
+    assert Path("kept/report.html").read_bytes() == first  # the same page again, from the bundle alone
+    page = first.decode("utf-8")
+    for text in ("current_fundamental", "current_harmonics", "gain of CH1 [A] (current probe", "scope.csv"):
+        assert text in page

@@ -1,0 +1,290 @@
+"""Sensors and clock in the uncertainty of what is measured with them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from benchtool.analysis import Measurement, Uncertainty, measurements_from_json, measurements_to_json
+from benchtool.analysis.catalogue import STEADY, Window, analyses_of
+from benchtool.analysis.instruments import UNSTATED, Altered, Instruments
+from benchtool.analysis.measurement import Basis
+from benchtool.analysis.specimen import SPECIMEN_MOTOR, steady_specimen
+from benchtool.analysis.uncertainty import Contribution, InstrumentError, of_difference
+from benchtool.block import Block
+from benchtool.profile import Bench, Sensor
+
+ROOT_3 = math.sqrt(3.0)
+
+
+def _sensor(**stated: object) -> Sensor:
+    return Sensor.model_validate(stated)
+
+
+def _of(name: str, value: float, standard: float | None = 0.0, unit: str = "Nm") -> Measurement:
+    uncertain = None if standard is None else Uncertainty(standard, "scatter", 10.0)
+    return Measurement(name, value, unit, "", uncertainty=uncertain)
+
+
+def _applied(bench: Bench, *measurements: Measurement, blocks: Sequence[Block] = ()) -> list[Measurement]:
+    return list(Instruments(bench, blocks, pole_pairs=4).applied(measurements))
+
+
+def _uncertainty(measurement: Measurement) -> Uncertainty:
+    assert measurement.uncertainty is not None
+    return measurement.uncertainty
+
+
+def test_the_headline_contains_gain_and_offset_and_the_budget_names_sensor_and_certificate() -> None:
+    sensor = _sensor(
+        sensor="T40B", serial_number="7", certificate="D-K 1", gain_U_percent=0.5, offset_limit_Nm=0.02
+    )
+    (mean,) = _applied(Bench(channels={"torque": sensor}), _of("torque_mean", -4.0, 0.003))
+    gain, offset = 4.0 * 0.0025, 0.02 / ROOT_3
+    u = _uncertainty(mean)
+    assert u.standard == pytest.approx(math.hypot(0.003, gain, offset))
+    assert u.expanded > 1.9 * math.hypot(gain, offset)
+    assert u.dof == pytest.approx(u.standard**4 / (0.003**4 / 10.0))
+    scatter, of_gain, of_offset = u.budget
+    assert (scatter.name, scatter.evaluation, scatter.standard, scatter.dof) == ("scatter", "A", 0.003, 10.0)
+    assert of_gain.name == "gain of torque (T40B, no. 7, certificate D-K 1); U = 0.5 %, k = 2"
+    assert (of_gain.evaluation, of_gain.sign) == ("B", -1)
+    assert of_gain.standard == pytest.approx(gain)
+    assert of_offset.name.endswith("limits of 0.02 Nm, rectangular")
+    assert of_offset.standard == pytest.approx(offset)
+    assert mean.basis.sensors == ""
+
+
+def test_a_half_width_grows_as_a_standard_uncertainty_does() -> None:
+    ripple = Measurement("torque_ripple_pp", 1.0, "Nm", "", uncertainty=Uncertainty(0.1, "x", half_width=0.3))
+    (found,) = _applied(Bench(channels={"torque": _sensor(gain_U_percent=20.0)}), ripple)
+    assert _uncertainty(found).expanded == pytest.approx(math.hypot(0.3, 1.959964 * 0.1))
+
+
+def test_without_a_bench_nothing_changes_but_what_is_said() -> None:
+    before = [_of("torque_mean", 1.0, 0.1), _of("current_thd", 2.0, 0.1, "%"), _of("torque_error", 0.1, 0.1)]
+    after = _applied(Bench(), *before)
+    assert [each.basis.sensors for each in after] == [UNSTATED] * 3
+    assert [replace(each, basis=Basis()) for each in after] == before
+    stated = Bench(channels={"torque": _sensor(gain_U_percent=1.0)})
+    (error,) = _applied(stated, _of("torque_error", 0.1, 0.1))[:1]
+    assert error.basis.sensors == "the uncertainty of torque_transducer is not stated"
+
+
+def test_an_uncertainty_that_is_not_known_stays_so() -> None:
+    bench = Bench(channels={"torque": _sensor(gain_U_percent=1.0)})
+    (unknown, undefined) = _applied(
+        bench, _of("torque_mean", 1.0, None), Measurement.undefined("torque_ripple_pp", "Nm", "", "none")
+    )
+    assert unknown.uncertainty is None
+    assert undefined.uncertainty is None
+
+
+def _steps(step: float) -> Block:
+    torque = np.round(np.linspace(0.0, 1.0, 20_000) / step) * step
+    return Block.from_arrays(1e3, {"torque": "Nm"}, torque=torque)
+
+
+@pytest.mark.parametrize(
+    ("stated", "in_data", "rest"),
+    [(0.05, 1e-4, 0.05), (0.05, 0.03, 0.04), (0.05, 0.05, 0.0), (0.03, 0.05, 0.0)],
+)
+def test_a_resolution_counts_once(stated: float, in_data: float, rest: float) -> None:
+    """The analyses count the steps that they find; of the stated one the rest is left, in squares."""
+    bench = Bench(channels={"torque": _sensor(resolution_Nm=stated)})
+    mean, pp = _applied(
+        bench, _of("torque_mean", 1.0), _of("torque_ripple_pp", 1.0), blocks=[_steps(in_data)]
+    )
+    rest = rest if in_data > 1e-3 else stated
+    assert _uncertainty(mean).standard == pytest.approx(rest / math.sqrt(12.0), abs=1e-8)
+    assert _uncertainty(pp).standard == pytest.approx(rest / math.sqrt(6.0), abs=1e-8)
+
+
+def test_a_bandwidth_is_a_bound_for_a_line_and_a_remark_for_a_band() -> None:
+    bench = Bench(channels={"i_a": _sensor(bandwidth_Hz=500.0)})
+    basis = Basis(bandwidth_Hz=4e3, harmonics=50)
+    frequency = _of("fundamental_frequency", 50.0, unit="Hz")
+    line, thd, tdd = _applied(
+        bench,
+        _of("current_fundamental", 2.0, unit="A"),
+        replace(_of("current_thd", 3.0, unit="%"), basis=basis),
+        replace(_of("current_tdd", 3.0, unit="%"), basis=replace(basis, harmonics=10)),
+        frequency,
+    )[:3]
+    loss = 2.0 * (math.hypot(1.0, 50.0 / 500.0) - 1.0)
+    assert _uncertainty(line).standard == pytest.approx(loss / ROOT_3)
+    assert "counted up to 2500 Hz and the bandwidth of i_a is 500 Hz" in thd.basis.sensors
+    assert _uncertainty(thd).standard == 0.0
+    assert tdd.basis.sensors == ""
+
+
+def test_an_order_counts_revolutions_by_the_pole_pairs() -> None:
+    bench = Bench(channels={"torque": _sensor(bandwidth_Hz=300.0)})
+    order, _ = _applied(bench, _of("torque_order_24", 0.1), _of("fundamental_frequency", 50.0, unit="Hz"))
+    assert _uncertainty(order).standard == pytest.approx(0.1 * (math.sqrt(2.0) - 1.0) / ROOT_3)
+    assert _uncertainty(order).budget[-1].name.endswith("not corrected at 300 Hz")
+
+
+# --- measured again -------------------------------------------------------------------------------------
+
+
+def _rests_on(name: str) -> tuple[str, ...]:
+    found = next(analyses_of(name), None)
+    return () if found is None else (*found.channels, *(("torque_transducer",) if found.transducer else ()))
+
+
+def _measure(block: Block, transducer: Block, titles: Sequence[str]) -> Iterator[Measurement]:
+    window = Window.of(block, SPECIMEN_MOTOR, transducer)
+    for analysis in STEADY:
+        if analysis.title in titles:
+            yield from analysis.measure(window).measurements
+
+
+def _with_sensors(bench: Bench, block: Block, transducer: Block, titles: Sequence[str]) -> list[Measurement]:
+    instruments = Instruments(bench, (block, transducer), rests_on=_rests_on, pole_pairs=4)
+
+    def again(altered: Altered) -> Iterator[Measurement]:
+        return _measure(altered.of(block), altered.of(transducer), titles)
+
+    return list(instruments.applied(tuple(_measure(block, transducer, titles)), again))
+
+
+def test_unequal_gains_look_like_unbalance_even_where_there_is_none() -> None:
+    """A magnitude near zero moves the same way for both signs of an error: their difference would be 0."""
+    sensors = {name: _sensor(gain_limit_percent=1.0) for name in ("i_a", "i_b", "i_c")}
+    found = _with_sensors(Bench(channels=sensors), *steady_specimen(), ["current unbalance"])
+    unbalance = next(each for each in found if each.name == "current_unbalance_percent")
+    assert unbalance.value < 0.01
+    # each phase adds a third of its relative error
+    assert _uncertainty(unbalance).standard == pytest.approx(1.0 / ROOT_3 / 3.0 * ROOT_3, rel=0.1)
+
+
+def test_a_residual_that_is_a_difference_knows_the_gain_of_what_it_is_made_from() -> None:
+    sensors = {"torque_transducer": _sensor(gain_U_percent=1.0, offset_limit_Nm=0.1)}
+    found = _with_sensors(Bench(channels=sensors), *steady_specimen(), ["torque residual on the shaft"])
+    mean = next(each for each in found if each.name == "true_torque_residual_mean")
+    lines = {line.instrument.effect: line for line in _uncertainty(mean).budget if line.instrument}
+    assert lines["gain"].standard == pytest.approx(0.005, rel=1e-3)  # mean torque of 1 Nm
+    assert lines["offset"].standard == pytest.approx(0.1 / ROOT_3, rel=1e-3)
+    assert lines["gain"].sign == -1
+
+
+def test_what_cannot_be_measured_again_has_no_known_uncertainty() -> None:
+    sensors = {"i_a": _sensor(gain_U_percent=1.0)}
+    instruments = Instruments(Bench(channels=sensors), rests_on=lambda _: ("i_a",))
+    (found,) = instruments.applied([_of("something_else", 1.0, 0.1)], lambda _: ())
+    assert found.uncertainty is None
+
+
+# --- Monte Carlo ----------------------------------------------------------------------------------------
+
+
+def _drawn(sensor: Sensor, channel: str, random: np.random.Generator) -> Altered:
+    """Errors of a sensor as they are stated: normal for a certificate, uniform within limits."""
+
+    def one(expanded: float | None, limit: float | None) -> float:
+        if expanded is not None:
+            return float(random.normal(0.0, expanded / sensor.k))
+        return float(random.uniform(-1.0, 1.0)) * (limit or 0.0)
+
+    gain = 0.01 * one(sensor.gain_U_percent, sensor.gain_limit_percent)
+    return Altered(channel, gain, one(sensor.offset_U, sensor.offset_limit))
+
+
+def covered(
+    sensors: dict[str, Sensor], titles: Sequence[str], repetitions: int, seed: int = 4
+) -> dict[str, float]:
+    """Share of repetitions in which value +- U holds what sensors without errors read."""
+    random = np.random.default_rng(seed)
+    block, transducer = steady_specimen()
+    rows = 1500
+    block = replace(block, data=block.data[:rows])
+    transducer = replace(transducer, data=transducer.data[: 2 * rows])
+    truth = {each.name: each.value for each in _measure(block, transducer, titles)}
+    inside: dict[str, list[bool]] = {}
+    for _ in range(repetitions):
+        read, shaft = block, transducer
+        for channel, sensor in sensors.items():
+            error = _drawn(sensor, channel, random)
+            read, shaft = error.of(read), error.of(shaft)
+        for each in _with_sensors(Bench(channels=sensors), read, shaft, titles):
+            if each.uncertainty is not None and each.name in truth:
+                held = abs(each.value - truth[each.name]) <= each.uncertainty.expanded
+                inside.setdefault(each.name, []).append(held)
+    return {name: sum(each) / len(each) for name, each in inside.items()}
+
+
+def test_the_interval_covers_what_sensors_with_such_errors_read() -> None:
+    sensors = {
+        "i_a": _sensor(gain_limit_percent=2.0, offset_limit_A=0.05),
+        "torque": _sensor(gain_U_percent=3.0, offset_U_Nm=0.04),
+        "torque_transducer": _sensor(gain_U_percent=2.0, offset_U_Nm=0.03),
+    }
+    titles = [
+        "torque ripple",
+        "torque ripple on the shaft",
+        "error of the torque estimate",
+        "current spectrum",
+    ]
+    share = covered(sensors, titles, 80, seed=7)
+    means = "torque_mean", "true_torque_mean", "torque_error"
+    for name in (*means, "torque_ripple_rms", "current_fundamental"):
+        assert share[name] >= 0.88, name
+    assert min(share[name] for name in means) < 1.0  # they are not simply wide
+
+
+def test_the_interval_of_an_unbalance_covers_that_of_unequal_gains() -> None:
+    sensors = {name: _sensor(gain_limit_percent=2.0) for name in ("i_a", "i_b", "i_c")}
+    share = covered(sensors, ["current unbalance"], 50, seed=7)
+    assert share["current_sequence_positive"] >= 0.88
+    assert share["current_unbalance_percent"] >= 0.88
+
+
+# --- in common ------------------------------------------------------------------------------------------
+
+
+def _result(value: float, scatter: float, serial_number: str, certificate: str = "C1") -> Uncertainty:
+    sensor = _sensor(
+        serial_number=serial_number, certificate=certificate, gain_U_percent=1.0, offset_U_Nm=0.1
+    )
+    (mean,) = _applied(Bench(channels={"torque": sensor}), _of("torque_mean", value, scatter))
+    return _uncertainty(mean)
+
+
+def test_errors_in_common_leave_what_they_move_one_result_more() -> None:
+    one, two = _result(10.0, 0.01, "7"), _result(9.0, 0.02, "7")
+    difference = of_difference(one, two)
+    assert difference.standard == pytest.approx(math.hypot(0.01, 0.02, 0.005 * (10.0 - 9.0)))
+    against = of_difference(one, _result(-10.0, 0.02, "7"))  # a gain moves both apart
+    assert against.standard == pytest.approx(math.hypot(0.01, 0.02, 0.005 * 20.0))
+    same = of_difference(one, one)
+    assert same.standard == pytest.approx(math.hypot(0.01, 0.01))
+    assert same.dof == pytest.approx(20.0)
+
+
+@pytest.mark.parametrize(("serial_number", "certificate"), [("8", "C1"), ("7", "C2")])
+def test_another_instrument_or_calibration_counts_in_full(serial_number: str, certificate: str) -> None:
+    one, two = _result(10.0, 0.01, "7"), _result(10.0, 0.01, serial_number, certificate)
+    assert of_difference(one, two).standard == pytest.approx(math.hypot(one.standard, two.standard))
+
+
+def test_without_a_number_or_certificate_nothing_is_taken_for_common() -> None:
+    one = _result(10.0, 0.01, "", "")
+    assert of_difference(one, one).standard == pytest.approx(math.sqrt(2.0) * one.standard)
+    certified = _result(10.0, 0.01, "", "C1")
+    assert of_difference(certified, certified).standard == pytest.approx(math.sqrt(2.0) * 0.01)
+
+
+def test_the_budget_comes_back_from_json() -> None:
+    sensor = _sensor(sensor="x", serial_number="7", gain_U_percent=1.0)
+    (mean,) = _applied(Bench(channels={"torque": sensor}), _of("torque_mean", -3.0, 0.1))
+    (again,) = measurements_from_json(measurements_to_json([mean]))
+    assert again == mean
+    (line,) = [each for each in _uncertainty(again).budget if each.instrument is not None]
+    assert line.instrument == InstrumentError("gain", "torque", "x", "7", "")
+    assert line.scaled(-2.0) == replace(line, standard=2.0 * line.standard, sign=1)
+    assert Contribution("x", "A", 1.0).scaled(-1.0).sign == -1

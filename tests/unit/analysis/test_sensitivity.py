@@ -1,0 +1,145 @@
+"""What is stated of sensitivities, against the derivative of each measurement of the catalogue."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from functools import cache
+
+import pytest
+
+from benchtool.analysis import Measurement
+from benchtool.analysis.catalogue import STEADY, Window
+from benchtool.analysis.instruments import Altered, Instruments
+from benchtool.analysis.sensitivity import DECLARED, Found, declared
+from benchtool.analysis.specimen import SPECIMEN_MOTOR, steady_specimen
+from benchtool.block import Block
+from benchtool.profile import Bench, ReferenceClock
+
+CHANNELS = sorted({name for each in STEADY for name in each.channels} - {"theta_m", "switching_count"})
+STEP = 1e-6
+
+Values = Mapping[str, float]
+
+
+@cache
+def _raised() -> tuple[Block, Block]:
+    """The specimen with a transducer that reads otherwise than the estimate: no mean is like another."""
+    block, transducer = steady_specimen()
+    return block, Altered("torque_transducer", 0.1, 0.2).of(transducer)
+
+
+def _values(block: Block, transducer: Block, of: str = "") -> Values:
+    """All measurements, or those of the analyses that read one channel."""
+    window = Window.of(block, SPECIMEN_MOTOR, transducer)
+    found: dict[str, float] = {}
+    for analysis in STEADY:
+        reads = (*analysis.channels, *(("torque_transducer",) if analysis.transducer else ()))
+        if not of or of in reads:
+            found |= {each.name: each.value for each in analysis.measure(window).measurements}
+    return found
+
+
+@cache
+def _base() -> Values:
+    return _values(*_raised())
+
+
+@cache
+def _altered(altered: Altered) -> Values:
+    block, transducer = _raised()
+    again = _values(altered.of(block), altered.of(transducer), altered.channel)
+    return {**_base(), **again}
+
+
+def _derivative(name: str, channel: str, error: str) -> float:
+    up, down = (_altered(Altered(channel, **{error: step})) for step in (STEP, -STEP))
+    return (up[name] - down[name]) / (2.0 * STEP)
+
+
+def _stated(name: str, values: Values, channel: str, error: str) -> float:
+    of = declared(name)
+    assert of is not None
+    found = Found(name, values[name], values, SPECIMEN_MOTOR.pole_pairs)
+    return sum(
+        (each.gain if error == "gain" else each.offset)(found)
+        for each in of.sensitivities
+        if each.channel == channel
+    )
+
+
+@pytest.mark.parametrize("error", ["gain", "offset"])
+@pytest.mark.parametrize("channel", [*CHANNELS, "torque_transducer"])
+def test_each_declaration_is_the_derivative_of_its_measurement(channel: str, error: str) -> None:
+    """Of each name of the catalogue by each channel, those that are not declared excepted."""
+    values = _base()
+    compared = 0
+    for name, value in values.items():
+        if declared(name) is None or not math.isfinite(value):
+            continue
+        of = declared(name)
+        if of is not None and of.bound:
+            up = _altered(Altered(channel, **{error: 0.01}))[name] - value
+            stated = _stated(name, values, channel, error)
+            assert abs(up) <= 0.0101 * stated + 1e-12, name
+            # and no more than it takes: near zero all of it moves a magnitude
+            assert abs(up) >= 0.0095 * stated, name
+            continue
+        derivative = _derivative(name, channel, error)
+        assert derivative == pytest.approx(
+            _stated(name, values, channel, error), rel=2e-3, abs=2e-4 * max(1e-3, abs(value))
+        ), name
+        compared += 1
+    assert compared > 30
+
+
+def test_each_declaration_is_of_a_measurement_that_there_is() -> None:
+    """Those of a table's current and speed are not of a steady state, and looked at with tables."""
+    names = list(_base())
+    for each in DECLARED:
+        if not each.pattern.startswith(("current_", "speed_")) and not each.pattern.endswith("_reached"):
+            assert any(declared(name) is each for name in names), each.pattern
+
+
+def test_only_these_are_measured_again() -> None:
+    titles = {analysis.title for analysis in STEADY if any(declared(name) is None for name in analysis.names)}
+    assert titles == {
+        "flux trajectory",
+        "switching states",
+        "torque residual",
+        "torque residual on the shaft",
+    }
+    for analysis in STEADY:
+        assert len({declared(name) is None for name in analysis.names}) == 1, analysis.title
+
+
+def test_the_clock_moves_times_and_frequencies_by_their_unit() -> None:
+    block, transducer = _raised()
+    tolerance_ppm = 30.0
+    bench = Bench(clock=ReferenceClock(tolerance_ppm=tolerance_ppm))
+
+    def slower(by: float) -> Iterator[Measurement]:
+        window = Window.of(
+            replace(block, tick_s=block.tick_s * (1.0 + by)),
+            SPECIMEN_MOTOR,
+            replace(transducer, tick_s=transducer.tick_s * (1.0 + by)),
+        )
+        for analysis in STEADY:
+            yield from analysis.measure(window).measurements
+
+    found = list(slower(0.0))
+    by_name = {each.name: each for each in Instruments(bench).applied(found)}
+    up, down = ({each.name: each.value for each in slower(by)} for by in (STEP, -STEP))
+    moved = 0
+    for each in found:
+        if declared(each.name) is None or each.uncertainty is None:
+            continue
+        derivative = (up[each.name] - down[each.name]) / (2.0 * STEP)
+        after = by_name[each.name].uncertainty
+        assert after is not None
+        lines = [line for line in after.budget if line.instrument is not None]
+        stated = sum(line.sign * line.standard for line in lines) / (1e-6 * tolerance_ppm / math.sqrt(3.0))
+        assert stated == pytest.approx(derivative, rel=2e-3, abs=2e-4 * abs(each.value)), each.name
+        moved += bool(lines)
+    assert moved >= 3
