@@ -92,26 +92,19 @@ def _times(step: Step, curve: NoisyCurve, arrived: Instant | None) -> Iterator[M
         f"from the step until the smoothed signal is {_ARRIVED:.0%} of the step beyond the mean before it; "
         f"where {_SIGMAS:g} x its uncertainty is more, from there half the way back along a line"
     )
-    ahead = _moves_ahead(step)
-    reason = "it moves before the reference has come half the way"
-    left = None if ahead else _departure(step, curve)
-    yield _time(step, "dead_time", text, left, reason if ahead else "it does not move")
+    left = _departure(step, curve)
+    ahead = left is not None and left.place < step.zero - left.standard
+    reason = "it moves before the reference has come half the way" if ahead else "it does not move"
+    yield _time(step, "dead_time", text, None if ahead else left, reason)
 
     low, high = (curve.first_above(step.before + share * step.height) for share in (_LOW, _HIGH))
     rise = None
-    if low is not None and high is not None and not ahead:
+    if low is not None and high is not None:
         rise = Instant(high.place - low.place, math.hypot(high.standard, low.standard))
     text = f"from {_LOW:.0%} to {_HIGH:.0%} of the step, of the smoothed signal"
-    yield _time(step, "rise_time", text, rise, reason if ahead else "it is not reached")
+    yield _interval(step, "rise_time", text, rise, "it is not reached")
     text = f"from the step until the smoothed signal has come {1 - _ARRIVED:.0%} of it"
     yield _time(step, "reach_time", text, arrived, "it is not reached")
-
-
-def _moves_ahead(step: Step) -> bool:
-    """Whether the signal has left its first level before the step, as it does along a slow reference."""
-    level = float(np.mean(step.y_before[: max(1, len(step.y_before) // 4)]))
-    least = max(_ARRIVED * step.height, _CALM * step.y_noise.rms)
-    return float(step.y_before[-1]) - level > least
 
 
 def _departure(step: Step, curve: NoisyCurve) -> Instant | None:
@@ -132,7 +125,15 @@ def _departure(step: Step, curve: NoisyCurve) -> Instant | None:
 
 
 def _time(step: Step, name: str, definition: str, found: Instant | None, reason: str) -> Measurement:
-    """A time from the step, which the reference takes at its row, to an instant."""
+    """A time from the step to an instant."""
+    if found is not None:
+        since = max(0.0, found.place - step.zero)
+        found = Instant(since, math.hypot(found.standard, step.zero_error))
+    return _interval(step, name, definition, found, reason)
+
+
+def _interval(step: Step, name: str, definition: str, found: Instant | None, reason: str) -> Measurement:
+    """A time between two instants."""
     if found is not None and not math.isfinite(found.standard):
         found, reason = None, "the noise does not let tell whether it is"
     if found is None:
