@@ -13,7 +13,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import fft, signal
+from scipy import fft, ndimage, signal
 
 from benchtool.analysis.local_polynomial import REACH, degrees_of_freedom, local_fit
 from benchtool.analysis.validity import require_signal
@@ -42,6 +42,8 @@ _SEGMENTS = 16  # of the record, half overlapping, unless the caller says otherw
 _SWEPT = 0.3  # of the segments: noise counts as half of them at each frequency, a sweep as one to three
 _REST_SHARE = 0.01  # of the record, at either end
 _AT_REST = 1e-3  # rms deviation there over that of all
+_NOTHING = 1e-30  # of the noise: a response of which there is no trace
+_LINE = 3.0  # times the noise of its neighbours: a disturbance at one frequency
 _OVERLAP_LOSS = 2.0 / 36.0  # twice the squared correlation of half-overlapping Hann windows, (1/6)^2
 
 
@@ -287,6 +289,16 @@ def _begins_and_ends_at_rest(x: NDArray[np.float64]) -> bool:
     return bool(np.max(np.abs(ends - x[0])) <= largest)
 
 
+def _noise_power(found: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Power of the noise at every frequency, shape (bins,), from what few averages show of it.
+
+    At one frequency it scatters, and a fit that weights by it would follow where it is small by chance: the
+    mean of a frequency and its neighbours, or its own where that stands out as a line does.
+    """
+    mean = ndimage.uniform_filter1d(found, min(2 * REACH + 1, len(found)), mode="nearest")
+    return np.asarray(np.where(found > _LINE * mean, found, mean))
+
+
 def _estimate(
     frequency_Hz: NDArray[np.float64],
     s_xx: NDArray[np.float64],
@@ -299,7 +311,8 @@ def _estimate(
     tiny = np.finfo(np.float64).tiny
     excited, well_excited = (s_xx > share * np.max(s_xx) for share in (EXCITED, WELL_EXCITED))
     coherence = np.minimum(1.0, np.abs(s_xy) ** 2 / np.maximum(s_xx * s_yy, tiny))
-    error = np.sqrt((1.0 - coherence) / (2.0 * averages * np.maximum(coherence, tiny)))
+    noise = _noise_power(s_yy * (1.0 - coherence) / (averages - 1.0))
+    error = np.sqrt(noise / np.maximum(2.0 * coherence * s_yy, _NOTHING * noise + tiny))
     response = s_xy / np.maximum(s_xx, tiny)
     return FrequencyResponse(
         frequency_Hz, response, coherence, error, excited, well_excited, averages, samples, method

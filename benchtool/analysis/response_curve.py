@@ -214,13 +214,13 @@ def gain_at_rest(frequency_Hz: Floats, gain: Floats, error: Floats) -> GainAtRes
             _intercept(square[lowest], inverse[lowest], standard[lowest], terms) for terms in (1, 2, 3, 4)
         ]
         for fit, richer in pairwise(fits):
-            if fit is None or richer is None or not fit.describes or fit.value <= 0.0:
+            if fit is None or richer is None or not fit.describes or min(fit.value, richer.value) <= 0.0:
                 continue
             steady = abs(richer.value - fit.value) <= _FITS * math.hypot(richer.standard, fit.standard)
             if steady and fit.standard < least:
                 least = fit.standard
-                spread = math.hypot(fit.standard, richer.value - fit.value)
-                best = GainAtRest(float(gain[0]) / math.sqrt(fit.value), 0.5 * spread / fit.value)
+                spread = math.hypot(richer.standard, richer.value - fit.value)
+                best = GainAtRest(float(gain[0]) / math.sqrt(richer.value), 0.5 * spread / richer.value)
         count = math.ceil(_LONGER * count)
     return best
 
