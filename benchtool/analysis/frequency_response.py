@@ -39,7 +39,8 @@ FEWEST_PERIODS = 4
 _FEWEST_SEGMENTS = 4
 _BY_CHANCE = 0.05  # probability that noise alone passes for coherent at one of all frequencies
 _SEGMENTS = 16  # of the record, half overlapping, unless the caller says otherwise
-_SWEPT = 0.3  # of the segments: noise counts as half of them at each frequency, a sweep as one to three
+_NEAR, _STEP_NEAR = 16, 2  # so many reaches from zero frequency a fit stands at every second bin
+_DENSE = 5.0  # bins of 17: a sweep uses most, noise half, an input that repeats itself four times a quarter
 _REST_SHARE = 0.01  # of the record, at either end
 _AT_REST = 1e-3  # rms deviation there over that of all
 _NOTHING = 1e-30  # of the noise: a response of which there is no trace
@@ -52,7 +53,8 @@ class FrequencyResponse:
     """Response at `frequency_Hz`, dc left out; every array has shape (bins,) and is read-only.
 
     `response` is output over input, complex; `error` the standard uncertainty of its gain relative to the
-    gain, and of its phase in rad; `trusted` where the input has power and the coherence is high enough.
+    gain, and of its phase in rad; `shared` is how many of these frequencies have the same samples of the spectra and so tell as
+    much as one; `trusted` where the input has power and the coherence is high enough.
     `averages` is the number of independent spectra (of a fit, its degrees of freedom), `samples` how many
     samples they cover, and `method` says in words how they were made. `well_excited` are those with more than
     a hundredth of the input's greatest power.
@@ -62,6 +64,7 @@ class FrequencyResponse:
     response: NDArray[np.complex128]
     coherence: NDArray[np.float64]
     error: NDArray[np.float64]
+    shared: NDArray[np.float64]
     excited: NDArray[np.bool_]
     well_excited: NDArray[np.bool_]
     averages: float
@@ -99,6 +102,11 @@ class FrequencyResponse:
         largest = max(0.01, 3.0 * float(np.median(self.error[trusted]))) if np.any(trusted) else 0.0
         known = trusted & self.well_excited & (self.error <= largest)
         return int(np.argmax(known if np.any(known) else trusted))
+
+    @property
+    def error_of_many(self) -> NDArray[np.float64]:
+        """As `error`, of frequencies that are taken together as if their errors were uncorrelated."""
+        return np.asarray(self.error * np.sqrt(self.shared))
 
     @property
     def gain(self) -> NDArray[np.float64]:
@@ -154,8 +162,8 @@ def frequency_response(
         )
     if period is not None and len(x) >= FEWEST_PERIODS * period:
         return periodic_response(x, y, sample_rate_Hz, period)
-    if period is None and segment is None and is_swept(x):
-        return swept_response(x, y, sample_rate_Hz)
+    if period is None and segment is None and is_dense(x):
+        return local_response(x, y, sample_rate_Hz)
     return averaged_response(x, y, sample_rate_Hz, segment)
 
 
@@ -226,28 +234,28 @@ def averaged_response(
     )
 
 
-def is_swept(x: NDArray[np.float64]) -> bool:
-    """Whether an input, shape (n,), has its power at each frequency in a small part of its time."""
-    size = 2 * len(x) // (_SEGMENTS + 1)
-    if size < 2:
+def is_dense(x: NDArray[np.float64]) -> bool:
+    """Whether an input, shape (n,), has power at most bins of its DFT, as noise or a sweep has, and an input
+    that repeats itself has not."""
+    power = np.abs(fft.rfft(x)[1:]) ** 2
+    width = 2 * REACH + 1
+    near = (
+        np.lib.stride_tricks.sliding_window_view(power, width)[::width] if len(power) >= width else power[:0]
+    )
+    excited = near[np.mean(near, axis=-1) > WELL_EXCITED * np.max(power, initial=0.0)]
+    if len(excited) == 0:
         return False
-    frames = np.lib.stride_tricks.sliding_window_view(x, size)[:: size // 2]
-    frames = (frames - np.mean(frames, axis=1, keepdims=True)) * signal.get_window("hann", size)
-    power = np.abs(fft.rfft(frames, axis=1)[:, 2:]) ** 2
-    total = np.sum(power, axis=0)
-    excited = total > WELL_EXCITED * np.max(total, initial=0.0)
-    if not np.any(excited):
-        return False
-    segments = total[excited] ** 2 / np.sum(power[:, excited] ** 2, axis=0)
-    return bool(np.median(segments) < _SWEPT * len(frames))
+    # of so many bins with equal power the others had none
+    used = np.sum(excited, axis=1) ** 2 / np.sum(excited**2, axis=1)
+    return bool(np.median(used) >= _DENSE)
 
 
-def swept_response(
+def local_response(
     x: NDArray[np.float64], y: NDArray[np.float64], sample_rate_Hz: float
 ) -> FrequencyResponse:
-    """Response to a sweep or another single event, by one DFT of the whole record, rectangular window.
+    """Response to noise, a sweep or a single event, by one DFT of the whole record, rectangular window.
 
-    Around each eighth bin the response and what the ends of the record leave in are fitted to 17 bins
+    Around each eighth bin, of the lowest 128 around each second, the response and what the ends of the record leave in are fitted to 17 bins
     (`local_polynomial`); where the input is constant over the first and the last hundredth of the record,
     nothing is left in. `coherence` is what the error of the fit amounts to, c of sqrt((1 - c) / (2 n c)).
 
@@ -255,7 +263,9 @@ def swept_response(
         AnalysisError: too short for one fit.
     """
     x_bins, y_bins = fft.rfft(x)[1:], fft.rfft(y)[1:]
-    at = np.arange(REACH, len(x_bins) - REACH, REACH)
+    last = len(x_bins) - REACH
+    near = min(_NEAR * REACH, last)
+    at = np.concatenate([np.arange(REACH, near, _STEP_NEAR), np.arange(near, last, REACH)])
     if len(at) == 0:
         raise AnalysisError(
             f"{len(x)} samples are too few for a response, at least {4 * (REACH + 1)} are needed: record "
@@ -266,12 +276,14 @@ def swept_response(
     freedom = degrees_of_freedom(at_rest=at_rest)
     greatest = float(np.max(found.power))
     frequency_Hz = sample_rate_Hz / len(x) * (at + np.ones(len(at)))
+    shared = np.where(at < near, REACH / _STEP_NEAR, 1.0)
     ends = "at rest at both ends" if at_rest else "with a line for what its ends leave in"
     return FrequencyResponse(
         frequency_Hz=frequency_Hz,
         response=found.response,
         coherence=1.0 / (1.0 + 2.0 * freedom * found.error**2),
         error=found.error,
+        shared=shared,
         excited=found.power > EXCITED * greatest,
         well_excited=found.power > WELL_EXCITED * greatest,
         averages=float(freedom),
@@ -315,5 +327,14 @@ def _estimate(
     error = np.sqrt(noise / np.maximum(2.0 * coherence * s_yy, _NOTHING * noise + tiny))
     response = s_xy / np.maximum(s_xx, tiny)
     return FrequencyResponse(
-        frequency_Hz, response, coherence, error, excited, well_excited, averages, samples, method
+        frequency_Hz,
+        response,
+        coherence,
+        error,
+        np.ones(len(error)),
+        excited,
+        well_excited,
+        averages,
+        samples,
+        method,
     )
