@@ -1,9 +1,9 @@
 """Frequency response of one channel to another, with its coherence and what it is worth at each frequency.
 
-The H1 estimate S_xy / S_xx, which noise in the output does not bias; of a sweep, which is at each frequency
-but once, a fit over neighbouring frequencies. Random error of gain, relative, and of phase, in rad:
-sqrt((1 - c) / (2 n c)) with the coherence c and n averages (Bendat and Piersol, Random Data, chapters 6 and
-9).
+The H1 estimate S_xy / S_xx, which noise in the output does not bias; of noise, a sweep or a single event,
+which has power at every frequency, a fit over neighbouring frequencies. Random error of gain, relative, and
+of phase, in rad: sqrt((1 - c) / (2 n c)) with the coherence c and n averages (Bendat and Piersol, Random
+Data, chapters 6 and 9), the noise (1 - c) S_yy taken from neighbouring frequencies and n - 1 in place of n.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ class FrequencyResponse:
     """Response at `frequency_Hz`, dc left out; every array has shape (bins,) and is read-only.
 
     `response` is output over input, complex; `error` the standard uncertainty of its gain relative to the
-    gain, and of its phase in rad; `shared` is how many of these frequencies have the same samples of the spectra and so tell as
+    gain, and of its phase in rad; `shared` is how many of these frequencies rest on the same bins and tell as
     much as one; `trusted` where the input has power and the coherence is high enough.
     `averages` is the number of independent spectra (of a fit, its degrees of freedom), `samples` how many
     samples they cover, and `method` says in words how they were made. `well_excited` are those with more than
@@ -141,8 +141,8 @@ def frequency_response(
     """Response of output `y` to input `x`, both of shape (n,), sampled together.
 
     An input that repeats itself is transformed over its whole `period` of samples, without a window and so
-    without leakage, if the record holds four periods or more. Of one that passes each frequency but once, as
-    a sweep does, the whole record is transformed at once: `swept_response`. Otherwise Welch's
+    without leakage, if the record holds four periods or more. One with power at every frequency, as noise or
+    a sweep has, is transformed over the whole record at once: `local_response`. Otherwise Welch's
     half-overlapping segments under a Hann window are averaged: `segment` samples each, by default so many
     that the record holds 16; a response that lasts longer than a segment, or a delay of much of one, is
     biased low.
@@ -255,9 +255,10 @@ def local_response(
 ) -> FrequencyResponse:
     """Response to noise, a sweep or a single event, by one DFT of the whole record, rectangular window.
 
-    Around each eighth bin, of the lowest 128 around each second, the response and what the ends of the record leave in are fitted to 17 bins
-    (`local_polynomial`); where the input is constant over the first and the last hundredth of the record,
-    nothing is left in. `coherence` is what the error of the fit amounts to, c of sqrt((1 - c) / (2 n c)).
+    Around each eighth bin, of the lowest 128 around each second, the response and what the ends of the record
+    leave in are fitted to 17 bins (`local_polynomial`); where the input is constant over the first and the
+    last hundredth of the record, nothing is left in. `coherence` is what the error of the fit amounts to, c
+    of sqrt((1 - c) / (2 n c)).
 
     Raises:
         AnalysisError: too short for one fit.

@@ -85,7 +85,7 @@ class ResponseCurve:
         return found if found.frequency_Hz > lowest_Hz else Point(lowest_Hz, math.nan)
 
     def _crossing(self, at: int, level: float, level_error: float) -> Point:
-        """Where the values fall to a level, by a local fit about where the smooth ones do from `at` - 1 on."""
+        """Where the values fall to a level, by a local fit about where the smooth ones do before `at`."""
         before, low_Hz, high_Hz = self.smooth[at - 1], *self.frequency_Hz[at - 1 : at + 1].tolist()
         start_Hz = low_Hz + float((before - level) / (before - self.smooth[at])) * (high_Hz - low_Hz)
         short, long = self._fits(start_Hz)

@@ -79,7 +79,7 @@ class Smoother:
 
     @classmethod
     def growing(cls, most: NDArray[np.int64], growth: float, longest: float) -> Smoother:
-        """Half windows of `growth` times the samples since the event, in steps, up to `longest` and `most`."""
+        """Half windows of `growth` times the samples since the event, up to `longest` and `most`."""
         return cls(_in_steps(np.minimum(np.minimum(growth * np.arange(len(most)), longest), most)))
 
     @property
@@ -138,8 +138,7 @@ class _Smoothed:
         # a window reaches no farther into the rows about a contradiction than these are away
         rows = np.arange(len(most))
         most = np.minimum.accumulate(most - rows) + rows
-        most = (np.minimum.accumulate((most + rows)[::-1]))[::-1] - rows
-        return most
+        return np.asarray(np.minimum.accumulate((most + rows)[::-1])[::-1] - rows)
 
     def _spectra(self, ladder: NDArray[np.int64]) -> tuple[list[Floats], Floats]:
         """Transfer of each window, and the power of the noise, over the same frequencies."""
