@@ -27,6 +27,7 @@ Floats = NDArray[np.float64]
 _GROWTH = (0.1, 0.2, 0.3, 0.45, 0.65)  # half window over samples since the event
 _STEPS = 4  # of the half window, for each time it doubles
 _CONTRADICTS = 6.0  # standard deviations between the values of two windows: more is no noise
+_CLEARANCE = 0.5  # of the distance to a contradiction: the most by which a half window is longer than there
 _SHORTER = 1.5  # how much shorter the window is than the one of least risk
 _SLIGHTLY = 1e-9  # of a step: what is less is rounding
 _PART = 5  # the greatest half window is at most this part of what follows the event
@@ -78,7 +79,7 @@ class Smoother:
     half: NDArray[np.int64]
 
     @classmethod
-    def growing(cls, most: NDArray[np.int64], growth: float, longest: float) -> Smoother:
+    def growing(cls, most: Floats, growth: float, longest: float) -> Smoother:
         """Half windows of `growth` times the samples since the event, up to `longest` and `most`."""
         return cls(_in_steps(np.minimum(np.minimum(growth * np.arange(len(most)), longest), most)))
 
@@ -122,7 +123,7 @@ class _Smoothed:
             total += float(left @ left) + 2.0 * (end - begin) * correlation
         return total
 
-    def longest(self) -> NDArray[np.int64]:
+    def longest(self) -> Floats:
         """Longest half window at every sample, shape (n,), that contradicts no shorter one."""
         count = len(self._samples)
         most = _in_steps(np.minimum(_GROWTH[-1] * np.arange(count), count / _PART))
@@ -135,10 +136,10 @@ class _Smoothed:
                 between = math.sqrt(float(np.mean(np.abs(spectra[at] - spectrum) ** 2 * power)))
                 apart = np.abs(curve - self._under(shorter)[0]) > _CONTRADICTS * between
                 most = np.where(apart & (most >= longer), np.minimum(most, ladder[at - 1]), most)
-        # a window reaches no farther into the rows about a contradiction than these are away
-        rows = np.arange(len(most))
-        most = np.minimum.accumulate(most - rows) + rows
-        return np.asarray(np.minimum.accumulate((most + rows)[::-1])[::-1] - rows)
+        # where part of a window reaches over an edge, too little to show, its end has still no place
+        away = _CLEARANCE * np.arange(count)
+        least = np.minimum.accumulate(most - away) + away
+        return np.asarray(np.minimum.accumulate((least + away)[::-1])[::-1] - away)
 
     def _spectra(self, ladder: NDArray[np.int64]) -> tuple[list[Floats], Floats]:
         """Transfer of each window, and the power of the noise, over the same frequencies."""
@@ -188,7 +189,7 @@ def fitted_smoothers(samples: Floats, noise: Noise) -> tuple[Smoother, Smoother]
     return best.shortened(), best
 
 
-def _in_steps(half: NDArray[np.float64] | NDArray[np.int64]) -> NDArray[np.int64]:
+def _in_steps(half: Floats) -> NDArray[np.int64]:
     """Half windows, shape (n,), of few different lengths: the next shorter or equal."""
     stepped = np.exp2(np.floor(_STEPS * np.log2(np.maximum(half, 1.0)) + _SLIGHTLY) / _STEPS)
     return np.where(half < 1.0, 0, np.floor(stepped)).astype(np.int64)
