@@ -172,9 +172,10 @@ def periodic_response(
 ) -> FrequencyResponse:
     """Response to an input that repeats itself every `period` samples, over the most whole periods.
 
-    Rectangular window of one period; S_xy and S_xx are sums over the periods, so that the coherence and the
-    error are those of what differs from period to period. What repeats with the input, as harmonics made by
-    the system do, looks like its response.
+    Rectangular window of one period, less the line that the means of the periods drift along, which would be
+    the same in all. S_xy and S_xx are sums over the periods, so that the coherence and the error are those of
+    what differs from period to period. What repeats with the input, as harmonics made by the system do, looks
+    like its response.
 
     Raises:
         AnalysisError: fewer than four periods, or less than 0.8 of the input's power is the same in all.
@@ -186,7 +187,8 @@ def periodic_response(
             f"needed: repeat the stimulus more often and record it"
         )
     x_bins, y_bins = (
-        fft.rfft(samples[: periods * period].reshape(periods, period), axis=1)[:, 1:] for samples in (x, y)
+        fft.rfft(_without_drift(samples[: periods * period].reshape(periods, period)), axis=1)[:, 1:]
+        for samples in (x, y)
     )
     s_xx, s_yy = (np.sum(np.abs(bins) ** 2, axis=0) for bins in (x_bins, y_bins))
     same = float(np.sum(np.abs(np.sum(x_bins, axis=0)) ** 2) / (periods * np.sum(s_xx)))
@@ -199,6 +201,15 @@ def periodic_response(
     frequency_Hz = sample_rate_Hz / period * np.arange(1.0, len(s_xx) + 1.0)
     method = f"DFT over {periods} periods of {period} samples, rectangular window"
     return _estimate(frequency_Hz, s_xx, s_yy, s_xy, float(periods), periods * period, method)
+
+
+def _without_drift(samples: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Samples of shape (periods, period) less the least-squares line through their periods' means."""
+    periods, period = samples.shape
+    number = np.arange(periods) - 0.5 * (periods - 1.0)
+    drift = float(number @ np.mean(samples, axis=1)) / float(number @ number)
+    time = np.arange(samples.size).reshape(samples.shape) / period
+    return samples - drift * (time - np.mean(time))
 
 
 def averaged_response(

@@ -115,8 +115,8 @@ class ResponseCurve:
     def greatest(self) -> tuple[float, float]:
         """Greatest value, less what the errors add to it, and its standard uncertainty.
 
-        Of a peak that few frequencies show, an eighth of the second difference is uncertain: by as much a
-        parabola bends between two of them.
+        An eighth of the second difference is part of that: by as much a parabola bends between two
+        frequencies, and where few show a peak, the peak may be so much off.
         """
         widths = self._widths
         random = np.random.default_rng(_SEED)
@@ -125,8 +125,8 @@ class ResponseCurve:
         value, standard = NoisyCurve(self.smooth, errors).greatest()
         top = int(np.argmax(self.smooth))
         bends = np.diff(self.smooth[max(0, top - 2) : top + 3], 2)
-        sharp = len(bends) == _AT_THE_TOP and bool(np.max(bends) >= 0.0)
-        return value, math.hypot(standard, float(np.abs(bends[1])) / 8.0 if sharp else 0.0)
+        between = float(np.abs(bends[1])) / 8.0 if len(bends) == _AT_THE_TOP else 0.0
+        return value, math.hypot(standard, between)
 
     @cached_property
     def smooth(self) -> Floats:

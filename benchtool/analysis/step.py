@@ -90,7 +90,7 @@ def _settling_text(step: Step, band: float) -> str:
 def _times(step: Step, curve: NoisyCurve, arrived: Instant | None) -> Iterator[Measurement]:
     text = (
         f"from the step until the smoothed signal is {_ARRIVED:.0%} of the step beyond the mean before it; "
-        f"where {_SIGMAS:g} x its uncertainty is more, from there half the way back along a line"
+        f"where {_SIGMAS:g} x its uncertainty is more, from there back between a line and a parabola"
     )
     left = _departure(step, curve)
     ahead = left is not None and left.place < step.zero - left.standard
@@ -108,7 +108,11 @@ def _times(step: Step, curve: NoisyCurve, arrived: Instant | None) -> Iterator[M
 
 
 def _departure(step: Step, curve: NoisyCurve) -> Instant | None:
-    """Where the signal leaves its level before the step."""
+    """Where the signal leaves its level before the step.
+
+    What is clear of the noise comes later. From there and from twice as far it goes back along a line, as a
+    lag of first order begins, or along a parabola, as one of second order does.
+    """
     level, least = float(np.mean(step.y_before)), _ARRIVED * step.height
     clear = np.maximum(least, _SIGMAS * curve.standard)
     left = curve.first_above(level + clear)
@@ -120,8 +124,14 @@ def _departure(step: Step, curve: NoisyCurve) -> Instant | None:
     further = curve.first_above(level + 2.0 * threshold)
     if further is None:
         return None
-    back = min(left.place, max(0.0, further.place - left.place) * (threshold - least) / threshold)
-    return Instant(left.place - 0.5 * back, math.hypot(left.standard, 0.5 * back))
+    apart = max(0.0, further.place - left.place)
+    line = apart * (1.0 - least / threshold)
+    parabola = apart * (1.0 - math.sqrt(least / threshold)) / (math.sqrt(2.0) - 1.0)
+    near, far = min(left.place, line), min(left.place, parabola)
+    back = 0.5 * (near + far)
+    share = back / apart if apart > 0.0 else 0.0
+    noise = math.hypot((1.0 + share) * left.standard, share * further.standard)
+    return Instant(left.place - back, math.hypot(noise, 0.5 * (far - near)))
 
 
 def _time(step: Step, name: str, definition: str, found: Instant | None, reason: str) -> Measurement:
