@@ -26,6 +26,7 @@ _CLEAR = 3.0  # standard uncertainties of a smooth value by which it is off a le
 _REACH = 0.7  # of the frequency: a local fit goes at most so far to either side
 _FITS = 2.0  # standard deviations of the mean squared residual above 1: a fit that describes its points
 _AT_THE_TOP = 3  # second differences: the greatest value and its neighbours
+_OF_A_PARABOLA, _OF_A_CUSP = 1.0 / 8.0, 1.0 / 3.0  # of the second difference: how much higher the peak is
 _SURE = 0.25  # of the smallest movement that matters: what is left of the error of a smooth curve
 _MOST_SMOOTHED = 8  # a smoothing window is at most this part of the frequencies
 _DRAWS = 80
@@ -116,7 +117,7 @@ class ResponseCurve:
         """Greatest value, less what the errors add to it, and its standard uncertainty.
 
         An eighth of the second difference is part of that: by as much a parabola bends between two
-        frequencies, and where few show a peak, the peak may be so much off.
+        frequencies. Of a peak that few show, where its neighbours bend the other way, it is a third.
         """
         widths = self._widths
         random = np.random.default_rng(_SEED)
@@ -125,8 +126,10 @@ class ResponseCurve:
         value, standard = NoisyCurve(self.smooth, errors).greatest()
         top = int(np.argmax(self.smooth))
         bends = np.diff(self.smooth[max(0, top - 2) : top + 3], 2)
-        between = float(np.abs(bends[1])) / 8.0 if len(bends) == _AT_THE_TOP else 0.0
-        return value, math.hypot(standard, between)
+        if len(bends) < _AT_THE_TOP:
+            return value, standard
+        part = _OF_A_PARABOLA if np.max(bends) < 0.0 else _OF_A_CUSP
+        return value, math.hypot(standard, part * float(np.abs(bends[1])))
 
     @cached_property
     def smooth(self) -> Floats:
