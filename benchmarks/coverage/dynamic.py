@@ -97,8 +97,8 @@ class Excited:
 
 def stepped_trial(what: Stepped, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
     """Numbers of one step response."""
-    time_s = np.arange(-round(_BEFORE_S * RATE_HZ), round(what.duration_s * RATE_HZ))
-    time_s = (time_s + what.late_samples) / RATE_HZ
+    row = np.arange(-round(_BEFORE_S * RATE_HZ), round(what.duration_s * RATE_HZ), dtype=np.float64)
+    time_s: Floats = (row + what.late_samples) / RATE_HZ
 
     def answer(at_s: Floats) -> Floats:
         late = np.asarray(at_s) - what.delay_s

@@ -209,7 +209,7 @@ def _without_drift(samples: NDArray[np.float64]) -> NDArray[np.float64]:
     number = np.arange(periods) - 0.5 * (periods - 1.0)
     drift = float(number @ np.mean(samples, axis=1)) / float(number @ number)
     time = np.arange(samples.size).reshape(samples.shape) / period
-    return samples - drift * (time - np.mean(time))
+    return np.asarray(samples - drift * (time - np.mean(time)))
 
 
 def averaged_response(

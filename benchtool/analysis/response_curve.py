@@ -87,8 +87,9 @@ class ResponseCurve:
 
     def _crossing(self, at: int, level: float, level_error: float) -> Point:
         """Where the values fall to a level, by a local fit about where the smooth ones do before `at`."""
-        before, low_Hz, high_Hz = self.smooth[at - 1], *self.frequency_Hz[at - 1 : at + 1].tolist()
-        start_Hz = low_Hz + float((before - level) / (before - self.smooth[at])) * (high_Hz - low_Hz)
+        before, after = self.smooth[at - 1 : at + 1].tolist()
+        low_Hz, high_Hz = self.frequency_Hz[at - 1 : at + 1].tolist()
+        start_Hz = low_Hz + (before - level) / (before - after) * (high_Hz - low_Hz)
         short, long = self._fits(start_Hz)
         place, standard = short.zero(level)
         other, _ = long.zero(level)

@@ -28,7 +28,7 @@ _LOW, _HIGH = 0.1, 0.9
 _ARRIVED = 0.02  # of the step: what counts as having arrived, and the least band of having settled
 _SIGMAS = 3.0  # standard uncertainties of the curve: the least that counts as a movement
 _CALM = 5.0  # standard uncertainties of the curve that noise alone hardly ever leaves
-_EXTREME = 3.0  # standard uncertainties by which the curve exceeds what it must, for a time of its peak
+_EXTREME = 4.0  # standard uncertainties by which the curve exceeds what it must, for a time of its peak
 _ROUNDING = 1e-7  # of the step: what is less is no overshoot but rounding
 
 
