@@ -28,6 +28,7 @@ _LOW, _HIGH = 0.1, 0.9
 _ARRIVED = 0.02  # of the step: what counts as having arrived, and the least band of having settled
 _SIGMAS = 3.0  # standard uncertainties of the curve: the least that counts as a movement
 _CALM = 5.0  # standard uncertainties of the curve that noise alone hardly ever leaves
+_TO_THE_PARABOLA = 1.5  # standard uncertainties to a start along a parabola
 _EXTREME = 4.0  # standard uncertainties by which the curve exceeds what it must, for a time of its peak
 _ROUNDING = 1e-7  # of the step: what is less is no overshoot but rounding
 
@@ -90,7 +91,7 @@ def _settling_text(step: Step, band: float) -> str:
 def _times(step: Step, curve: NoisyCurve, arrived: Instant | None) -> Iterator[Measurement]:
     text = (
         f"from the step until the smoothed signal is {_ARRIVED:.0%} of the step beyond the mean before it; "
-        f"where {_SIGMAS:g} x its uncertainty is more, from there back between a line and a parabola"
+        f"where {_SIGMAS:g} x its uncertainty is more, from there half the way back along a line"
     )
     left = _departure(step, curve)
     ahead = left is not None and left.place < step.zero - left.standard
@@ -110,8 +111,8 @@ def _times(step: Step, curve: NoisyCurve, arrived: Instant | None) -> Iterator[M
 def _departure(step: Step, curve: NoisyCurve) -> Instant | None:
     """Where the signal leaves its level before the step.
 
-    What is clear of the noise comes later. From there and from twice as far it goes back along a line, as a
-    lag of first order begins, or along a parabola, as one of second order does.
+    What is clear of the noise comes later. From there and from twice as far it goes half the way back along
+    a line; how far it would be along a parabola, as a lag of second order begins, is in the uncertainty.
     """
     level, least = float(np.mean(step.y_before)), _ARRIVED * step.height
     clear = np.maximum(least, _SIGMAS * curve.standard)
@@ -128,10 +129,10 @@ def _departure(step: Step, curve: NoisyCurve) -> Instant | None:
     line = apart * (1.0 - least / threshold)
     parabola = apart * (1.0 - math.sqrt(least / threshold)) / (math.sqrt(2.0) - 1.0)
     near, far = min(left.place, line), min(left.place, parabola)
-    back = 0.5 * (near + far)
+    back = 0.5 * near
     share = back / apart if apart > 0.0 else 0.0
     noise = math.hypot((1.0 + share) * left.standard, share * further.standard)
-    return Instant(left.place - back, math.hypot(noise, 0.5 * (far - near)))
+    return Instant(left.place - back, math.hypot(noise, (far - back) / _TO_THE_PARABOLA))
 
 
 def _time(step: Step, name: str, definition: str, found: Instant | None, reason: str) -> Measurement:
