@@ -66,7 +66,10 @@ class Lag:
 
 @dataclass(frozen=True)
 class Stepped:
-    """One step response: `noise` is relative to the step, `rise_s` that of the reference, `delay_s` dead."""
+    """One step response: `noise` is relative to the step, `rise_s` that of the reference, `delay_s` dead.
+
+    The step comes `late_samples` before the sample that first shows it.
+    """
 
     lag: Lag
     noise: float = 1e-3
@@ -76,23 +79,26 @@ class Stepped:
     delay_s: float = 0.0
     height: float = 1.0
     duration_s: float = 0.2
+    late_samples: float = 0.0
 
 
 @dataclass(frozen=True)
 class Excited:
-    """One frequency response: `noise` of the output is relative to its own rms."""
+    """One frequency response: `noise` of the output, and its `drift`, are relative to its own rms."""
 
     lag: Lag
-    excitation: Literal["chirp", "prbs", "noise"] = "chirp"
+    excitation: Literal["chirp", "prbs", "multisine", "noise"] = "chirp"
     noise: float = 1e-3
     colour: float = 0.0
     delay_s: float = 0.0
     duration_s: float = 2.0
+    drift: float = 0.0
 
 
 def stepped_trial(what: Stepped, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
     """Numbers of one step response."""
-    time_s = np.arange(-round(_BEFORE_S * RATE_HZ), round(what.duration_s * RATE_HZ)) / RATE_HZ
+    row = np.arange(-round(_BEFORE_S * RATE_HZ), round(what.duration_s * RATE_HZ), dtype=np.float64)
+    time_s: Floats = (row + what.late_samples) / RATE_HZ
 
     def answer(at_s: Floats) -> Floats:
         late = np.asarray(at_s) - what.delay_s
@@ -153,13 +159,21 @@ def excited_trial(what: Excited, random: np.random.Generator) -> Iterator[tuple[
         bits, _ = signal.max_len_seq(10, state=random.integers(0, 2, 10) | np.eye(10, dtype=int)[0])
         period = 2 * len(bits)
         x = np.resize(np.repeat(2.0 * bits - 1.0, 2), count + period)
+    elif what.excitation == "multisine":
+        period = 2000
+        lines = np.unique(np.geomspace(1.0, 400.0, 60).round().astype(int))
+        bins = np.zeros(period // 2 + 1, dtype=np.complex128)
+        bins[lines] = np.exp(2j * np.pi * random.random(len(lines)))
+        x = np.resize(np.fft.irfft(bins) * period / len(lines), count + period)
     else:
         x = random.standard_normal(count)
     x = np.asarray(x, dtype=np.float64)
     y = _held(what.lag, x)
     late = round(what.delay_s * RATE_HZ)
     y = np.concatenate([np.zeros(late), y[: len(y) - late]])
-    y += what.noise * float(np.std(y)) * coloured(random.standard_normal(len(y)), what.colour)
+    rms = float(np.std(y))
+    y += what.noise * rms * coloured(random.standard_normal(len(y)), what.colour)
+    y += what.drift * rms * np.linspace(0.0, 1.0, len(y))
     block = Block.from_arrays(RATE_HZ, {"x": "Nm", "y": "Nm"}, x=x, y=y)
     found = analyze_response(block, "x", "y", begin_row=period or 0, period_rows=period)
     yield from picked(found.measurements, _response_truths(what, late, found.response.frequency_Hz))
@@ -230,11 +244,16 @@ STEPPED: Mapping[str, Stepped] = {
     "pulse_lag2": Stepped(_SECOND, 1e-2, pulse_s=0.08),
     "ramp_lag1": Stepped(_FIRST, 3e-3, rise_s=0.02),
     "ramp_lag2": Stepped(_SECOND, 1e-2, rise_s=0.01),
+    "ramp_kinked": Stepped(Lag(200.0, 0.9), 1e-3, rise_s=0.03),
+    "ramp_noisy": Stepped(_FIRST, 5e-2, rise_s=0.03),
+    "step_between_samples": Stepped(_SECOND, 1e-3, late_samples=0.7),
+    "step_underdamped": Stepped(Lag(150.0, 0.15), 3e-3, 0.9),
+    "step_slow_coloured": Stepped(Lag(20.0), 2e-2, 0.95, pulse_s=0.1),
 }
 EXCITED: Mapping[str, Excited] = {
     **{
         f"{excitation}_{name}_{noise}dB": Excited(lag, excitation, 10 ** (noise / 20))
-        for excitation in ("chirp", "prbs", "noise")
+        for excitation in ("chirp", "prbs", "multisine", "noise")
         for name, lag in (("lag1", Lag(100.0, gain=2.0)), ("lag2", Lag(200.0, 0.35)))
         for noise in (-80, -40, -20)
     },
@@ -243,6 +262,14 @@ EXCITED: Mapping[str, Excited] = {
     "noise_coloured": Excited(Lag(200.0, 0.7), "noise", 3e-2, colour=0.95),
     "chirp_delayed": Excited(Lag(300.0), "chirp", 1e-2, delay_s=4e-4),
     "prbs_delayed": Excited(Lag(300.0), "prbs", 1e-2, delay_s=4e-4),
+    **{
+        f"{excitation}_drifting": Excited(Lag(100.0), excitation, 1e-2, drift=0.3)
+        for excitation in ("chirp", "prbs", "multisine", "noise")
+    },
+    **{
+        f"{excitation}_resonant": Excited(Lag(60.0, 0.1), excitation, 3e-3)
+        for excitation in ("chirp", "multisine", "noise")
+    },
 }
 
 

@@ -113,7 +113,7 @@ def _ratio(above: str, below: str) -> str:
 def _measurements(found: FrequencyResponse, unit: str, basis: Basis) -> Iterator[Measurement]:
     trusted = found.trusted
     trusted[: found.reference] = False  # below it no gain is known well
-    frequency_Hz, error = found.frequency_Hz[trusted], found.error[trusted]
+    frequency_Hz, error = found.frequency_Hz[trusted], found.error_of_many[trusted]
     gain, phase = found.gain[trusted], found.phase_rad[trusted]
 
     rest = gain_at_rest(frequency_Hz, gain, error)
@@ -143,8 +143,7 @@ def _measurements(found: FrequencyResponse, unit: str, basis: Basis) -> Iterator
     peak_error = Uncertainty(math.hypot(standard_dB, rest_dB), _STATISTICAL)
     yield Measurement("resonance_peak", max(0.0, peak_dB), "dB", text, basis, peak_error)
 
-    known = down is not None and math.isfinite(down.standard_Hz)
-    limit_Hz = down.frequency_Hz if down is not None and known else float(frequency_Hz[-1])
+    limit_Hz = down.frequency_Hz if down is not None and not down.doubt else float(frequency_Hz[-1])
     yield _delay(frequency_Hz, phase, error, limit_Hz, basis)
 
     inside = found.excited & (found.frequency_Hz >= frequency_Hz[0]) & (found.frequency_Hz <= limit_Hz)
@@ -159,9 +158,8 @@ def _measurements(found: FrequencyResponse, unit: str, basis: Basis) -> Iterator
 def _frequency(name: str, definition: str, found: Point | None, reason: str, basis: Basis) -> Measurement:
     if found is None:
         return Measurement.undefined(name, "Hz", definition, reason, basis)
-    if not math.isfinite(found.standard_Hz):
-        reason = f"it is there at {found.frequency_Hz:.4g} Hz already, the lowest frequency used"
-        return Measurement.undefined(name, "Hz", definition, reason, basis)
+    if found.doubt:
+        return Measurement.undefined(name, "Hz", definition, found.doubt, basis)
     source = f"{_STATISTICAL}, over the slope, and the length of the local fit"
     uncertainty = Uncertainty(found.standard_Hz, source)
     return Measurement(name, found.frequency_Hz, "Hz", definition, basis, uncertainty)

@@ -1,9 +1,9 @@
 """Frequency response of one channel to another, with its coherence and what it is worth at each frequency.
 
-The H1 estimate S_xy / S_xx, which noise in the output does not bias; of a sweep, which is at each frequency
-but once, a fit over neighbouring frequencies. Random error of gain, relative, and of phase, in rad:
-sqrt((1 - c) / (2 n c)) with the coherence c and n averages (Bendat and Piersol, Random Data, chapters 6 and
-9).
+The H1 estimate S_xy / S_xx, which noise in the output does not bias; of noise, a sweep or a single event,
+which has power at every frequency, a fit over neighbouring frequencies. Random error of gain, relative, and
+of phase, in rad: sqrt((1 - c) / (2 n c)) with the coherence c and n averages (Bendat and Piersol, Random
+Data, chapters 6 and 9), the noise (1 - c) S_yy taken from neighbouring frequencies and n - 1 in place of n.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import fft, signal
+from scipy import fft, ndimage, signal
 
 from benchtool.analysis.dynamics.local_polynomial import REACH, degrees_of_freedom, local_fit
 from benchtool.analysis.validity import require_signal
@@ -39,9 +39,12 @@ FEWEST_PERIODS = 4
 _FEWEST_SEGMENTS = 4
 _BY_CHANCE = 0.05  # probability that noise alone passes for coherent at one of all frequencies
 _SEGMENTS = 16  # of the record, half overlapping, unless the caller says otherwise
-_SWEPT = 0.3  # of the segments: noise counts as half of them at each frequency, a sweep as one to three
+_NEAR, _STEP_NEAR = 16, 2  # so many reaches from zero frequency a fit stands at every second bin
+_DENSE = 5.0  # bins of 17: a sweep uses most, noise half, an input that repeats itself four times a quarter
 _REST_SHARE = 0.01  # of the record, at either end
 _AT_REST = 1e-3  # rms deviation there over that of all
+_NOTHING = 1e-30  # of the noise: a response of which there is no trace
+_LINE = 3.0  # times the noise of its neighbours: a disturbance at one frequency
 _OVERLAP_LOSS = 2.0 / 36.0  # twice the squared correlation of half-overlapping Hann windows, (1/6)^2
 
 
@@ -50,7 +53,8 @@ class FrequencyResponse:
     """Response at `frequency_Hz`, dc left out; every array has shape (bins,) and is read-only.
 
     `response` is output over input, complex; `error` the standard uncertainty of its gain relative to the
-    gain, and of its phase in rad; `trusted` where the input has power and the coherence is high enough.
+    gain, and of its phase in rad; `shared` is how many of these frequencies rest on the same bins and tell as
+    much as one; `trusted` where the input has power and the coherence is high enough.
     `averages` is the number of independent spectra (of a fit, its degrees of freedom), `samples` how many
     samples they cover, and `method` says in words how they were made. `well_excited` are those with more than
     a hundredth of the input's greatest power.
@@ -60,6 +64,7 @@ class FrequencyResponse:
     response: NDArray[np.complex128]
     coherence: NDArray[np.float64]
     error: NDArray[np.float64]
+    shared: NDArray[np.float64]
     excited: NDArray[np.bool_]
     well_excited: NDArray[np.bool_]
     averages: float
@@ -99,6 +104,11 @@ class FrequencyResponse:
         return int(np.argmax(known if np.any(known) else trusted))
 
     @property
+    def error_of_many(self) -> NDArray[np.float64]:
+        """As `error`, of frequencies that are taken together as if their errors were uncorrelated."""
+        return np.asarray(self.error * np.sqrt(self.shared))
+
+    @property
     def gain(self) -> NDArray[np.float64]:
         return np.abs(self.response)
 
@@ -131,8 +141,8 @@ def frequency_response(
     """Response of output `y` to input `x`, both of shape (n,), sampled together.
 
     An input that repeats itself is transformed over its whole `period` of samples, without a window and so
-    without leakage, if the record holds four periods or more. Of one that passes each frequency but once, as
-    a sweep does, the whole record is transformed at once: `swept_response`. Otherwise Welch's
+    without leakage, if the record holds four periods or more. One with power at every frequency, as noise or
+    a sweep has, is transformed over the whole record at once: `local_response`. Otherwise Welch's
     half-overlapping segments under a Hann window are averaged: `segment` samples each, by default so many
     that the record holds 16; a response that lasts longer than a segment, or a delay of much of one, is
     biased low.
@@ -152,8 +162,8 @@ def frequency_response(
         )
     if period is not None and len(x) >= FEWEST_PERIODS * period:
         return periodic_response(x, y, sample_rate_Hz, period)
-    if period is None and segment is None and is_swept(x):
-        return swept_response(x, y, sample_rate_Hz)
+    if period is None and segment is None and is_dense(x):
+        return local_response(x, y, sample_rate_Hz)
     return averaged_response(x, y, sample_rate_Hz, segment)
 
 
@@ -162,9 +172,10 @@ def periodic_response(
 ) -> FrequencyResponse:
     """Response to an input that repeats itself every `period` samples, over the most whole periods.
 
-    Rectangular window of one period; S_xy and S_xx are sums over the periods, so that the coherence and the
-    error are those of what differs from period to period. What repeats with the input, as harmonics made by
-    the system do, looks like its response.
+    Rectangular window of one period, less the line that the means of the periods drift along, which would be
+    the same in all. S_xy and S_xx are sums over the periods, so that the coherence and the error are those of
+    what differs from period to period. What repeats with the input, as harmonics made by the system do, looks
+    like its response.
 
     Raises:
         AnalysisError: fewer than four periods, or less than 0.8 of the input's power is the same in all.
@@ -176,7 +187,8 @@ def periodic_response(
             f"needed: repeat the stimulus more often and record it"
         )
     x_bins, y_bins = (
-        fft.rfft(samples[: periods * period].reshape(periods, period), axis=1)[:, 1:] for samples in (x, y)
+        fft.rfft(_without_drift(samples[: periods * period].reshape(periods, period)), axis=1)[:, 1:]
+        for samples in (x, y)
     )
     s_xx, s_yy = (np.sum(np.abs(bins) ** 2, axis=0) for bins in (x_bins, y_bins))
     same = float(np.sum(np.abs(np.sum(x_bins, axis=0)) ** 2) / (periods * np.sum(s_xx)))
@@ -189,6 +201,15 @@ def periodic_response(
     frequency_Hz = sample_rate_Hz / period * np.arange(1.0, len(s_xx) + 1.0)
     method = f"DFT over {periods} periods of {period} samples, rectangular window"
     return _estimate(frequency_Hz, s_xx, s_yy, s_xy, float(periods), periods * period, method)
+
+
+def _without_drift(samples: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Samples of shape (periods, period) less the least-squares line through their periods' means."""
+    periods, period = samples.shape
+    number = np.arange(periods) - 0.5 * (periods - 1.0)
+    drift = float(number @ np.mean(samples, axis=1)) / float(number @ number)
+    time = np.arange(samples.size).reshape(samples.shape) / period
+    return np.asarray(samples - drift * (time - np.mean(time)))
 
 
 def averaged_response(
@@ -224,36 +245,39 @@ def averaged_response(
     )
 
 
-def is_swept(x: NDArray[np.float64]) -> bool:
-    """Whether an input, shape (n,), has its power at each frequency in a small part of its time."""
-    size = 2 * len(x) // (_SEGMENTS + 1)
-    if size < 2:
+def is_dense(x: NDArray[np.float64]) -> bool:
+    """Whether an input, shape (n,), has power at most bins of its DFT, as noise or a sweep has, and an input
+    that repeats itself has not."""
+    power = np.abs(fft.rfft(x)[1:]) ** 2
+    width = 2 * REACH + 1
+    near = (
+        np.lib.stride_tricks.sliding_window_view(power, width)[::width] if len(power) >= width else power[:0]
+    )
+    excited = near[np.mean(near, axis=-1) > WELL_EXCITED * np.max(power, initial=0.0)]
+    if len(excited) == 0:
         return False
-    frames = np.lib.stride_tricks.sliding_window_view(x, size)[:: size // 2]
-    frames = (frames - np.mean(frames, axis=1, keepdims=True)) * signal.get_window("hann", size)
-    power = np.abs(fft.rfft(frames, axis=1)[:, 2:]) ** 2
-    total = np.sum(power, axis=0)
-    excited = total > WELL_EXCITED * np.max(total, initial=0.0)
-    if not np.any(excited):
-        return False
-    segments = total[excited] ** 2 / np.sum(power[:, excited] ** 2, axis=0)
-    return bool(np.median(segments) < _SWEPT * len(frames))
+    # of so many bins with equal power the others had none
+    used = np.sum(excited, axis=1) ** 2 / np.sum(excited**2, axis=1)
+    return bool(np.median(used) >= _DENSE)
 
 
-def swept_response(
+def local_response(
     x: NDArray[np.float64], y: NDArray[np.float64], sample_rate_Hz: float
 ) -> FrequencyResponse:
-    """Response to a sweep or another single event, by one DFT of the whole record, rectangular window.
+    """Response to noise, a sweep or a single event, by one DFT of the whole record, rectangular window.
 
-    Around each eighth bin the response and what the ends of the record leave in are fitted to 17 bins
-    (`local_polynomial`); where the input is constant over the first and the last hundredth of the record,
-    nothing is left in. `coherence` is what the error of the fit amounts to, c of sqrt((1 - c) / (2 n c)).
+    Around each eighth bin, of the lowest 128 around each second, the response and what the ends of the record
+    leave in are fitted to 17 bins (`local_polynomial`); where the input is constant over the first and the
+    last hundredth of the record, nothing is left in. `coherence` is what the error of the fit amounts to, c
+    of sqrt((1 - c) / (2 n c)).
 
     Raises:
         AnalysisError: too short for one fit.
     """
     x_bins, y_bins = fft.rfft(x)[1:], fft.rfft(y)[1:]
-    at = np.arange(REACH, len(x_bins) - REACH, REACH)
+    last = len(x_bins) - REACH
+    near = min(_NEAR * REACH, last)
+    at = np.concatenate([np.arange(REACH, near, _STEP_NEAR), np.arange(near, last, REACH)])
     if len(at) == 0:
         raise AnalysisError(
             f"{len(x)} samples are too few for a response, at least {4 * (REACH + 1)} are needed: record "
@@ -264,12 +288,14 @@ def swept_response(
     freedom = degrees_of_freedom(at_rest=at_rest)
     greatest = float(np.max(found.power))
     frequency_Hz = sample_rate_Hz / len(x) * (at + np.ones(len(at)))
+    shared = np.where(at < near, REACH / _STEP_NEAR, 1.0)
     ends = "at rest at both ends" if at_rest else "with a line for what its ends leave in"
     return FrequencyResponse(
         frequency_Hz=frequency_Hz,
         response=found.response,
         coherence=1.0 / (1.0 + 2.0 * freedom * found.error**2),
         error=found.error,
+        shared=shared,
         excited=found.power > EXCITED * greatest,
         well_excited=found.power > WELL_EXCITED * greatest,
         averages=float(freedom),
@@ -287,6 +313,16 @@ def _begins_and_ends_at_rest(x: NDArray[np.float64]) -> bool:
     return bool(np.max(np.abs(ends - x[0])) <= largest)
 
 
+def _noise_power(found: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Power of the noise at every frequency, shape (bins,), from what few averages show of it.
+
+    At one frequency it scatters, and a fit that weights by it would follow where it is small by chance: the
+    mean of a frequency and its neighbours, or its own where that stands out as a line does.
+    """
+    mean = ndimage.uniform_filter1d(found, min(2 * REACH + 1, len(found)), mode="nearest")
+    return np.asarray(np.where(found > _LINE * mean, found, mean))
+
+
 def _estimate(
     frequency_Hz: NDArray[np.float64],
     s_xx: NDArray[np.float64],
@@ -299,8 +335,18 @@ def _estimate(
     tiny = np.finfo(np.float64).tiny
     excited, well_excited = (s_xx > share * np.max(s_xx) for share in (EXCITED, WELL_EXCITED))
     coherence = np.minimum(1.0, np.abs(s_xy) ** 2 / np.maximum(s_xx * s_yy, tiny))
-    error = np.sqrt((1.0 - coherence) / (2.0 * averages * np.maximum(coherence, tiny)))
+    noise = _noise_power(s_yy * (1.0 - coherence) / (averages - 1.0))
+    error = np.sqrt(noise / np.maximum(2.0 * coherence * s_yy, _NOTHING * noise + tiny))
     response = s_xy / np.maximum(s_xx, tiny)
     return FrequencyResponse(
-        frequency_Hz, response, coherence, error, excited, well_excited, averages, samples, method
+        frequency_Hz,
+        response,
+        coherence,
+        error,
+        np.ones(len(error)),
+        excited,
+        well_excited,
+        averages,
+        samples,
+        method,
     )

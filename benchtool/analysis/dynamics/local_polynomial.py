@@ -3,7 +3,9 @@
 Over a few bins around f, Y = H X + T, with the response H a parabola of frequency and T, what the two ends
 of the record leave in (the output still moving at its start, cut off at its end), a line or a parabola. Least
 squares tell them apart, and what they leave over is the noise (Pintelon and Schoukens, System Identification:
-A Frequency Domain Approach, 2nd ed., 7.2).
+A Frequency Domain Approach, 2nd ed., 7.2). Where a resonance is sharper than a parabola follows, and that
+shows, the response is a parabola over a line, which has a pole (local rational method: McKelvey and Guérin,
+IFAC Proc. 45 (2012) no. 16).
 """
 
 from __future__ import annotations
@@ -15,6 +17,7 @@ from numpy.typing import NDArray
 
 REACH = 8  # bins to either side
 _CURVED = 3  # terms of a parabola
+_SHARP = 3.0  # times the variance that a pole leaves: a parabola does not follow
 _BATCH = 1024  # bins at a time: their matrices stay in the cache
 
 Complex = NDArray[np.complex128]
@@ -56,21 +59,30 @@ def _fit(x: Complex, y: Complex, at: NDArray[np.int64], at_rest: bool) -> tuple[
     scale = np.sqrt(np.maximum(power, np.finfo(np.float64).tiny))
     near_x = near_x / scale[:, np.newaxis]
     if at_rest:
-        response, variance = _solve(near_x, near_y, 0)
+        response, variance = _smooth_or_sharp(near_x, near_y, 0)
     else:
-        response, variance = _solve(near_x, near_y, 2)
-        variance = variance + np.abs(_solve(near_x, near_y, _CURVED)[0] - response) ** 2
+        response, variance = _smooth_or_sharp(near_x, near_y, 2)
+        variance = variance + np.abs(_smooth_or_sharp(near_x, near_y, _CURVED)[0] - response) ** 2
     size = np.maximum(np.abs(response), np.finfo(np.float64).tiny)
     return response / scale, np.sqrt(0.5 * variance) / size, power
 
 
-def _solve(near_x: Complex, near_y: Complex, ends: int) -> tuple[Complex, Floats]:
+def _smooth_or_sharp(near_x: Complex, near_y: Complex, ends: int) -> tuple[Complex, Floats]:
     """Response at the middle with `ends` terms of T, and its complex variance, both of shape (m,)."""
+    response, variance = _solve(near_x, near_y, ends, poles=0)
+    sharp, variance_sharp = _solve(near_x, near_y, ends, poles=1)
+    better = variance > _SHARP * variance_sharp
+    return np.where(better, sharp, response), np.where(better, variance_sharp, variance)
+
+
+def _solve(near_x: Complex, near_y: Complex, ends: int, poles: int) -> tuple[Complex, Floats]:
+    """The same of a response with so many poles."""
     count, width = near_x.shape
     powers = np.linspace(-1.0, 1.0, width)[:, np.newaxis] ** np.arange(_CURVED)
-    columns = np.empty((count, width, _CURVED + ends), dtype=np.complex128)
+    columns = np.empty((count, width, _CURVED + ends + poles), dtype=np.complex128)
     columns[:, :, :_CURVED] = near_x[:, :, np.newaxis] * powers
-    columns[:, :, _CURVED:] = powers[:, :ends]
+    columns[:, :, _CURVED : _CURVED + ends] = powers[:, :ends]
+    columns[:, :, _CURVED + ends :] = -near_y[:, :, np.newaxis] * powers[:, 1 : 1 + poles]
     orthogonal, triangular = np.linalg.qr(columns)
     along = np.conj(orthogonal.transpose(0, 2, 1)) @ near_y[:, :, np.newaxis]
     left = near_y - (orthogonal @ along)[:, :, 0]

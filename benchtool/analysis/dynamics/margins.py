@@ -91,6 +91,4 @@ def _why_not(found: Point | None, frequency_Hz: Floats, otherwise: str) -> str:
     """Why a crossing has no number; empty if it has."""
     if found is None:
         return f"{otherwise} up to {frequency_Hz[-1]:.4g} Hz"
-    if not math.isfinite(found.standard_Hz):
-        return f"it is passed at {frequency_Hz[0]:.4g} Hz already, the lowest frequency used"
-    return ""
+    return found.doubt

@@ -24,6 +24,7 @@ _FEWEST_DRAWS = 20
 _MOST_VALUES = 1 << 24  # of all draws together, 128 MiB
 _SEED = 20_110_301
 _TIED = 3.0  # standard deviations below the greatest value: what may as well be the greatest
+_SURE = 2.0  # standard deviations beyond a level: what is no noise about it
 _LEAST_DEFINED = 0.9  # of the draws, for an instant that the noise leaves certain
 _VANDERMONDE = np.vander(np.arange(-1.0, 3.0), increasing=True)
 
@@ -100,9 +101,13 @@ class NoisyCurve:
         return Instant(float(top), math.hypot(float(np.sqrt(np.mean(moved**2))), 1.0 / math.sqrt(12.0)))
 
     def first_above(self, level: float | Floats) -> Instant | None:
-        """Where the curve first rises to a level, or to one that is of shape (n,); None if it does not."""
-        above = self.values - level
-        return self._instant(_first(above), [_first(above + each) for each in self.errors])
+        """Where the curve first rises to a level, or to one that is of shape (n,); None if it does not.
+
+        Up to where it is beyond the level for sure, noise may take it there and back: as many samples as are
+        below are before the instant.
+        """
+        above, sure = self.values - level, _SURE * self.standard
+        return self._instant(_first(above, sure), [_first(above + each, sure) for each in self.errors])
 
     def last_outside(self, level: float, band: float) -> Instant | None:
         """Where it enters `level` +- `band` for good, 0 if it never leaves it; None if it ends outside."""
@@ -128,11 +133,14 @@ class _Crossing:
     reach: float
 
 
-def _first(above: Floats) -> _Crossing | None:
+def _first(above: Floats, sure: Floats) -> _Crossing | None:
     at = int(np.argmax(above >= 0.0))
     if above[at] < 0.0:
         return None
-    return _between(above, at) if at else _Crossing(0.0, 0.0)
+    found = _between(above, at) if at else _Crossing(0.0, 0.0)
+    beyond = int(np.argmax(above >= sure))
+    again = int(np.count_nonzero(above[at:beyond] < 0.0))
+    return _Crossing(found.place + again, found.reach) if again else found
 
 
 def _last(values: Floats, level: float, band: float) -> _Crossing | None:

@@ -21,8 +21,12 @@ Floats = NDArray[np.float64]
 
 _FEWEST = 2  # neighbours to either side of a local fit
 _LONGER = 1.5
+_MOST_UNCERTAIN = 0.2  # of a frequency: a greater standard uncertainty tells nothing
+_CLEAR = 3.0  # standard uncertainties of a smooth value by which it is off a level for sure
 _REACH = 0.7  # of the frequency: a local fit goes at most so far to either side
 _FITS = 2.0  # standard deviations of the mean squared residual above 1: a fit that describes its points
+_AT_THE_TOP = 3  # second differences: the greatest value and its neighbours
+_OF_A_PARABOLA, _OF_A_CUSP = 1.0 / 8.0, 1.0 / 3.0  # of the second difference: how much higher the peak is
 _SURE = 0.25  # of the smallest movement that matters: what is left of the error of a smooth curve
 _MOST_SMOOTHED = 8  # a smoothing window is at most this part of the frequencies
 _DRAWS = 80
@@ -33,10 +37,19 @@ _LEAST_ERROR = 1e-9  # of the values, that a fit of exact values has weights
 
 @dataclass(frozen=True)
 class Point:
-    """A frequency and its standard uncertainty."""
+    """A frequency and its standard uncertainty; nan where it is below the frequencies used."""
 
     frequency_Hz: float
     standard_Hz: float
+
+    @property
+    def doubt(self) -> str:
+        """Why it is no result; empty if it is one."""
+        if math.isnan(self.standard_Hz):
+            return f"it is passed at {self.frequency_Hz:.4g} Hz already, the lowest frequency used"
+        if self.standard_Hz > _MOST_UNCERTAIN * self.frequency_Hz:
+            return f"the errors do not let tell where, about {self.frequency_Hz:.2g} Hz: raise the stimulus"
+        return ""
 
 
 @dataclass(frozen=True)
@@ -52,10 +65,11 @@ class ResponseCurve:
     movement: float
 
     def falls_to(self, level: float, level_error: float = 0.0) -> Point | None:
-        """Lowest frequency at which the values are down at a level; None if they stay above, nan if below.
+        """Lowest frequency at which the values are down at a level; None if they stay above.
 
-        The standard uncertainty is that of the fit and of the level, over the slope, and what a longer window
-        changes.
+        The standard uncertainty is that of the fit and of the level, over the slope, what a longer window
+        changes, and how far apart the errors let the first and the last crossing be; nan where the values are
+        below from the first on.
         """
         smooth = self.smooth
         below = smooth <= level
@@ -64,18 +78,32 @@ class ResponseCurve:
         at = int(np.argmax(below))
         if at == 0:
             return Point(float(self.frequency_Hz[0]), math.nan)
-        before = smooth[at - 1]
-        share = float((before - level) / (before - smooth[at]))
+        found = self._crossing(at, level, level_error)
+        if (again := self._crossing(self._last_above(at, level) + 1, level, level_error)) != found:
+            apart_Hz = again.frequency_Hz - found.frequency_Hz
+            found = Point(found.frequency_Hz, math.hypot(found.standard_Hz, apart_Hz))
+        lowest_Hz = float(self.frequency_Hz[0])
+        return found if found.frequency_Hz > lowest_Hz else Point(lowest_Hz, math.nan)
+
+    def _crossing(self, at: int, level: float, level_error: float) -> Point:
+        """Where the values fall to a level, by a local fit about where the smooth ones do before `at`."""
+        before, after = self.smooth[at - 1 : at + 1].tolist()
         low_Hz, high_Hz = self.frequency_Hz[at - 1 : at + 1].tolist()
-        start_Hz = low_Hz + share * (high_Hz - low_Hz)
+        start_Hz = low_Hz + (before - level) / (before - after) * (high_Hz - low_Hz)
         short, long = self._fits(start_Hz)
         place, standard = short.zero(level)
         other, _ = long.zero(level)
         if not math.isfinite(place):
-            return Point(start_Hz, math.nan)
+            return Point(start_Hz, math.inf)
         changed = other - place if math.isfinite(other) else 0.0
         spread = math.hypot(standard, level_error / abs(short.slope_at(place)), changed)
         return Point(start_Hz * (1.0 + place), start_Hz * spread)
+
+    def _last_above(self, at: int, level: float) -> int:
+        """Where the smooth values were last above a level before their errors no longer raise them to it."""
+        clear = np.flatnonzero(self.smooth[at:] < level - _CLEAR * self._smooth_error[at:])
+        end = at + int(clear[0]) if len(clear) else len(self.smooth) - 1
+        return int(np.flatnonzero(self.smooth[:end] > level)[-1])
 
     def at(self, frequency_Hz: float) -> tuple[float, float]:
         """Value at a frequency and its standard uncertainty."""
@@ -87,17 +115,33 @@ class ResponseCurve:
         return self._fits(frequency_Hz)[0].slope_at(0.0) / frequency_Hz
 
     def greatest(self) -> tuple[float, float]:
-        """Greatest value, less what the errors add to it, and its standard uncertainty."""
+        """Greatest value, less what the errors add to it, and its standard uncertainty.
+
+        An eighth of the second difference is part of that: by as much a parabola bends between two
+        frequencies. Of a peak that few show, where its neighbours bend the other way, it is a third.
+        """
         widths = self._widths
         random = np.random.default_rng(_SEED)
         drawn = random.standard_normal((_DRAWS, len(self.values))) * self.error
         errors = np.array([_running_mean(each, self._weights, widths) for each in drawn])
-        return NoisyCurve(self.smooth, errors).greatest()
+        value, standard = NoisyCurve(self.smooth, errors).greatest()
+        top = int(np.argmax(self.smooth))
+        bends = np.diff(self.smooth[max(0, top - 2) : top + 3], 2)
+        if len(bends) < _AT_THE_TOP:
+            return value, standard
+        part = _OF_A_PARABOLA if np.max(bends) < 0.0 else _OF_A_CUSP
+        return value, math.hypot(standard, part * float(np.abs(bends[1])))
 
     @cached_property
     def smooth(self) -> Floats:
         """Running means over so many neighbours that their error is small against the movement."""
         return _running_mean(self.values, self._weights, self._widths)
+
+    @cached_property
+    def _smooth_error(self) -> Floats:
+        """Standard uncertainty of the smooth values, shape (n,)."""
+        total, places = np.concatenate([[0.0], np.cumsum(self._weights)]), np.arange(len(self.values))
+        return np.asarray(1.0 / np.sqrt(total[places + self._widths + 1] - total[places - self._widths]))
 
     @cached_property
     def _weights(self) -> Floats:
@@ -214,13 +258,13 @@ def gain_at_rest(frequency_Hz: Floats, gain: Floats, error: Floats) -> GainAtRes
             _intercept(square[lowest], inverse[lowest], standard[lowest], terms) for terms in (1, 2, 3, 4)
         ]
         for fit, richer in pairwise(fits):
-            if fit is None or richer is None or not fit.describes or fit.value <= 0.0:
+            if fit is None or richer is None or not fit.describes or min(fit.value, richer.value) <= 0.0:
                 continue
             steady = abs(richer.value - fit.value) <= _FITS * math.hypot(richer.standard, fit.standard)
             if steady and fit.standard < least:
                 least = fit.standard
-                spread = math.hypot(fit.standard, richer.value - fit.value)
-                best = GainAtRest(float(gain[0]) / math.sqrt(fit.value), 0.5 * spread / fit.value)
+                spread = math.hypot(richer.standard, richer.value - fit.value)
+                best = GainAtRest(float(gain[0]) / math.sqrt(richer.value), 0.5 * spread / richer.value)
         count = math.ceil(_LONGER * count)
     return best
 

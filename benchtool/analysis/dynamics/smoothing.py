@@ -4,13 +4,17 @@ A functional of single samples (greatest, first beyond a level) takes noise for 
 smoothed first: at every sample by a local parabola (Savitzky and Golay, Anal. Chem. 36 (1964) no. 8) over a
 window that grows with the time since the event that set the transient off, up to a greatest length. How
 fast and how long is chosen by Stein's unbiased estimate of the risk (Ann. Statist. 9 (1981) no. 6) for the
-noise as it is, and then shortened, so that what is left is noise and hardly any bias (undersmoothing: Hall,
-Ann. Statist. 20 (1992) no. 2). Where there is no noise, the samples stay as they are.
+noise as it is. Where a window spans an edge or a bend of the signal, at the end of a pulse or of a ramp, say,
+it contradicts the shorter ones there, and the longest that contradicts none is taken (intersection of
+confidence intervals: Goldenshluger and Nemirovski, Math. Methods Statist. 6 (1997) no. 2). Then all are
+shortened, so that what is left is noise and hardly any bias (undersmoothing: Hall, Ann. Statist. 20 (1992)
+no. 2). Where there is no noise, the samples stay as they are.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -22,7 +26,10 @@ Floats = NDArray[np.float64]
 
 _GROWTH = (0.1, 0.2, 0.3, 0.45, 0.65)  # half window over samples since the event
 _STEPS = 4  # of the half window, for each time it doubles
+_CONTRADICTS = 6.0  # standard deviations between the values of two windows: more is no noise
+_CLEARANCE = 0.5  # of the distance to a contradiction: the most by which a half window is longer than there
 _SHORTER = 1.5  # how much shorter the window is than the one of least risk
+_SLIGHTLY = 1e-9  # of a step: what is less is rounding
 _PART = 5  # the greatest half window is at most this part of what follows the event
 _LAGS = 4  # lags of an autocovariance: this part of its samples
 _ROUNDING = 1e-7  # of the level: what is less is rounding of 32-bit numbers, and no noise
@@ -39,7 +46,8 @@ class Noise:
         """What a straight line leaves over of samples at rest; of several pieces the noisiest.
 
         The autocovariance is tapered by Bartlett's window, with which its spectrum is nowhere negative
-        (Priestley, Spectral Analysis and Time Series, 6.2.3). Pieces of fewer than eight samples say nothing.
+        (Priestley, Spectral Analysis and Time Series, 6.2.3). The line takes the slowest noise with it, which
+        is given back: of the variance of a mean, twice. Pieces of fewer than eight samples say nothing.
         """
         found = [_autocovariance(piece) for piece in pieces if len(piece) >= 8]
         return cls(max(found, key=lambda each: float(each[0]), default=np.zeros(1)))
@@ -63,7 +71,7 @@ class Noise:
 
 @dataclass(frozen=True)
 class Smoother:
-    """Windows of a smooth curve: the `half` of each in samples, shape (n,), never decreasing.
+    """Windows of a smooth curve: the `half` of each in samples, shape (n,), nowhere beyond the first sample.
 
     The smoother is linear: it makes of signal and noise together what it makes of each.
     """
@@ -71,18 +79,26 @@ class Smoother:
     half: NDArray[np.int64]
 
     @classmethod
-    def growing(cls, count: int, growth: float, longest: float) -> Smoother:
-        """Half windows of `growth` times the samples since the event, in steps, up to `longest`."""
-        wanted = np.minimum(growth * np.arange(count), longest)
-        stepped = np.exp2(np.floor(_STEPS * np.log2(np.maximum(wanted, 1.0))) / _STEPS)
-        return cls(np.where(wanted < 1.0, 0, np.floor(stepped)).astype(np.int64))
+    def growing(cls, most: Floats, growth: float, longest: float) -> Smoother:
+        """Half windows of `growth` times the samples since the event, up to `longest` and `most`."""
+        return cls(_in_steps(np.minimum(np.minimum(growth * np.arange(len(most)), longest), most)))
+
+    @property
+    def runs(self) -> Iterator[tuple[int, int, int]]:
+        """First row, end and half window of each run of rows with the same window."""
+        edges = [0, *(np.flatnonzero(np.diff(self.half)) + 1).tolist(), len(self.half)]
+        return ((begin, end, int(self.half[begin])) for begin, end in pairwise(edges))
+
+    def shortened(self) -> Smoother:
+        """With shorter windows, whose bias is small against the noise that they leave."""
+        return Smoother(_in_steps(self.half / _SHORTER))
 
     def apply(self, records: Floats) -> Floats:
         """Smooth curves of records, shape (..., n); at the end they are continued as in a mirror."""
         curve = records.astype(np.float64, copy=True)
-        for half in np.unique(self.half[self.half > 0]).tolist():
-            rows = np.flatnonzero(self.half == half)
-            begin, end = int(rows[0]), int(rows[-1]) + 1
+        for begin, end, half in self.runs:
+            if half == 0:
+                continue
             mirrored = records[..., -2 : -2 - max(0, end + half - records.shape[-1]) : -1]
             window = np.concatenate([records[..., begin - half : end + half], mirrored], axis=-1)
             weights = _parabola(half).reshape((1,) * (records.ndim - 1) + (-1,))
@@ -101,12 +117,43 @@ class _Smoothed:
     def risk(self, smoother: Smoother) -> float:
         """Stein's unbiased estimate of the sum of the squared errors that a smoother leaves."""
         total = -float(self._noise.autocovariance[0]) * len(self._samples)
-        edges = [0, *(np.flatnonzero(np.diff(smoother.half)) + 1).tolist(), len(smoother.half)]
-        for begin, end in pairwise(edges):
-            curve, correlation = self._under(int(smoother.half[begin]))
+        for begin, end, half in smoother.runs:
+            curve, correlation = self._under(half)
             left = curve[begin:end] - self._samples[begin:end]
             total += float(left @ left) + 2.0 * (end - begin) * correlation
         return total
+
+    def longest(self) -> Floats:
+        """Longest half window at every sample, shape (n,), that contradicts no shorter one."""
+        count = len(self._samples)
+        most = _in_steps(np.minimum(_GROWTH[-1] * np.arange(count), count / _PART))
+        ladder = np.unique(most)[:: -(_STEPS // 2)][::-1]
+        most = np.minimum(most, ladder[-1])
+        spectra, power = self._spectra(ladder)
+        for at, longer in enumerate(ladder.tolist()):
+            curve, _ = self._under(longer)
+            for shorter, spectrum in zip(ladder[:at].tolist(), spectra[:at], strict=True):
+                between = math.sqrt(float(np.mean(np.abs(spectra[at] - spectrum) ** 2 * power)))
+                apart = np.abs(curve - self._under(shorter)[0]) > _CONTRADICTS * between
+                most = np.where(apart & (most >= longer), np.minimum(most, ladder[at - 1]), most)
+        # where part of a window reaches over an edge, too little to show, its end has still no place
+        away = _CLEARANCE * np.arange(count)
+        least = np.minimum.accumulate(most - away) + away
+        return np.asarray(np.minimum.accumulate((least + away)[::-1])[::-1] - away)
+
+    def _spectra(self, ladder: NDArray[np.int64]) -> tuple[list[Floats], Floats]:
+        """Transfer of each window, and the power of the noise, over the same frequencies."""
+        covariance = self._noise.autocovariance
+        size = fft.next_fast_len(2 * max(len(covariance), int(ladder[-1]) + 1), real=True)
+        both = np.zeros(size)
+        both[: len(covariance)] = covariance
+        both[size - len(covariance) + 1 :] = covariance[:0:-1]
+        spectra = []
+        for half in ladder.tolist():
+            weights = np.zeros(size)
+            weights[np.arange(-half, half + 1)] = _parabola(half)
+            spectra.append(np.asarray(fft.fft(weights).real))
+        return spectra, np.maximum(np.asarray(fft.fft(both).real), 0.0)
 
     def _under(self, half: int) -> tuple[Floats, float]:
         """The samples under one window, and the covariance of what it makes of noise with that noise."""
@@ -130,16 +177,22 @@ def fitted_smoothers(samples: Floats, noise: Noise) -> tuple[Smoother, Smoother]
     if noise.rms == 0.0:
         return none, none
     smoothed = _Smoothed(samples, noise)
-    best, shortened, least = none, none, smoothed.risk(none)
+    best, least = none, smoothed.risk(none)
+    most = smoothed.longest()
     longest = max(1.0, count / _PART)
     for growth in _GROWTH:
         for step in range(int(2.0 * math.log2(longest)) + 1):
             length = longest / 2.0 ** (0.5 * step)
-            smoother = Smoother.growing(count, growth, length)
+            smoother = Smoother.growing(most, growth, length)
             if (risk := smoothed.risk(smoother)) < least:
                 best, least = smoother, risk
-                shortened = Smoother.growing(count, growth / _SHORTER, length / _SHORTER)
-    return shortened, best
+    return best.shortened(), best
+
+
+def _in_steps(half: Floats) -> NDArray[np.int64]:
+    """Half windows, shape (n,), of few different lengths: the next shorter or equal."""
+    stepped = np.exp2(np.floor(_STEPS * np.log2(np.maximum(half, 1.0)) + _SLIGHTLY) / _STEPS)
+    return np.where(half < 1.0, 0, np.floor(stepped)).astype(np.int64)
 
 
 def _parabola(half: int) -> Floats:
@@ -162,4 +215,8 @@ def _autocovariance(piece: Floats) -> Floats:
     size = fft.next_fast_len(2 * len(piece), real=True)
     power = np.abs(fft.rfft(left, size)) ** 2
     found = fft.irfft(power, size)[:lags] / max(1, len(piece) - 2)
-    return np.asarray(found * (1.0 - np.arange(lags) / lags), dtype=np.float64)
+    taper = 1.0 - np.arange(lags) / lags
+    # the spectrum at zero, which the offset enters with the sum of the tapers
+    slowest = max(0.0, 2.0 * float(np.sum(found * taper)) - float(found[0]))
+    slowest /= 1.0 - 2.0 * (2.0 * float(np.sum(taper)) - 1.0) / len(piece)
+    return np.asarray((found + 2.0 * slowest / len(piece)) * taper, dtype=np.float64)

@@ -28,7 +28,8 @@ _LOW, _HIGH = 0.1, 0.9
 _ARRIVED = 0.02  # of the step: what counts as having arrived, and the least band of having settled
 _SIGMAS = 3.0  # standard uncertainties of the curve: the least that counts as a movement
 _CALM = 5.0  # standard uncertainties of the curve that noise alone hardly ever leaves
-_EXTREME = 3.0  # standard uncertainties by which the curve exceeds what it must, for a time of its peak
+_TO_THE_PARABOLA = 1.5  # standard uncertainties to a start along a parabola
+_EXTREME = 4.0  # standard uncertainties by which the curve exceeds what it must, for a time of its peak
 _ROUNDING = 1e-7  # of the step: what is less is no overshoot but rounding
 
 
@@ -92,30 +93,27 @@ def _times(step: Step, curve: NoisyCurve, arrived: Instant | None) -> Iterator[M
         f"from the step until the smoothed signal is {_ARRIVED:.0%} of the step beyond the mean before it; "
         f"where {_SIGMAS:g} x its uncertainty is more, from there half the way back along a line"
     )
-    ahead = _moves_ahead(step)
-    reason = "it moves before the reference has come half the way"
-    left = None if ahead else _departure(step, curve)
-    yield _time(step, "dead_time", text, left, reason if ahead else "it does not move")
+    left = _departure(step, curve)
+    ahead = left is not None and left.place < step.zero - left.standard
+    reason = "it moves before the reference has come half the way" if ahead else "it does not move"
+    yield _time(step, "dead_time", text, None if ahead else left, reason)
 
     low, high = (curve.first_above(step.before + share * step.height) for share in (_LOW, _HIGH))
     rise = None
-    if low is not None and high is not None and not ahead:
+    if low is not None and high is not None:
         rise = Instant(high.place - low.place, math.hypot(high.standard, low.standard))
     text = f"from {_LOW:.0%} to {_HIGH:.0%} of the step, of the smoothed signal"
-    yield _time(step, "rise_time", text, rise, reason if ahead else "it is not reached")
+    yield _interval(step, "rise_time", text, rise, "it is not reached")
     text = f"from the step until the smoothed signal has come {1 - _ARRIVED:.0%} of it"
     yield _time(step, "reach_time", text, arrived, "it is not reached")
 
 
-def _moves_ahead(step: Step) -> bool:
-    """Whether the signal has left its first level before the step, as it does along a slow reference."""
-    level = float(np.mean(step.y_before[: max(1, len(step.y_before) // 4)]))
-    least = max(_ARRIVED * step.height, _CALM * step.y_noise.rms)
-    return float(step.y_before[-1]) - level > least
-
-
 def _departure(step: Step, curve: NoisyCurve) -> Instant | None:
-    """Where the signal leaves its level before the step."""
+    """Where the signal leaves its level before the step.
+
+    What is clear of the noise comes later. From there and from twice as far it goes half the way back along
+    a line; how far it would be along a parabola, as a lag of second order begins, is in the uncertainty.
+    """
     level, least = float(np.mean(step.y_before)), _ARRIVED * step.height
     clear = np.maximum(least, _SIGMAS * curve.standard)
     left = curve.first_above(level + clear)
@@ -127,12 +125,26 @@ def _departure(step: Step, curve: NoisyCurve) -> Instant | None:
     further = curve.first_above(level + 2.0 * threshold)
     if further is None:
         return None
-    back = min(left.place, max(0.0, further.place - left.place) * (threshold - least) / threshold)
-    return Instant(left.place - 0.5 * back, math.hypot(left.standard, 0.5 * back))
+    apart = max(0.0, further.place - left.place)
+    line = apart * (1.0 - least / threshold)
+    parabola = apart * (1.0 - math.sqrt(least / threshold)) / (math.sqrt(2.0) - 1.0)
+    near, far = min(left.place, line), min(left.place, parabola)
+    back = 0.5 * near
+    share = back / apart if apart > 0.0 else 0.0
+    noise = math.hypot((1.0 + share) * left.standard, share * further.standard)
+    return Instant(left.place - back, math.hypot(noise, (far - back) / _TO_THE_PARABOLA))
 
 
 def _time(step: Step, name: str, definition: str, found: Instant | None, reason: str) -> Measurement:
-    """A time from the step, which the reference takes at its row, to an instant."""
+    """A time from the step to an instant."""
+    if found is not None:
+        since = max(0.0, found.place - step.zero)
+        found = Instant(since, math.hypot(found.standard, step.zero_error))
+    return _interval(step, name, definition, found, reason)
+
+
+def _interval(step: Step, name: str, definition: str, found: Instant | None, reason: str) -> Measurement:
+    """A time between two instants."""
     if found is not None and not math.isfinite(found.standard):
         found, reason = None, "the noise does not let tell whether it is"
     if found is None:

@@ -24,14 +24,19 @@ _DWELL = 0.2  # of the way: more than a ramp (0.04) or an exponential (0.12) spe
 _FEWEST_ON_THE_WAY = 6  # samples; fewer show no landing
 _OPPOSITE = 0.5  # of the height: the most that a step goes the other way
 _QUARTERS = 0.25, 0.75
+_AT_REST = 1e-3  # of the height: what is less is not on its way
+_SIGMAS = 3.0  # standard deviations of its noise, likewise
+_WITHIN = 0.5  # samples, at most one: how far a step is known from its row
 
 
 @dataclass(frozen=True)
 class Step:
-    """A step as if it went upwards: signal `y` and reference `r` are times `sign`, from its row on.
+    """A step as if it went upwards: signal `y` and reference `r` are times `sign`, from its `begin` on.
 
-    `before`, `greatest` and `final` are levels of the reference; `y_before` is the signal up to the step, and
-    `y_noise` the noise of the signal at rest.
+    `begin` is the row in which the reference leaves its first level, `row` the one in which it has come half
+    the way. `zero` is the instant of that, in samples from `begin`, and `zero_error` its standard
+    uncertainty. `before`, `greatest` and `final` are levels of the reference; `y_before` is the signal up to
+    the step, and `y_noise` the noise of the signal at rest.
     """
 
     y: Floats
@@ -39,7 +44,10 @@ class Step:
     y_noise: Noise
     r: Floats
     sign: float
+    begin: int
     row: int
+    zero: float
+    zero_error: float
     before: float
     greatest: float
     final: float
@@ -55,8 +63,10 @@ class Step:
 def find_step(block: Block, signal: str, reference: str) -> Step:
     """The one step of a reference and the signal that answers it.
 
-    The step is the row where the reference first leaves its first value by half of its greatest excursion,
-    so that a ramp counts from its middle. A reference that falls back after a while is a pulse and allowed.
+    The step is where the reference first leaves its first value by half of its greatest excursion, so that
+    a ramp counts from its middle: between two samples if it is on its way in both, otherwise at its row. When
+    since the row before it a step was made, the record does not tell, and the standard uncertainty of that is
+    half a sample. A reference that falls back after a while is a pulse and allowed.
 
     Raises:
         AnalysisError: a gap, a missing channel, a dead signal, units that differ, no step, or more than one.
@@ -78,18 +88,22 @@ def find_step(block: Block, signal: str, reference: str) -> Step:
     y, r = sign * y, sign * r
     before, greatest = float(r[0]), float(np.max(r))
     _require_one_step(r, before, greatest, reference, unit)
-    rate_Hz, after = block.sample_rate_Hz, len(y) - row
+    begin, zero = _begin(r, row, r_noise.rms)
+    rate_Hz, after = block.sample_rate_Hz, len(y) - begin
     against = (
         f"{signal} against {reference}, which goes from {sign * before:.6g} to {sign * greatest:.6g} "
         f"{unit} in row {row}, where it has come half the way"
     )
     return Step(
-        y=y[row:],
-        y_before=y[: max(1, row)],
-        y_noise=Noise.of(y[:row], y[-tail:]),
-        r=r[row:],
+        y=y[begin:],
+        y_before=y[: max(1, begin)],
+        y_noise=Noise.of(y[:begin], y[-tail:]),
+        r=r[begin:],
         sign=sign,
+        begin=begin,
         row=row,
+        zero=zero,
+        zero_error=_WITHIN * float(r[row] - r[row - 1]) / (greatest - before),
         before=before,
         greatest=greatest,
         final=float(np.mean(r[-tail:])),
@@ -108,6 +122,17 @@ def _step_row(reference: Floats, name: str) -> int:
             f"record across it"
         )
     return int(np.argmax(excursion >= 0.5 * greatest))
+
+
+def _begin(r: Floats, row: int, noise: float) -> tuple[int, float]:
+    """Row in which a reference leaves its first level, and the instant of half the way in samples from it."""
+    height = float(np.max(r) - r[0])
+    rest = np.flatnonzero(r[:row] - r[0] <= _AT_REST * height + _SIGMAS * noise)
+    begin = int(rest[-1]) + 1
+    if begin == row:
+        return row, 0.0
+    short = 0.5 * height - float(r[row - 1] - r[0])
+    return begin, row - 1 - begin + short / float(r[row] - r[row - 1])
 
 
 def _require_one_step(r: Floats, before: float, greatest: float, name: str, unit: str) -> None:

@@ -352,3 +352,52 @@ def test_margins_of_a_loop_with_a_delay() -> None:
     assert expected["phase_margin"] == pytest.approx(90.0 - math.degrees(omega_c * delay_s), abs=3.0)
     for name, value in expected.items():
         assert found[name].value == pytest.approx(value, rel=0.02), name
+
+
+def test_a_drift_is_no_response() -> None:
+    x = _prbs(11)
+    y = _filtered(x) + np.linspace(0.0, 2.0, len(x))
+    drifting, still = (
+        frequency_response(x[1023:], samples[1023:], RATE_HZ, period=1023) for samples in (y, _filtered(x))
+    )
+    assert np.max(np.abs(drifting.response[:400] - still.response[:400])) < 1e-6
+
+
+def test_a_sharp_resonance_in_noise_has_its_height() -> None:
+    """A pole 2 Hz wide, in a record whose bins are 0.5 Hz apart."""
+    omega, zeta = 2.0 * math.pi * 40.0, 0.05
+    system = signal.bilinear([omega**2], [1.0, 2.0 * zeta * omega, omega**2], RATE_HZ)
+    x = _noise(20_000, 1.0, seed=4)
+    y = np.asarray(signal.lfilter(*system, x))
+    found = {each.name: each for each in _bode(x, y + _noise(len(y), 1e-3 * float(np.std(y)))).measurements}
+    peak = found["resonance_peak"]
+    assert peak.value == pytest.approx(20.0 * math.log10(0.5 / zeta), abs=0.1)
+    assert peak.uncertainty is not None
+    assert peak.uncertainty.standard < 0.3
+
+
+def test_few_periods_have_errors_that_hold_for_the_gain_at_rest() -> None:
+    x = _prbs(5)
+    truth, errors = 1.0, []
+    for seed in range(16):
+        bode = _bode(x[1023:], (_filtered(x) + _noise(len(x), 1e-3, seed))[1023:], period=1023)
+        (gain,) = (each for each in bode.measurements if each.name == "response_gain")
+        assert gain.uncertainty is not None
+        errors.append((gain.value - truth) / gain.uncertainty.standard)
+    assert np.sqrt(np.mean(np.square(errors))) < 1.5
+
+
+def test_a_bandwidth_of_which_the_errors_say_nothing_is_null() -> None:
+    """The phase of a lag of first order and half a sample of hold, which passes -90 degrees slowly."""
+    x = _chirp(20_000)
+    lag = math.exp(-2.0 * math.pi * 100.0 / RATE_HZ)
+    y = np.asarray(signal.lfilter([0.0, 1.0 - lag], [1.0, -lag], x))
+    noisy = [_bode(x, y + _noise(len(y), 0.15 * float(np.std(y)), seed)) for seed in range(5)]
+    for bode in noisy:
+        (found,) = (each for each in bode.measurements if each.name == "bandwidth_90deg")
+        if math.isnan(found.value):
+            assert found.reason
+        else:
+            assert found.uncertainty is not None
+            assert found.uncertainty.standard <= 0.2 * found.value
+            assert abs(found.value - 562.0) < 5.0 * found.uncertainty.standard + 10.0

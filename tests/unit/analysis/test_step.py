@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from benchtool.analysis.dynamics.smoothing import Noise, fitted_smoothers
 from benchtool.analysis.dynamics.step import analyze_step
 from benchtool.block import Block, Channel
 from benchtool.errors import AnalysisError
@@ -104,7 +105,10 @@ def test_dead_time_ends_between_the_samples_of_the_first_movement(rows: int) -> 
     )
     assert found.value == pytest.approx((rows - 0.5) / RATE_HZ)
     assert found.uncertainty is not None
-    assert found.uncertainty.standard == pytest.approx(1 / math.sqrt(12.0) / RATE_HZ, rel=0.05)
+    # between two samples the signal moved, and between two the reference
+    assert found.uncertainty.standard == pytest.approx(
+        math.hypot(1.0 / math.sqrt(12.0), 0.5) / RATE_HZ, rel=0.05
+    )
 
 
 def test_a_signal_that_moves_with_its_reference_has_no_dead_time() -> None:
@@ -253,15 +257,53 @@ def test_a_ramp_and_a_lag_of_the_reference_are_one_step(rows: int) -> None:
         assert found.step_row >= 100
 
 
-def test_a_signal_along_a_slow_ramp_has_no_rise_time_from_the_middle_of_it() -> None:
+def test_a_signal_along_a_slow_ramp_rises_with_it_and_has_no_dead_time() -> None:
     ramp = np.clip((np.arange(1000) - 100) / 200, 0.0, 1.0)
     y = np.roll(ramp, 3) * (np.arange(1000) >= 3) + 0.5  # an offset is no movement
     by_name = {
         each.name: each for each in analyze_step(_block(y, ramp), "torque", "torque_reference").measurements
     }
-    for name in ("rise_time", "dead_time"):
-        assert math.isnan(by_name[name].value)
-        assert by_name[name].reason == "it moves before the reference has come half the way"
+    assert math.isnan(by_name["dead_time"].value)
+    assert by_name["dead_time"].reason == "it moves before the reference has come half the way"
+    by_name = {
+        each.name: each
+        for each in analyze_step(_block(y - 0.5, ramp), "torque", "torque_reference").measurements
+    }
+    assert by_name["rise_time"].value == pytest.approx(160 / RATE_HZ)
+    assert by_name["reach_time"].value == pytest.approx((0.98 * 200 + 3 - 100) / RATE_HZ)
+
+
+@pytest.mark.parametrize("rows", [4.0, 7.3, 51.9])
+def test_a_ramp_counts_from_the_instant_of_half_its_way(rows: float) -> None:
+    since = np.arange(1000) - 100.0
+    ramp = np.clip(since / rows, 0.0, 1.0)
+    tau = 20.0
+
+    up, down = np.maximum(since, 0.0), np.maximum(since - rows, 0.0)
+    y = (up - down + tau * (np.exp(-up / tau) - np.exp(-down / tau))) / rows
+    found = _measured(y, ramp)["reach_time"] * RATE_HZ
+    truth = tau * math.log(50.0 * tau / rows * (math.exp(rows / tau) - 1.0)) - 0.5 * rows
+    assert found == pytest.approx(truth, abs=0.05)
+
+
+def test_no_window_is_over_the_end_of_a_pulse_and_those_away_from_it_are_long() -> None:
+    rows = np.arange(1800.0)
+    y = np.where(rows < 800, 1.0 - np.exp(-rows / 20.0), np.exp(-(rows - 800.0) / 20.0))
+    noise = 3e-3 * np.random.default_rng(5).standard_normal(2000)
+    half = fitted_smoothers(y + noise[:1800], Noise.of(noise[1800:]))[0].half
+    assert np.max(half[795:806]) <= 8
+    assert np.all(half[600:800] <= 8 + (800 - rows[600:800]))
+    assert half[400] >= 20
+
+
+def test_slow_noise_is_not_taken_away_with_the_line() -> None:
+    """The variance of a sum over many samples, which a line fitted to as many would leave none of."""
+    noise, count = np.random.default_rng(1).standard_normal((400, 200)), 200
+    found = [Noise.of(each).autocovariance for each in noise]
+    sums = np.mean([each[0] + 2.0 * np.sum(each[1:]) for each in found])
+    assert sums == pytest.approx(1.0, abs=0.1)
+    assert np.mean([each[0] for each in found]) == pytest.approx(1.0, abs=0.03)
+    assert all(len(each) <= count // 2 for each in found)
 
 
 @pytest.mark.parametrize("zeta", [0.4, 1.0])
