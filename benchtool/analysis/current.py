@@ -32,7 +32,7 @@ from benchtool.analysis.measurement import Basis, Measurement, Table
 from benchtool.analysis.noise import NoiseFloor, line_noise, noise_floor
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.phase_following import follow
-from benchtool.analysis.ripple import resolution
+from benchtool.analysis.quantisation import resolution
 from benchtool.analysis.scatter import MeanError
 from benchtool.analysis.spectrum import (
     FIRST_ROW,

@@ -14,7 +14,7 @@ from benchtool.analysis.angle_orders import MOST_GROUPS, fit_orders
 from benchtool.analysis.measurement import Basis
 from benchtool.analysis.noise import line_noise, repeated_quantisation
 from benchtool.analysis.periods import PhaseTrack, track_angle
-from benchtool.analysis.ripple import COARSE, resolution
+from benchtool.analysis.quantisation import COARSE, resolution
 from benchtool.analysis.spectrum import coherent_spectrum
 from benchtool.analysis.validity import require_unbroken
 from benchtool.block import Block

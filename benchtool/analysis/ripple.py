@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.periods import PhaseTrack
+from benchtool.analysis.quantisation import COARSE, resolution
 from benchtool.analysis.scatter import MeanError, error_of_series, scatter_of_largest
 from benchtool.analysis.uncertainty import Contribution, combined
 from benchtool.analysis.validity import clipping, require_signal, require_unbroken
@@ -19,11 +20,9 @@ from benchtool.block import Block, as_samples
 _SMALLEST_MEAN = 0.02  # share of the peak-to-peak ripple below which "percent of mean" says nothing
 _SIGNIFICANT = 5.0  # standard uncertainties of the mean, from which a ratio to it is one
 _DOF_OF_EXTREMES = 10.0  # of a tail from a few of the largest values
-COARSE = 1e-3  # of the peak-to-peak: a smaller step is the last digit of a number, and no resolution
 _FEWEST_PERIODS = 3  # whose scatter says something
 _LOW, _HIGH = 0.5, 99.5  # per cent
 _NEAR = 0.25  # per cent to either side, for the density there
-_LOOKED_AT = 1 << 16  # samples, for the resolution
 
 
 @dataclass(frozen=True)
@@ -77,17 +76,6 @@ def percentile_range(samples: NDArray[np.float64]) -> float:
     """99.5th minus 0.5th percentile of samples, shape (n,): what 99 % of them span, whatever a spike does."""
     low, high = np.percentile(samples, (_LOW, _HIGH))
     return float(high - low)
-
-
-def resolution(samples: NDArray[np.float64]) -> float:
-    """Smallest nonzero difference between distinct values of samples, shape (n,); 0 if all are the same.
-
-    The step of a quantised signal; of one that was computed, only the rounding. Of a long record 65536
-    samples, evenly spread, are looked at.
-    """
-    few = samples[:: max(1, len(samples) // _LOOKED_AT)]
-    steps = np.diff(np.unique(few))
-    return float(np.min(steps)) if len(steps) else 0.0
 
 
 def record_basis(block: Block) -> Basis:
