@@ -41,8 +41,8 @@ class NoiseFloor:
     medians of narrow bands give it, so that lines in less than half of the bins of a band do not count, and
     noise need not be white: where the density is steep, the squares are first made even by the slope of the
     bands around. What only moves the phase of harmonics is left out. A strong interharmonic leaks through the
-    rectangular window into all bins around it, and with that counts as noise. `relative_error` is the relative
-    standard uncertainty of the floor, of `dof` degrees of freedom.
+    rectangular window into all bins around it, and with that counts as noise. `relative_error` is the
+    relative standard uncertainty of the floor, of `dof` degrees of freedom.
     """
 
     amplitude: float
@@ -215,7 +215,7 @@ def repeated_quantisation(spectrum: CoherentSpectrum, step: float) -> float:
     """Standard uncertainty of each line by the steps of a quantised signal, as far as they repeat with it.
 
     Quantisation has the mean square step^2 / 12 (JCGM 100:2008, F.2.2.1). What of that is not in the bins
-    between the lines is in these, evenly over some hundred as far as is known.
+    between the lines is in these: evenly over as many as those below the step are worth, a hundred at most.
     """
     if step <= 0.0:
         return 0.0
@@ -223,8 +223,11 @@ def repeated_quantisation(spectrum: CoherentSpectrum, step: float) -> float:
     between = 0.5 * float(np.sum(square[1:]) - np.sum(square[spectrum.periods :: spectrum.periods]))
     in_band = 2.0 * (len(spectrum.amplitude) / spectrum.samples)
     missing = max(0.0, in_band * step**2 / 12.0 - between)
-    held = max(1, len(spectrum.amplitude) // spectrum.periods)
-    return math.sqrt(missing / min(held, _QUANTISATION_LINES))
+    lines = square[spectrum.periods :: spectrum.periods]
+    small = lines[lines < step**2]
+    fourth = float(np.sum(small**2))
+    held = float(np.sum(small)) ** 2 / fourth if fourth > 0.0 else 1.0
+    return math.sqrt(missing / max(1.0, min(held, _QUANTISATION_LINES)))
 
 
 def _lost(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -21,6 +22,8 @@ _SMALLEST_MEAN = 0.02  # share of the peak-to-peak ripple below which "percent o
 _SIGNIFICANT = 5.0  # standard uncertainties of the mean, from which a ratio to it is one
 _DOF_OF_EXTREMES = 10.0  # of a tail from a few of the largest values
 _FEWEST_PERIODS = 3  # whose scatter says something
+_CORRELATED = 2.0  # periods that count as one, from which a tail is made of stretches of them
+_PARTS, _WHOLE_OVER_PARTS = 8, 1.5  # the whole reaches further into the tail than a part, and scatters more
 _LOW, _HIGH = 0.5, 99.5  # per cent
 _NEAR = 0.25  # per cent to either side, for the density there
 
@@ -325,7 +328,11 @@ def _scatter(
         percentile_range=_percentile_scatter(within, begin, counts)
         if percentiles
         else MeanError(math.nan, math.nan),
-        peak_to_peak=math.hypot(scatter_of_largest(largest), scatter_of_largest(-least)),
+        # what makes both extremes larger together scatters as their difference does
+        peak_to_peak=max(
+            math.hypot(scatter_of_largest(largest), scatter_of_largest(-least)),
+            scatter_of_largest(largest - least),
+        ),
         mean_peak_to_peak=float(np.mean(largest - least)),
         # the record ends within a period: what that part moves is no scatter, but it is not known either
         incomplete_mean=float(np.average(means, weights=counts)) - whole.mean,
@@ -339,7 +346,8 @@ def _percentile_scatter(
     """Standard uncertainty of the percentile range, by what each period contributes to it.
 
     A percentile moves by the share of samples beyond it, more than expected, over the density there (Bahadur,
-    Ann. Math. Statist. 37 (1966)); the density is that between percentiles a little to either side.
+    Ann. Math. Statist. 37 (1966)); the density is that between percentiles a little to either side. Where
+    neighbouring periods are correlated, how the ranges of parts of the record scatter is added.
     """
     at = (_LOW - _NEAR, _LOW, _LOW + _NEAR, _HIGH - _NEAR, _HIGH, _HIGH + _NEAR)
     below, low, above_low, below_high, high, above = np.percentile(samples, at)
@@ -347,4 +355,16 @@ def _percentile_scatter(
     beyond_high = np.add.reduceat(samples > high, begin, dtype=np.float64) / counts
     per_share = 100.0 / (2.0 * _NEAR)
     moved = per_share * ((above_low - below) * beyond_low + (above - below_high) * beyond_high)
-    return error_of_series(moved)
+    linear = error_of_series(moved)
+    if len(begin) < _CORRELATED * (linear.dof + 1.0) or len(begin) < 2 * _PARTS:
+        return linear
+    # few stretches make the tail, and with it the density there: those of parts say how much it varies
+    parts = np.array([percentile_range(samples[rows]) for rows in _parts(begin, len(samples))])
+    of_parts = _WHOLE_OVER_PARTS * float(np.std(parts, ddof=1)) / math.sqrt(_PARTS)
+    return MeanError(math.hypot(linear.standard, of_parts), _PARTS - 1.0)
+
+
+def _parts(begin: NDArray[np.int64], count: int) -> Iterator[slice]:
+    """Rows of equally many whole periods each."""
+    edges = [int(each[0]) for each in np.array_split(begin, _PARTS)]
+    return (slice(first, last) for first, last in itertools.pairwise([*edges, count]))

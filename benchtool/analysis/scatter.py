@@ -68,15 +68,18 @@ def scatter_of_largest(values: NDArray[np.float64]) -> float:
 
     Beyond a high level the values of most distributions fall off exponentially; the largest then has Gumbel's
     distribution, of the standard deviation pi / sqrt(6) times the mean excess over that level (Embrechts,
-    Klüppelberg and Mikosch, Modelling Extremal Events, 3.4 and 6.5).
+    Klüppelberg and Mikosch, Modelling Extremal Events, 3.4 and 6.5). Of correlated values few maxima are
+    left, whose top says little: their own standard deviation is the least then.
     """
     if len(values) < _FEWEST_EXTREMES:
         return math.nan
     # the largest of as many neighbours as are correlated counts as one
     apart = math.ceil(len(values) / (error_of_series(values).dof + 1.0) - 1e-9)
+    least = 0.0
     if 1 < apart <= len(values) // _FEWEST_EXTREMES:
         values = np.maximum.reduceat(values, np.arange(0, len(values), apart))
+        least = float(np.std(values, ddof=1))
     count = len(values)
     beyond = max(_FEWEST_EXTREMES - 1, round(math.sqrt(count)))
     top = np.partition(values, count - beyond - 1)[count - beyond - 1 :]
-    return _GUMBEL * float(np.sum(top - np.min(top))) / beyond
+    return max(least, _GUMBEL * float(np.sum(top - np.min(top))) / beyond)
