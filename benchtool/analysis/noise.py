@@ -216,6 +216,8 @@ def repeated_quantisation(spectrum: CoherentSpectrum, step: float) -> float:
 
     Quantisation has the mean square step^2 / 12 (JCGM 100:2008, F.2.2.1). What of that is not in the bins
     between the lines is in these: evenly over as many as those below the step are worth, a hundred at most.
+    Where noise hides what is missing, the lines themselves tell that repeat with the strong ones and are
+    weaker than the step: by what they are above the noise.
     """
     if step <= 0.0:
         return 0.0
@@ -227,7 +229,15 @@ def repeated_quantisation(spectrum: CoherentSpectrum, step: float) -> float:
     small = lines[lines < step**2]
     fourth = float(np.sum(small**2))
     held = float(np.sum(small)) ** 2 / fourth if fourth > 0.0 else 1.0
-    return math.sqrt(missing / max(1.0, min(held, _QUANTISATION_LINES)))
+    even = math.sqrt(missing / max(1.0, min(held, _QUANTISATION_LINES)))
+    strong = np.flatnonzero(lines > step**2) + 1
+    repeats = int(np.gcd.reduce(strong)) if len(strong) else 1
+    weak = lines[repeats - 1 :: repeats]
+    weak = weak[weak < step**2]
+    if not len(weak):
+        return even
+    noise = float(np.median(square[1:])) / math.log(2.0)
+    return max(even, math.sqrt(max(0.0, float(np.mean(weak)) - noise)))
 
 
 def _lost(
