@@ -14,6 +14,7 @@ from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.noise import harmonic_noise, line_noise
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.phase_following import Wander
+from benchtool.analysis.regimes import STANDS_OUT, change_of_regime
 from benchtool.analysis.scatter import MeanError, error_of_series
 from benchtool.analysis.spectrum import FIRST_ROW, CoherentSpectrum
 from benchtool.analysis.uncertainty import Contribution, combined
@@ -23,13 +24,10 @@ _HANN_FIT = math.sqrt(54.463)
 the duration: root of int w^4 t^2 dt / (int w^2 t^2 dt)^2, w = cos^2(pi t), t from -1/2 to 1/2; unweighted it
 is sqrt(12)."""
 
-_STANDS_OUT = 5.0  # standard uncertainties
 _ABOVE_FLOOR = 4.0  # of the rms amplitude of a bin of noise: by chance once in ten million
 _BLOCKS = 64
 _FEWEST_AT_END = 12  # samples of an angle for a cubic
 _FEWEST_BLOCKS = 8
-_QUARTERS = 4
-_LARGEST_CHANGE = 0.1
 _LARGEST_WANDER_RAD = 0.1  # at which harmonic 5 reads an eighth low
 
 
@@ -43,13 +41,18 @@ class Soundness:
 
 def soundness(spectrum: CoherentSpectrum, seen: Wander, clipped: str, name: str) -> Soundness:
     """Whether the record is unclipped, of one regime and on a phase, and the fundamental out of the noise."""
-    reason = clipped or _regimes(seen, name) or _jump(seen, name) or _off_phase(seen, name)
+    reason = (
+        clipped
+        or change_of_regime(seen.amplitude, f"the amplitude of {name}")
+        or _jump(seen, name)
+        or _off_phase(seen, name)
+    )
     amplitude = spectrum.fundamental
     noise = line_noise(spectrum, np.array([spectrum.periods])).in_phase[0]
     floor = math.sqrt(2.0) * harmonic_noise(spectrum, 1)[0]
     if not amplitude > 0.0:
         return Soundness(reason, reason or "the fundamental is zero")
-    if amplitude < _STANDS_OUT * noise or amplitude < _ABOVE_FLOOR * floor:
+    if amplitude < STANDS_OUT * noise or amplitude < _ABOVE_FLOOR * floor:
         lost = f"the fundamental of {amplitude:.3g} does not stand out of the noise around it"
         return Soundness(reason, reason or lost)
     return Soundness(reason, reason)
@@ -175,23 +178,6 @@ def _of_angle_Hz(spectrum: CoherentSpectrum, track: PhaseTrack) -> float:
     begin, end = float(track.phase(0)), float(track.phase(track.samples - 1))
     rate_Hz = spectrum.samples / spectrum.duration_s
     return (end - begin) / (2.0 * math.pi) * rate_Hz / (track.samples - 1)
-
-
-def _regimes(seen: Wander, name: str) -> str:
-    """Why the record is not of one regime: quarters differ by more than 10 % and what noise does."""
-    parts = min(_QUARTERS, len(seen.amplitude) // 2)
-    if parts < 2:
-        return ""
-    groups = np.array_split(seen.amplitude, parts)
-    means = np.array([float(np.mean(each)) for each in groups])
-    noise = math.sqrt(float(np.mean([np.var(each, ddof=1) / len(each) for each in groups])))
-    change, middle = float(np.ptp(means)), float(np.mean(means))
-    if change <= _LARGEST_CHANGE * middle + _STANDS_OUT * noise:
-        return ""
-    return (
-        f"the amplitude of {name} changes from {means.min():.3g} to {means.max():.3g} between parts of the "
-        f"window, at most {100 * _LARGEST_CHANGE:g} % is allowed: choose a window in steady state"
-    )
 
 
 def _jump(seen: Wander, name: str) -> str:

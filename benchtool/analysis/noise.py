@@ -217,7 +217,8 @@ def repeated_quantisation(spectrum: CoherentSpectrum, step: float) -> float:
     Quantisation has the mean square step^2 / 12 (JCGM 100:2008, F.2.2.1). What of that is not in the bins
     between the lines is in these: evenly over as many as those below the step are worth, a hundred at most.
     Where noise hides what is missing, the lines themselves tell that repeat with the strong ones and are
-    weaker than the step: by what they are above the noise.
+    weaker than the step: by twice the power that they are above the noise,
+    because a strong line has more of it.
     """
     if step <= 0.0:
         return 0.0
@@ -237,7 +238,7 @@ def repeated_quantisation(spectrum: CoherentSpectrum, step: float) -> float:
     if not len(weak):
         return even
     noise = float(np.median(square[1:])) / math.log(2.0)
-    return max(even, math.sqrt(max(0.0, float(np.mean(weak)) - noise)))
+    return max(even, math.sqrt(2.0 * max(0.0, float(np.mean(weak)) - noise)))
 
 
 def _lost(

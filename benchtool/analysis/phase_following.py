@@ -24,6 +24,7 @@ _BY_CHANCE = 1e-4
 _FEWEST_PERIODS = 4  # and so many phases, from which a wander is told from noise
 _FEWEST_KNOTS = 5  # of a smoothing spline
 _ROUNDS = 3
+_ASIDE = 10  # the part of the periods at either end which alone is no reason to follow
 _MEDIAN_DEVIATION = 0.6745  # median of the magnitude of a normal deviate
 _FAR = 8.0  # standard deviations; the largest step of a swing or of a drift is within two
 _LEAST_JUMP_RAD = 0.1  # as the largest wander with which harmonics are told
@@ -141,7 +142,10 @@ def _by_tone(
     largest_step = float(np.max(np.abs(np.diff(seen.phase_rad)), initial=0.0))
     if not least_rad < seen.excess_rad < math.inf or largest_step > 2 * np.pi * _LONGEST_TURN:
         return None
-    if coherent.periods < _FEWEST_KNOTS:
+    # what dies away soon after the beginning moves the phase there, and no further
+    aside = coherent.periods // _ASIDE
+    inner = seen.phase_rad[aside : len(seen.phase_rad) - aside]
+    if coherent.periods < _FEWEST_KNOTS or not float(np.std(inner)) > least_rad:
         return None
     begin = float(track.at(np.array([float(FIRST_ROW)]))[0])
     middle = begin + 2 * np.pi * (np.arange(coherent.periods, dtype=np.float64) + 0.5)

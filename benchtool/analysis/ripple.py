@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.quantisation import COARSE, resolution
-from benchtool.analysis.scatter import MeanError, error_of_series, scatter_of_largest
+from benchtool.analysis.scatter import MeanError, error_of_root, error_of_series, scatter_of_largest
 from benchtool.analysis.uncertainty import Contribution, combined
 from benchtool.analysis.validity import clipping, require_signal, require_unbroken
 from benchtool.block import Block, as_samples
@@ -105,7 +105,7 @@ def ripple_numbers(
         rated: the base of the numbers "of rated", in the channel's unit; None leaves them out.
         track: phase over the rows, for uncertainties from the scatter over whole electrical periods; without
             it, or with fewer than three periods, there are none but that of the peak-to-peak from a
-            resolution coarser than a thousandth of it.
+            resolution.
         what: words for the channel in the definitions.
 
     Raises:
@@ -195,9 +195,8 @@ def _numbers(
 
     # ripple that spans several steps turns quantization into noise, which the scatter holds already
     of_mean = step / math.sqrt(12.0) if whole.rms < step else 0.0
-    if scatter is not None and scatter.mean.standard < step / math.sqrt(12.0 * len(samples)):
-        # no noise moves the steps: they are the same in every period, and so many as that has samples
-        of_mean = max(of_mean, step / math.sqrt(12.0 * len(samples) / scatter.periods))
+    if scatter is not None and step > 0.0:
+        of_mean = max(of_mean, _of_repeated_steps(len(samples) / scatter.periods, whole, scatter, step))
     # it adds step^2 / 12 to the mean square
     of_rms = max(of_mean, step**2 / (24.0 * whole.rms) if whole.rms > 0.0 else 0.0)
     mean = measured(
@@ -236,6 +235,17 @@ def _numbers(
         for number in (peak_to_peak, rms):
             base = f"rated {name} of {rated:g} {unit}"
             yield _percent(number, f"{name}_ripple", "of_rated", rated, base, reason)
+
+
+def _of_repeated_steps(per_period: float, whole: Ripple, scatter: _Scatter, step: float) -> float:
+    """Standard uncertainty of the mean by steps that are the same in every period.
+
+    A quarter of those that a period crosses on its way up and down, or of its samples, are independent. Noise of s rms moves them by chance
+    and leaves exp(-2 pi^2 s^2 / step^2) of that (Widrow and Kollar, Quantization Noise, ch. 4 and 19).
+    """
+    noise = scatter.mean.standard * math.sqrt(per_period * scatter.periods)
+    independent = max(1.0, min(0.25 * per_period, 0.5 * whole.peak_to_peak / step))
+    return step / math.sqrt(12.0 * independent) * math.exp(-2.0 * (math.pi * noise / step) ** 2)
 
 
 def _no_base(mean: Measurement, whole: Ripple, name: str) -> str:
@@ -318,13 +328,11 @@ def _scatter(
     squares = np.add.reduceat(np.square(deviation, out=deviation), begin) / counts
     largest, least = np.maximum.reduceat(within, begin), np.minimum.reduceat(within, begin)
     rms = math.sqrt(float(np.average(squares, weights=counts)))
-    of_squares = error_of_series(squares)
-    scale = 1.0 / (2.0 * rms) if rms > 0.0 else 0.0
     return _Scatter(
         periods=periods,
         repeated=repeated,
         mean=error_of_series(means),
-        rms=MeanError(scale * of_squares.standard, of_squares.dof),
+        rms=error_of_root(squares, rms),
         percentile_range=_percentile_scatter(within, begin, counts)
         if percentiles
         else MeanError(math.nan, math.nan),

@@ -13,6 +13,7 @@ _PARTS, _MOST_PARTS = 10, 64
 _FEWEST_VALUES = 3
 _FEWEST_EXTREMES = 4
 _BY_CHANCE = 2.5  # standard deviations of a correlation
+_LEAST_SPARE = 0.5  # degrees of freedom beyond two: with fewer the deviation has no bound
 _GUMBEL = math.pi / math.sqrt(6.0)
 
 
@@ -30,7 +31,8 @@ def error_of_series(values: NDArray[np.float64]) -> MeanError:
     The variance of the mean is tau s^2 / n: tau, from the autocorrelations summed over pairs of lags as long
     as a pair is above zero (initial positive sequence: Geyer, Statistical Science 7 (1992), 3.3), is how many
     values count as one, and n / tau - 1 are the degrees of freedom. Correlation below zero counts only where
-    it is more than chance.
+    it is more than chance. Few values say little of their own scatter: the standard uncertainty is the
+    standard deviation of Student's distribution, sqrt(dof / (dof - 2)) times as much (JCGM 101:2008, 6.4.9).
     """
     count = len(values)
     if count < _FEWEST_VALUES:
@@ -51,16 +53,34 @@ def error_of_series(values: NDArray[np.float64]) -> MeanError:
     tau = min(max(tau, 1.0 / count), 0.5 * count)
     # the deviations are from the mean of these values, and so too small by that mean's own variance
     standard = math.sqrt(covariance[0] * tau / (count - max(tau, 1.0)))
-    return MeanError(standard, max(1.0, count / max(tau, 1.0) - 1.0))
+    dof = max(1.0, count / max(tau, 1.0) - 1.0)
+    return MeanError(standard * math.sqrt(dof / max(dof - 2.0, _LEAST_SPARE)), dof)
+
+
+def error_of_root(squares: NDArray[np.float64], root: float) -> MeanError:
+    """Of the root of the mean of squares, shape (n,), one of each period, whose root is `root`.
+
+    A mean square that is low by chance has squares that scatter little: the uncertainty is that of a mean
+    square two standard uncertainties above.
+    """
+    error = error_of_series(squares)
+    if not root > 0.0:
+        return MeanError(0.0 * error.standard, error.dof)
+    return MeanError(error.standard / (2.0 * root) * (1.0 + 2.0 * error.standard / root**2), error.dof)
 
 
 def error_of_record(samples: NDArray[np.float64]) -> MeanError:
     """Of the mean of samples, shape (n,), at equal times: `error_of_series` of means of up to 64 parts."""
+    return error_of_series(means_of_parts(samples))
+
+
+def means_of_parts(samples: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Means of up to 64 equal parts of samples, shape (n,); none of fewer than 20 samples."""
     parts = min(_MOST_PARTS, len(samples) // 2)
     if parts < _PARTS:
-        return MeanError(math.nan, math.nan)
+        return np.empty(0)
     size = len(samples) // parts
-    return error_of_series(np.mean(samples[: size * parts].reshape(parts, size), axis=1))
+    return np.asarray(np.mean(samples[: size * parts].reshape(parts, size), axis=1))
 
 
 def scatter_of_largest(values: NDArray[np.float64]) -> float:
