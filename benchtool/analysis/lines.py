@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
+from scipy.ndimage import minimum_filter1d
 from scipy.signal import get_window
 
 from benchtool.analysis.measurement import Basis, Measurement, Table
@@ -22,6 +23,7 @@ _LISTED = 10
 _FEWEST = 64
 _LOWEST_BIN = 3  # below it the window spreads the mean
 _MAIN_LOBE = 3  # bins on either side of a line that belong to it, under a Hann window
+_LEAST_RESPONSE = 8.0 / (3.0 * math.pi)  # of a Hann window, halfway between two bins
 _BESIDE = 30  # further bins on either side, whose median is the noise
 _STANDS_OUT = 5.0  # of the noise's rms amplitude: by chance once in 1e11 bins
 _APART = 2.0  # standard uncertainties of a difference
@@ -70,7 +72,7 @@ def spectral_lines(block: Block, channel: str, name: str = "torque") -> Spectral
     width_Hz = rate_Hz / count
     step = resolution(samples)
     step = step if step > COARSE * float(np.ptp(samples)) else 0.0
-    rows = [_line(bins, place, step) for place in (_peaks(bins) if count >= _FEWEST else ())]
+    rows = [_line(bins, place, step) for place in (_candidates(bins) if count >= _FEWEST else ())]
     rows = [each for each in rows if each.amplitude > _STANDS_OUT * each.noise]
     rows.sort(key=lambda each: -each.amplitude)
     basis = Basis(
@@ -129,6 +131,33 @@ def _peaks(bins: Floats) -> NDArray[np.int64]:
     inner = bins[1:-1]
     places = np.flatnonzero((inner > bins[:-2]) & (inner >= bins[2:])) + 1
     return places[(places >= _LOWEST_BIN) & (places < len(bins) - _LOWEST_BIN)]
+
+
+def _candidates(bins: Floats) -> NDArray[np.int64]:
+    """The local maxima that may stand out: all that do, and few others.
+
+    Where the median around a maximum is below a level, a third of the bins are below it in at least one of
+    the blocks, of a quarter of the bins to one side, that these bins lie in. That leaves out most maxima of a
+    long record, and the medians themselves most of the rest.
+    """
+    places, reach, size = _peaks(bins), _MAIN_LOBE + _BESIDE, _BESIDE // 4
+    blocks = bins[: len(bins) // size * size].reshape(-1, size)
+    if len(blocks) * size <= 2 * reach + 1:
+        return places
+    third = np.partition(blocks, size // 3, axis=1)[:, size // 3]
+    lowest = minimum_filter1d(third, 2 * math.ceil(reach / size) + 1, mode="nearest")
+    level = _STANDS_OUT / _RAYLEIGH * _LEAST_RESPONSE
+
+    def at_end() -> NDArray[np.bool_]:
+        return (places <= reach) | (places >= len(blocks) * size - reach)
+
+    block = np.minimum(places // size, len(blocks) - 1)
+    places = places[at_end() | (bins[places] > level * lowest[block])]
+    beside = np.arange(_MAIN_LOBE + 1, reach + 1)
+    around = np.concatenate([-beside, beside])
+    middle, inner = np.zeros(len(places)), ~at_end()
+    middle[inner] = np.median(bins[places[inner][:, np.newaxis] + around], axis=1)
+    return places[bins[places] > level * middle]
 
 
 def _line(bins: Floats, place: int, step: float) -> _Line:

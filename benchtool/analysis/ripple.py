@@ -240,8 +240,9 @@ def _numbers(
 def _of_repeated_steps(per_period: float, whole: Ripple, scatter: _Scatter, step: float) -> float:
     """Standard uncertainty of the mean by steps that are the same in every period.
 
-    A quarter of those that a period crosses on its way up and down, or of its samples, are independent. Noise of s rms moves them by chance
-    and leaves exp(-2 pi^2 s^2 / step^2) of that (Widrow and Kollar, Quantization Noise, ch. 4 and 19).
+    A quarter of those that a period crosses on its way up and down, or of its samples, are independent.
+    Noise of s rms moves them by chance and leaves exp(-2 pi^2 s^2 / step^2) of that (Widrow and Kollar,
+    Quantization Noise, ch. 4 and 19).
     """
     noise = scatter.mean.standard * math.sqrt(per_period * scatter.periods)
     independent = max(1.0, min(0.25 * per_period, 0.5 * whole.peak_to_peak / step))
