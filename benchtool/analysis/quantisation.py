@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-COARSE = 1e-5  # of the peak-to-peak: a smaller step is the last digit of a number, and no resolution
+COARSE = 1e-4  # of the peak-to-peak: a smaller step is the last digit of a number, and no resolution
 _LOOKED_AT = 1 << 16  # samples
 
 

@@ -42,7 +42,8 @@ class Ripple:
 class _Scatter:
     """Uncertainties of mean, rms and percentile range, and the standard deviation of a peak-to-peak.
 
-    `incomplete_mean` and `incomplete_rms` are what the part of a period at the record's end moves.
+    `incomplete_mean` and `incomplete_rms` are what the part of a period at the record's end moves. `noise` is
+    the rms of white noise that makes the means of neighbouring periods differ as they do.
     """
 
     periods: int
@@ -54,6 +55,7 @@ class _Scatter:
     mean_peak_to_peak: float
     incomplete_mean: float
     incomplete_rms: float
+    noise: float
 
 
 def ripple(samples: NDArray[np.float64], unit: str, name: str = "signal") -> Ripple:
@@ -244,9 +246,8 @@ def _of_repeated_steps(per_period: float, whole: Ripple, scatter: _Scatter, step
     Noise of s rms moves them by chance and leaves exp(-2 pi^2 s^2 / step^2) of that (Widrow and Kollar,
     Quantization Noise, ch. 4 and 19).
     """
-    noise = scatter.mean.standard * math.sqrt(per_period * scatter.periods)
     independent = max(1.0, min(0.25 * per_period, 0.5 * whole.peak_to_peak / step))
-    return step / math.sqrt(12.0 * independent) * math.exp(-2.0 * (math.pi * noise / step) ** 2)
+    return step / math.sqrt(12.0 * independent) * math.exp(-2.0 * (math.pi * scatter.noise / step) ** 2)
 
 
 def _no_base(mean: Measurement, whole: Ripple, name: str) -> str:
@@ -346,6 +347,7 @@ def _scatter(
         # the record ends within a period: what that part moves is no scatter, but it is not known either
         incomplete_mean=float(np.average(means, weights=counts)) - whole.mean,
         incomplete_rms=rms - whole.rms,
+        noise=math.sqrt(0.5 * float(np.mean(np.diff(means) ** 2) * np.mean(counts))),
     )
 
 

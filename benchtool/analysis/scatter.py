@@ -13,6 +13,7 @@ _PARTS, _MOST_PARTS = 10, 64
 _FEWEST_VALUES = 3
 _FEWEST_EXTREMES = 4
 _BY_CHANCE = 2.5  # standard deviations of a correlation
+_NEIGHBOURS = 2  # values that chance alone makes count as one
 _LEAST_SPARE = 0.5  # degrees of freedom beyond two: with fewer the deviation has no bound
 _GUMBEL = math.pi / math.sqrt(6.0)
 
@@ -98,7 +99,8 @@ def scatter_of_largest(values: NDArray[np.float64]) -> float:
     least = 0.0
     if 1 < apart <= len(values) // _FEWEST_EXTREMES:
         values = np.maximum.reduceat(values, np.arange(0, len(values), apart))
-        least = float(np.std(values, ddof=1))
+        if apart > _NEIGHBOURS:
+            least = float(np.std(values, ddof=1))
     count = len(values)
     beyond = max(_FEWEST_EXTREMES - 1, round(math.sqrt(count)))
     top = np.partition(values, count - beyond - 1)[count - beyond - 1 :]
