@@ -287,4 +287,4 @@ def test_what_moves_only_the_phase_of_the_fundamental_is_no_floor() -> None:
     still, moved = (noise_floor(_spectrum(np.cos(turn + by) + noise, periods)) for by in (0.0, wander))
     assert still is not None
     assert moved is not None
-    assert moved.amplitude == pytest.approx(still.amplitude, rel=0.03)
+    assert moved.amplitude == pytest.approx(still.amplitude, rel=0.1)
