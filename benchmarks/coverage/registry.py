@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from benchmarks.coverage import dynamic, steady
+from benchmarks.coverage import channels, dynamic, stamps, steady
 from benchmarks.coverage.families import Family
 
-FAMILIES: Mapping[str, Family] = {each.name: each for each in (*steady.FAMILIES, *dynamic.FAMILIES)}
+FAMILIES: Mapping[str, Family] = {
+    each.name: each for each in (*steady.FAMILIES, *channels.FAMILIES, *stamps.FAMILIES, *dynamic.FAMILIES)
+}

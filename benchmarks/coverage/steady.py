@@ -48,6 +48,8 @@ class Disturbance:
     drift: float = 0.0
     swing: tuple[float, float] = (0.0, 1.0)
     reverses: bool = False
+    stands_still: float = 0.0  # share of the record, from 0.6 of it on
+    phase_step_rad: float = 0.0  # of the current against the rotor, at 0.4 of the record
     lines: tuple[tuple[float, float], ...] = ()
     offset: float = 0.0
     decay: tuple[float, float] = (0.0, 1.0)  # relative dc at the beginning, time constant over the duration
@@ -91,14 +93,18 @@ def record(what: Disturbance, random: np.random.Generator) -> Record:
         cycles = cycles + speed * deviation / (2 * np.pi * swing_Hz) * np.sin(swing_rad)
     if what.reverses:
         cycles = np.where(time_s < 0.7 * duration_s, cycles, 2 * cycles[int(0.7 * count)] - cycles)
+    if what.stands_still:
+        at, back = (int(share * count) for share in (0.6, 0.6 + what.stands_still))
+        cycles = cycles - np.clip(cycles, cycles[at], cycles[back])  # it turns on where it stood
     theta_e = cycles + random.uniform(0, 2 * np.pi)
     frequency_Hz = float(theta_e[-1] - theta_e[0]) / (2 * np.pi * (time_s[-1] - time_s[0]))
 
     noise = coloured(random.standard_normal(count), what.colour)
     noise_A = what.noise * what.amplitude_A * noise if what.amplitude_A else what.noise * noise
-    current = np.cos(theta_e)
+    theta_i = theta_e + np.where(time_s < 0.4 * duration_s, 0.0, what.phase_step_rad)
+    current = np.cos(theta_i)
     for order, amplitude in what.harmonics.items():
-        current += amplitude * np.cos(order * theta_e + random.uniform(0, 2 * np.pi))
+        current += amplitude * np.cos(order * theta_i + random.uniform(0, 2 * np.pi))
     period = np.floor((theta_e - theta_e[0]) / (2 * np.pi)).astype(np.int64)
     period -= period.min()
     current *= 1.0 + _by_period(what.amplitude_noise, period, random)
@@ -285,6 +291,25 @@ DISTURBANCES: Mapping[str, Disturbance] = {
     "little_mean_torque": replace(_QUIET, torque_Nm=0.004, noise=1e-2),
     "jittered_samples": replace(_QUIET, time_jitter=0.05),
     "spikes": replace(_QUIET, spikes=0.3),
+    "white_-60dB_long": replace(_QUIET, noise=1e-3, periods=250.6, frequency_Hz=50.0),
+    "few_samples_a_period": replace(_QUIET, noise=3e-3, periods=500.3, frequency_Hz=811.7),
+    "two_periods": replace(_QUIET, periods=2.9, noise=3e-3),
+    "six_periods_coloured": replace(_QUIET, periods=6.45, noise=1e-2, colour=0.98, angle=False),
+    "standstill_within": replace(_QUIET, stands_still=0.1, periods=80.0),
+    "standstill_within_no_angle": replace(_QUIET, stands_still=0.06, periods=80.0, angle=False),
+    "phase_step": replace(_QUIET, phase_step_rad=0.6),
+    "phase_step_no_angle": replace(_QUIET, phase_step_rad=0.6, angle=False),
+    "offset_and_interharmonic": replace(_QUIET, offset=0.3, lines=((2.61, 0.01),), periods=31.3, noise=3e-3),
+    "decaying_dc_fast": replace(_QUIET, decay=(1.0, 0.03), periods=60.2),
+    "swing_and_interharmonic": replace(_DRIFT, swing=(0.01, 3.1), lines=((1.63, 0.01),), noise=1e-3),
+    "swing_coloured_no_angle": replace(_DRIFT, swing=(0.005, 1.1), noise=1e-2, colour=0.95, angle=False),
+    "drift_encoder": replace(_DRIFT, drift=0.04, counts=4096, noise=1e-3),
+    "wobble_and_noise": replace(_QUIET, wobble_rad=(5e-3, 1), angle_noise_rad=1e-3, periods=80.0, noise=3e-3),
+    "bits_6": replace(_QUIET, bits=6, noise=1e-3),
+    "bits_8_drift": replace(_DRIFT, bits=8, drift=0.01, noise=1e-3),
+    "bits_10_fast": replace(_QUIET, bits=10, noise=1e-4, frequency_Hz=133.3, periods=200.4),
+    "bits_16": replace(_QUIET, bits=16, noise=1e-5),
+    "ripple_noise_some_memory": replace(_QUIET, ripple_noise=(0.1, 0.6), periods=60.0),
 }  # fmt: skip
 
 

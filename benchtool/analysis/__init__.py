@@ -20,12 +20,12 @@ from benchtool.analysis.orders.angle import AngleCoverage, angle_coverage
 from benchtool.analysis.orders.order_spectrum import OrderSpectrum, fitted_orders, orders_at_speed
 from benchtool.analysis.orders.orders import Orders, order_analysis
 from benchtool.analysis.periods import PhaseTrack, track_angle, track_tone
+from benchtool.analysis.quantisation import resolution
 from benchtool.analysis.residual import torque_residual
 from benchtool.analysis.ripple import (
     Ripple,
     peak_to_peak_number,
     percentile_range,
-    resolution,
     ripple,
     ripple_numbers,
 )

@@ -12,7 +12,9 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.periods import PhaseTrack, track_angle
-from benchtool.analysis.scatter import error_of_series, scatter_of_largest
+from benchtool.analysis.quantisation import resolution
+from benchtool.analysis.regimes import change_of_regime
+from benchtool.analysis.scatter import MeanError, error_of_root, error_of_series, scatter_of_largest
 from benchtool.analysis.uncertainty import Contribution, combined
 from benchtool.analysis.validity import require_signal, require_unbroken
 from benchtool.block import Block
@@ -21,6 +23,7 @@ _DOF_OF_EXTREMES = 10.0  # of a tail from a few of the largest values
 _CENTRINGS = 4  # each leaves about a tenth of the error of the one before
 _ENOUGH = 48  # samples of a revolution to find the centre by
 _HEAD = 1 << 16
+_FINE = 1e-5  # of the radius: a smaller step is the last digit of a number
 _CHUNK = 1 << 14  # rows at a time: in the cache
 _ORDERS = (0, 1, -5, 7)  # centre, circle, and what makes a hexagon of it
 
@@ -122,39 +125,57 @@ def _measurements(
     psi: NDArray[np.complex128], fits: NDArray[np.complex128], revolutions: list[slice], basis: Basis
 ) -> Iterator[Measurement]:
     whole = np.abs(psi[revolutions[0].start : revolutions[-1].stop])
-    each = [np.abs(psi[part]) for part in revolutions]
+    begins = np.array([part.start for part in revolutions]) - revolutions[0].start
+    counts = np.diff(begins, append=len(whole))
+    means = np.add.reduceat(whole, begins) / counts
+    mean, rms, span = float(np.mean(whole)), float(np.std(whole)), float(np.ptp(whole))
+    squares = np.add.reduceat((whole - mean) ** 2, begins) / counts
+    step = max(resolution(psi.real), resolution(psi.imag))
+    step = step if step > _FINE * mean else 0.0
+    # steps that repeat in every revolution, of which as many are independent as it crosses
+    repeated = step / math.sqrt(
+        12.0 * min(len(whole) / len(revolutions), 4.0 * mean / max(step, _FINE * mean))
+    )
+    reason = change_of_regime(means, "the radius of the flux")
 
-    def measured(
-        name: str, text: str, value: float, over_each: list[float], bias: float = 0.0
-    ) -> Measurement:
-        error = error_of_series(np.array(over_each))
-        source = f"scatter over {len(over_each)} revolutions, with their correlation"
+    def measured(name: str, text: str, value: float, error: MeanError, *further: Contribution) -> Measurement:
+        if reason:
+            return Measurement.undefined(name, "Wb", text, reason, basis)
+        source = f"scatter over {len(means)} revolutions, with their correlation"
         budget = [Contribution(source, "A", error.standard, error.dof)]
-        if bias:
-            budget.append(Contribution("length that the scatter adds", "B", bias))
+        budget += [each for each in further if each.standard != 0.0]
         return Measurement(name, value, "Wb", text, basis, combined(budget, source))
 
-    yield measured(
-        "flux_radius_mean",
-        "mean of sqrt(psi_alpha^2 + psi_beta^2), peak",
-        float(np.mean(whole)),
-        [float(np.mean(part)) for part in each],
+    resolved = Contribution("resolution", "B", repeated)
+    # a revolution ends within a sample
+    ends = Contribution("samples at both ends", "B", span / (math.sqrt(24.0) * len(whole)))
+    text = "mean of sqrt(psi_alpha^2 + psi_beta^2), peak"
+    of_mean = error_of_series(means)
+    yield measured("flux_radius_mean", text, mean, of_mean, resolved, ends)
+    largest, least = np.maximum.reduceat(whole, begins), np.minimum.reduceat(whole, begins)
+    scatter = max(
+        math.hypot(scatter_of_largest(largest), scatter_of_largest(-least)),
+        scatter_of_largest(largest - least),
     )
-    scatter = math.hypot(
-        scatter_of_largest(np.array([float(np.max(part)) for part in each])),
-        scatter_of_largest(np.array([-float(np.min(part)) for part in each])),
-    )
-    source = "scatter of maximum and minimum over records of this length, by those of single revolutions"
-    uncertain = combined([Contribution(source, "A", scatter, _DOF_OF_EXTREMES)], source)
     text = "maximum minus minimum of sqrt(psi_alpha^2 + psi_beta^2); grows with the duration"
-    yield Measurement("flux_radius_pp", float(np.ptp(whole)), "Wb", text, basis, uncertain)
+    # of a difference of two radii, each of two readings
+    of_both = Contribution("resolution", "B", step / math.sqrt(6.0))
+    extremes = MeanError(scatter, _DOF_OF_EXTREMES)
+    yield measured("flux_radius_pp", text, span, extremes, of_both)
     text = "rms of sqrt(psi_alpha^2 + psi_beta^2) about its mean"
-    yield measured("flux_radius_rms", text, float(np.std(whole)), [float(np.std(part)) for part in each])
+    scale = 1.0 / (2.0 * rms) if rms > 0.0 else 0.0
+    # steps add a twelfth of their square to the mean square
+    added = Contribution("power that the steps add", "B", scale * step**2 / 12.0)
+    of_rms = error_of_root(squares, rms)
+    # about the mean of the record, and not about that of all records, it is less by the former's variance
+    own_mean = Contribution("deviation of the mean", "B", scale * of_mean.standard**2)
+    yield measured("flux_radius_rms", text, rms, of_rms, resolved, added, own_mean)
 
     centre = fits[:, 0]
     text = "distance from zero of the mean of psi_alpha + j psi_beta, fitted together with orders 1, -5 and 7"
     length, bias = _length(centre)
-    yield measured("flux_centre_offset", text, length, _distances(centre), bias)
+    by_scatter = Contribution("length that the scatter adds", "B", bias)
+    yield measured("flux_centre_offset", text, length, _along(centre), by_scatter, resolved)
 
     # |c_1 e^jx + c_-5 e^-5jx + c_7 e^7jx| is |c_1| + Re((c_1 c_-5* + c_1* c_7) e^6jx) / |c_1| to first order
     sixth = (fits[:, 1] * np.conj(fits[:, 2]) + np.conj(fits[:, 1]) * fits[:, 3]) / np.abs(fits[:, 1])
@@ -164,7 +185,9 @@ def _measurements(
         "evenly"
     )
     length, bias = _length(sixth)
-    yield measured("flux_radius_order_6", text, length, _distances(sixth), bias)
+    by_scatter = Contribution("length that the scatter adds", "B", bias)
+    of_two = Contribution("resolution", "B", math.sqrt(2.0) * repeated)
+    yield measured("flux_radius_order_6", text, length, _along(sixth), by_scatter, of_two)
 
 
 def _length(points: NDArray[np.complex128]) -> tuple[float, float]:
@@ -175,8 +198,8 @@ def _length(points: NDArray[np.complex128]) -> tuple[float, float]:
     return length, length - math.sqrt(max(0.0, left))
 
 
-def _distances(points: NDArray[np.complex128]) -> list[float]:
-    """How far along the direction of their mean the points lie."""
+def _along(points: NDArray[np.complex128]) -> MeanError:
+    """Of the mean of the points along its direction."""
     mean = complex(np.mean(points))
     direction = mean / abs(mean) if mean else 1.0
-    return [float(value) for value in np.real(points * np.conj(direction))]
+    return error_of_series(np.real(points * np.conj(direction)))

@@ -14,7 +14,7 @@ from typing import Final
 import numpy as np
 
 from benchtool.analysis.measurement import Measurement
-from benchtool.analysis.ripple import COARSE, resolution
+from benchtool.analysis.quantisation import COARSE, resolution
 from benchtool.analysis.sensitivity import Declared, Found, Sensitivity, declared
 from benchtool.analysis.uncertainty import Contribution, InstrumentError
 from benchtool.block import Block

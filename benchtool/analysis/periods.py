@@ -11,6 +11,7 @@ from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 from scipy import fft
 
+from benchtool.analysis.quantisation import resolution
 from benchtool.analysis.validity import require_signal
 from benchtool.errors import AnalysisError
 
@@ -40,7 +41,7 @@ class PhaseTrack:
     spectrum shows them. Where the speed swings, `departure`, rad at sample numbers, is added. `source` says
     in words what it was made from, `residual_rad` is the rms deviation of a measured angle from the
     polynomial, electrical, `measured_rad` that angle itself, shape (samples,), without jumps; None where the
-    track was not made from an angle.
+    track was not made from an angle. `resolution_rad` is the electrical step in which it counts.
     """
 
     phase: Polynomial
@@ -51,6 +52,7 @@ class PhaseTrack:
     departure: Callable[[NDArray[np.float64]], NDArray[np.float64]] | None = field(
         default=None, repr=False, compare=False
     )
+    resolution_rad: float = 0.0
 
     def at(self, numbers: NDArray[np.float64]) -> NDArray[np.float64]:
         """Phase, rad, at fractional sample numbers, shape (m,)."""
@@ -123,7 +125,8 @@ def track_angle(theta_m: NDArray[np.float64], pole_pairs: int) -> PhaseTrack:
             f"{100 * _LARGEST_SPEED_CHANGE:.0f} % is allowed: choose a window in steady state"
         )
     source = f"quadratic fit to {pole_pairs} x theta_m"
-    return PhaseTrack(phase, len(theta_e), source, residual_rad, theta_e)
+    step_rad = pole_pairs * resolution(theta_m)
+    return PhaseTrack(phase, len(theta_e), source, residual_rad, theta_e, resolution_rad=step_rad)
 
 
 def track_tone(samples: NDArray[np.float64], name: str = "signal") -> PhaseTrack:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.measurement import Basis, Measurement
-from benchtool.analysis.scatter import error_of_record
+from benchtool.analysis.scatter import MeanError, error_of_record, error_of_root, means_of_parts
 from benchtool.analysis.span import cut_to_span
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
 from benchtool.analysis.validity import require_unbroken
@@ -162,13 +162,11 @@ def _of_transducer(
 def _mean_and_rms(residual_Nm: Floats, name: str, what: str, basis: Basis) -> Iterator[Measurement]:
     mean = float(np.mean(residual_Nm))
     text = f"mean of {what}"
-    yield Measurement(f"{name}_mean", mean, "Nm", text, basis, _uncertain(residual_Nm, 1.0))
+    yield Measurement(f"{name}_mean", mean, "Nm", text, basis, _uncertain(error_of_record(residual_Nm)))
     rms = float(np.sqrt(np.mean(residual_Nm**2)))
-    uncertain = _uncertain(residual_Nm**2, 1.0 / (2.0 * rms) if rms else 0.0)
+    uncertain = _uncertain(error_of_root(means_of_parts(residual_Nm**2), rms))
     yield Measurement(f"{name}_rms", rms, "Nm", f"rms, with the mean, of {what}", basis, uncertain)
 
 
-def _uncertain(samples: Floats, scale: float) -> Uncertainty | None:
-    """Of `scale` times the mean of samples."""
-    error = error_of_record(samples)
-    return combined([Contribution(_SCATTER, "A", scale * error.standard, error.dof)], _SCATTER)
+def _uncertain(error: MeanError) -> Uncertainty | None:
+    return combined([Contribution(_SCATTER, "A", error.standard, error.dof)], _SCATTER)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -11,7 +12,8 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.periods import PhaseTrack
-from benchtool.analysis.scatter import MeanError, error_of_series, scatter_of_largest
+from benchtool.analysis.quantisation import COARSE, resolution
+from benchtool.analysis.scatter import MeanError, error_of_root, error_of_series, scatter_of_largest
 from benchtool.analysis.uncertainty import Contribution, combined
 from benchtool.analysis.validity import clipping, require_signal, require_unbroken
 from benchtool.block import Block, as_samples
@@ -19,11 +21,11 @@ from benchtool.block import Block, as_samples
 _SMALLEST_MEAN = 0.02  # share of the peak-to-peak ripple below which "percent of mean" says nothing
 _SIGNIFICANT = 5.0  # standard uncertainties of the mean, from which a ratio to it is one
 _DOF_OF_EXTREMES = 10.0  # of a tail from a few of the largest values
-COARSE = 1e-3  # of the peak-to-peak: a smaller step is the last digit of a number, and no resolution
 _FEWEST_PERIODS = 3  # whose scatter says something
+_CORRELATED = 2.0  # periods that count as one, from which a tail is made of stretches of them
+_PARTS, _WHOLE_OVER_PARTS = 8, 1.5  # the whole reaches further into the tail than a part, and scatters more
 _LOW, _HIGH = 0.5, 99.5  # per cent
 _NEAR = 0.25  # per cent to either side, for the density there
-_LOOKED_AT = 1 << 16  # samples, for the resolution
 
 
 @dataclass(frozen=True)
@@ -40,7 +42,8 @@ class Ripple:
 class _Scatter:
     """Uncertainties of mean, rms and percentile range, and the standard deviation of a peak-to-peak.
 
-    `incomplete_mean` and `incomplete_rms` are what the part of a period at the record's end moves.
+    `incomplete_mean` and `incomplete_rms` are what the part of a period at the record's end moves. `noise` is
+    the rms of white noise that makes the means of neighbouring periods differ as they do.
     """
 
     periods: int
@@ -52,6 +55,7 @@ class _Scatter:
     mean_peak_to_peak: float
     incomplete_mean: float
     incomplete_rms: float
+    noise: float
 
 
 def ripple(samples: NDArray[np.float64], unit: str, name: str = "signal") -> Ripple:
@@ -79,17 +83,6 @@ def percentile_range(samples: NDArray[np.float64]) -> float:
     return float(high - low)
 
 
-def resolution(samples: NDArray[np.float64]) -> float:
-    """Smallest nonzero difference between distinct values of samples, shape (n,); 0 if all are the same.
-
-    The step of a quantised signal; of one that was computed, only the rounding. Of a long record 65536
-    samples, evenly spread, are looked at.
-    """
-    few = samples[:: max(1, len(samples) // _LOOKED_AT)]
-    steps = np.diff(np.unique(few))
-    return float(np.min(steps)) if len(steps) else 0.0
-
-
 def record_basis(block: Block) -> Basis:
     """All rows of a block without gaps, unfiltered: what folds back from above half the rate is in them."""
     samples, rate_Hz = len(block.data), block.sample_rate_Hz
@@ -114,7 +107,7 @@ def ripple_numbers(
         rated: the base of the numbers "of rated", in the channel's unit; None leaves them out.
         track: phase over the rows, for uncertainties from the scatter over whole electrical periods; without
             it, or with fewer than three periods, there are none but that of the peak-to-peak from a
-            resolution coarser than a thousandth of it.
+            resolution.
         what: words for the channel in the definitions.
 
     Raises:
@@ -204,9 +197,8 @@ def _numbers(
 
     # ripple that spans several steps turns quantization into noise, which the scatter holds already
     of_mean = step / math.sqrt(12.0) if whole.rms < step else 0.0
-    if scatter is not None and scatter.mean.standard < step / math.sqrt(12.0 * len(samples)):
-        # no noise moves the steps: they are the same in every period, and so many as that has samples
-        of_mean = max(of_mean, step / math.sqrt(12.0 * len(samples) / scatter.periods))
+    if scatter is not None and step > 0.0:
+        of_mean = max(of_mean, _of_repeated_steps(len(samples) / scatter.periods, whole, scatter, step))
     # it adds step^2 / 12 to the mean square
     of_rms = max(of_mean, step**2 / (24.0 * whole.rms) if whole.rms > 0.0 else 0.0)
     mean = measured(
@@ -245,6 +237,17 @@ def _numbers(
         for number in (peak_to_peak, rms):
             base = f"rated {name} of {rated:g} {unit}"
             yield _percent(number, f"{name}_ripple", "of_rated", rated, base, reason)
+
+
+def _of_repeated_steps(per_period: float, whole: Ripple, scatter: _Scatter, step: float) -> float:
+    """Standard uncertainty of the mean by steps that are the same in every period.
+
+    A quarter of those that a period crosses on its way up and down, or of its samples, are independent.
+    Noise of s rms moves them by chance and leaves exp(-2 pi^2 s^2 / step^2) of that (Widrow and Kollar,
+    Quantization Noise, ch. 4 and 19).
+    """
+    independent = max(1.0, min(0.25 * per_period, 0.5 * whole.peak_to_peak / step))
+    return step / math.sqrt(12.0 * independent) * math.exp(-2.0 * (math.pi * scatter.noise / step) ** 2)
 
 
 def _no_base(mean: Measurement, whole: Ripple, name: str) -> str:
@@ -327,21 +330,24 @@ def _scatter(
     squares = np.add.reduceat(np.square(deviation, out=deviation), begin) / counts
     largest, least = np.maximum.reduceat(within, begin), np.minimum.reduceat(within, begin)
     rms = math.sqrt(float(np.average(squares, weights=counts)))
-    of_squares = error_of_series(squares)
-    scale = 1.0 / (2.0 * rms) if rms > 0.0 else 0.0
     return _Scatter(
         periods=periods,
         repeated=repeated,
         mean=error_of_series(means),
-        rms=MeanError(scale * of_squares.standard, of_squares.dof),
+        rms=error_of_root(squares, rms),
         percentile_range=_percentile_scatter(within, begin, counts)
         if percentiles
         else MeanError(math.nan, math.nan),
-        peak_to_peak=math.hypot(scatter_of_largest(largest), scatter_of_largest(-least)),
+        # what makes both extremes larger together scatters as their difference does
+        peak_to_peak=max(
+            math.hypot(scatter_of_largest(largest), scatter_of_largest(-least)),
+            scatter_of_largest(largest - least),
+        ),
         mean_peak_to_peak=float(np.mean(largest - least)),
         # the record ends within a period: what that part moves is no scatter, but it is not known either
         incomplete_mean=float(np.average(means, weights=counts)) - whole.mean,
         incomplete_rms=rms - whole.rms,
+        noise=math.sqrt(0.5 * float(np.mean(np.diff(means) ** 2) * np.mean(counts))),
     )
 
 
@@ -351,7 +357,8 @@ def _percentile_scatter(
     """Standard uncertainty of the percentile range, by what each period contributes to it.
 
     A percentile moves by the share of samples beyond it, more than expected, over the density there (Bahadur,
-    Ann. Math. Statist. 37 (1966)); the density is that between percentiles a little to either side.
+    Ann. Math. Statist. 37 (1966)); the density is that between percentiles a little to either side. Where
+    neighbouring periods are correlated, how the ranges of parts of the record scatter is added.
     """
     at = (_LOW - _NEAR, _LOW, _LOW + _NEAR, _HIGH - _NEAR, _HIGH, _HIGH + _NEAR)
     below, low, above_low, below_high, high, above = np.percentile(samples, at)
@@ -359,4 +366,16 @@ def _percentile_scatter(
     beyond_high = np.add.reduceat(samples > high, begin, dtype=np.float64) / counts
     per_share = 100.0 / (2.0 * _NEAR)
     moved = per_share * ((above_low - below) * beyond_low + (above - below_high) * beyond_high)
-    return error_of_series(moved)
+    linear = error_of_series(moved)
+    if len(begin) < _CORRELATED * (linear.dof + 1.0) or len(begin) < 2 * _PARTS:
+        return linear
+    # few stretches make the tail, and with it the density there: those of parts say how much it varies
+    parts = np.array([percentile_range(samples[rows]) for rows in _parts(begin, len(samples))])
+    of_parts = _WHOLE_OVER_PARTS * float(np.std(parts, ddof=1)) / math.sqrt(_PARTS)
+    return MeanError(math.hypot(linear.standard, of_parts), _PARTS - 1.0)
+
+
+def _parts(begin: NDArray[np.int64], count: int) -> Iterator[slice]:
+    """Rows of equally many whole periods each."""
+    edges = [int(each[0]) for each in np.array_split(begin, _PARTS)]
+    return (slice(first, last) for first, last in itertools.pairwise([*edges, count]))

@@ -13,6 +13,8 @@ _PARTS, _MOST_PARTS = 10, 64
 _FEWEST_VALUES = 3
 _FEWEST_EXTREMES = 4
 _BY_CHANCE = 2.5  # standard deviations of a correlation
+_NEIGHBOURS = 2  # values that chance alone makes count as one
+_LEAST_SPARE = 0.5  # degrees of freedom beyond two: with fewer the deviation has no bound
 _GUMBEL = math.pi / math.sqrt(6.0)
 
 
@@ -30,7 +32,8 @@ def error_of_series(values: NDArray[np.float64]) -> MeanError:
     The variance of the mean is tau s^2 / n: tau, from the autocorrelations summed over pairs of lags as long
     as a pair is above zero (initial positive sequence: Geyer, Statistical Science 7 (1992), 3.3), is how many
     values count as one, and n / tau - 1 are the degrees of freedom. Correlation below zero counts only where
-    it is more than chance.
+    it is more than chance. Few values say little of their own scatter: the standard uncertainty is the
+    standard deviation of Student's distribution, sqrt(dof / (dof - 2)) times as much (JCGM 101:2008, 6.4.9).
     """
     count = len(values)
     if count < _FEWEST_VALUES:
@@ -51,16 +54,34 @@ def error_of_series(values: NDArray[np.float64]) -> MeanError:
     tau = min(max(tau, 1.0 / count), 0.5 * count)
     # the deviations are from the mean of these values, and so too small by that mean's own variance
     standard = math.sqrt(covariance[0] * tau / (count - max(tau, 1.0)))
-    return MeanError(standard, max(1.0, count / max(tau, 1.0) - 1.0))
+    dof = max(1.0, count / max(tau, 1.0) - 1.0)
+    return MeanError(standard * math.sqrt(dof / max(dof - 2.0, _LEAST_SPARE)), dof)
+
+
+def error_of_root(squares: NDArray[np.float64], root: float) -> MeanError:
+    """Of the root of the mean of squares, shape (n,), one of each period, whose root is `root`.
+
+    A mean square that is low by chance has squares that scatter little: the uncertainty is that of a mean
+    square two standard uncertainties above.
+    """
+    error = error_of_series(squares)
+    if not root > 0.0:
+        return MeanError(0.0 * error.standard, error.dof)
+    return MeanError(error.standard / (2.0 * root) * (1.0 + 2.0 * error.standard / root**2), error.dof)
 
 
 def error_of_record(samples: NDArray[np.float64]) -> MeanError:
     """Of the mean of samples, shape (n,), at equal times: `error_of_series` of means of up to 64 parts."""
+    return error_of_series(means_of_parts(samples))
+
+
+def means_of_parts(samples: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Means of up to 64 equal parts of samples, shape (n,); none of fewer than 20 samples."""
     parts = min(_MOST_PARTS, len(samples) // 2)
     if parts < _PARTS:
-        return MeanError(math.nan, math.nan)
+        return np.empty(0)
     size = len(samples) // parts
-    return error_of_series(np.mean(samples[: size * parts].reshape(parts, size), axis=1))
+    return np.asarray(np.mean(samples[: size * parts].reshape(parts, size), axis=1))
 
 
 def scatter_of_largest(values: NDArray[np.float64]) -> float:
@@ -68,15 +89,19 @@ def scatter_of_largest(values: NDArray[np.float64]) -> float:
 
     Beyond a high level the values of most distributions fall off exponentially; the largest then has Gumbel's
     distribution, of the standard deviation pi / sqrt(6) times the mean excess over that level (Embrechts,
-    Klüppelberg and Mikosch, Modelling Extremal Events, 3.4 and 6.5).
+    Klüppelberg and Mikosch, Modelling Extremal Events, 3.4 and 6.5). Of correlated values few maxima are
+    left, whose top says little: their own standard deviation is the least then.
     """
     if len(values) < _FEWEST_EXTREMES:
         return math.nan
     # the largest of as many neighbours as are correlated counts as one
     apart = math.ceil(len(values) / (error_of_series(values).dof + 1.0) - 1e-9)
+    least = 0.0
     if 1 < apart <= len(values) // _FEWEST_EXTREMES:
         values = np.maximum.reduceat(values, np.arange(0, len(values), apart))
+        if apart > _NEIGHBOURS:
+            least = float(np.std(values, ddof=1))
     count = len(values)
     beyond = max(_FEWEST_EXTREMES - 1, round(math.sqrt(count)))
     top = np.partition(values, count - beyond - 1)[count - beyond - 1 :]
-    return _GUMBEL * float(np.sum(top - np.min(top))) / beyond
+    return max(least, _GUMBEL * float(np.sum(top - np.min(top))) / beyond)

@@ -9,7 +9,7 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis.ripple import resolution
+from benchtool.analysis.quantisation import resolution
 from benchtool.analysis.validity import clipping
 from benchtool.tables.record import Record
 

@@ -13,7 +13,7 @@ from benchtool.analysis.measurement import Basis
 from benchtool.analysis.orders.angle import TURN, AngleCoverage
 from benchtool.analysis.orders.angle_orders import MOST_GROUPS, fit_orders
 from benchtool.analysis.periods import PhaseTrack, track_angle
-from benchtool.analysis.ripple import COARSE, resolution
+from benchtool.analysis.quantisation import COARSE, resolution
 from benchtool.analysis.spectra.noise import line_noise, repeated_quantisation
 from benchtool.analysis.spectra.spectrum import coherent_spectrum
 from benchtool.analysis.validity import require_unbroken

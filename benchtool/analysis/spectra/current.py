@@ -10,7 +10,7 @@ import numpy as np
 
 from benchtool.analysis.measurement import Basis, Measurement, Table
 from benchtool.analysis.periods import PhaseTrack
-from benchtool.analysis.ripple import resolution
+from benchtool.analysis.quantisation import resolution
 from benchtool.analysis.scatter import MeanError
 from benchtool.analysis.spectra.fundamental import frequency, soundness
 from benchtool.analysis.spectra.groups import (

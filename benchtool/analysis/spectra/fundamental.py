@@ -7,9 +7,12 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.polynomial import Polynomial
+from numpy.typing import NDArray
 
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.periods import PhaseTrack
+from benchtool.analysis.regimes import STANDS_OUT, change_of_regime
 from benchtool.analysis.scatter import MeanError, error_of_series
 from benchtool.analysis.spectra.noise import harmonic_noise, line_noise
 from benchtool.analysis.spectra.phase_following import Wander
@@ -21,12 +24,10 @@ _HANN_FIT = math.sqrt(54.463)
 the duration: root of int w^4 t^2 dt / (int w^2 t^2 dt)^2, w = cos^2(pi t), t from -1/2 to 1/2; unweighted it
 is sqrt(12)."""
 
-_STANDS_OUT = 5.0  # standard uncertainties
 _ABOVE_FLOOR = 4.0  # of the rms amplitude of a bin of noise: by chance once in ten million
 _BLOCKS = 64
+_FEWEST_AT_END = 12  # samples of an angle for a cubic
 _FEWEST_BLOCKS = 8
-_QUARTERS = 4
-_LARGEST_CHANGE = 0.1
 _LARGEST_WANDER_RAD = 0.1  # at which harmonic 5 reads an eighth low
 
 
@@ -40,13 +41,18 @@ class Soundness:
 
 def soundness(spectrum: CoherentSpectrum, seen: Wander, clipped: str, name: str) -> Soundness:
     """Whether the record is unclipped, of one regime and on a phase, and the fundamental out of the noise."""
-    reason = clipped or _regimes(seen, name) or _off_phase(seen, name)
+    reason = (
+        clipped
+        or change_of_regime(seen.amplitude, f"the amplitude of {name}")
+        or _jump(seen, name)
+        or _off_phase(seen, name)
+    )
     amplitude = spectrum.fundamental
     noise = line_noise(spectrum, np.array([spectrum.periods])).in_phase[0]
     floor = math.sqrt(2.0) * harmonic_noise(spectrum, 1)[0]
     if not amplitude > 0.0:
         return Soundness(reason, reason or "the fundamental is zero")
-    if amplitude < _STANDS_OUT * noise or amplitude < _ABOVE_FLOOR * floor:
+    if amplitude < STANDS_OUT * noise or amplitude < _ABOVE_FLOOR * floor:
         lost = f"the fundamental of {amplitude:.3g} does not stand out of the noise around it"
         return Soundness(reason, reason or lost)
     return Soundness(reason, reason)
@@ -67,9 +73,17 @@ def frequency(
         text += f", of the signal; the angle alone gives {_of_angle_Hz(spectrum, track):.6g} Hz"
     if by_tone and reason:
         return Measurement.undefined(name, "Hz", text, reason, basis)
-    random, source = _random(spectrum, track, seen, by_tone)
+    rate_Hz = spectrum.samples / spectrum.duration_s
+    per_rad_Hz = rate_Hz / (2.0 * math.pi * (track.samples - 1))
+    if not by_tone and track.departure is not None and track.measured_rad is not None:
+        turned_rad, of_ends = _by_ends(track, track.measured_rad)
+        budget = [replace(each, standard=per_rad_Hz * each.standard) for each in of_ends]
+        source = "noise, bend and resolution of the angle at both ends"
+    else:
+        turned_rad = 2.0 * math.pi * track.periods
+        random, source = _random(spectrum, track, seen, by_tone)
+        budget = [Contribution(source, "A", random.standard, random.dof)]
     clock = "; the clock is left out" if rate_relative is None else ", and of the rate by the time stamps"
-    budget = [Contribution(source, "A", random.standard, random.dof)]
     # what is left of a phase by Newton's method and rounding
     rounding_rad = 1e-9 + np.finfo(float).eps * 2.0 * math.pi * spectrum.periods
     budget.append(Contribution("rounding", "B", rounding_rad / (2.0 * math.pi * spectrum.duration_s)))
@@ -77,8 +91,7 @@ def frequency(
         of_rate = Contribution("sample rate", "B", rate_relative * spectrum.fundamental_Hz)
         budget.append(of_rate)
     uncertain = combined(budget, f"{source}{clock}")
-    rate_Hz = spectrum.samples / spectrum.duration_s
-    value_Hz = track.periods * rate_Hz / (track.samples - 1)
+    value_Hz = per_rad_Hz * turned_rad
     whole = replace(basis, samples=track.samples, duration_s=track.samples / rate_Hz)
     return Measurement(name, value_Hz, "Hz", text, whole, uncertain)
 
@@ -89,8 +102,6 @@ def _random(
     """Standard uncertainty of the frequency by noise, and what it is from."""
     turns = 2.0 * math.pi * spectrum.duration_s
     if not by_tone:
-        if track.departure is not None:
-            return _of_ends(track, turns), "deviation of the angle from the track along it, at both ends"
         return _of_angle(track, spectrum), "deviation of the angle from its fit, by parts of the record"
     if track.departure is not None:
         left_rad = float(np.std(seen.phase_rad))
@@ -137,16 +148,30 @@ def _beyond_rad(track: PhaseTrack, spectrum: CoherentSpectrum) -> float:
     return 0.5 * left**2 * float(np.sqrt(np.mean(bend**2))) if len(bend) else 0.0
 
 
-def _of_ends(track: PhaseTrack, turns: float) -> MeanError:
-    """Of the phase at both ends of a track along the angle, each as uncertain as the angle about it."""
-    if track.measured_rad is None:
-        return MeanError(math.nan, math.nan)
-    left = track.measured_rad - track.at(np.arange(track.samples, dtype=np.float64))
-    # a spline through averages is least sure at its ends
-    size = max(2, round(track.samples / (4.0 * track.periods)))
-    ends = np.concatenate([left[:size], left[-size:]])
-    rms = max(float(np.std(left)), float(np.sqrt(np.mean(ends**2))))
-    return MeanError(math.sqrt(2.0) * rms / turns, math.inf)
+def _by_ends(track: PhaseTrack, measured_rad: NDArray[np.float64]) -> tuple[float, tuple[Contribution, ...]]:
+    """The phase from the first to the last row by the measured angle, and what is known of it.
+
+    At either end the angle's deviation from the smooth track by a parabola through an eighth of a period; a
+    cubic in its place tells what the parabola leaves out.
+    """
+    size = max(_FEWEST_AT_END, round(track.samples / (8.0 * track.periods)))
+    values, random, left_out = [], [], []
+    for rows in (slice(size), slice(track.samples - size, track.samples)):
+        numbers = np.arange(track.samples, dtype=np.float64)[rows]
+        left = measured_rad[rows] - np.asarray(track.phase(numbers))
+        edge = numbers[0] if rows.start is None else numbers[-1]
+        parabola, cubic = (Polynomial.fit(numbers, left, degree) for degree in (2, 3))
+        values.append(float(parabola(edge) + track.phase(edge)))
+        freedom = max(1, len(numbers) - 4)
+        noise = math.sqrt(float(np.sum((left - cubic(numbers)) ** 2)) / freedom)
+        # of the end of a parabola: nine times the variance of a mean
+        random.append(3.0 * noise / math.sqrt(len(numbers)))
+        left_out.append(float(cubic(edge) - parabola(edge)))
+    return values[1] - values[0], (
+        Contribution("noise of the angle at both ends", "A", math.hypot(*random), 2.0 * size - 8.0),
+        Contribution("bend of the angle at both ends", "B", math.hypot(*left_out)),
+        Contribution("resolution of the angle", "B", track.resolution_rad / math.sqrt(6.0)),
+    )
 
 
 def _of_angle_Hz(spectrum: CoherentSpectrum, track: PhaseTrack) -> float:
@@ -155,20 +180,12 @@ def _of_angle_Hz(spectrum: CoherentSpectrum, track: PhaseTrack) -> float:
     return (end - begin) / (2.0 * math.pi) * rate_Hz / (track.samples - 1)
 
 
-def _regimes(seen: Wander, name: str) -> str:
-    """Why the record is not of one regime: quarters differ by more than 10 % and what noise does."""
-    parts = min(_QUARTERS, len(seen.amplitude) // 2)
-    if parts < 2:
-        return ""
-    groups = np.array_split(seen.amplitude, parts)
-    means = np.array([float(np.mean(each)) for each in groups])
-    noise = math.sqrt(float(np.mean([np.var(each, ddof=1) / len(each) for each in groups])))
-    change, middle = float(np.ptp(means)), float(np.mean(means))
-    if change <= _LARGEST_CHANGE * middle + _STANDS_OUT * noise:
+def _jump(seen: Wander, name: str) -> str:
+    if not seen.jump_rad:
         return ""
     return (
-        f"the amplitude of {name} changes from {means.min():.3g} to {means.max():.3g} between parts of the "
-        f"window, at most {100 * _LARGEST_CHANGE:g} % is allowed: choose a window in steady state"
+        f"the phase of {name} jumps by {seen.jump_rad:.2g} rad from one period to the next: it reversed, "
+        f"stood still or changed its load; choose a window in steady state"
     )
 
 

@@ -8,9 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
+from scipy.ndimage import minimum_filter1d
 from scipy.signal import get_window
 
 from benchtool.analysis.measurement import Basis, Measurement, Table
+from benchtool.analysis.quantisation import COARSE, resolution
 from benchtool.analysis.uncertainty import Uncertainty
 from benchtool.analysis.validity import require_signal, require_unbroken
 from benchtool.block import Block
@@ -21,8 +23,10 @@ _LISTED = 10
 _FEWEST = 64
 _LOWEST_BIN = 3  # below it the window spreads the mean
 _MAIN_LOBE = 3  # bins on either side of a line that belong to it, under a Hann window
+_LEAST_RESPONSE = 8.0 / (3.0 * math.pi)  # of a Hann window, halfway between two bins
 _BESIDE = 30  # further bins on either side, whose median is the noise
 _STANDS_OUT = 5.0  # of the noise's rms amplitude: by chance once in 1e11 bins
+_APART = 2.0  # standard uncertainties of a difference
 _RAYLEIGH = math.sqrt(math.log(2.0))  # median over rms of the amplitude of noise
 
 
@@ -66,7 +70,9 @@ def spectral_lines(block: Block, channel: str, name: str = "torque") -> Spectral
     weights = get_window("hann", count)
     bins = np.abs(fft.rfft((samples - np.mean(samples)) * weights)) * (2.0 / float(np.sum(weights)))
     width_Hz = rate_Hz / count
-    rows = [_line(bins, place) for place in (_peaks(bins) if count >= _FEWEST else ())]
+    step = resolution(samples)
+    step = step if step > COARSE * float(np.ptp(samples)) else 0.0
+    rows = [_line(bins, place, step) for place in (_candidates(bins) if count >= _FEWEST else ())]
     rows = [each for each in rows if each.amplitude > _STANDS_OUT * each.noise]
     rows.sort(key=lambda each: -each.amplitude)
     basis = Basis(
@@ -96,14 +102,28 @@ def spectral_lines(block: Block, channel: str, name: str = "torque") -> Spectral
         (each.place * width_Hz, each.amplitude, each.of_place * width_Hz, each.of_amplitude)
         for each in rows[:_LISTED]
     )
-    source = "noise around the line; another line within three bins is left out"
-    found = tuple(
+    reason = "" if len(rows) < 2 else _not_apart(rows[0], rows[1])
+    source = "noise around the line and resolution; another line within three bins is left out"
+    frequency, amplitude = (
         Measurement(
             f"{name}_line_{key}", listed[0][at], of, text, basis, Uncertainty(listed[0][2 + at], source)
         )
         for at, (key, of, text) in enumerate(texts)
     )
-    return SpectralLines(found, (_table(name, listed, unit, what, basis),))
+    if reason:
+        frequency = Measurement.undefined(frequency.name, "Hz", frequency.definition, reason, basis)
+    return SpectralLines((frequency, amplitude), (_table(name, listed, unit, what, basis),))
+
+
+def _not_apart(largest: _Line, second: _Line) -> str:
+    """Why it is not told which line is the largest; empty if it is."""
+    both = math.hypot(largest.of_amplitude, second.of_amplitude)
+    if largest.amplitude - second.amplitude > _APART * both:
+        return ""
+    return (
+        f"two lines, of {largest.amplitude:.4g} and {second.amplitude:.4g}, are equally large within their "
+        f"uncertainty: the table has both"
+    )
 
 
 def _peaks(bins: Floats) -> NDArray[np.int64]:
@@ -113,7 +133,34 @@ def _peaks(bins: Floats) -> NDArray[np.int64]:
     return places[(places >= _LOWEST_BIN) & (places < len(bins) - _LOWEST_BIN)]
 
 
-def _line(bins: Floats, place: int) -> _Line:
+def _candidates(bins: Floats) -> NDArray[np.int64]:
+    """The local maxima that may stand out: all that do, and few others.
+
+    Where the median around a maximum is below a level, a third of the bins are below it in at least one of
+    the blocks, of a quarter of the bins to one side, that these bins lie in. That leaves out most maxima of a
+    long record, and the medians themselves most of the rest.
+    """
+    places, reach, size = _peaks(bins), _MAIN_LOBE + _BESIDE, _BESIDE // 4
+    blocks = bins[: len(bins) // size * size].reshape(-1, size)
+    if len(blocks) * size <= 2 * reach + 1:
+        return places
+    third = np.partition(blocks, size // 3, axis=1)[:, size // 3]
+    lowest = minimum_filter1d(third, 2 * math.ceil(reach / size) + 1, mode="nearest")
+    level = _STANDS_OUT / _RAYLEIGH * _LEAST_RESPONSE
+
+    def at_end() -> NDArray[np.bool_]:
+        return (places <= reach) | (places >= len(blocks) * size - reach)
+
+    block = np.minimum(places // size, len(blocks) - 1)
+    places = places[at_end() | (bins[places] > level * lowest[block])]
+    beside = np.arange(_MAIN_LOBE + 1, reach + 1)
+    around = np.concatenate([-beside, beside])
+    middle, inner = np.zeros(len(places)), ~at_end()
+    middle[inner] = np.median(bins[places[inner][:, np.newaxis] + around], axis=1)
+    return places[bins[places] > level * middle]
+
+
+def _line(bins: Floats, place: int, step: float) -> _Line:
     """A sinusoid by the two greatest bins of its maximum, and what noise does to it.
 
     Under a Hann window neighbouring bins have noise with the correlation -2/3, and a sinusoid in them the
@@ -130,7 +177,11 @@ def _line(bins: Floats, place: int) -> _Line:
     noise = float(np.median(around)) / _RAYLEIGH if len(around) else math.nan
     component = noise / math.sqrt(2.0)
     spread = 3.0 / (1.0 + ratio) ** 2 * math.sqrt(1.0 + ratio**2 - 4.0 * ratio / 3.0)
-    return _Line(place + side * offset, own / response, spread * component / own, component / response, noise)
+    amplitude = own / response
+    # what the steps of a sine repeat with it is spread over as many lines as it crosses steps in a period
+    crossed = max(1.0, 4.0 * amplitude / step) if step > 0.0 else 1.0
+    of_amplitude = math.hypot(component / response, step * math.sqrt(2.0 / (12.0 * crossed)))
+    return _Line(place + side * offset, amplitude, spread * component / own, of_amplitude, noise)
 
 
 def _table(name: str, rows: tuple[tuple[float, ...], ...], unit: str, what: str, basis: Basis) -> Table:

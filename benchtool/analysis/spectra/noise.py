@@ -19,6 +19,11 @@ _PAIRS, _NEAREST = 8, 3
 _QUANTISATION_LINES = 100
 _CLEARLY = 6.0  # a ratio of variances, of 16 degrees of freedom each: by chance once in two thousand
 _LARGE = 1000
+_STEEP = 0.25  # change of the logarithm of the density over a band, above which it is taken into account
+_BANDS_AROUND = 2
+_MOVED_MOST = 10  # harmonics around which a wander of the phase may be seen
+_LINE = 10.0  # times the mean square of noise: by chance one bin in twenty thousand
+_LINES_BY_CHANCE = 5e-4
 
 MEDIAN_OF_RMS = math.sqrt(math.log(2.0))
 """Median of Rayleigh-distributed amplitudes over their rms, 0.8326.
@@ -34,9 +39,10 @@ class NoiseFloor:
 
     `amplitude` is the rms over `bins` bins of their peak amplitude, `density` is rms per sqrt(Hz). The
     medians of narrow bands give it, so that lines in less than half of the bins of a band do not count, and
-    noise need not be white. A strong interharmonic leaks through the rectangular window into all bins around
-    it, and with that counts as noise. `relative_error` is the relative standard uncertainty of the floor, of
-    `dof` degrees of freedom.
+    noise need not be white: where the density is steep, the squares are first made even by the slope of the
+    bands around. What only moves the phase of harmonics is left out. A strong interharmonic leaks through the
+    rectangular window into all bins around it, and with that counts as noise. `relative_error` is the
+    relative standard uncertainty of the floor, of `dof` degrees of freedom.
     """
 
     amplitude: float
@@ -83,23 +89,87 @@ def noise_floor(
     scatters by about 1 / sqrt(n) (Kendall and Stuart, The Advanced Theory of Statistics, vol. 1, 10.10 and
     14.6).
     """
-    between = _between(spectrum, first_order, last_order)
-    if len(between) < _FEWEST_BINS:
+    bins = _between(spectrum, first_order, last_order)
+    if len(bins) < _FEWEST_BINS:
         return None
+    additive, leaked = _additive(spectrum)
+    square = additive[bins]
+    bands = _bands(len(bins))
     powers, counts = [], []
-    for band in _bands(len(between)):
-        part = between[band]
-        powers.append(float(np.median(part)) ** 2 / _median_of_exponentials(len(part)))
-        counts.append(len(part))
-    total, square = np.average(powers, weights=counts), np.array(powers) * counts
+    for band, slope in zip(bands, _slopes(square, bins, bands), strict=True):
+        part, places = square[band], bins[band]
+        shape = 1.0
+        if abs(slope) * math.log(places[-1] / places[0]) > _STEEP:
+            shaped = (places / places[0]) ** slope
+            part, shape = part / shaped, float(np.mean(shaped))
+            counts.append(float(np.sum(shaped)) ** 2 / float(np.sum(shaped**2)))
+        else:
+            counts.append(float(len(part)))
+        powers.append(shape * _power_without_lines(part))
+    shares = np.array([band.stop - band.start for band in bands]) / len(bins)
+    total = float(np.average(powers, weights=shares))
     # of each band's power by 1 / (ln 2 sqrt(n)), and half of that of the amplitude
-    variance = (square / np.sqrt(counts) / math.log(2.0)) ** 2
-    sums = float(np.sum(square))
-    relative = math.sqrt(float(np.sum(variance))) / sums if sums > 0.0 else 0.0
+    variance = (np.array(powers) * shares / math.log(2.0)) ** 2 / np.array(counts)
+    relative = math.sqrt(float(np.sum(variance))) / total if total > 0.0 else 0.0
     dof = 2.0 / relative**2 if relative > 0.0 else math.inf
-    amplitude = math.sqrt(float(total))
+    relative = math.hypot(relative, leaked / (total * len(bins))) if total > 0.0 else 0.0
+    amplitude = math.sqrt(total)
     bin_Hz = spectrum.fundamental_Hz / spectrum.periods
-    return NoiseFloor(amplitude, amplitude / math.sqrt(2.0 * bin_Hz), len(between), 0.5 * relative, dof)
+    return NoiseFloor(amplitude, amplitude / math.sqrt(2.0 * bin_Hz), len(bins), 0.5 * relative, dof)
+
+
+def _additive(spectrum: CoherentSpectrum) -> tuple[NDArray[np.float64], float]:
+    """Squares of the amplitudes of all bins, those around harmonics without what moves their phase.
+
+    What is left of a phase that was followed, or does not close, spreads as sidebands in quadrature. Where
+    these are clearly more than those in phase, twice the latter stand for both. Beyond, nearer to other
+    harmonics, they fall off as the square of the distance: the second number is their sum there.
+    """
+    square, bins, periods = np.square(spectrum.amplitude), spectrum.phasor, spectrum.periods
+    orders = np.arange(1, len(bins) // periods)
+    # what a wander of the phase leaves beside a harmonic is in proportion to order and amplitude
+    moved = orders * spectrum.amplitude[periods * orders]
+    leaked = 0.0
+    for order in orders[np.argsort(-moved)[:_MOVED_MOST]]:
+        line = int(order) * periods
+        reach = min(periods if order == 1 else periods // 2, len(bins) - line) - 1
+        towards = np.exp(-1j * np.angle(bins[line]))
+        above = bins[line + 1 : line + 1 + reach] * towards
+        below = np.conj(bins[line - reach : line][::-1] * towards)
+        in_phase, quadrature = np.abs(above + below) ** 2, np.abs(above - below) ** 2
+        if reach < 2 or float(np.sum(quadrature)) <= _CLEARLY * float(np.sum(in_phase)):
+            continue
+        square[line + 1 : line + 1 + reach] = 0.5 * in_phase
+        square[line - reach : line] = 0.5 * in_phase[::-1]
+        excess = 0.25 * float(np.mean(quadrature[reach // 2 :]) - np.mean(in_phase[reach // 2 :]))
+        # of c / d^2, whose mean from half to all of the reach is 2 c / reach^2: c / reach on one side beyond
+        leaked += max(0.0, 0.5 * excess * reach) * (1 if order == 1 else 2)
+    return square, leaked
+
+
+def _slopes(square: NDArray[np.float64], bins: NDArray[np.int64], bands: list[slice]) -> list[float]:
+    """Exponent of frequency with which the density changes in each band, by the medians of those around."""
+    centre = np.log([math.sqrt(float(bins[each.start]) * float(bins[each.stop - 1])) for each in bands])
+    with np.errstate(divide="ignore"):
+        level = np.log([float(np.median(square[each])) for each in bands])
+    found = []
+    for index in range(len(bands)):
+        near = slice(max(0, index - _BANDS_AROUND), index + _BANDS_AROUND + 1)
+        x, y = centre[near], level[near]
+        known = len(x) > 1 and bool(np.all(np.isfinite(y)))
+        about = x - np.mean(x)
+        found.append(float(about @ y) / float(about @ about) if known else 0.0)
+    return found
+
+
+def _power_without_lines(square: NDArray[np.float64]) -> float:
+    """Mean of exponentially distributed squares, shape (n,), by the median of those that are no line."""
+    power = float(np.median(square)) / _median_of_exponentials(len(square))
+    lines = int(np.count_nonzero(square > _LINE * power))
+    if lines <= _LINES_BY_CHANCE * len(square):
+        return power
+    rest = len(square) - lines
+    return float(np.median(np.partition(square, rest - 1)[:rest])) / _median_of_exponentials(rest)
 
 
 def harmonic_noise(spectrum: CoherentSpectrum, orders: int) -> NDArray[np.float64]:
@@ -145,7 +215,10 @@ def repeated_quantisation(spectrum: CoherentSpectrum, step: float) -> float:
     """Standard uncertainty of each line by the steps of a quantised signal, as far as they repeat with it.
 
     Quantisation has the mean square step^2 / 12 (JCGM 100:2008, F.2.2.1). What of that is not in the bins
-    between the lines is in these, evenly over some hundred as far as is known.
+    between the lines is in these: evenly over as many as those below the step are worth, a hundred at most.
+    Where noise hides what is missing, the lines themselves tell that repeat with the strong ones and are
+    weaker than the step: by twice the power that they are above the noise,
+    because a strong line has more of it.
     """
     if step <= 0.0:
         return 0.0
@@ -153,8 +226,19 @@ def repeated_quantisation(spectrum: CoherentSpectrum, step: float) -> float:
     between = 0.5 * float(np.sum(square[1:]) - np.sum(square[spectrum.periods :: spectrum.periods]))
     in_band = 2.0 * (len(spectrum.amplitude) / spectrum.samples)
     missing = max(0.0, in_band * step**2 / 12.0 - between)
-    held = max(1, len(spectrum.amplitude) // spectrum.periods)
-    return math.sqrt(missing / min(held, _QUANTISATION_LINES))
+    lines = square[spectrum.periods :: spectrum.periods]
+    small = lines[lines < step**2]
+    fourth = float(np.sum(small**2))
+    held = float(np.sum(small)) ** 2 / fourth if fourth > 0.0 else 1.0
+    even = math.sqrt(missing / max(1.0, min(held, _QUANTISATION_LINES)))
+    strong = np.flatnonzero(lines > step**2) + 1
+    repeats = int(np.gcd.reduce(strong)) if len(strong) else 1
+    weak = lines[repeats - 1 :: repeats]
+    weak = weak[weak < step**2]
+    if not len(weak):
+        return even
+    noise = float(np.median(square[1:])) / math.log(2.0)
+    return max(even, math.sqrt(2.0 * max(0.0, float(np.mean(weak)) - noise)))
 
 
 def _lost(
@@ -204,10 +288,10 @@ def _median_of_exponentials(count: int) -> float:
 
 
 def _local_floor(spectrum: CoherentSpectrum, first_order: float, last_order: float) -> float:
-    between = _between(spectrum, first_order, last_order)
-    if len(between) < _FEWEST_BINS:
+    bins = _between(spectrum, first_order, last_order)
+    if len(bins) < _FEWEST_BINS:
         return math.nan
-    return float(np.median(between)) / MEDIAN_OF_RMS
+    return float(np.median(spectrum.amplitude[bins])) / MEDIAN_OF_RMS
 
 
 def _guard(spectrum: CoherentSpectrum) -> int:
@@ -215,13 +299,12 @@ def _guard(spectrum: CoherentSpectrum) -> int:
     return 2 if spectrum.periods >= 4 else 1
 
 
-def _between(spectrum: CoherentSpectrum, first_order: float, last_order: float) -> NDArray[np.float64]:
+def _between(spectrum: CoherentSpectrum, first_order: float, last_order: float) -> NDArray[np.int64]:
+    """Bins between two orders that are no harmonic nor next to one."""
     periods, count = spectrum.periods, len(spectrum.amplitude)
     first = max(0, math.floor(first_order))
     last = math.ceil(min(last_order, count / periods))
     guard = _guard(spectrum)
-    whole = spectrum.amplitude[first * periods : min(count, last * periods)]
-    orders = len(whole) // periods
-    table = whole[: orders * periods].reshape(orders, periods)[:, guard : periods - guard + 1]
-    rest = whole[orders * periods :][guard : periods - guard + 1]
-    return np.concatenate([table.ravel(), rest])
+    within = np.arange(guard, periods - guard + 1)
+    bins = (periods * np.arange(first, last)[:, np.newaxis] + within).ravel()
+    return bins[: np.searchsorted(bins, count)]

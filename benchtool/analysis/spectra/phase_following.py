@@ -19,10 +19,15 @@ from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.spectra.spectrum import FIRST_ROW, CoherentSamples, coherent_samples
 
 _OFF_RAD = 2e-3  # rms: at which harmonic 50 reads 0.5 % low
+_LEFT_RAD = 5e-5  # rms: once followed, closer, because a period that is off by x reads its phase off by x / 2
 _BY_CHANCE = 1e-4
 _FEWEST_PERIODS = 4  # and so many phases, from which a wander is told from noise
 _FEWEST_KNOTS = 5  # of a smoothing spline
 _ROUNDS = 3
+_ASIDE = 10  # the part of the periods at either end which alone is no reason to follow
+_MEDIAN_DEVIATION = 0.6745  # median of the magnitude of a normal deviate
+_FAR = 8.0  # standard deviations; the largest step of a swing or of a drift is within two
+_LEAST_JUMP_RAD = 0.1  # as the largest wander with which harmonics are told
 _PER_PERIOD = 16  # places at which an angle is followed, in each electrical period
 _LONGEST_TURN = 0.45  # of a turn between periods, by which a phase may move and still be told
 
@@ -32,13 +37,16 @@ class Wander:
     """How the fundamental moves about a track: `phase_rad`, without jumps, and `amplitude`, shape (periods,).
 
     `excess_rad` is the rms deviation of the phase from its mean beyond what noise does, which moves amplitude
-    and phase alike; 0 where it may be noise. `noise_rad` is what noise does to one period's phase.
+    and phase alike; 0 where it may be noise. `noise_rad` is what noise does to one period's phase. `jump_rad`
+    is the largest change of phase from period to period where it stands out of all others, else 0: no
+    smooth track explains it.
     """
 
     phase_rad: NDArray[np.float64]
     amplitude: NDArray[np.float64]
     excess_rad: float
     noise_rad: float
+    jump_rad: float = 0.0
 
 
 def wander(coherent: CoherentSamples) -> Wander:
@@ -60,7 +68,16 @@ def wander(coherent: CoherentSamples) -> Wander:
     excess = 0.0
     if freedom + 1 >= _FEWEST_PERIODS and of_phase > of_amplitude * fdtri(freedom, freedom, 1.0 - _BY_CHANCE):
         excess = math.sqrt(of_phase - of_amplitude)
-    return Wander(phase_rad, amplitude, excess, math.sqrt(of_amplitude))
+    return Wander(phase_rad, amplitude, excess, math.sqrt(of_amplitude), _jump_rad(steps))
+
+
+def _jump_rad(steps: NDArray[np.float64]) -> float:
+    """The largest step of the phase, less the usual one, if it is far beyond the scatter of the others."""
+    if len(steps) + 1 < _FEWEST_PERIODS:
+        return 0.0
+    away = np.abs(steps - np.median(steps))
+    largest, usual = float(np.max(away)), float(np.median(away)) / _MEDIAN_DEVIATION
+    return largest if largest > max(_LEAST_JUMP_RAD, _FAR * usual) else 0.0
 
 
 def follow(
@@ -85,8 +102,9 @@ def follow(
         of_other = wander(other)
         if _off(of_other) < _off(seen):
             coherent, track, seen = other, by_angle, of_other
-    for _ in range(_ROUNDS):
-        by_tone = _by_tone(coherent, track, seen, name)
+    jump_rad = seen.jump_rad
+    for least_rad in (_OFF_RAD, *(_ROUNDS - 1) * (_LEFT_RAD,)):
+        by_tone = _by_tone(coherent, track, seen, name, least_rad)
         if by_tone is None:
             break
         other = coherent_samples(samples, sample_rate_Hz, by_tone, name)
@@ -94,7 +112,7 @@ def follow(
         if not _off(of_other) < _off(seen):
             break
         coherent, track, seen = other, by_tone, of_other
-    return coherent, track, seen
+    return coherent, track, replace(seen, jump_rad=jump_rad)
 
 
 def _off(seen: Wander) -> float:
@@ -117,12 +135,17 @@ def _by_angle(track: PhaseTrack, samples_per_period: float) -> PhaseTrack | None
     return replace(track, departure=spline, source=f"{track.source}, and the measured angle about it")
 
 
-def _by_tone(coherent: CoherentSamples, track: PhaseTrack, seen: Wander, name: str) -> PhaseTrack | None:
+def _by_tone(
+    coherent: CoherentSamples, track: PhaseTrack, seen: Wander, name: str, least_rad: float
+) -> PhaseTrack | None:
     """The track along the fundamental's own phase; None where that stays on it, or is lost in noise."""
     largest_step = float(np.max(np.abs(np.diff(seen.phase_rad)), initial=0.0))
-    if not _OFF_RAD < seen.excess_rad < math.inf or largest_step > 2 * np.pi * _LONGEST_TURN:
+    if not least_rad < seen.excess_rad < math.inf or largest_step > 2 * np.pi * _LONGEST_TURN:
         return None
-    if coherent.periods < _FEWEST_KNOTS:
+    # what dies away soon after the beginning moves the phase there, and no further
+    aside = coherent.periods // _ASIDE
+    inner = seen.phase_rad[aside : len(seen.phase_rad) - aside]
+    if coherent.periods < _FEWEST_KNOTS or not float(np.std(inner)) > least_rad:
         return None
     begin = float(track.at(np.array([float(FIRST_ROW)]))[0])
     middle = begin + 2 * np.pi * (np.arange(coherent.periods, dtype=np.float64) + 0.5)

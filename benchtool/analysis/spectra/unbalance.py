@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.periods import PhaseTrack
-from benchtool.analysis.scatter import error_of_series
+from benchtool.analysis.regimes import change_of_regime
+from benchtool.analysis.scatter import MeanError, error_of_series
 from benchtool.analysis.spectra.spectrum import FIRST_ROW, coherent_samples
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
 from benchtool.analysis.validity import clipping, require_unbroken
@@ -80,7 +81,10 @@ def current_unbalance(
         reference="positive sequence of the fundamental",
         gaps=0,
     )
+    larger = np.abs(sequences[0] if one.magnitude >= other.magnitude else sequences[1])
     reason = next(filter(None, map(clipping, columns)), "")
+    # of a rotor that turns back positive and negative sequence change places
+    reason = reason or change_of_regime(larger, "the positive-sequence current")
     return tuple(_numbers((positive, negative, zero), channels, block.unit(channels[0]), basis, reason))
 
 
@@ -91,6 +95,10 @@ def _component(phasors: Phasors) -> _Component:
     magnitude = abs(mean)
     # noise across the phasor makes its magnitude larger (Rice distribution)
     bias = magnitude - math.sqrt(max(0.0, magnitude**2 - across.standard**2))
+    # noise is alike in both directions, and of few periods both together say more of it than one
+    both = MeanError(math.sqrt(0.5 * (along.standard**2 + across.standard**2)), along.dof + across.dof)
+    if not along.standard > both.standard:
+        along = both
     return _Component(
         magnitude,
         (

@@ -20,9 +20,45 @@ def test_stated_uncertainties_hold_the_truth(name: str) -> None:
         assert found[measurement].verdict != "narrow", found[measurement]
 
 
-@pytest.mark.parametrize("name", ["reversal", "clipped", "two_regimes_no_angle", "standstill_current"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "reversal",
+        "reversal_no_angle",
+        "standstill_within_no_angle",
+        "clipped",
+        "two_regimes_no_angle",
+        "standstill_current",
+    ],
+)
 def test_what_cannot_be_told_is_null(name: str) -> None:
     found = {each.measurement: each for each in scores(FAMILIES[name], 3)}
     for measurement in ("current_thd", "current_thd_corrected", "current_thds"):
         assert measurement not in found or found[measurement].answered == 0
     assert found
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "flux_few_revolutions",
+        "flux_bits_8",
+        "switching_irregular",
+        "residual_coloured",
+        "unbalance",
+        "stamps_gap",
+    ],
+)
+def test_further_channels_hold_the_truth(name: str) -> None:
+    found = list(scores(FAMILIES[name], 12))
+    assert found
+    for each in found:
+        assert each.answered
+        assert each.verdict != "narrow", each
+
+
+@pytest.mark.parametrize(
+    "name", ["unbalance_reversal", "flux_two_regimes", "flux_reversal", "unbalance_clipped"]
+)
+def test_no_steady_state_is_null_there_too(name: str) -> None:
+    assert all(each.verdict == "null" for each in scores(FAMILIES[name], 3))

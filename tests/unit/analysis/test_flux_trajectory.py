@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from benchtool.analysis.flux_trajectory import flux_trajectory
+from benchtool.analysis.measurement import Measurement
 from benchtool.block import Block, Channel
 from benchtool.errors import AnalysisError
 
@@ -76,10 +77,33 @@ def test_scatter_over_the_revolutions_is_the_uncertainty() -> None:
         block = Block(CHANNELS, 0, 1, 1e-4, np.column_stack([psi.real, psi.imag]))
         means.append(flux_trajectory(block)[0])
     stated = [each.uncertainty.standard for each in means if each.uncertainty is not None]
+    values = np.array([each.value for each in means])
     assert len(stated) == len(means)
-    assert np.sqrt(np.mean(np.square(stated))) == pytest.approx(
-        float(np.std([each.value for each in means])), rel=0.3
-    )
+    # of eight revolutions each: the standard uncertainty is Student's, and larger where the scatter is small
+    relative = (values - np.mean(values)) / np.array(stated)
+    assert 0.7 < np.sqrt(np.mean(relative**2)) < 1.3
+
+
+def _number(psi: NDArray[np.complex128], name: str) -> Measurement:
+    block = Block(CHANNELS, 0, 1, 1e-4, np.column_stack([psi.real, psi.imag]))
+    return next(each for each in flux_trajectory(block) if each.name == name)
+
+
+def test_a_radius_that_changes_is_no_one_regime() -> None:
+    size = np.where(np.arange(ROWS) < ROWS // 2, 0.17, 0.12)
+    found = _number(size * np.exp(1j * _turns(20.3)), "flux_radius_mean")
+    assert np.isnan(found.value)
+    assert found.reason.startswith("the radius of the flux changes from 0.12 to 0.17")
+
+
+def test_steps_that_repeat_in_every_revolution_are_uncertain_as_such() -> None:
+    step = 2e-3
+    psi = 0.17 * np.exp(1j * _turns(20.0))
+    stepped = np.round(psi.real / step) * step + 1j * np.round(psi.imag / step) * step
+    found = _number(stepped, "flux_radius_mean")
+    assert found.uncertainty is not None
+    assert found.uncertainty.standard > 1e-5  # no scatter over revolutions shows them
+    assert abs(found.value - 0.17) < found.uncertainty.expanded
 
 
 def test_less_than_two_revolutions_are_refused() -> None:

@@ -16,8 +16,14 @@ from benchtool.analysis.dynamics.smoothing import Noise
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.periods import PhaseTrack, track_angle
 from benchtool.analysis.spectra.fundamental import frequency, soundness
-from benchtool.analysis.spectra.phase_following import Wander, follow
-from benchtool.analysis.spectra.spectrum import FIRST_ROW, CoherentSpectrum, coherent_spectrum
+from benchtool.analysis.spectra.phase_following import Wander, follow, wander
+from benchtool.analysis.spectra.spectrum import (
+    FIRST_ROW,
+    CoherentSamples,
+    CoherentSpectrum,
+    coherent_spectrum,
+)
+from benchtool.analysis.spectra.spectrum import spectrum_of as spectrum_of_samples
 
 Array = NDArray[np.float64]
 RATE_HZ, FREQUENCY_HZ, SAMPLES = 10_000.0, 50.0, 20_000
@@ -90,14 +96,34 @@ def test_a_followed_phase_is_as_uncertain_as_its_bend_beyond_the_last_period() -
     assert standard(frequency_of(bent, still())) == pytest.approx(expected, rel=0.02)
 
 
-def test_along_an_angle_both_ends_count_for_a_quarter_of_a_period() -> None:
-    measured = np.asarray(LINEAR(T * RATE_HZ))
-    measured[-50:-2] += 0.01
+def test_along_an_angle_the_frequency_is_that_of_its_ends() -> None:
+    swing = 0.05 * np.sin(2.0 * np.pi * 1.3 * FREQUENCY_HZ * T + 0.4)
+    noise = 1e-3 * np.random.default_rng(1).standard_normal(SAMPLES)
+    measured = np.asarray(LINEAR(T * RATE_HZ)) + swing + noise
     track = PhaseTrack(LINEAR, SAMPLES, "angle", 0.01, measured, none)
-    rms = 0.01 * math.sqrt(48 / 100)
-    duration_s = spectrum_of(np.cos(2.0 * np.pi * FREQUENCY_HZ * T)).duration_s
-    expected = math.sqrt(2.0) * rms / (2.0 * np.pi * duration_s)
-    assert standard(frequency_of(track, still())) == pytest.approx(expected, rel=0.01)
+    found = frequency_of(track, still())
+    turned = float(LINEAR(SAMPLES - 1.0) - LINEAR(0.0) + swing[-1] - swing[0])
+    assert found.uncertainty is not None
+    assert abs(found.value - turned * RATE_HZ / (2.0 * np.pi * (SAMPLES - 1))) < found.uncertainty.expanded
+
+
+def test_the_resolution_of_an_angle_does_not_average_out_of_its_ends() -> None:
+    measured = np.asarray(LINEAR(T * RATE_HZ))
+    track = PhaseTrack(LINEAR, SAMPLES, "angle", 0.01, measured, none, resolution_rad=0.03)
+    expected = 0.03 / math.sqrt(6.0) * RATE_HZ / (2.0 * np.pi * (SAMPLES - 1))
+    assert standard(frequency_of(track, still())) == pytest.approx(expected, rel=1e-3)
+
+
+def test_a_phase_that_jumps_is_told_from_one_that_swings() -> None:
+    period = np.arange(40)
+    noise = 1e-3 * np.random.default_rng(0).standard_normal(40)
+    for phase, jumps in ((np.where(period < 25, 0.0, 0.8), True), (0.8 * np.sin(0.3 * period), False)):
+        turn = np.repeat(phase + noise, 100)
+        samples = CoherentSamples(np.cos(2.0 * np.pi * np.arange(4000) / 100 + turn), 40, 4000.0, RATE_HZ)
+        seen = wander(samples)
+        assert (seen.jump_rad > 0.0) == jumps
+        reason = soundness(spectrum_of_samples(samples), seen, "", "i_a").of_ratios
+        assert reason.startswith("the phase of i_a jumps by 0.8 rad") == jumps
 
 
 @pytest.mark.parametrize(

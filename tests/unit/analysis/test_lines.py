@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from benchtool.analysis import orders_at_speed, spectral_lines
 from benchtool.analysis.orders.orders import describe_orders
+from benchtool.analysis.spectra import lines
 from benchtool.block import Block
 from benchtool.errors import AnalysisError
 
@@ -35,6 +36,22 @@ def test_a_line_is_found_between_bins(frequency_Hz: float, amplitude: float) -> 
 def test_lines_are_listed_by_size_and_noise_is_not() -> None:
     (table,) = spectral_lines(torque((120.0, 0.1), (240.3, 0.3), (33.3, 0.02)), "torque").tables
     assert [round(row[0], 1) for row in table.rows] == [240.3, 120.0, 33.3]
+
+
+def test_of_two_equal_lines_none_is_the_largest() -> None:
+    found = spectral_lines(torque((120.0, 0.1), (240.3, 0.1), noise=0.02), "torque")
+    assert np.isnan(found.measurements[0].value)
+    assert "equally large within their uncertainty" in found.measurements[0].reason
+    assert found.measurements[1].value == pytest.approx(0.1, rel=0.02)
+    assert len(found.tables[0].rows) == 2
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_looking_at_fewer_maxima_finds_the_same_lines(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    block = torque((33.3, 0.02), (1200.7, 0.004), (2400.0, 0.003), noise=0.05, seed=seed)
+    few = spectral_lines(block, "torque")
+    monkeypatch.setattr(lines, "_candidates", lines._peaks)
+    assert repr(spectral_lines(block, "torque")) == repr(few)
 
 
 def test_noise_has_no_lines() -> None:

@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from benchmarks.coverage.noise import coloured
 from benchtool.analysis import (
+    CoherentSamples,
     CoherentSpectrum,
     Measurement,
     Reference,
@@ -21,6 +23,7 @@ from benchtool.analysis import (
     track_angle,
     track_tone,
 )
+from benchtool.analysis.spectra.spectrum import spectrum_of as spectrum_of_samples
 from benchtool.block import Block, Channel
 
 RATE_HZ = 10e3
@@ -254,3 +257,34 @@ def test_a_clean_tone_is_as_far_off_as_its_uncertainty_says(frequency_Hz: float)
         assert uncertainty is not None
         assert abs(found[name].value - value) < 2.0 * uncertainty.standard
         assert uncertainty.standard < 1e-3
+
+
+def _spectrum(samples: Array, periods: int) -> CoherentSpectrum:
+    return spectrum_of_samples(CoherentSamples(samples, periods, float(len(samples)), 1e4))
+
+
+def test_the_floor_of_steep_noise_is_its_mean_power_and_not_its_median() -> None:
+    generator, count, periods = np.random.default_rng(4), 20_000, 40
+    errors = []
+    for _ in range(30):
+        noise = coloured(generator.standard_normal(count), 0.99)
+        spectrum = _spectrum(np.cos(2 * np.pi * periods * np.arange(count) / count) + 0.01 * noise, periods)
+        floor = noise_floor(spectrum)
+        assert floor is not None
+        bins = np.arange(len(spectrum.amplitude))
+        inside = bins[(bins % periods >= 2) & (bins % periods <= periods - 2)]
+        density = (1 - 0.99**2) / np.abs(1 - 0.99 * np.exp(-2j * np.pi * inside / count)) ** 2
+        truth = 0.02 * math.sqrt(float(np.mean(density)) / count)
+        errors.append((floor.amplitude / truth - 1.0) / floor.relative_error)
+    assert 0.6 < math.sqrt(float(np.mean(np.square(errors)))) < 1.5
+
+
+def test_what_moves_only_the_phase_of_the_fundamental_is_no_floor() -> None:
+    count, periods = 20_000, 40
+    noise = 1e-3 * np.random.default_rng(4).standard_normal(count)
+    turn = 2 * np.pi * periods * np.arange(count) / count
+    wander = 2e-3 * coloured(np.random.default_rng(5).standard_normal(count), 0.9995)
+    still, moved = (noise_floor(_spectrum(np.cos(turn + by) + noise, periods)) for by in (0.0, wander))
+    assert still is not None
+    assert moved is not None
+    assert moved.amplitude == pytest.approx(still.amplitude, rel=0.1)

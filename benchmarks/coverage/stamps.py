@@ -1,0 +1,93 @@
+"""Families of foreign records: time stamps that jitter or are coarse, and rows that are missing."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from benchmarks.coverage.families import Family, picked
+from benchtool.analysis import Measurement, Uncertainty, current_spectrum, order_analysis, track_tone
+from benchtool.block import Block, Gap
+from benchtool.errors import AnalysisError
+from benchtool.tables.time_base import time_base
+
+FREQUENCY_HZ, RATE_HZ = 20.0, 10_000.0
+AMPLITUDE_A = 5.0
+POLE_PAIRS = 4
+
+
+@dataclass(frozen=True)
+class Stamps:
+    """A current of 40.3 periods with harmonics and noise; the rate is off 10 kHz by some 100 ppm."""
+
+    jitter: float = 0.0  # rms, of a step
+    resolution_s: float = 0.0
+    noise: float = 1e-3
+    lost: tuple[int, int] = (0, 0)  # how many gaps, of how many rows each
+    periods: float = 40.3
+
+
+def trial(what: Stamps, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
+    """One record: the rate by its stamps, and the numbers of what they say is uniform."""
+    rate_Hz = RATE_HZ * (1.0 + 1e-4 * random.standard_normal())
+    rows = round(what.periods / FREQUENCY_HZ * rate_Hz)
+    time_s = np.arange(rows) / rate_Hz
+    theta_e = 2 * np.pi * FREQUENCY_HZ * time_s + random.uniform(0, 2 * np.pi)
+    current = np.cos(theta_e) + 0.03 * np.cos(5 * theta_e + 1.0) + what.noise * random.standard_normal(rows)
+    torque = 2.0 + 0.1 * np.cos(6 * theta_e) + what.noise * random.standard_normal(rows)
+    stamps = time_s + 12.0 + what.jitter / rate_Hz * random.standard_normal(rows)
+    if what.resolution_s:
+        stamps = np.round(stamps / what.resolution_s) * what.resolution_s
+    kept = np.ones(rows, dtype=np.bool_)
+    gaps, size = what.lost
+    for place in np.sort(random.choice(np.arange(1000, rows - 1000, 2 * size + 1), gaps, replace=False)):
+        kept[place : place + size] = False
+    base = time_base(stamps[kept])
+    if base.refusal:
+        raise AnalysisError(base.refusal)
+    of_rate = Uncertainty(base.rate_relative * base.rate_Hz, "time stamps")
+    yield Measurement("sample_rate", base.rate_Hz, "Hz", "", uncertainty=of_rate), rate_Hz
+    missing = base.gaps
+    whole = Block.from_arrays(
+        base.rate_Hz,
+        {"i_a": "A", "torque": "Nm", "theta_m": "rad"},
+        i_a=AMPLITUDE_A * current[kept],
+        torque=torque[kept],
+        theta_m=np.mod(theta_e[kept] / POLE_PAIRS, 2 * np.pi),
+    )
+    block = replace(whole, gaps=tuple(Gap(each.row, each.missing_rows) for each in missing))
+    order = 6 * POLE_PAIRS
+    found = order_analysis(block, "torque", pole_pairs=POLE_PAIRS).measurements
+    yield from picked(found, {f"torque_order_{order}": 0.1})
+    if missing:
+        return
+    track = track_tone(np.ascontiguousarray(block.column("i_a")), "i_a")
+    numbers = current_spectrum(block, "i_a", track, rate_relative=base.rate_relative).measurements
+    truths = {
+        "fundamental_frequency": FREQUENCY_HZ,
+        "current_fundamental": AMPLITUDE_A,
+        "current_thd": 3.0,
+        "current_noise_floor": AMPLITUDE_A * what.noise * 2.0 / math.sqrt(rows),
+    }
+    yield from picked(numbers, truths)
+
+
+_EVEN = Stamps()
+RECORDS: Mapping[str, Stamps] = {
+    "stamps_jitter_1": replace(_EVEN, jitter=0.01),
+    "stamps_jitter_30": replace(_EVEN, jitter=0.3),
+    "stamps_microseconds": replace(_EVEN, resolution_s=1e-6),
+    "stamps_milliseconds": replace(_EVEN, resolution_s=1e-3),
+    "stamps_gap": replace(_EVEN, lost=(1, 40)),
+    "stamps_many_gaps": replace(_EVEN, lost=(12, 25), noise=1e-2),
+}
+
+
+def _family(name: str, what: Stamps) -> Family:
+    return Family(name, lambda random: trial(what, random))
+
+
+FAMILIES = tuple(_family(name, what) for name, what in RECORDS.items())
