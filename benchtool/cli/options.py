@@ -42,6 +42,18 @@ InstrumentsBeside = Annotated[
 RealTime = Annotated[bool, typer.Option("--real-time", help="Pace the emulated bench by the wall clock.")]
 
 
+def require_temperature(temperature_degC: float | None) -> None:
+    """Refuse a temperature that is no number.
+
+    Raises:
+        UsageError: it is nan or infinite.
+    """
+    from benchtool.errors import UsageError
+
+    if temperature_degC is not None and not math.isfinite(temperature_degC):
+        raise UsageError(f"--temperature is {temperature_degC}: give a number of degrees Celsius")
+
+
 def conditions(
     operator: str, serial_number: str, temperature_degC: float | None, instruments: Sequence[str]
 ) -> Conditions:
@@ -50,11 +62,9 @@ def conditions(
     Raises:
         UsageError: a temperature that is no number.
     """
-    from benchtool.errors import UsageError
     from benchtool.recording import Conditions
 
-    if temperature_degC is not None and not math.isfinite(temperature_degC):
-        raise UsageError(f"--temperature is {temperature_degC}: give a number of degrees Celsius")
+    require_temperature(temperature_degC)
     return Conditions(
         operator=operator,
         test_object_serial_number=serial_number,

@@ -101,7 +101,7 @@ def run_named(name: str, chosen: RunOptions) -> int:
     from benchtool.plan.limits import worst
     from benchtool.plan.model import plan_names
 
-    _conditions(chosen)  # a slip in them is answered at once
+    options.require_temperature(chosen.temperature_degC)
     if chosen.page is not None:
         _require_page(chosen.page)
     names = plan_names(name)
