@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
-from pathlib import Path
+from pathlib import Path, PurePath
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Literal, Protocol
 
@@ -25,8 +25,9 @@ from benchtool.link.canopen.link import CanopenLink
 from benchtool.link.port import open_port
 from benchtool.link.replay import ReplayLink
 from benchtool.link.serial.link import SerialLink
-from benchtool.profile import Profile, altered, eds_path, load_profile, profile_path
+from benchtool.profile import Profile, altered, load_profile, profile_path
 from benchtool.protocol.dictionary import Dictionary
+from benchtool.protocol.dictionary.profiled import profiled_dictionary
 from benchtool.recording import Bundle
 from benchtool.recording.manifest import MANIFEST
 
@@ -109,8 +110,7 @@ def open_session(
         )
     node_id = address.node_id(profile.drive.node_id)
     text = source.read_text(encoding="utf-8")
-    eds = eds_path(profile, source)
-    dictionary = Dictionary.from_eds(eds, node_id)
+    dictionary = profiled_dictionary(profile, source, node_id)
     if frames is not None and address.wire == "serial":
         raise UsageError(
             f"frames are those of CAN and the link is '{url}': record without --frames, or over CAN"
@@ -137,7 +137,7 @@ def open_session(
                     bus = frames.tap(bus, bench.clock)
                 return CanopenLink(bus, node_id, bench.clock, arrival_s=_timestamp)
 
-            drive = _drive(stack, open_emulated, dictionary, eds.name, bench.clock)
+            drive = _drive(stack, open_emulated, dictionary, profile, bench.clock)
             stack.callback(bench.load.apply, 0.0)
             yield Session(profile_name, profile, text, drive, bench.clock, bench.load, bench.transducer)
         elif address.kind == "replay":
@@ -146,7 +146,7 @@ def open_session(
                 Bundle.open(Path(address.channel)).require_intact()
             recording = ReplayLink(Path(address.channel), node_id, replayed)
             stack.callback(recording.close)
-            drive = stack.enter_context(RemoteDrive(recording, dictionary, eds.name, replayed))
+            drive = stack.enter_context(RemoteDrive(recording, dictionary, PurePath(dictionary.source).name, replayed))
             yield Session(profile_name, profile, text, drive, replayed)
         else:
             clock = RealClock()
@@ -159,15 +159,22 @@ def open_session(
                     bus = frames.tap(bus, clock, stamp=True)
                 return CanopenLink(bus, node_id, clock, arrival_s=None if frames is None else _timestamp)
 
-            drive = _drive(stack, open_real, dictionary, eds.name, clock)
+            drive = _drive(stack, open_real, dictionary, profile, clock)
             yield Session(profile_name, profile, text, drive, clock)
 
 
 def _drive(
-    stack: ExitStack, open_link: Callable[[], Link], dictionary: Dictionary, source: str, clock: Clock
+    stack: ExitStack, open_link: Callable[[], Link], dictionary: Dictionary, profile: Profile, clock: Clock
 ) -> RemoteDrive:
     """A drive whose link, the first or a later one, is closed after it was disabled."""
-    drive = RemoteDrive(open_link(), dictionary, source, clock, reopen=open_link)
+    drive = RemoteDrive(
+        open_link(),
+        dictionary,
+        PurePath(dictionary.source).name,
+        clock,
+        reopen=open_link,
+        allow_unsupervised=profile.drive.allow_unsupervised,
+    )
     stack.callback(drive.close_link)
     return stack.enter_context(drive)
 
@@ -183,7 +190,7 @@ def dictionary_of(profile_name: str) -> Dictionary:
         ProfileError, DictionaryError: the profile or its EDS cannot be read.
     """
     profile = load_profile(profile_name)
-    return Dictionary.from_eds(eds_path(profile, profile_path(profile_name)), profile.drive.node_id)
+    return profiled_dictionary(profile, profile_path(profile_name), profile.drive.node_id)
 
 
 def has_transducer(url: str) -> bool:

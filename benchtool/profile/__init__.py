@@ -5,7 +5,7 @@ A number's key ends in its unit. `[drive.parameters]` uses the dictionary's name
 """
 
 from benchtool.profile.claims import Choice, Claim, Comparison, Reference
-from benchtool.profile.drive import Drive
+from benchtool.profile.drive import Drive, RoleObject
 from benchtool.profile.emulator import Emulator, Inverter, Sensors, TrueMotor
 from benchtool.profile.motor import Motor
 from benchtool.profile.profile import Profile, altered, eds_path, load_profile, profile_path
@@ -20,6 +20,7 @@ __all__ = [
     "Motor",
     "Profile",
     "Reference",
+    "RoleObject",
     "Sensors",
     "TrueMotor",
     "altered",

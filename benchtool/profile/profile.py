@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from pydantic import ValidationError
+from pydantic import Field, ValidationError
 
 from benchtool.document import Array, Section, document_path, explain, load_document
 from benchtool.errors import ProfileError
 from benchtool.profile.claims import Choice, Claim
-from benchtool.profile.drive import Drive
+from benchtool.profile.drive import Drive, RoleObject
 from benchtool.profile.emulator import Emulator
 from benchtool.profile.motor import Motor
 from benchtool.shipped import shipped
@@ -19,11 +19,15 @@ Number = float | int
 
 
 class Profile(Section):
-    """Everything that is known of one motor on one drive."""
+    """Everything that is known of one motor on one drive.
+
+    `roles` has the objects for which this drive departs from CiA 301 and CiA 402, by role.
+    """
 
     title: str
     motor: Motor
     drive: Drive
+    roles: dict[str, RoleObject] = Field(default_factory=dict)
     emulator: Emulator | None = None
     choices: Array[Choice] = ()
     claims: Array[Claim] = ()
