@@ -146,7 +146,9 @@ def open_session(
                 Bundle.open(Path(address.channel)).require_intact()
             recording = ReplayLink(Path(address.channel), node_id, replayed)
             stack.callback(recording.close)
-            drive = stack.enter_context(RemoteDrive(recording, dictionary, PurePath(dictionary.source).name, replayed))
+            drive = stack.enter_context(
+                RemoteDrive(recording, dictionary, PurePath(dictionary.source).name, replayed)
+            )
             yield Session(profile_name, profile, text, drive, replayed)
         else:
             clock = RealClock()

@@ -29,7 +29,7 @@ def info(
     link: options.Link = "emulated",
     as_json: options.Json = False,
 ) -> int:
-    """Who answers, and what it can do: identity, firmware, dictionary, state. Nothing is enabled or written."""
+    """Who answers and what it can do: identity, firmware, dictionary, state. Nothing is enabled or written."""
     output = Output(as_json=as_json)
     return _info_of_link(profile, link, output) if eds is None else _info_of_file(eds, output)
 
@@ -98,9 +98,7 @@ def _tell(
     output.table("what it can do", ("capability", "", "by, or what is missing", "what that costs"), rows)
     for warning in dictionary.warnings:
         output.note(f"{dictionary.source}: {warning}")
-    output.document(
-        {**facts, "warnings": list(dictionary.warnings), "capabilities": capabilities.to_json()}
-    )
+    output.document({**facts, "warnings": list(dictionary.warnings), "capabilities": capabilities.to_json()})
 
 
 def _listed(objects: tuple[str, ...]) -> str:

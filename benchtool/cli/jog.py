@@ -49,8 +49,8 @@ def jog(
     pacing = result.pacing
     clock = "real" if isinstance(session.clock, RealClock) else "virtual, always even"
     rows = [
-        ("omega_m at the end", significant(result.omega_m_rad_s), "rad/s"),
-        ("torque at the end", significant(result.torque_Nm), "Nm"),
+        ("omega_m at the end", _shown(result.omega_m_rad_s), "rad/s"),
+        ("torque at the end", _shown(result.torque_Nm), "Nm"),
         ("setpoints sent", str(pacing.sent), ""),
         ("period, mean", f"{pacing.period_mean_s * 1e3:.4f}", "ms"),
         ("period, rms deviation", f"{pacing.period_rms_s * 1e3:.4f}", "ms"),
@@ -68,3 +68,7 @@ def jog(
         }
     )
     return 0
+
+
+def _shown(value: float | None) -> str:
+    return "–" if value is None else significant(value)

@@ -82,6 +82,7 @@ def _show_drive(
     output: Output,
 ) -> int:
     from benchtool.bench.session import open_session
+    from benchtool.drive.capabilities import Capability
     from benchtool.drive.parameters.transaction import snapshot
     from benchtool.recording import Manifest
     from benchtool.telemetry import TelemetryStream, fitting, keep_journal
@@ -89,6 +90,7 @@ def _show_drive(
     # An emulated drive is looked at in the time that it would take.
     with open_session(profile, link, seed=seed, real_time=True, note=output.note) as session:
         drive = session.drive
+        drive.capabilities.require(Capability.STREAM, purpose="a live view")
         drive.check()
         names = options.listed(channels) or fitting(drive, _CHANNELS)
         now = options.wall_time()

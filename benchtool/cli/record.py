@@ -62,6 +62,7 @@ def record(
 ) -> int:
     """Record the stream of a drive, whatever it is doing; nothing is enabled."""
     from benchtool.bench.session import open_session
+    from benchtool.drive.capabilities import Capability
     from benchtool.recording import BundleWriter, EventFile
     from benchtool.telemetry import DEFAULT_CHANNELS, FrameLog, fitting, stream_source
 
@@ -76,6 +77,7 @@ def record(
             profile, link, seed=seed, real_time=real_time, note=output.note, frames=log
         ) as session:
             drive = session.drive
+            drive.capabilities.require(Capability.STREAM, purpose="a recording")
             names = options.listed(channels) or fitting(drive, DEFAULT_CHANNELS)
             # Before there is a folder: what cannot be streamed leaves nothing behind.
             stream_source(drive, names, rate)

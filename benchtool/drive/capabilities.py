@@ -1,7 +1,8 @@
 """What a drive can do for this tool, by the objects that its dictionary has.
 
-A capability is there when the dictionary has every object that it takes, with the access that it takes. Standard
-objects are asked for by role. Names are of benchtool's own dictionary, where no standard has such an object.
+A capability is there when the dictionary has every object that it takes, with the access that it takes.
+Standard objects are asked for by role; names are of benchtool's own dictionary, where no standard has such an
+object.
 """
 
 from __future__ import annotations
@@ -58,11 +59,15 @@ class _Object:
 
 @dataclass(frozen=True)
 class _Needs:
-    """What a capability takes, and what cannot be done without it; of `modes` (0x6060) one will do."""
+    """What a capability takes, and what cannot be done without it.
+
+    Of `modes` (0x6060) one will do. `beside` are objects that make more of it, where the drive has them.
+    """
 
     objects: tuple[_Object, ...]
     cost: str
     modes: tuple[int, ...] = ()
+    beside: tuple[_Object, ...] = ()
 
     def missing(self, dictionary: Dictionary) -> tuple[str, ...]:
         """What the dictionary has not, or says that the drive has not."""
@@ -88,22 +93,27 @@ _TICK = _read("tick", "control_period")
 
 _NEEDS: Final[Mapping[Capability, _Needs]] = {
     Capability.SUPERVISED: _Needs(
-        _written(Role.CONSUMER_HEARTBEAT), "the motor would run on when this host or the cable dies"
+        _written(Role.CONSUMER_HEARTBEAT),
+        "the motor would run on when this host or the cable dies",
+        beside=_written(Role.ABORT_CONNECTION_OPTION),
     ),
     Capability.TORQUE: _Needs(
         (*_STATES, *_written(Role.TARGET_TORQUE)),
         "the drive cannot be enabled to make a torque",
         Mode.TORQUE.codes,
+        _read(Role.TORQUE_ACTUAL, Role.MOTOR_RATED_TORQUE),
     ),
     Capability.VELOCITY: _Needs(
         (*_STATES, *_written(Role.TARGET_VELOCITY)),
         "the drive cannot be enabled to hold a speed",
         Mode.VELOCITY.codes,
+        _read(Role.VELOCITY_ACTUAL),
     ),
     Capability.POSITION: _Needs(
         (*_STATES, *_written(Role.TARGET_POSITION)),
         "the drive cannot be enabled to go to a position",
         (PROFILE_POSITION, CYCLIC_POSITION),
+        _read(Role.POSITION_ACTUAL),
     ),
     Capability.STREAM: _Needs(
         (*_TICK, *_read("stream_sequence"), *_written(Role.TPDO_COB_ID, Role.TPDO_MAPPING)),
@@ -134,7 +144,9 @@ _NEEDS: Final[Mapping[Capability, _Needs]] = {
     ),
     Capability.TICK: _Needs(_TICK, "samples have no time base of the drive, and are placed by arrival only"),
     Capability.STORAGE: _Needs(
-        _written(Role.STORE_PARAMETERS), "what is set is forgotten at the next reset or power off"
+        _written(Role.STORE_PARAMETERS),
+        "what is set is forgotten at the next reset or power off",
+        beside=_written(Role.RESTORE_DEFAULT_PARAMETERS),
     ),
 }
 
@@ -196,7 +208,8 @@ def cost(capability: Capability) -> str:
 def _finding(dictionary: Dictionary, needs: _Needs) -> Finding:
     if missing := needs.missing(dictionary):
         return Finding(False, (), missing)
-    return Finding(True, tuple(filter(None, (each.found(dictionary) for each in needs.objects))), ())
+    labels = (each.found(dictionary) for each in (*needs.objects, *needs.beside))
+    return Finding(True, tuple(label for label in labels if label is not None), ())
 
 
 def _remedy(capability: Capability) -> str:

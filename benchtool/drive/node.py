@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict
-from functools import cached_property
 
 from benchtool.clock import Clock
 from benchtool.drive.capabilities import Capabilities, Capability
@@ -37,7 +36,7 @@ class RemoteNode:
         self._source = source
         self._mark: TickMark | None = None
 
-    @cached_property
+    @property
     def capabilities(self) -> Capabilities:
         """What the drive can do, by its dictionary."""
         return Capabilities.of(self.dictionary)
@@ -96,43 +95,43 @@ class RemoteNode:
             dictionary_hash=self.optional_number("dictionary_hash"),
         )
 
-    def read(self, of: Role | str | Variable) -> Value:
+    def read(self, name: Role | str | Variable) -> Value:
         """Physical value of an object, in the unit of the dictionary; the name of an enumeration's value.
 
         Raises:
             ValueRefused: no such object.
             NoAnswer, SdoAbort: the drive did not answer, or refused.
         """
-        variable, name = self._variable(of)
-        with self._naming(f"reading '{name}'"):
+        variable, shown = self._variable(name)
+        with self._naming(f"reading '{shown}'"):
             return variable.decode(self._upload(variable))
 
-    def number(self, of: Role | str | Variable) -> float:
+    def number(self, name: Role | str | Variable) -> float:
         """Raw or physical number of an object, an enumeration's value as its number."""
-        variable, name = self._variable(of)
+        variable, shown = self._variable(name)
         value = variable.decode(self._upload(variable))
         if isinstance(value, str) and variable.values:
             return variable.values[value]
         if not isinstance(value, int | float):
-            raise ValueRefused(f"'{name}' is {value!r}, a number is expected: choose a numeric object")
+            raise ValueRefused(f"'{shown}' is {value!r}, a number is expected: choose a numeric object")
         return value
 
-    def optional_number(self, of: Role | str) -> int | None:
+    def optional_number(self, name: Role | str) -> int | None:
         """Whole number of an object that not every drive has; None where the dictionary or the drive has not.
 
         Raises:
             NoAnswer, SdoAbort: the drive did not answer, or has it and refused.
         """
-        if of not in self.dictionary:
+        if name not in self.dictionary:
             return None
         try:
-            return int(self.number(of))
+            return int(self.number(name))
         except SdoAbort as abort:
             if abort.code in (Abort.NO_OBJECT, Abort.NO_SUB_INDEX):
                 return None
             raise
 
-    def write(self, of: Role | str | Variable, value: Value) -> None:
+    def write(self, name: Role | str | Variable, value: Value) -> None:
         """Check `value` against the dictionary, send it once, and read it back.
 
         Raises:
@@ -140,21 +139,21 @@ class RemoteNode:
             SdoAbort: the drive refused.
             WriteNotVerified: the drive holds another value than was sent.
         """
-        variable, name = self._variable(of)
+        variable, shown = self._variable(name)
         sent = variable.encode(value)
-        with self._naming(f"writing {value!r} to '{name}'"):
+        with self._naming(f"writing {value!r} to '{shown}'"):
             self.link.download(variable.index, variable.sub, sent)
             kept = self._upload(variable)
         if kept != sent:
             raise WriteNotVerified(
-                f"'{name}' reads back {variable.decode(kept)!r} after {value!r} was written: "
+                f"'{shown}' reads back {variable.decode(kept)!r} after {value!r} was written: "
                 f"check whether another master writes it too"
             )
 
-    def _variable(self, of: Role | str | Variable) -> tuple[Variable, str]:
+    def _variable(self, name: Role | str | Variable) -> tuple[Variable, str]:
         """The object, and what it is called in messages."""
-        variable = of if isinstance(of, Variable) else self.dictionary[of]
-        return variable, of if isinstance(of, str) else variable.name
+        variable = name if isinstance(name, Variable) else self.dictionary[name]
+        return variable, name if isinstance(name, str) else variable.name
 
     def _upload(self, variable: Variable) -> bytes:
         return self.link.upload(variable.index, variable.sub, length=variable.type.bits // 8 or None)

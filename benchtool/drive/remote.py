@@ -73,7 +73,8 @@ class RemoteDrive(Cia402Node):
         Raises:
             NoAnswer, IdentityMismatch, DictionaryMismatch: as their names say.
             StateError: another host supervises the drive; nothing was changed.
-            CapabilityMissing, SdoAbort, WriteNotVerified: it cannot be supervised, and may not run without.
+            CapabilityMissing, SdoAbort, WriteNotVerified: the supervision cannot be armed, and the profile
+                demands it.
         """
         identity = self.check()
         self.supervision.require_no_other_host()
@@ -151,7 +152,7 @@ class RemoteDrive(Cia402Node):
         """Send the host's heartbeat, and have the drive stop the motor when it stays out for `timeout_s`.
 
         Raises:
-            CapabilityMissing, SdoAbort, WriteNotVerified: the drive cannot be had to, and may not run without.
+            CapabilityMissing, SdoAbort, WriteNotVerified: it cannot be armed, and the profile demands it.
             StateError: another host has the drive enabled.
         """
         self.supervision.arm(timeout_s)

@@ -170,7 +170,7 @@ class Cia402Node(RemoteNode):
             )
 
     def _code_of(self, mode: Mode) -> int:
-        """The mode's code that the drive supports: a drive may have the cyclic mode and not the profile one."""
+        """Code of a mode: the cyclic mode's on a drive that has not the profile one, by its 0x6502."""
         supported = self.optional_number(Role.SUPPORTED_MODES) if len(mode.codes) > 1 else None
         code = None if supported is None else mode.supported_code(supported)
         return int(mode) if code is None else code

@@ -1,7 +1,7 @@
 """Link supervision: the drive stops the motor when this host falls silent.
 
-The drive consumes the host's heartbeat (CiA 301, object 0x1016), and what it does without it is its abort connection
-option (CiA 402-2, object 0x6007) where it has one. Arming is what the drive reads back, never what was written.
+The drive consumes the host's heartbeat (CiA 301, object 0x1016); what it does without is its abort connection
+option (CiA 402-2, object 0x6007), where it has one. Armed is what the drive reads back, not what was written.
 """
 
 from __future__ import annotations
@@ -154,7 +154,10 @@ class LinkSupervision:
 
     def _speak(self) -> None:
         period_s = min(HEARTBEAT_S, self._timeout_s / 3.0)
-        self._heartbeat = self._drive.clock.call_every(period_s, lambda: self._drive.link.send_heartbeat())
+        self._heartbeat = self._drive.clock.call_every(period_s, self._send_heartbeat)
+
+    def _send_heartbeat(self) -> None:
+        self._drive.link.send_heartbeat()  # over the link of now: a reconnected drive has another
 
     def fall_silent(self) -> None:
         """End the heartbeat; a drive that is supervised stops the motor after its timeout."""

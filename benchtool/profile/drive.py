@@ -22,7 +22,7 @@ class Drive(Section):
 
 
 class RoleObject(Section):
-    """The object that has a role on this drive, by name or as `0x3001:2`; in a profile this text alone will do.
+    """The object that has a role on this drive, by name or as `0x3001:2`; in a profile that text alone does.
 
     Where the EDS does not say what its numbers are, `raw * factor` is the value in `unit`.
     """

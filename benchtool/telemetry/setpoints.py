@@ -20,13 +20,19 @@ class Setpoints:
 
     The drive takes them in the NMT state operational, within the limits of its dictionary.
 
+    Args:
+        node: connected drive.
+        torque, speed: its objects in Nm and rad/s, of which one may be left out; those of benchtool's
+            dictionary without either.
+
     Raises:
         ValueRefused: the drive or the link has no such setpoints.
         SdoAbort, NoAnswer, WriteNotVerified: it cannot be set up.
     """
 
-    def __init__(self, node: Node) -> None:
-        torque, speed = node.dictionary[TORQUE], node.dictionary[SPEED]
+    def __init__(self, node: Node, torque: Variable | None = None, speed: Variable | None = None) -> None:
+        if torque is None and speed is None:
+            torque, speed = node.dictionary[TORQUE], node.dictionary[SPEED]
         link = node.link
         self._wire: _Wire
         if isinstance(link, BatchLink):
@@ -71,12 +77,13 @@ class _Wire(Protocol):
 class _ProcessData:
     """RPDO1 over CAN."""
 
-    def __init__(self, node: Node, link: FrameLink, torque: Variable, speed: Variable) -> None:
+    def __init__(self, node: Node, link: FrameLink, torque: Variable | None, speed: Variable | None) -> None:
         self._node = node
         self._link = link
         self._torque, self._speed = torque, speed
-        _require_mappable(torque, speed)
-        self._pdo = rpdo(link.node_id, [torque.mapping, speed.mapping])
+        mapped = [each for each in (torque, speed) if each is not None]
+        _require_mappable(*mapped)
+        self._pdo = rpdo(link.node_id, [each.mapping for each in mapped])
         self._found = FoundPdo.of(node, self._pdo)
         try:
             for label, value in self._pdo.set_up():
@@ -89,13 +96,17 @@ class _ProcessData:
             raise
 
     def encode(self, torque_Nm: float, omega_m_rad_s: float) -> bytes:
-        return self._torque.encode(torque_Nm) + self._speed.encode(omega_m_rad_s)
+        return _encoded(self._torque, torque_Nm) + _encoded(self._speed, omega_m_rad_s)
 
     def send(self, torque_Nm: float, omega_m_rad_s: float) -> None:
         self._link.send_pdo(self._pdo.can_id, self.encode(torque_Nm, omega_m_rad_s))
 
     def close(self) -> None:
         self._found.put_back(self._node)
+
+
+def _encoded(variable: Variable | None, value: float) -> bytes:
+    return b"" if variable is None else variable.encode(value)
 
 
 def _require_mappable(*setpoints: Variable) -> None:
@@ -116,12 +127,12 @@ def _require_mappable(*setpoints: Variable) -> None:
 class _Messages:
     """The setpoint message of a serial line, which needs no setting up."""
 
-    def __init__(self, link: BatchLink, torque: Variable, speed: Variable) -> None:
+    def __init__(self, link: BatchLink, torque: Variable | None, speed: Variable | None) -> None:
         self._link = link
         self._torque, self._speed = torque, speed
 
     def encode(self, torque_Nm: float, omega_m_rad_s: float) -> bytes:
-        return self._torque.encode(torque_Nm) + self._speed.encode(omega_m_rad_s)
+        return _encoded(self._torque, torque_Nm) + _encoded(self._speed, omega_m_rad_s)
 
     def send(self, torque_Nm: float, omega_m_rad_s: float) -> None:
         # For its check of limits only: the message has SI units whatever the dictionary has.

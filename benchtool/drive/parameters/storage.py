@@ -98,8 +98,8 @@ def _sign(drive: RemoteDrive, role: Role, signature: bytes, ability: str) -> Non
     variable = drive.dictionary[role]
     if not int(drive.number(role)) & _ON_COMMAND:
         raise WriteNotVerified(
-            f"{role.label} reads {drive.number(role):g}, bit 0 is expected to say that the drive {ability} on "
-            f"command: this one does not"
+            f"{role.label} reads {drive.number(role):g}, bit 0 is expected to say that the drive {ability} "
+            f"on command: this one does not"
         )
     drive.link.download(variable.index, variable.sub, signature)
     drive.read(role)

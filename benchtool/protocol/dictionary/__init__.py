@@ -75,7 +75,7 @@ class Dictionary:
         return default if isinstance(default, int) else None
 
     def __getitem__(self, name: Role | str | tuple[int, int]) -> Variable:
-        """Variable of a role, of a name, of an index and sub-index, or of these as text (`0x6041:0`, `0x6041`).
+        """Variable of a role, a name, an index and sub-index, or of these as text (`0x6041:0`, `0x6041`).
 
         Raises:
             ValueRefused: there is none.

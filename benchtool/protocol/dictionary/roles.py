@@ -1,8 +1,8 @@
 """Standard objects by their role: the one table of indices that the host has.
 
-Makers name their objects as they like, so the host asks a dictionary for a role: `dictionary[Role.STATUSWORD]`. The
-`[roles]` of a profile redirect a role to another object of the drive. Names are those of benchtool's own dictionary.
-Sources: CiA 301, table 66 (communication profile area), and CiA 402-2 (objects of the drive profile).
+Makers name their objects as they like, so the host asks a dictionary for a role: `dictionary[Role.STATUSWORD]`.
+The section `[roles]` of a profile redirects a role to another object of the drive. Sources: CiA 301, 7.5.2
+(communication objects), and CiA 402-2 (IEC 61800-7-201).
 """
 
 from __future__ import annotations
