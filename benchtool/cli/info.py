@@ -29,7 +29,7 @@ def info(
     link: options.Link = "emulated",
     as_json: options.Json = False,
 ) -> int:
-    """Who answers and what it can do: identity, firmware, dictionary, state. Nothing is enabled or written."""
+    """Who answers and what it can do: identity, dictionary, state, capabilities. Nothing is written."""
     output = Output(as_json=as_json)
     return _info_of_link(profile, link, output) if eds is None else _info_of_file(eds, output)
 

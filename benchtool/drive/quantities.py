@@ -98,6 +98,6 @@ def _unknown(node: RemoteNode, quantity: Quantity, seen: str) -> CapabilityMissi
     title = quantity.role.title
     return CapabilityMissing(
         f"no {quantity.title} in {quantity.unit}: the drive of {node.dictionary.source} {seen}; say what a "
-        f'raw step is in the profile, such as [roles] {title} = {{ object = "0x{quantity.role.key[0]:04X}:0", '
+        f'raw step is in the profile, such as [roles] {title} = {{ object = "{quantity.role.address}", '
         f'unit = "{quantity.unit}", factor = 0.001 }}; nothing was sent'
     )

@@ -1,4 +1,4 @@
-"""The dictionary of the drive that a profile describes: its EDS, with the roles that the profile redirects."""
+"""The dictionary of the drive that a profile describes: its EDS, and the roles that the profile redirects."""
 
 from __future__ import annotations
 

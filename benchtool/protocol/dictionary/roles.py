@@ -1,8 +1,8 @@
 """Standard objects by their role: the one table of indices that the host has.
 
-Makers name their objects as they like, so the host asks a dictionary for a role: `dictionary[Role.STATUSWORD]`.
-The section `[roles]` of a profile redirects a role to another object of the drive. Sources: CiA 301, 7.5.2
-(communication objects), and CiA 402-2 (IEC 61800-7-201).
+Makers name their objects as they like, so the host asks for a role: `dictionary[Role.STATUSWORD]`. A profile
+redirects a role to another object of the drive. Sources: CiA 301, 7.5.2 (communication objects), and CiA 402-2
+(IEC 61800-7-201).
 """
 
 from __future__ import annotations
@@ -75,10 +75,15 @@ class Role(Enum):
         return self.value
 
     @property
+    def address(self) -> str:
+        """Index and sub-index in the standard as text, `0x6071:0`."""
+        index, sub = self.value
+        return f"0x{index:04X}:{sub}"
+
+    @property
     def label(self) -> str:
         """Where the standard has it, and its name: `0x6071:0 target_torque`."""
-        index, sub = self.value
-        return f"0x{index:04X}:{sub} {self.title}"
+        return f"{self.address} {self.title}"
 
     @property
     def is_text(self) -> bool:
