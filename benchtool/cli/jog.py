@@ -37,6 +37,8 @@ def jog(
     output = Output(as_json=as_json)
     with open_session(profile, link, seed=seed, real_time=real_time, note=output.note) as session:
         session.drive.connect()
+        if unsupervised := session.drive.supervision.unsupervised:
+            output.note(f"without link supervision, as the profile allows: {unsupervised}")
         output.note(f"{'speed' if torque is None else 'torque'} for {duration:g} s; Ctrl-C stops")
         result = run(
             session.drive,

@@ -189,10 +189,15 @@ def _check(name: str, chosen: RunOptions) -> _Checked:
 
     # Imported once plan and profile are known to be there: a slip of the pen is answered at once.
     from benchtool.bench.session import dictionary_of, has_transducer
+    from benchtool.drive.capabilities import Capabilities
+    from benchtool.plan.cases import cases
     from benchtool.plan.ranges import require_protected
     from benchtool.plan.validation import require_known
+    from benchtool.run.requirements import require_capable
 
     dictionary, transducer = dictionary_of(place), has_transducer(chosen.link)
+    for case in cases(plan):
+        require_capable(Capabilities.of(dictionary), plan, case)
     require_known(plan, plan_path(name), profile, dictionary, transducer=transducer)
     if chosen.link == "emulated":
         require_protected(plan, plan_path(name), profile, dictionary)

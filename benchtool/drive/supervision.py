@@ -26,7 +26,6 @@ HOST_NODE_ID: Final = 127
 
 _HEARD = "alive"  # of the object link_state
 _WATCH_S = 0.05
-_LAST_ENTRY = 0x7F
 _NO_ACTION, _FAULT = 0, 1  # of the abort connection option
 
 
@@ -38,7 +37,7 @@ class LinkSupervision:
         allow_unsupervised: go on where it cannot; `unsupervised` then says why.
     """
 
-    def __init__(self, drive: Cia402Node, *, allow_unsupervised: bool = False) -> None:
+    def __init__(self, drive: Cia402Node, *, allow_unsupervised: bool) -> None:
         self.allow_unsupervised = allow_unsupervised
         self.unsupervised = ""
         self._drive = drive
@@ -119,8 +118,8 @@ class LinkSupervision:
         drive, first = self._drive, self._drive.dictionary[Role.CONSUMER_HEARTBEAT]
         if "link_state" in drive.dictionary:  # which has told that no other host is heard
             return _plain(first)
-        entries = [drive.dictionary.get((first.index, sub)) for sub in range(first.sub + 1, _LAST_ENTRY + 1)]
-        usable = [_plain(each) for each in (first, *entries) if each and each.readable and each.writable]
+        entries = [each for each in drive.dictionary if each.index == first.index and each.sub >= first.sub]
+        usable = [_plain(each) for each in entries if each.readable and each.writable]
         held = {each.sub: int(drive.number(each)) for each in usable}
         used = [code for code in held.values() if _node(code) and code & 0xFFFF]
         if used and drive.state().power_stage_on:

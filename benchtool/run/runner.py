@@ -121,6 +121,8 @@ def run_cases(
             require_capable(session.drive.capabilities, plan, case)
             progress.note("checking identity and dictionary")
             identity = session.drive.connect()
+            if unsupervised := session.drive.supervision.unsupervised:
+                progress.note(f"without link supervision, as the profile allows: {unsupervised}")
             if resume:
                 here = replace(
                     origin,

@@ -1,7 +1,7 @@
 """Standard objects by their role: the one table of indices that the host has.
 
 Makers name their objects as they like, so the host asks for a role: `dictionary[Role.STATUSWORD]`. A profile
-redirects a role to another object of the drive. Sources: CiA 301, 7.5.2 (communication objects), and CiA 402-2
+may redirect it to another object of the drive. Sources: CiA 301, 7.5.2 (communication objects), and CiA 402-2
 (IEC 61800-7-201).
 """
 

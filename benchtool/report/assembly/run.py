@@ -12,7 +12,7 @@ from benchtool.report.assembly.case import case_facts, case_items, failure
 from benchtool.report.assembly.marks import mark, read_already
 from benchtool.report.assembly.plan import plan_items
 from benchtool.report.content import Cell, Grid, Item, Mark, Report, Section
-from benchtool.report.origin import files_section
+from benchtool.report.origin import files_section, supervision_notes
 from benchtool.results.runs import RecordedCase, RecordedRun
 
 _WORDS: Final[dict[Verdict, str]] = {
@@ -35,7 +35,10 @@ def run_report(folder: Path, runs: Sequence[RecordedRun]) -> Report:
     title = manifest.what if len(runs) == 1 else f"{len(runs)} plans: {folder.resolve().name}"
     subtitle = f"Test report · {manifest.when} · profile {manifest.profile_name or 'unknown'}"
     together = [each.verdict for run in runs for group in run.repeated.values() for each in group]
-    items: list[Item] = [_banner(worst(run.verdict for run in runs), cases, together)]
+    items: list[Item] = [
+        _banner(worst(run.verdict for run in runs), cases, together),
+        *supervision_notes(case.bundle.manifest for case in cases),
+    ]
     if len(cases) == 1:
         (case,) = cases
         items += [

@@ -156,7 +156,7 @@ def test_a_profile_may_let_it_run_and_then_says_why(
     slave = Slave(foreign_eds())
     spoilt(slave)
     with slave.enabled_by_host(allow_unsupervised=True) as drive:
-        assert slave.state is State.OPERATION_ENABLED
+        assert slave.enabled
         stated = drive.supervision.to_json()
         assert stated["armed"] is False
         assert stated["reason"]
@@ -189,6 +189,29 @@ def test_the_heartbeat_comes_at_least_three_times_in_a_timeout(timeout_s: float)
         assert len(slave.heartbeats) >= 9
         drive.enable(Mode.TORQUE)
         assert slave.held[ENTRY] & 0xFFFF == round(timeout_s * 1e3)
+
+
+def test_a_host_that_arms_again_has_one_heartbeat() -> None:
+    slave = Slave(foreign_eds())
+    with slave.host() as drive:
+        for _ in range(3):
+            drive.supervise()
+        before = len(slave.heartbeats)
+        drive.wait(1.0)
+        assert len(slave.heartbeats) == before + 10
+
+
+@pytest.mark.parametrize("enabled", [False, True])
+def test_a_refusal_because_of_the_state_is_another_hosts_doing_only_while_it_runs(enabled: bool) -> None:
+    slave = Slave(foreign_eds())
+    slave.refused = {ENTRY: Abort.DEVICE_STATE}
+    slave.state = State.OPERATION_ENABLED if enabled else State.READY_TO_SWITCH_ON
+    with slave.host() as drive, pytest.raises(StateError if enabled else SdoAbort):
+        drive.supervise()
+    slave.refused = {ENTRY: Abort.READ_ONLY}
+    with slave.host() as drive, pytest.raises(SdoAbort):
+        drive.supervise()
+    assert slave.heartbeats == []
 
 
 def test_a_profile_that_allows_it_need_not_make_use_of_it() -> None:
