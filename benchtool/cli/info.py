@@ -10,6 +10,7 @@ import typer
 
 from benchtool.cli import options
 from benchtool.cli.output import Output
+from benchtool.errors import UsageError
 
 if TYPE_CHECKING:
     from benchtool.drive import RemoteDrive
@@ -31,7 +32,11 @@ def info(
 ) -> int:
     """Who answers and what it can do: identity, dictionary, state, capabilities. Nothing is written."""
     output = Output(as_json=as_json)
-    return _info_of_link(profile, link, output) if eds is None else _info_of_file(eds, output)
+    if eds is None:
+        return _info_of_link(profile, link, output)
+    if link != "emulated":
+        raise UsageError(f"--eds asks no drive, and --link {link} names one: leave one of them out")
+    return _info_of_file(eds, output)
 
 
 def _info_of_link(profile: str, link: str, output: Output) -> int:
@@ -71,12 +76,12 @@ def _info_of_file(eds: Path, output: Output) -> int:
 
 def _state(drive: RemoteDrive) -> str | None:
     """State of a drive that tells one as CiA 402 has it."""
-    from benchtool.errors import DictionaryMismatch, SdoAbort
+    from benchtool.errors import DictionaryMismatch, SdoAbort, ValueRefused
     from benchtool.protocol.dictionary.roles import Role
 
     try:
         return drive.state().value if Role.STATUSWORD in drive.dictionary else None
-    except (SdoAbort, DictionaryMismatch):
+    except (SdoAbort, DictionaryMismatch, ValueRefused):  # by its EDS it is no number, or of another length
         return None
 
 

@@ -19,6 +19,7 @@ from benchtool.protocol.dictionary.roles import Role
 from benchtool.protocol.modes import CYCLIC_POSITION, PROFILE_POSITION, Mode, first_supported
 
 _SHOWN = 4
+_DATA: Final = "capture_data"  # bytes; all others are numbers
 
 
 class Capability(StrEnum):
@@ -47,14 +48,16 @@ class _Object:
         variable = dictionary.get(self.of)
         if variable is None or not (variable.writable if self.written else variable.readable):
             return None
+        if variable.type.numpy is None and self.of != _DATA:
+            return None
         return f"{variable.label} {self.of.title if isinstance(self.of, Role) else self.of}"
 
     def wanted(self, dictionary: Dictionary) -> str:
         """What to look for, and the access if the object is there without it."""
         label = self.of.label if isinstance(self.of, Role) else self.of
-        if self.of in dictionary:
-            return f"{label}, {'writable' if self.written else 'readable'}"
-        return label
+        if self.of not in dictionary:
+            return label
+        return f"{label}, a {'writable' if self.written else 'readable'} number"
 
 
 @dataclass(frozen=True)
@@ -125,7 +128,7 @@ _NEEDS: Final[Mapping[Capability, _Needs]] = {
             *_written("capture_control", "capture_rows", "capture_stride", "capture_pretrigger"),
             *_written("capture_trigger", "capture_trigger_signal", "capture_trigger_level"),
             *_written("capture_channel_1"),
-            *_read("capture_state", "capture_rows_done", "capture_sequence", "capture_data"),
+            *_read("capture_state", "capture_rows_done", "capture_sequence", _DATA),
         ),
         "ripple and spectra cannot be measured at the control rate",
     ),

@@ -89,7 +89,7 @@ class LinkSupervision:
         """Whether the drive says that it still watches this host: a reset, or another master, may end it."""
         if self._entry is None:
             return False
-        return int(self._drive.number(self._entry)) == self._code and self._action() != _NO_ACTION
+        return _watches_host(int(self._drive.number(self._entry))) and self._action() != _NO_ACTION
 
     @property
     def _code(self) -> int:
@@ -121,7 +121,7 @@ class LinkSupervision:
         entries = [each for each in drive.dictionary if each.index == first.index and each.sub >= first.sub]
         usable = [_plain(each) for each in entries if each.readable and each.writable]
         held = {each.sub: int(drive.number(each)) for each in usable}
-        used = [code for code in held.values() if _node(code) and code & 0xFFFF]
+        used = [code for code in held.values() if _node(code) and _timeout_ms(code)]
         if used and drive.state().power_stage_on:
             raise self._supervised_by_another(used[0])
         own = [each for each in usable if _node(held[each.sub]) == HOST_NODE_ID]
@@ -201,7 +201,7 @@ class LinkSupervision:
     def _supervised_by_another(self, configured: int) -> StateError:
         return StateError(
             f"another host supervises this drive (node {_node(configured)}, timeout "
-            f"{configured & 0xFFFF} ms), which is in '{self._drive.state().value}': end what runs there "
+            f"{_timeout_ms(configured)} ms), which is in '{self._drive.state().value}': end what runs there "
             f"first, or only look, as record, live and info do; nothing was changed"
         )
 
@@ -209,6 +209,15 @@ class LinkSupervision:
 def _node(code: int) -> int:
     """Node that an entry of 0x1016 watches; 0 of one that is not in use."""
     return code >> 16 & 0x7F
+
+
+def _timeout_ms(code: int) -> int:
+    """Time after which that node is lost; 0 of an entry that is not in use."""
+    return code & 0xFFFF
+
+
+def _watches_host(code: int) -> bool:
+    return _node(code) == HOST_NODE_ID and _timeout_ms(code) > 0
 
 
 def _plain(entry: Variable) -> Variable:

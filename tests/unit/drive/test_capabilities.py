@@ -69,7 +69,14 @@ def test_an_object_that_cannot_be_written_is_missing(section: str) -> None:
     found = capabilities_of(foreign_eds(changed={section: {"AccessType": "ro"}}))
     assert len(available(found)) < len(Capability) - len(OF_BENCHTOOL)
     missing = [each for finding in found.findings.values() for each in finding.missing]
-    assert any(each.startswith(f"0x{section[:4]}:") and each.endswith(", writable") for each in missing)
+    said = [each for each in missing if each.startswith(f"0x{section[:4]}:")]
+    assert all(each.endswith(", a writable number") for each in said)
+    assert said
+
+
+def test_an_object_of_an_unknown_type_is_no_number() -> None:
+    found = capabilities_of(foreign_eds(changed={"6041": {"DataType": "0x0043"}}))
+    assert found.findings[Capability.TORQUE].missing == ("0x6041:0 statusword, a readable number",)
 
 
 @pytest.mark.parametrize(
