@@ -116,13 +116,13 @@ class RemoteNode:
             raise ValueRefused(f"'{shown}' is {value!r}, a number is expected: choose a numeric object")
         return value
 
-    def optional_number(self, name: Role | str) -> int | None:
+    def optional_number(self, name: Role | str | Variable) -> int | None:
         """Whole number of an object that not every drive has; None where the dictionary or the drive has not.
 
         Raises:
             NoAnswer, SdoAbort: the drive did not answer, or has it and refused.
         """
-        if name not in self.dictionary:
+        if not isinstance(name, Variable) and name not in self.dictionary:
             return None
         try:
             return int(self.number(name))

@@ -120,17 +120,23 @@ class LinkSupervision:
             return _plain(first)
         entries = [each for each in drive.dictionary if each.index == first.index and each.sub >= first.sub]
         usable = [_plain(each) for each in entries if each.readable and each.writable]
-        held = {each.sub: int(drive.number(each)) for each in usable}
+        held = {each.sub: code for each in usable if (code := drive.optional_number(each)) is not None}
+        usable = [each for each in usable if each.sub in held]
         used = [code for code in held.values() if _node(code) and _timeout_ms(code)]
         if used and drive.state().power_stage_on:
             raise self._supervised_by_another(used[0])
         own = [each for each in usable if _node(held[each.sub]) == HOST_NODE_ID]
         free = [each for each in usable if held[each.sub] not in used]
         if not own + free:
+            nodes = ", ".join(str(_node(code)) for code in used)
+            seen = (
+                f"every entry watches another node ({nodes})"
+                if nodes
+                else "the drive has not what its EDS lists"
+            )
             raise CapabilityMissing(
-                f"no '{Capability.SUPERVISED}': every entry of 0x{first.index:04X} watches another node "
-                f"({', '.join(str(_node(code)) for code in used)}), one is needed for this host: free one; "
-                f"the drive was not enabled"
+                f"no '{Capability.SUPERVISED}': an entry of 0x{first.index:04X} is needed for this host, and "
+                f"{seen}: free one; the drive was not enabled"
             )
         return (own + free)[0]
 

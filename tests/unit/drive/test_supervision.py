@@ -124,7 +124,7 @@ def _action_not_kept(slave: Slave) -> None:
 CANNOT = [
     (_no_heartbeat_object, CapabilityMissing),
     (_cannot_be_written, CapabilityMissing),
-    (_listed_and_not_there, SdoAbort),
+    (_listed_and_not_there, CapabilityMissing),
     (_refuses_the_value, SdoAbort),
     (_keeps_what_it_had, WriteNotVerified),
     (_all_in_use, CapabilityMissing),
@@ -230,6 +230,14 @@ def test_an_entry_of_another_node_is_left_to_it(own_first: bool) -> None:
         assert slave.held[SECOND] == WATCHED
     assert slave.held[ENTRY] == OF_ANOTHER
     assert slave.held[SECOND] == 0
+
+
+@pytest.mark.parametrize("absent", [ENTRY, SECOND])
+def test_an_entry_that_the_file_lists_and_the_drive_has_not_is_passed_over(absent: tuple[int, int]) -> None:
+    slave = Slave(foreign_eds())
+    slave.refused = {absent: Abort.NO_OBJECT}
+    with slave.enabled_by_host():
+        assert slave.held[SECOND if absent == ENTRY else ENTRY] == WATCHED
 
 
 @pytest.mark.parametrize("left", [HOST_NODE_ID << 16 | 100, 5 << 16, 300])
