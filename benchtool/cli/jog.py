@@ -48,6 +48,7 @@ def jog(
             duration_s=duration,
             rate_Hz=rate,
         )
+        supervision = session.drive.supervision.to_json()
     pacing = result.pacing
     clock = "real" if isinstance(session.clock, RealClock) else "virtual, always even"
     rows = [
@@ -67,6 +68,7 @@ def jog(
             "torque_Nm": result.torque_Nm,
             "pacing": asdict(pacing),
             "clock": clock.partition(",")[0],
+            **({"supervision": supervision} if supervision else {}),
         }
     )
     return 0

@@ -278,6 +278,14 @@ def test_each_verb_says_what_it_lacks(
     assert not [each for each in tmp_path.iterdir() if each.suffix not in (".toml", ".eds")]
 
 
+def test_jog_tells_that_nothing_watches_it(tmp_path: Path) -> None:
+    path = foreign_profile(tmp_path, without=["1016"], drive="allow_unsupervised = true\n")
+    told = _invoked("jog", "--torque", "0.1", "--duration", "0.05", "--profile", path, "--json")
+    assert told.exit_code == 0, told.stderr
+    assert json.loads(told.stdout)["supervision"]["armed"] is False
+    assert "without link supervision, as the profile allows" in told.stderr
+
+
 def test_the_profile_as_a_whole_is_read(tmp_path: Path) -> None:
     profile = load_profile(str(foreign_profile(tmp_path, drive="allow_unsupervised = true\n")))
     assert profile.drive.allow_unsupervised
