@@ -240,6 +240,15 @@ def test_an_entry_that_the_file_lists_and_the_drive_has_not_is_passed_over(absen
         assert slave.held[SECOND if absent == ENTRY else ENTRY] == WATCHED
 
 
+@pytest.mark.parametrize("access", ["ro", "wo"])
+def test_an_entry_that_cannot_be_written_and_read_back_is_passed_over(access: str) -> None:
+    slave = Slave(foreign_eds(changed={"1016sub2": {"AccessType": access}}))
+    slave.held[ENTRY] = OF_ANOTHER
+    with slave.host() as drive, pytest.raises(CapabilityMissing, match=r"watches another node \(5\)"):
+        drive.enable(Mode.VELOCITY)
+    assert slave.written == []
+
+
 @pytest.mark.parametrize("left", [HOST_NODE_ID << 16 | 100, 5 << 16, 300])
 def test_no_node_is_named_twice_and_what_is_out_of_use_is_taken(left: int) -> None:
     """An entry without a node, or without a time, is not in use (CiA 301, object 0x1016)."""
