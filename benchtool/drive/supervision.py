@@ -13,7 +13,14 @@ from typing import Final
 from benchtool.clock import Timer
 from benchtool.drive.capabilities import Capability
 from benchtool.drive.states import Cia402Node
-from benchtool.errors import BenchError, CapabilityMissing, SdoAbort, StateError, WriteNotVerified
+from benchtool.errors import (
+    BenchError,
+    CapabilityMissing,
+    SdoAbort,
+    StateError,
+    ValueRefused,
+    WriteNotVerified,
+)
 from benchtool.protocol.canopen.abort import Abort
 from benchtool.protocol.cia402 import State
 from benchtool.protocol.dictionary.objects import DataType
@@ -27,6 +34,7 @@ HOST_NODE_ID: Final = 127
 _HEARD = "alive"  # of the object link_state
 _WATCH_S = 0.05
 _NO_ACTION, _FAULT = 0, 1  # of the abort connection option
+_SHORTEST_S, _LONGEST_S = 0.001, 65.535
 
 
 class LinkSupervision:
@@ -58,16 +66,21 @@ class LinkSupervision:
         """Send the host's heartbeat, and have the drive stop the motor when it stays out for `timeout_s`.
 
         Raises:
+            ValueRefused: a timeout that 0x1016 cannot have; of 0 it would watch nobody.
             CapabilityMissing: the drive has no such object, or has it in use for other nodes.
             SdoAbort, WriteNotVerified: the drive does not take it.
             StateError: another host has the drive enabled.
         """
+        if not _SHORTEST_S <= timeout_s <= _LONGEST_S:
+            raise ValueRefused(
+                f"a link timeout of {timeout_s:g} s: 0x1016 takes {_SHORTEST_S:g} to {_LONGEST_S:g} s, choose "
+                f"one within; nothing was sent"
+            )
         self.fall_silent()
         self._timeout_s = timeout_s
         self._entry, self.unsupervised = None, ""
         try:
             self._entry = self._armed_entry()
-            self._arm_action()
         except (CapabilityMissing, SdoAbort, WriteNotVerified) as failed:
             if not self.allow_unsupervised:
                 raise
@@ -93,7 +106,7 @@ class LinkSupervision:
 
     @property
     def _code(self) -> int:
-        """Value of an entry of 0x1016 that has the drive watch this host."""
+        """Value of an entry of 0x1016 that has the drive watch this host: node and milliseconds."""
         return HOST_NODE_ID << 16 | round(self._timeout_s * 1000.0)
 
     def _armed_entry(self) -> Variable:
@@ -101,6 +114,7 @@ class LinkSupervision:
         drive = self._drive
         drive.capabilities.require(Capability.SUPERVISED, purpose="enabling the drive")
         entry = self._usable_entry()
+        self._arm_action()  # first: a watch without a reaction is none
         try:
             drive.write(entry, self._code)
         except SdoAbort as refused:

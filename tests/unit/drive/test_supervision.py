@@ -12,7 +12,14 @@ import pytest
 from benchtool.clock import VirtualClock
 from benchtool.drive.remote import RemoteDrive
 from benchtool.drive.supervision import HOST_NODE_ID
-from benchtool.errors import BenchError, CapabilityMissing, SdoAbort, StateError, WriteNotVerified
+from benchtool.errors import (
+    BenchError,
+    CapabilityMissing,
+    SdoAbort,
+    StateError,
+    ValueRefused,
+    WriteNotVerified,
+)
 from benchtool.protocol.canopen.abort import Abort
 from benchtool.protocol.cia402 import State, statusword, transition
 from benchtool.protocol.dictionary import Dictionary
@@ -146,6 +153,8 @@ def test_a_drive_that_cannot_be_supervised_is_not_enabled(
                 drive.connect() if way == "connect" else drive.enable(Mode.VELOCITY)
     assert not slave.enabled
     assert slave.heartbeats == []
+    if spoilt in (_action_refused, _action_not_kept):
+        assert slave.held[ENTRY] == 0, "it is left as it was found"
     assert slave.state is State.SWITCH_ON_DISABLED
 
 
@@ -189,6 +198,23 @@ def test_the_heartbeat_comes_at_least_three_times_in_a_timeout(timeout_s: float)
         assert len(slave.heartbeats) >= 9
         drive.enable(Mode.TORQUE)
         assert slave.held[ENTRY] & 0xFFFF == round(timeout_s * 1e3)
+
+
+@pytest.mark.parametrize("timeout_s", [0.0, -1.0, 0.0004, 65.6, 131.1, float("nan"), float("inf")])
+def test_a_timeout_that_would_watch_nobody_or_another_node_is_refused(timeout_s: float) -> None:
+    slave = Slave(foreign_eds())
+    with slave.host(allow_unsupervised=True) as drive, pytest.raises(ValueRefused, match="a link timeout of"):
+        drive.supervise(timeout_s)
+    assert slave.written == []
+    assert slave.heartbeats == []
+
+
+@pytest.mark.parametrize("timeout_s", [0.001, 65.535])
+def test_the_whole_range_of_the_object_can_be_had(timeout_s: float) -> None:
+    slave = Slave(foreign_eds())
+    with slave.host() as drive:
+        drive.supervise(timeout_s)
+        assert slave.held[ENTRY] == HOST_NODE_ID << 16 | round(timeout_s * 1e3)
 
 
 def test_a_host_that_arms_again_has_one_heartbeat() -> None:
