@@ -73,7 +73,7 @@ class LinkSupervision:
         """
         if not _SHORTEST_S <= timeout_s <= _LONGEST_S:
             raise ValueRefused(
-                f"a link timeout of {timeout_s:g} s: 0x1016 takes {_SHORTEST_S:g} to {_LONGEST_S:g} s, choose "
+                f"a link timeout of {timeout_s:g} s: 0x1016 has {_SHORTEST_S:g} to {_LONGEST_S:g} s, choose "
                 f"one within; nothing was sent"
             )
         self.fall_silent()
