@@ -121,6 +121,15 @@ def test_a_refusal_names_the_capability_what_is_missing_and_what_that_costs(capa
     assert refused.value.exit_code == 2
 
 
+def test_a_long_list_is_cut_and_its_rest_counted() -> None:
+    with pytest.raises(
+        CapabilityMissing, match="has not tick, control_period, capture_control, capture_rows and 10 more:"
+    ):
+        capabilities_of(foreign_eds()).require(Capability.CAPTURE, purpose="a test")
+    with pytest.raises(CapabilityMissing, match="has not tick, control_period: it takes"):
+        capabilities_of(foreign_eds()).require(Capability.TICK, purpose="a test")
+
+
 def test_what_is_there_is_not_refused() -> None:
     whole = Capabilities.of(OWN)
     whole.require(*(set(Capability) - {Capability.POSITION}), purpose="a test")
