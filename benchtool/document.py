@@ -9,7 +9,7 @@ import reprlib
 import tomllib
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Annotated, TypeVar
+from typing import Annotated, TypeVar, get_origin
 
 from pydantic import BaseModel, ConfigDict, Strict, ValidationError
 from pydantic_core import ErrorDetails
@@ -146,11 +146,14 @@ def _explain(model: type[BaseModel], detail: ErrorDetails) -> str:
 
 
 def _allowed_keys(model: type[BaseModel], location: Path_) -> list[str]:
-    for part in location:
+    parts = iter(location)
+    for part in parts:
         field = model.model_fields.get(str(part))
-        if field is None:  # the key of a table of tables, or the place in an array
+        if field is None:  # the place in an array
             continue
         annotation = field.annotation
+        if get_origin(annotation) is dict:
+            next(parts, None)  # a key that the document chooses
         options = [annotation, *getattr(annotation, "__args__", ())]
         found = [each for each in options if isinstance(each, type) and issubclass(each, BaseModel)]
         if not found:

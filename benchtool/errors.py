@@ -10,6 +10,7 @@ prints it as it is. `exit_code` is what a command ends with when the error reach
     │   ├── PlanError                 a plan is unknown, unreadable or wrong
     │   ├── ParameterFileError        a parameter file is unreadable, wrong or of another drive
     │   ├── ValueRefused              a value is outside its limits, unit or state; nothing was sent
+    │   ├── CapabilityMissing         the drive has not the objects that this takes; nothing was sent
     │   └── AnalysisError             the data cannot answer the question (gap, too short, no channel)
     ├── EnvironmentFailure         3  the world around the tool is not as needed
     │   ├── LinkError                 frames or bytes do not move
@@ -58,6 +59,10 @@ class ParameterFileError(UsageError):
 
 class ValueRefused(UsageError):
     """A value is outside its limits, unit or state; nothing was sent."""
+
+
+class CapabilityMissing(UsageError):
+    """The drive has not the objects that this takes; nothing was sent."""
 
 
 class AnalysisError(UsageError):

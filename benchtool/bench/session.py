@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
+from pathlib import PurePath
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Protocol
 
@@ -20,8 +21,9 @@ from benchtool.clock import Clock
 from benchtool.drive import RemoteDrive
 from benchtool.errors import UsageError
 from benchtool.link import Link
-from benchtool.profile import Profile, altered, eds_path, load_profile, profile_path
+from benchtool.profile import Profile, altered, load_profile, profile_path
 from benchtool.protocol.dictionary import Dictionary
+from benchtool.protocol.dictionary.profiled import profiled_dictionary
 
 if TYPE_CHECKING:
     from benchtool.telemetry import FrameLog
@@ -95,10 +97,9 @@ def open_session(
     source = profile_path(profile_name)
     profile = altered(load_profile(profile_name), alter)
     text = source.read_text(encoding="utf-8")
-    eds = eds_path(profile, source)
     address = registry.parse(link) if isinstance(link, str) else link
     node_id = address.node_id(profile.drive.node_id) if isinstance(address, Address) else address.node_id
-    dictionary = Dictionary.from_eds(eds, node_id)
+    dictionary = profiled_dictionary(profile, source, node_id)
     opening = Opening(profile, node_id, seed, real_time, first_tick, frames, note)
     with ExitStack() as stack:
         if isinstance(address, Address):
@@ -106,7 +107,14 @@ def open_session(
         else:
             connection = _lent(address, opening, alter)
         reopen = connection.open_link if connection.reopens else None
-        drive = RemoteDrive(connection.open_link(), dictionary, eds.name, connection.clock, reopen=reopen)
+        drive = RemoteDrive(
+            connection.open_link(),
+            dictionary,
+            PurePath(dictionary.source).name,
+            connection.clock,
+            reopen=reopen,
+            allow_unsupervised=profile.drive.allow_unsupervised,
+        )
         if connection.reopens:
             stack.callback(drive.close_link)
         stack.enter_context(drive)
@@ -154,7 +162,7 @@ def dictionary_of(profile_name: str) -> Dictionary:
         ProfileError, DictionaryError: the profile or its EDS cannot be read.
     """
     profile = load_profile(profile_name)
-    return Dictionary.from_eds(eds_path(profile, profile_path(profile_name)), profile.drive.node_id)
+    return profiled_dictionary(profile, profile_path(profile_name), profile.drive.node_id)
 
 
 def has_transducer(url: str) -> bool:

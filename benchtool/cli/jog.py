@@ -35,6 +35,8 @@ def jog(
     output = Output(as_json=as_json)
     with open_session(profile, link, seed=seed, real_time=real_time, note=output.note) as session:
         session.drive.connect()
+        if unsupervised := session.drive.supervision.unsupervised:
+            output.note(f"without link supervision, as the profile allows: {unsupervised}")
         output.note(f"{'speed' if torque is None else 'torque'} for {duration:g} s; Ctrl-C stops")
         result = run(
             session.drive,
@@ -44,11 +46,12 @@ def jog(
             duration_s=duration,
             rate_Hz=rate,
         )
+        supervision = session.drive.supervision.to_json()
     pacing = result.pacing
     clock = "virtual" if session.clock.virtual else "real"
     rows = [
-        ("omega_m at the end", significant(result.omega_m_rad_s), "rad/s"),
-        ("torque at the end", significant(result.torque_Nm), "Nm"),
+        ("omega_m at the end", _shown(result.omega_m_rad_s), "rad/s"),
+        ("torque at the end", _shown(result.torque_Nm), "Nm"),
         ("setpoints sent", str(pacing.sent), ""),
         ("period, mean", f"{pacing.period_mean_s * 1e3:.4f}", "ms"),
         ("period, rms deviation", f"{pacing.period_rms_s * 1e3:.4f}", "ms"),
@@ -63,6 +66,11 @@ def jog(
             "torque_Nm": result.torque_Nm,
             "pacing": asdict(pacing),
             "clock": clock,
+            **({"supervision": supervision} if supervision else {}),
         }
     )
     return 0
+
+
+def _shown(value: float | None) -> str:
+    return "–" if value is None else significant(value)

@@ -12,6 +12,7 @@ import typer
 from benchtool.bench.session import Session, open_session
 from benchtool.cli import options, viewing
 from benchtool.cli.output import Output, tell_unsealed
+from benchtool.drive.capabilities import Capability
 from benchtool.drive.parameters.transaction import snapshot
 from benchtool.errors import UsageError
 from benchtool.live import setup_of, show_bundle
@@ -86,6 +87,7 @@ def _show_drive(
     # An emulated drive is looked at in the time that it would take.
     with open_session(profile, link, seed=seed, real_time=True, note=output.note) as session:
         drive = session.drive
+        drive.capabilities.require(Capability.STREAM, purpose="a live view")
         drive.check()
         fitting = drive.link.process_data.fitting(drive.dictionary, _CHANNELS)
         names = options.listed(channels) or fitting

@@ -14,6 +14,7 @@ from benchtool.bench.wires import registry
 from benchtool.cli import options, viewing
 from benchtool.cli.bundles import bundle_folder, conditions
 from benchtool.cli.output import Output, significant, tell_overdue
+from benchtool.drive.capabilities import Capability
 from benchtool.recording import BundleWriter, EventFile
 from benchtool.results.calibration import Calibration
 from benchtool.run.recording import Recording, manifest_of
@@ -75,6 +76,7 @@ def record(
             profile, link, seed=seed, real_time=real_time, note=output.note, frames=log
         ) as session:
             drive = session.drive
+            drive.capabilities.require(Capability.STREAM, purpose="a recording")
             process_data = drive.link.process_data
             names = options.listed(channels) or process_data.fitting(drive.dictionary, DEFAULT_CHANNELS)
             # Before there is a folder: what cannot be streamed leaves nothing behind.

@@ -16,7 +16,9 @@ from benchtool.cli.progress import RunProgress
 from benchtool.cli.results import show_run
 from benchtool.cli.run import NamedPlan, RunOptions
 from benchtool.cli.run_views import RunViews
+from benchtool.drive.capabilities import Capabilities
 from benchtool.errors import DriveError, LinkError, UsageError
+from benchtool.plan.cases import cases
 from benchtool.plan.limits import worst
 from benchtool.plan.model import load_plan, plan_path
 from benchtool.plan.ranges import require_protected
@@ -26,6 +28,7 @@ from benchtool.recording.files import require_own, write_whole
 from benchtool.report.page import MARK, PlanFigures, reproduction_page
 from benchtool.results.assessment import RunResult
 from benchtool.run.parallel import run_in_processes
+from benchtool.run.requirements import require_capable
 from benchtool.run.runner import RunInfo, run_plan
 
 
@@ -87,6 +90,9 @@ def _checked(named: NamedPlan, chosen: RunOptions) -> NamedPlan:
     """Refuse what cannot be, before anything is opened or sent."""
     plan, name, profile = named.plan, named.name, load_profile(named.profile)
     dictionary, transducer = dictionary_of(named.profile), has_transducer(chosen.link)
+    capabilities = Capabilities.of(dictionary)
+    for case in cases(plan):
+        require_capable(capabilities, plan, case)
     require_known(plan, plan_path(name), profile, dictionary, transducer=transducer)
     if chosen.link == "emulated":
         require_protected(plan, plan_path(name), profile, dictionary)

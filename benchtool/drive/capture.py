@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from benchtool.block import Block
+from benchtool.drive.capabilities import Capability
 from benchtool.drive.remote import RemoteDrive
 from benchtool.errors import CaptureError
 from benchtool.protocol.capture import decode_capture
@@ -36,10 +37,12 @@ class Capture:
         request: what to capture; it is armed on construction.
 
     Raises:
+        CapabilityMissing: the drive captures nothing.
         SdoAbort: the drive refuses the request.
     """
 
     def __init__(self, drive: RemoteDrive, request: CaptureRequest) -> None:
+        drive.capabilities.require(Capability.CAPTURE, purpose="a capture")
         self._drive = drive
         self._channels = [drive.dictionary[name] for name in request.channels]
         mappings = [variable.mapping for variable in self._channels]

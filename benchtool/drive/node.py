@@ -7,12 +7,14 @@ from contextlib import contextmanager
 from dataclasses import asdict
 
 from benchtool.clock import Clock
+from benchtool.drive.capabilities import Capabilities, Capability
 from benchtool.drive.identity import Identity
 from benchtool.errors import SdoAbort, ValueRefused, WriteNotVerified
 from benchtool.link import Link
 from benchtool.link.ticks import TickMark, WallMark
 from benchtool.protocol.canopen.abort import Abort
 from benchtool.protocol.dictionary import Dictionary
+from benchtool.protocol.dictionary.roles import Role
 from benchtool.protocol.dictionary.variable import Value, Variable
 from benchtool.ticks import counted_on
 
@@ -34,6 +36,11 @@ class RemoteNode:
         self._source = source
         self._mark: TickMark | None = None
 
+    @property
+    def capabilities(self) -> Capabilities:
+        """What the drive can do, by its dictionary."""
+        return Capabilities.of(self.dictionary)
+
     def check(self) -> Identity:
         """Who answers, which is the drive of the dictionary; notes its tick. Only reads are sent.
 
@@ -46,7 +53,7 @@ class RemoteNode:
         return identity
 
     def _note_tick(self) -> None:
-        if all(name in self.dictionary for name in ("tick", "control_period")):
+        if Capability.TICK in self.capabilities:
             tick_s = round(self.number("control_period") * 1e9) * 1e-9  # the drive has it as a float32
             tick = counted_on(int(self.number("tick")), self.tick_now())
             self._mark = TickMark(tick, self.clock.now_s(), tick_s)
@@ -78,38 +85,53 @@ class RemoteNode:
             NoAnswer: nobody does.
         """
         return Identity(
-            vendor_id=self._told_number(1),
-            product_code=self._told_number(2),
-            revision_number=self._told_number(3),
-            serial_number=self._told_number(4),
-            device_name=self._told_text(0x1008),
-            hardware_version=self._told_text(0x1009),
-            firmware_version=self._told_text(0x100A),
-            dictionary_hash=self._optional_int("dictionary_hash"),
+            vendor_id=self._told_number(Role.VENDOR_ID),
+            product_code=self._told_number(Role.PRODUCT_CODE),
+            revision_number=self._told_number(Role.REVISION_NUMBER),
+            serial_number=self._told_number(Role.SERIAL_NUMBER),
+            device_name=self._told_text(Role.DEVICE_NAME),
+            hardware_version=self._told_text(Role.HARDWARE_VERSION),
+            firmware_version=self._told_text(Role.FIRMWARE_VERSION),
+            dictionary_hash=self.optional_number("dictionary_hash"),
         )
 
-    def read(self, name: str) -> Value:
-        """Physical value of `name`, in the unit of the dictionary; the name of an enumeration's value.
+    def read(self, name: Role | str | Variable) -> Value:
+        """Physical value of an object, in the unit of the dictionary; the name of an enumeration's value.
 
         Raises:
-            ValueRefused: no such name.
+            ValueRefused: no such object.
             NoAnswer, SdoAbort: the drive did not answer, or refused.
         """
-        variable = self.dictionary[name]
-        with self._naming(f"reading '{name}'"):
+        variable, shown = self._variable(name)
+        with self._naming(f"reading '{shown}'"):
             return variable.decode(self._upload(variable))
 
-    def number(self, name: str) -> float:
-        """Raw or physical number of `name`, an enumeration's value as its number."""
-        variable = self.dictionary[name]
+    def number(self, name: Role | str | Variable) -> float:
+        """Raw or physical number of an object, an enumeration's value as its number."""
+        variable, shown = self._variable(name)
         value = variable.decode(self._upload(variable))
         if isinstance(value, str) and variable.values:
             return variable.values[value]
         if not isinstance(value, int | float):
-            raise ValueRefused(f"'{name}' is {value!r}, a number is expected: choose a numeric object")
+            raise ValueRefused(f"'{shown}' is {value!r}, a number is expected: choose a numeric object")
         return value
 
-    def write(self, name: str, value: Value) -> None:
+    def optional_number(self, name: Role | str | Variable) -> int | None:
+        """Whole number of an object that not every drive has; None where the dictionary or the drive has not.
+
+        Raises:
+            NoAnswer, SdoAbort: the drive did not answer, or has it and refused.
+        """
+        if not isinstance(name, Variable) and name not in self.dictionary:
+            return None
+        try:
+            return int(self.number(name))
+        except SdoAbort as abort:
+            if abort.code in (Abort.NO_OBJECT, Abort.NO_SUB_INDEX):
+                return None
+            raise
+
+    def write(self, name: Role | str | Variable, value: Value) -> None:
         """Check `value` against the dictionary, send it once, and read it back.
 
         Raises:
@@ -117,49 +139,40 @@ class RemoteNode:
             SdoAbort: the drive refused.
             WriteNotVerified: the drive holds another value than was sent.
         """
-        variable = self.dictionary[name]
+        variable, shown = self._variable(name)
         sent = variable.encode(value)
-        with self._naming(f"writing {value!r} to '{name}'"):
+        with self._naming(f"writing {value!r} to '{shown}'"):
             self.link.download(variable.index, variable.sub, sent)
             kept = self._upload(variable)
         if kept != sent:
             raise WriteNotVerified(
-                f"'{name}' reads back {variable.decode(kept)!r} after {value!r} was written: "
+                f"'{shown}' reads back {variable.decode(kept)!r} after {value!r} was written: "
                 f"check whether another master writes it too"
             )
+
+    def _variable(self, name: Role | str | Variable) -> tuple[Variable, str]:
+        """The object, and what it is called in messages."""
+        variable = name if isinstance(name, Variable) else self.dictionary[name]
+        return variable, name if isinstance(name, str) else variable.name
 
     def _upload(self, variable: Variable) -> bytes:
         return self.link.upload(variable.index, variable.sub, length=variable.type.bits // 8 or None)
 
-    def _told_number(self, sub: int) -> int | None:
-        """An entry of 0x1018."""
-        data = self._told(0x1018, sub)
+    def _told_number(self, role: Role) -> int | None:
+        data = self._told(role)
         return int.from_bytes(data, "little") if data else None
 
-    def _told_text(self, index: int) -> str | None:
-        data = self._told(index, 0)
+    def _told_text(self, role: Role) -> str | None:
+        data = self._told(role)
         return None if data is None else data.rstrip(b"\0").decode(errors="replace")
 
-    def _told(self, index: int, sub: int) -> bytes | None:
-        """Bytes of an object; None if the drive refuses it, with whatever reason."""
+    def _told(self, role: Role) -> bytes | None:
+        """Bytes of an object, listed or not; None if the drive refuses it, with whatever reason."""
+        variable = self.dictionary.get(role)
         try:
-            return self.link.upload(index, sub)
+            return self.link.upload(*(role.key if variable is None else variable.key))
         except SdoAbort:
             return None
-
-    def _optional_int(self, name: str) -> int | None:
-        value = self._optional(name)
-        return value if isinstance(value, int) else None
-
-    def _optional(self, name: str) -> Value | None:
-        if name not in self.dictionary:
-            return None
-        try:
-            return self.read(name)
-        except SdoAbort as abort:
-            if abort.code in (Abort.NO_OBJECT, Abort.NO_SUB_INDEX):
-                return None
-            raise
 
     @contextmanager
     def _naming(self, doing: str) -> Iterator[None]:

@@ -7,11 +7,13 @@ from contextlib import suppress
 from dataclasses import replace
 
 from benchtool.block import Block, Channel
+from benchtool.drive.capabilities import Capability
 from benchtool.drive.capture import Capture, CaptureRequest
 from benchtool.drive.remote import RemoteDrive
 from benchtool.drive.stimulus import Stimulus
 from benchtool.errors import BenchError, StimulusError, ValueRefused
 from benchtool.profile import Motor
+from benchtool.protocol.dictionary.roles import Role
 
 _POLL_S = 0.01
 _SLACK_S = 1.0
@@ -33,11 +35,13 @@ def play(
         The captured rows, channel `stimulus` in the unit of its quantity; None without a request.
 
     Raises:
+        CapabilityMissing: the drive plays none.
         ValueRefused: beyond the rating, or the drive is in another mode; nothing was written.
         SdoAbort: the drive refuses it.
         StimulusError: it was stopped before its end.
         DriveFault, CaptureError: as `Capture.wait` and `Capture.read`.
     """
+    drive.capabilities.require(Capability.STIMULUS, purpose="playing a stimulus")
     stimulus.require_rated(motor)
     _require_within_limits(drive, stimulus, motor)
     _require_mode(drive, stimulus)
@@ -80,7 +84,7 @@ def _require_within_limits(drive: RemoteDrive, stimulus: Stimulus, motor: Motor)
 
 
 def _require_mode(drive: RemoteDrive, stimulus: Stimulus) -> None:
-    mode = int(drive.number("mode_of_operation_display"))
+    mode = int(drive.number(Role.MODE_OF_OPERATION_DISPLAY))
     if mode not in stimulus.modes:
         names = " or ".join(each.name.lower() for each in stimulus.modes)
         raise ValueRefused(

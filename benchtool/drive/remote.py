@@ -7,22 +7,18 @@ from contextlib import contextmanager, suppress
 from types import TracebackType
 from typing import Self
 
-from benchtool.clock import Clock, Timer
+from benchtool.clock import Clock
 from benchtool.drive.identity import Identity
 from benchtool.drive.reconnection import Reconnection
 from benchtool.drive.states import Cia402Node
-from benchtool.errors import BenchError, LinkClosed, LinkError, SdoAbort, StateError
+from benchtool.drive.supervision import LINK_TIMEOUT_S, LinkSupervision
+from benchtool.errors import BenchError, LinkClosed, LinkError, StateError
 from benchtool.link import Link
-from benchtool.protocol.canopen.abort import Abort
-from benchtool.protocol.cia402 import State
 from benchtool.protocol.dictionary import Dictionary
+from benchtool.protocol.modes import Mode
 
-_HEARD = "alive"  # of the object link_state
 _REOPEN_S = 0.2
 _WATCH_S = 0.05
-HEARTBEAT_S = 0.1
-LINK_TIMEOUT_S = 0.5
-HOST_NODE_ID = 127
 
 
 class RemoteDrive(Cia402Node):
@@ -34,6 +30,7 @@ class RemoteDrive(Cia402Node):
         source: name of that EDS, for messages.
         clock: the clock that waiting and heartbeats go by.
         reopen: opens the same link anew, for `reconnect`.
+        allow_unsupervised: let it be enabled although nothing stops it when this host falls silent.
     """
 
     def __init__(
@@ -44,10 +41,11 @@ class RemoteDrive(Cia402Node):
         clock: Clock,
         *,
         reopen: Callable[[], Link] | None = None,
+        allow_unsupervised: bool = False,
     ) -> None:
         super().__init__(link, dictionary, source, clock)
+        self.supervision = LinkSupervision(self, allow_unsupervised=allow_unsupervised)
         self._reopen = reopen
-        self._heartbeat: Timer | None = None
         self._watches: list[Callable[[], None]] = []
 
     def __enter__(self) -> Self:
@@ -59,7 +57,7 @@ class RemoteDrive(Cia402Node):
         try:
             if self._touched:
                 self.disable()
-            self._end_supervision()
+            self.supervision.disarm()
         except BenchError:
             # The first failure is the one to report; silence of the host's heartbeat stops the drive itself.
             if error is None:
@@ -75,9 +73,11 @@ class RemoteDrive(Cia402Node):
         Raises:
             NoAnswer, IdentityMismatch, DictionaryMismatch: as their names say.
             StateError: another host supervises the drive; nothing was changed.
+            CapabilityMissing, SdoAbort, WriteNotVerified: the supervision cannot be armed, and the profile
+                demands it.
         """
         identity = self.check()
-        self._require_no_other_host()
+        self.supervision.require_no_other_host()
         self.supervise()
         return identity
 
@@ -148,63 +148,30 @@ class RemoteDrive(Cia402Node):
 
     # ---- link supervision -------------------------------------------------------------------------------
 
-    def _require_no_other_host(self) -> None:
-        """Refuse a drive that hears a host already, one that fell silent a moment ago excepted.
-
-        Two hosts cannot supervise it both: the first that leaves would take the other's supervision along.
-        """
-        if self._heartbeat is not None or "link_state" not in self.dictionary:
-            return
-        if self.read("link_state") != _HEARD:
-            return
-        deadline_s = self.clock.now_s() + LINK_TIMEOUT_S + _WATCH_S
-        while self.clock.now_s() < deadline_s:
-            self.clock.wait(_WATCH_S)
-            if self.read("link_state") != _HEARD:
-                self.emergencies()  # the loss of that host is not one of this host's
-                return
-        raise self._supervised_by_another()
-
-    def _supervised_by_another(self) -> StateError:
-        configured = self._optional_int("host_heartbeat") or 0
-        return StateError(
-            f"another host supervises this drive (node {configured >> 16 & 0x7F}, timeout "
-            f"{configured & 0xFFFF} ms), which is in '{self.state().value}': end what runs there "
-            f"first, or only look, as record, live and info do; nothing was changed"
-        )
-
     def supervise(self, timeout_s: float = LINK_TIMEOUT_S) -> None:
         """Send the host's heartbeat, and have the drive stop the motor when it stays out for `timeout_s`.
 
         Raises:
+            CapabilityMissing, SdoAbort, WriteNotVerified: it cannot be armed, and the profile demands it.
             StateError: another host has the drive enabled.
         """
-        self.stop_heartbeat()
-        if "host_heartbeat" in self.dictionary:
-            try:
-                self.write("host_heartbeat", HOST_NODE_ID << 16 | round(timeout_s * 1000.0))
-            except SdoAbort as refused:
-                # It is taken at any time but while the power stage is on.
-                if refused.code == Abort.DEVICE_STATE and self.state() is State.OPERATION_ENABLED:
-                    raise self._supervised_by_another() from refused
-                raise
+        self.supervision.arm(timeout_s)
         self._commanded = True
-        self._heartbeat = self.clock.call_every(min(HEARTBEAT_S, timeout_s / 3.0), self.link.send_heartbeat)
 
     def stop_heartbeat(self) -> None:
         """Fall silent; a drive that is supervised stops the motor after its timeout."""
-        if self._heartbeat is not None:
-            self._heartbeat.cancel()
-            self._heartbeat = None
+        self.supervision.fall_silent()
 
-    def _end_supervision(self) -> None:
-        """Set the drive's supervision back before the heartbeat ends, so that it takes no end for a loss."""
-        if self._heartbeat is not None and "host_heartbeat" in self.dictionary:
-            with suppress(BenchError):  # then the drive notices that the host has gone, and says so
-                self.write("host_heartbeat", 0)
+    def enable(self, mode: Mode) -> None:
+        """As `Cia402Node.enable`, of a drive that watches this host.
+
+        Raises:
+            CapabilityMissing, SdoAbort, WriteNotVerified, StateError: it does not; it was not enabled.
+        """
+        self.supervision.require()
+        super().enable(mode)
 
     def _drop_link(self) -> None:
         with suppress(LinkError):  # what the heartbeat ran into when the link went
             self.stop_heartbeat()
-        self._heartbeat = None
         self.link.close()

@@ -14,23 +14,16 @@ from benchtool.link import Link
 from benchtool.protocol.canopen.abort import Abort
 from benchtool.protocol.canopen.emcy import Emergency, error_text
 from benchtool.protocol.canopen.nmt import NmtCommand
-from benchtool.protocol.cia402 import (
-    CONTROLWORD,
-    MODE_OF_OPERATION,
-    STATUSWORD,
-    Command,
-    State,
-    next_command,
-    state_of,
-)
+from benchtool.protocol.cia402 import Command, State, next_command, state_of
 from benchtool.protocol.dictionary import Dictionary
+from benchtool.protocol.dictionary.roles import Role
 from benchtool.protocol.modes import Mode
 
 _TRANSITION_TIMEOUT_S = 1.0
 _POLL_S = 0.001
 _LOOKING_S = 0.5
-_TARGETS: tuple[str | tuple[int, int], ...] = (
-    *((0x6071, 0), (0x60FF, 0)),  # of torque and velocity (CiA 402)
+_TARGETS: tuple[Role | str, ...] = (
+    *(Role.TARGET_TORQUE, Role.TARGET_VELOCITY),
     *("torque_command", "omega_m_command"),  # last: the standard's objects set these
 )
 _NOTING_S = 60.0
@@ -71,7 +64,7 @@ class Cia402Node(RemoteNode):
 
     def state(self) -> State:
         """State of the CiA 402 state machine."""
-        state = state_of(int(self.read(self.dictionary[STATUSWORD].name)))
+        state = state_of(int(self.number(Role.STATUSWORD)))
         tick = self.tick_now()
         for observer in self._observers:
             with suppress(Exception):  # whoever looks on must not keep a drive from being disabled
@@ -120,7 +113,7 @@ class Cia402Node(RemoteNode):
         """
         self.link.nmt(NmtCommand.START)
         self._touched = self._commanded = True
-        self.write(self.dictionary[MODE_OF_OPERATION].name, int(mode))
+        self.write(Role.MODE_OF_OPERATION, self._code_of(mode))
         self._zero_targets()
         self._walk_to(State.OPERATION_ENABLED)
 
@@ -176,12 +169,19 @@ class Cia402Node(RemoteNode):
                 f"the drive is still in '{state.value}', {self._last_error()}: remove the cause first"
             )
 
+    def _code_of(self, mode: Mode) -> int:
+        """Code of a mode: the cyclic mode's on a drive that has not the profile one, by its 0x6502."""
+        supported = self.optional_number(Role.SUPPORTED_MODES) if len(mode.codes) > 1 else None
+        code = None if supported is None else mode.supported_code(supported)
+        return int(mode) if code is None else code
+
     def _zero_targets(self) -> None:
         for name in _TARGETS:
-            if name not in self.dictionary or not (target := self.dictionary[name]).writable:
+            target = self.dictionary.get(name)
+            if target is None or not target.writable:
                 continue
             try:
-                self.write(target.name, 0)
+                self.write(target, 0)
             except SdoAbort as abort:
                 if abort.code not in (Abort.NO_OBJECT, Abort.NO_SUB_INDEX):
                     raise
@@ -207,11 +207,11 @@ class Cia402Node(RemoteNode):
             self.clock.wait(_POLL_S)
 
     def _ask(self, command: Command) -> None:
-        variable = self.dictionary[CONTROLWORD]
+        variable = self.dictionary[Role.CONTROLWORD]
         with self._naming(f"asking for '{command.value}'"):
             for word in command.controlwords:
                 self.link.download(variable.index, variable.sub, variable.encode(word))
 
     def _last_error(self) -> str:
-        code = self._optional_int("error_code")
+        code = self.optional_number(Role.ERROR_CODE)
         return "no error code" if code is None else f"0x{code:04X} {error_text(code)}"

@@ -6,7 +6,7 @@ A number's key ends in its unit. `[drive.parameters]` uses the dictionary's name
 
 from benchtool.profile.bench import Bench, Instrument, ReferenceClock, Sensor
 from benchtool.profile.claims import Choice, Claim, Comparison, Reference
-from benchtool.profile.drive import Drive
+from benchtool.profile.drive import Drive, RoleObject
 from benchtool.profile.emulator import Emulator, Inverter, Sensors, TrueMotor
 from benchtool.profile.motor import Motor
 from benchtool.profile.profile import (
@@ -32,6 +32,7 @@ __all__ = [
     "Profile",
     "Reference",
     "ReferenceClock",
+    "RoleObject",
     "Sensor",
     "Sensors",
     "TrueMotor",

@@ -1,17 +1,45 @@
-"""A drive: where it answers, which dictionary it speaks and what it is set to."""
+"""A drive: where it answers, which dictionary it speaks, what it is set to, and where its objects differ."""
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from benchtool.document import Section
 
 
 class Drive(Section):
-    """The drive: where it answers, which dictionary it speaks and what it is set to."""
+    """The drive: where it answers, which dictionary it speaks and what it is set to.
+
+    With `allow_unsupervised` it may be enabled although nothing stops it when this host falls silent.
+    """
 
     node_id: Annotated[int, Field(ge=1, le=126)] = 1
     eds: str = "drive.eds"
+    allow_unsupervised: bool = False
     parameters: dict[str, float | str] = Field(default_factory=dict)
+
+
+class RoleObject(Section):
+    """The object that has a role on this drive, by name or as `0x3001:2`; in a profile that text alone does.
+
+    Where the EDS does not say what its numbers are, `raw * factor` is the value in `unit`.
+    """
+
+    object: str
+    unit: str = ""
+    factor: float = 1.0
+
+    @model_validator(mode="before")
+    @classmethod
+    def _object_alone(cls, stated: Any) -> Any:
+        return {"object": stated} if isinstance(stated, str) else stated
+
+    @model_validator(mode="after")
+    def _has_a_scale(self) -> RoleObject:
+        if self.factor == 0.0:
+            raise ValueError("a factor of 0 makes every value 0: state that of one raw step")
+        if self.factor != 1.0 and not self.unit:
+            raise ValueError("a factor is of a unit: state both")
+        return self

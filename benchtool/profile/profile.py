@@ -6,13 +6,13 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from pydantic import ConfigDict, ValidationError
+from pydantic import ConfigDict, Field, ValidationError
 
 from benchtool.document import Array, Section, document_path, explain, load_document
 from benchtool.errors import ProfileError
 from benchtool.profile.bench import Bench
 from benchtool.profile.claims import Choice, Claim
-from benchtool.profile.drive import Drive
+from benchtool.profile.drive import Drive, RoleObject
 from benchtool.profile.emulator import Emulator
 from benchtool.profile.motor import Motor
 from benchtool.shipped import shipped
@@ -21,12 +21,16 @@ Number = float | int
 
 
 class Profile(Section):
-    """Everything that is known of one motor on one drive."""
+    """Everything that is known of one motor on one drive.
+
+    `roles` has the objects for which this drive departs from CiA 301 and CiA 402, by role.
+    """
 
     title: str
     motor: Motor
     drive: Drive
     bench: Bench = Bench()
+    roles: dict[str, RoleObject] = Field(default_factory=dict)
     emulator: Emulator | None = None
     choices: Array[Choice] = ()
     claims: Array[Claim] = ()

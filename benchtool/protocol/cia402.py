@@ -12,11 +12,6 @@ from enum import StrEnum
 
 from benchtool.errors import ValueRefused
 
-CONTROLWORD = (0x6040, 0)
-STATUSWORD = (0x6041, 0)
-MODE_OF_OPERATION = (0x6060, 0)
-MODE_OF_OPERATION_DISPLAY = (0x6061, 0)
-
 _FAULT_RESET_BIT = 0x80
 
 

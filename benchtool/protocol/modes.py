@@ -1,4 +1,6 @@
-"""Modes of operation (CiA 402-2, object 0x6060) that the bench uses."""
+"""Modes of operation (CiA 402-2, objects 0x6060 and 0x6502) that the bench uses."""
+
+from __future__ import annotations
 
 from enum import IntEnum
 
@@ -9,3 +11,20 @@ class Mode(IntEnum):
     VOLTAGE = -1
     VELOCITY = 3
     TORQUE = 4
+
+    @property
+    def codes(self) -> tuple[int, ...]:
+        """Codes that make a drive follow the same target object, the profile mode before the cyclic one."""
+        return {Mode.VELOCITY: (3, 9), Mode.TORQUE: (4, 10)}.get(self, (int(self),))
+
+    def supported_code(self, supported_modes: int) -> int | None:
+        """The first of `codes` whose bit 0x6502 has; None if it has none of them."""
+        return first_supported(self.codes, supported_modes)
+
+
+PROFILE_POSITION, CYCLIC_POSITION = 1, 8
+
+
+def first_supported(codes: tuple[int, ...], supported_modes: int) -> int | None:
+    """The first of these modes that 0x6502 has; it has no bits for modes of the maker's own, from -1 down."""
+    return next((code for code in codes if code > 0 and supported_modes >> (code - 1) & 1), None)

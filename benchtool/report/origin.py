@@ -61,6 +61,24 @@ def run_facts(manifest: Manifest, plan_name: str = "") -> Facts:
     return Facts(tuple((name, what) for name, what in pairs.items() if what))
 
 
+def supervision_notes(manifests: Iterable[Manifest]) -> Iterator[Text]:
+    """How drives were supervised whose profile lets them run without; each sentence once."""
+    told: dict[str, bool] = {}
+    for manifest in manifests:
+        stated = manifest.details.get("supervision")
+        if not isinstance(stated, dict):
+            continue
+        armed = stated.get("armed") is True
+        told[
+            "The profile lets the drive run without link supervision; it was supervised."
+            if armed
+            else "The drive ran without link supervision, as the profile allows: without its host it would "
+            f"not have stopped by itself. Reason: {stated.get('reason')}."
+        ] = armed
+    for text, armed in told.items():
+        yield Text(text, "note" if armed else "warning")
+
+
 def _option(words: Sequence[str], name: str) -> str:
     for word, following in itertools.pairwise((*words, "")):
         if word == name:

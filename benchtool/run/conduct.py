@@ -9,6 +9,7 @@ from typing import Protocol
 from benchtool.bench.session import LoadMachine, Session
 from benchtool.block import Block
 from benchtool.drive import Capture, CaptureRequest, Mode, play
+from benchtool.drive.quantities import SPEED_SETPOINT, TORQUE_SETPOINT, in_si
 from benchtool.plan.cases import Case
 from benchtool.plan.model import OperatingPoint, Plan, Record
 from benchtool.plan.operating_point import read, to_read
@@ -83,11 +84,11 @@ def _settle(session: Session, point: OperatingPoint, progress: Progress) -> None
     """Take the setpoint, then load, then wait: half of the time for each."""
     if point.mode_of_operation is Mode.TORQUE:
         progress.note(f"making {point.torque_Nm:g} Nm")
-        session.drive.write("torque_command", point.torque_Nm)
+        session.drive.write(in_si(session.drive, TORQUE_SETPOINT), point.torque_Nm)
     else:
         loaded = f" with {point.load_torque_Nm:g} Nm" if session.load is not None else ""
         progress.note(f"running at {point.omega_m_rad_s:g} rad/s{loaded}")
-        session.drive.write("omega_m_command", point.omega_m_rad_s)
+        session.drive.write(in_si(session.drive, SPEED_SETPOINT), point.omega_m_rad_s)
     session.drive.wait(point.settle_s / 2.0)
     if point.hold_speed_rad_s is not None:
         return

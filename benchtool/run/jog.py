@@ -13,11 +13,22 @@ from dataclasses import dataclass
 
 from benchtool.clock import Clock
 from benchtool.drive import Mode, RemoteDrive
-from benchtool.errors import BenchError, ValueRefused
+from benchtool.drive.capabilities import Capability
+from benchtool.drive.quantities import (
+    SPEED,
+    SPEED_SETPOINT,
+    TORQUE,
+    TORQUE_SETPOINT,
+    Quantity,
+    in_si,
+    is_own,
+)
+from benchtool.errors import BenchError, CapabilityMissing, ValueRefused
 from benchtool.profile import Motor
+from benchtool.protocol.dictionary.roles import Role
+from benchtool.protocol.dictionary.variable import Variable
 from benchtool.telemetry.setpoints import Setpoints
 
-SUPPORTED_MODES = "0x6502:0"
 HIGHEST_RATE_HZ = 1000.0
 _LATE = 1.5  # periods
 
@@ -40,11 +51,14 @@ class Pacing:
 
 @dataclass(frozen=True)
 class Jog:
-    """What came of it: the pacing, and the drive's measurements at the end, before it was disabled."""
+    """What came of it: the pacing, and the drive's measurements at the end, before it was disabled.
+
+    None stands for a measurement that the drive has not in SI units.
+    """
 
     pacing: Pacing
-    omega_m_rad_s: float
-    torque_Nm: float
+    omega_m_rad_s: float | None
+    torque_Nm: float | None
 
 
 def jog(
@@ -68,6 +82,7 @@ def jog(
         rate_Hz: frames per second, 1000 at most; each is one RPDO, which also feeds the link supervision.
 
     Raises:
+        CapabilityMissing: the drive has no such mode, target or supervision, or not in SI units.
         ValueRefused: a setpoint is beyond the rating or the limits of the drive, the rate or the mode is
             none, or the drive takes no such setpoints; it was not sent.
         DriveFault, LinkError: as they come; the drive is disabled or will stop by itself.
@@ -79,9 +94,13 @@ def jog(
     if mode not in (Mode.VELOCITY, Mode.TORQUE):
         raise ValueRefused(f"{mode.name.lower()} mode takes no setpoints: choose velocity or torque")
     name = "omega_m_rad_s" if mode is Mode.VELOCITY else "torque_Nm"
+    drive.capabilities.require(
+        Capability.VELOCITY if mode is Mode.VELOCITY else Capability.TORQUE, purpose="a jog"
+    )
     first = _within_rating(setpoint(0.0), mode, motor)
     _require_mode(drive, mode)
-    with _setpoints(drive) as setpoints:
+    measured = [_measured(drive, quantity) for quantity in (SPEED, TORQUE)]
+    with _setpoints(drive, mode) as setpoints:
         setpoints.check(**{name: first})
         with drive.enabled(mode):
 
@@ -90,7 +109,15 @@ def jog(
                 drive.raise_emergencies()
 
             pacing = pace(drive.clock, send, duration_s=duration_s, period_s=1.0 / rate_Hz)
-            return Jog(pacing, drive.number("omega_m"), drive.number("torque"))
+            return Jog(pacing, *(None if each is None else drive.number(each) for each in measured))
+
+
+def _measured(drive: RemoteDrive, quantity: Quantity) -> Variable | None:
+    """The object of a measurement; None of a drive that has none, or does not say what its numbers are."""
+    try:
+        return in_si(drive, quantity)
+    except CapabilityMissing:
+        return None
 
 
 def pace(clock: Clock, action: Callable[[float], None], *, duration_s: float, period_s: float) -> Pacing:
@@ -118,13 +145,12 @@ def pace(clock: Clock, action: Callable[[float], None], *, duration_s: float, pe
 
 def _require_mode(drive: RemoteDrive, mode: Mode) -> None:
     """Check the mode against the drive's supported drive modes (CiA 402-2, 0x6502), where it has them."""
-    if SUPPORTED_MODES not in drive.dictionary:
-        return
-    supported = int(drive.number(SUPPORTED_MODES))
-    if not supported >> (int(mode) - 1) & 1:
-        known = [each.name.lower() for each in Mode if each > 0 and supported >> (int(each) - 1) & 1]
+    supported = drive.optional_number(Role.SUPPORTED_MODES)
+    if supported is not None and mode.supported_code(supported) is None:
+        known = [each.name.lower() for each in Mode if each.supported_code(supported) is not None]
         raise ValueRefused(
-            f"the drive has no {mode.name.lower()} mode ({SUPPORTED_MODES} is 0x{supported:X}, "
+            f"the drive has no {mode.name.lower()} mode "
+            f"({drive.dictionary[Role.SUPPORTED_MODES].label} is 0x{supported:X}, "
             f"{', '.join(known) or 'none'} of those known here): choose another mode; nothing was enabled"
         )
 
@@ -140,9 +166,14 @@ def _within_rating(value: float, mode: Mode, motor: Motor) -> float:
 
 
 @contextmanager
-def _setpoints(drive: RemoteDrive) -> Iterator[Setpoints]:
+def _setpoints(drive: RemoteDrive, mode: Mode) -> Iterator[Setpoints]:
     """The setpoint frame in use for the length of a `with` block."""
-    setpoints = Setpoints(drive)
+    if all(is_own(drive.dictionary, each) for each in (TORQUE_SETPOINT, SPEED_SETPOINT)):
+        setpoints = Setpoints(drive)
+    elif mode is Mode.TORQUE:
+        setpoints = Setpoints(drive, torque=in_si(drive, TORQUE_SETPOINT))
+    else:
+        setpoints = Setpoints(drive, speed=in_si(drive, SPEED_SETPOINT))
     try:
         yield setpoints
     except BaseException as error:

@@ -12,6 +12,7 @@ from benchtool.analysis import measurements_to_json, tables_to_json
 from benchtool.bench.session import Session
 from benchtool.block import Block
 from benchtool.drive import Identity
+from benchtool.drive.capabilities import Capability
 from benchtool.drive.parameters.transaction import snapshot, temporary
 from benchtool.errors import ValueRefused
 from benchtool.plan.cases import Case, cases
@@ -28,6 +29,7 @@ from benchtool.run.conduct import Progress, conduct
 from benchtool.run.failure import fail_bundle
 from benchtool.run.observers import Unwatched, Watcher
 from benchtool.run.parameter_check import ParameterCheck, check_parameters
+from benchtool.run.requirements import require_capable
 from benchtool.run.resumption import Origin, case_folder, require_same_origin
 from benchtool.telemetry import (
     FanOut,
@@ -118,8 +120,11 @@ def run_cases(
             results.append(assess_bundle(done))
             continue
         with opener(case, _seed(info, case)) as session:
+            require_capable(session.drive.capabilities, plan, case)
             progress.note("checking identity and dictionary")
             identity = session.drive.connect()
+            if unsupervised := session.drive.supervision.unsupervised:
+                progress.note(f"without link supervision, as the profile allows: {unsupervised}")
             if resume:
                 here = replace(
                     origin,
@@ -242,6 +247,12 @@ def _run_case(
     return result
 
 
+def _supervision(session: Session) -> dict[str, Mapping[str, bool | str]]:
+    """How a drive was supervised that the profile lets run unsupervised; nothing of any other."""
+    stated = session.drive.supervision.to_json()
+    return {"supervision": stated} if stated else {}
+
+
 def _dc_link_V(session: Session) -> float | None:
     """Of the bench that the profile describes."""
     emulator = session.profile.emulator
@@ -275,7 +286,7 @@ def _telemetry(
     session: Session, writer: BundleWriter, others: Sequence[Sink]
 ) -> Iterator[TelemetryStream | None]:
     """The slow stream into the bundle, if the drive has one; what goes wrong with it ends the run."""
-    if "stream_sequence" not in session.drive.dictionary:
+    if Capability.STREAM not in session.drive.capabilities:
         FanOut(others).close()
         yield None
         return
@@ -305,5 +316,6 @@ def _manifest(session: Session, plan: Plan, case: Case, info: RunInfo, identity:
             "plan": plan.model_dump(mode="json"),
             "motor": session.profile.motor.model_dump(mode="json"),
             "wall": session.drive.wall_mark(info.wall_s()),
+            **_supervision(session),
         },
     )

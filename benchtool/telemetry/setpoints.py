@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from benchtool.protocol.canopen.nmt import NmtCommand
+from benchtool.protocol.dictionary.variable import Variable
 from benchtool.telemetry.node import Node
 
 TORQUE, SPEED = "torque_command", "omega_m_command"
@@ -13,13 +14,19 @@ class Setpoints:
 
     The drive takes them in the NMT state operational, within the limits of its dictionary.
 
+    Args:
+        node: connected drive.
+        torque, speed: its objects in Nm and rad/s, of which one may be left out; those of benchtool's
+            dictionary without either.
+
     Raises:
         ValueRefused: the drive or the link has no such setpoints.
         SdoAbort, NoAnswer, WriteNotVerified: it cannot be set up.
     """
 
-    def __init__(self, node: Node) -> None:
-        torque, speed = node.dictionary[TORQUE], node.dictionary[SPEED]
+    def __init__(self, node: Node, torque: Variable | None = None, speed: Variable | None = None) -> None:
+        if torque is None and speed is None:
+            torque, speed = node.dictionary[TORQUE], node.dictionary[SPEED]
         self._message = node.link.process_data.setpoints(node, torque, speed)
         node.link.nmt(NmtCommand.START)
 

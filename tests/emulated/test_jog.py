@@ -18,6 +18,7 @@ from benchtool.errors import DriveFault, ValueRefused
 from benchtool.protocol.cia402 import State
 from benchtool.protocol.dictionary import Dictionary
 from benchtool.protocol.dictionary.objects import DataType
+from benchtool.protocol.dictionary.roles import Role
 from benchtool.run.jog import jog
 
 from .conftest import Wire, over_both_wires
@@ -165,7 +166,7 @@ def test_a_mode_that_the_drive_has_not_is_refused_before_it_is_enabled(
     drive = wire.session.drive
     drive.connect()
     number = drive.number
-    monkeypatch.setattr(drive, "number", lambda name: 0x8 if name == "0x6502:0" else number(name))
+    monkeypatch.setattr(drive, "number", lambda name: 0x8 if name is Role.SUPPORTED_MODES else number(name))
     with pytest.raises(ValueRefused, match=r"no velocity mode \(0x6502:0 is 0x8, torque of those"):
         jog(drive, wire.session.profile.motor, Mode.VELOCITY, _always(10.0), duration_s=0.1)
     assert drive.state() is State.SWITCH_ON_DISABLED

@@ -7,6 +7,7 @@ from collections.abc import Callable
 import pytest
 
 from benchtool.drive import Mode, RemoteDrive
+from benchtool.drive.states import Cia402Node
 from benchtool.errors import DriveFault, SdoAbort, StateError, WriteNotVerified
 from benchtool.protocol.canopen.abort import Abort
 from benchtool.protocol.cia402 import State
@@ -131,6 +132,7 @@ def _all_but(download: Callable[..., None], ignored: tuple[int, int]) -> Callabl
 )
 def test_a_host_that_falls_silent_is_noticed(wire: Wire, action: str, state: State) -> None:
     drive = wire.session.drive
+    drive.supervision.allow_unsupervised = action == "none"
     drive.write("abort_connection_option", action)
     _run_up(wire)
     drive.stop_heartbeat()
@@ -175,7 +177,7 @@ def test_an_unsupervised_start_is_refused_once_supervision_is_asked_for(wire: Wi
     drive = wire.session.drive
     drive.write("host_heartbeat", 127 << 16 | 500)
     with pytest.raises(SdoAbort) as refused:
-        drive.enable(Mode.TORQUE)
+        Cia402Node.enable(drive, Mode.TORQUE)  # as a host that does not arm the supervision by itself
     assert refused.value.code == Abort.DEVICE_STATE
 
 

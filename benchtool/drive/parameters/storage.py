@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
+from benchtool.drive.capabilities import Capability
 from benchtool.drive.parameters.transaction import default_of, parameters, require_disabled
 from benchtool.drive.remote import RemoteDrive
-from benchtool.errors import NoAnswer, WriteNotVerified
+from benchtool.errors import CapabilityMissing, NoAnswer, WriteNotVerified
 from benchtool.protocol.canopen.nmt import NmtCommand, NmtState
+from benchtool.protocol.dictionary.roles import Role
 from benchtool.protocol.dictionary.variable import Value, Variable
 
-STORE_ALL = "0x1010:1"
-RESTORE_ALL = "0x1011:1"
 _SAVE = b"save"
 _LOAD = b"load"
 _ON_COMMAND = 1
@@ -21,12 +21,14 @@ def store(drive: RemoteDrive) -> None:
     """Have the drive keep its parameters over a reset (CiA 301, object 0x1010).
 
     Raises:
-        ValueRefused: the power stage is on, or the dictionary has no such object.
+        CapabilityMissing: the dictionary has no such object.
+        ValueRefused: the power stage is on.
         WriteNotVerified: the drive does not store on command.
         SdoAbort: the drive refused.
     """
+    drive.capabilities.require(Capability.STORAGE, purpose="storing parameters")
     require_disabled(drive, "parameters are stored")
-    _sign(drive, STORE_ALL, _SAVE, "stores parameters")
+    _sign(drive, Role.STORE_PARAMETERS, _SAVE, "stores parameters")
 
 
 def restore_defaults(drive: RemoteDrive) -> dict[str, Value]:
@@ -36,13 +38,19 @@ def restore_defaults(drive: RemoteDrive) -> dict[str, Value]:
         Every parameter that has a default, as the drive read back after the reset.
 
     Raises:
-        ValueRefused: the power stage is on, or the dictionary has no such object.
+        CapabilityMissing: the dictionary has no such object.
+        ValueRefused: the power stage is on.
         WriteNotVerified: the drive does not restore on command, or another value than a default is in force.
         NoAnswer: it did not come back from the reset.
         SdoAbort: the drive refused.
     """
+    if Role.RESTORE_DEFAULT_PARAMETERS not in drive.dictionary:
+        raise CapabilityMissing(
+            f"the defaults cannot be restored on command: {drive.dictionary.source} has not "
+            f"{Role.RESTORE_DEFAULT_PARAMETERS.label}; set the parameters one by one; nothing was sent"
+        )
     require_disabled(drive, "defaults are restored")
-    _sign(drive, RESTORE_ALL, _LOAD, "restores defaults")
+    _sign(drive, Role.RESTORE_DEFAULT_PARAMETERS, _LOAD, "restores defaults")
     reset(drive)
     known = [each for each in parameters(drive.dictionary) if each.default is not None and each.readable]
     values = {variable.name: drive.read(variable.name) for variable in known}
@@ -85,13 +93,13 @@ def reset(drive: RemoteDrive) -> None:
         drive.clock.wait(_POLL_S)
 
 
-def _sign(drive: RemoteDrive, name: str, signature: bytes, ability: str) -> None:
+def _sign(drive: RemoteDrive, role: Role, signature: bytes, ability: str) -> None:
     """Write a signature; such an object reads as an ability (bit 0) and never as what was written."""
-    variable = drive.dictionary[name]
-    if not int(drive.number(name)) & _ON_COMMAND:
+    variable = drive.dictionary[role]
+    if not int(drive.number(role)) & _ON_COMMAND:
         raise WriteNotVerified(
-            f"{name} reads {drive.number(name):g}, bit 0 is expected to say that the drive {ability} on "
-            f"command: this one does not"
+            f"{role.label} reads {drive.number(role):g}, bit 0 is expected to say that the drive {ability} "
+            f"on command: this one does not"
         )
     drive.link.download(variable.index, variable.sub, signature)
-    drive.read(name)
+    drive.read(role)

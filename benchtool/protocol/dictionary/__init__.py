@@ -10,13 +10,14 @@ from __future__ import annotations
 import difflib
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 
 from benchtool.errors import DictionaryError, ValueRefused
 from benchtool.protocol.dictionary.eds import read_eds
 from benchtool.protocol.dictionary.eds_objects import EdsObjects, Identity
+from benchtool.protocol.dictionary.roles import Role
 from benchtool.protocol.dictionary.variable import Variable
 
 _HASH = "dictionary_hash"
@@ -24,12 +25,16 @@ _HASH = "dictionary_hash"
 
 @dataclass(frozen=True)
 class Dictionary:
-    """Every variable of a drive, by name in the order of the file."""
+    """Every variable of a drive, by name in the order of the file.
+
+    `redirected` are the roles for which this drive has another object than the standard's.
+    """
 
     source: str
     identity: Identity
     variables: Mapping[str, Variable]
     warnings: tuple[str, ...]
+    redirected: Mapping[Role, Variable] = field(default_factory=dict)
 
     @classmethod
     def from_eds(cls, path: Path | str, node_id: int) -> Dictionary:
@@ -69,15 +74,20 @@ class Dictionary:
         default = variable.raw_default if variable else None
         return default if isinstance(default, int) else None
 
-    def __getitem__(self, name: str | tuple[int, int]) -> Variable:
-        """Variable of a name, of an index and sub-index, or of these as text (`0x6041:0`, `0x6041`).
+    def __getitem__(self, name: Role | str | tuple[int, int]) -> Variable:
+        """Variable of a role, a name, an index and sub-index, or of these as text (`0x6041:0`, `0x6041`).
 
         Raises:
             ValueRefused: there is none.
         """
-        variable = self._find(name)
+        variable = self.get(name)
         if variable is not None:
             return variable
+        if isinstance(name, Role):
+            raise ValueRefused(
+                f"no object {name.label} in {self.source}: if the drive has it elsewhere, say so under "
+                f"[roles] in its profile"
+            )
         if not isinstance(name, str):
             raise ValueRefused(
                 f"no object 0x{name[0]:04X}:{name[1]} in {self.source}: give one that is in it"
@@ -87,7 +97,7 @@ class Dictionary:
         raise ValueRefused(f"no object '{name}' in {self.source}: {hint}")
 
     def __contains__(self, name: object) -> bool:
-        return isinstance(name, str | tuple) and self._find(name) is not None
+        return isinstance(name, Role | str | tuple) and self.get(name) is not None
 
     def __iter__(self) -> Iterator[Variable]:
         return iter(self.variables.values())
@@ -95,7 +105,10 @@ class Dictionary:
     def __len__(self) -> int:
         return len(self.variables)
 
-    def _find(self, name: str | tuple[int, int]) -> Variable | None:
+    def get(self, name: Role | str | tuple[int, int]) -> Variable | None:
+        """As `dictionary[name]`; None where there is none."""
+        if isinstance(name, Role):
+            return self.redirected.get(name) or self.by_key.get(name.key)
         if not isinstance(name, str):
             return self.by_key.get(name)
         if name in self.variables:

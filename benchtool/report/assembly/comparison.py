@@ -17,7 +17,7 @@ from benchtool.report.assembly.marks import mark, picture, read_already
 from benchtool.report.content import Cell, Facts, Grid, Item, Report, Section, Text
 from benchtool.report.figures.comparison import Panel, draw_spectra, draw_steady_traces, draw_torque_traces
 from benchtool.report.numbers import NOTHING, raw, signed, stated
-from benchtool.report.origin import files_section
+from benchtool.report.origin import files_section, supervision_notes
 from benchtool.report.results import measurement_notes
 from benchtool.results.assessment import Assessment
 from benchtool.results.comparison import Comparison, Delta
@@ -43,7 +43,8 @@ def comparison_report(
     items: list[Item] = [
         Section(
             "What is compared", (Grid.of(("run", "case", "folder", "begun"), rows), _reading(comparisons))
-        )
+        ),
+        *supervision_notes(bundle.manifest for _, bundle, _ in bundles),
     ]
     if alone:
         items.append(Text(f"Without a counterpart in the other runs: {', '.join(alone)}.", "warning"))

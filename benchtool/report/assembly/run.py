@@ -13,7 +13,7 @@ from benchtool.report.assembly.marks import mark, read_already
 from benchtool.report.assembly.plan import plan_items
 from benchtool.report.assembly.table import is_table, table_report
 from benchtool.report.content import Cell, Grid, Item, Mark, Report, Section
-from benchtool.report.origin import files_section
+from benchtool.report.origin import files_section, supervision_notes
 from benchtool.results.calibration import overdue_text
 from benchtool.results.runs import RecordedCase, RecordedRun
 
@@ -39,7 +39,10 @@ def run_report(folder: Path, runs: Sequence[RecordedRun]) -> Report:
     title = manifest.what if len(runs) == 1 else f"{len(runs)} plans: {folder.resolve().name}"
     subtitle = f"Test report · {manifest.when} · profile {manifest.profile_name or 'unknown'}"
     together = [each.verdict for run in runs for group in run.repeated.values() for each in group]
-    items: list[Item] = [_banner(worst(run.verdict for run in runs), cases, together)]
+    items: list[Item] = [
+        _banner(worst(run.verdict for run in runs), cases, together),
+        *supervision_notes(case.bundle.manifest for case in cases),
+    ]
     if len(cases) == 1:
         (case,) = cases
         items += [

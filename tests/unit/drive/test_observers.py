@@ -15,8 +15,9 @@ from benchtool.errors import DriveFault
 from benchtool.link import Alarm
 from benchtool.link.ticks import TickMark
 from benchtool.protocol.canopen.emcy import Emergency
-from benchtool.protocol.cia402 import STATUSWORD, State
+from benchtool.protocol.cia402 import State
 from benchtool.protocol.dictionary.objects import DataType
+from benchtool.protocol.dictionary.roles import Role
 from benchtool.protocol.dictionary.variable import Variable
 
 _OVERCURRENT, _HEARTBEAT, _NONE = Emergency(0x2310, 0x03), Emergency(0x8130, 0x11), Emergency(0, 0)
@@ -39,7 +40,7 @@ def node(*alarms: Alarm) -> Cia402Node:
     """A node with a statusword of 'fault', and these alarms."""
     link: Any = SimpleNamespace(emergencies=lambda: alarms, upload=lambda index, sub, length: b"\x08\x00")
     variable = Variable(0x6041, 0, "statusword", DataType.U16)
-    dictionary: Any = {STATUSWORD: variable, "statusword": variable}
+    dictionary: Any = {Role.STATUSWORD: variable}
     return Cia402Node(link, dictionary, "drive.eds", VirtualClock())
 
 

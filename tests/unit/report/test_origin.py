@@ -7,7 +7,13 @@ import pytest
 from benchtool.profile import Choice
 from benchtool.recording import Manifest
 from benchtool.report.content import Grid
-from benchtool.report.origin import choices_section, parameters_section, plan_section, run_facts
+from benchtool.report.origin import (
+    choices_section,
+    parameters_section,
+    plan_section,
+    run_facts,
+    supervision_notes,
+)
 
 WHEN = "2026-11-21T12:00:00+00:00"
 
@@ -77,3 +83,16 @@ def test_choices_are_listed_if_there_are_any() -> None:
     (grid,) = section.items
     assert isinstance(grid, Grid)
     assert [cell.text for cell in grid.rows[0]] == ["a", "b", "c", "d"]
+
+
+def test_how_a_drive_was_supervised_is_said_once_where_the_profile_lets_it_run_without() -> None:
+    def manifest(**details: object) -> Manifest:
+        return Manifest(what="x", when=WHEN, details=details)
+
+    armed = manifest(supervision={"armed": True, "reason": ""})
+    without = manifest(supervision={"armed": False, "reason": "no 0x1016:1"})
+    assert list(supervision_notes([manifest(), manifest(supervision="?")])) == []
+    kept, ran = supervision_notes([armed, without, without, armed])
+    assert (kept.kind, ran.kind) == ("note", "warning")
+    assert kept.text.endswith("it was supervised.")
+    assert ran.text.endswith("Reason: no 0x1016:1.")

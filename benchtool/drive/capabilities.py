@@ -1,0 +1,222 @@
+"""What a drive can do for this tool, by the objects that its dictionary has.
+
+A capability is there when the dictionary has every object that it takes, with the access that it takes.
+Standard objects are asked for by role; names are of benchtool's own dictionary, where no standard has such an
+object.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from enum import StrEnum
+from pathlib import PurePath
+from typing import Any, Final, Self
+
+from benchtool.errors import CapabilityMissing
+from benchtool.protocol.dictionary import Dictionary
+from benchtool.protocol.dictionary.roles import Role
+from benchtool.protocol.modes import CYCLIC_POSITION, PROFILE_POSITION, Mode, first_supported
+
+_SHOWN = 4
+_DATA: Final = "capture_data"  # bytes; all others are numbers
+
+
+class Capability(StrEnum):
+    """What a drive may be able to do."""
+
+    SUPERVISED = "supervised"
+    TORQUE = "torque"
+    VELOCITY = "velocity"
+    POSITION = "position"
+    STREAM = "stream"
+    CAPTURE = "capture"
+    STIMULUS = "stimulus"
+    TICK = "tick"
+    STORAGE = "storage"
+
+
+@dataclass(frozen=True)
+class _Object:
+    """An object that a capability takes."""
+
+    of: Role | str
+    written: bool = False
+
+    def found(self, dictionary: Dictionary) -> str | None:
+        """Address and role or name, `0x6071:0 target_torque`; None if it is not there, or not accessible."""
+        variable = dictionary.get(self.of)
+        if variable is None or not (variable.writable if self.written else variable.readable):
+            return None
+        if variable.type.numpy is None and self.of != _DATA:
+            return None
+        return f"{variable.label} {self.of.title if isinstance(self.of, Role) else self.of}"
+
+    def wanted(self, dictionary: Dictionary) -> str:
+        """What to look for, and the access if the object is there without it."""
+        label = self.of.label if isinstance(self.of, Role) else self.of
+        if self.of not in dictionary:
+            return label
+        return f"{label}, a {'writable' if self.written else 'readable'} number"
+
+
+@dataclass(frozen=True)
+class _Needs:
+    """What a capability takes, and what cannot be done without it.
+
+    Of `modes` (0x6060) one will do. `beside` are objects that make more of it, where the drive has them.
+    """
+
+    objects: tuple[_Object, ...]
+    cost: str
+    modes: tuple[int, ...] = ()
+    beside: tuple[_Object, ...] = ()
+
+    def missing(self, dictionary: Dictionary) -> tuple[str, ...]:
+        """What the dictionary has not, or says that the drive has not."""
+        absent = [each.wanted(dictionary) for each in self.objects if each.found(dictionary) is None]
+        variable = dictionary.get(Role.SUPPORTED_MODES)
+        stated = None if variable is None else variable.raw_default
+        if self.modes and isinstance(stated, int) and stated and first_supported(self.modes, stated) is None:
+            bits = " or ".join(str(mode - 1) for mode in self.modes)
+            absent.append(f"{Role.SUPPORTED_MODES.label}, bit {bits}")
+        return tuple(absent)
+
+
+def _read(*of: Role | str) -> tuple[_Object, ...]:
+    return tuple(_Object(each) for each in of)
+
+
+def _written(*of: Role | str) -> tuple[_Object, ...]:
+    return tuple(_Object(each, written=True) for each in of)
+
+
+_STATES = (*_written(Role.CONTROLWORD), *_read(Role.STATUSWORD), *_written(Role.MODE_OF_OPERATION))
+_TICK = _read("tick", "control_period")
+
+_NEEDS: Final[Mapping[Capability, _Needs]] = {
+    Capability.SUPERVISED: _Needs(
+        _written(Role.CONSUMER_HEARTBEAT),
+        "the motor would run on when this host or the cable dies",
+        beside=_written(Role.ABORT_CONNECTION_OPTION),
+    ),
+    Capability.TORQUE: _Needs(
+        (*_STATES, *_written(Role.TARGET_TORQUE)),
+        "the drive cannot be enabled to make a torque",
+        Mode.TORQUE.codes,
+        _read(Role.TORQUE_ACTUAL, Role.MOTOR_RATED_TORQUE),
+    ),
+    Capability.VELOCITY: _Needs(
+        (*_STATES, *_written(Role.TARGET_VELOCITY)),
+        "the drive cannot be enabled to hold a speed",
+        Mode.VELOCITY.codes,
+        _read(Role.VELOCITY_ACTUAL),
+    ),
+    Capability.POSITION: _Needs(
+        (*_STATES, *_written(Role.TARGET_POSITION)),
+        "the drive cannot be enabled to go to a position",
+        (PROFILE_POSITION, CYCLIC_POSITION),
+        _read(Role.POSITION_ACTUAL),
+    ),
+    Capability.STREAM: _Needs(
+        (*_TICK, *_read("stream_sequence"), *_written(Role.TPDO_COB_ID, Role.TPDO_MAPPING)),
+        "signals cannot be recorded or shown while they happen",
+    ),
+    Capability.CAPTURE: _Needs(
+        (
+            *_TICK,
+            *_written("capture_control", "capture_rows", "capture_stride", "capture_pretrigger"),
+            *_written("capture_trigger", "capture_trigger_signal", "capture_trigger_level"),
+            *_written("capture_channel_1"),
+            *_read("capture_state", "capture_rows_done", "capture_sequence", _DATA),
+        ),
+        "ripple and spectra cannot be measured at the control rate",
+    ),
+    Capability.STIMULUS: _Needs(
+        (
+            *_TICK,
+            *_written("stimulus_control", "stimulus_quantity", "stimulus_shape", "stimulus_amplitude"),
+            *_written("stimulus_offset", "stimulus_ticks", "stimulus_repetitions"),
+            *_written("stimulus_frequency_start", "stimulus_frequency_end", "stimulus_steps"),
+            *_written("stimulus_prbs_clock", "stimulus_prbs_length", "stimulus_seed"),
+            *_written("stimulus_frame", "stimulus_angle"),
+            *_read("stimulus_state", "torque_limit", "i_trip", "u_dc", "omega_m_command"),
+            *_read(Role.MODE_OF_OPERATION_DISPLAY),
+        ),
+        "step and frequency responses cannot be measured: no host's timer paces an experiment",
+    ),
+    Capability.TICK: _Needs(_TICK, "samples have no time base of the drive, and are placed by arrival only"),
+    Capability.STORAGE: _Needs(
+        _written(Role.STORE_PARAMETERS),
+        "what is set is forgotten at the next reset or power off",
+        beside=_written(Role.RESTORE_DEFAULT_PARAMETERS),
+    ),
+}
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Whether a capability is there: by which objects, or else which of those that it takes are missing."""
+
+    available: bool
+    by: tuple[str, ...]
+    missing: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Capabilities:
+    """What a drive can do, by capability; `source` names its EDS."""
+
+    source: str
+    findings: Mapping[Capability, Finding]
+
+    @classmethod
+    def of(cls, dictionary: Dictionary) -> Self:
+        """Of the drive that a dictionary describes."""
+        findings = {capability: _finding(dictionary, needs) for capability, needs in _NEEDS.items()}
+        return cls(PurePath(dictionary.source).name, findings)
+
+    def __contains__(self, capability: object) -> bool:
+        return isinstance(capability, Capability) and self.findings[capability].available
+
+    def require(self, *wanted: Capability, purpose: str) -> None:
+        """Check that the drive has these.
+
+        Args:
+            purpose: what takes them: "a jog", "the plan".
+
+        Raises:
+            CapabilityMissing: it has not; names what is missing and what that costs.
+        """
+        for capability in wanted:
+            finding = self.findings[capability]
+            if not finding.available:
+                more = len(finding.missing) - _SHOWN
+                listed = ", ".join(finding.missing[:_SHOWN]) + (f" and {more} more" if more > 0 else "")
+                raise CapabilityMissing(
+                    f"no '{capability}': {cost(capability)}; {purpose} takes it, and {self.source} has not "
+                    f"{listed}: {_remedy(capability)}; nothing was sent"
+                )
+
+    def to_json(self) -> dict[str, dict[str, Any]]:
+        """By name, each with `available`, `by` and `missing`."""
+        return {str(capability): asdict(finding) for capability, finding in self.findings.items()}
+
+
+def cost(capability: Capability) -> str:
+    """What cannot be done with a drive that lacks it."""
+    return _NEEDS[capability].cost
+
+
+def _finding(dictionary: Dictionary, needs: _Needs) -> Finding:
+    if missing := needs.missing(dictionary):
+        return Finding(False, (), missing)
+    labels = (each.found(dictionary) for each in (*needs.objects, *needs.beside))
+    return Finding(True, tuple(label for label in labels if label is not None), ())
+
+
+def _remedy(capability: Capability) -> str:
+    """What a person can do about a missing capability."""
+    if any(isinstance(each.of, str) for each in _NEEDS[capability].objects):
+        return "it takes firmware of benchtool's dictionary (docs/porting.md)"
+    return "if the drive has such an object elsewhere, name it under [roles] in its profile"

@@ -1,0 +1,45 @@
+"""The dictionary of the drive that a profile describes: its EDS, and the roles that the profile redirects."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path, PurePath
+
+from benchtool.document import line_of
+from benchtool.errors import ProfileError, ValueRefused
+from benchtool.profile import Profile, RoleObject, eds_path
+from benchtool.protocol.dictionary import Dictionary
+from benchtool.protocol.dictionary.objects import DataType
+from benchtool.protocol.dictionary.roles import Role
+from benchtool.protocol.dictionary.variable import Variable
+
+
+def profiled_dictionary(profile: Profile, source: Path, node_id: int) -> Dictionary:
+    """Dictionary of the drive of `profile`, which was read from `source`.
+
+    Raises:
+        ProfileError: it names no EDS, an unknown role, or an object that the EDS has not.
+        DictionaryError: the EDS cannot be read.
+    """
+    dictionary = Dictionary.from_eds(eds_path(profile, source), node_id)
+    redirected: dict[Role, Variable] = {}
+    for title, stated in profile.roles.items():
+        try:
+            role = Role.named(title)
+            redirected[role] = _redirected(dictionary, role, stated)
+        except ValueRefused as refused:
+            line = line_of(source.read_text(encoding="utf-8"), ("roles", title))
+            raise ProfileError(f"{source}{line}: key 'roles.{title}': {refused}") from None
+    return replace(dictionary, redirected=redirected)
+
+
+def _redirected(dictionary: Dictionary, role: Role, stated: RoleObject) -> Variable:
+    """The object that has a role, in the unit that the profile states."""
+    variable = dictionary[stated.object]
+    if (variable.type is DataType.STRING) is not role.is_text or variable.type is DataType.DOMAIN:
+        expected = "text" if role.is_text else "a number"
+        raise ValueRefused(
+            f"'{stated.object}' in {PurePath(dictionary.source).name} is of type {variable.type}, {expected} "
+            f"is expected: name another object"
+        )
+    return replace(variable, unit=stated.unit, factor=stated.factor) if stated.unit else variable
