@@ -122,7 +122,7 @@ def test_an_emulated_drive_offers_the_wire_of_somebody_else() -> None:
         (wire,) = drive.wires
         assert (wire.wire, wire.link) == ("loopback-serial", f"elsewhere:{wire.place}")
     with (
-        pytest.raises(UsageError, match="offers no 'usb': choose slcan or serial or loopback-serial"),
+        pytest.raises(UsageError, match="offers no 'usb': choose slcan, serial or loopback-serial"),
         serve("zhu2011", [Endpoint("usb")]),
     ):
         pass
