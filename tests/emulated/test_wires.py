@@ -11,6 +11,8 @@ from typer.testing import CliRunner
 from benchtool.bench.serving import Endpoint, serve
 from benchtool.bench.session import open_session
 from benchtool.bench.wires import registry
+from benchtool.bench.wires.address import Form
+from benchtool.bench.wires.wire import Wire
 from benchtool.cli import app
 from benchtool.clock import VirtualClock
 from benchtool.drive import Mode
@@ -120,7 +122,7 @@ def test_an_emulated_drive_offers_the_wire_of_somebody_else() -> None:
         (wire,) = drive.wires
         assert (wire.wire, wire.link) == ("loopback-serial", f"elsewhere:{wire.place}")
     with (
-        pytest.raises(UsageError, match="offers no 'usb': choose slcan or serial or loopback-serial"),
+        pytest.raises(UsageError, match="offers no 'usb': choose slcan, serial or loopback-serial"),
         serve("zhu2011", [Endpoint("usb")]),
     ):
         pass
@@ -141,6 +143,11 @@ def test_an_installed_wire_that_is_none_is_named(
     assert registry.parse("emulated?wire=serial").scheme == "emulated", "those of this package work on"
     with pytest.raises(EnvironmentFailure, match=complaint):
         registry.parse("somewhere:else")
+
+
+def test_a_wire_with_addresses_can_open_them() -> None:
+    with pytest.raises(ValueError, match="'usb' has one of form and connect"):
+        Wire("usb", Form("usb", ("PORT",)))
 
 
 # ---- links that are open already -------------------------------------------------------------------------

@@ -22,6 +22,11 @@ def any_text(_option: str, _value: str) -> str:
     return ""
 
 
+def one_of(choices: Sequence[str]) -> str:
+    """Choices as a sentence lists them."""
+    return " or ".join([", ".join(choices[:-1]), choices[-1]] if len(choices) > 1 else choices)
+
+
 @dataclass(frozen=True)
 class Form:
     """How the addresses of one wire are spelled.
@@ -65,8 +70,8 @@ class Address:
         form = next((each for each in forms if each.scheme == scheme), None)
         place = tuple(rest.split(":", max(0, len(form.places) - 1))) if form and colon else ()
         if form is None or len(place) != len(form.places) or (place and not place[0]):
-            known = [f"{each.spelling}{each.remark}" for each in forms]
-            raise UsageError(f"link '{url}' is not known: use {', '.join(known[:-1])} or {known[-1]}")
+            known = one_of([f"{each.spelling}{each.remark}" for each in forms])
+            raise UsageError(f"link '{url}' is not known: use {known}")
         options = dict(parse_qsl(query, keep_blank_values=True))
         for key, value in options.items():
             if key not in form.options:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from benchtool.bench.wires import canopen, replay, serial
-from benchtool.bench.wires.address import Address, Form
+from benchtool.bench.wires.address import Address, Form, one_of
 from benchtool.bench.wires.emulated import emulated
 from benchtool.bench.wires.wire import FarEnd, Offer, Wire
 from benchtool.errors import EnvironmentFailure, UsageError
@@ -73,13 +73,12 @@ def offer_named(name: str) -> Offer:
         if name in wire.offers:
             return wire.offers[name]
         known += wire.offers
-    raise UsageError(f"an emulated drive offers no '{name}': choose {' or '.join(known)}")
+    raise UsageError(f"an emulated drive offers no '{name}': choose {one_of(known)}")
 
 
 def links_help() -> str:
     """How links are spelled, those of this package."""
-    spellings = [form.spelling for form in _forms(_BUILT_IN)]
-    return f"{', '.join(spellings[:-1])} or {spellings[-1]}."
+    return f"{one_of([form.spelling for form in _forms(_BUILT_IN)])}."
 
 
 def channels_help() -> str:

@@ -54,8 +54,8 @@ class Connection:
     """The way to a drive.
 
     If it `reopens`, each call of `open_link` opens a link, which the session closes and opens anew if it was
-    lost; else there is the one, which is closed where it was opened. `bench` is what the
-    drive stands on, if that is emulated in this process.
+    lost; else there is the one, which is closed where it was opened. `bench` is what the drive stands on, if
+    that is emulated in this process.
     """
 
     clock: Clock
