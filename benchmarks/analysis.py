@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 from scipy import signal
 
 from benchmarks.figures import print_figures
+from benchtool.analysis.window import Window
 from benchtool.block import Block, Channel
 from benchtool.profile import load_profile
 from benchtool.recording import Bundle, BundleWriter, Manifest
@@ -133,7 +134,7 @@ def read(seconds: int, folder: str) -> Figures:
 
 def _analyse_s(block: Block) -> float:
     start = time.perf_counter()
-    assess_steady_state(block, MOTOR)
+    assess_steady_state(Window.of(block, MOTOR))
     return time.perf_counter() - start
 
 

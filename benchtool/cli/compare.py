@@ -140,10 +140,10 @@ def _show_columns(output: Output, title: str, comparison: Comparison, letters: M
 
 def _show_many(output: Output, title: str, comparison: Comparison, letters: Mapping[str, str]) -> None:
     """A row for each run, with what is asked first; the whole is in the documents."""
-    from benchtool.report.assembly.plan import FOREMOST
+    from benchtool.analysis.catalogue import catalogue
 
     known = comparison.names
-    names: list[str] = [name for name in FOREMOST if name in known] or list(known[:4])
+    names: list[str] = [name for name in catalogue().foremost if name in known] or list(known[:4])
     rows: list[tuple[str | Text, ...]] = [
         (f"{letters[label]} {label}", *(_together(comparison, label, name) for name in names))
         for label in comparison.results

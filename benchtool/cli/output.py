@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 _CONTROLS = {code: f"\\x{code:02x}" for code in (*range(32), *range(127, 160)) if code not in (9, 10)}
 _MOST_COLUMNS = 7
 _WIDTH_OF_A_PIPE = 120
-_FOREMOST = ("torque_ripple_pp", "true_torque_ripple_pp", "flux_ripple_pp", "current_thd")
 _COLOUR = {"pass": "green", "marginal": "yellow", "undecided": "magenta", "fail": "red", "none": "dim"}
 
 
@@ -121,10 +120,12 @@ def measured(measurement: Measurement) -> str:
 
 def show_run(output: Output, title: str, result: RunResult, tabulate: Sequence[str] = ()) -> None:
     """Print for people what every case of a run measured, and how it met its limits."""
+    from benchtool.analysis.catalogue import catalogue
+
     if len(result.assessments) == 1:
         show_assessment(output, title, result.assessments[0])
     elif tabulate or len(result.assessments) > _MOST_COLUMNS:
-        show_rows(output, title, result.assessments, tabulate or _FOREMOST)
+        show_rows(output, title, result.assessments, tabulate or catalogue().foremost)
     else:
         show_side_by_side(output, title, result.assessments)
     show_repeated(output, result.repeated, tabulate)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -17,12 +18,14 @@ from benchtool.analysis import (
     measurements_to_json,
     tables_to_json,
 )
-from benchtool.analysis.catalogue import STEADY
-from benchtool.analysis.dynamics.bode import Bode, analyze_response
-from benchtool.analysis.dynamics.step import analyze_step
+from benchtool.analysis.catalogue import measure
+from benchtool.analysis.declaration import Findings, Measured
+from benchtool.analysis.steady_state import steady_state_of
+from benchtool.analysis.window import Excitation, Window
 from benchtool.block import Block
+from benchtool.document import explain
 from benchtool.errors import AnalysisError
-from benchtool.plan.cases import case_named
+from benchtool.plan.cases import Coordinates, case_named
 from benchtool.plan.limits import Limit, Missed, Verdict, missed, worst
 from benchtool.plan.model import Plan
 from benchtool.plan.operating_point import Seen, asked, default_limits, measure_reached
@@ -30,7 +33,7 @@ from benchtool.profile import Motor
 from benchtool.recording import Bundle
 from benchtool.results.agreement import Disagreement, disagreements
 from benchtool.results.repetitions import Repeated, limits_together
-from benchtool.results.steady_state import assess_steady_state
+from benchtool.results.steady_state import assess_steady_state, without_channels
 
 
 @dataclass(frozen=True)
@@ -41,6 +44,8 @@ class Assessment:
     plan's for each case and, where it sets none, those of the operating point. `without` names what could not
     be measured for want of channels, with these. `parameter_check` is what `ParameterCheck.to_json` tells of
     the drive. `refusal` is why nothing but the operating point was measured, where the machine ran elsewhere.
+    `findings` are what each analysis found, by its name, and `coordinates` say where the case stands in its
+    plan.
     """
 
     case: str
@@ -53,10 +58,11 @@ class Assessment:
     transducer: Block | None
     steady: SteadyState | None
     tables: tuple[Table, ...] = ()
-    bode: Bode | None = None
+    findings: Mapping[str, Findings] = field(default_factory=dict)
     without: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     parameter_check: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     refusal: str = ""
+    coordinates: Coordinates = field(default_factory=partial(Coordinates, ""))
 
     @property
     def found(self) -> Mapping[str, Measurement]:
@@ -108,6 +114,7 @@ class Assessment:
         """The case as the JSON document of a run lists it."""
         document: dict[str, Any] = {
             "bundle": str(self.bundle),
+            "coordinates": self.coordinates.to_json(),
             "verdict": str(self.verdict),
             "verdict_by_transducer": self.verdict_by_transducer,
             "missed": [str(each) for each in self.missed],
@@ -214,62 +221,58 @@ def assess(
         {**plan.published.get(this.group, {}), **plan.published.get(case, {})},
         capture,
         transducer,
-        answers.steady,
+        steady_state_of(answers.findings) if plan.analyses.steady and not refusal else None,
         answers.tables,
-        answers.bode,
+        answers.findings,
         answers.without,
         seen.parameter_check,
         refusal,
+        this.coordinates,
     )
 
 
 @dataclass(frozen=True)
 class _Answers:
-    """What the analyses that a plan asks for give; the fields are those of `Assessment`."""
+    """What the analyses that a plan asks for find, by name, and what lacked channels."""
 
-    measurements: tuple[Measurement, ...] = ()
-    tables: tuple[Table, ...] = ()
-    steady: SteadyState | None = None
-    bode: Bode | None = None
+    findings: Mapping[str, Findings] = field(default_factory=dict)
     without: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+
+    @property
+    def measurements(self) -> tuple[Measurement, ...]:
+        return tuple(each for found in self.findings.values() for each in found.measurements)
+
+    @property
+    def tables(self) -> tuple[Table, ...]:
+        return tuple(each for found in self.findings.values() for each in found.tables)
 
 
 def _answer(plan: Plan, motor: Motor, capture: Block, transducer: Block | None) -> _Answers:
     """Every analysis that a plan asks for."""
-    measurements: list[Measurement] = []
-    tables: list[Table] = []
-    steady = None
+    findings: dict[str, Findings] = {}
     without: dict[str, tuple[str, ...]] = {}
     if plan.analyses.steady:
-        window = _from(capture, plan.analyses.steady_from_s)
-        steady, further = assess_steady_state(window, motor, transducer)
-        measurements.extend((*steady.measurements, *further.measurements))
-        tables.extend((*steady.tables, *further.tables))
-        channels = frozenset(window.names)
-        could = [each for each in STEADY if transducer is not None or not each.transducer]
-        without = {each.title: lacking for each in could if (lacking := each.missing(channels))}
-    if plan.analyses.step:
-        step = analyze_step(capture, plan.analyses.step_signal, plan.analyses.step_reference)
-        measurements.extend(step.measurements)
-    bode = _response(plan, capture) if plan.analyses.frequency_response else None
-    if bode is not None:
-        measurements.extend(bode.measurements)
-        tables.extend(bode.tables)
-    return _Answers(tuple(measurements), tuple(tables), steady, bode, without)
+        window = Window.of(_from(capture, plan.analyses.steady_from_s), motor, transducer)
+        findings |= assess_steady_state(window, plan.analyses)
+        without = without_channels(window, plan.analyses)
+    whole = Window.of(capture, motor, transducer, _excitation(plan, capture))
+    for analysis, settings in plan.analyses.demanded():
+        if analysis.measured is Measured.ASKED:
+            findings[analysis.name] = measure(analysis, whole, settings)
+    return _Answers(findings, without)
 
 
-def _response(plan: Plan, capture: Block) -> Bode:
-    """Frequency response while the stimulus plays; of a repeated one after its first period, a transient."""
-    begin, end, period = 0, len(capture.data), None
-    if plan.stimulus is not None:
-        begin = round(plan.record.pretrigger_s * capture.sample_rate_Hz)
-        ticks = plan.stimulus.ticks(capture.tick_s)
-        end = min(end, begin + ticks * plan.stimulus.repetitions // capture.stride)
-        if plan.stimulus.repetitions > 1 and ticks % capture.stride == 0:
-            period = ticks // capture.stride
-            begin += period
-    channels = plan.analyses.response_input, plan.analyses.response_output
-    return analyze_response(capture, *channels, begin_row=begin, end_row=end, period_rows=period)
+def _excitation(plan: Plan, capture: Block) -> Excitation:
+    """Where the stimulus plays; of a repeated one after its first period, a transient."""
+    if plan.stimulus is None:
+        return Excitation(0, len(capture.data))
+    begin, period = round(plan.record.pretrigger_s * capture.sample_rate_Hz), None
+    ticks = plan.stimulus.ticks(capture.tick_s)
+    end = min(len(capture.data), begin + ticks * plan.stimulus.repetitions // capture.stride)
+    if plan.stimulus.repetitions > 1 and ticks % capture.stride == 0:
+        period = ticks // capture.stride
+        begin += period
+    return Excitation(begin, end, period)
 
 
 def assess_bundle(bundle: Bundle) -> Assessment:
@@ -284,9 +287,10 @@ def assess_bundle(bundle: Bundle) -> Assessment:
     try:
         plan, motor = Plan.model_validate(details["plan"]), Motor.model_validate(details["motor"])
         case = str(details["case"])
-    except (KeyError, ValidationError):
+    except (KeyError, ValidationError) as failed:
+        why = f" ({explain(Plan, failed)})" if isinstance(failed, ValidationError) else ""
         raise AnalysisError(
-            f"{bundle.directory} carries no plan that this version understands: analyse a bundle that "
+            f"{bundle.directory} carries no plan that this version understands{why}: analyse a bundle that "
             f"'benchtool run' wrote"
         ) from None
     if "capture" not in bundle.streams:

@@ -15,7 +15,7 @@ from benchtool.plan.cases import cases
 from benchtool.plan.limits import Limit, Missed, Verdict, missed
 from benchtool.plan.model import Plan
 from benchtool.plan.operating_point import NAMES as REACHED
-from benchtool.telemetry.certificate import certificate_names
+from benchtool.telemetry.certificate import certificate_units
 
 
 @dataclass(frozen=True)
@@ -96,7 +96,7 @@ def limits_together(plan: Plan, group: str) -> dict[str, Limit]:
     """The limits of a case that hold for all of its repetitions together, by `judge` of the plan."""
     if plan.judge == "each":
         return {}
-    each = {*REACHED, *certificate_names(stream=True)}
+    each = {*REACHED, *certificate_units(stream=True)}
     limits = {**plan.limits, **plan.case_limits.get(group, {})}
     return {name: limit for name, limit in limits.items() if name not in each}
 

@@ -13,16 +13,16 @@ from benchtool.analysis.uncertainty import COVERAGE
 from benchtool.block import Block
 from benchtool.recording import Bundle
 from benchtool.recording.manifest import read_manifest
+from benchtool.report.assembly.figures import panel_of
 from benchtool.report.assembly.marks import mark, picture, read_already
 from benchtool.report.content import Cell, Facts, Grid, Item, Report, Section, Text
-from benchtool.report.figures.comparison import Panel, draw_spectra, draw_steady_traces, draw_torque_traces
+from benchtool.report.figures.drawings import comparable, draw_side_by_side
 from benchtool.report.numbers import NOTHING, raw, signed, stated
 from benchtool.report.origin import files_section
 from benchtool.report.results import measurement_notes
 from benchtool.results.assessment import Assessment
 from benchtool.results.comparison import Comparison, Delta
 
-_SHOWN_S = 0.2
 _MOST_PANELS = 9
 _LONGEST = 24  # characters of a label that heads a column
 
@@ -163,25 +163,12 @@ def _short(label: str) -> str:
 
 def _figures(comparison: Comparison) -> Iterator[Item]:
     shown = list(comparison.results.items())[:_MOST_PANELS]
-    panels = [Panel(label, result.capture, result.steady) for label, result in shown]
-    figures: list[Item] = []
-    channels = set.intersection(*(set(panel.capture.names) for panel in panels))
-    if "torque" in channels:
-        figures.append(picture("torque", draw_torque_traces(panels, "Torque")))
-    steady = [panel for panel in panels if panel.steady is not None]
-    if len(steady) == len(panels) and {"torque", "i_a", "psi_s"} <= channels:
-        figure = draw_steady_traces(panels, f"The first {_SHOWN_S:g} s of the captures", _SHOWN_S)
-        figures.append(picture("steady", figure))
-    if steady and all("current_max_low_harmonic" in _names(result) for _, result in shown):
-        figures.append(picture("spectra", draw_spectra(panels, "Spectra of phase current a")))
+    panels = [panel_of(result, label) for label, result in shown]
+    figures: list[Item] = [picture(name, draw_side_by_side(name, panels)) for name in comparable(panels)]
     if figures:
         left_out = len(comparison.results) - len(shown)
         more = [Text(f"{left_out} more runs are not drawn.", "note")] if left_out else []
         yield Section("Figures", (*figures, *more))
-
-
-def _names(result: Assessment) -> set[str]:
-    return {each.name for each in result.measurements}
 
 
 def _circumstances(comparison: Comparison) -> Iterator[Item]:

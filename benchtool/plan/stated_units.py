@@ -1,0 +1,51 @@
+"""Units that the keys of a plan carry: `torque_mean_Nm = { max = 1.0 }`, by measurement and stated unit."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from benchtool.analysis.catalogue import catalogue
+from benchtool.analysis.declaration import unit_suffix
+from benchtool.plan.limits import Limit
+
+
+def with_units(limits: Any) -> Any:
+    """Limits by measurement, the unit that a key ends with as that of its limit.
+
+    A unit that the measurement does not have stays in the key, and what checks the names of a plan says so.
+    """
+    if not isinstance(limits, Mapping):
+        return limits
+    found: dict[Any, Any] = {}
+    for key, limit in limits.items():
+        name, unit = _split(key)
+        if name in found or (unit and name in limits):
+            raise ValueError(f"the limit of {name} stands twice, once is expected: leave one out")
+        found[name] = _in_unit(limit, unit) if unit else limit
+    return found
+
+
+def without_units(numbers: Any) -> Any:
+    """Published numbers by measurement; a unit that a key ends with, the measurement's, is left out."""
+    if not isinstance(numbers, Mapping):
+        return numbers
+    return {_split(key)[0]: value for key, value in numbers.items()}
+
+
+def _split(key: Any) -> tuple[Any, str]:
+    """Measurement and unit of a key; the key and no unit where it does not end with its measurement's."""
+    stated = catalogue().stated_unit(key) if isinstance(key, str) else None
+    if stated is None:
+        return key, ""
+    name, unit = stated
+    quantity = catalogue().quantity(name)
+    assert quantity is not None  # stated_unit knows it
+    fixed = unit_suffix(quantity.unit) if isinstance(quantity.unit, str) else unit
+    return (name, unit) if unit == fixed else (key, "")
+
+
+def _in_unit(limit: Any, unit: str) -> Any:
+    if isinstance(limit, Limit):
+        return limit if limit.unit is not None else limit.model_copy(update={"unit": unit})
+    return {"unit": unit, **limit} if isinstance(limit, Mapping) else limit
