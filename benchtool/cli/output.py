@@ -214,10 +214,10 @@ def show_repeated(
 
 def _together(repeated: Repeated) -> str:
     """What of the repetitions a limit holds for, and how that meets it."""
-    limit, judged = repeated.limit, repeated.judged
+    limit = repeated.limit
     if limit is None:
         return ""
-    what = "" if judged is None else f", {judged.definition.partition(' of ')[0]} {limit.bounds}"
+    what = "" if repeated.judged is None else f", {repeated.judge} {limit.bounds}"
     return f"{repeated.verdict}{what}"
 
 

@@ -24,8 +24,8 @@ class Repeated:
 
     `standard_uncertainty` is that of the mean, the standard deviation over sqrt(n) with n - 1 degrees of
     freedom (JCGM 100:2008, 4.2.3), and nan of fewer than two. It knows nothing of what all repetitions share.
-    `limit` is the one that holds for them together and `judged` what it is put to: the mean, or the worst
-    repetition; None where the plan judges each, or where nothing was measured.
+    `limit` is the one that holds for them together and `judged` what it is put to: by `judge` of the plan the
+    mean, or the worst repetition; None where the plan judges each, or where nothing was measured.
     """
 
     name: str
@@ -35,6 +35,7 @@ class Repeated:
     n: int
     limit: Limit | None = None
     judged: Measurement | None = None
+    judge: Literal["each", "mean", "worst"] = "each"
 
     @property
     def uncertainty(self) -> Uncertainty | None:
@@ -113,7 +114,7 @@ def _together(
         mean = float(np.mean(values)) if values else math.nan
         spread = float(np.std(values, ddof=1)) / math.sqrt(len(values)) if len(values) > 1 else math.nan
         limit = limits.get(name)
-        together = Repeated(name, units.get(name, ""), mean, spread, len(values), limit)
+        together = Repeated(name, units.get(name, ""), mean, spread, len(values), limit, judge=judge)
         if limit is not None and found:
             together = replace(together, judged=_judged(together, found, len(group), judge == "mean"))
         yield together
