@@ -98,14 +98,11 @@ class Quantity:
         """Whether a measurement of that name is one of these."""
         return re.fullmatch(self.pattern, name) is not None if self.pattern else name in self.names
 
-    def to_json(self) -> dict[str, Any]:
-        """As `benchtool analyze --list --json` has it."""
-        document: dict[str, Any] = {
-            "names": list(self.names),
-            "unit": str(self.unit),
-            "definition": self.definition,
-        }
-        return document | ({"pattern": self.pattern} if self.pattern else {})
+    def to_json(self) -> list[dict[str, str]]:
+        """As `benchtool analyze --list --json` has it, a measurement each."""
+        pattern = {"pattern": self.pattern} if self.pattern else {}
+        shared = {"unit": str(self.unit), "definition": self.definition, **pattern}
+        return [{"name": name, **shared} for name in self.names]
 
 
 @dataclass(frozen=True)
@@ -239,7 +236,7 @@ class Analysis(Generic[Settings]):
             "channel_settings": list(self.channel_settings),
             "conditions": list(self.conditions),
             "settings": self.settings().model_dump(mode="json"),
-            "measurements": [each.to_json() for each in self.quantities],
+            "measurements": [entry for each in self.quantities for entry in each.to_json()],
             "figures": [each.name for each in self.figures],
             "comparisons": [each.name for each in self.comparisons],
             "source": self.source or "benchtool",

@@ -115,9 +115,7 @@ def guarded(analysis: Analysis[Any], doing: str) -> Iterator[None]:
 def require_declared(analysis: Analysis[Any], found: object) -> None:
     """Check what an analysis found against what it declares; raises TypeError or ValueError."""
     if not isinstance(found, Findings):
-        raise TypeError(
-            f"it returns {type(found).__name__}, benchtool.analysis.declaration.Findings is expected"
-        )
+        raise TypeError(f"it returns {type(found).__name__}, Findings are expected")
     kinds = ((found.measurements, Measurement), (found.tables, Table))
     if not all(isinstance(each, kind) for several, kind in kinds for each in several):
         raise TypeError("a measurement is no Measurement, or a table no Table, of benchtool.analysis")

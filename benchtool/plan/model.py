@@ -163,7 +163,7 @@ class Plan(Section):
     def _case_limits_by_measurement(cls, by_case: Any) -> Any:
         if not isinstance(by_case, Mapping):
             return by_case
-        return {case: with_units(limits) for case, limits in by_case.items()}
+        return {case: with_units(limits, case) for case, limits in by_case.items()}
 
     @field_validator("published", mode="before")
     @classmethod

@@ -5,15 +5,19 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from pydantic import ValidationError
+from pydantic_core import InitErrorDetails
+
 from benchtool.analysis.catalogue import catalogue
 from benchtool.analysis.declaration import unit_suffix
 from benchtool.plan.limits import Limit
 
 
-def with_units(limits: Any) -> Any:
+def with_units(limits: Any, *place: str) -> Any:
     """Limits by measurement, the unit that a key ends with as that of its limit.
 
     A unit that the measurement does not have stays in the key, and what checks the names of a plan says so.
+    `place` is where the table is, for messages.
     """
     if not isinstance(limits, Mapping):
         return limits
@@ -22,7 +26,7 @@ def with_units(limits: Any) -> Any:
         name, unit = _split(key)
         if name in found or (unit and name in limits):
             raise ValueError(f"the limit of {name} stands twice, once is expected: leave one out")
-        found[name] = _in_unit(limit, unit) if unit else limit
+        found[name] = _in_unit(limit, unit, (*place, str(key))) if unit else limit
     return found
 
 
@@ -45,7 +49,19 @@ def _split(key: Any) -> tuple[Any, str]:
     return (name, unit) if unit == fixed else (key, "")
 
 
-def _in_unit(limit: Any, unit: str) -> Any:
+def _in_unit(limit: Any, unit: str, place: tuple[str, ...]) -> Any:
+    """A limit with the unit that its key states; what is wrong with it is told by the key as it is written."""
     if isinstance(limit, Limit):
         return limit if limit.unit is not None else limit.model_copy(update={"unit": unit})
-    return {"unit": unit, **limit} if isinstance(limit, Mapping) else limit
+    if not isinstance(limit, Mapping):
+        return limit
+    try:
+        return Limit.model_validate({"unit": unit, **limit})
+    except ValidationError as failed:
+        errors = [
+            InitErrorDetails(
+                type=each["type"], loc=(*place, *each["loc"]), input=each["input"], ctx=each.get("ctx", {})
+            )
+            for each in failed.errors()
+        ]
+        raise ValidationError.from_exception_data(Limit.__name__, errors) from None

@@ -32,7 +32,7 @@ from benchtool.plan.operating_point import Seen, asked, default_limits, measure_
 from benchtool.profile import Motor
 from benchtool.recording import Bundle
 from benchtool.results.agreement import Disagreement, disagreements
-from benchtool.results.repetitions import Repeated, limits_together
+from benchtool.results.repetitions import Repeated, limits_alone
 from benchtool.results.steady_state import assess_steady_state, without_channels
 
 
@@ -200,10 +200,7 @@ def assess(
     point = this.operating_point
     wanted = asked(point, motor, seen.u_dc_V)
     reached = measure_reached(wanted, plan, point, motor, capture, transducer, seen)
-    together = limits_together(plan, this.group)
-    own = {**plan.limits, **plan.case_limits.get(this.group, {})}
-    own = {name: limit for name, limit in own.items() if name not in together}
-    own |= plan.case_limits.get(case, {})
+    own = limits_alone(plan, this)
     limits = {**own, **{name: each for name, each in default_limits(wanted).items() if name not in own}}
     try:
         answers, refusal = _answer(plan, motor, capture, transducer), ""

@@ -11,7 +11,7 @@ from typing import Any, Literal
 import numpy as np
 
 from benchtool.analysis import Measurement, Uncertainty
-from benchtool.plan.cases import cases
+from benchtool.plan.cases import Case, cases
 from benchtool.plan.limits import Limit, Missed, Verdict, missed
 from benchtool.plan.model import Plan
 from benchtool.plan.operating_point import NAMES as REACHED
@@ -100,6 +100,14 @@ def limits_together(plan: Plan, group: str) -> dict[str, Limit]:
     each = {*REACHED, *certificate_units(stream=True)}
     limits = {**plan.limits, **plan.case_limits.get(group, {})}
     return {name: limit for name, limit in limits.items() if name not in each}
+
+
+def limits_alone(plan: Plan, case: Case) -> dict[str, Limit]:
+    """The limits that a plan sets for one case by itself: for every case, for its group, for itself."""
+    together = limits_together(plan, case.group)
+    shared = {**plan.limits, **plan.case_limits.get(case.group, {})}
+    alone = {name: limit for name, limit in shared.items() if name not in together}
+    return alone | plan.case_limits.get(case.name, {})
 
 
 def _together(
