@@ -50,7 +50,7 @@ def _split(key: Any) -> tuple[Any, str]:
 
 
 def _in_unit(limit: Any, unit: str, place: tuple[str, ...]) -> Any:
-    """A limit with the unit that its key states; what is wrong with it is told by the key as it is written."""
+    """A limit with the unit that its key states; what is wrong is told by the key as it is written."""
     if isinstance(limit, Limit):
         return limit if limit.unit is not None else limit.model_copy(update={"unit": unit})
     if not isinstance(limit, Mapping):

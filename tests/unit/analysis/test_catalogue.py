@@ -12,9 +12,11 @@ import pytest
 from benchtool.analysis import analyze_steady_state
 from benchtool.analysis.catalogue import BUILT_IN, CORE, catalogue, measure
 from benchtool.analysis.declaration import Analysis, Findings, Measured, Quantity
+from benchtool.analysis.page import filled, main
 from benchtool.analysis.window import Window
 from benchtool.block import Block
 from benchtool.document import Section
+from benchtool.errors import UsageError
 from benchtool.plan.operating_point import NAMES as REACHED
 from benchtool.report.figures.drawings import BY_HAND
 from benchtool.results.steady_state import assess_steady_state
@@ -117,6 +119,24 @@ def test_no_two_analyses_have_a_name_in_common() -> None:
     assert len(set(measurements)) == len(measurements)
     assert all(issubclass(each.settings, Section) for each in BUILT_IN)
     assert catalogue().analyses[: len(CORE)] == CORE
+
+
+def test_the_tables_of_the_page_are_those_of_the_catalogue(tmp_path: Path) -> None:
+    assert filled(PAGE) == PAGE, "run python -m benchtool.analysis.page"
+    page = tmp_path / "measurements.md"
+    page.write_text(PAGE.replace("max(x) - min(x)", "max(x)"), encoding="utf-8")
+    assert main(["--check"], page) == 1
+    assert main([], page) == 0
+    assert page.read_text(encoding="utf-8") == PAGE
+
+
+@pytest.mark.parametrize(
+    ("was", "now", "odd"),
+    [("torque_orders speed_orders", "torque_orders", "speed"), (": step -->", ": step step -->", "step")],
+)
+def test_an_analysis_stands_in_one_table_of_the_page(was: str, now: str, odd: str) -> None:
+    with pytest.raises(UsageError, match=f"{odd}.*in one table"):
+        filled(PAGE.replace(was, now))
 
 
 def test_every_name_is_on_the_page() -> None:
