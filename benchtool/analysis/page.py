@@ -3,8 +3,9 @@
 python -m benchtool.analysis.page            fill them
 python -m benchtool.analysis.page --check    write nothing; exit 1 if the page is stale
 
-A table stands between `<!-- analyses: NAME NAME -->`, or `<!-- catalogue -->` for the list of all, and
-`<!-- end -->`. The same catalogue gives the same page.
+A table stands between `<!-- analyses: NAME NAME -->` and `<!-- end -->`. What no such line names stands where
+`<!-- analyses: others -->` does, and `<!-- catalogue -->` has the list of all. The same catalogue gives the same
+page.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from benchtool.errors import UsageError
 
 PAGE: Final = Path(__file__).resolve().parents[2] / "docs" / "measurements.md"
 
+_OTHERS: Final = "others"
 _TABLE: Final = re.compile(r"(<!-- (catalogue|analyses: ([\w ]+)) -->\n)(.*?)(<!-- end -->)", re.DOTALL)
 
 
@@ -29,20 +31,23 @@ def filled(page: str, analyses: Sequence[Analysis[Any]] = BUILT_IN) -> str:
     """The page with every table as the catalogue has it.
 
     Raises:
-        UsageError: a table names an analysis that there is not, or one stands in no table or in two.
+        UsageError: a table names an analysis that there is not, or one stands in two.
     """
     by_name = {each.name: each for each in analyses}
-    shown: list[str] = [name for found in _TABLE.finditer(page) for name in (found[3] or "").split()]
-    if sorted(shown) != sorted(by_name):
-        odd = sorted({*shown} ^ {*by_name} or {name for name in shown if shown.count(name) > 1})
+    named = [name for found in _TABLE.finditer(page) for name in (found[3] or "").split() if name != _OTHERS]
+    if odd := sorted(name for name in {*named} if name not in by_name or named.count(name) > 1):
         raise UsageError(
-            f"{', '.join(odd)}: each analysis of the catalogue is expected in one table of the page; add it "
-            f"to a line '<!-- analyses: ... -->', or remove it there"
+            f"{', '.join(odd)}: each analysis of the catalogue is expected in one table of the page: take it out "
+            f"of a line '<!-- analyses: ... -->'"
         )
 
     def table(found: re.Match[str]) -> str:
-        named = [by_name[name] for name in (found[3] or "").split()]
-        lines = _measurements(named) if named else _kinds(analyses)
+        if found[3] is None:
+            lines = _kinds(analyses)
+        elif found[3] == _OTHERS:
+            lines = _others([each for each in analyses if each.name not in named])
+        else:
+            lines = _measurements([by_name[name] for name in found[3].split()])
         return found[1] + "".join(f"{line}\n" for line in lines) + found[5]
 
     return _TABLE.sub(table, page)
@@ -76,6 +81,12 @@ def _kinds(analyses: Sequence[Analysis[Any]]) -> Iterator[str]:
         needs = ", ".join((*(f"`{name}`" for name in each.channels), *named, *each.conditions))
         figures = dict.fromkeys(f"`{one.name}`" for one in (*each.figures, *each.comparisons))
         yield f"| `{each.name}` | {each.title} | {made} | {needs} | {', '.join(figures)} |"
+
+
+def _others(analyses: Sequence[Analysis[Any]]) -> Iterator[str]:
+    """Each with its title, since nothing is written about it."""
+    for each in analyses:
+        yield from ("", f"**{each.title.capitalize()}** (`{each.name}`)", "", *_measurements([each]), "")
 
 
 def _measurements(analyses: Sequence[Analysis[Any]]) -> Iterator[str]:

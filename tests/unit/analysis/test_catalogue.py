@@ -35,7 +35,8 @@ def _only(block: Block, names: tuple[str, ...]) -> Block:
 def _specimen(analysis: Analysis[Any]) -> tuple[Block, Block | None]:
     if analysis.measured is Measured.STEADY_STATE:
         return steady_specimen()
-    return {"step": step_specimen, "frequency_response": response_specimen}[analysis.name](), None
+    asked = {"step": step_specimen, "frequency_response": response_specimen}
+    return (asked[analysis.name](), None) if analysis.name in asked else steady_specimen()
 
 
 def _found(analysis: Analysis[Any]) -> tuple[Findings, Block]:
@@ -130,13 +131,14 @@ def test_the_tables_of_the_page_are_those_of_the_catalogue(tmp_path: Path) -> No
     assert page.read_text(encoding="utf-8") == PAGE
 
 
-@pytest.mark.parametrize(
-    ("was", "now", "odd"),
-    [("torque_orders speed_orders", "torque_orders", "speed"), (": step -->", ": step step -->", "step")],
-)
-def test_an_analysis_stands_in_one_table_of_the_page(was: str, now: str, odd: str) -> None:
-    with pytest.raises(UsageError, match=f"{odd}.*in one table"):
-        filled(PAGE.replace(was, now))
+def test_an_analysis_stands_in_one_table_of_the_page_and_a_new_one_among_the_others() -> None:
+    for was, now, odd in ((": step -->", ": step step -->", "step"), (": step -->", ": stpe -->", "stpe")):
+        with pytest.raises(UsageError, match=f"{odd}: .*in one table"):
+            filled(PAGE.replace(was, now))
+    assert "**Speed orders** (`speed_orders`)" not in PAGE
+    without = filled(PAGE.replace("torque_orders speed_orders", "torque_orders"))
+    assert "**Speed orders** (`speed_orders`)" in without
+    assert filled(without) == without
 
 
 def test_every_name_is_on_the_page() -> None:
