@@ -4,8 +4,8 @@ python -m benchtool.analysis.page            fill them
 python -m benchtool.analysis.page --check    write nothing; exit 1 if the page is stale
 
 A table stands between `<!-- analyses: NAME NAME -->` and `<!-- end -->`. What no such line names stands where
-`<!-- analyses: others -->` does, and `<!-- catalogue -->` has the list of all. The same catalogue gives the same
-page.
+`<!-- analyses: others -->` does, and `<!-- catalogue -->` has the list of all. The same catalogue gives the
+same page.
 """
 
 from __future__ import annotations
@@ -37,8 +37,8 @@ def filled(page: str, analyses: Sequence[Analysis[Any]] = BUILT_IN) -> str:
     named = [name for found in _TABLE.finditer(page) for name in (found[3] or "").split() if name != _OTHERS]
     if odd := sorted(name for name in {*named} if name not in by_name or named.count(name) > 1):
         raise UsageError(
-            f"{', '.join(odd)}: each analysis of the catalogue is expected in one table of the page: take it out "
-            f"of a line '<!-- analyses: ... -->'"
+            f"{', '.join(odd)}: each analysis of the catalogue is expected in one table of the page: take it "
+            f"out of a line '<!-- analyses: ... -->'"
         )
 
     def table(found: re.Match[str]) -> str:
