@@ -7,7 +7,7 @@ import itertools
 import re
 import reprlib
 import tomllib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Annotated, TypeVar
 
@@ -39,16 +39,6 @@ class Section(BaseModel):
     model_config = ConfigDict(
         extra="forbid", frozen=True, allow_inf_nan=False, arbitrary_types_allowed=True, strict=True
     )
-
-    @classmethod
-    def keys(cls) -> Mapping[str, type[BaseModel] | None]:
-        """The keys of the table, each with the model of the table that it may be."""
-        found = {}
-        for name, field in cls.model_fields.items():
-            options = (field.annotation, *getattr(field.annotation, "__args__", ()))
-            models = (each for each in options if isinstance(each, type) and issubclass(each, BaseModel))
-            found[name] = next(models, None)
-        return found
 
 
 Model = TypeVar("Model", bound=Section)
@@ -157,11 +147,14 @@ def _explain(model: type[BaseModel], detail: ErrorDetails) -> str:
 
 def _allowed_keys(model: type[BaseModel], location: Path_) -> list[str]:
     for part in location:
-        found = model.keys().get(str(part)) if issubclass(model, Section) else None
-        if found is None:
+        field = model.model_fields.get(str(part))
+        annotation = field.annotation if field else None
+        options = [annotation, *getattr(annotation, "__args__", ())]
+        found = [each for each in options if isinstance(each, type) and issubclass(each, BaseModel)]
+        if not found:
             return []
-        model = found
-    return list(model.keys() if issubclass(model, Section) else model.model_fields)
+        model = found[0]
+    return list(model.model_fields)
 
 
 def line_of(text: str, location: Path_) -> str:

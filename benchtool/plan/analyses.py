@@ -15,11 +15,10 @@ read as well.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Annotated, Any, Final
 
 from pydantic import (
-    BaseModel,
     Field,
     SerializationInfo,
     ValidationError,
@@ -30,7 +29,7 @@ from pydantic_core import InitErrorDetails
 
 from benchtool.analysis.catalogue import catalogue
 from benchtool.analysis.declaration import Analysis, Measured
-from benchtool.document import Path_, Section
+from benchtool.document import Path_, Section, closest
 
 _OLDER: Final = {
     ("step", "signal"): "step_signal",
@@ -50,13 +49,6 @@ class Analyses(Section):
     steady: bool = True
     steady_from_s: Annotated[float, Field(ge=0)] = 0.0
     kinds: dict[str, Section | None] = Field(default_factory=dict)
-
-    @classmethod
-    def keys(cls) -> Mapping[str, type[BaseModel] | None]:
-        """`steady`, `steady_from_s` and the names of the catalogue; the older keys are read, not proposed."""
-        return {"steady": None, "steady_from_s": None} | {
-            each.name: each.settings for each in catalogue().analyses
-        }
 
     def settings(self, analysis: Analysis[Any]) -> Section | None:
         """The settings with which an analysis is made; None if it is not.
@@ -102,13 +94,12 @@ class Analyses(Section):
             try:
                 settings = _settings(analysis, given, beside)
             except ValidationError as failed:
-                errors += _located(failed, analysis.name, beside)
+                errors += _located(failed, analysis, beside)
                 continue
             if settings is not None or (given is False and analysis.measured is Measured.STEADY_STATE):
                 kinds[analysis.name] = settings
-        errors += [
-            InitErrorDetails(type="extra_forbidden", loc=(key,), input=value) for key, value in named.items()
-        ]
+        known = ("steady", "steady_from_s", *(each.name for each in catalogue().analyses))
+        errors += (_error((key,), value, _unknown(key, known)) for key, value in named.items())
         if errors:
             raise ValidationError.from_exception_data(cls.__name__, errors)
         return own | {"kinds": kinds}
@@ -146,17 +137,31 @@ def _settings(analysis: Analysis[Any], given: Any, beside: Mapping[str, Any]) ->
         settings: Section = analysis.settings.model_validate({**beside, **given})
         return settings
     if given is not None and not isinstance(given, bool):
-        reason = "true, false or a table of settings is expected"
-        error = InitErrorDetails(type="value_error", loc=(), input=given, ctx={"error": ValueError(reason)})
+        error = _error((), given, "true, false or a table of settings is expected")
         raise ValidationError.from_exception_data(analysis.name, [error])
     checked: Section = analysis.settings.model_validate(beside)
     return checked if given else None
 
 
-def _located(failed: ValidationError, analysis: str, beside: Mapping[str, Any]) -> Iterator[InitErrorDetails]:
+def _located(
+    failed: ValidationError, analysis: Analysis[Any], beside: Mapping[str, Any]
+) -> Iterator[InitErrorDetails]:
     """The errors of an analysis' settings, by the keys of the document."""
     for each in failed.errors():
         key = each["loc"][:1]
-        older = _OLDER.get((analysis, str(key[0])), "") if key and key[0] in beside else ""
-        place: Path_ = (older, *each["loc"][1:]) if older else (analysis, *each["loc"])
-        yield InitErrorDetails(type=each["type"], loc=place, input=each["input"], ctx=each.get("ctx", {}))
+        older = _OLDER.get((analysis.name, str(key[0])), "") if key and key[0] in beside else ""
+        place: Path_ = (older, *each["loc"][1:]) if older else (analysis.name, *each["loc"])
+        if each["type"] == "extra_forbidden":
+            yield _error(
+                place, each["input"], _unknown(str(place[-1]), tuple(analysis.settings.model_fields))
+            )
+        else:
+            yield InitErrorDetails(type=each["type"], loc=place, input=each["input"], ctx=each.get("ctx", {}))
+
+
+def _unknown(key: str, known: Sequence[str]) -> str:
+    return f"unknown key: {closest(key, known)}" if known else "unknown key: there is nothing to set"
+
+
+def _error(place: Path_, seen: Any, reason: str) -> InitErrorDetails:
+    return InitErrorDetails(type="value_error", loc=place, input=seen, ctx={"error": ValueError(reason)})

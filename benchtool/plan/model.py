@@ -185,7 +185,8 @@ class Plan(Section):
         drawing, declared = catalogue().comparisons.get(self.figure, (None, ()))
         if drawing is None or drawing.of_recording or any(self.analyses.made(each) for each in declared):
             return self
-        key = declared[0].name if declared[0].measured is Measured.ASKED else "steady"
+        off = declared[0].measured is Measured.STEADY_STATE and not self.analyses.steady
+        key = "steady" if off else declared[0].name
         reason = ValueError(f"figure = '{self.figure}' needs analyses.{key} = true")
         error = InitErrorDetails(
             type="value_error", loc=("figure",), input=self.figure, ctx={"error": reason}

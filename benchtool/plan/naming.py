@@ -85,15 +85,16 @@ class Naming:
         drawing, declared = catalogue().comparisons.get(plan.figure, (None, ()))
         if drawing is None:
             return
-        made = ((each, plan.analyses.settings(each)) for each in declared if not drawing.of_recording)
-        of_analyses = [each.needs(settings) for each, settings in made if settings is not None]
-        needed = (*drawing.channels, *(of_analyses[0] if of_analyses else ()))
-        if lacking := [name for name in needed if name not in self._channels]:
+        settings = plan.analyses.settings(declared[0])
+        needed = declared[0].needs(settings) if settings is not None and not drawing.of_recording else ()
+        if lacking := [name for name in (*drawing.channels, *needed) if name not in self._channels]:
             yield (
                 ("figure",),
                 f"figure = '{plan.figure}' draws {', '.join(lacking)}, which record.channels does not have: "
                 f"add them there",
             )
+        elif needed and settings is not None and not self._possible(declared[0], settings):
+            yield ("figure",), f"figure = '{plan.figure}' {self._lacks(declared[0], settings)}"
 
     def _case_fault(self, key: str, case: str) -> Faults:
         todo = cases(self.plan)

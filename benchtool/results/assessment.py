@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -18,8 +18,7 @@ from benchtool.analysis import (
     measurements_to_json,
     tables_to_json,
 )
-from benchtool.analysis.catalogue import measure
-from benchtool.analysis.declaration import Findings, Measured
+from benchtool.analysis.declaration import Findings
 from benchtool.analysis.steady_state import steady_state_of
 from benchtool.analysis.window import Excitation, Window
 from benchtool.block import Block
@@ -32,8 +31,8 @@ from benchtool.plan.operating_point import Seen, asked, default_limits, measure_
 from benchtool.profile import Motor
 from benchtool.recording import Bundle
 from benchtool.results.agreement import Disagreement, disagreements
+from benchtool.results.analyses import Planned, measure_all, planned, without_channels
 from benchtool.results.repetitions import Repeated, limits_alone
-from benchtool.results.steady_state import assess_steady_state, without_channels
 
 
 @dataclass(frozen=True)
@@ -246,17 +245,17 @@ class _Answers:
 
 def _answer(plan: Plan, motor: Motor, capture: Block, transducer: Block | None) -> _Answers:
     """Every analysis that a plan asks for."""
-    findings: dict[str, Findings] = {}
-    without: dict[str, tuple[str, ...]] = {}
+    todo = tuple(_planned(plan, motor, capture, transducer))
+    return _Answers(measure_all(todo), without_channels(todo))
+
+
+def _planned(plan: Plan, motor: Motor, capture: Block, transducer: Block | None) -> Iterator[Planned]:
+    """The analyses of a plan, each with the part of the capture that it is made of."""
+    steady = None
     if plan.analyses.steady:
-        window = Window.of(_from(capture, plan.analyses.steady_from_s), motor, transducer)
-        findings |= assess_steady_state(window, plan.analyses)
-        without = without_channels(window, plan.analyses)
+        steady = Window.of(_from(capture, plan.analyses.steady_from_s), motor, transducer)
     whole = Window.of(capture, motor, transducer, _excitation(plan, capture))
-    for analysis, settings in plan.analyses.demanded():
-        if analysis.measured is Measured.ASKED:
-            findings[analysis.name] = measure(analysis, whole, settings)
-    return _Answers(findings, without)
+    return planned(plan.analyses, steady, whole)
 
 
 def _excitation(plan: Plan, capture: Block) -> Excitation:

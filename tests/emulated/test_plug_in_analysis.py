@@ -199,7 +199,8 @@ def test_a_bundle_says_which_analysis_is_not_installed(
     catalogue.cache_clear()
     result = _invoke("analyze", run / "tpc")
     assert result.exit_code == 2
-    assert "unknown key 'analyses.shaft_power'" in result.stderr
+    assert "analyses.shaft_power" in result.stderr
+    assert "unknown key" in result.stderr
     with pytest.raises(PlugInError, match="cannot be loaded"):
         install_broken(folder, monkeypatch)
 

@@ -308,8 +308,8 @@ def test_a_unit_of_the_signal_is_that_of_the_channel(
 @pytest.mark.parametrize(
     ("analyses", "at", "complaint"),
     [
-        ("[analyses]\nstpe = true\n", "stpe", "unknown key 'analyses.stpe': did you mean 'step'?"),
-        ("[analyses.step]\nsignl = 1\n", "signl", "did you mean 'signal'?"),
+        ("[analyses]\nstpe = true\n", "stpe", "analyses.stpe' is True: unknown key: did you mean 'step'?"),
+        ("[analyses.step]\nsignl = 1\n", "signl", "unknown key: did you mean 'signal'?"),
         ("[analyses]\nstep = 3\n", "step", "true, false or a table of settings is expected"),
         ("[analyses]\nstep = true\n", "step", "analyses.step.reference is 'torque_reference', which record"),
         ('[analyses]\nstep = true\nstep_reference = "x"\n', "step_r", "step_reference is 'x', which record"),

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 
 import rerun as rr
 
 from benchtool.analysis import Measurement
 from benchtool.analysis.catalogue import catalogue
+from benchtool.errors import PlugInError
 from benchtool.live.panels.band import Limits
 
 
@@ -33,9 +35,8 @@ def results_document(
     for each in measurements:
         if each.name in bounds:
             continue
-        analysis = catalogue().measuring(each.name)
-        if analysis is not None and analysis.title != last:
-            last = analysis.title
+        if (heading := _analysis(each.name)) not in ("", last):
+            last = heading
             rows.append(f"| *{_cell(last)}* | | | | |")
         rows.append(_row(each, bounds, verdicts))
     table = ["| measurement | value | unit | limit | verdict |", "|---|---:|---|---|---|", *rows]
@@ -43,6 +44,15 @@ def results_document(
     told = ["", "undefined:", "", *(f"- {line}" for line in undefined)] if undefined else []
     heads = [f"**{title}**", "", *(f"{remark}\n" for remark in remarks)]
     return _markdown([*heads, *(table if rows else []), *told])
+
+
+def _analysis(name: str) -> str:
+    """Title of the analysis that measures it; empty of what none does. A view ends no recording: a package
+    that cannot be loaded costs it the titles."""
+    with suppress(PlugInError):
+        found = catalogue().measuring(name)
+        return "" if found is None else found.title
+    return ""
 
 
 def _row(measured: Measurement, bounds: Limits, verdicts: Mapping[str, str]) -> str:

@@ -17,7 +17,7 @@ from benchtool.document import Section
 from benchtool.report.figures.bode import draw_bode
 from benchtool.report.figures.comparison import draw_spectra, draw_steady_traces, draw_torque_traces
 from benchtool.report.figures.steady_state import draw_current_spectrum, draw_flux_trajectory, draw_waveforms
-from benchtool.report.figures.style import dress, new_figure
+from benchtool.report.figures.style import add_legend, dress, new_figure
 from benchtool.report.figures.switching import draw_switching_states
 
 _HEIGHT_IN = 4.4
@@ -87,6 +87,8 @@ def draw(analysis: Analysis[Section], drawing: Drawing, panels: Sequence[Panel],
         drawing.draw(figure, panels)
     for axes in figure.axes:
         dress(axes, axes.get_xlabel(), axes.get_ylabel())
+        if axes.get_legend() is None and axes.get_legend_handles_labels()[1]:
+            add_legend(axes)
     return figure
 
 
@@ -112,9 +114,9 @@ def draw_side_by_side(name: str, panels: Sequence[Panel], title: str = "") -> Fi
     """The figure of that name of several cases, under its own title by default; what it cannot show of them
     is left out."""
     drawing, declared = catalogue().comparisons[name]
-    of_all = drawing.of_recording
-    made = [panel for panel in panels if of_all or declared[0].name in panel.findings]
-    return draw(declared[0], drawing, made, title or drawing.title)
+    names = {each.name for each in declared}
+    shown = [panel for panel in panels if drawing.of_recording or names & panel.findings.keys()]
+    return draw(declared[0], drawing, shown, title or drawing.title)
 
 
 def comparable(panels: Sequence[Panel]) -> tuple[str, ...]:

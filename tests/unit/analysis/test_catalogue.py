@@ -17,9 +17,10 @@ from benchtool.analysis.window import Window
 from benchtool.block import Block
 from benchtool.document import Section
 from benchtool.errors import UsageError
+from benchtool.plan.analyses import Analyses
 from benchtool.plan.operating_point import NAMES as REACHED
 from benchtool.report.figures.drawings import BY_HAND
-from benchtool.results.steady_state import assess_steady_state
+from benchtool.results.analyses import measure_all, planned
 
 from .specimen import SPECIMEN_MOTOR, response_specimen, steady_specimen, step_specimen
 
@@ -82,7 +83,7 @@ def test_every_figure_is_drawn_by_hand_or_by_its_analysis(analysis: Analysis[Any
 
 def test_a_steady_state_measures_what_the_catalogue_says_and_nothing_else() -> None:
     block, transducer = steady_specimen()
-    by_analysis = assess_steady_state(Window.of(block, SPECIMEN_MOTOR, transducer))
+    by_analysis = measure_all(tuple(planned(Analyses(), Window.of(block, SPECIMEN_MOTOR, transducer), None)))
     found = [each.name for findings in by_analysis.values() for each in findings.measurements]
     assert list(by_analysis) == [each.name for each in catalogue().steady]
     assert len(set(found)) == len(found)
