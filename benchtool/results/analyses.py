@@ -1,4 +1,4 @@
-"""What a plan has measured of a recording: every analysis that it leaves on or asks for, and the data allow."""
+"""What a plan has measured of a recording: the analyses that it leaves on or asks for, as the data allow."""
 
 from __future__ import annotations
 

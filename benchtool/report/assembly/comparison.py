@@ -8,10 +8,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from itertools import zip_longest
 from typing import Any
 
+from pydantic import ValidationError
+
 from benchtool.analysis import Measurement
 from benchtool.analysis.uncertainty import COVERAGE
 from benchtool.block import Block
-from benchtool.recording import Bundle
+from benchtool.plan.model import Plan
+from benchtool.recording import Bundle, Manifest
 from benchtool.recording.manifest import read_manifest
 from benchtool.report.assembly.figures import panel_of
 from benchtool.report.assembly.marks import mark, picture, read_already
@@ -175,7 +178,7 @@ def _circumstances(comparison: Comparison) -> Iterator[Item]:
     manifests = {label: read_manifest(result.bundle)[0] for label, result in comparison.results.items()}
     kinds: dict[str, Mapping[str, Mapping[str, object]]] = {
         "Drive parameters": {label: each.parameters for label, each in manifests.items()},
-        "Plan": {label: _flat(each.details.get("plan", {})) for label, each in manifests.items()},
+        "Plan": {label: _flat(_plan(each)) for label, each in manifests.items()},
         "Operating point": {
             label: _flat(each.details.get("operating_point", {})) for label, each in manifests.items()
         },
@@ -206,6 +209,15 @@ def _circumstances(comparison: Comparison) -> Iterator[Item]:
     if same:
         sections.append(Facts((("the same in all runs", "; ".join(same)),)))
     yield Section("What else differs", tuple(sections))
+
+
+def _plan(manifest: Manifest) -> Mapping[str, Any]:
+    """The plan of a bundle as this version writes it, so that an older form is no difference."""
+    recorded: Mapping[str, Any] = manifest.details.get("plan", {})
+    try:
+        return Plan.model_validate(recorded).model_dump(mode="json") if recorded else {}
+    except ValidationError:
+        return recorded
 
 
 def _first(manifests: Mapping[str, Any]) -> Any:
