@@ -187,3 +187,8 @@ def line_of(text: str, location: Path_) -> str:
 def _parts(keys: str) -> list[str]:
     """The parts of a dotted key, without their quotes."""
     return [part.strip("\"'") for part in re.findall(_PART, keys)]
+
+
+def unit_suffix(unit: str) -> str:
+    """A unit as a key ends with it: `Nm`, `rad_s`, `percent`; empty of a pure number (`""` or `"1"`)."""
+    return re.sub(r"\W+", "_", unit.replace("%", "percent")).strip("_").removeprefix("1")

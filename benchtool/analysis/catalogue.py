@@ -15,7 +15,6 @@ from benchtool.analysis.declaration import (
     Analysis,
     Drawing,
     Findings,
-    Measured,
     Quantity,
 )
 from benchtool.analysis.dynamics.bode import FREQUENCY_RESPONSE
@@ -67,12 +66,12 @@ class Catalogue:
     @property
     def steady(self) -> tuple[Analysis[Any], ...]:
         """Those that a steady state is measured by."""
-        return tuple(each for each in self.analyses if each.measured is Measured.STEADY_STATE)
+        return tuple(each for each in self.analyses if each.of_steady_state)
 
     @property
     def asked(self) -> tuple[Analysis[Any], ...]:
         """Those that are made where a plan asks for them."""
-        return tuple(each for each in self.analyses if each.measured is Measured.ASKED)
+        return tuple(each for each in self.analyses if not each.of_steady_state)
 
     def named(self, name: str) -> Analysis[Any] | None:
         """The analysis of that name."""
@@ -131,7 +130,7 @@ def catalogue() -> Catalogue:
     for each in added:
         require_distinct(each, analyses)
         analyses.append(each)
-    return Catalogue(tuple(sorted(analyses, key=lambda each: each.measured is Measured.ASKED)))
+    return Catalogue(tuple(sorted(analyses, key=lambda each: not each.of_steady_state)))
 
 
 def measure(analysis: Analysis[Any], window: Window, settings: Section) -> Findings:

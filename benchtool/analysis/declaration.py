@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from benchtool.analysis.window import Window
     from benchtool.block import Block
 
-_PERCENT = "percent"
-
 
 class Measured(StrEnum):
     """When an analysis is made."""
@@ -64,11 +62,6 @@ def ratio_of_units(above: str, below: str) -> str:
     if above == below:
         return ""
     return f"{above or '1'}/({below})" if "/" in below else f"{above or '1'}/{below or '1'}"
-
-
-def unit_suffix(unit: str) -> str:
-    """A unit as a key ends with it: `Nm`, `rad_s`, `percent`; empty of a pure number (`""` or `"1"`)."""
-    return re.sub(r"\W+", "_", unit.replace("%", _PERCENT)).strip("_").removeprefix("1")
 
 
 @dataclass(frozen=True)
@@ -195,6 +188,11 @@ class Analysis(Generic[Settings]):
     figures: tuple[Drawing, ...] = ()
     comparisons: tuple[Drawing, ...] = ()
     source: str = ""
+
+    @property
+    def of_steady_state(self) -> bool:
+        """Whether a steady state is measured by it."""
+        return self.measured is Measured.STEADY_STATE
 
     @property
     def names(self) -> tuple[str, ...]:

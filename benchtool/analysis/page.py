@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from benchtool.analysis.catalogue import BUILT_IN
-from benchtool.analysis.declaration import Analysis, Measured, Quantity
+from benchtool.analysis.declaration import Analysis, Quantity
 from benchtool.errors import UsageError
 
 PAGE: Final = Path(__file__).resolve().parents[2] / "docs" / "measurements.md"
@@ -73,7 +73,7 @@ def _kinds(analyses: Sequence[Analysis[Any]]) -> Iterator[str]:
     yield from ("| key | what it measures | made | needs | figures |", "|---|---|---|---|---|")
     for each in analyses:
         settings = each.settings().model_dump(mode="json")
-        asked = each.measured is Measured.ASKED
+        asked = not each.of_steady_state
         made = "`= true`, or a table" if asked else "in steady state"
         if settings:
             made += ": " + ", ".join(f'`{key} = "{value}"`' for key, value in settings.items())

@@ -12,9 +12,9 @@ from dataclasses import replace
 from importlib.metadata import EntryPoint
 from typing import Any, Final
 
-from benchtool.analysis.declaration import Analysis, Drawing, Findings, Quantity, unit_suffix
+from benchtool.analysis.declaration import Analysis, Drawing, Findings, Quantity
 from benchtool.analysis.measurement import Measurement, Table
-from benchtool.document import Section
+from benchtool.document import Section, unit_suffix
 from benchtool.errors import BenchError, PlugInError
 
 GROUP: Final = "benchtool.analyses"

@@ -16,7 +16,7 @@ read as well.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Annotated, Any, Final
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 from pydantic import (
     Field,
@@ -27,9 +27,11 @@ from pydantic import (
 )
 from pydantic_core import InitErrorDetails
 
-from benchtool.analysis.catalogue import catalogue
-from benchtool.analysis.declaration import Analysis, Measured
 from benchtool.document import Path_, Section, closest
+from benchtool.plan.known import catalogue
+
+if TYPE_CHECKING:
+    from benchtool.analysis.declaration import Analysis
 
 _OLDER: Final = {
     ("step", "signal"): "step_signal",
@@ -57,7 +59,7 @@ class Analyses(Section):
         """
         if analysis.name in self.kinds:
             return self.kinds[analysis.name]
-        asked = analysis.measured is Measured.STEADY_STATE and self.steady
+        asked = analysis.of_steady_state and self.steady
         settings: Section | None = analysis.settings() if asked else None
         return settings
 
@@ -70,8 +72,8 @@ class Analyses(Section):
 
     def made(self, analysis: Analysis[Any]) -> bool:
         """Whether an analysis is made, as far as the plan says."""
-        steady = analysis.measured is Measured.ASKED or self.steady
-        return steady and self.settings(analysis) is not None
+        allowed = self.steady or not analysis.of_steady_state
+        return allowed and self.settings(analysis) is not None
 
     @model_validator(mode="before")
     @classmethod
@@ -80,6 +82,8 @@ class Analyses(Section):
             return table
         own = {key: value for key, value in table.items() if key in ("steady", "steady_from_s")}
         named = {key: value for key, value in table.items() if key not in own}
+        if not named:
+            return own
         errors: list[InitErrorDetails] = []
         kinds: dict[str, Section | None] = {}
         for analysis in catalogue().analyses:
@@ -96,7 +100,7 @@ class Analyses(Section):
             except ValidationError as failed:
                 errors += _located(failed, analysis, beside)
                 continue
-            if settings is not None or (given is False and analysis.measured is Measured.STEADY_STATE):
+            if settings is not None or (given is False and analysis.of_steady_state):
                 kinds[analysis.name] = settings
         known = ("steady", "steady_from_s", *(each.name for each in catalogue().analyses))
         errors += (_error((key,), value, _unknown(key, known)) for key, value in named.items())
@@ -106,8 +110,8 @@ class Analyses(Section):
 
     @model_validator(mode="after")
     def _steady_where_it_is_needed(self) -> Analyses:
-        for analysis, _ in self.demanded():
-            if analysis.measured is Measured.STEADY_STATE and not self.steady:
+        for analysis, _ in self.demanded() if self.kinds and not self.steady else ():
+            if analysis.of_steady_state:
                 raise ValueError(f"{analysis.name} is measured of a steady state: set steady = true")
         return self
 

@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 
 from pydantic import field_validator, model_validator
 
-from benchtool.analysis.declaration import unit_suffix
-from benchtool.document import Section
+from benchtool.document import Section, unit_suffix
 
 if TYPE_CHECKING:
     from benchtool.analysis import Measurement, Uncertainty

@@ -9,12 +9,11 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, Field, ValidationError, field_validator, model_validator
 from pydantic_core import InitErrorDetails
 
-from benchtool.analysis.catalogue import catalogue
-from benchtool.analysis.declaration import Measured
 from benchtool.document import Array, Section, closest, document_path, load_document
 from benchtool.drive import Mode, Stimulus
 from benchtool.errors import PlanError
 from benchtool.plan.analyses import Analyses
+from benchtool.plan.known import catalogue
 from benchtool.plan.limits import Limit
 from benchtool.plan.stated_units import with_units, without_units
 from benchtool.shipped import shipped
@@ -42,6 +41,9 @@ _OF_MODE = {
     "velocity": frozenset({"omega_m_rad_s", "load_torque_Nm"}),
     "torque": frozenset({"torque_Nm", "hold_speed_rad_s", "load_torque_Nm"}),
 }
+
+
+_ALWAYS = ("none", "sweep")  # what `figure` may be besides the figures of analyses
 
 
 class OperatingPoint(Section):
@@ -175,17 +177,18 @@ class Plan(Section):
     @field_validator("figure")
     @classmethod
     def _figure_is_known(cls, figure: str) -> str:
-        known = ("none", "sweep", *catalogue().comparisons)
-        if figure not in known:
+        if figure not in _ALWAYS and figure not in (known := (*_ALWAYS, *catalogue().comparisons)):
             raise ValueError(f"no figure is called so: {closest(figure, known)}")
         return figure
 
     @model_validator(mode="after")
     def _figure_is_made(self) -> Plan:
-        drawing, declared = catalogue().comparisons.get(self.figure, (None, ()))
-        if drawing is None or drawing.of_recording or any(self.analyses.made(each) for each in declared):
+        if self.figure in _ALWAYS:
             return self
-        off = declared[0].measured is Measured.STEADY_STATE and not self.analyses.steady
+        drawing, declared = catalogue().comparisons[self.figure]
+        if drawing.of_recording or any(self.analyses.made(each) for each in declared):
+            return self
+        off = declared[0].of_steady_state and not self.analyses.steady
         key = "steady" if off else declared[0].name
         reason = ValueError(f"figure = '{self.figure}' needs analyses.{key} = true")
         error = InitErrorDetails(

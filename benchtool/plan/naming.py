@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 from benchtool.analysis.catalogue import catalogue
-from benchtool.analysis.declaration import Analysis, Measured, unit_suffix
-from benchtool.document import Path_, Section, closest
+from benchtool.analysis.declaration import Analysis
+from benchtool.document import Path_, Section, closest, unit_suffix
 from benchtool.plan.cases import cases
 from benchtool.plan.limits import Limit
 from benchtool.plan.model import Plan
@@ -166,7 +166,7 @@ class Naming:
         """Why the analysis that gives a measurement is not made; empty if it is."""
         analyses = self.plan.analyses
         if not analyses.made(analysis):
-            off = analysis.measured is Measured.STEADY_STATE and not analyses.steady
+            off = analysis.of_steady_state and not analyses.steady
             key = "steady" if off else analysis.name
             return f"'{name}' is measured with analyses.{key} = true, which is false: change it"
         settings = analyses.settings(analysis)

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Final
 
 from pydantic import ValidationError
 from pydantic_core import InitErrorDetails
 
-from benchtool.analysis.catalogue import catalogue
-from benchtool.analysis.declaration import unit_suffix
+from benchtool.document import unit_suffix
+from benchtool.plan.known import catalogue
 from benchtool.plan.limits import Limit
+
+_MAY_END_WITH_A_UNIT: Final = re.compile(r"\w*_(percent|deg|rad|m?s|us|rpm|ppm|\w*[A-Z]\w*)")
 
 
 def with_units(limits: Any, *place: str) -> Any:
@@ -39,7 +42,8 @@ def without_units(numbers: Any) -> Any:
 
 def _split(key: Any) -> tuple[Any, str]:
     """Measurement and unit of a key; the key and no unit where it does not end with its measurement's."""
-    stated = catalogue().stated_unit(key) if isinstance(key, str) else None
+    may = isinstance(key, str) and _MAY_END_WITH_A_UNIT.fullmatch(key)
+    stated = catalogue().stated_unit(key) if may else None
     if stated is None:
         return key, ""
     name, unit = stated

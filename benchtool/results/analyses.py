@@ -9,7 +9,7 @@ from itertools import groupby
 from typing import Any
 
 from benchtool.analysis.catalogue import catalogue, measure
-from benchtool.analysis.declaration import Analysis, Findings, Measured
+from benchtool.analysis.declaration import Analysis, Findings
 from benchtool.analysis.validity import require_unbroken
 from benchtool.analysis.window import Window
 from benchtool.document import Section
@@ -34,7 +34,7 @@ class Planned:
         """Whether the window allows it; one that the plan asks for says itself why not."""
         block, transducer = self.window.block, self.window.transducer is not None
         channels = frozenset(block.names)
-        return self.analysis.measured is Measured.ASKED or self.analysis.possible(
+        return not self.analysis.of_steady_state or self.analysis.possible(
             channels, self.settings, transducer=transducer, stride=block.stride
         )
 
@@ -47,7 +47,7 @@ def planned(analyses: Analyses, steady: Window | None, whole: Window | None) -> 
         whole: the whole capture, of which the analyses are made that a plan asks for; None for none of these.
     """
     for analysis in catalogue().analyses:
-        window = steady if analysis.measured is Measured.STEADY_STATE else whole
+        window = steady if analysis.of_steady_state else whole
         settings = analyses.settings(analysis)
         if window is not None and settings is not None:
             yield Planned(analysis, settings, window)
@@ -61,7 +61,7 @@ def measure_all(todo: Sequence[Planned]) -> dict[str, Findings]:
         PlugInError: an analysis of another package fails.
     """
     for each in todo:
-        if each.analysis.measured is Measured.STEADY_STATE:
+        if each.analysis.of_steady_state:
             require_unbroken(each.window.block)
             break  # they have one window
     # analyses of the same channels share what the window computes once
@@ -76,7 +76,7 @@ def without_channels(todo: Iterable[Planned]) -> dict[str, tuple[str, ...]]:
     return {
         each.analysis.title: each.missing
         for each in todo
-        if each.analysis.measured is Measured.STEADY_STATE
+        if each.analysis.of_steady_state
         and each.missing
         and (each.window.transducer is not None or not each.analysis.transducer)
     }
