@@ -1,5 +1,5 @@
-"""The catalogue of analyses, imported when a plan needs it: a slip of the pen elsewhere in a plan does not wait
-for the third of a second that it takes."""
+"""The catalogue of analyses, imported when a plan needs it: a slip of the pen elsewhere in a plan does not
+wait for the third of a second that it takes."""
 
 from __future__ import annotations
 
