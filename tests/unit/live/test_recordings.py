@@ -303,6 +303,7 @@ def test_results_stand_by_analysis_what_is_limited_first_and_why_there_is_no_num
         Measurement("omega_m_reached", 15.7, "rad/s", "mean"),
     )
     document = results_document("a run", measurements, {"torque_ripple_pp": (None, 0.06)})
+    assert document.text is not None
     (text,) = document.text.as_arrow_array().to_pylist()
     assert text.splitlines()[4:] == [
         "| torque\\_ripple\\_pp | 0.07 | Nm | ≤ 0.06 |  |",
