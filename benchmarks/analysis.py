@@ -1,6 +1,6 @@
 """How fast a long capture is analysed, and in how much memory: `python -m benchmarks.analysis [--json]`.
 
-Measured is every analysis of a steady state (`assess_steady_state`: ripple, spectrum, distortion, groups,
+Measured is every analysis of a steady state (`measure_all`: ripple, spectrum, distortion, groups,
 orders, torque residual) of a synthetic capture of 12 channels at 10 kHz, 600 s long: a current with
 harmonics, a torque with ripple and an encoder angle, all with noise, rounded to float32 as on the wire.
 Every figure is from a process of its own, so that its peak memory is its own too. The baseline, in the same
@@ -25,10 +25,12 @@ from numpy.typing import NDArray
 from scipy import signal
 
 from benchmarks.figures import print_figures
+from benchtool.analysis.window import Window
 from benchtool.block import Block, Channel
+from benchtool.plan.analyses import Analyses
 from benchtool.profile import load_profile
 from benchtool.recording import Bundle, BundleWriter, Manifest
-from benchtool.results.steady_state import assess_steady_state
+from benchtool.results.analyses import measure_all, planned
 
 RATE_HZ = 10_000
 SECONDS = 600
@@ -133,7 +135,7 @@ def read(seconds: int, folder: str) -> Figures:
 
 def _analyse_s(block: Block) -> float:
     start = time.perf_counter()
-    assess_steady_state(block, MOTOR)
+    measure_all(tuple(planned(Analyses(), Window.of(block, MOTOR), None)))
     return time.perf_counter() - start
 
 

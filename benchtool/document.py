@@ -182,9 +182,9 @@ def line_of(text: str, location: Path_) -> str:
         elif not key:
             continue
         parts = table if header else table + _parts(key[1])  # type: ignore[index] # one of the two matched
-        depth = len(parts)
+        depth = min(len(parts), len(wanted))
         passed = any(seen.get(name, at) != at for name, at in counts.items() if name in parts)
-        if parts == wanted[:depth] and not passed and (best is None or depth > best[0]):
+        if parts[:depth] == wanted[:depth] and not passed and (best is None or depth > best[0]):
             best = (depth, number)
     return f", line {best[1]}" if best else ""
 
@@ -192,3 +192,8 @@ def line_of(text: str, location: Path_) -> str:
 def _parts(keys: str) -> list[str]:
     """The parts of a dotted key, without their quotes."""
     return [part.strip("\"'") for part in re.findall(_PART, keys)]
+
+
+def unit_suffix(unit: str) -> str:
+    """A unit as a key ends with it: `Nm`, `rad_s`, `percent`; empty of a pure number (`""` or `"1"`)."""
+    return re.sub(r"\W+", "_", unit.replace("%", "percent")).strip("_").removeprefix("1")

@@ -20,6 +20,7 @@ prints it as it is. `exit_code` is what a command ends with when the error reach
     │   ├── DictionaryMismatch        the drive speaks another dictionary version
     │   ├── ParameterMismatch         the drive holds other parameters than the profile states
     │   ├── DictionaryError           a dictionary file cannot be read
+    │   ├── PlugInError               code of another package that joins benchtool is broken
     │   └── RecordingError            a recording cannot be written or read
     └── DriveError                 4  the drive answered, and refused or failed
         ├── SdoAbort                  a read or write was refused with an abort code
@@ -101,6 +102,10 @@ class ParameterMismatch(EnvironmentFailure):
 
 class DictionaryError(EnvironmentFailure):
     """A dictionary file cannot be read."""
+
+
+class PlugInError(EnvironmentFailure):
+    """Code of another package that joins benchtool through an entry point is broken."""
 
 
 class RecordingError(EnvironmentFailure):

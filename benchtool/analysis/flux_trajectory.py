@@ -5,18 +5,23 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator
+from typing import Final
 
 import numpy as np
 from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
+from benchtool.analysis.declaration import Analysis, Drawing, Findings, NoSettings, Quantity
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.periods import PhaseTrack, track_angle
 from benchtool.analysis.quantisation import resolution
 from benchtool.analysis.regimes import change_of_regime
+from benchtool.analysis.ripple import peak_to_peak_number
 from benchtool.analysis.scatter import MeanError, error_of_root, error_of_series, scatter_of_largest
+from benchtool.analysis.torque import WAVEFORMS
 from benchtool.analysis.uncertainty import Contribution, combined
 from benchtool.analysis.validity import require_signal, require_unbroken
+from benchtool.analysis.window import Window
 from benchtool.block import Block
 
 _DOF_OF_EXTREMES = 10.0  # of a tail from a few of the largest values
@@ -203,3 +208,50 @@ def _along(points: NDArray[np.complex128]) -> MeanError:
     mean = complex(np.mean(points))
     direction = mean / abs(mean) if mean else 1.0
     return error_of_series(np.real(points * np.conj(direction)))
+
+
+def _measure_ripple(window: Window, _: NoSettings) -> Findings:
+    what = "the drive's estimate psi_s (peak)"
+    number = peak_to_peak_number(window.block, "psi_s", "flux_ripple_pp", track=window.track, what=what)
+    return Findings((number,))
+
+
+def _measure_trajectory(window: Window, _: NoSettings) -> Findings:
+    return Findings(flux_trajectory(window.block))
+
+
+FLUX_RIPPLE: Final = Analysis(
+    name="flux_ripple",
+    title="flux ripple",
+    measure=_measure_ripple,
+    quantities=(Quantity(("flux_ripple_pp",), "Wb", "max - min of psi_s", "as pp", foremost=True),),
+    settings=NoSettings,
+    channels=("psi_s",),
+    figures=(WAVEFORMS,),
+)
+FLUX_TRAJECTORY: Final = Analysis(
+    name="flux_trajectory",
+    title="flux trajectory",
+    measure=_measure_trajectory,
+    quantities=(
+        Quantity(("flux_radius_mean",), "Wb", "mean of `sqrt(psi_alpha^2 + psi_beta^2)`, peak"),
+        Quantity(("flux_radius_pp",), "Wb", "its maximum minus minimum"),
+        Quantity(("flux_radius_rms",), "Wb", "its rms about the mean"),
+        Quantity(("flux_centre_offset",), "Wb", "`abs(mean of c_0)`"),
+        Quantity(
+            ("flux_radius_order_6",),
+            "Wb",
+            "`abs` of the mean of `(c_1 conj(c_-5) + conj(c_1) c_7) / abs(c_1)`: peak amplitude of order 6 "
+            "of the radius; `(1/25 + 1/49) c_1` for a hexagon run along its sides evenly",
+        ),
+    ),
+    settings=NoSettings,
+    channels=("psi_alpha", "psi_beta"),
+    figures=(
+        Drawing(
+            "flux_trajectory",
+            "Flux trajectory",
+            "Stator flux in stator coordinates over the first two electrical periods.",
+        ),
+    ),
+)

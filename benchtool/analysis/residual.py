@@ -13,11 +13,13 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from benchtool.analysis.declaration import Analysis, Findings, NoSettings, Quantity
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.scatter import MeanError, error_of_record, error_of_root, means_of_parts
 from benchtool.analysis.span import cut_to_span
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
 from benchtool.analysis.validity import require_unbroken
+from benchtool.analysis.window import Window
 from benchtool.block import Block
 from benchtool.errors import AnalysisError
 from benchtool.profile import Motor
@@ -170,3 +172,58 @@ def _mean_and_rms(residual_Nm: Floats, name: str, what: str, basis: Basis) -> It
 
 def _uncertain(error: MeanError) -> Uncertainty | None:
     return combined([Contribution(_SCATTER, "A", error.standard, error.dof)], _SCATTER)
+
+
+def _of_window(window: Window) -> tuple[Measurement, ...]:
+    """What a model of the motor leaves of the torque; nothing without a motor."""
+    return () if window.motor is None else torque_residual(window.block, window.motor, window.transducer)
+
+
+def _measure(window: Window, _: NoSettings) -> Findings:
+    found = window.once(_of_window)
+    return Findings(tuple(each for each in found if RESIDUAL.quantity(each.name)))
+
+
+def _measure_true(window: Window, _: NoSettings) -> Findings:
+    found = window.once(_of_window)
+    return Findings(tuple(each for each in found if TRUE_RESIDUAL.quantity(each.name)))
+
+
+RESIDUAL: Final = Analysis(
+    name="torque_residual",
+    title="torque residual",
+    measure=_measure,
+    quantities=(
+        Quantity(
+            ("torque_residual_mean", "torque_residual_rms", "torque_residual_max"),
+            "Nm",
+            "of predicted torque minus the drive's estimate in the row predicted; rms with the mean, "
+            "greatest magnitude",
+        ),
+        Quantity(
+            ("torque_residual_percent_of_ripple",),
+            "%",
+            "`100 x` rms of the residual about its mean / rms of the estimate about its mean",
+        ),
+    ),
+    settings=NoSettings,
+    channels=NEEDED,
+    every_tick=True,
+)
+TRUE_RESIDUAL: Final = Analysis(
+    name="true_torque_residual",
+    title="torque residual on the shaft",
+    measure=_measure_true,
+    quantities=(
+        Quantity(
+            ("true_torque_residual_mean", "true_torque_residual_rms"),
+            "Nm",
+            "of the mean of modelled torque in row k and predicted torque in row k + 1 minus the mean of the "
+            "transducer from k to k + 1",
+        ),
+    ),
+    settings=NoSettings,
+    channels=NEEDED,
+    transducer=True,
+    every_tick=True,
+)

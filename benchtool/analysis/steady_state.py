@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
-from benchtool.analysis.catalogue import CORE, Findings, Window
+from benchtool.analysis.catalogue import CORE
+from benchtool.analysis.declaration import Findings
 from benchtool.analysis.measurement import Measurement, MeasurementJson, Table, measurements_to_json
+from benchtool.analysis.spectra.current import CURRENT_SPECTRUM
 from benchtool.analysis.spectra.spectrum import CoherentSpectrum
 from benchtool.analysis.validity import require_unbroken
+from benchtool.analysis.window import Window
 from benchtool.block import Block
 from benchtool.errors import AnalysisError
 
@@ -85,19 +89,23 @@ def analyze_steady_state(
     Raises:
         AnalysisError: a gap, a dead signal, fewer than two electrical periods, or a speed that is not steady.
     """
+    require_unbroken(block)
     window = Window(block, pole_pairs, torque_rated_Nm, current_rated_A_rms, transducer)
-    return steady_state_of(window)
+    channels, shaft = frozenset(block.names), transducer is not None
+    found = {}
+    for analysis in CORE:
+        settings = analysis.settings()
+        if analysis.possible(channels, settings, transducer=shaft):
+            found[analysis.name] = analysis.measure(window, settings)
+    return steady_state_of(found)
 
 
-def steady_state_of(window: Window) -> SteadyState:
-    """As `analyze_steady_state`, of a window that further analyses may share."""
-    require_unbroken(window.block)
-    channels, transducer = frozenset(window.block.names), window.transducer is not None
-    found: list[Findings] = [
-        analysis.measure(window) for analysis in CORE if analysis.possible(channels, transducer=transducer)
-    ]
+def steady_state_of(findings: Mapping[str, Findings]) -> SteadyState:
+    """What analyses of one window, by name, make up together; those of `catalogue.CORE` count."""
+    core = [findings[each.name] for each in CORE if each.name in findings]
+    current = findings.get(CURRENT_SPECTRUM.name)
     return SteadyState(
-        tuple(each for part in found for each in part.measurements),
-        window.current.spectrum if "i_a" in channels else None,
-        tuple(each for part in found for each in part.tables),
+        tuple(each for part in core for each in part.measurements),
+        None if current is None else current.result,
+        tuple(each for part in core for each in part.tables),
     )

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from benchtool.analysis.declaration import Analysis, Drawing, Findings, NoSettings, Quantity
 from benchtool.analysis.measurement import Basis, Measurement, Table
 from benchtool.analysis.scatter import error_of_record
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
 from benchtool.analysis.validity import require_unbroken
+from benchtool.analysis.window import Window
 from benchtool.block import Block
 from benchtool.errors import AnalysisError
 from benchtool.ticks import TICKS
@@ -168,3 +171,54 @@ def _table(shares: NDArray[np.float64], basis: Basis) -> Table:
         tuple((float(k), float(angle[k]), float(share[k]), float(used[k])) for k in range(_VECTORS)),
         basis,
     )
+
+
+def _measure_frequency(window: Window, _: NoSettings) -> Findings:
+    return Findings((switching_frequency(window.block),))
+
+
+def _measure_states(window: Window, _: NoSettings) -> Findings:
+    states = switching_states(window.block)
+    return Findings(states.measurements, states.tables, states)
+
+
+SWITCHING_FREQUENCY: Final = Analysis(
+    name="switching_frequency",
+    title="switching frequency",
+    measure=_measure_frequency,
+    quantities=(
+        Quantity(
+            ("switching_frequency_mean",),
+            "Hz",
+            "turn-ons of the three upper switches / (3 x duration)",
+            "one count, `1 / (3 sqrt(3) duration)`, and the scatter over 64 parts with their correlation",
+        ),
+    ),
+    settings=NoSettings,
+    channels=("switching_count",),
+)
+SWITCHING_STATES: Final = Analysis(
+    name="switching_states",
+    title="switching states",
+    measure=_measure_states,
+    quantities=(
+        Quantity(
+            ("zero_vector_share",),
+            "%",
+            "mean of `T_0 / T_s`",
+            "scatter over 64 parts of the record with their correlation",
+        ),
+        Quantity(
+            ("active_vectors_mean",),
+            "",
+            "mean number of active vectors in a period: 2 for space-vector modulation, at most 1 for laws of "
+            "single vectors",
+            "likewise",
+        ),
+    ),
+    settings=NoSettings,
+    channels=("u_alpha", "u_beta", "u_dc"),
+    figures=(
+        Drawing("switching_states", "Switching states", "Share of time of the inverter's voltage vectors."),
+    ),
+)

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Final
 
 from numpy.polynomial import Polynomial
 
+from benchtool.analysis.declaration import Analysis, Drawing, Findings, NoSettings, Quantity
 from benchtool.analysis.measurement import Measurement
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.ripple import ripple_numbers
 from benchtool.analysis.span import cut_to_span
 from benchtool.analysis.uncertainty import Uncertainty
+from benchtool.analysis.window import Window
 from benchtool.block import Block
 
 
@@ -82,3 +85,145 @@ def _at_rows_of(track: PhaseTrack, fine: Block, coarse: Block) -> PhaseTrack:
     offset_s = fine.first_tick * fine.tick_s - coarse.first_tick * coarse.tick_s
     row = Polynomial([offset_s / coarse_step_s, step_s / coarse_step_s])
     return PhaseTrack(track.phase(row), len(fine.data), track.source, track.residual_rad)
+
+
+_NUMBERS: Final = (
+    (
+        ("mean",),
+        "Nm",
+        "mean(x)",
+        "s of the periods' means x sqrt(tau / N_p), and what the incomplete last period moves",
+    ),
+    (
+        ("ripple_pp",),
+        "Nm",
+        "max(x) - min(x)",
+        "how much the peak-to-peak of another record of this length differs: of maximum and minimum pi / "
+        "sqrt(6) times the mean excess of the sqrt(N_p) largest periods' maxima over the next (Gumbel's "
+        "distribution); and resolution / sqrt(6). Without periods that alone, or none where the resolution "
+        "is less than a ten-thousandth of the ripple",
+    ),
+    (
+        ("ripple_rms",),
+        "Nm",
+        "sqrt(mean((x - mean(x))^2))",
+        "s of the periods' mean squares x sqrt(tau / N_p) / (2 rms), and the incomplete last period",
+    ),
+    (
+        ("ripple_p99",),
+        "Nm",
+        "99.5th - 0.5th percentile",
+        "s of the periods' shares beyond the percentiles / density there x sqrt(tau / N_p), and resolution / "
+        "sqrt(6)",
+    ),
+    (("ripple_percent_of_mean",), "%", "100 pp / |mean|", "those of pp and mean"),
+    (("ripple_rms_percent_of_mean",), "%", "100 rms / |mean|", "those of rms and mean"),
+    (("ripple_percent_of_rated",), "%", "100 pp / T_N", "that of pp"),
+    (("ripple_rms_percent_of_rated",), "%", "100 rms / T_N", "that of rms"),
+)
+_LABELS: Final = {"torque_ripple_pp": "ripple"}
+_FOREMOST: Final = ("torque_ripple_pp", "true_torque_ripple_pp")
+
+
+def _quantities(of: str) -> tuple[Quantity, ...]:
+    """Mean and ripple under the names OF_mean, OF_ripple_pp, ..."""
+    return tuple(
+        Quantity(
+            names := tuple(f"{of}_{each}" for each in ends),
+            unit,
+            formula,
+            uncertainty,
+            label=_LABELS.get(names[0], ""),
+            foremost=names[0] in _FOREMOST,
+        )
+        for ends, unit, formula, uncertainty in _NUMBERS
+    )
+
+
+def _of_estimate(window: Window) -> tuple[Measurement, ...]:
+    """Mean and ripple of the drive's estimate."""
+    what = "the drive's estimate torque"
+    rated = window.torque_rated_Nm
+    return torque_ripple(window.block, torque_rated_Nm=rated, track=window.track, what=what)
+
+
+def _of_transducer(window: Window) -> tuple[Measurement, ...]:
+    """Mean and ripple of the transducer's torque and, where there is an estimate, the error of that."""
+    assert window.transducer is not None
+    estimate = window.once(_of_estimate)[0] if "torque" in window.block.names else None
+    rated = window.torque_rated_Nm
+    return true_torque(
+        window.transducer, window.block, estimate=estimate, torque_rated_Nm=rated, track=window.track
+    )
+
+
+def _measure_ripple(window: Window, _: NoSettings) -> Findings:
+    return Findings(window.once(_of_estimate))
+
+
+def _measure_true_ripple(window: Window, _: NoSettings) -> Findings:
+    found = window.once(_of_transducer)
+    return Findings(tuple(each for each in found if each.name != "torque_error"))
+
+
+def _measure_error(window: Window, _: NoSettings) -> Findings:
+    found = window.once(_of_transducer)
+    return Findings(tuple(each for each in found if each.name == "torque_error"))
+
+
+WAVEFORMS: Final = Drawing(
+    "waveforms",
+    "Waveforms",
+    "Torque, phase currents and stator flux over the first two electrical periods of the capture. The shaft "
+    "transducer's torque is the true one; the ripple measured is that of the drive's estimate.",
+)
+TORQUE: Final = Drawing(
+    "torque",
+    "Torque",
+    "Torque and its reference over the whole capture.",
+    channels=("torque",),
+    of_recording=True,
+    replaces=("waveforms", "current_spectrum", "flux_trajectory"),
+)
+STEADY: Final = Drawing(
+    "steady",
+    "The first 0.2 s of the captures",
+    "Torque, phase current a and stator flux at the beginning of each capture, on the same axes.",
+    channels=("torque", "i_a", "psi_s"),
+    of_recording=True,
+)
+
+TORQUE_RIPPLE: Final = Analysis(
+    name="torque_ripple",
+    title="torque ripple",
+    measure=_measure_ripple,
+    quantities=_quantities("torque"),
+    settings=NoSettings,
+    channels=("torque",),
+    figures=(WAVEFORMS,),
+    comparisons=(TORQUE, STEADY),
+)
+TRUE_TORQUE_RIPPLE: Final = Analysis(
+    name="true_torque_ripple",
+    title="torque ripple on the shaft",
+    measure=_measure_true_ripple,
+    quantities=_quantities("true_torque"),
+    settings=NoSettings,
+    transducer=True,
+)
+TORQUE_ERROR: Final = Analysis(
+    name="torque_error",
+    title="error of the torque estimate",
+    measure=_measure_error,
+    quantities=(
+        Quantity(
+            ("torque_error",),
+            "Nm",
+            "mean of the estimate - mean of the transducer",
+            "both means', of the rows above",
+        ),
+    ),
+    settings=NoSettings,
+    channels=("torque",),
+    transducer=True,
+)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import sys
 from collections.abc import Mapping
@@ -10,6 +11,7 @@ from typing import Annotated, Any
 
 import typer
 
+from benchtool.analysis.catalogue import catalogue
 from benchtool.analysis.instruments import said_of_sensors
 from benchtool.cli import options
 from benchtool.cli.bundles import bundle_folder
@@ -88,6 +90,10 @@ def analyze(
     report: Annotated[
         bool, typer.Option("--report", help="With --csv: write the bundle, and a report in it.")
     ] = False,
+    list_: Annotated[
+        bool,
+        typer.Option("--list", help="List the kinds of analysis: what each needs, measures and draws."),
+    ] = False,
     as_json: options.Json = False,
 ) -> int:
     """Measure a recorded run again, by the plan that it carries; or data from elsewhere, with --csv.
@@ -97,6 +103,8 @@ def analyze(
     --current Iq:mA, --angle 2:deg, --time "t:ms". A probe's gain and offset may follow, the offset in that
     unit: --current CH1:A*10-0.2 is ten times the cell, less 0.2 A.
     """
+    if list_:
+        return _list(run, csv, as_json=as_json)
     if csv is None:
         given = (
             time,
@@ -158,6 +166,32 @@ def analyze(
     if out is not None or report:
         document |= _keep(output, answer, out, with_report=report)
     output.document(document)
+    return 0
+
+
+def _list(run: Path | None, csv: Path | None, *, as_json: bool) -> int:
+    """The catalogue: kinds of analysis with channels, settings and measurements."""
+
+    if run is not None or csv is not None:
+        raise UsageError(f"--list with {run or csv}: the catalogue is of no run, leave one of them out")
+    output = Output(as_json=as_json)
+    for each in catalogue().analyses:
+        rows = [
+            (", ".join(quantity.names), str(quantity.unit), quantity.definition)
+            for quantity in each.quantities
+        ]
+        source = f" ({each.source})" if each.source else ""
+        output.table(f"{each.name}: {each.title}{source}", ("measurement", "unit", "definition"), rows)
+        needs = [*each.needs(each.settings()), *each.conditions]
+        output.line(f"{each.measured}; needs {', '.join(needs) or 'nothing else'}", "dim")
+        settings = each.settings().model_dump(mode="json")
+        if settings:
+            stated = ", ".join(f"{key} = {json.dumps(value)}" for key, value in settings.items())
+            output.line(f"[analyses.{each.name}] {stated}", "dim")
+        if figures := list(dict.fromkeys(one.name for one in (*each.figures, *each.comparisons))):
+            output.line(f"figures {', '.join(figures)}", "dim")
+        output.line("")
+    output.document({"analyses": {each.name: each.to_json() for each in catalogue().analyses}})
     return 0
 
 

@@ -10,12 +10,12 @@ from typing import Annotated
 import typer
 from rich.text import Text
 
+from benchtool.analysis.catalogue import catalogue
 from benchtool.cli import options
 from benchtool.cli.output import Output, tell_overdue
 from benchtool.cli.report import write_report
 from benchtool.errors import UsageError
 from benchtool.report.assembly.comparison import comparison_report, difference
-from benchtool.report.assembly.plan import FOREMOST
 from benchtool.report.numbers import NOTHING, placed, signed
 from benchtool.results.comparison import Chance, Comparison, Delta, compare_cases
 from benchtool.results.runs import complete_cases
@@ -137,8 +137,9 @@ def _show_columns(output: Output, title: str, comparison: Comparison, letters: M
 
 def _show_many(output: Output, title: str, comparison: Comparison, letters: Mapping[str, str]) -> None:
     """A row for each run, with what is asked first; the whole is in the documents."""
+
     known = comparison.names
-    names: list[str] = [name for name in FOREMOST if name in known] or list(known[:4])
+    names: list[str] = [name for name in catalogue().foremost if name in known] or list(known[:4])
     rows: list[tuple[str | Text, ...]] = [
         (f"{letters[label]} {label}", *(_together(comparison, label, name) for name in names))
         for label in comparison.results

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from rich.text import Text
 
 from benchtool.analysis import Measurement
+from benchtool.analysis.catalogue import catalogue
 from benchtool.cli.output import VERDICT_COLOURS, Output, significant, tell_overdue
 from benchtool.plan.limits import Limit
 from benchtool.report.numbers import stated
@@ -16,7 +17,6 @@ from benchtool.results.calibration import overdue_text
 from benchtool.results.repetitions import Repeated
 
 _MOST_COLUMNS = 7
-_FOREMOST = ("torque_ripple_pp", "true_torque_ripple_pp", "flux_ripple_pp", "current_thd")
 
 
 def measured(measurement: Measurement) -> str:
@@ -30,7 +30,7 @@ def show_run(output: Output, title: str, result: RunResult, tabulate: Sequence[s
     if len(result.assessments) == 1:
         show_assessment(output, title, result.assessments[0])
     elif tabulate or len(result.assessments) > _MOST_COLUMNS:
-        show_rows(output, title, result.assessments, tabulate or _FOREMOST)
+        show_rows(output, title, result.assessments, tabulate or catalogue().foremost)
     else:
         show_side_by_side(output, title, result.assessments)
     show_repeated(output, result.repeated, tabulate)
@@ -123,10 +123,10 @@ def show_repeated(
 
 def _together(repeated: Repeated) -> str:
     """What of the repetitions a limit holds for, and how that meets it."""
-    limit, judged = repeated.limit, repeated.judged
+    limit = repeated.limit
     if limit is None:
         return ""
-    what = "" if judged is None else f", {judged.definition.partition(' of ')[0]} {limit.bounds}"
+    what = "" if repeated.judged is None else f", {repeated.judge} {limit.bounds}"
     return f"{repeated.verdict}{what}"
 
 

@@ -84,7 +84,7 @@ class RunViews:
 
         if result is not None:
             limited = [each for each in result.quality if each.name in result.limits]
-            rows = viewing.measured((*result.measurements, *limited))
+            rows = (*result.measurements, *limited)
             bounds = {name: (limit.min, limit.max) for name, limit in result.limits.items()}
             verdicts = {name: str(verdict) for name, verdict in result.verdicts.items()}
             remarks = [f"verdict: **{result.verdict}**", *(str(each) for each in result.missed)]

@@ -112,12 +112,14 @@ def show_certificate(view: LiveView, certificate: Certificate) -> None:
 
     rows = measured(certificate.measurements)
     told = "complete" if certificate.complete else "not complete"
-    view.results(results_document(view.title, rows, remarks=[f"the recording is **{told}**"]))
+    view.results(
+        results_document(view.title, certificate.measurements, remarks=[f"the recording is **{told}**"])
+    )
     view.quality(certificate_document(rows))
 
 
 def measured(measurements: Iterable[Measurement]) -> list[tuple[str, float, str]]:
-    """Names, values and units, as the documents of a view take them."""
+    """Names, values and units, as the document of the data's quality takes them."""
     return [(each.name, each.value, each.unit) for each in measurements]
 
 

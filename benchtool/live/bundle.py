@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
+from benchtool.analysis import measurements_from_json
 from benchtool.block import Block
 from benchtool.link.ticks import WallMark
 from benchtool.live import names
@@ -37,16 +38,23 @@ def setup_of(manifest: Manifest, name: str, psi_r_Wb: float) -> Setup:
     return Setup(
         title=f"{manifest.what}: {details.get('case', name)}",
         psi_Wb=float(details.get("motor", {}).get("psi_r_Wb", psi_r_Wb)),
-        limits=limits_of(details.get("plan", {}), str(details.get("case", ""))),
+        limits=limits_of(details.get("plan", {}), str(details.get("case", "")), _group(details)),
         parameters=manifest.parameters,
         mark=None if mark is None else WallMark(**mark),
     )
 
 
-def limits_of(plan: Mapping[str, Any], case: str) -> Limits:
-    """(min, max) by measurement, of a plan as its manifest has it, for one case."""
-    limits = {**plan.get("limits", {}), **plan.get("case_limits", {}).get(case, {})}
+def limits_of(plan: Mapping[str, Any], case: str, group: str = "") -> Limits:
+    """(min, max) by measurement, of a plan as its manifest has it, for one case; `group` is the name that it
+    shares with its other repetitions."""
+    of_cases = plan.get("case_limits", {})
+    limits = {**plan.get("limits", {}), **of_cases.get(group, {}), **of_cases.get(case, {})}
     return {name: (limit.get("min"), limit.get("max")) for name, limit in limits.items()}
+
+
+def _group(details: Mapping[str, Any]) -> str:
+    """Of the case, as its coordinates state it; older bundles have none, and one repetition mostly."""
+    return str(details.get("coordinates", {}).get("group", ""))
 
 
 def show_bundle(
@@ -79,12 +87,9 @@ def show_bundle(
     if not bundle.complete and "failure" not in details:
         view.event(Event(text="the run was cut short", level=Level.WARN))
     certificate = bundle.certificate or {}
-    found = {**certificate.get("measurements", {}), **bundle.measurements}
-    rows = [
-        row
-        for row in _rows(found)
-        if row[0] in bundle.measurements or row[0] in setup.limits or not bundle.measurements
-    ]
+    found = measurements_from_json({**certificate.get("measurements", {}), **bundle.measurements})
+    own = bundle.measurements
+    rows = [each for each in found if each.name in own or each.name in setup.limits or not own]
     verdict = f"verdict: **{bundle.manifest.verdict}**" if bundle.manifest.verdict else ""
     remarks = [text for text in (bundle.manifest.note, verdict, str(details.get("failure", ""))) if text]
     if certified := certificate.get("measurements", {}):

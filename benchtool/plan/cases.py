@@ -5,23 +5,65 @@ from __future__ import annotations
 import itertools
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 from benchtool.errors import AnalysisError
 from benchtool.plan.model import OperatingPoint, Plan, Setting, Variant, part
 
 
 @dataclass(frozen=True)
+class Coordinates:
+    """Where a case stands in its plan.
+
+    `group` is the name that all of its repetitions share, `variant` that of its variant, empty without one,
+    `point` what of a sweep it has, by key. Repetitions count from 1.
+    """
+
+    group: str
+    variant: str = ""
+    point: Mapping[str, Setting] = field(default_factory=dict)
+    repetition: int = 1
+
+    def apart_from(self, *keys: str) -> str:
+        """What tells it from others that differ in these keys of the sweep and in the repetition alone."""
+        return _name(self.variant, {key: value for key, value in self.point.items() if key not in keys})
+
+    def to_json(self) -> dict[str, Any]:
+        """As a manifest and the JSON of a run have it."""
+        return {
+            "group": self.group,
+            "variant": self.variant,
+            "point": dict(self.point),
+            "repetition": self.repetition,
+        }
+
+
+@dataclass(frozen=True)
 class Case:
-    """One point of a plan: its name, that of all its repetitions, what differs from the profile's emulated
-    bench and from the plan's setup, and where the machine runs."""
+    """One case of a plan: its name, its coordinates, what differs from the profile's emulated bench and from
+    the plan's setup, and where the machine runs."""
 
     name: str
-    group: str
+    coordinates: Coordinates
     emulator: Mapping[str, float]
     setup: Mapping[str, Setting]
     operating_point: OperatingPoint
-    repetition: int = 1
+
+    @property
+    def group(self) -> str:
+        """Name of the case and its other repetitions."""
+        return self.coordinates.group
+
+    @property
+    def variant(self) -> str:
+        """Name of its variant, empty without one."""
+        return self.coordinates.variant
+
+    @property
+    def repetition(self) -> int:
+        """Which repetition it is, from 1."""
+        return self.coordinates.repetition
 
     @property
     def folder(self) -> str:
@@ -72,9 +114,8 @@ def _points(plan: Plan) -> Iterator[tuple[tuple[str, Setting], ...]]:
 def _case(
     plan: Plan, variant: Variant | None, point: tuple[tuple[str, Setting], ...], repetition: int
 ) -> Case:
-    parts = [variant.name] if variant is not None and variant.name else []
-    parts += [part(value) if isinstance(value, str) else f"{key}={part(value)}" for key, value in point]
-    group = ",".join(parts) or plan.case or str(plan.setup.get("law", "case"))
+    coordinates = Coordinates("", "" if variant is None else variant.name, dict(point), repetition)
+    group = coordinates.apart_from() or plan.case or str(plan.setup.get("law", "case"))
     name = f"{group}.{repetition}" if plan.repetitions > 1 else group
     emulator: dict[str, float] = dict(plan.emulator)
     setup: dict[str, Setting] = {}
@@ -89,4 +130,12 @@ def _case(
             setup[key] = value
         else:
             swept[key] = value
-    return Case(name, group, emulator, setup, plan.operating_point.model_copy(update=swept), repetition)
+    operating_point = plan.operating_point.model_copy(update=swept)
+    return Case(name, replace(coordinates, group=group), emulator, setup, operating_point)
+
+
+def _name(variant: str, point: Mapping[str, Setting]) -> str:
+    """A variant and a point of a sweep as the name of a case has them."""
+    shown = ((value, f"{key}={part(value)}") for key, value in point.items())
+    parts = (value if isinstance(value, str) else number for value, number in shown)
+    return ",".join((*((variant,) if variant else ()), *parts))

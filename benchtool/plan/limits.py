@@ -6,14 +6,14 @@ The rules are those of JCGM 106:2012: simple acceptance (8.2) and guard bands (8
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import TYPE_CHECKING, Any, Final, Literal
 
 from pydantic import field_validator, model_validator
 
-from benchtool.document import Section
+from benchtool.document import Section, unit_suffix
 
 if TYPE_CHECKING:
     from benchtool.analysis import Measurement, Uncertainty
@@ -44,12 +44,32 @@ class Limit(Section):
     `margin` is a number, within which of a bound a value that meets it is marginal; 0 is simple acceptance.
     `margin = "U"` guards both sides of each bound with the expanded uncertainty of the measurement: a value
     further inside passes (guarded acceptance, JCGM 106:2012, 8.3.2), one further outside fails (guarded
-    rejection, 8.3.3), and in between it is undecided.
+    rejection, 8.3.3), and in between it is undecided. `unit` states the unit, or a key does (`max_Nm`); it is
+    checked before a run, and nothing is converted.
     """
 
     min: float | None = None
     max: float | None = None
     margin: float | Literal["U"] = 0.0
+    unit: str | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _unit_of_the_keys(cls, table: Any) -> Any:
+        if not isinstance(table, Mapping):
+            return table
+        found: dict[Any, Any] = {}
+        units = [str(table["unit"])] if isinstance(table.get("unit"), str) else []
+        for key, value in table.items():
+            bound, _, unit = str(key).partition("_")
+            if bound not in ("min", "max", "margin") or not unit or bound in table:
+                found[key] = value
+                continue
+            found[bound] = value
+            units.append(unit)
+        if len({unit_suffix(unit) for unit in units}) > 1:
+            raise ValueError(f"units {' and '.join(units)} in one limit, one is expected: convert the bounds")
+        return found | ({"unit": units[0]} if units else {})
 
     @field_validator("margin", mode="before")
     @classmethod

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import AfterValidator, Field, ValidationError, field_validator, model_validator
+from pydantic_core import InitErrorDetails
 
-from benchtool.document import Array, Section, document_path, load_document
+from benchtool.document import Array, Section, closest, document_path, load_document
 from benchtool.drive import Mode, Stimulus
 from benchtool.errors import PlanError
+from benchtool.plan.analyses import Analyses
+from benchtool.plan.known import catalogue
 from benchtool.plan.limits import Limit
+from benchtool.plan.stated_units import with_units, without_units
 from benchtool.shipped import shipped
 
 Seconds = Annotated[float, Field(gt=0, le=3600)]
@@ -37,6 +41,9 @@ _OF_MODE = {
     "velocity": frozenset({"omega_m_rad_s", "load_torque_Nm"}),
     "torque": frozenset({"torque_Nm", "hold_speed_rad_s", "load_torque_Nm"}),
 }
+
+
+_ALWAYS = ("none", "sweep")  # what `figure` may be besides the figures of analyses
 
 
 class OperatingPoint(Section):
@@ -114,20 +121,6 @@ class Variant(Section):
     emulator: dict[str, float] = Field(default_factory=dict)
 
 
-class Analyses(Section):
-    """What is measured: the steady state from `steady_from_s` of the capture on, the response to a step, the
-    frequency response of a channel to another while a stimulus plays."""
-
-    steady: bool = True
-    steady_from_s: Annotated[float, Field(ge=0)] = 0.0
-    step: bool = False
-    step_signal: str = "torque"
-    step_reference: str = "torque_reference"
-    frequency_response: bool = False
-    response_input: str = "torque_reference"
-    response_output: str = "torque"
-
-
 class Plan(Section):
     """One test: set up, run, record, measure, judge; once, or for every variant at every point of a sweep.
 
@@ -136,9 +129,9 @@ class Plan(Section):
     its repetitions. `judge` says what of these the limits hold for: each, their mean with its uncertainty, or
     the worst; data quality, the operating point reached and limits of a single repetition hold for each
     anyway. `published` has the figures of a publication to print beside ours, by case, `readings`
-    what that publication leaves open and how it is read here. `figure` sets the cases side by side, `sweep`
-    as `figure_of` against the operating point that is swept; `tabulate` names the measurements of a table
-    with a row for each case.
+    what that publication leaves open and how it is read here. `figure` sets the cases side by side: one that
+    an analysis declares, or `sweep` for `figure_of` against the operating point that is swept; `tabulate`
+    names the measurements of a table with a row for each case.
     """
 
     title: str
@@ -157,10 +150,51 @@ class Plan(Section):
     judge: Literal["each", "mean", "worst"] = "each"
     published: dict[str, dict[str, float]] = Field(default_factory=dict)
     readings: Array[str] = ()
-    figure: Literal["none", "torque", "steady", "spectra", "sweep", "bode"] = "none"
+    figure: str = "none"
     figure_of: str = "torque_ripple_pp"
     tabulate: Array[str] = ()
     emulator: dict[str, float] = Field(default_factory=dict)
+
+    @field_validator("limits", mode="before")
+    @classmethod
+    def _limits_by_measurement(cls, limits: Any) -> Any:
+        return with_units(limits)
+
+    @field_validator("case_limits", mode="before")
+    @classmethod
+    def _case_limits_by_measurement(cls, by_case: Any) -> Any:
+        if not isinstance(by_case, Mapping):
+            return by_case
+        return {case: with_units(limits, case) for case, limits in by_case.items()}
+
+    @field_validator("published", mode="before")
+    @classmethod
+    def _published_by_measurement(cls, by_case: Any) -> Any:
+        if not isinstance(by_case, Mapping):
+            return by_case
+        return {case: without_units(numbers) for case, numbers in by_case.items()}
+
+    @field_validator("figure")
+    @classmethod
+    def _figure_is_known(cls, figure: str) -> str:
+        if figure not in _ALWAYS and figure not in (known := (*_ALWAYS, *catalogue().comparisons)):
+            raise ValueError(f"no figure is called so: {closest(figure, known)}")
+        return figure
+
+    @model_validator(mode="after")
+    def _figure_is_made(self) -> Plan:
+        if self.figure in _ALWAYS:
+            return self
+        drawing, declared = catalogue().comparisons[self.figure]
+        if drawing.of_recording or any(self.analyses.made(each) for each in declared):
+            return self
+        off = declared[0].of_steady_state and not self.analyses.steady
+        key = "steady" if off else declared[0].name
+        reason = ValueError(f"figure = '{self.figure}' needs analyses.{key} = true")
+        error = InitErrorDetails(
+            type="value_error", loc=("figure",), input=self.figure, ctx={"error": reason}
+        )
+        raise ValidationError.from_exception_data(type(self).__name__, [error])
 
     @model_validator(mode="after")
     def _sections_fit(self) -> Plan:
@@ -171,8 +205,6 @@ class Plan(Section):
             raise ValueError(
                 f"judge = '{self.judge}' is over repetitions, of which there is one: set repetitions"
             )
-        if self.figure == "bode" and not self.analyses.frequency_response:
-            raise ValueError("figure = 'bode' needs analyses.frequency_response = true")
         if self.stimulus is None:
             return self
         if point.mode_of_operation not in self.stimulus.modes:

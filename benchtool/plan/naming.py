@@ -1,26 +1,22 @@
-"""The measurements that a plan names, against those that it will make."""
+"""What a plan names, cases, measurements, units, figures, against what it will run, measure and draw."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from typing import Final
+from dataclasses import dataclass, field
 
-from benchtool.analysis.catalogue import STEADY, Analysis, analyses_of, response_names, step_names
-from benchtool.document import Path_, closest
+from benchtool.analysis.catalogue import catalogue
+from benchtool.analysis.declaration import Analysis
+from benchtool.document import Path_, Section, closest, unit_suffix
 from benchtool.plan.cases import cases
+from benchtool.plan.limits import Limit
 from benchtool.plan.model import Plan
 from benchtool.plan.operating_point import NAMES as REACHED
 from benchtool.plan.operating_point import asked
 from benchtool.profile import Motor
-from benchtool.telemetry.certificate import certificate_names
+from benchtool.telemetry.certificate import certificate_units
 
-_DRAWN: Final[Mapping[str, tuple[str, ...]]] = {
-    "torque": ("torque",),
-    "steady": ("torque", "i_a", "psi_s"),
-    "spectra": ("i_a",),
-}
-"""The channels that a figure of all cases draws."""
+Faults = Iterator[tuple[Path_, str]]
 
 
 @dataclass(frozen=True)
@@ -32,22 +28,25 @@ class Naming:
         motor: its machine.
         transducer: whether the bench has a torque transducer.
         stream: whether the drive has a slow stream, which the certificate measures too.
+        units: of the signals that the drive has.
     """
 
     plan: Plan
     motor: Motor
     transducer: bool
     stream: bool
+    units: Mapping[str, str] = field(default_factory=dict)
 
-    def faults(self) -> Iterator[tuple[Path_, str]]:
-        """Every name that matches nothing, with its place in the plan."""
+    def faults(self) -> Faults:
+        """Every name that matches nothing and every unit that is another, with its place in the plan."""
         plan = self.plan
-        for name in plan.limits:
-            yield from self._fault(("limits", name), name, quality=True)
+        yield from self._analysis_faults()
+        for name, limit in plan.limits.items():
+            yield from self._limit_fault(("limits", name), name, limit)
         for case, limits in plan.case_limits.items():
             yield from self._case_fault("case_limits", case)
-            for name in limits:
-                yield from self._fault(("case_limits", case, name), name, quality=True)
+            for name, limit in limits.items():
+                yield from self._limit_fault(("case_limits", case, name), name, limit)
         for case, figures in plan.published.items():
             yield from self._case_fault("published", case)
             for name in figures:
@@ -56,7 +55,23 @@ class Naming:
             yield from self._fault(("tabulate",), name)
         yield from self._figure_faults()
 
-    def _figure_faults(self) -> Iterator[tuple[Path_, str]]:
+    def _analysis_faults(self) -> Faults:
+        """Analyses that the plan asks for and that its record does not allow."""
+        for analysis, settings in self.plan.analyses.demanded():
+            for key in analysis.channel_settings:
+                if (channel := getattr(settings, key)) not in self._channels:
+                    yield (
+                        ("analyses", analysis.name, key),
+                        f"is '{channel}', which record.channels does not have: add it there, or choose one "
+                        f"of {', '.join(self.plan.record.channels)}",
+                    )
+            if not self._possible(analysis, settings):
+                yield (
+                    ("analyses", analysis.name),
+                    f"analyses.{analysis.name} {self._lacks(analysis, settings)}",
+                )
+
+    def _figure_faults(self) -> Faults:
         plan = self.plan
         if plan.figure == "sweep":
             if not plan.sweep.operating_point:
@@ -67,87 +82,118 @@ class Naming:
                 ("figure_of",),
                 f"figure_of is drawn by figure = 'sweep', which is '{plan.figure}': change one",
             )
-        needed = _DRAWN.get(plan.figure, ())
-        if lacking := [name for name in needed if name not in plan.record.channels]:
+        drawing, declared = catalogue().comparisons.get(plan.figure, (None, ()))
+        if drawing is None:
+            return
+        settings = plan.analyses.settings(declared[0])
+        needed = declared[0].needs(settings) if settings is not None and not drawing.of_recording else ()
+        if lacking := [name for name in (*drawing.channels, *needed) if name not in self._channels]:
             yield (
                 ("figure",),
                 f"figure = '{plan.figure}' draws {', '.join(lacking)}, which record.channels does not have: "
                 f"add them there",
             )
-        if plan.figure == "spectra" and not plan.analyses.steady:
-            yield ("figure",), "figure = 'spectra' needs analyses.steady = true"
+        elif needed and settings is not None and not self._possible(declared[0], settings):
+            yield ("figure",), f"figure = '{plan.figure}' {self._lacks(declared[0], settings)}"
 
-    def _case_fault(self, key: str, case: str) -> Iterator[tuple[Path_, str]]:
+    def _case_fault(self, key: str, case: str) -> Faults:
         todo = cases(self.plan)
         names = list(dict.fromkeys((*(each.group for each in todo), *(each.name for each in todo))))
         if case not in names:
             yield (key, case), f"{key} names case '{case}', which the plan has not: {closest(case, names)}"
 
-    def _fault(self, place: Path_, name: str, *, quality: bool = False) -> Iterator[tuple[Path_, str]]:
-        if reason := self.why_not(name, quality=quality):
+    def _limit_fault(self, place: Path_, name: str, limit: Limit) -> Faults:
+        if reason := self.why_not(name, quality=True):
             yield place, reason
+            return
+        unit = self.unit_of(name)
+        if limit.unit is None or unit is None or unit_suffix(limit.unit) == unit_suffix(unit):
+            return
+        is_in = f"in {unit}" if unit else "a pure number"
+        remedy = f'convert it, and write unit = "{unit}"' if unit else "leave the unit out"
+        yield place, f"the limit of '{name}' is in {limit.unit}, that is {is_in}: {remedy}"
+
+    def _fault(self, place: Path_, name: str) -> Faults:
+        if reason := self.why_not(name):
+            yield place, reason
+
+    def unit_of(self, name: str) -> str | None:
+        """The unit of a measurement that the plan makes; None where it is not known before the run."""
+        if name in self._reached:
+            return self._reached[name]
+        certified = certificate_units(stream=self.stream)
+        if name in certified:
+            return certified[name]
+        analysis = catalogue().measuring(name)
+        quantity = None if analysis is None else analysis.quantity(name)
+        if analysis is None or quantity is None:
+            return None
+        if isinstance(quantity.unit, str):
+            return quantity.unit
+        settings = self.plan.analyses.settings(analysis)
+        return None if settings is None else quantity.unit.resolve(settings, self.units)
 
     def why_not(self, name: str, *, quality: bool = False) -> str:
         """Why no measurement of that name will be made; empty if one will.
 
         `quality` allows those of the recording's certificate, which limits may hold for.
         """
-        certified = certificate_names(stream=self.stream)
+        certified = certificate_units(stream=self.stream)
         if name in self._reached or (quality and name in certified):
             return ""
-        found = list(analyses_of(name)) if self.plan.analyses.steady else []
-        if any(self._possible(analysis) for analysis in found):
-            return ""
-        if self.plan.analyses.step and name in step_names():
-            return ""
-        if self.plan.analyses.frequency_response and name in response_names():
-            return ""
-        if found:
-            return f"'{name}' {self._lacks(found[0])}"
-        return self._unknown(name, certified, quality=quality)
-
-    def _unknown(self, name: str, certified: tuple[str, ...], *, quality: bool) -> str:
-        """Why a name is none of an analysis that the plan asks for."""
-        analyses = self.plan.analyses
-        off = [
-            key
-            for key, has in (
-                ("steady", any(analyses_of(name)) and not analyses.steady),
-                ("step", name in step_names() and not analyses.step),
-                ("frequency_response", name in response_names() and not analyses.frequency_response),
-            )
-            if has
-        ]
-        if off:
-            return f"'{name}' is measured with analyses.{off[0]} = true, which is false: change it"
+        analysis = catalogue().measuring(name)
+        if analysis is not None:
+            return self._why_not_made(analysis, name)
         if name in REACHED:
             return f"'{name}' is nothing that this operating point asks for: leave it out"
         if name in certified:
             return f"'{name}' is of the quality of the data, which limits alone may name: leave it out"
-        steady = [each for analysis in STEADY for each in analysis.names] if analyses.steady else []
+        if stated := catalogue().stated_unit(name):
+            unit = self.unit_of(stated[0])
+            correct = "" if not unit else f" or {stated[0]}_{unit_suffix(unit)}"
+            return (
+                f"no measurement is called '{name}', '{stated[0]}' is "
+                f"{f'in {unit}' if unit else 'a pure number'}: convert it, and write {stated[0]}{correct}"
+            )
         known = [
-            *steady,
-            *(step_names() if analyses.step else ()),
-            *(response_names() if analyses.frequency_response else ()),
+            *(each for analysis in self._made for each in analysis.names),
             *self._reached,
             *(certified if quality else ()),
         ]
         return f"no measurement is called '{name}': {closest(name, known)}"
 
+    def _why_not_made(self, analysis: Analysis[Section], name: str) -> str:
+        """Why the analysis that gives a measurement is not made; empty if it is."""
+        analyses = self.plan.analyses
+        if not analyses.made(analysis):
+            off = analysis.of_steady_state and not analyses.steady
+            key = "steady" if off else analysis.name
+            return f"'{name}' is measured with analyses.{key} = true, which is false: change it"
+        settings = analyses.settings(analysis)
+        assert settings is not None  # it is made
+        return "" if self._possible(analysis, settings) else f"'{name}' {self._lacks(analysis, settings)}"
+
     @property
-    def _reached(self) -> tuple[str, ...]:
+    def _made(self) -> tuple[Analysis[Section], ...]:
+        return tuple(each for each in catalogue().analyses if self.plan.analyses.made(each))
+
+    @property
+    def _channels(self) -> frozenset[str]:
+        return frozenset(self.plan.record.channels)
+
+    @property
+    def _reached(self) -> Mapping[str, str]:
+        """Units of what is measured of the operating point."""
         wanted = (asked(case.operating_point, self.motor, None) for case in cases(self.plan))
-        return tuple(dict.fromkeys(each.name for point in wanted for each in point))
+        return {each.name: each.unit for point in wanted for each in point}
 
-    def _possible(self, analysis: Analysis) -> bool:
-        record = self.plan.record
-        channels = frozenset(record.channels)
-        return analysis.possible(channels, transducer=self.transducer, stride=record.stride)
+    def _possible(self, analysis: Analysis[Section], settings: Section) -> bool:
+        stride = self.plan.record.stride
+        return analysis.possible(self._channels, settings, transducer=self.transducer, stride=stride)
 
-    def _lacks(self, analysis: Analysis) -> str:
+    def _lacks(self, analysis: Analysis[Section], settings: Section) -> str:
         """What keeps an analysis from being made."""
-        channels = frozenset(self.plan.record.channels)
-        if lacking := analysis.missing(channels):
+        if lacking := analysis.missing(self._channels, settings):
             return f"needs {', '.join(lacking)}, which record.channels does not have: add what is missing"
         if analysis.transducer and not self.transducer:
             return "needs a torque transducer, which the bench at this link has not: leave it out"

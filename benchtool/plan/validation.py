@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+import tomllib
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
+from benchtool.analysis.dynamics.bode import FREQUENCY_RESPONSE
 from benchtool.document import Path_, closest, line_of
 from benchtool.errors import PlanError, ProfileError, ValueRefused
+from benchtool.plan.analyses import spelled
 from benchtool.plan.cases import Case, cases
 from benchtool.plan.model import Plan, Setting
 from benchtool.plan.naming import Naming
@@ -56,8 +59,10 @@ def require_known(
     for reason in _sensor_faults(profile, dictionary):
         raise ProfileError(f"profile '{profile.title}', [bench.channels]: {reason}")
     text = path.read_text(encoding="utf-8")
+    written = tomllib.loads(text)
     stream = "stream_sequence" in dictionary
-    naming = Naming(plan, profile.motor, transducer, stream)
+    units = {variable.name: variable.unit for variable in dictionary if variable.role == "signal"}
+    naming = Naming(plan, profile.motor, transducer, stream, units)
     for faults in (
         _setting_faults(plan, dictionary),
         _channel_faults(plan, dictionary),
@@ -66,7 +71,7 @@ def require_known(
         _rating_faults(plan, profile),
         _record_faults(plan, dictionary),
         _window_faults(plan, profile, dictionary),
-        naming.faults(),
+        _as_written(naming.faults(), written),
     ):
         for location, reason in faults:
             raise PlanError(f"{path}{line_of(text, location)}: {reason}")
@@ -85,6 +90,23 @@ def _sensor_faults(profile: Profile, dictionary: Dictionary) -> Iterator[str]:
             )
 
 
+def _as_written(faults: Faults, document: Mapping[str, Any]) -> Faults:
+    """Faults of names by the keys of the file: with the unit that ends one, or in an older form."""
+    for location, reason in faults:
+        match location:
+            case ("analyses", str(analysis), str(key)):
+                place, called = spelled(document.get("analyses", {}), analysis, key)
+                yield place, f"{called} {reason}"
+            case (*tables, str(name)):
+                table: Any = document
+                for each in tables:
+                    table = table.get(each, {}) if isinstance(table, Mapping) else {}
+                with_unit = (key for key in table if key.startswith(f"{name}_")) if name not in table else ()
+                yield (*tables, next(iter(with_unit), name)), reason
+            case _:
+                yield location, reason
+
+
 def _setting_faults(plan: Plan, dictionary: Dictionary) -> Faults:
     """Parameters that there are not, and values that they cannot have."""
     for location, key, value in _settings(plan):
@@ -98,18 +120,11 @@ def _setting_faults(plan: Plan, dictionary: Dictionary) -> Faults:
 
 
 def _channel_faults(plan: Plan, dictionary: Dictionary) -> Faults:
-    """Signals that there are not, and channels that an analysis asks for and the capture does not have."""
+    """Signals that there are not."""
     known = [variable.name for variable in dictionary if variable.role == "signal"]
     for channel in plan.record.channels:
         if channel not in known:
             yield ("record", "channels"), f"no signal '{channel}' to capture: {closest(channel, known)}"
-    for key, channel in _analysed(plan):
-        if channel not in plan.record.channels:
-            yield (
-                ("analyses", key),
-                f"{key} is '{channel}', which record.channels does not have: add it there, or choose one of "
-                f"{', '.join(plan.record.channels)}",
-            )
 
 
 def _case_faults(plan: Plan) -> Faults:
@@ -137,7 +152,7 @@ def _case_faults(plan: Plan) -> Faults:
 def _origin(plan: Plan, case: Case) -> Path_:
     """Where the name of a case comes from, as far as that can be told."""
     for number, variant in enumerate(plan.variants):
-        if case.group == variant.name or case.group.startswith(f"{variant.name},"):
+        if variant.name and case.variant == variant.name:
             return "variants", number, "name"
     if plan.sweep.setup or plan.sweep.emulator or plan.sweep.operating_point:
         return ("sweep",)
@@ -228,7 +243,7 @@ def _window_faults(plan: Plan, profile: Profile, dictionary: Dictionary) -> Faul
     elif analyses.steady and _PERIODIC & set(record.channels):
         yield from _period_faults(plan, profile, _control_period_s(dictionary) or 0.0)
     stimulus = plan.stimulus
-    if stimulus is None or not analyses.frequency_response:
+    if stimulus is None or not analyses.made(FREQUENCY_RESPONSE):
         return
     after_s = record.duration_s - record.pretrigger_s
     length_s = stimulus.duration_s
@@ -261,17 +276,6 @@ def _period_faults(plan: Plan, profile: Profile, period_s: float) -> Faults:
             f"the steady state lasts {window_s:g} s, {periods:.2g} electrical periods at {omega_m:g} rad/s "
             f"(case '{case.name}'), {_FEWEST_PERIODS} are needed: {least}, or set analyses.steady = false",
         )
-
-
-def _analysed(plan: Plan) -> Iterator[tuple[str, str]]:
-    """The keys of `analyses` that name a channel, and that channel."""
-    analyses = plan.analyses
-    if analyses.step:
-        yield "step_signal", analyses.step_signal
-        yield "step_reference", analyses.step_reference
-    if analyses.frequency_response:
-        yield "response_input", analyses.response_input
-        yield "response_output", analyses.response_output
 
 
 def _settings(plan: Plan) -> Iterator[tuple[Path_, str, Setting]]:

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from pydantic import ValidationError
 
 from benchtool.analysis import (
@@ -20,24 +19,23 @@ from benchtool.analysis import (
     measurements_to_json,
     tables_to_json,
 )
-from benchtool.analysis.catalogue import STEADY, Window, analyses_of, response_names, step_names
-from benchtool.analysis.dynamics.bode import Bode, analyze_response
-from benchtool.analysis.dynamics.step import analyze_step
+from benchtool.analysis.declaration import Findings
 from benchtool.analysis.instruments import Altered, Instruments, said_of_sensors
-from benchtool.analysis.sensitivity import declared
+from benchtool.analysis.steady_state import steady_state_of
 from benchtool.block import Block
-from benchtool.drive import Mode
+from benchtool.document import explain
 from benchtool.errors import AnalysisError
-from benchtool.plan.cases import case_named
+from benchtool.plan.cases import Coordinates, case_named
 from benchtool.plan.limits import Limit, Missed, Verdict, missed, worst
 from benchtool.plan.model import Plan
 from benchtool.plan.operating_point import Seen, asked, default_limits, measure_reached
 from benchtool.profile import Motor
 from benchtool.recording import Bundle
 from benchtool.results.agreement import Disagreement, disagreements
+from benchtool.results.analyses import measure_all, of_plan, without_channels
 from benchtool.results.calibration import Calibration, Overdue, stated_overdue
-from benchtool.results.repetitions import Repeated, limits_together
-from benchtool.results.steady_state import assess_steady_state
+from benchtool.results.measuring_again import altered_readings, measured_again, rests_on
+from benchtool.results.repetitions import Repeated, limits_alone
 
 
 @dataclass(frozen=True)
@@ -49,6 +47,8 @@ class Assessment:
     be measured for want of channels, with these. `parameter_check` is what `ParameterCheck.to_json` tells of
     the drive. `refusal` is why nothing but the operating point was measured, where the machine ran elsewhere.
     `overdue` are the instruments whose calibration was due before the run.
+    `findings` are what each analysis found, by its name, and `coordinates` say where the case stands in its
+    plan.
     """
 
     case: str
@@ -61,11 +61,12 @@ class Assessment:
     transducer: Block | None
     steady: SteadyState | None
     tables: tuple[Table, ...] = ()
-    bode: Bode | None = None
+    findings: Mapping[str, Findings] = field(default_factory=dict)
     without: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     parameter_check: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     refusal: str = ""
     overdue: tuple[Overdue, ...] = ()
+    coordinates: Coordinates = field(default_factory=partial(Coordinates, ""))
 
     @property
     def of_sensors(self) -> tuple[str, ...]:
@@ -122,6 +123,7 @@ class Assessment:
         """The case as the JSON document of a run lists it."""
         document: dict[str, Any] = {
             "bundle": str(self.bundle),
+            "coordinates": self.coordinates.to_json(),
             "verdict": str(self.verdict),
             "verdict_by_transducer": self.verdict_by_transducer,
             "missed": [str(each) for each in self.missed],
@@ -215,10 +217,7 @@ def assess(
     point = this.operating_point
     wanted = asked(point, motor, seen.u_dc_V)
     reached = measure_reached(wanted, plan, point, motor, capture, transducer, seen)
-    together = limits_together(plan, this.group)
-    own = {**plan.limits, **plan.case_limits.get(this.group, {})}
-    own = {name: limit for name, limit in own.items() if name not in together}
-    own |= plan.case_limits.get(case, {})
+    own = limits_alone(plan, this)
     limits = {**own, **{name: each for name, each in default_limits(wanted).items() if name not in own}}
     try:
         answers, refusal = _answer(plan, motor, capture, transducer), ""
@@ -228,17 +227,21 @@ def assess(
         # the machine ran elsewhere: that is the result, and no wonder that nothing else can be told
         answers, refusal = _Answers(), str(refused)
     blocks = [capture] if transducer is None else [capture, transducer]
-    rests_on = partial(_rests_on, plan, transducer is not None)
-    instruments = Instruments(calibration.bench, blocks, rests_on=rests_on, pole_pairs=motor.pole_pairs)
+    instruments = Instruments(
+        calibration.bench,
+        blocks,
+        rests_on=partial(rests_on, plan, transducer is not None),
+        pole_pairs=motor.pole_pairs,
+    )
 
     def again(altered: Altered) -> Iterator[Measurement]:
         """What hangs on the waveform of an altered channel."""
         other = altered.of(capture)
         shaft = None if transducer is None else altered.of(transducer)
-        yield from measure_reached(wanted, plan, point, motor, other, shaft, _altered(seen, altered))
+        yield from measure_reached(wanted, plan, point, motor, other, shaft, altered_readings(seen, altered))
         if not refusal:
             with suppress(AnalysisError):  # what is not found again has an unknown uncertainty
-                yield from _answer_again(plan, motor, other, shaft, altered.channel)
+                yield from measured_again(plan, motor, other, shaft, altered.channel)
 
     return Assessment(
         case,
@@ -249,106 +252,37 @@ def assess(
         {**plan.published.get(this.group, {}), **plan.published.get(case, {})},
         capture,
         transducer,
-        answers.steady,
+        steady_state_of(answers.findings) if plan.analyses.steady and not refusal else None,
         answers.tables,
-        answers.bode,
+        answers.findings,
         answers.without,
         seen.parameter_check,
         refusal,
         calibration.overdue(name for block in blocks for name in block.names),
+        this.coordinates,
     )
-
-
-def _rests_on(plan: Plan, transducer: bool, name: str) -> tuple[str, ...]:
-    """The channels of a measurement whose sensitivities are not declared."""
-    if name == "load_torque_reached":
-        if plan.operating_point.mode_of_operation is Mode.TORQUE:
-            return "torque", "omega_m"
-        return ("torque_transducer",) if transducer else ("torque",)
-    if name in step_names():
-        return plan.analyses.step_signal, plan.analyses.step_reference
-    if name in response_names():
-        return plan.analyses.response_input, plan.analyses.response_output
-    found = next(analyses_of(name), None)
-    if found is None:
-        return ()
-    return (*found.channels, "torque_transducer") if found.transducer else found.channels
-
-
-def _altered(seen: Seen, altered: Altered) -> Seen:
-    """What was read, with the error of its channel."""
-    if altered.channel not in seen.readings:
-        return seen
-    values = altered.reading(np.array(seen.readings[altered.channel]))
-    return replace(seen, readings={**seen.readings, altered.channel: tuple(values.tolist())})
-
-
-def _answer_again(
-    plan: Plan, motor: Motor, capture: Block, transducer: Block | None, channel: str
-) -> Iterator[Measurement]:
-    """The analyses of a plan that rest on a channel and declare no sensitivity to it."""
-    if plan.analyses.steady:
-        window = Window.of(_from(capture, plan.analyses.steady_from_s), motor, transducer)
-        channels, stride = frozenset(capture.names), capture.stride
-        for analysis in STEADY:
-            names = [name for name in analysis.names if declared(name) is None]
-            possible = analysis.possible(channels, transducer=transducer is not None, stride=stride)
-            if possible and names and channel in _rests_on(plan, transducer is not None, names[0]):
-                yield from analysis.measure(window).measurements
-    if plan.analyses.step and channel in _rests_on(plan, False, step_names()[0]):
-        signal, reference = plan.analyses.step_signal, plan.analyses.step_reference
-        yield from analyze_step(capture, signal, reference).measurements
-    if plan.analyses.frequency_response and channel in _rests_on(plan, False, response_names()[0]):
-        yield from _response(plan, capture).measurements
 
 
 @dataclass(frozen=True)
 class _Answers:
-    """What the analyses that a plan asks for give; the fields are those of `Assessment`."""
+    """What the analyses that a plan asks for find, by name, and what lacked channels."""
 
-    measurements: tuple[Measurement, ...] = ()
-    tables: tuple[Table, ...] = ()
-    steady: SteadyState | None = None
-    bode: Bode | None = None
+    findings: Mapping[str, Findings] = field(default_factory=dict)
     without: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+
+    @property
+    def measurements(self) -> tuple[Measurement, ...]:
+        return tuple(each for found in self.findings.values() for each in found.measurements)
+
+    @property
+    def tables(self) -> tuple[Table, ...]:
+        return tuple(each for found in self.findings.values() for each in found.tables)
 
 
 def _answer(plan: Plan, motor: Motor, capture: Block, transducer: Block | None) -> _Answers:
     """Every analysis that a plan asks for."""
-    measurements: list[Measurement] = []
-    tables: list[Table] = []
-    steady = None
-    without: dict[str, tuple[str, ...]] = {}
-    if plan.analyses.steady:
-        window = _from(capture, plan.analyses.steady_from_s)
-        steady, further = assess_steady_state(window, motor, transducer)
-        measurements.extend((*steady.measurements, *further.measurements))
-        tables.extend((*steady.tables, *further.tables))
-        channels = frozenset(window.names)
-        could = [each for each in STEADY if transducer is not None or not each.transducer]
-        without = {each.title: lacking for each in could if (lacking := each.missing(channels))}
-    if plan.analyses.step:
-        step = analyze_step(capture, plan.analyses.step_signal, plan.analyses.step_reference)
-        measurements.extend(step.measurements)
-    bode = _response(plan, capture) if plan.analyses.frequency_response else None
-    if bode is not None:
-        measurements.extend(bode.measurements)
-        tables.extend(bode.tables)
-    return _Answers(tuple(measurements), tuple(tables), steady, bode, without)
-
-
-def _response(plan: Plan, capture: Block) -> Bode:
-    """Frequency response while the stimulus plays; of a repeated one after its first period, a transient."""
-    begin, end, period = 0, len(capture.data), None
-    if plan.stimulus is not None:
-        begin = round(plan.record.pretrigger_s * capture.sample_rate_Hz)
-        ticks = plan.stimulus.ticks(capture.tick_s)
-        end = min(end, begin + ticks * plan.stimulus.repetitions // capture.stride)
-        if plan.stimulus.repetitions > 1 and ticks % capture.stride == 0:
-            period = ticks // capture.stride
-            begin += period
-    channels = plan.analyses.response_input, plan.analyses.response_output
-    return analyze_response(capture, *channels, begin_row=begin, end_row=end, period_rows=period)
+    todo = of_plan(plan, motor, capture, transducer)
+    return _Answers(measure_all(todo), without_channels(todo))
 
 
 def assess_bundle(bundle: Bundle) -> Assessment:
@@ -363,9 +297,10 @@ def assess_bundle(bundle: Bundle) -> Assessment:
     try:
         plan, motor = Plan.model_validate(details["plan"]), Motor.model_validate(details["motor"])
         case = str(details["case"])
-    except (KeyError, ValidationError):
+    except (KeyError, ValidationError) as failed:
+        why = f" ({explain(Plan, failed)})" if isinstance(failed, ValidationError) else ""
         raise AnalysisError(
-            f"{bundle.directory} carries no plan that this version understands: analyse a bundle that "
+            f"{bundle.directory} carries no plan that this version understands{why}: analyse a bundle that "
             f"'benchtool run' wrote"
         ) from None
     if "capture" not in bundle.streams:
@@ -377,17 +312,3 @@ def assess_bundle(bundle: Bundle) -> Assessment:
     capture, seen = bundle.block("capture"), Seen.of(details)
     calibration = Calibration.of(bundle.manifest)
     return assess(plan, case, motor, bundle.directory, capture, transducer, quality, seen, calibration)
-
-
-def _from(block: Block, start_s: float) -> Block:
-    """What a block holds from `start_s` on."""
-    if start_s == 0.0:
-        return block
-    block.require_uniform()
-    row = round(start_s * block.sample_rate_Hz)
-    if row >= len(block.data):
-        raise AnalysisError(
-            f"the capture lasts {len(block.data) / block.sample_rate_Hz:g} s, its steady state was to begin "
-            f"at {start_s:g} s: record longer or begin earlier"
-        )
-    return replace(block, first_tick=block.first_tick + row * block.stride, data=block.data[row:])

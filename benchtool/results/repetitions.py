@@ -12,11 +12,11 @@ import numpy as np
 
 from benchtool.analysis import Contribution, Measurement, Uncertainty
 from benchtool.analysis.uncertainty import InstrumentError
-from benchtool.plan.cases import cases
+from benchtool.plan.cases import Case, cases
 from benchtool.plan.limits import Limit, Missed, Verdict, missed
 from benchtool.plan.model import Plan
 from benchtool.plan.operating_point import NAMES as REACHED
-from benchtool.telemetry.certificate import certificate_names
+from benchtool.telemetry.certificate import certificate_units
 
 
 @dataclass(frozen=True)
@@ -26,8 +26,8 @@ class Repeated:
     `standard_uncertainty` is that of the mean, the standard deviation over sqrt(n) with n - 1 degrees of
     freedom (JCGM 100:2008, 4.2.3), and nan of fewer than two. It knows nothing of what all repetitions share;
     of that, `instruments` are the errors of sensors and clock, which `uncertainty` contains besides.
-    `limit` is the one that holds for them together and `judged` what it is put to: the mean, or the worst
-    repetition; None where the plan judges each, or where nothing was measured.
+    `limit` is the one that holds for them together and `judged` what it is put to: by `judge` of the plan the
+    mean, or the worst repetition; None where the plan judges each, or where nothing was measured.
     """
 
     name: str
@@ -38,6 +38,7 @@ class Repeated:
     limit: Limit | None = None
     judged: Measurement | None = None
     instruments: tuple[Contribution, ...] = ()
+    judge: Literal["each", "mean", "worst"] = "each"
 
     @property
     def uncertainty(self) -> Uncertainty | None:
@@ -106,9 +107,17 @@ def limits_together(plan: Plan, group: str) -> dict[str, Limit]:
     """The limits of a case that hold for all of its repetitions together, by `judge` of the plan."""
     if plan.judge == "each":
         return {}
-    each = {*REACHED, *certificate_names(stream=True)}
+    each = {*REACHED, *certificate_units(stream=True)}
     limits = {**plan.limits, **plan.case_limits.get(group, {})}
     return {name: limit for name, limit in limits.items() if name not in each}
+
+
+def limits_alone(plan: Plan, case: Case) -> dict[str, Limit]:
+    """The limits that a plan sets for one case by itself: for every case, for its group, for itself."""
+    together = limits_together(plan, case.group)
+    shared = {**plan.limits, **plan.case_limits.get(case.group, {})}
+    alone = {name: limit for name, limit in shared.items() if name not in together}
+    return alone | plan.case_limits.get(case.name, {})
 
 
 def _together(
@@ -124,7 +133,9 @@ def _together(
         spread = float(np.std(values, ddof=1)) / math.sqrt(len(values)) if len(values) > 1 else math.nan
         limit = limits.get(name)
         shared = tuple(_shared(found))
-        together = Repeated(name, units.get(name, ""), mean, spread, len(values), limit, instruments=shared)
+        together = Repeated(
+            name, units.get(name, ""), mean, spread, len(values), limit, judge=judge, instruments=shared
+        )
         if limit is not None and found:
             together = replace(together, judged=_judged(together, found, len(group), judge == "mean"))
         yield together

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from benchtool.errors import AnalysisError, BenchError, RecordingError
+from benchtool.errors import AnalysisError, BenchError, PlugInError, RecordingError
 from benchtool.plan.cases import cases
 from benchtool.plan.limits import Verdict, worst
 from benchtool.plan.model import Plan
@@ -75,6 +75,7 @@ def recorded_runs(folder: Path) -> tuple[RecordedRun, ...]:
 
     Raises:
         RecordingError: it holds none, or one cannot be read.
+        PlugInError: an analysis of another package cannot be used.
     """
     if folder.exists() and not folder.is_dir():
         raise RecordingError(f"{folder} is a file: give the folder of a run")
@@ -144,6 +145,8 @@ def _case(bundle: Bundle) -> RecordedCase:
         bundle.require_intact()
         result = assess_bundle(bundle) if "plan" in details else None
         return RecordedCase(name, bundle, result, failure)
+    except PlugInError:
+        raise  # it is of this installation and not of the recording
     except BenchError as error:
         return RecordedCase(name, bundle, None, failure or str(error), error)
 

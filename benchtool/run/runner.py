@@ -312,6 +312,7 @@ def _manifest(session: Session, plan: Plan, case: Case, info: RunInfo, identity:
         conditions=info.conditions,
         details={
             "case": case.name,
+            "coordinates": case.coordinates.to_json(),
             "operating_point": case.operating_point.model_dump(mode="json"),
             "plan": plan.model_dump(mode="json"),
             "motor": session.profile.motor.model_dump(mode="json"),

@@ -116,14 +116,15 @@ def certify_recording(
 
 
 @cache
-def certificate_names(*, stream: bool) -> tuple[str, ...]:
-    """Names of what the certificate of a run measures; `stream` tells whether the drive has a slow stream."""
+def certificate_units(*, stream: bool) -> Mapping[str, str]:
+    """Units of what the certificate of a run measures, by name; `stream` tells whether the drive has a slow
+    stream."""
     blocks = ("capture", STREAM) if stream else ("capture",)
     empty = StreamReport(None, None, StreamCounters(), (), {}, {}, 0, 0, 0, 0.0, 0.0, None)
     found = certify(
         {name: StreamFacts(0, (), {}) for name in blocks}, LinkCounters(), empty if stream else None
     )
-    return tuple(each.name for each in found.measurements)
+    return {each.name: each.unit for each in found.measurements}
 
 
 def _stream(name: str, facts: StreamFacts) -> Iterator[Measurement]:

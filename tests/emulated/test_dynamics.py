@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from benchtool.analysis import Bode
 from benchtool.bench.session import Session, open_session
 from benchtool.errors import AnalysisError, PlanError
 from benchtool.plan.cases import Case
@@ -65,8 +66,8 @@ def torque_loops(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Assessme
 
 
 def test_foc_answers_as_its_tuning_says(torque_loops: dict[str, Assessment]) -> None:
-    bode = torque_loops["foc"].bode
-    assert bode is not None
+    bode = torque_loops["foc"].findings["frequency_response"].result
+    assert isinstance(bode, Bode)
     assert "over 10 periods of 1023 samples" in bode.response.method
     share = -math.expm1(-2000.0 * T_S)  # of an error, that a period removes
     frequency_Hz = bode.response.frequency_Hz
@@ -95,8 +96,9 @@ def test_a_single_chirp_shows_the_same_bandwidth(tmp_path: Path) -> None:
     }
     document["record"]["duration_s"] = 0.5
     (result,) = _run(Plan.model_validate(document), tmp_path / "run").values()
-    assert result.bode is not None
-    assert "DFT of all" in result.bode.response.method
+    bode = result.findings["frequency_response"].result
+    assert isinstance(bode, Bode)
+    assert "DFT of all" in bode.response.method
     assert _values(result)["bandwidth_3dB"] == pytest.approx(319.0, rel=0.05)
 
 
@@ -129,8 +131,9 @@ def test_the_speed_loop_shows_its_controller_and_inertia(tmp_path: Path) -> None
     loop = (0.1 + 1.0 / s) * np.exp(-2 * T_S * s) / (13.1e-4 * s)
     closed = np.abs(loop / (1.0 + loop))
     found = _values(result)
-    assert result.bode is not None
-    assert "over 5 periods of 2550 samples" in result.bode.response.method
+    bode = result.findings["frequency_response"].result
+    assert isinstance(bode, Bode)
+    assert "over 5 periods of 2550 samples" in bode.response.method
     expected_Hz = float(np.imag(s[np.argmax(closed < found["response_gain"] / math.sqrt(2.0))])) / (2 * np.pi)
     assert found["bandwidth_3dB"] == pytest.approx(expected_Hz, rel=0.02)
     expected_dB = 20 * math.log10(float(np.max(closed)) / found["response_gain"])

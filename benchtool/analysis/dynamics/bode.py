@@ -5,10 +5,20 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from benchtool.analysis.declaration import (
+    Analysis,
+    Drawing,
+    Findings,
+    Measured,
+    Quantity,
+    UnitOf,
+    ratio_of_units,
+)
 from benchtool.analysis.dynamics.frequency_response import (
     NEPER_DB,
     FrequencyResponse,
@@ -18,9 +28,12 @@ from benchtool.analysis.dynamics.frequency_response import (
 from benchtool.analysis.dynamics.margins import margins
 from benchtool.analysis.dynamics.response_curve import Point, ResponseCurve, gain_at_rest
 from benchtool.analysis.measurement import Basis, Measurement, Table
+from benchtool.analysis.torque import TORQUE
 from benchtool.analysis.uncertainty import Uncertainty
 from benchtool.analysis.validity import require_unbroken
+from benchtool.analysis.window import Window
 from benchtool.block import Block
+from benchtool.document import Section
 from benchtool.errors import AnalysisError
 
 _HALF_POWER_DB = 20.0 * math.log10(math.sqrt(0.5))
@@ -98,16 +111,9 @@ def analyze_response(
         ),
         gaps=0,
     )
-    unit = _ratio(block.unit(output), block.unit(input))
+    unit = ratio_of_units(block.unit(output), block.unit(input))
     measurements = tuple(_measurements(found, unit, basis))
     return Bode(input, output, unit, found, measurements, (_table(found, unit, basis),))
-
-
-def _ratio(above: str, below: str) -> str:
-    """Unit of a quotient."""
-    if above == below:
-        return ""
-    return f"{above or '1'}/({below})" if "/" in below else f"{above or '1'}/{below or '1'}"
 
 
 def _measurements(found: FrequencyResponse, unit: str, basis: Basis) -> Iterator[Measurement]:
@@ -213,3 +219,83 @@ def _table(found: FrequencyResponse, unit: str, basis: Basis) -> Table:
     )
     rows = tuple(tuple(float(cell) for cell in row) for row in np.stack(values, axis=1))
     return Table("frequency_response", definition, columns, rows, replace(basis, bandwidth_Hz=None))
+
+
+class ResponseSettings(Section):
+    """The channel that is excited and the one that answers."""
+
+    input: str = "torque_reference"
+    output: str = "torque"
+
+
+def _measure(window: Window, settings: ResponseSettings) -> Findings:
+    rows = window.excitation
+    found = analyze_response(
+        window.block,
+        settings.input,
+        settings.output,
+        begin_row=rows.begin_row,
+        end_row=rows.end_row,
+        period_rows=rows.period_rows,
+    )
+    return Findings(found.measurements, found.tables, found)
+
+
+_BODE: Final = Drawing("bode", "Frequency response", "Frequency response: gain, phase and coherence.")
+
+FREQUENCY_RESPONSE: Final = Analysis(
+    name="frequency_response",
+    title="frequency response",
+    measure=_measure,
+    quantities=(
+        Quantity(
+            ("response_gain",),
+            UnitOf("output", over="input"),
+            "gain continued to zero frequency: `1 / gain^2` as a polynomial of `f^2`, up to the cubic, "
+            "fitted to the lowest frequencies that it describes, with a term more than these need. "
+            "Frequencies count from the lowest where the input has more than 1 % of its greatest power and "
+            "the error is at most 1 %, or three times the median of the frequencies used",
+        ),
+        Quantity(
+            ("bandwidth_3dB",),
+            "Hz",
+            "lowest frequency at which the gain is `response_gain / sqrt(2)`, by a parabola through as many "
+            "neighbours as it describes within their errors, shortened; undefined where `response_gain` is "
+            "uncertain by more than 0.9 dB",
+            label="bandwidth",
+        ),
+        Quantity(("bandwidth_90deg",), "Hz", "likewise, at which the phase, without jumps, is -90 degrees"),
+        Quantity(
+            ("resonance_peak",),
+            "dB",
+            "greatest gain over `response_gain`, less what its errors add on average; at least 0",
+        ),
+        Quantity(
+            ("response_delay",),
+            "s",
+            "`-1 / (2 pi)` x slope of the least-squares line of phase over frequency, up to `bandwidth_3dB`",
+        ),
+        Quantity(
+            ("coherence_min", "coherence_median"), "", "of the excited frequencies up to `bandwidth_3dB`"
+        ),
+        Quantity(
+            ("crossover",),
+            "Hz",
+            "of a response of one unit, `T`: lowest frequency at which the open loop `L = T / (1 - T)`, "
+            "unity feedback, has the gain 1",
+        ),
+        Quantity(("phase_margin",), "deg", "180 degrees + phase of `L` at `crossover`"),
+        Quantity(("gain_margin",), "dB", "gain of `L` below 1 where its phase first is -180 degrees"),
+        Quantity(
+            ("sensitivity_peak",),
+            "",
+            "`M_s`, greatest magnitude of `S = 1 - T` (Aastroem and Murray, *Feedback Systems*, 2nd ed., "
+            "12.1)",
+        ),
+    ),
+    settings=ResponseSettings,
+    measured=Measured.ASKED,
+    channel_settings=("input", "output"),
+    figures=(_BODE,),
+    comparisons=(TORQUE, _BODE),
+)

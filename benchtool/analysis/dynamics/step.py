@@ -11,16 +11,21 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from benchtool.analysis.declaration import Analysis, Findings, Measured, Quantity, UnitOf
 from benchtool.analysis.dynamics.noisy_curve import Instant, NoisyCurve
 from benchtool.analysis.dynamics.step_shape import TAIL, Step, find_step
 from benchtool.analysis.measurement import Measurement, MeasurementJson, measurements_to_json
 from benchtool.analysis.scatter import error_of_record, scatter_of_largest
+from benchtool.analysis.torque import TORQUE
 from benchtool.analysis.uncertainty import Uncertainty
+from benchtool.analysis.window import Window
 from benchtool.block import Block
+from benchtool.document import Section
 
 Floats = NDArray[np.float64]
 
@@ -249,3 +254,81 @@ def _of_largest(values: Floats) -> Uncertainty | None:
     if not math.isfinite(standard):
         return None
     return Uncertainty(standard, "distribution of the extremes of such samples")
+
+
+class StepSettings(Section):
+    """The channel that follows and the one that steps; of one unit."""
+
+    signal: str = "torque"
+    reference: str = "torque_reference"
+
+
+def _measure(window: Window, settings: StepSettings) -> Findings:
+    found = analyze_step(window.block, settings.signal, settings.reference)
+    return Findings(found.measurements, result=found)
+
+
+_OF_SIGNAL: Final = UnitOf("signal")
+
+STEP: Final = Analysis(
+    name="step",
+    title="step response",
+    measure=_measure,
+    quantities=(
+        Quantity(
+            ("dead_time",),
+            "s",
+            "until the curve is 2 % of `height` beyond the signal's mean before the step; where three of its "
+            "standard uncertainties are more, from there half the way back along a line through there and "
+            "twice as far; the way to a parabola (a lag of second order) is 1.5 standard uncertainties. "
+            "Undefined where the signal has moved before time zero, along a slow reference",
+        ),
+        Quantity(
+            ("rise_time",),
+            "s",
+            "from 10 % to 90 % of `height`",
+        ),
+        Quantity(("reach_time",), "s", "to 98 % of `height`", label="reached in"),
+        Quantity(
+            ("settling_time",),
+            "s",
+            "until the curve stays within `max(2 % of height, 5 x its standard uncertainty)` of `final`; the "
+            "definition states the width",
+        ),
+        Quantity(
+            ("overshoot",),
+            _OF_SIGNAL,
+            "greatest value of the curve minus `greatest`, at least 0",
+            label="overshoot",
+        ),
+        Quantity(("overshoot_percent",), "%", "`100 x overshoot / height`"),
+        Quantity(
+            ("peak_time",),
+            "s",
+            "to the greatest value of the curve; undefined where that is not beyond `greatest` by four "
+            "standard uncertainties",
+        ),
+        Quantity(
+            ("undershoot",),
+            _OF_SIGNAL,
+            "`final` minus the least value of the curve after its greatest, at least 0",
+        ),
+        Quantity(
+            ("plateau_mean", "plateau_min", "plateau_max"),
+            _OF_SIGNAL,
+            "mean, least and greatest sample from `reach_time` until the reference falls below `greatest - "
+            "2 % of height`",
+        ),
+        Quantity(
+            ("tracking_error_mean", "tracking_error_rms", "tracking_error_max"),
+            _OF_SIGNAL,
+            "of signal minus reference, sample by sample, from `settling_time` to the end; `_max` is the "
+            "greatest magnitude",
+        ),
+    ),
+    settings=StepSettings,
+    measured=Measured.ASKED,
+    channel_settings=("signal", "reference"),
+    figures=(TORQUE,),
+    comparisons=(TORQUE,),
+)

@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 
+from benchtool.analysis.declaration import Analysis, Findings, NoSettings, Quantity
 from benchtool.analysis.measurement import Basis, Measurement, Table
 from benchtool.analysis.orders.angle import AngleCoverage, angle_coverage
 from benchtool.analysis.orders.angle_orders import sector_means
@@ -20,6 +22,7 @@ from benchtool.analysis.orders.order_spectrum import (
 )
 from benchtool.analysis.periods import track_angle
 from benchtool.analysis.uncertainty import Uncertainty
+from benchtool.analysis.window import Window
 from benchtool.block import Block
 from benchtool.errors import AnalysisError
 
@@ -210,3 +213,41 @@ def _rows(spectrum: OrderSpectrum) -> Iterator[tuple[float, ...]]:
     for order, amplitude, standard in zip(spectrum.order, spectrum.amplitude, spectrum.standard, strict=True):
         value = float(amplitude)
         yield float(order), value, of_mean * value, of_largest * value, float(standard)
+
+
+def _orders_of(channel: str, name: str, unit: str) -> Analysis[NoSettings]:
+    """The analysis of a channel's orders under the names NAME_order_largest and NAME_order_K."""
+
+    def measure(window: Window, _: NoSettings) -> Findings:
+        theta_m = np.unwrap(window.block.column("theta_m"))
+        if abs(float(theta_m[-1] - theta_m[0])) < FEWEST_REVOLUTIONS * 2.0 * np.pi:
+            return Findings(())
+        slots = None if window.motor is None else window.motor.slots
+        found = order_analysis(window.block, channel, name, pole_pairs=window.pole_pairs, slots=slots)
+        return Findings(found.measurements, found.tables, found)
+
+    return Analysis(
+        name=f"{name}_orders",
+        title=f"{name} orders",
+        measure=measure,
+        quantities=(
+            Quantity(
+                (f"{name}_order_largest",),
+                "",
+                "order with the largest amplitude, of orders 1 to 200 or to where the data end; undefined "
+                "where none stands out",
+            ),
+            Quantity(
+                (f"{name}_order_K",),
+                unit,
+                "peak amplitude of order K, for the ten largest that stand out",
+                pattern=rf"{name}_order_[1-9]\d*",
+            ),
+        ),
+        settings=NoSettings,
+        channels=("theta_m", channel),
+    )
+
+
+TORQUE_ORDERS: Final = _orders_of("torque", "torque", "Nm")
+SPEED_ORDERS: Final = _orders_of("omega_m", "speed", "rad/s")

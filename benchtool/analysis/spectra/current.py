@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
+from typing import Final
 
 import numpy as np
 
+from benchtool.analysis.declaration import Analysis, Drawing, Findings, NoSettings, Quantity
 from benchtool.analysis.measurement import Basis, Measurement, Table
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.quantisation import resolution
@@ -42,8 +44,10 @@ from benchtool.analysis.spectra.spectrum import (
     largest_low_component,
     spectrum_of,
 )
+from benchtool.analysis.torque import WAVEFORMS
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
 from benchtool.analysis.validity import clipping, require_unbroken
+from benchtool.analysis.window import Window
 from benchtool.block import Block
 
 _LOW_ORDER = 10
@@ -320,3 +324,117 @@ def _with_bias(distortion: Distortion, source: str) -> Uncertainty | None:
 def _percent(budget: Iterable[Contribution], source: str) -> Uncertainty | None:
     found = combined(budget, source)
     return None if found is None else found.scaled(100.0)
+
+
+def current_of(window: Window) -> CurrentSpectrum:
+    """Spectrum of i_a, which other analyses share: `window.once(current_of)`."""
+    assert window.track is not None  # i_a alone gives one
+    return current_spectrum(window.block, "i_a", window.track, current_rated_A_rms=window.current_rated_A_rms)
+
+
+def _measure(window: Window, _: NoSettings) -> Findings:
+    found = window.once(current_of)
+    return Findings(found.measurements, found.tables, found.spectrum)
+
+
+CURRENT_SPECTRUM: Final = Analysis(
+    name="current_spectrum",
+    title="current spectrum",
+    measure=_measure,
+    quantities=(
+        Quantity(
+            ("fundamental_frequency",),
+            "Hz",
+            "phase between first and last row / (2 pi duration)",
+            "of the slope of the angle's fit, by 64 parts of the record and their correlation; of the sine "
+            "fit sqrt(54.5) u_q / (2 pi A_1 duration), u_q the noise beside the line in quadrature "
+            "(Hann-weighted; unweighted it were sqrt(12)); of a phase that was followed, its noise at both "
+            "ends",
+        ),
+        Quantity(
+            ("current_fundamental",),
+            "A",
+            "A_1",
+            "noise beside the line, resampling, wander of the phase, resolution",
+        ),
+        Quantity(
+            ("current_max_low_harmonic",),
+            "A",
+            "largest bin below 10 f_1 but dc and fundamental; interharmonics count",
+            "likewise, and what the largest of n bins of noise reads, A_n sqrt(ln n)",
+        ),
+        Quantity(
+            ("current_thd",),
+            "%",
+            "100 sqrt(A_2^2 + ... + A_H^2) / A_1: THD_F, after IEC 61000-4-7:2002+A1:2008",
+            "of each A_k, propagated to first order, and beside it (root of the sum of squares) what noise "
+            "and repeated quantisation add: `current_thd` - `current_thd_corrected`",
+            foremost=True,
+        ),
+        Quantity(
+            ("current_thd_corrected",),
+            "%",
+            "100 sqrt(max(0, A_2^2 + ... + A_H^2 - N^2)) / A_1, with N^2 the sum of A_n^2 around harmonics "
+            "2 to H",
+            "half of the longer side of sqrt(x +- 2 u), x what stands under the root, u from the noise in "
+            "the harmonics and the floor's own uncertainty",
+        ),
+        Quantity(
+            ("current_thd_r",),
+            "%",
+            "100 sqrt(A_2^2 + ... + A_H^2) / sqrt(A_1^2 + ... + A_H^2) = THD_F / sqrt(1 + THD_F^2)",
+            "likewise",
+        ),
+        Quantity(
+            ("current_tdd",),
+            "%",
+            "100 sqrt(A_2^2 + ... + A_H^2) / (sqrt(2) I_N); after IEEE Std 519-2022, but of one record and "
+            "with the machine's rated current as our reference",
+            "likewise",
+        ),
+        Quantity(
+            ("current_thd_n",),
+            "%",
+            "100 sqrt(sum of the squares of all bins but dc and fundamental) / A_1, up to the bandwidth",
+            "none",
+        ),
+        Quantity(
+            ("current_thdg",),
+            "%",
+            "100 sqrt(G_2^2 + ... + G_H^2) / G_1, after IEC 61000-4-7:2002+A1:2008",
+            "scatter over the windows of the ratio, or of each order, or the noise beside the lines, "
+            "whichever is largest",
+        ),
+        Quantity(
+            ("current_thds",), "%", "100 sqrt(S_2^2 + ... + S_H^2) / S_1, after IEC 61000-4-7", "likewise"
+        ),
+        Quantity(
+            ("current_noise_floor",),
+            "A",
+            "A_n: mean square over bands of the bins between harmonics, each from the median / 0.8326",
+            "of each band's power 1 / (ln 2 sqrt(bins)) of it",
+        ),
+        Quantity(
+            ("current_noise_density",), "A/sqrt(Hz)", "A_n / sqrt(2 bin width), rms per sqrt(Hz)", "likewise"
+        ),
+    ),
+    settings=NoSettings,
+    channels=("i_a",),
+    figures=(
+        WAVEFORMS,
+        Drawing(
+            "current_spectrum",
+            "Spectrum of phase current a",
+            "Amplitude spectrum of phase current a over whole electrical periods: above, up to ten times "
+            "the fundamental, below, the whole band. Where there are more lines than dots, the least and "
+            "the greatest.",
+        ),
+    ),
+    comparisons=(
+        Drawing(
+            "spectra",
+            "Spectra of phase current a",
+            "Amplitude spectrum of phase current a up to ten times the fundamental, dc left out.",
+        ),
+    ),
+)

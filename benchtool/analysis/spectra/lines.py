@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,10 +12,12 @@ from scipy import fft
 from scipy.ndimage import minimum_filter1d
 from scipy.signal import get_window
 
+from benchtool.analysis.declaration import Analysis, Findings, NoSettings, Quantity
 from benchtool.analysis.measurement import Basis, Measurement, Table
 from benchtool.analysis.quantisation import COARSE, resolution
 from benchtool.analysis.uncertainty import Uncertainty
 from benchtool.analysis.validity import require_signal, require_unbroken
+from benchtool.analysis.window import Window
 from benchtool.block import Block
 
 Floats = NDArray[np.float64]
@@ -196,3 +199,23 @@ def _table(name: str, rows: tuple[tuple[float, ...], ...], unit: str, what: str,
         rows,
         basis,
     )
+
+
+def _measure(window: Window, _: NoSettings) -> Findings:
+    lines = spectral_lines(window.block, "torque")
+    return Findings(lines.measurements, lines.tables, lines)
+
+
+TORQUE_LINES: Final = Analysis(
+    name="torque_spectrum",
+    title="torque spectrum",
+    measure=_measure,
+    quantities=(
+        Quantity(
+            ("torque_line_frequency",), "Hz", "frequency of the largest sinusoid, up to half the sample rate"
+        ),
+        Quantity(("torque_line_amplitude",), "Nm", "its peak amplitude"),
+    ),
+    settings=NoSettings,
+    channels=("torque",),
+)

@@ -10,17 +10,21 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from benchtool.analysis.declaration import Analysis, Findings, NoSettings, Quantity
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.regimes import change_of_regime
 from benchtool.analysis.scatter import MeanError, error_of_series
+from benchtool.analysis.spectra.current import current_of
 from benchtool.analysis.spectra.spectrum import FIRST_ROW, coherent_samples
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
 from benchtool.analysis.validity import clipping, require_unbroken
+from benchtool.analysis.window import Window
 from benchtool.block import Block
 
 Phasors = NDArray[np.complex128]
@@ -143,3 +147,29 @@ def _numbers(
             for each, share in shares
         )
         yield Measurement(name, 100.0 * ratio, "%", text, basis, combined(budget, _SOURCE))
+
+
+def _measure(window: Window, _: NoSettings) -> Findings:
+    return Findings(current_unbalance(window.block, window.once(current_of).track))
+
+
+CURRENT_UNBALANCE: Final = Analysis(
+    name="current_unbalance",
+    title="current unbalance",
+    measure=_measure,
+    quantities=(
+        Quantity(
+            ("current_sequence_positive", "current_sequence_negative", "current_sequence_zero"),
+            "A",
+            "magnitude, peak, of the symmetrical components (Fortescue) of the fundamental",
+        ),
+        Quantity(
+            ("current_unbalance_percent",),
+            "%",
+            "100 x negative / positive sequence (IEC 61000-4-30:2015, 5.7.1; IEC 60034-26)",
+        ),
+        Quantity(("current_unbalance_zero_percent",), "%", "100 x zero / positive sequence"),
+    ),
+    settings=NoSettings,
+    channels=("i_a", "i_b", "i_c"),
+)

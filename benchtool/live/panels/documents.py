@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 
 import rerun as rr
 
+from benchtool.analysis import Measurement
+from benchtool.analysis.catalogue import catalogue
+from benchtool.errors import PlugInError
 from benchtool.live.panels.band import Limits
 
 
@@ -19,21 +23,44 @@ def parameters_document(title: str, parameters: Mapping[str, object]) -> rr.Text
 
 def results_document(
     title: str,
-    measurements: Sequence[tuple[str, float, str]],
+    measurements: Sequence[Measurement],
     limits: Limits | None = None,
     verdicts: Mapping[str, str] | None = None,
     remarks: Sequence[str] = (),
 ) -> rr.TextDocument:
-    """What was measured: (name, value, unit) each, those with a limit first, with the verdict on them."""
+    """What was measured: what has a limit, with the verdict on it, then the rest by analysis."""
     bounds, verdicts = limits or {}, verdicts or {}
-    ordered = sorted(measurements, key=lambda each: each[0] not in bounds)
-    rows = [
-        f"| {_cell(name)} | {_text(value)} | {_cell(unit)} | {_limit(bounds.get(name))} "
-        f"| {verdicts.get(name, '')} |"
-        for name, value, unit in ordered
-    ]
+    rows = [_row(each, bounds, verdicts) for each in measurements if each.name in bounds]
+    last = ""
+    for each in measurements:
+        if each.name in bounds:
+            continue
+        if (heading := _analysis(each.name)) not in ("", last):
+            last = heading
+            rows.append(f"| *{_cell(last)}* | | | | |")
+        rows.append(_row(each, bounds, verdicts))
     table = ["| measurement | value | unit | limit | verdict |", "|---|---:|---|---|---|", *rows]
-    return _markdown([f"**{title}**", "", *(f"{remark}\n" for remark in remarks), *(table if rows else [])])
+    undefined = [f"{_cell(each.name)}: {each.reason}" for each in measurements if each.reason]
+    told = ["", "undefined:", "", *(f"- {line}" for line in undefined)] if undefined else []
+    heads = [f"**{title}**", "", *(f"{remark}\n" for remark in remarks)]
+    return _markdown([*heads, *(table if rows else []), *told])
+
+
+def _analysis(name: str) -> str:
+    """Title of the analysis that measures it; empty of what none does. A view ends no recording: a package
+    that cannot be loaded costs it the titles."""
+    with suppress(PlugInError):
+        found = catalogue().measuring(name)
+        return "" if found is None else found.title
+    return ""
+
+
+def _row(measured: Measurement, bounds: Limits, verdicts: Mapping[str, str]) -> str:
+    name = measured.name
+    return (
+        f"| {_cell(name)} | {_text(measured.value)} | {_cell(measured.unit)} | {_limit(bounds.get(name))} "
+        f"| {verdicts.get(name, '')} |"
+    )
 
 
 def certificate_document(measurements: Sequence[tuple[str, float, str]]) -> rr.TextDocument:

@@ -117,7 +117,20 @@ def case_facts(case: RecordedCase) -> content.Facts:
         length_s = len(capture.data) * capture.stride * capture.tick_s
         streams.append(f"captured {raw(length_s)} s at {raw(capture.sample_rate_Hz)} Hz")
     recorded = (("recorded", "; ".join(streams)),) if streams else ()
-    return content.Facts((("case", case.name), *facts.pairs, *recorded))
+    return content.Facts((("case", case.name), *_coordinates(case), *facts.pairs, *recorded))
+
+
+def _coordinates(case: RecordedCase) -> Iterator[tuple[str, str]]:
+    """Variant, point of the sweep and repetition, as far as the plan has any."""
+    if case.assessment is None:
+        return
+    at = case.assessment.coordinates
+    if at.variant:
+        yield "variant", at.variant
+    yield from ((key, raw(value)) for key, value in at.point.items())
+    repetitions = Plan.model_validate(case.bundle.manifest.details["plan"]).repetitions
+    if repetitions > 1:
+        yield "repetition", f"{at.repetition} of {repetitions}"
 
 
 def circumstances(bundle: Bundle) -> Iterator[Item]:

@@ -8,21 +8,24 @@ from collections.abc import Iterator, Mapping, Sequence
 from itertools import zip_longest
 from typing import Any
 
+from pydantic import ValidationError
+
 from benchtool.analysis import Measurement
 from benchtool.analysis.uncertainty import COVERAGE
 from benchtool.block import Block
-from benchtool.recording import Bundle
+from benchtool.plan.model import Plan
+from benchtool.recording import Bundle, Manifest
 from benchtool.recording.manifest import read_manifest
+from benchtool.report.assembly.figures import panel_of
 from benchtool.report.assembly.marks import mark, picture, read_already
 from benchtool.report.content import Cell, Facts, Grid, Item, Report, Section, Text
-from benchtool.report.figures.comparison import Panel, draw_spectra, draw_steady_traces, draw_torque_traces
+from benchtool.report.figures.drawings import comparable, draw_side_by_side
 from benchtool.report.numbers import NOTHING, raw, signed, stated
 from benchtool.report.origin import files_section, supervision_notes
 from benchtool.report.results import measurement_notes
 from benchtool.results.assessment import Assessment
 from benchtool.results.comparison import Comparison, Delta
 
-_SHOWN_S = 0.2
 _MOST_PANELS = 9
 _LONGEST = 24  # characters of a label that heads a column
 
@@ -165,32 +168,19 @@ def _short(label: str) -> str:
 
 def _figures(comparison: Comparison) -> Iterator[Item]:
     shown = list(comparison.results.items())[:_MOST_PANELS]
-    panels = [Panel(label, result.capture, result.steady) for label, result in shown]
-    figures: list[Item] = []
-    channels = set.intersection(*(set(panel.capture.names) for panel in panels))
-    if "torque" in channels:
-        figures.append(picture("torque", draw_torque_traces(panels, "Torque")))
-    steady = [panel for panel in panels if panel.steady is not None]
-    if len(steady) == len(panels) and {"torque", "i_a", "psi_s"} <= channels:
-        figure = draw_steady_traces(panels, f"The first {_SHOWN_S:g} s of the captures", _SHOWN_S)
-        figures.append(picture("steady", figure))
-    if steady and all("current_max_low_harmonic" in _names(result) for _, result in shown):
-        figures.append(picture("spectra", draw_spectra(panels, "Spectra of phase current a")))
+    panels = [panel_of(result, label) for label, result in shown]
+    figures: list[Item] = [picture(name, draw_side_by_side(name, panels)) for name in comparable(panels)]
     if figures:
         left_out = len(comparison.results) - len(shown)
         more = [Text(f"{left_out} more runs are not drawn.", "note")] if left_out else []
         yield Section("Figures", (*figures, *more))
 
 
-def _names(result: Assessment) -> set[str]:
-    return {each.name for each in result.measurements}
-
-
 def _circumstances(comparison: Comparison) -> Iterator[Item]:
     manifests = {label: read_manifest(result.bundle)[0] for label, result in comparison.results.items()}
     kinds: dict[str, Mapping[str, Mapping[str, object]]] = {
         "Drive parameters": {label: each.parameters for label, each in manifests.items()},
-        "Plan": {label: _flat(each.details.get("plan", {})) for label, each in manifests.items()},
+        "Plan": {label: _flat(_plan(each)) for label, each in manifests.items()},
         "Operating point": {
             label: _flat(each.details.get("operating_point", {})) for label, each in manifests.items()
         },
@@ -221,6 +211,15 @@ def _circumstances(comparison: Comparison) -> Iterator[Item]:
     if same:
         sections.append(Facts((("the same in all runs", "; ".join(same)),)))
     yield Section("What else differs", tuple(sections))
+
+
+def _plan(manifest: Manifest) -> Mapping[str, Any]:
+    """The plan of a bundle as this version writes it, so that an older form is no difference."""
+    recorded: Mapping[str, Any] = manifest.details.get("plan", {})
+    try:
+        return Plan.model_validate(recorded).model_dump(mode="json") if recorded else {}
+    except ValidationError:
+        return recorded
 
 
 def _first(manifests: Mapping[str, Any]) -> Any:

@@ -8,22 +8,14 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from benchtool.plan.cases import cases
+from benchtool.analysis.catalogue import catalogue
+from benchtool.analysis.declaration import Panel
 from benchtool.plan.model import Plan
 from benchtool.recording import enlist
-from benchtool.report.figures.bode import draw_bode
-from benchtool.report.figures.comparison import (
-    Panel,
-    draw_against,
-    draw_spectra,
-    draw_steady_traces,
-    draw_torque_traces,
-)
-from benchtool.report.figures.steady_state import draw_steady_state, save_figures
-from benchtool.report.figures.switching import draw_switching_states
+from benchtool.report.figures.comparison import draw_against
+from benchtool.report.figures.drawings import draw_of_case, draw_side_by_side
+from benchtool.report.figures.steady_state import save_figures
 from benchtool.results.assessment import Assessment
-
-_SHOWN_S = 0.2  # of a steady state beside another
 
 
 def draw_case(plan: Plan, result: Assessment) -> None:
@@ -32,45 +24,38 @@ def draw_case(plan: Plan, result: Assessment) -> None:
 
 
 def case_figures(plan: Plan, result: Assessment) -> dict[str, Figure]:
-    """Figures of one case by name."""
-    panel = Panel(_label(result), result.capture, result.steady)
-    figures = {}
-    if plan.analyses.step and "torque" in result.capture.names:
-        figures["torque"] = draw_torque_traces([panel], plan.title)
-    elif result.steady is not None:
-        figures |= draw_steady_state(result.capture, result.steady, result.transducer, title=plan.title)
-    if result.bode is not None:
-        figures["bode"] = draw_bode({_label(result): result.bode}, plan.title)
-    for table in result.tables:
-        if table.name == "switching_states":
-            figures[table.name] = draw_switching_states(table, title=plan.title)
-    return figures
+    """Figures of one case by name: those of every analysis that was made."""
+    return draw_of_case(panel_of(result), plan.title)
+
+
+def panel_of(result: Assessment, label: str = "") -> Panel:
+    """A case as figures show it, by default labelled with what it comes to."""
+    return Panel(
+        label or _label(result),
+        result.capture,
+        result.steady,
+        label or result.case,
+        result.transducer,
+        result.findings,
+    )
 
 
 def _label(result: Assessment) -> str:
     """Name of a case with what it comes to."""
-    shown = {
-        "torque_ripple_pp": "ripple",
-        "reach_time": "reached in",
-        "overshoot": "overshoot",
-        "bandwidth_3dB": "bandwidth",
-    }
     found = {each.name: each for each in result.measurements if math.isfinite(each.value)}
-    parts = (
-        f"{text} {found[name].value:.3g} {found[name].unit}" for name, text in shown.items() if name in found
-    )
+    labels = ((name, each.label) for each in catalogue().quantities for name in each.names if each.label)
+    parts = (f"{label} {found[name].value:.3g} {found[name].unit}" for name, label in labels if name in found)
     return ": ".join(filter(None, (result.case, ", ".join(parts))))
 
 
 def _draw_sweep(plan: Plan, results: Sequence[Assessment]) -> Figure:
     """The plan's measurement against the first part of the operating point that is swept."""
-    swept = next(iter(plan.sweep.operating_point), "load_torque_Nm")
-    points = {each.name: each for each in cases(plan)}
+    swept = next(iter(plan.sweep.operating_point))
     series: dict[str, list[tuple[float, float]]] = {}
     unit = ""
     for result in results:
-        x = float(getattr(points[result.case].operating_point, swept))
-        law = result.case.replace(f",{swept}={x:g}", "")
+        x = float(result.coordinates.point[swept])
+        law = result.coordinates.apart_from(swept) or plan.title
         for each in result.measurements:
             if each.name == plan.figure_of:
                 unit = each.unit
@@ -85,19 +70,9 @@ def draw_cases(plan: Plan, results: Sequence[Assessment], folder: Path) -> None:
 
 def run_figures(plan: Plan, results: Sequence[Assessment]) -> dict[str, Figure]:
     """The figure that the plan asks for, of all cases, as `cases`; nothing if it asks for none."""
-    panels = [Panel(_label(each), each.capture, each.steady) for each in results]
     match plan.figure:
         case "none":
             return {}
-        case "torque":
-            figure = draw_torque_traces(panels, plan.title)
-        case "steady":
-            figure = draw_steady_traces(panels, plan.title, _SHOWN_S)
-        case "spectra":
-            figure = draw_spectra(panels, plan.title)
         case "sweep":
-            figure = _draw_sweep(plan, results)
-        case "bode":
-            found = {_label(each): each.bode for each in results if each.bode is not None}
-            figure = draw_bode(found, plan.title)
-    return {"cases": figure}
+            return {"cases": _draw_sweep(plan, results)}
+    return {"cases": draw_side_by_side(plan.figure, [panel_of(each) for each in results], plan.title)}

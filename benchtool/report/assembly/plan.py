@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Final
 
+from benchtool.analysis.catalogue import catalogue
 from benchtool.plan.model import Plan
 from benchtool.report.assembly.case import case_facts, case_items, circumstances, failure
 from benchtool.report.assembly.figures import run_figures
@@ -14,7 +14,6 @@ from benchtool.report.numbers import NOTHING, raw, stated
 from benchtool.results.repetitions import Repeated
 from benchtool.results.runs import RecordedCase, RecordedRun
 
-FOREMOST: Final = ("torque_ripple_pp", "true_torque_ripple_pp", "flux_ripple_pp", "current_thd")
 _MOST_FOREMOST = 5
 
 
@@ -94,7 +93,7 @@ def _foremost(run: RecordedRun, plan: Plan | None) -> list[str]:
     if plan is not None and plan.tabulate:
         return [name for name in plan.tabulate if name in found]
     limited = [name for case in run.cases if case.assessment for name in case.assessment.limits]
-    return list(dict.fromkeys(name for name in (*limited, *FOREMOST, *found) if name in found))[
+    return list(dict.fromkeys(name for name in (*limited, *catalogue().foremost, *found) if name in found))[
         :_MOST_FOREMOST
     ]
 

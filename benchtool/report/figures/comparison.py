@@ -6,15 +6,13 @@ import itertools
 import math
 import textwrap
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from benchtool.analysis import SteadyState
-from benchtool.block import Block
+from benchtool.analysis.declaration import Panel
 from benchtool.report.figures.envelope import envelope, trace
 from benchtool.report.figures.style import (
     BLUE,
@@ -35,15 +33,6 @@ _TALLEST_IN = 9.0  # of what a page of A4 takes
 _PANEL_IN = 2.1
 _STACKED = 4  # panels one below the other; more stand in columns
 _BESIDE = 3  # columns of steady traces beside each other
-
-
-@dataclass(frozen=True)
-class Panel:
-    """One case: its name, its capture and, where it ran in steady state, the analysis of that."""
-
-    label: str
-    capture: Block
-    steady: SteadyState | None = None
 
 
 def draw_torque_traces(panels: Sequence[Panel], title: str) -> Figure:
@@ -126,7 +115,7 @@ def draw_spectra(panels: Sequence[Panel], title: str) -> Figure:
         axes.set_ylim(floor_A, 4.0 * fundamental)
         axes.set_xlim(left=0.0)
         dress(axes, "", "")
-        case = panel.label.partition(":")[0]
+        case = panel.name or panel.label
         text = f"{case}: fundamental {fundamental:.4g} A, largest other {largest:.2g} A"
         _name(axes, text, columns=rows.shape[1])
     _label_outside(rows, used, "$i_a$, peak (A)", "frequency (Hz)")

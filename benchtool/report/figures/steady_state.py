@@ -51,11 +51,11 @@ def draw_steady_state(
     names = set(block.names)
     figures = {}
     if names & {"torque", *PHASES, "psi_s"}:
-        figures["waveforms"] = _waveforms(block, steady, transducer, title)
+        figures["waveforms"] = draw_waveforms(block, steady, transducer, title)
     if steady.spectrum is not None:
-        figures["current_spectrum"] = _current_spectrum(steady, title)
+        figures["current_spectrum"] = draw_current_spectrum(steady, title)
     if {"psi_alpha", "psi_beta"} <= names:
-        figures["flux_trajectory"] = _flux_trajectory(block, steady, title)
+        figures["flux_trajectory"] = draw_flux_trajectory(block, steady, title)
     return figures
 
 
@@ -76,7 +76,12 @@ def save_figures(figures: Mapping[str, Figure], folder: Path) -> tuple[Path, ...
     return tuple(paths)
 
 
-def _waveforms(block: Block, steady: SteadyState, transducer: Block | None, title: str) -> Figure:
+def draw_waveforms(block: Block, steady: SteadyState, transducer: Block | None, title: str) -> Figure:
+    """Torque, phase currents and stator flux over the first two electrical periods, as far as recorded.
+
+    Raises:
+        AnalysisError: the transducer does not cover the capture.
+    """
     shown = replace(block, data=block.data[: _shown_rows(block, steady)])
     figure = new_figure(6.0, title, _torque_in_words(steady))
     drawn: dict[str, Callable[[Axes], None]] = {
@@ -143,7 +148,8 @@ def _draw_true_torque(axes: Axes, transducer: Block, shown: Block) -> None:
     axes.plot(begin_s + time_s, torque_Nm, color=LIGHT, linewidth=0.7, label="shaft transducer")
 
 
-def _current_spectrum(steady: SteadyState, title: str) -> Figure:
+def draw_current_spectrum(steady: SteadyState, title: str) -> Figure:
+    """Amplitude of phase current a up to ten times the fundamental, and over the whole band."""
     spectrum, f_1 = steady.current_spectrum, steady.fundamental_Hz
     fundamental_A = steady["current_fundamental"].value
     floor_A = _FLOOR * fundamental_A
@@ -171,7 +177,8 @@ def _current_spectrum(steady: SteadyState, title: str) -> Figure:
     return figure
 
 
-def _flux_trajectory(block: Block, steady: SteadyState, title: str) -> Figure:
+def draw_flux_trajectory(block: Block, steady: SteadyState, title: str) -> Figure:
+    """Stator flux in the plane over the first two electrical periods, and the circle that it is to keep."""
     rows = _shown_rows(block, steady)
     summary = ""
     if "flux_ripple_pp" in steady.names:

@@ -1,22 +1,31 @@
-"""The catalogue of analyses: each measures what it says with the channels that it names."""
+"""The catalogue of analyses: each measures what it declares, of the channels that it names."""
 
 from __future__ import annotations
 
 import re
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from benchtool.analysis import analyze_steady_state
-from benchtool.analysis.catalogue import STEADY, Analysis, Window, analyses_of, response_names, step_names
-from benchtool.analysis.specimen import SPECIMEN_MOTOR, steady_specimen
+from benchtool.analysis.catalogue import BUILT_IN, CORE, catalogue, measure
+from benchtool.analysis.declaration import Analysis, Findings, Measured, Quantity
+from benchtool.analysis.page import filled, main
+from benchtool.analysis.window import Window
 from benchtool.block import Block
+from benchtool.document import Section
+from benchtool.errors import UsageError
+from benchtool.plan.analyses import Analyses
 from benchtool.plan.operating_point import NAMES as REACHED
-from benchtool.results.steady_state import assess_steady_state
+from benchtool.report.figures.drawings import BY_HAND
+from benchtool.results.analyses import measure_all, planned
+
+from .specimen import SPECIMEN_MOTOR, response_specimen, steady_specimen, step_specimen
 
 PAGE = (Path(__file__).parents[3] / "docs" / "measurements.md").read_text(encoding="utf-8")
-by_title = pytest.mark.parametrize("analysis", STEADY, ids=lambda analysis: analysis.title)
+by_name = pytest.mark.parametrize("analysis", BUILT_IN, ids=lambda analysis: analysis.name)
 
 
 def _only(block: Block, names: tuple[str, ...]) -> Block:
@@ -24,41 +33,119 @@ def _only(block: Block, names: tuple[str, ...]) -> Block:
     return replace(block, channels=tuple(block.channels[k] for k in kept), data=block.data[:, kept])
 
 
-@by_title
-def test_an_analysis_needs_the_channels_that_it_names_and_no_others(analysis: Analysis) -> None:
-    block, transducer = steady_specimen()
-    window = Window.of(
-        _only(block, analysis.channels or ("psi_s",)),
-        SPECIMEN_MOTOR,
-        transducer if analysis.transducer else None,
-    )
-    found = [each.name for each in analysis.measure(window).measurements]
-    assert [name for name in found if name in analysis.names] == list(analysis.names)
-    assert all(analysis.measures(name) for name in found)
-    assert analysis.possible(frozenset(analysis.channels), transducer=True)
-    for channel in analysis.channels:
-        assert not analysis.possible(frozenset(analysis.channels) - {channel}, transducer=True)
+def _specimen(analysis: Analysis[Any]) -> tuple[Block, Block | None]:
+    if analysis.measured is Measured.STEADY_STATE:
+        return steady_specimen()
+    asked = {"step": step_specimen, "frequency_response": response_specimen}
+    return (asked[analysis.name](), None) if analysis.name in asked else steady_specimen()
+
+
+def _found(analysis: Analysis[Any]) -> tuple[Findings, Block]:
+    """What an analysis finds of the specimen with no other channels than those that it names."""
+    block, transducer = _specimen(analysis)
+    only = _only(block, analysis.needs(analysis.settings()) or ("psi_s",))
+    shaft = transducer if analysis.transducer else None
+    return measure(analysis, Window.of(only, SPECIMEN_MOTOR, shaft), analysis.settings()), only
+
+
+@by_name
+def test_an_analysis_needs_the_channels_that_it_names_and_no_others(analysis: Analysis[Any]) -> None:
+    found, _ = _found(analysis)
+    names = [each.name for each in found.measurements]
+    assert [name for name in names if name in analysis.names] == list(analysis.names)
+    assert all(analysis.quantity(name) for name in names)
+    settings = analysis.settings()
+    channels = frozenset(analysis.needs(settings))
+    assert analysis.possible(channels, settings, transducer=True)
+    for channel in channels:
+        assert not analysis.possible(channels - {channel}, settings, transducer=True)
+
+
+@by_name
+def test_every_measurement_has_the_unit_that_is_declared(analysis: Analysis[Any]) -> None:
+    found, block = _found(analysis)
+    units = {channel.name: channel.unit for channel in block.channels}
+    for each in found.measurements:
+        quantity = analysis.quantity(each.name)
+        assert isinstance(quantity, Quantity)
+        unit = quantity.unit
+        declared = unit if isinstance(unit, str) else unit.resolve(analysis.settings(), units)
+        assert each.unit == declared, each.name
+        assert quantity.definition
+
+
+@by_name
+def test_every_figure_is_drawn_by_hand_or_by_its_analysis(analysis: Analysis[Any]) -> None:
+    for drawing in (*analysis.figures, *analysis.comparisons):
+        assert drawing.draw is not None or drawing.name in BY_HAND
+        assert drawing.caption.endswith(".")
 
 
 def test_a_steady_state_measures_what_the_catalogue_says_and_nothing_else() -> None:
     block, transducer = steady_specimen()
-    steady, further = assess_steady_state(block, SPECIMEN_MOTOR, transducer)
-    found = [each.name for each in (*steady.measurements, *further.measurements)]
+    by_analysis = measure_all(tuple(planned(Analyses(), Window.of(block, SPECIMEN_MOTOR, transducer), None)))
+    found = [each.name for findings in by_analysis.values() for each in findings.measurements]
+    assert list(by_analysis) == [each.name for each in catalogue().steady]
     assert len(set(found)) == len(found)
-    assert all(len(list(analyses_of(name))) == 1 for name in found)
-    assert {name for analysis in STEADY for name in analysis.names} <= set(found)
+    for analysis, findings in by_analysis.items():
+        for each in findings.measurements:
+            assert [one.name for one in BUILT_IN if one.quantity(each.name)] == [analysis]
+    assert {name for analysis in catalogue().steady for name in analysis.names} <= set(found)
 
 
-def test_names_that_hang_on_the_data_are_known_by_their_pattern() -> None:
-    assert [each.title for each in analyses_of("torque_order_118")] == ["torque orders"]
-    assert not list(analyses_of("torque_order_0"))
-    assert not list(analyses_of("torque_order_x"))
+def test_what_analyses_share_is_computed_once() -> None:
+    block, _ = steady_specimen()
+    window = Window.of(block, SPECIMEN_MOTOR)
+    computed: list[Window] = []
+
+    def compute(of: Window) -> int:
+        computed.append(of)
+        return len(computed)
+
+    assert (window.once(compute), window.once(compute)) == (1, 1)
+    assert computed == [window]
+
+
+def test_names_that_depend_on_the_data_are_known_by_their_pattern() -> None:
+    found = catalogue().measuring("torque_order_118")
+    assert found is not None
+    assert found.title == "torque orders"
+    assert catalogue().measuring("torque_order_0") is None
+    assert catalogue().measuring("torque_order_x") is None
+
+
+def test_no_two_analyses_have_a_name_in_common() -> None:
+    names = [each.name for each in BUILT_IN]
+    measurements = [name for each in BUILT_IN for name in each.names]
+    assert len(set(names)) == len(names)
+    assert len(set(measurements)) == len(measurements)
+    assert all(issubclass(each.settings, Section) for each in BUILT_IN)
+    assert catalogue().analyses[: len(CORE)] == CORE
+
+
+def test_the_tables_of_the_page_are_those_of_the_catalogue(tmp_path: Path) -> None:
+    assert filled(PAGE) == PAGE, "run python -m benchtool.analysis.page"
+    page = tmp_path / "measurements.md"
+    page.write_text(PAGE.replace("max(x) - min(x)", "max(x)"), encoding="utf-8")
+    assert main(["--check"], page) == 1
+    assert main([], page) == 0
+    assert page.read_text(encoding="utf-8") == PAGE
+
+
+def test_an_analysis_stands_in_one_table_of_the_page_and_a_new_one_among_the_others() -> None:
+    for was, now, odd in ((": step -->", ": step step -->", "step"), (": step -->", ": stpe -->", "stpe")):
+        with pytest.raises(UsageError, match=f"{odd}: .*in one table"):
+            filled(PAGE.replace(was, now))
+    assert "**Speed orders** (`speed_orders`)" not in PAGE
+    without = filled(PAGE.replace("torque_orders speed_orders", "torque_orders"))
+    assert "**Speed orders** (`speed_orders`)" in without
+    assert filled(without) == without
 
 
 def test_every_name_is_on_the_page() -> None:
     """Written out, or shortened as `plateau_mean`, `_min`."""
-    names = {name for analysis in STEADY for name in analysis.names if not name.startswith("true_torque_")}
-    for name in sorted({*names, *step_names(), *response_names(), *REACHED}):
+    names = {name for analysis in BUILT_IN for name in analysis.names}
+    for name in sorted({*names, *REACHED}):
         stem, _, last = name.rpartition("_")
         shortened = re.search(
             rf"`{re.escape(stem.rpartition('_')[0] or stem)}\w*`(, `_\w+`)*, `_{last}`", PAGE

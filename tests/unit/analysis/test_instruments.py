@@ -10,13 +10,14 @@ import numpy as np
 import pytest
 
 from benchtool.analysis import Measurement, Uncertainty, measurements_from_json, measurements_to_json
-from benchtool.analysis.catalogue import STEADY, Window, analyses_of
+from benchtool.analysis.catalogue import catalogue
 from benchtool.analysis.instruments import UNSTATED, Altered, Instruments
 from benchtool.analysis.measurement import Basis
-from benchtool.analysis.specimen import SPECIMEN_MOTOR, steady_specimen
 from benchtool.analysis.uncertainty import Contribution, InstrumentError, of_difference
+from benchtool.analysis.window import Window
 from benchtool.block import Block
 from benchtool.profile import Bench, Sensor
+from tests.unit.analysis.specimen import SPECIMEN_MOTOR, steady_specimen
 
 ROOT_3 = math.sqrt(3.0)
 
@@ -133,15 +134,15 @@ def test_an_order_counts_revolutions_by_the_pole_pairs() -> None:
 
 
 def _rests_on(name: str) -> tuple[str, ...]:
-    found = next(analyses_of(name), None)
+    found = catalogue().measuring(name)
     return () if found is None else (*found.channels, *(("torque_transducer",) if found.transducer else ()))
 
 
 def _measure(block: Block, transducer: Block, titles: Sequence[str]) -> Iterator[Measurement]:
     window = Window.of(block, SPECIMEN_MOTOR, transducer)
-    for analysis in STEADY:
+    for analysis in catalogue().steady:
         if analysis.title in titles:
-            yield from analysis.measure(window).measurements
+            yield from analysis.measure(window, analysis.settings()).measurements
 
 
 def _with_sensors(bench: Bench, block: Block, transducer: Block, titles: Sequence[str]) -> list[Measurement]:

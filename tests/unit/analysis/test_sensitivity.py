@@ -10,13 +10,15 @@ from functools import cache
 import pytest
 
 from benchtool.analysis import Measurement
-from benchtool.analysis.catalogue import STEADY, Window
+from benchtool.analysis.catalogue import catalogue
 from benchtool.analysis.instruments import Altered, Instruments
 from benchtool.analysis.sensitivity import DECLARED, Found, declared
-from benchtool.analysis.specimen import SPECIMEN_MOTOR, steady_specimen
+from benchtool.analysis.window import Window
 from benchtool.block import Block
 from benchtool.profile import Bench, ReferenceClock
+from tests.unit.analysis.specimen import SPECIMEN_MOTOR, steady_specimen
 
+STEADY = catalogue().steady
 CHANNELS = sorted({name for each in STEADY for name in each.channels} - {"theta_m", "switching_count"})
 STEP = 1e-6
 
@@ -37,7 +39,9 @@ def _values(block: Block, transducer: Block, of: str = "") -> Values:
     for analysis in STEADY:
         reads = (*analysis.channels, *(("torque_transducer",) if analysis.transducer else ()))
         if not of or of in reads:
-            found |= {each.name: each.value for each in analysis.measure(window).measurements}
+            found |= {
+                each.name: each.value for each in analysis.measure(window, analysis.settings()).measurements
+            }
     return found
 
 
@@ -126,7 +130,7 @@ def test_the_clock_moves_times_and_frequencies_by_their_unit() -> None:
             replace(transducer, tick_s=transducer.tick_s * (1.0 + by)),
         )
         for analysis in STEADY:
-            yield from analysis.measure(window).measurements
+            yield from analysis.measure(window, analysis.settings()).measurements
 
     found = list(slower(0.0))
     by_name = {each.name: each for each in Instruments(bench).applied(found)}

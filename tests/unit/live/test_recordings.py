@@ -14,11 +14,12 @@ from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
 import benchtool.live
+from benchtool.analysis import Measurement
 from benchtool.block import Block, Channel, Gap
 from benchtool.errors import EnvironmentFailure
 from benchtool.link.ticks import WallMark
-from benchtool.live import FileDestination, LiveView, Setup, certificate_document, names
-from benchtool.live.bundle import setup_of, show_bundle
+from benchtool.live import FileDestination, LiveView, Setup, certificate_document, names, results_document
+from benchtool.live.bundle import limits_of, setup_of, show_bundle
 from benchtool.live.columns import Columns, parts
 from benchtool.recording import Bundle, BundleWriter, Event, EventFile, Level, Manifest
 from tests.unit.live.readback import Recording, assert_holds
@@ -292,6 +293,40 @@ def test_a_bundle_is_shown_as_it_was_recorded(tmp_path: Path) -> None:
     text = recording.still[names.RESULTS]["TextDocument:text"][0]
     assert "| torque\\_ripple\\_pp | 0.07 | Nm | ≤ 0.06 | fail |" in text
     assert "| R\\_s\\_ohm | 0.123 |" in recording.still[names.PARAMETERS]["TextDocument:text"][0]
+
+
+def test_results_stand_by_analysis_what_is_limited_first_and_why_there_is_no_number() -> None:
+    measurements = (
+        Measurement("torque_mean", 0.65, "Nm", "mean"),
+        Measurement("torque_ripple_pp", 0.07, "Nm", "peak to peak"),
+        Measurement.undefined("current_thd", "%", "harmonics", "i_a is clipped"),
+        Measurement("omega_m_reached", 15.7, "rad/s", "mean"),
+    )
+    document = results_document("a run", measurements, {"torque_ripple_pp": (None, 0.06)})
+    assert document.text is not None
+    (text,) = document.text.as_arrow_array().to_pylist()
+    assert text.splitlines()[4:] == [
+        "| torque\\_ripple\\_pp | 0.07 | Nm | ≤ 0.06 |  |",
+        "| *torque ripple* | | | | |",
+        "| torque\\_mean | 0.65 | Nm |  |  |",
+        "| *current spectrum* | | | | |",
+        "| current\\_thd | – | % |  |  |",
+        "| omega\\_m\\_reached | 15.7 | rad/s |  |  |",
+        "",
+        "undefined:",
+        "",
+        "- current\\_thd: i_a is clipped",
+    ]
+
+
+def test_a_repetition_has_the_limits_of_its_group_and_its_own() -> None:
+    plan = {
+        "limits": {"a": {"max": 1.0}},
+        "case_limits": {"warm": {"a": {"max": 2.0}, "b": {"min": 3.0}}, "warm.2": {"b": {"min": 4.0}}},
+    }
+    assert limits_of(plan, "warm.1", "warm") == {"a": (None, 2.0), "b": (3.0, None)}
+    assert limits_of(plan, "warm.2", "warm") == {"a": (None, 2.0), "b": (4.0, None)}
+    assert limits_of(plan, "cold") == {"a": (None, 1.0)}
 
 
 def test_a_file_that_cannot_be_written_is_named(tmp_path: Path) -> None:

@@ -8,9 +8,12 @@ import pytest
 
 from benchtool.bench.session import dictionary_of
 from benchtool.errors import PlanError
+from benchtool.plan.analyses import Analyses
+from benchtool.plan.cases import cases
 from benchtool.plan.model import load_plan
 from benchtool.plan.validation import require_known
 from benchtool.profile import load_profile
+from benchtool.results.repetitions import limits_alone
 from benchtool.shipped import shipped
 
 PROFILE, DICTIONARY = load_profile("zhu2011"), dictionary_of("zhu2011")
@@ -191,6 +194,163 @@ def test_repetitions_take_the_limits_of_their_case_and_each_its_own(tmp_path: Pa
     _check(tmp_path / "mine.toml", text)
     message = _refusal(tmp_path / "mine.toml", text.replace('"warm.2"', '"warm.3"'))
     assert "names case 'warm.3', which the plan has not: did you mean 'warm" in message
+
+
+COMBINED = """variants = [{ name = "cold", setup = { i_trip_A = 9.0 } }, { name = "hot" }]
+[sweep.setup]
+law = ["tpc", "foc"]
+[sweep.operating_point]
+load_torque_Nm = [0.65, 1.5]
+"""
+
+
+@pytest.mark.parametrize("repetitions", [1, 2])
+@pytest.mark.parametrize("swept", [False, True])
+@pytest.mark.parametrize("variants", [False, True])
+def test_a_case_is_named_alone_or_with_its_repetitions_whatever_the_plan_varies(
+    tmp_path: Path, repetitions: int, swept: bool, variants: bool
+) -> None:
+    """Every name that holds is accepted and applied, the same misspelt is refused with its line."""
+    varied, header, sweep = COMBINED.partition("[sweep")
+    text = BASE.replace("repetitions = 1", f"repetitions = {repetitions}")
+    text = (varied + text if variants else text) + (header + sweep if swept else "")
+    path = tmp_path / "mine.toml"
+    path.write_text(text, encoding="utf-8")
+    todo = cases(load_plan(str(path)))
+    assert len(todo) == (4 if swept else 1) * (2 if variants else 1) * repetitions
+    for name in sorted({name for case in todo for name in (case.name, case.group)}):
+        limited = f'{text}[case_limits."{name}"]\ntorque_mean = {{ max = 1.0 }}\n'
+        _check(path, limited)
+        plan = load_plan(str(path))
+        holds = [each.name for each in cases(plan) if "torque_mean" in limits_alone(plan, each)]
+        assert holds == [each.name for each in todo if name in (each.name, each.group)]
+        wrong = limited.replace(f'."{name}"]', f'."{name}x"]')
+        message = _refusal(path, wrong)
+        assert f"case_limits names case '{name}x', which the plan has not: did you mean '" in message
+        assert _line(wrong, "[case_limits") in message
+
+
+@pytest.mark.parametrize("repetitions", [1, 2])
+def test_the_misspelt_case_of_a_sweep_is_refused(tmp_path: Path, repetitions: int) -> None:
+    text = BASE.replace("repetitions = 1", f"repetitions = {repetitions}") + SWEPT
+    text += "[case_limits.tcp]\ntorque_mean = { max = 1.0 }\n"
+    message = _refusal(tmp_path / "mine.toml", text)
+    assert "case_limits names case 'tcp', which the plan has not: did you mean 'tpc" in message
+    assert _line(text, "[case_limits") in message
+
+
+@pytest.mark.parametrize(
+    "written",
+    [
+        "[case_limits.warm.torque_man]\nmax = 1.0\n",
+        "[case_limits]\nwarm.torque_man.max = 1.0\n",
+        "[case_limits]\nwarm = { torque_man = { max = 1.0 } }\n",
+    ],
+)
+def test_a_name_is_found_however_the_table_is_written(tmp_path: Path, written: str) -> None:
+    text = BASE + written
+    message = _refusal(tmp_path / "mine.toml", text)
+    assert "did you mean 'torque_mean'?" in message
+    assert f"line {1 + text[: text.rindex('warm')].count(chr(10))}:" in message
+
+
+@pytest.mark.parametrize(
+    ("limit", "complaint"),
+    [
+        ('torque_mean = { max = 1.0, unit = "Nm" }', ""),
+        ("torque_mean = { max_Nm = 1.0, margin_Nm = 0.1 }", ""),
+        ("torque_mean_Nm = { max = 1.0 }", ""),
+        ('omega_m_reached = { max = 40.0, unit = "rad/s" }', ""),
+        ("omega_m_reached = { max_rad_s = 40.0 }", ""),
+        ("torque_ripple_percent_of_mean = { max_percent = 40.0 }", ""),
+        ('capture_rows_missing = { max = 0, unit = "1" }', ""),
+        ('torque_mean = { max = 1000, unit = "mNm" }', 'convert it, and write unit = "Nm"'),
+        ("torque_mean = { max_mNm = 1000 }", "the limit of 'torque_mean' is in mNm, that is in Nm"),
+        ("torque_mean_mNm = { max = 1000 }", "'torque_mean' is in Nm: convert it, and write torque_mean or"),
+        ("torque_mean_Nm = { max_mNm = 1 }", "units Nm and mNm in one limit"),
+        ("torque_mean = { min_Nm = 0, max_mNm = 1 }", "units Nm and mNm in one limit"),
+        ('omega_m_reached = { max = 40.0, unit = "rpm" }', "the limit of 'omega_m_reached' is in rpm"),
+        ('capture_rows_missing = { max = 0, unit = "s" }', "a pure number: leave the unit out"),
+        ("torque_mean = { max = 1 }\ntorque_mean_Nm = { max = 1 }", "stands twice"),
+    ],
+)
+@pytest.mark.parametrize("table", ["[limits]", "[case_limits.warm]"])
+def test_a_limit_has_the_unit_of_its_measurement(
+    tmp_path: Path, table: str, limit: str, complaint: str
+) -> None:
+    text = f"{BASE}{table}\n{limit}\n"
+    if not complaint:
+        _check(tmp_path / "mine.toml", text)
+        return
+    message = _refusal(tmp_path / "mine.toml", text)
+    assert complaint in message
+    assert _line(text, table if "stands twice" in complaint else limit) in message
+
+
+@pytest.mark.parametrize(("unit", "fits"), [("rad/s", True), ("Nm", False)])
+@pytest.mark.parametrize(
+    "spelling", ['overshoot = {{ max = 1, unit = "{unit}" }}', "overshoot_{key}.max = 1"]
+)
+def test_a_unit_of_the_signal_is_that_of_the_channel(
+    tmp_path: Path, unit: str, fits: bool, spelling: str
+) -> None:
+    text = BASE.replace('"omega_m"]', '"omega_m", "stimulus"]')
+    text += '[analyses.step]\nsignal = "omega_m"\nreference = "stimulus"\n'
+    text += f"[limits]\n{spelling.format(unit=unit, key=unit.replace('/', '_'))}\n"
+    if fits:
+        _check(tmp_path / "mine.toml", text)
+    else:
+        message = _refusal(tmp_path / "mine.toml", text)
+        assert "is in Nm, that is in rad/s" in message
+        assert _line(text, "overshoot") in message
+
+
+@pytest.mark.parametrize(
+    ("analyses", "at", "complaint"),
+    [
+        ("[analyses]\nstpe = true\n", "stpe", "analyses.stpe' is True: unknown key: did you mean 'step'?"),
+        ("[analyses.step]\nsignl = 1\n", "signl", "unknown key: did you mean 'signal'?"),
+        ("[analyses]\nstep = 3\n", "step", "true, false or a table of settings is expected"),
+        ("[analyses]\nstep = true\n", "step", "analyses.step.reference is 'torque_reference', which record"),
+        ('[analyses]\nstep = true\nstep_reference = "x"\n', "step_r", "step_reference is 'x', which record"),
+        ('[analyses.step]\nreference = "x"\n', "reference", "analyses.step.reference is 'x', which record"),
+        ("[analyses]\ntorque_orders = true\n", "torque_o", "analyses.torque_orders needs theta_m, which"),
+        ("[analyses]\nsteady = false\ntorque_ripple = true\n", "[analyses", "set steady = true"),
+    ],
+)
+def test_what_is_asked_of_an_analysis_is_checked(
+    tmp_path: Path, analyses: str, at: str, complaint: str
+) -> None:
+    text = BASE + analyses
+    message = _refusal(tmp_path / "mine.toml", text)
+    assert complaint in message
+    assert f"line {1 + text[: text.rindex(at)].count(chr(10))}:" in message
+
+
+@pytest.mark.parametrize(
+    ("figure", "complaint"),
+    [
+        ("torqe", "no figure is called so: did you mean 'torque'?"),
+        ("bode", "figure = 'bode' needs analyses.frequency_response = true"),
+        ("spectra", "figure = 'spectra' draws i_a, which record.channels does not have"),
+    ],
+)
+def test_a_figure_is_one_of_the_catalogue_and_can_be_drawn(
+    tmp_path: Path, figure: str, complaint: str
+) -> None:
+    text = BASE.replace('figure = "none"', f'figure = "{figure}"').replace('"i_a", ', "")
+    message = _refusal(tmp_path / "mine.toml", text)
+    assert complaint in message
+    assert _line(text, "figure") in message
+
+
+def test_the_older_form_of_the_analyses_reads_as_the_new_one() -> None:
+    older = {"steady_from_s": 0.1, "step": True, "step_signal": "omega_m", "frequency_response": False}
+    newer = {"steady_from_s": 0.1, "step": {"signal": "omega_m"}}
+    analyses = Analyses.model_validate(older | {"response_input": "torque_reference"})
+    assert analyses == Analyses.model_validate(newer)
+    assert Analyses.model_validate(analyses.model_dump(mode="json")) == analyses
+    assert Analyses.model_validate({"torque_orders": False}).model_dump()["torque_orders"] is False
 
 
 def test_what_needs_a_transducer_is_refused_where_there_is_none(tmp_path: Path) -> None:

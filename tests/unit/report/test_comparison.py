@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from benchtool.analysis import SteadyState, analyze_steady_state
+from benchtool.analysis.declaration import Panel
 from benchtool.block import Block, Channel
-from benchtool.report.figures.comparison import Panel, draw_spectra, draw_steady_traces, draw_torque_traces
+from benchtool.report.figures.comparison import draw_spectra, draw_steady_traces, draw_torque_traces
 
 RATE_HZ, P, OMEGA_M = 10_000.0, 4, 15.71
 

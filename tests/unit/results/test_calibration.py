@@ -13,7 +13,6 @@ from typer.testing import CliRunner
 
 from benchtool.analysis import Measurement, Uncertainty
 from benchtool.analysis.instruments import UNSTATED, Instruments
-from benchtool.analysis.specimen import SPECIMEN_MOTOR, steady_specimen, step_specimen
 from benchtool.block import Block
 from benchtool.cli import app
 from benchtool.errors import AnalysisError
@@ -28,6 +27,7 @@ from benchtool.results.assessment import Assessment, assess_bundle
 from benchtool.results.calibration import Calibration
 from benchtool.results.comparison import deltas
 from benchtool.results.repetitions import over_repetitions
+from tests.unit.analysis.specimen import SPECIMEN_MOTOR, steady_specimen, step_specimen
 
 SENSORS = """
 [bench.channels.torque]

@@ -1,4 +1,4 @@
-"""Computed captures that every analysis can answer, by which the catalogue knows what each measures."""
+"""Computed captures that every analysis can answer, which the catalogue is held against."""
 
 from __future__ import annotations
 
@@ -65,15 +65,18 @@ def steady_specimen() -> tuple[Block, Block]:
 
 
 def step_specimen() -> Block:
-    """`signal` follows a step of `reference` with a lag."""
+    """`torque` follows a step of `torque_reference` with a lag."""
     after = np.maximum(0, np.arange(400) - 100)
     noise = np.random.default_rng(0).standard_normal(len(after))
     signal = 1.0 - np.exp(-0.05 * after) + 1e-3 * noise
-    return Block.from_arrays(_RATE_HZ, {}, signal=signal, reference=np.where(after > 0, 1.0, 0.0))
+    units = {"torque": "Nm", "torque_reference": "Nm"}
+    reference = np.where(after > 0, 1.0, 0.0)
+    return Block.from_arrays(_RATE_HZ, units, torque=signal, torque_reference=reference)
 
 
 def response_specimen() -> Block:
-    """`output` follows the random signs of `input` with a lag."""
+    """`torque` follows the random signs of `torque_reference` with a lag."""
     demand = np.sign(np.random.default_rng(0).standard_normal(8192))
     answer = np.convolve(demand, 0.3 * 0.7 ** np.arange(40))[: len(demand)]
-    return Block.from_arrays(_RATE_HZ, {}, input=demand, output=answer)
+    units = {"torque": "Nm", "torque_reference": "Nm"}
+    return Block.from_arrays(_RATE_HZ, units, torque_reference=demand, torque=answer)

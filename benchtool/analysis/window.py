@@ -1,0 +1,93 @@
+"""What an analysis is made of: a capture or a part of it, the machine, and what several analyses share."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from threading import Lock
+from typing import Any, Self, TypeVar
+
+import numpy as np
+
+from benchtool.analysis.periods import PhaseTrack, track_angle, track_tone
+from benchtool.block import Block
+from benchtool.profile import Motor
+
+Shared = TypeVar("Shared")
+
+
+@dataclass(frozen=True)
+class Excitation:
+    """The rows in which a stimulus plays, its first repetition left out; `period_rows` where it repeats."""
+
+    begin_row: int = 0
+    end_row: int | None = None
+    period_rows: int | None = None
+
+
+class _Shared:
+    """Values computed once, whichever thread asks first."""
+
+    def __init__(self) -> None:
+        self._lock = Lock()
+        self._locks: dict[object, Lock] = {}
+        self._values: dict[object, Any] = {}
+
+    def get(self, key: object, compute: Callable[[], Any]) -> Any:
+        with self._lock:
+            lock = self._locks.setdefault(key, Lock())
+        with lock:
+            if key not in self._values:
+                self._values[key] = compute()
+            return self._values[key]
+
+
+@dataclass(frozen=True)
+class Window:
+    """A capture, or the part of it in steady state.
+
+    `torque_rated_Nm` and `current_rated_A_rms` are the bases of numbers "of rated"; without the second there
+    is no `current_tdd`. `transducer` has channel torque_transducer and covers the block's time. `motor` is
+    needed by those analyses that put its parameters to the test, its `slots` name orders. `excitation` says
+    where a stimulus plays.
+    """
+
+    block: Block
+    pole_pairs: int
+    torque_rated_Nm: float
+    current_rated_A_rms: float | None = None
+    transducer: Block | None = None
+    motor: Motor | None = None
+    excitation: Excitation = Excitation()
+    _shared: _Shared = field(default_factory=_Shared, init=False, repr=False, compare=False)
+
+    @classmethod
+    def of(
+        cls, block: Block, motor: Motor, transducer: Block | None = None, excitation: Excitation | None = None
+    ) -> Self:
+        """The window of a machine whose rating and parameters are known."""
+        rated = motor.T_N_Nm, motor.I_N_A_rms
+        return cls(block, motor.pole_pairs, *rated, transducer, motor, excitation or Excitation())
+
+    def once(self, compute: Callable[[Window], Shared]) -> Shared:
+        """`compute(self)`, computed once and kept for every analysis that asks."""
+        value: Shared = self._shared.get(compute, lambda: compute(self))
+        return value
+
+    @property
+    def track(self) -> PhaseTrack | None:
+        """Electrical phase by theta_m, without that by i_a; None without both.
+
+        Raises:
+            AnalysisError: fewer than two electrical periods, or a speed that is not steady.
+        """
+        return self.once(_track)
+
+
+def _track(window: Window) -> PhaseTrack | None:
+    names = window.block.names
+    if "theta_m" in names:
+        return track_angle(np.ascontiguousarray(window.block.column("theta_m")), window.pole_pairs)
+    if "i_a" in names:
+        return track_tone(np.ascontiguousarray(window.block.column("i_a")), "i_a")
+    return None
