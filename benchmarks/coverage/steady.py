@@ -188,6 +188,10 @@ def trial(what: Disturbance, random: np.random.Generator) -> Iterator[tuple[Meas
     for table in steady.tables:
         if table.name == "current_harmonics":
             for order, relative in what.harmonics.items():
+                if order > len(table.rows):
+                    reason = "no harmonic was measured"
+                    yield Measurement.undefined(f"harmonic_{order}", "A", "", reason), math.nan
+                    continue
                 row = table.rows[order - 1]
                 uncertain = Uncertainty(row[5], "") if math.isfinite(row[5]) else None
                 number = Measurement(f"harmonic_{order}", row[2], "A", "", uncertainty=uncertain)

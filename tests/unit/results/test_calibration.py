@@ -13,7 +13,6 @@ from typer.testing import CliRunner
 
 from benchtool.analysis import Measurement, Uncertainty
 from benchtool.analysis.instruments import UNSTATED, Instruments
-from benchtool.block import Block
 from benchtool.cli import app
 from benchtool.errors import AnalysisError
 from benchtool.plan.limits import Limit, Verdict
@@ -23,7 +22,7 @@ from benchtool.recording import Bundle, BundleWriter, Manifest
 from benchtool.report.assembly.case import remarks
 from benchtool.report.content import Text
 from benchtool.report.results import measurement_notes
-from benchtool.results.assessment import Assessment, assess_bundle
+from benchtool.results.assessment import Assessment, assess, assess_bundle
 from benchtool.results.calibration import Calibration
 from benchtool.results.comparison import deltas
 from benchtool.results.repetitions import over_repetitions
@@ -136,13 +135,6 @@ def test_a_step_knows_the_gain_of_its_signal() -> None:
         "analyses": {"steady": False, "step": True},
     }
     block = step_specimen()
-    block = Block.from_arrays(
-        1e4,
-        {"torque": "Nm", "torque_reference": "Nm"},
-        torque=block.column("signal"),
-        torque_reference=block.column("reference"),
-    )
-    from benchtool.results.assessment import assess
 
     def assessed(bench: Bench) -> Assessment:
         calibration = Calibration(bench)
