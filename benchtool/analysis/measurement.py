@@ -21,7 +21,8 @@ class Basis:
 
     `samples` were used, taken at `sample_rate_Hz` over `duration_s`, with `gaps` places where rows are
     missing; components up to `bandwidth_Hz` could contribute. `window` names the window and what it spans,
-    `harmonics` is the highest harmonic counted, `reference` what a ratio is a ratio to.
+    `harmonics` is the highest harmonic counted, `reference` what a ratio is a ratio to. `alignment_s` is the
+    standard uncertainty with which samples of another clock stand at the drive's ticks.
     """
 
     samples: float | None = None
@@ -32,6 +33,7 @@ class Basis:
     harmonics: int | None = None
     reference: str = ""
     gaps: int | None = None
+    alignment_s: float | None = None
 
     def to_json(self) -> dict[str, float | int | str]:
         """The fields that apply."""

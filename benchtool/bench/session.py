@@ -10,11 +10,19 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Literal, Protocol
+from typing import TYPE_CHECKING, Literal
 
 import can
 
-from benchtool.block import Block
+from benchtool.bench.equipment import (
+    Declared,
+    LoadMachine,
+    Supply,
+    Thermometer,
+    Transducer,
+    declared,
+)
+from benchtool.bench.mounting import mount
 from benchtool.clock import Clock, RealClock, VirtualClock
 from benchtool.drive import RemoteDrive
 from benchtool.errors import UsageError
@@ -22,6 +30,7 @@ from benchtool.link import Link
 from benchtool.link.address import Address
 from benchtool.link.canopen.bus import open_bus
 from benchtool.link.canopen.link import CanopenLink
+from benchtool.link.canopen.stamps import AdapterStamps
 from benchtool.link.port import open_port
 from benchtool.link.replay import ReplayLink
 from benchtool.link.serial.link import SerialLink
@@ -34,33 +43,9 @@ if TYPE_CHECKING:
     from benchtool.telemetry import FrameLog
 
 
-class LoadMachine(Protocol):
-    """Equipment on the shaft that loads the motor."""
-
-    def apply(self, torque_Nm: float) -> None:
-        """Load the shaft; positive torque opposes positive speed. It may turn as it likes again."""
-
-    def hold(self, omega_m_rad_s: float) -> None:
-        """Turn the shaft at this speed, whatever torque that takes."""
-
-
-class Transducer(Protocol):
-    """A torque transducer on the shaft, with a sampling of its own."""
-
-    @property
-    def longest_s(self) -> float:
-        """The longest time that it records."""
-
-    def start(self, duration_s: float) -> None:
-        """Record for `duration_s` from now."""
-
-    def block(self) -> Block:
-        """What was recorded, as channel `torque_transducer`."""
-
-
 @dataclass(frozen=True)
 class Session:
-    """One connected bench; `load` and `transducer` are None where the bench has none."""
+    """One connected bench; equipment that it has not is None."""
 
     profile_name: str
     profile: Profile
@@ -69,6 +54,8 @@ class Session:
     clock: Clock
     load: LoadMachine | None = None
     transducer: Transducer | None = None
+    supply: Supply | None = None
+    thermometer: Thermometer | None = None
 
 
 @contextmanager
@@ -139,7 +126,8 @@ def open_session(
 
             drive = _drive(stack, open_emulated, dictionary, eds.name, bench.clock)
             stack.callback(bench.load.apply, 0.0)
-            yield Session(profile_name, profile, text, drive, bench.clock, bench.load, bench.transducer)
+            mounted = mount(stack, declared(profile, address), source, drive.link, bench.clock, bench)
+            yield Session(profile_name, profile, text, drive, bench.clock, **vars(mounted))
         elif address.kind == "replay":
             replayed = VirtualClock(paced=real_time)
             if (Path(address.channel) / MANIFEST).is_file():
@@ -157,10 +145,12 @@ def open_session(
                 bus = open_bus(address)
                 if frames is not None:
                     bus = frames.tap(bus, clock, stamp=True)
-                return CanopenLink(bus, node_id, clock, arrival_s=None if frames is None else _timestamp)
+                stamps = AdapterStamps(clock) if frames is None else _timestamp
+                return CanopenLink(bus, node_id, clock, arrival_s=stamps)
 
             drive = _drive(stack, open_real, dictionary, eds.name, clock)
-            yield Session(profile_name, profile, text, drive, clock)
+            mounted = mount(stack, declared(profile, address), source, drive.link, clock)
+            yield Session(profile_name, profile, text, drive, clock, **vars(mounted))
 
 
 def _drive(
@@ -186,13 +176,13 @@ def dictionary_of(profile_name: str) -> Dictionary:
     return Dictionary.from_eds(eds_path(profile, profile_path(profile_name)), profile.drive.node_id)
 
 
-def has_transducer(url: str) -> bool:
-    """Whether the bench at a link address has a torque transducer: an emulated one in this process.
+def equipment_of(profile_name: str, url: str) -> Declared:
+    """What stands on the bench of a profile whose drive is at a link address; nothing is opened.
 
     Raises:
-        UsageError: the address is none.
+        ProfileError, UsageError: the profile or the address is wrong, or they do not fit each other.
     """
-    return Address.parse(url).kind == "emulated"
+    return declared(load_profile(profile_name), Address.parse(url))
 
 
 def emulator_is_compiled() -> bool:

@@ -6,14 +6,14 @@ import math
 import shlex
 import sys
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from benchtool.cli import options, viewing
+from benchtool.cli import asking, options, viewing
 from benchtool.cli.output import Output, show_run
 
 if TYPE_CHECKING:
@@ -31,6 +31,7 @@ class RunOptions:
     out: Path | None = None
     seed: int = 0
     real_time: bool = False
+    yes: bool = False
     as_json: bool = False
     resume: bool = False
     page: Path | None = None
@@ -42,6 +43,11 @@ class RunOptions:
     serial_number: str = ""
     temperature_degC: float | None = None
     instruments: tuple[str, ...] = ()
+
+    @property
+    def asking(self) -> asking.Way:
+        """How a person at the bench can be asked."""
+        return asking.way(yes=self.yes, alone=self.as_json or self.jobs > 1)
 
 
 def run(
@@ -77,6 +83,7 @@ def run(
     live: viewing.Live = None,
     seed: options.Seed = 0,
     real_time: options.RealTime = False,
+    yes: options.Yes = False,
     as_json: options.Json = False,
 ) -> int:
     """Run a test plan: set up, run, capture, measure, judge; the drive is disabled afterwards."""
@@ -86,6 +93,7 @@ def run(
         resume or out,
         seed,
         real_time,
+        yes,
         as_json,
         bool(resume),
         page,
@@ -164,6 +172,7 @@ def _resumption(name: str, folder: Path, chosen: RunOptions) -> str:
     words += [word for instrument in chosen.instruments for word in ("--instrument", instrument)]
     words += ["--allow-different"] if chosen.allow_different else []
     words += ["--real-time"] if chosen.real_time else []
+    words += ["--yes"] if chosen.yes else []
     words += ["--json"] if chosen.as_json else []
     return shlex.join(words)
 
@@ -188,12 +197,14 @@ def _check(name: str, chosen: RunOptions) -> _Checked:
     profile = load_profile(place)
 
     # Imported once plan and profile are known to be there: a slip of the pen is answered at once.
-    from benchtool.bench.session import dictionary_of, has_transducer
+    from benchtool.bench.session import dictionary_of, equipment_of
     from benchtool.plan.ranges import require_protected
     from benchtool.plan.validation import require_known
 
-    dictionary, transducer = dictionary_of(place), has_transducer(chosen.link)
-    require_known(plan, plan_path(name), profile, dictionary, transducer=transducer)
+    dictionary, equipment = dictionary_of(place), equipment_of(place, chosen.link)
+    require_known(plan, plan_path(name), profile, dictionary, transducer=equipment.has_transducer)
+    if equipment.loaded_by_a_person:
+        asking.require_somebody(plan, chosen.asking)
     if chosen.link == "emulated":
         require_protected(plan, plan_path(name), profile, dictionary)
     if chosen.jobs > 1 and (chosen.real_time or chosen.link != "emulated"):
@@ -228,6 +239,7 @@ def _run(
         conditions=_conditions(chosen),
     )
     with RunProgress(output) as bar:
+        info = replace(info, prompt=asking.prompt(chosen.asking, output, bar.aside))
         progress = RunViews(where, bar, output, part)
         opener = partial(
             open_session,

@@ -9,6 +9,7 @@ from pydantic import ValidationError
 
 from benchtool.document import Array, Section, document_path, explain, load_document
 from benchtool.errors import ProfileError
+from benchtool.profile.bench import Bench
 from benchtool.profile.claims import Choice, Claim
 from benchtool.profile.drive import Drive
 from benchtool.profile.emulator import Emulator
@@ -24,6 +25,7 @@ class Profile(Section):
     title: str
     motor: Motor
     drive: Drive
+    bench: Bench = Bench()
     emulator: Emulator | None = None
     choices: Array[Choice] = ()
     claims: Array[Claim] = ()

@@ -6,9 +6,12 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import asdict, dataclass, field, replace
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 from benchtool.analysis import measurements_to_json, tables_to_json
+from benchtool.bench.person import UNLOAD, Done, Prompt, ask, instruction, nobody
 from benchtool.bench.session import Session
 from benchtool.block import Block
 from benchtool.drive import Identity
@@ -19,15 +22,25 @@ from benchtool.plan.limits import Verdict
 from benchtool.plan.model import Plan, Setting
 from benchtool.plan.operating_point import Seen
 from benchtool.plan.rating import require_rated
-from benchtool.recording import Bundle, BundleWriter, Conditions, EventFile, Manifest, software_versions
+from benchtool.recording import (
+    Bundle,
+    BundleWriter,
+    Conditions,
+    EventFile,
+    Level,
+    Manifest,
+    software_versions,
+)
 from benchtool.report.assembly.figures import draw_case, draw_cases
 from benchtool.results.assessment import Assessment, RunResult, assess, assess_bundle
 from benchtool.results.repetitions import over_repetitions
 from benchtool.run.conduct import Progress, conduct
+from benchtool.run.equipment import facts, readings, remarks
 from benchtool.run.observers import Unwatched, Watcher
 from benchtool.run.parameter_check import ParameterCheck, check_parameters
 from benchtool.run.resumption import Origin, case_folder, require_same_origin
 from benchtool.telemetry import (
+    ClockFit,
     FanOut,
     Journal,
     Sink,
@@ -44,7 +57,8 @@ class RunInfo:
 
     `when` is wall time in ISO 8601, `wall_s` tells that of now. `allow_different` lets a drive run whose
     parameters contradict the profile. `profile_toml` is the text of the profile, None if it is not known
-    before the bench is open. `note` and `conditions` go into the manifest as they are.
+    before the bench is open. `note` and `conditions` go into the manifest as they are. `prompt` asks a person to
+    do what the bench has no equipment for.
     """
 
     when: str
@@ -56,6 +70,7 @@ class RunInfo:
     profile_toml: str | None = None
     note: str = ""
     conditions: Conditions = field(default_factory=Conditions)
+    prompt: Prompt = nobody
 
 
 Opener = Callable[[Case, int], AbstractContextManager[Session]]
@@ -104,6 +119,7 @@ def run_cases(
 ) -> list[Assessment]:
     """Run some of a plan's cases, each in a session of its own, so that none depends on those before it."""
     results: list[Assessment] = []
+    put_on = ""
     origin = Origin(plan, info.link, info.seed, info.profile_toml)
     if resume:
         require_same_origin(folder, origin)
@@ -129,10 +145,15 @@ def run_cases(
             _require_rated(session, plan, case)
             setup = {**plan.setup, **case.setup}
             check = _checked(session, setup, info, progress)
+            todo_by_hand = "" if session.load is not None else instruction(case.operating_point)
+            done_by_hand = ask(info.prompt, todo_by_hand or (UNLOAD if put_on else ""))
+            put_on = todo_by_hand
             with temporary(session.drive, setup):
                 looking = watcher or Unwatched()
                 results.append(
-                    _run_case(session, plan, case, place, info, identity, check, progress, looking)
+                    _run_case(
+                        session, plan, case, place, info, identity, check, done_by_hand, progress, looking
+                    )
                 )
     return results
 
@@ -190,38 +211,46 @@ def _run_case(
     info: RunInfo,
     identity: Identity,
     check: ParameterCheck,
+    by_hand: Done | None,
     progress: Progress,
     watcher: Watcher,
 ) -> Assessment:
     link = session.drive.link
-    manifest = _manifest(session, plan, case, info, identity)
+    before = readings(session)
+    manifest = _manifest(session, plan, case, info, identity, facts(session, before, by_hand))
     with BundleWriter(place, manifest) as writer:
         stream = None
         takers = (EventFile(place).append, watcher.happened)
         try:
             sinks = watcher.opened(session, case, manifest)
             with keep_journal(session.drive, takers) as journal:
+                if by_hand is not None:
+                    journal.note(str(by_hand))
                 with _telemetry(session, writer, sinks) as stream:
-                    conducted = conduct(session, plan, case, _Steps(progress, journal))
+                    clock = partial(_drive_clock, stream)
+                    conducted = conduct(session, plan, case, _Steps(progress, journal), clock)
+                for line in remarks(session):
+                    progress.note(line)
+                    journal.note(line, Level.WARN)
                 capture, transducer = conducted.capture, conducted.transducer
                 writer.append("capture", capture)
                 if transducer is not None:
                     writer.append("transducer", transducer)
                 watcher.captured(capture, transducer, _trigger_row(plan, capture))
                 progress.note("analysing")
-                certificate, facts = certify_recording(stream, {"capture": capture}, link.counters)
+                certificate, stated = certify_recording(stream, {"capture": capture}, link.counters)
                 motor, quality = session.profile.motor, certificate.measurements
                 seen = Seen(conducted.readings, _dc_link_V(session), check.to_json())
                 result = assess(plan, case.name, motor, place, capture, transducer, quality, seen)
         except BaseException as failure:
             try:
                 reason = f"{type(failure).__name__}: {failure}".rstrip(": ")
-                certificate, facts = certify_recording(stream, {}, link.counters)
+                certificate, stated = certify_recording(stream, {}, link.counters)
                 writer.fail(
                     reason,
                     verdict=Verdict.FAIL,
                     quality=asdict(link.counters),
-                    details=facts | {"parameter_check": check.to_json()},
+                    details=stated | facts(session, before, by_hand) | {"parameter_check": check.to_json()},
                     certificate=certificate.to_json(),
                 )
             except RecordingError as also:
@@ -234,7 +263,8 @@ def _run_case(
             tables=tables_to_json(result.tables),
             verdict=result.verdict,
             quality=asdict(link.counters),
-            details=facts
+            details=stated
+            | facts(session, before, by_hand)
             | seen.to_json()
             | {"verdicts": {name: str(verdict) for name, verdict in result.verdicts.items()}},
             certificate=certificate.to_json(),
@@ -243,6 +273,11 @@ def _run_case(
     progress.note("drawing")
     draw_case(plan, result)
     return result
+
+
+def _drive_clock(stream: TelemetryStream | None) -> ClockFit | None:
+    """The drive's time on the host's clock; None of a drive without a stream."""
+    return None if stream is None else stream.report().clock
 
 
 def _dc_link_V(session: Session) -> float | None:
@@ -286,15 +321,22 @@ def _telemetry(
         yield stream
 
 
-def _manifest(session: Session, plan: Plan, case: Case, info: RunInfo, identity: Identity) -> Manifest:
-    facts: Mapping[str, int | float | str | None] = asdict(identity)
+def _manifest(
+    session: Session,
+    plan: Plan,
+    case: Case,
+    info: RunInfo,
+    identity: Identity,
+    equipment: Mapping[str, Any],
+) -> Manifest:
+    told: Mapping[str, int | float | str | None] = asdict(identity)
     return Manifest(
         what=plan.title,
         when=info.when,
         profile_name=session.profile_name,
         profile_toml=session.profile_toml,
         link=info.link,
-        identity={key: value for key, value in facts.items() if value is not None},
+        identity={key: value for key, value in told.items() if value is not None},
         dictionary_hash=identity.dictionary_hash,
         parameters=snapshot(session.drive),
         versions=software_versions(),
@@ -308,5 +350,6 @@ def _manifest(session: Session, plan: Plan, case: Case, info: RunInfo, identity:
             "plan": plan.model_dump(mode="json"),
             "motor": session.profile.motor.model_dump(mode="json"),
             "wall": session.drive.wall_mark(info.wall_s()),
+            **equipment,
         },
     )
