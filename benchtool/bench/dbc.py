@@ -65,6 +65,7 @@ class DbcTransducer:
         self._wrap = 0 if counter is None else _wrap_of(counter)
         self._listener = listen(message, stated.rate_Hz)
         self._alignment: Alignment | None = None
+        self._repeated = 0
 
     @property
     def longest_s(self) -> float:
@@ -108,6 +109,9 @@ class DbcTransducer:
             None if counts is None else np.rint(counts).astype(np.int64),
             self._wrap,
         )
+        first = np.concatenate(([True], np.diff(numbers) > 0))  # of frames that came twice
+        self._repeated = int(len(first) - first.sum())
+        arrivals_s, values, numbers = arrivals_s[first], values[first], numbers[first]
         sampling = Sampling(
             self._stated.rate_Hz, len(self._stated.signals), self._stated.delay_s, self._stated.delay_limit_s
         )
@@ -125,7 +129,7 @@ class DbcTransducer:
                 float(factor * each.resolution)
                 for factor, each in zip(self._factors, self._ranges, strict=True)
             ),
-            "frames": asdict(self._listener.counters),
+            "frames": {**asdict(self._listener.counters), "repeated": self._repeated},
             "alignment": None if self._alignment is None else asdict(self._alignment),
         }
 

@@ -168,8 +168,8 @@ class _Mounting:
                 else f"that is one of node {node_id}, of the host or of network management (CiA 301, 7.3.3)"
             )
             raise ProfileError(
-                f"message '{message.name}' has identifier 0x{message.can_id:X} on the drive's bus, and {why}: "
-                f"give the instrument another one, or a bus of its own"
+                f"message '{message.name}' has identifier 0x{message.can_id:X} on the drive's bus, and "
+                f"{why}: give the instrument another one, or a bus of its own"
             )
 
     def _listen(self, stated: CanFrames, message: DbcMessage, rate_Hz: float) -> MessageListener:

@@ -18,7 +18,7 @@ class Confirmed(StrEnum):
 
 
 Prompt = Callable[[str], Confirmed]
-"""Says what a person has to do, and returns once that is done; raises UsageError where nobody can be asked."""
+"""Says what a person has to do and returns once it is done; raises UsageError where the person has gone."""
 
 UNLOAD = "free the shaft: take off the load, or stop what turns it"
 
@@ -34,9 +34,9 @@ class Done:
         return f"a person was to {self.what}: {self.confirmed}"
 
 
-def nobody(what: str) -> Confirmed:
-    """A prompt where nobody can be asked."""
-    raise UsageError(
+def unasked(what: str) -> UsageError:
+    """The refusal where nobody can be asked."""
+    return UsageError(
         f"this bench has no load machine: a person has to {what}, and nobody can be asked; run it on a "
         f"terminal, without --json and --jobs, or give --yes once that is done; the drive was not enabled"
     )
@@ -59,13 +59,17 @@ def instruction(point: OperatingPoint) -> str:
     return ""
 
 
-def ask(prompt: Prompt, what: str) -> Done | None:
-    """Ask for something; None if there is nothing to do.
+def ask(prompt: Prompt | None, what: str) -> Done | None:
+    """Ask for something; None if there is nothing to do. Without a prompt nobody can be asked.
 
     Raises:
         UsageError: nobody can be asked.
     """
-    return Done(what, prompt(what)) if what else None
+    if not what:
+        return None
+    if prompt is None:
+        raise unasked(what)
+    return Done(what, prompt(what))
 
 
 def _rotation(omega_m_rad_s: float) -> str:

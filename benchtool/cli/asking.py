@@ -5,62 +5,43 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 from contextlib import AbstractContextManager
-from enum import Enum, auto
 from typing import TYPE_CHECKING
 
 from benchtool.cli.output import Output
 
 if TYPE_CHECKING:
     from benchtool.bench.person import Confirmed, Prompt
-    from benchtool.plan.model import Plan
 
 
-class Way(Enum):
-    """How a person can be asked: on the terminal, not at all, or not needed as all is taken as done."""
+def prompt(
+    output: Output, aside: Callable[[], AbstractContextManager[None]], *, yes: bool, alone: bool
+) -> Prompt | None:
+    """What asks the person at this terminal; None where nobody can be asked.
 
-    TERMINAL = auto()
-    NOBODY = auto()
-    BEFOREHAND = auto()
+    Args:
+        output: of the command.
+        aside: clears the terminal while somebody is asked.
+        yes: take everything as done.
+        alone: the command runs for a program, or in several processes.
+    """
+    from benchtool.bench.person import beforehand
 
-
-def way(*, yes: bool, alone: bool) -> Way:
-    """How a person can be asked by a command with `--yes`, or `alone`, on the terminal that it has."""
     if yes:
-        return Way.BEFOREHAND
-    return Way.NOBODY if alone or sys.stdin is None or not sys.stdin.isatty() else Way.TERMINAL
-
-
-def prompt(by: Way, output: Output, aside: Callable[[], AbstractContextManager[None]]) -> Prompt:
-    """What asks the person; `aside` clears the terminal meanwhile."""
-    from benchtool.bench.person import beforehand, nobody
+        return beforehand
+    if alone or sys.stdin is None or not sys.stdin.isatty():
+        return None
 
     def ask(what: str) -> Confirmed:
         with aside():
             return _ask(what, output)
 
-    return {Way.TERMINAL: ask, Way.NOBODY: nobody, Way.BEFOREHAND: beforehand}[by]
-
-
-def require_somebody(plan: Plan, by: Way) -> None:
-    """Refuse a plan that needs a person where nobody can be asked, before anything is opened.
-
-    Raises:
-        UsageError: it does.
-    """
-    from benchtool.bench.person import instruction, nobody
-    from benchtool.plan.cases import cases
-
-    if by is not Way.NOBODY:
-        return
-    for case in cases(plan):
-        if what := instruction(case.operating_point):
-            nobody(what)
+    return ask
 
 
 def _ask(what: str, output: Output) -> Confirmed:
-    from benchtool.bench.person import Confirmed, nobody
+    from benchtool.bench.person import Confirmed, unasked
 
     output.line(f"The drive is disabled. Please {what}; then press Enter (Ctrl-C ends the run).", "bold")
     if not sys.stdin.readline():  # the terminal has gone
-        return nobody(what)
+        raise unasked(what)
     return Confirmed.BY_THE_PERSON

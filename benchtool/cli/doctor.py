@@ -29,6 +29,7 @@ def doctor(
         ("dictionary", _dictionary),
         ("folder", _folder),
         ("emulator", _emulator),
+        ("equipment", lambda: _equipment(profile, link)),
         ("drive", lambda: _drive(profile, link, output)),
     ]
     outcomes = [(name, *_outcome(check)) for name, check in checks]
@@ -92,6 +93,17 @@ def _emulator() -> str:
     from benchtool.bench.session import emulator_is_compiled
 
     return "compiled" if emulator_is_compiled() else "will be compiled at its first run, a few seconds"
+
+
+def _equipment(profile: str, link: str) -> str:
+    """What the profile's bench has, and whether it sends."""
+    from benchtool.bench.session import equipment_of, open_session
+    from benchtool.run.equipment import readings
+
+    told = "; ".join(f"{name}: {text}" for name, text in equipment_of(profile, link).lines().items())
+    with open_session(profile, link) as session:
+        readings(session)
+    return told
 
 
 def _drive(profile: str, link: str, output: Output) -> str:

@@ -14,8 +14,8 @@ def info(
     link: options.Link = "emulated",
     as_json: options.Json = False,
 ) -> int:
-    """Who answers: identity, firmware, dictionary, state. Nothing is enabled or written."""
-    from benchtool.bench.session import open_session
+    """Who answers: identity, firmware, dictionary, state; and the bench. Nothing is enabled or written."""
+    from benchtool.bench.session import equipment_of, open_session
 
     output = Output(as_json=as_json)
     with open_session(profile, link, note=output.note) as session:
@@ -29,8 +29,10 @@ def info(
             "objects": len(dictionary),
             "state": session.drive.state().value,
             "warnings": list(dictionary.warnings),
+            "equipment": equipment_of(profile, link).lines(),
         }
-    rows = [(key, _shown(key, value)) for key, value in facts.items() if key != "warnings"]
+    rows = [(key, _shown(key, value)) for key, value in facts.items() if key not in ("warnings", "equipment")]
+    rows += [(f"bench: {name}", text) for name, text in facts["equipment"].items()]
     output.table(f"drive of profile {profile}", ("what", "value"), rows)
     for warning in dictionary.warnings:
         output.note(f"{dictionary.source}: {warning}")

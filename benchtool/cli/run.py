@@ -44,11 +44,6 @@ class RunOptions:
     temperature_degC: float | None = None
     instruments: tuple[str, ...] = ()
 
-    @property
-    def asking(self) -> asking.Way:
-        """How a person at the bench can be asked."""
-        return asking.way(yes=self.yes, alone=self.as_json or self.jobs > 1)
-
 
 def run(
     plan: Annotated[
@@ -203,8 +198,6 @@ def _check(name: str, chosen: RunOptions) -> _Checked:
 
     dictionary, equipment = dictionary_of(place), equipment_of(place, chosen.link)
     require_known(plan, plan_path(name), profile, dictionary, transducer=equipment.has_transducer)
-    if equipment.loaded_by_a_person:
-        asking.require_somebody(plan, chosen.asking)
     if chosen.link == "emulated":
         require_protected(plan, plan_path(name), profile, dictionary)
     if chosen.jobs > 1 and (chosen.real_time or chosen.link != "emulated"):
@@ -239,7 +232,8 @@ def _run(
         conditions=_conditions(chosen),
     )
     with RunProgress(output) as bar:
-        info = replace(info, prompt=asking.prompt(chosen.asking, output, bar.aside))
+        alone = chosen.as_json or chosen.jobs > 1
+        info = replace(info, prompt=asking.prompt(output, bar.aside, yes=chosen.yes, alone=alone))
         progress = RunViews(where, bar, output, part)
         opener = partial(
             open_session,

@@ -47,8 +47,8 @@ class Absent(Section):
 class CanFrames(Section):
     """Frames of an instrument on a CAN bus, as a DBC file describes them.
 
-    `dbc` is a file beside the profile, `message` a message in it that comes `rate_Hz` times a second. `bus` is
-    `drive` or the address of another bus, such as `can:socketcan:can1?bitrate=1000000`.
+    `dbc` is a file beside the profile, `message` a message in it that comes `rate_Hz` times a second. `bus`
+    is `drive` or the address of another bus, such as `can:socketcan:can1?bitrate=1000000`.
     """
 
     kind: Literal["can"]
@@ -96,7 +96,7 @@ class CanTransducer(CanFrames):
 
 
 class CanSupply(CanFrames):
-    """A power analyser or supply that tells the voltage of the dc link, and its current if `i_dc` is named."""
+    """A power analyser that tells the voltage of the dc link, and its current if `i_dc` is named."""
 
     u_dc: Signal
     i_dc: str = ""

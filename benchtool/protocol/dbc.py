@@ -31,7 +31,7 @@ class SignalRange:
     maximum: float
 
     def holds(self, value: float) -> bool:
-        """Whether a value is within the range, half a bit of rounding allowed; what is not finite never is."""
+        """Whether a value is within the range, half a bit of rounding allowed; never what is not finite."""
         slack = 0.5 * self.resolution
         return math.isfinite(value) and self.minimum - slack <= value <= self.maximum + slack
 

@@ -62,8 +62,6 @@ def conduct(
     """
     point = case.operating_point
     try:
-        if session.transducer is not None:
-            session.transducer.require_alive()
         _hold(session, point, progress)
         progress.note("enabling")
         with session.drive.enabled(point.mode_of_operation):

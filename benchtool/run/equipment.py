@@ -13,15 +13,20 @@ _DROPPED = {
     "malformed": "could not be decoded",
     "out_of_range": "were beyond the range of their DBC file",
     "overflow": "found no room in the recording",
+    "repeated": "came twice",
 }
 
 
 def readings(session: Session) -> dict[str, Any]:
-    """Voltage and current of the dc supply and temperatures, now; what the bench does not measure is left out.
+    """Voltage and current of the dc supply and temperatures, now, as far as the bench measures them.
+
+    The torque transducer sends as well, or this refuses.
 
     Raises:
         NoAnswer: an instrument is silent.
     """
+    if session.transducer is not None:
+        session.transducer.require_alive()
     told: dict[str, Any] = {}
     if session.supply is not None:
         told |= {"u_dc_V": session.supply.u_dc_V, "i_dc_A": session.supply.i_dc_A}
@@ -31,7 +36,7 @@ def readings(session: Session) -> dict[str, Any]:
 
 
 def facts(session: Session, before: dict[str, Any], by_hand: Done | None) -> dict[str, Any]:
-    """What a manifest keeps: readings before the drive was enabled, the transducer's facts, what a person did."""
+    """What a manifest keeps: readings before the drive was enabled, of the transducer, what a person did."""
     told: dict[str, Any] = {"before": before} if before else {}
     if session.transducer is not None and (kept := session.transducer.facts()):
         told["transducer"] = kept

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from benchtool.analysis import measurements_to_json, tables_to_json
-from benchtool.bench.person import UNLOAD, Done, Prompt, ask, instruction, nobody
+from benchtool.bench.person import UNLOAD, Done, Prompt, ask, instruction, unasked
 from benchtool.bench.session import Session
 from benchtool.block import Block
 from benchtool.drive import Identity
@@ -57,8 +57,8 @@ class RunInfo:
 
     `when` is wall time in ISO 8601, `wall_s` tells that of now. `allow_different` lets a drive run whose
     parameters contradict the profile. `profile_toml` is the text of the profile, None if it is not known
-    before the bench is open. `note` and `conditions` go into the manifest as they are. `prompt` asks a person to
-    do what the bench has no equipment for.
+    before the bench is open. `note` and `conditions` go into the manifest as they are. `prompt` asks a person
+    to do what the bench has no equipment for, None where nobody can be asked.
     """
 
     when: str
@@ -70,7 +70,7 @@ class RunInfo:
     profile_toml: str | None = None
     note: str = ""
     conditions: Conditions = field(default_factory=Conditions)
-    prompt: Prompt = nobody
+    prompt: Prompt | None = None
 
 
 Opener = Callable[[Case, int], AbstractContextManager[Session]]
@@ -143,6 +143,7 @@ def run_cases(
                 )
                 require_same_origin(folder, here)
             _require_rated(session, plan, case)
+            _require_person(session, todo, info)
             setup = {**plan.setup, **case.setup}
             check = _checked(session, setup, info, progress)
             todo_by_hand = "" if session.load is not None else instruction(case.operating_point)
@@ -189,6 +190,14 @@ def _require_rated(session: Session, plan: Plan, case: Case) -> None:
             f"record.duration_s is {plan.record.duration_s:g} s, the torque transducer records "
             f"{transducer.longest_s:g} s at most: shorten it; the drive was not enabled"
         )
+
+
+def _require_person(session: Session, todo: Sequence[Case], info: RunInfo) -> None:
+    """Refuse a run that will need a person whom nobody can ask, before the drive is enabled for any case."""
+    if session.load is None and info.prompt is None:
+        for case in todo:
+            if what := instruction(case.operating_point):
+                raise unasked(what)
 
 
 def _checked(

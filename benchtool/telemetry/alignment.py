@@ -18,6 +18,7 @@ from benchtool.block import Block, Channel, Gap
 from benchtool.errors import EnvironmentFailure
 from benchtool.telemetry.clock_fit import ClockFit
 
+_EARLY = 2.5  # periods by which a frame never is before its time
 _FINE = 1000  # ticks of a row: what rounding the first one to a whole tick costs is a thousandth of a sample
 _RATE_TOLERANCE = 0.01
 _SAME_S = 1e-9  # two periods that agree within this over a whole record are one
@@ -59,7 +60,9 @@ class Alignment:
 def frame_numbers(
     arrivals_s: NDArray[np.float64], frame_rate_Hz: float, counts: NDArray[np.int64] | None, wrap: int
 ) -> NDArray[np.int64]:
-    """Number of every frame since the first, shape (n,), strictly increasing; what is left out was lost.
+    """Number of every frame since the first, shape (n,); what is left out was lost.
+
+    Numbers increase, but of a frame that came twice, which its counter tells: both have one number.
 
     Args:
         arrivals_s: stamps, shape (n,).
@@ -70,13 +73,25 @@ def frame_numbers(
 
     Without a counter a frame is lost where two stamps are one and a half periods apart or more, and no more
     are lost than the whole record is too short by: frames that were late, in a bunch, are none.
+
+    Raises:
+        EnvironmentFailure: counter and stamps contradict each other.
     """
     steps = np.diff(arrivals_s) * frame_rate_Hz
     if counts is not None:
         by_counter = np.diff(counts) % wrap
-        whole = np.rint((steps - by_counter) / wrap).astype(np.int64) * wrap
-        numbered = np.maximum(by_counter + np.maximum(whole, 0), 1)
-        return np.concatenate(([0], np.cumsum(numbered)))
+        late = np.concatenate(([0.0], np.cumsum(steps - by_counter)))  # in periods, by stamps less counter
+        after = np.minimum.accumulate(late[::-1])[::-1]  # what is late for a while was not lost
+        rounds = np.rint(np.diff(after) / wrap).astype(np.int64)
+        early = np.minimum.accumulate(late)[:-1] - np.maximum.accumulate(late[::-1])[::-1][1:]
+        if (contradictions := np.flatnonzero(early > _EARLY)).size:
+            row = int(contradictions[0])
+            raise EnvironmentFailure(
+                f"the counter of the frames went from {counts[row]} to {counts[row + 1]} of {wrap} values while "
+                f"{steps[row]:.3g} frames were due: the instrument restarted, or the range of the counter is "
+                f"not that of the DBC file; record again, or mend it there"
+            )
+        return np.concatenate(([0], np.cumsum(by_counter + rounds * wrap)))
     lost = np.maximum(np.rint(steps).astype(np.int64) - 1, 0)
     left = max(0, round(float(steps.sum())) - len(steps))
     kept = np.zeros_like(lost)
@@ -111,8 +126,8 @@ def align(
     """
     if len(arrivals_s) < 3:
         raise EnvironmentFailure(
-            f"{len(arrivals_s)} frames of '{channel.name}' came, three at least tell a line: record longer, or "
-            f"check that the instrument sends"
+            f"{len(arrivals_s)} frames of '{channel.name}' came, three at least tell a line: record longer, "
+            f"or check that the instrument sends"
         )
     period_s, first_s, scatter_s = _line(numbers, arrivals_s)
     found_Hz = 1.0 / period_s if period_s > 0.0 else math.inf
