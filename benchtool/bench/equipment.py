@@ -139,11 +139,6 @@ class Declared:
         """Whether it has a torque transducer."""
         return not isinstance(self.transducer, Absent)
 
-    @property
-    def loaded_by_a_person(self) -> bool:
-        """Whether it has no load machine."""
-        return isinstance(self.load, Person)
-
     def lines(self) -> dict[str, str]:
         """Each piece of equipment in words, by the name of its table."""
         temperature = self.temperature

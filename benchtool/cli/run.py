@@ -31,7 +31,6 @@ class RunOptions:
     out: Path | None = None
     seed: int = 0
     real_time: bool = False
-    yes: bool = False
     as_json: bool = False
     resume: bool = False
     page: Path | None = None
@@ -43,6 +42,7 @@ class RunOptions:
     serial_number: str = ""
     temperature_degC: float | None = None
     instruments: tuple[str, ...] = ()
+    yes: bool = False
 
 
 def run(
@@ -88,7 +88,6 @@ def run(
         resume or out,
         seed,
         real_time,
-        yes,
         as_json,
         bool(resume),
         page,
@@ -100,6 +99,7 @@ def run(
         serial_number,
         temperature,
         tuple(instrument or ()),
+        yes,
     )
     return run_named(plan, chosen)
 

@@ -14,7 +14,7 @@ from benchtool.clock import VirtualClock
 from benchtool.emulator.core import Core
 from benchtool.emulator.equipment import EmulatedLoad, EmulatedSupply, EmulatedTransducer
 from benchtool.emulator.firmware.device import Firmware
-from benchtool.emulator.instruments import CanInstrument, CanReadings, CanTorque
+from benchtool.emulator.instruments import CanInstrument, CanReadings, CanTorque, samples_apart
 from benchtool.emulator.machine.truth import InverterTruth, MotorTruth, SensorTruth
 from benchtool.emulator.servers.canopen import CanopenServer
 from benchtool.emulator.servers.node import DriveNode, OnGone
@@ -108,6 +108,7 @@ class EmulatedBench:
         Raises:
             ProfileError: it samples when the torque is not known.
         """
+        samples_apart(self._core, stated.sample_rate_Hz)  # before there is a bus to be given back
         self._instruments.append(
             CanTorque(self._instrument_bus(channel), message, stated, factor, self._core)
         )

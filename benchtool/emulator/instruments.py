@@ -79,6 +79,21 @@ class CanReadings(CanInstrument):
             yield self._sent / self._rate_Hz, self._values()
 
 
+def samples_apart(core: Core, sample_rate_Hz: float) -> int:
+    """Every how many samples that the machine's torque is known at a transducer of this rate takes one.
+
+    Raises:
+        ProfileError: that is no whole number.
+    """
+    apart = 1.0 / (sample_rate_Hz * core.transducer.tick_s)
+    if round(apart) < 1 or not math.isclose(apart, round(apart), rel_tol=1e-9):
+        raise ProfileError(
+            f"bench.transducer samples at {sample_rate_Hz:g} Hz, the emulated bench knows the torque at "
+            f"{1.0 / core.transducer.tick_s:g} Hz and whole parts of it: choose such a rate_Hz"
+        )
+    return round(apart)
+
+
 class CanTorque(CanInstrument):
     """A torque transducer: the air-gap torque of the machine, a frame for every so many samples.
 
@@ -92,7 +107,7 @@ class CanTorque(CanInstrument):
         core: the machine.
 
     Raises:
-        ProfileError: the machine's torque is not known at these moments.
+        ProfileError: as `samples_apart`.
     """
 
     def __init__(
@@ -105,13 +120,7 @@ class CanTorque(CanInstrument):
         self._waiting: deque[tuple[float, dict[str, float]]] = deque()
         self._samples: list[float] = []
         self._core = core
-        every = 1.0 / (stated.sample_rate_Hz * core.transducer.tick_s)
-        self._every = round(every)
-        if self._every < 1 or not math.isclose(every, self._every, rel_tol=1e-9):
-            raise ProfileError(
-                f"bench.transducer samples at {stated.sample_rate_Hz:g} Hz, the emulated bench knows the "
-                f"torque at {1.0 / core.transducer.tick_s:g} Hz and whole parts of it: choose such a rate_Hz"
-            )
+        self._every = samples_apart(core, stated.sample_rate_Hz)
 
     def prepare(self, now_s: float) -> None:
         """See `CanInstrument.prepare`."""

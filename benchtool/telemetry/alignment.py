@@ -87,9 +87,9 @@ def frame_numbers(
         if (contradictions := np.flatnonzero(early > _EARLY)).size:
             row = int(contradictions[0])
             raise EnvironmentFailure(
-                f"the counter of the frames went from {counts[row]} to {counts[row + 1]} of {wrap} values while "
-                f"{steps[row]:.3g} frames were due: the instrument restarted, or the range of the counter is "
-                f"not that of the DBC file; record again, or mend it there"
+                f"the counter of the frames went from {counts[row]} to {counts[row + 1]} of {wrap} values "
+                f"while {steps[row]:.3g} frames were due: the instrument restarted, or its counter wraps elsewhere "
+                f"than by the DBC file; record again, or mend it there"
             )
         return np.concatenate(([0], np.cumsum(by_counter + rounds * wrap)))
     lost = np.maximum(np.rint(steps).astype(np.int64) - 1, 0)

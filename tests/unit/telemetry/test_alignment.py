@@ -98,7 +98,7 @@ def test_a_counter_that_restarts_is_refused() -> None:
 @pytest.mark.parametrize("wrap", [0, 16, 256])
 def test_frames_that_were_late_in_a_bunch_are_none_lost(wrap: int) -> None:
     true = np.arange(300)
-    stamps_s = true / 1000.0
+    stamps_s = np.asarray(true / 1000.0, dtype=np.float64)
     stamps_s[100:110] = stamps_s[110]
     counts = true % wrap if wrap else None
     assert (frame_numbers(stamps_s, 1000.0, counts, wrap) == true).all()
