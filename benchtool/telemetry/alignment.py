@@ -88,8 +88,8 @@ def frame_numbers(
             row = int(contradictions[0])
             raise EnvironmentFailure(
                 f"the counter of the frames went from {counts[row]} to {counts[row + 1]} of {wrap} values "
-                f"while {steps[row]:.3g} frames were due: the instrument restarted, or its counter wraps elsewhere "
-                f"than by the DBC file; record again, or mend it there"
+                f"while {steps[row]:.3g} frames were due: the instrument restarted, or its counter wraps "
+                f"elsewhere than by the DBC file; record again, or mend it there"
             )
         return np.concatenate(([0], np.cumsum(by_counter + rounds * wrap)))
     lost = np.maximum(np.rint(steps).astype(np.int64) - 1, 0)
