@@ -139,6 +139,16 @@ class Declared:
         """Whether it has a torque transducer."""
         return not isinstance(self.transducer, Absent)
 
+    def without_instruments(self) -> Declared:
+        """The same bench without what has frames of its own."""
+        absent = Absent(kind="none")
+        return Declared(
+            self.load,
+            absent if isinstance(self.transducer, CanFrames) else self.transducer,
+            absent if isinstance(self.supply, CanFrames) else self.supply,
+            absent if isinstance(self.temperature, CanFrames) else self.temperature,
+        )
+
     def lines(self) -> dict[str, str]:
         """Each piece of equipment in words, by the name of its table."""
         temperature = self.temperature

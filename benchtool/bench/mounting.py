@@ -26,6 +26,7 @@ from benchtool.link import FrameLink, Link
 from benchtool.link.address import Address
 from benchtool.link.canopen.bus import open_bus
 from benchtool.link.canopen.stamps import AdapterStamps
+from benchtool.link.interface import Frame, FrameReceiver
 from benchtool.profile.equipment import (
     DRIVES_BUS,
     Absent,
@@ -99,7 +100,7 @@ class _Mounting:
         self._clock = clock
         self._emulated = emulated
         self._others: dict[str, BusListener] = {}
-        self._taken: dict[tuple[str, int], str] = {}
+        self._takers: dict[tuple[str, int, bool], tuple[str, list[FrameReceiver]]] = {}
 
     def transducer(self, stated: Emulated | CanTransducer | Absent) -> Transducer | None:
         if isinstance(stated, CanTransducer):
@@ -147,12 +148,6 @@ class _Mounting:
 
     def _message(self, stated: CanFrames) -> DbcMessage:
         message = DbcMessage(self._source.parent / stated.dbc, stated.message, stated.read_signals)
-        other = self._taken.setdefault((stated.bus, message.can_id), message.name)
-        if other != message.name:
-            raise ProfileError(
-                f"messages '{other}' and '{message.name}' of {stated.dbc} have the same identifier "
-                f"0x{message.can_id:X} on one bus: an identifier is one message's, mend the DBC file"
-            )
         if stated.bus == DRIVES_BUS:
             self._require_free(message)
         return message
@@ -173,21 +168,45 @@ class _Mounting:
             )
 
     def _listen(self, stated: CanFrames, message: DbcMessage, rate_Hz: float) -> MessageListener:
-        if stated.bus != DRIVES_BUS:
-            bus = self._other(stated.bus)
-            listener = MessageListener(message, rate_Hz, self._clock, check=bus.check)
-            bus.listen(message.can_id, listener.take, extended=message.extended)
+        other = None if stated.bus == DRIVES_BUS else self._other(stated.bus)
+        check = (lambda: None) if other is None else other.check
+        listener = MessageListener(message, rate_Hz, self._clock, check=check)
+        key = (stated.bus, message.can_id, message.extended)
+        name, takers = self._takers.setdefault(key, (message.name, []))
+        takers.append(listener.take)
+        if name != message.name:
+            raise ProfileError(
+                f"messages '{name}' and '{message.name}' have the same identifier 0x{message.can_id:X} on "
+                f"one bus: an identifier is one message's, mend the DBC file or name the bus of each"
+            )
+        if len(takers) > 1:
+            if self._emulated is not None:
+                raise ProfileError(
+                    f"message '{message.name}' is read by two tables of [bench], and an emulated instrument "
+                    f"sends what one of them reads: name two messages, or leave one table out there"
+                )
             return listener
+
+        def take(frame: Frame) -> None:
+            for each in takers:
+                each(frame)
+
+        if other is not None:
+            other.listen(message.can_id, take, extended=message.extended)
+        else:
+            self._subscribe(message, take)
+        return listener
+
+    def _subscribe(self, message: DbcMessage, take: FrameReceiver) -> None:
+        """Hear a message through the drive's link."""
         link = self._link
         if not isinstance(link, FrameLink):
             raise ProfileError(
                 f"message '{message.name}' is on the drive's bus by the profile, and the drive is on no CAN "
                 f"bus: name the instrument's own bus, as bus = 'can:INTERFACE:CHANNEL?bitrate=500000'"
             )
-        listener = MessageListener(message, rate_Hz, self._clock)
-        link.subscribe((message.can_id,), listener.take)
+        link.subscribe((message.can_id,), take)
         self._stack.callback(link.unsubscribe, (message.can_id,))
-        return listener
 
     def _other(self, url: str) -> BusListener:
         """The bus at an address, which several instruments may share."""

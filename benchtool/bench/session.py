@@ -69,6 +69,7 @@ def open_session(
     alter: Mapping[str, float] = MappingProxyType({}),
     frames: FrameLog | None = None,
     first_tick: int = 0,
+    instruments: bool = True,
 ) -> Iterator[Session]:
     """A session whose drive is not yet checked; on the way out it is disabled and everything is closed.
 
@@ -81,6 +82,8 @@ def open_session(
         alter: what differs on an emulated bench, as `profile.altered` takes it.
         frames: takes every frame of the session.
         first_tick: the tick at which an emulated drive is powered up.
+        instruments: listen to those on CAN that the profile names; a session without them has no such
+            equipment, and does not hang on their adapters.
 
     Raises:
         ProfileError, DictionaryError, UsageError: what was asked for cannot be.
@@ -98,6 +101,9 @@ def open_session(
     text = source.read_text(encoding="utf-8")
     eds = eds_path(profile, source)
     dictionary = Dictionary.from_eds(eds, node_id)
+    what = declared(profile, address)
+    if not instruments:
+        what = what.without_instruments()
     if frames is not None and address.wire == "serial":
         raise UsageError(
             f"frames are those of CAN and the link is '{url}': record without --frames, or over CAN"
@@ -126,7 +132,7 @@ def open_session(
 
             drive = _drive(stack, open_emulated, dictionary, eds.name, bench.clock)
             stack.callback(bench.load.apply, 0.0)
-            mounted = mount(stack, declared(profile, address), source, drive.link, bench.clock, bench)
+            mounted = mount(stack, what, source, drive.link, bench.clock, bench)
             yield Session(profile_name, profile, text, drive, bench.clock, **vars(mounted))
         elif address.kind == "replay":
             replayed = VirtualClock(paced=real_time)
@@ -149,7 +155,7 @@ def open_session(
                 return CanopenLink(bus, node_id, clock, arrival_s=stamps)
 
             drive = _drive(stack, open_real, dictionary, eds.name, clock)
-            mounted = mount(stack, declared(profile, address), source, drive.link, clock)
+            mounted = mount(stack, what, source, drive.link, clock)
             yield Session(profile_name, profile, text, drive, clock, **vars(mounted))
 
 

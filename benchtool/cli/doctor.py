@@ -109,7 +109,7 @@ def _equipment(profile: str, link: str) -> str:
 def _drive(profile: str, link: str, output: Output) -> str:
     from benchtool.bench.session import open_session
 
-    with open_session(profile, link, note=output.note) as session:
+    with open_session(profile, link, note=output.note, instruments=False) as session:
         identity = session.drive.identify()
         identity.require(session.drive.dictionary, session.drive.dictionary.source)
         state = session.drive.state()

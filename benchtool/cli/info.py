@@ -18,7 +18,7 @@ def info(
     from benchtool.bench.session import equipment_of, open_session
 
     output = Output(as_json=as_json)
-    with open_session(profile, link, note=output.note) as session:
+    with open_session(profile, link, note=output.note, instruments=False) as session:
         identity = session.drive.identify()
         dictionary = session.drive.dictionary
         identity.require(dictionary, dictionary.source)

@@ -35,7 +35,9 @@ def jog(
         )
     mode, value = (Mode.VELOCITY, speed) if torque is None else (Mode.TORQUE, torque)
     output = Output(as_json=as_json)
-    with open_session(profile, link, seed=seed, real_time=real_time, note=output.note) as session:
+    with open_session(
+        profile, link, seed=seed, real_time=real_time, note=output.note, instruments=False
+    ) as session:
         session.drive.connect()
         output.note(f"{'speed' if torque is None else 'torque'} for {duration:g} s; Ctrl-C stops")
         result = run(

@@ -87,7 +87,9 @@ def _show_drive(
     from benchtool.telemetry import TelemetryStream, fitting, keep_journal
 
     # An emulated drive is looked at in the time that it would take.
-    with open_session(profile, link, seed=seed, real_time=True, note=output.note) as session:
+    with open_session(
+        profile, link, seed=seed, real_time=True, note=output.note, instruments=False
+    ) as session:
         drive = session.drive
         drive.check()
         names = options.listed(channels) or fitting(drive, _CHANNELS)

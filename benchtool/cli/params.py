@@ -30,7 +30,7 @@ def connected(profile: str, link: str, output: Output) -> Iterator[tuple[RemoteD
     """The drive of a profile, known to speak its dictionary; nothing is written to it."""
     from benchtool.bench.session import open_session
 
-    with open_session(profile, link, note=output.note) as session:
+    with open_session(profile, link, note=output.note, instruments=False) as session:
         identity = session.drive.identify()
         identity.require(session.drive.dictionary, session.drive.dictionary.source)
         yield session.drive, identity

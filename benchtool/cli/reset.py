@@ -16,7 +16,7 @@ def reset(
     from benchtool.protocol.cia402 import State
 
     output = Output(as_json=as_json)
-    with open_session(profile, link, note=output.note) as session:
+    with open_session(profile, link, note=output.note, instruments=False) as session:
         drive = session.drive
         drive.connect()
         before, error = drive.state(), f"0x{int(drive.number('error_code')):04X}"

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from typing import Protocol
 
 from benchtool.bench.equipment import LoadMachine
-from benchtool.bench.person import UNLOAD, instruction
 from benchtool.bench.session import Session
 from benchtool.block import Block
 from benchtool.drive import Capture, CaptureRequest, Mode, play
@@ -51,8 +50,8 @@ def conduct(
 ) -> Conducted:
     """Run one case and return what was recorded.
 
-    The drive is disabled and the shaft unloaded when this returns or raises; what a person has put on it, the
-    person is told to take off. Where there is no load machine, the person has done the case's `instruction`.
+    The drive is disabled and the load machine without load when this returns or raises. Where there is none,
+    a person has done the case's `instruction` before.
 
     Args:
         clock: tells the drive's time on the host's clock, for a transducer with a clock of its own.
@@ -73,8 +72,6 @@ def conduct(
     finally:
         if session.load is not None:
             session.load.apply(0.0)
-        elif instruction(point):
-            progress.note(f"to the person at the bench: {UNLOAD}")
 
 
 def _hold(session: Session, point: OperatingPoint, progress: Progress) -> None:

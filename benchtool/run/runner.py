@@ -149,8 +149,8 @@ def run_cases(
             todo_by_hand = "" if session.load is not None else instruction(case.operating_point)
             done_by_hand = ask(info.prompt, todo_by_hand or (UNLOAD if put_on else ""))
             put_on = todo_by_hand
-            with temporary(session.drive, setup):
-                looking = watcher or Unwatched()
+            looking = watcher or Unwatched()
+            with _freed(todo_by_hand, progress), temporary(session.drive, setup):
                 results.append(
                     _run_case(
                         session, plan, case, place, info, identity, check, done_by_hand, progress, looking
@@ -190,6 +190,16 @@ def _require_rated(session: Session, plan: Plan, case: Case) -> None:
             f"record.duration_s is {plan.record.duration_s:g} s, the torque transducer records "
             f"{transducer.longest_s:g} s at most: shorten it; the drive was not enabled"
         )
+
+
+@contextmanager
+def _freed(by_hand: str, progress: Progress) -> Iterator[None]:
+    """Tell the person at the end, whatever the end is, to undo what was done by hand."""
+    try:
+        yield
+    finally:
+        if by_hand:
+            progress.note(f"to the person at the bench: {UNLOAD}")
 
 
 def _require_person(session: Session, todo: Sequence[Case], info: RunInfo) -> None:

@@ -22,7 +22,7 @@ from benchtool.bench.person import Confirmed
 from benchtool.bench.session import Session, equipment_of, open_session
 from benchtool.block import Block
 from benchtool.cli import app
-from benchtool.errors import NoAnswer, ProfileError, UsageError, ValueRefused
+from benchtool.errors import BenchError, NoAnswer, ProfileError, UsageError, ValueRefused
 from benchtool.plan.model import Plan
 from benchtool.profile.equipment import CanTransducer
 from benchtool.protocol.cia402 import State
@@ -59,7 +59,8 @@ def _dbc() -> str:
             "",
             "BO_ 803 Power: 8 Sensor",
             ' SG_ voltage : 0|32@1+ (0.001,0) [0|1000] "V" Host',
-            ' SG_ current : 32|32@1- (0.001,0) [-100|100] "A" Host',
+            ' SG_ current : 32|24@1- (0.001,0) [-100|100] "A" Host',
+            ' SG_ percent : 56|8@1+ (1,0) [0|100] "" Host',
             "",
             "BO_ 804 Heat: 2 Sensor",
             ' SG_ winding : 0|8@1- (1,0) [-40|120] "degC" Host',
@@ -376,6 +377,14 @@ def test_what_the_emulated_bench_does_not_know_it_does_not_tell(bench: Callable[
         pass
 
 
+def test_a_message_is_one_instruments_on_an_emulated_bench(bench: Callable[[Bench], str]) -> None:
+    supply = {"kind": "can", "message": "Power", "rate_Hz": 50.0, "u_dc": "voltage"}
+    heat = {"kind": "can", "message": "Power", "rate_Hz": 50.0, "winding": "percent"}
+    profile = bench({"supply": supply, "temperature": heat})
+    with pytest.raises(ProfileError, match="is read by two tables"), open_session(profile):
+        pass
+
+
 # ---- what a profile and a link declare ---------------------------------------------------------------------
 
 
@@ -391,6 +400,9 @@ def test_what_is_left_out_is_emulated_on_an_emulated_bench_only(bench: Callable[
         "supply": "none",
         "temperature": "none",
     }
+    with open_session(bench({"transducer": SLOW}), instruments=False) as session:
+        assert session.transducer is None
+        assert session.load is not None
     with pytest.raises(ProfileError, match="is emulated, and the drive is not"):
         equipment_of(bench({"load": {"kind": "emulated"}}), "can:virtual:x")
 
@@ -441,6 +453,15 @@ def test_a_person_turns_the_shaft(wire: Wire, tmp_path: Path) -> None:
     _run(session, plan, tmp_path / "run", replace(INFO, prompt=person))
     assert person.asked == ["turn the shaft at 31.42 rad/s in negative rotation"]
     assert session.drive.state() is State.SWITCH_ON_DISABLED
+
+
+def test_whatever_ends_a_case_the_person_is_told_to_free_the_shaft(wire: Wire, tmp_path: Path) -> None:
+    session, watcher = replace(wire.session, load=None), Watcher()
+    plan = _plan(0.65).model_copy(update={"setup": {"i_trip_A": 1e6}})  # refused after the person was asked
+    with pytest.raises(BenchError):
+        _run(session, plan, tmp_path / "run", replace(INFO, prompt=Person(wire.session)), watcher)
+    assert "enabling" not in watcher.notes
+    assert watcher.notes[-1].startswith("to the person at the bench: free the shaft")
 
 
 def test_where_nobody_can_be_asked_nothing_is_enabled_for_any_case(wire: Wire, tmp_path: Path) -> None:
