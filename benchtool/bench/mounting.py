@@ -110,7 +110,9 @@ class _Mounting:
                 factor = factor_of(message.ranges[stated.signals[0]], "Nm")
                 self._emulated.add_torque(stated, message, factor, self._channel(stated))
             return transducer
-        return self._emulated.transducer if self._emulated is not None and _is_there(stated) else None
+        return (
+            self._emulated.transducer if self._emulated is not None and isinstance(stated, Emulated) else None
+        )
 
     def supply(self, stated: Emulated | CanSupply | Absent) -> Supply | None:
         if isinstance(stated, CanSupply):
@@ -130,7 +132,7 @@ class _Mounting:
                     self._channel(stated),
                 )
             return supply
-        return self._emulated.supply if self._emulated is not None and _is_there(stated) else None
+        return self._emulated.supply if self._emulated is not None and isinstance(stated, Emulated) else None
 
     def thermometer(self, stated: EmulatedTemperature | CanTemperature | Absent) -> Thermometer | None:
         if isinstance(stated, CanTemperature):
@@ -222,13 +224,8 @@ class _Mounting:
 
     def _channel(self, stated: CanFrames) -> str:
         """The virtual channel of an instrument of the emulated bench; empty for the drive's own."""
-        if self._emulated is None or stated.bus == DRIVES_BUS:
-            return ""
-        return f"{self._emulated.channel}/{stated.bus}"
-
-
-def _is_there(stated: object) -> bool:
-    return isinstance(stated, Emulated)
+        assert self._emulated is not None
+        return "" if stated.bus == DRIVES_BUS else f"{self._emulated.channel}/{stated.bus}"
 
 
 def _timestamp(frame: can.Message) -> float:

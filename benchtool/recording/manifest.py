@@ -19,7 +19,7 @@ MANIFEST = "manifest.json"
 MEASUREMENTS = "measurements.json"
 CERTIFICATE = "certificate.json"
 
-_PACKAGES = ("canopen", "matplotlib", "numba", "numpy", "pyarrow", "python-can", "scipy")
+_PACKAGES = ("canopen", "cantools", "matplotlib", "numba", "numpy", "pyarrow", "python-can", "scipy")
 
 
 class StreamInfo(Section):
