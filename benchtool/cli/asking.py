@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, suppress
 from typing import TYPE_CHECKING
 
 from benchtool.cli.output import Output
@@ -41,7 +41,16 @@ def prompt(
 def _ask(what: str, output: Output) -> Confirmed:
     from benchtool.bench.person import Confirmed, unasked
 
+    _forget_input()
     output.line(f"The drive is disabled. Please {what}; then press Enter (Ctrl-C ends the run).", "bold")
     if not sys.stdin.readline():  # the terminal has gone
         raise unasked(what)
     return Confirmed.BY_THE_PERSON
+
+
+def _forget_input() -> None:
+    """Drop what was typed before the question: it is no answer."""
+    with suppress(ImportError, OSError):  # not every system has terminals of this kind
+        import termios
+
+        termios.tcflush(sys.stdin, termios.TCIFLUSH)
