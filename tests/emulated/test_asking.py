@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
+import json
 import os
 import select
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
+from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
 from benchtool.bench.person import Confirmed, beforehand
+from benchtool.cli import app
 from benchtool.cli.asking import prompt
 from benchtool.cli.output import Output
 from benchtool.errors import UsageError
+from benchtool.recording import Bundle
+from benchtool.shipped import shipped
 
 pty = pytest.importorskip("pty")
 WHAT = "load the shaft with 0.65 Nm against positive rotation"
@@ -68,3 +74,26 @@ def test_who_is_asked(monkeypatch: pytest.MonkeyPatch) -> None:
         assert prompt(output, nullcontext, yes=True, alone=True) is beforehand
     monkeypatch.setattr(sys, "stdin", None)
     assert prompt(output, nullcontext, yes=False, alone=False) is None
+
+
+def test_a_program_is_asked_nothing(tmp_path: Path) -> None:
+    text = (shipped("profiles") / "zhu2011" / "profile.toml").read_text(encoding="utf-8")
+    profile, plan = tmp_path / "mine.toml", tmp_path / "plan.toml"
+    profile.write_text(f'{text}\n[bench.load]\nkind = "person"\n', encoding="utf-8")
+    plan.write_text(
+        f'title = "t"\nprofile = {json.dumps(str(profile))}\n'
+        "[operating_point]\nomega_m_rad_s = 31.42\nload_torque_Nm = 0.65\nsettle_s = 0.2\n"
+        '[record]\nduration_s = 0.05\nchannels = ["torque", "omega_m", "u_dc"]\n[analyses]\nsteady = false\n',
+        encoding="utf-8",
+    )
+    run = ("run", str(plan), "--out", str(tmp_path / "out"))
+    for options in (("--json",), ()):  # the second on no terminal
+        result = CliRunner().invoke(app, (*run, *options))
+        assert result.exit_code == 2, result.output
+        assert "give --yes once that is done; the drive was not enabled" in result.stderr
+        assert result.stdout == ""
+        assert not (tmp_path / "out").exists()
+    result = CliRunner().invoke(app, (*run, "--json", "--yes"))
+    assert result.exit_code == 1, "the load was not there"
+    by_hand = Bundle.open(tmp_path / "out").manifest.details["equipment"]["by_hand"]
+    assert by_hand["confirmed"] == "taken as done beforehand"

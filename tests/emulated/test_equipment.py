@@ -12,7 +12,6 @@ from typing import Any
 import can
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
 from benchtool.analysis.span import cut_to_span
 from benchtool.bench.can_frames import MessageListener
@@ -21,7 +20,6 @@ from benchtool.bench.equipment import Temperatures
 from benchtool.bench.person import Confirmed
 from benchtool.bench.session import Session, equipment_of, open_session
 from benchtool.block import Block
-from benchtool.cli import app
 from benchtool.errors import BenchError, NoAnswer, ProfileError, UsageError, ValueRefused
 from benchtool.plan.model import Plan
 from benchtool.profile.equipment import CanTransducer
@@ -479,25 +477,3 @@ def test_a_person_who_leaves_ends_the_run(wire: Wire, tmp_path: Path) -> None:
     with pytest.raises(KeyboardInterrupt):
         _run(replace(wire.session, load=None), _plan(0.65), tmp_path / "run", replace(INFO, prompt=leave))
     assert wire.session.drive.state() is State.SWITCH_ON_DISABLED
-
-
-def test_the_command_line_asks_nobody_for_a_program(bench: Callable[[Bench], str], tmp_path: Path) -> None:
-    plan = tmp_path / "plan.toml"
-    profile = bench({"load": {"kind": "person"}})
-    plan.write_text(
-        f'title = "t"\nprofile = {json.dumps(profile)}\n'
-        "[operating_point]\nomega_m_rad_s = 31.42\nload_torque_Nm = 0.65\nsettle_s = 0.2\n"
-        f"[record]\nduration_s = 0.05\nchannels = {json.dumps(CHANNELS)}\n[analyses]\nsteady = false\n",
-        encoding="utf-8",
-    )
-    run = ("run", str(plan), "--out", str(tmp_path / "out"))
-    for options in (("--json",), ()):  # the second on no terminal
-        result = CliRunner().invoke(app, (*run, *options))
-        assert result.exit_code == 2, result.output
-        assert "give --yes once that is done; the drive was not enabled" in result.stderr
-        assert result.stdout == ""
-        assert not (tmp_path / "out").exists()
-    result = CliRunner().invoke(app, (*run, "--json", "--yes"))
-    assert result.exit_code == 1, "the load was not there"
-    by_hand = Bundle.open(tmp_path / "out").manifest.details["equipment"]["by_hand"]
-    assert by_hand["confirmed"] == "taken as done beforehand"
