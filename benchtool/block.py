@@ -75,7 +75,8 @@ class Block:
 
     `data` has shape (n, channels). Row k was taken at drive tick `first_tick + k * stride` plus the
     rows that `gaps` counts before it; a tick lasts `tick_s` seconds of the source's own clock, so that
-    the time axis is never typed in by hand.
+    the time axis is never typed in by hand. Rows that another clock than the drive's has stamped are at their
+    drive ticks within the standard uncertainty `alignment_s`; 0 of rows that the drive itself counted.
     """
 
     channels: tuple[Channel, ...]
@@ -84,6 +85,7 @@ class Block:
     tick_s: float
     data: NDArray[np.float64]
     gaps: tuple[Gap, ...] = field(default=())
+    alignment_s: float = 0.0
 
     def __post_init__(self) -> None:
         if self.data.ndim != 2 or self.data.shape[1] != len(self.channels):

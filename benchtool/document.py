@@ -9,7 +9,7 @@ import reprlib
 import tomllib
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Annotated, TypeVar, get_origin
+from typing import Annotated, TypeVar, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, Strict, ValidationError
 from pydantic_core import ErrorDetails
@@ -97,16 +97,16 @@ def load_document(path: Path, model: type[Model], error: type[UsageError]) -> Mo
     try:
         return model.model_validate(content)
     except ValidationError as failed:
-        place = f"{path}{line_of(text, _location(_foremost(failed)))}"
+        place = f"{path}{line_of(text, _location(model, _foremost(failed)))}"
         raise error(f"{place}: {explain(model, failed)}") from None
 
 
 def explain(model: type[BaseModel], failed: ValidationError) -> str:
     """Half a line on why content does not fit `model`: the foremost key, what was seen, what to do."""
     foremost = _foremost(failed)
-    place = _location(foremost)
+    place = _location(model, foremost)
     # every member of a union complains, and then the array or table around them
-    wrong = {_location(each) for each in failed.errors()}
+    wrong = {_location(model, each) for each in failed.errors()}
     more = len({other for other in wrong if other != place[: len(other)]})
     others = f" (and {more} more)" if more else ""
     return f"{_explain(model, foremost)}{others}"
@@ -118,10 +118,42 @@ def _foremost(failed: ValidationError) -> ErrorDetails:
     return next((each for each in details if each["type"] == "extra_forbidden"), details[0])
 
 
-def _location(detail: ErrorDetails) -> Path_:
+def _location(model: type[BaseModel], detail: ErrorDetails) -> Path_:
     """Where in the document a value is wrong."""
-    location = detail["loc"]
+    location = _without_kinds(model, detail["loc"])
     return location[:-1] if location and location[-1] in _UNION_MEMBERS else location
+
+
+def _without_kinds(model: type[BaseModel], location: Path_) -> Path_:
+    """A location without the kinds of tables that pydantic puts into it where a table is one of several."""
+    kept: list[int | str] = []
+    models = [model]
+    for part in location:
+        if len(models) > 1 and (chosen := [each for each in models if _is_kind(each, part)]):
+            models = chosen
+            continue
+        kept.append(part)
+        models = _models_at(models, part)
+    return tuple(kept)
+
+
+def _is_kind(model: type[BaseModel], part: int | str) -> bool:
+    field = model.model_fields.get("kind")
+    return field is not None and part in get_args(field.annotation)
+
+
+def _models_at(models: Sequence[type[BaseModel]], part: int | str) -> list[type[BaseModel]]:
+    """The models that a key of some models may have; those of an array's items are the array's own."""
+    if isinstance(part, int):
+        return list(models)
+    fields = [each.model_fields[part] for each in models if part in each.model_fields]
+    return [found for field in fields for found in _models_in(field.annotation)]
+
+
+def _models_in(annotation: object) -> list[type[BaseModel]]:
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return [annotation]
+    return [found for each in get_args(annotation) for found in _models_in(each)]
 
 
 def _reason(reason: OSError | UnicodeDecodeError) -> str:
@@ -129,15 +161,20 @@ def _reason(reason: OSError | UnicodeDecodeError) -> str:
 
 
 def _explain(model: type[BaseModel], detail: ErrorDetails) -> str:
-    location = _location(detail)
+    location = _location(model, detail)
     key = ".".join(str(part) for part in location)
     if detail["type"] == "extra_forbidden":
-        allowed = _allowed_keys(model, location[:-1])
+        allowed = _allowed_keys(model, detail["loc"][:-1])
         close = difflib.get_close_matches(str(location[-1]), allowed, n=1, cutoff=0.5)
         hint = f"did you mean '{close[0]}'?" if close else f"known here: {', '.join(allowed)}"
         return f"unknown key '{key}': {hint}"
     if detail["type"] == "missing":
         return f"key '{key}' is missing: add it"
+    if detail["type"] == "union_tag_not_found":
+        return f"key '{key}.kind' is missing: add it"
+    if detail["type"] == "union_tag_invalid":
+        context = detail["ctx"]
+        return f"key '{key}.kind' is '{context['tag']}': {context['expected_tags']} are the kinds known here"
     message = detail["msg"].removeprefix("Value error, ")
     message = message[:1].lower() + message[1:]
     if isinstance(detail["input"], dict):  # a whole table, of which only the keys together are wrong
@@ -146,20 +183,21 @@ def _explain(model: type[BaseModel], detail: ErrorDetails) -> str:
 
 
 def _allowed_keys(model: type[BaseModel], location: Path_) -> list[str]:
+    """Keys of the table at a location as pydantic tells it, with the kinds of tables."""
+    models = [model]
     parts = iter(location)
     for part in parts:
-        field = model.model_fields.get(str(part))
-        if field is None:  # the place in an array
-            continue
-        annotation = field.annotation
-        if get_origin(annotation) is dict:
+        chosen = [each for each in models if _is_kind(each, part)] if len(models) > 1 else []
+        if _of_chosen_keys(models, part):
             next(parts, None)  # a key that the document chooses
-        options = [annotation, *getattr(annotation, "__args__", ())]
-        found = [each for each in options if isinstance(each, type) and issubclass(each, BaseModel)]
-        if not found:
-            return []
-        model = found[0]
-    return list(model.model_fields)
+        models = chosen or _models_at(models, part)
+    return list(models[0].model_fields) if models else []
+
+
+def _of_chosen_keys(models: Sequence[type[BaseModel]], part: int | str) -> bool:
+    """Whether a key holds tables under names that the document chooses."""
+    fields = [each.model_fields.get(str(part)) for each in models]
+    return any(field is not None and get_origin(field.annotation) is dict for field in fields)
 
 
 def line_of(text: str, location: Path_) -> str:

@@ -22,7 +22,8 @@ class Basis:
     `samples` were used, taken at `sample_rate_Hz` over `duration_s`, with `gaps` places where rows are
     missing; components up to `bandwidth_Hz` could contribute. `window` names the window and what it spans,
     `harmonics` is the highest harmonic counted, `reference` what a ratio is a ratio to. `sensors` says
-    what is not known of the sensors, or what they do not let through.
+    what is not known of the sensors, or what they do not let through. `alignment_s` is the standard
+    uncertainty with which samples of another clock stand at the drive's ticks.
     """
 
     samples: float | None = None
@@ -34,6 +35,7 @@ class Basis:
     reference: str = ""
     gaps: int | None = None
     sensors: str = ""
+    alignment_s: float | None = None
 
     def to_json(self) -> dict[str, float | int | str]:
         """The fields that apply."""

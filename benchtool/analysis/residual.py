@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -149,6 +150,7 @@ def _of_estimate(residual_Nm: Floats, ripple_Nm: float, basis: Basis) -> Iterato
 def _of_transducer(
     modelled_Nm: Floats, transducer: Block, block: Block, basis: Basis
 ) -> Iterator[Measurement]:
+    basis = replace(basis, alignment_s=transducer.alignment_s or None)
     each = round(transducer.sample_rate_Hz / block.sample_rate_Hz)
     torque_Nm = transducer.column("torque_transducer")
     rows = min(len(modelled_Nm), len(torque_Nm) // max(1, each) - 1)

@@ -86,7 +86,15 @@ def percentile_range(samples: NDArray[np.float64]) -> float:
 def record_basis(block: Block) -> Basis:
     """All rows of a block without gaps, unfiltered: what folds back from above half the rate is in them."""
     samples, rate_Hz = len(block.data), block.sample_rate_Hz
-    return Basis(samples, rate_Hz, samples / rate_Hz, 0.5 * rate_Hz, "rectangular, all samples", gaps=0)
+    return Basis(
+        samples,
+        rate_Hz,
+        samples / rate_Hz,
+        0.5 * rate_Hz,
+        "rectangular, all samples",
+        gaps=0,
+        alignment_s=block.alignment_s or None,
+    )
 
 
 def ripple_numbers(

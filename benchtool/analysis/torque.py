@@ -75,7 +75,7 @@ def true_torque(
     text = f"mean of the drive's estimate torque minus mean of {what}"
     error_Nm = estimate.value - mean.value
     reference = f"torque_transducer, {len(inside.data)} samples at {inside.sample_rate_Hz:g} Hz"
-    basis = replace(estimate.basis, reference=reference)
+    basis = replace(estimate.basis, reference=reference, alignment_s=inside.alignment_s or None)
     return (*numbers, Measurement("torque_error", error_Nm, "Nm", text, basis, uncertain))
 
 

@@ -11,12 +11,13 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import PurePath
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
+from benchtool.bench.equipment import Declared, LoadMachine, Supply, Thermometer, Transducer, declared
+from benchtool.bench.mounting import mount
 from benchtool.bench.wires import registry
 from benchtool.bench.wires.address import Address
 from benchtool.bench.wires.wire import Connection, FarEnd, Opening
-from benchtool.block import Block
 from benchtool.clock import Clock
 from benchtool.drive import RemoteDrive
 from benchtool.errors import UsageError
@@ -29,33 +30,9 @@ if TYPE_CHECKING:
     from benchtool.telemetry import FrameLog
 
 
-class LoadMachine(Protocol):
-    """Equipment on the shaft that loads the motor."""
-
-    def apply(self, torque_Nm: float) -> None:
-        """Load the shaft; positive torque opposes positive speed. It may turn as it likes again."""
-
-    def hold(self, omega_m_rad_s: float) -> None:
-        """Turn the shaft at this speed, whatever torque that takes."""
-
-
-class Transducer(Protocol):
-    """A torque transducer on the shaft, with a sampling of its own."""
-
-    @property
-    def longest_s(self) -> float:
-        """The longest time that it records."""
-
-    def start(self, duration_s: float) -> None:
-        """Record for `duration_s` from now."""
-
-    def block(self) -> Block:
-        """What was recorded, as channel `torque_transducer`."""
-
-
 @dataclass(frozen=True)
 class Session:
-    """One connected bench; `load` and `transducer` are None where the bench has none."""
+    """One connected bench; equipment that it has not is None."""
 
     profile_name: str
     profile: Profile
@@ -64,6 +41,8 @@ class Session:
     clock: Clock
     load: LoadMachine | None = None
     transducer: Transducer | None = None
+    supply: Supply | None = None
+    thermometer: Thermometer | None = None
 
 
 @contextmanager
@@ -77,6 +56,7 @@ def open_session(
     alter: Mapping[str, float] = MappingProxyType({}),
     frames: FrameLog | None = None,
     first_tick: int = 0,
+    instruments: bool = True,
 ) -> Iterator[Session]:
     """A session whose drive is not yet checked; on the way out it is disabled and what was opened is closed.
 
@@ -89,6 +69,8 @@ def open_session(
         alter: what differs on an emulated bench, as `profile.altered` takes it.
         frames: takes every frame of the session.
         first_tick: the tick at which an emulated drive is powered up.
+        instruments: listen to those on CAN that the profile names; a session without them has no such
+            equipment, and does not hang on their adapters.
 
     Raises:
         ProfileError, DictionaryError, UsageError: what was asked for cannot be.
@@ -100,6 +82,10 @@ def open_session(
     address = registry.parse(link) if isinstance(link, str) else link
     node_id = address.node_id(profile.drive.node_id) if isinstance(address, Address) else address.node_id
     dictionary = profiled_dictionary(profile, source, node_id)
+    far_end = registry.wire_of(address).far_end if isinstance(address, Address) else FarEnd.DRIVE
+    what = declared(profile, far_end)
+    if not instruments:
+        what = what.without_instruments()
     opening = Opening(profile, node_id, seed, real_time, first_tick, frames, note)
     with ExitStack() as stack:
         if isinstance(address, Address):
@@ -119,11 +105,10 @@ def open_session(
             stack.callback(drive.close_link)
         stack.enter_context(drive)
         bench = connection.bench
-        if bench is None:
-            yield Session(profile_name, profile, text, drive, connection.clock)
-        else:
+        if bench is not None:
             stack.callback(bench.load.apply, 0.0)
-            yield Session(profile_name, profile, text, drive, bench.clock, bench.load, bench.transducer)
+        mounted = mount(stack, what, source, drive.link, connection.clock, bench)
+        yield Session(profile_name, profile, text, drive, connection.clock, **vars(mounted))
 
 
 def _connect(stack: ExitStack, address: Address, opening: Opening, alter: Mapping[str, float]) -> Connection:
@@ -165,13 +150,13 @@ def dictionary_of(profile_name: str) -> Dictionary:
     return profiled_dictionary(profile, profile_path(profile_name), profile.drive.node_id)
 
 
-def has_transducer(url: str) -> bool:
-    """Whether the bench at a link address has a torque transducer: an emulated one in this process.
+def equipment_of(profile_name: str, url: str) -> Declared:
+    """What stands on the bench of a profile whose drive is at a link address; nothing is opened.
 
     Raises:
-        UsageError: the address is none.
+        ProfileError, UsageError: the profile or the address is wrong, or they do not fit each other.
     """
-    return registry.far_end(url) is FarEnd.EMULATED_DRIVE
+    return declared(load_profile(profile_name), registry.far_end(url))
 
 
 def emulator_is_compiled() -> bool:

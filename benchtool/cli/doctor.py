@@ -9,13 +9,14 @@ import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
-from benchtool.bench.session import emulator_is_compiled, open_session
+from benchtool.bench.session import emulator_is_compiled, equipment_of, open_session
 from benchtool.cli import options
 from benchtool.cli.output import Output
 from benchtool.errors import BenchError, EnvironmentFailure
 from benchtool.protocol.dictionary import Dictionary
 from benchtool.protocol.dictionary.objects import load_table
 from benchtool.recording import software_versions
+from benchtool.run.equipment import readings
 from benchtool.shipped import shipped
 
 _LEAST_FREE_BYTES = 1_000_000_000
@@ -34,6 +35,7 @@ def doctor(
         ("dictionary", _dictionary),
         ("folder", _folder),
         ("emulator", _emulator),
+        ("equipment", lambda: _equipment(profile, link)),
         ("drive", lambda: _drive(profile, link, output)),
     ]
     outcomes = [(name, *_outcome(check)) for name, check in checks]
@@ -91,8 +93,17 @@ def _emulator() -> str:
     return "compiled" if emulator_is_compiled() else "will be compiled at its first run, a few seconds"
 
 
+def _equipment(profile: str, link: str) -> str:
+    """What the profile's bench has, and whether it sends."""
+
+    told = "; ".join(f"{name}: {text}" for name, text in equipment_of(profile, link).lines().items())
+    with open_session(profile, link) as session:
+        readings(session)
+    return told
+
+
 def _drive(profile: str, link: str, output: Output) -> str:
-    with open_session(profile, link, note=output.note) as session:
+    with open_session(profile, link, note=output.note, instruments=False) as session:
         identity = session.drive.identify()
         identity.require(session.drive.dictionary, session.drive.dictionary.source)
         state = session.drive.state()

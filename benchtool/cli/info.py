@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
-from benchtool.bench.session import open_session
+from benchtool.bench.session import equipment_of, open_session
 from benchtool.cli import options
 from benchtool.cli.output import Output
 from benchtool.drive import RemoteDrive
@@ -30,7 +30,7 @@ def info(
     link: options.Link = "emulated",
     as_json: options.Json = False,
 ) -> int:
-    """Who answers and what it can do: identity, dictionary, state, capabilities. Nothing is written."""
+    """Who answers and what it can do: identity, state, capabilities, bench. Nothing is written."""
     output = Output(as_json=as_json)
     if eds is None:
         return _info_of_link(profile, link, output)
@@ -40,8 +40,7 @@ def info(
 
 
 def _info_of_link(profile: str, link: str, output: Output) -> int:
-
-    with open_session(profile, link, note=output.note) as session:
+    with open_session(profile, link, note=output.note, instruments=False) as session:
         drive = session.drive
         identity = drive.identify()
         dictionary = drive.dictionary
@@ -53,6 +52,7 @@ def _info_of_link(profile: str, link: str, output: Output) -> int:
             **asdict(identity),
             "objects": len(dictionary),
             "state": _state(drive),
+            "equipment": equipment_of(profile, link).lines(),
         }
     _tell(f"drive of profile {profile}", facts, dictionary, capabilities, output)
     return 0
@@ -84,8 +84,10 @@ def _tell(
     title: str, facts: dict[str, Any], dictionary: Dictionary, capabilities: Capabilities, output: Output
 ) -> None:
 
-    output.table(title, ("what", "value"), [(key, _shown(key, value)) for key, value in facts.items()])
-    rows = [
+    rows = [(key, _shown(key, value)) for key, value in facts.items() if key != "equipment"]
+    rows += [(f"bench: {name}", text) for name, text in facts.get("equipment", {}).items()]
+    output.table(title, ("what", "value"), rows)
+    found = [
         (
             str(capability),
             "yes" if finding.available else "no",
@@ -94,7 +96,7 @@ def _tell(
         )
         for capability, finding in capabilities.findings.items()
     ]
-    output.table("what it can do", ("capability", "", "by, or what is missing", "what that costs"), rows)
+    output.table("what it can do", ("capability", "", "by, or what is missing", "what that costs"), found)
     for warning in dictionary.warnings:
         output.note(f"{dictionary.source}: {warning}")
     output.document({**facts, "warnings": list(dictionary.warnings), "capabilities": capabilities.to_json()})

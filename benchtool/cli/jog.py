@@ -33,7 +33,9 @@ def jog(
         )
     mode, value = (Mode.VELOCITY, speed) if torque is None else (Mode.TORQUE, torque)
     output = Output(as_json=as_json)
-    with open_session(profile, link, seed=seed, real_time=real_time, note=output.note) as session:
+    with open_session(
+        profile, link, seed=seed, real_time=real_time, note=output.note, instruments=False
+    ) as session:
         session.drive.connect()
         if unsupervised := session.drive.supervision.unsupervised:
             output.note(f"without link supervision, as the profile allows: {unsupervised}")

@@ -85,7 +85,9 @@ def _show_drive(
     output: Output,
 ) -> int:
     # An emulated drive is looked at in the time that it would take.
-    with open_session(profile, link, seed=seed, real_time=True, note=output.note) as session:
+    with open_session(
+        profile, link, seed=seed, real_time=True, note=output.note, instruments=False
+    ) as session:
         drive = session.drive
         drive.capabilities.require(Capability.STREAM, purpose="a live view")
         drive.check()

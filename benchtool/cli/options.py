@@ -22,6 +22,9 @@ Link = Annotated[
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document on standard output.")]
 Seed = Annotated[int, typer.Option(help="Seed of the emulated bench's noise.")]
+Yes = Annotated[
+    bool, typer.Option("--yes", help="Take as done what a person has to do on a bench without load machine.")
+]
 Out = Annotated[
     Path | None, typer.Option(help="Folder of the run bundle.", show_default="runs/<time>-<plan>")
 ]

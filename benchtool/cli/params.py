@@ -38,7 +38,7 @@ Assignments = Annotated[
 @contextmanager
 def connected(profile: str, link: str, output: Output) -> Iterator[tuple[RemoteDrive, Identity]]:
     """The drive of a profile, known to speak its dictionary; nothing is written to it."""
-    with open_session(profile, link, note=output.note) as session:
+    with open_session(profile, link, note=output.note, instruments=False) as session:
         identity = session.drive.identify()
         identity.require(session.drive.dictionary, session.drive.dictionary.source)
         yield session.drive, identity

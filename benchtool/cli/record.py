@@ -73,7 +73,7 @@ def record(
         viewing.places(live or (), output) as where,
     ):
         with open_session(
-            profile, link, seed=seed, real_time=real_time, note=output.note, frames=log
+            profile, link, seed=seed, real_time=real_time, note=output.note, frames=log, instruments=False
         ) as session:
             drive = session.drive
             drive.capabilities.require(Capability.STREAM, purpose="a recording")

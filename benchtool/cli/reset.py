@@ -15,7 +15,7 @@ def reset(
 ) -> int:
     """Clear a latched fault, such as that of a host that vanished; nothing is enabled."""
     output = Output(as_json=as_json)
-    with open_session(profile, link, note=output.note) as session:
+    with open_session(profile, link, note=output.note, instruments=False) as session:
         drive = session.drive
         drive.connect()
         before, error = drive.state(), f"0x{int(drive.number('error_code')):04X}"

@@ -34,6 +34,7 @@ class RunOptions:
     serial_number: str = ""
     temperature_degC: float | None = None
     instruments: tuple[str, ...] = ()
+    yes: bool = False
 
 
 @dataclass(frozen=True)
@@ -78,6 +79,7 @@ def run(
     live: options.Live = None,
     seed: options.Seed = 0,
     real_time: options.RealTime = False,
+    yes: options.Yes = False,
     as_json: options.Json = False,
 ) -> int:
     """Run a test plan: set up, run, capture, measure, judge; the drive is disabled afterwards."""
@@ -98,6 +100,7 @@ def run(
         serial_number,
         temperature,
         tuple(instrument or ()),
+        yes,
     )
     return run_named(plan, chosen)
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 import shlex
 import sys
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
-from benchtool.bench.session import dictionary_of, has_transducer, open_session
-from benchtool.cli import options, viewing
+from benchtool.bench.session import dictionary_of, equipment_of, open_session
+from benchtool.cli import asking, options, viewing
 from benchtool.cli.bundles import bundle_folder, conditions
 from benchtool.cli.output import Output
 from benchtool.cli.progress import RunProgress
@@ -82,6 +83,7 @@ def _resumption(name: str, folder: Path, chosen: RunOptions) -> str:
     words += [word for instrument in chosen.instruments for word in ("--instrument", instrument)]
     words += ["--allow-different"] if chosen.allow_different else []
     words += ["--real-time"] if chosen.real_time else []
+    words += ["--yes"] if chosen.yes else []
     words += ["--json"] if chosen.as_json else []
     return shlex.join(words)
 
@@ -89,11 +91,11 @@ def _resumption(name: str, folder: Path, chosen: RunOptions) -> str:
 def _checked(named: NamedPlan, chosen: RunOptions) -> NamedPlan:
     """Refuse what cannot be, before anything is opened or sent."""
     plan, name, profile = named.plan, named.name, load_profile(named.profile)
-    dictionary, transducer = dictionary_of(named.profile), has_transducer(chosen.link)
+    dictionary, equipment = dictionary_of(named.profile), equipment_of(named.profile, chosen.link)
     capabilities = Capabilities.of(dictionary)
     for case in cases(plan):
         require_capable(capabilities, plan, case)
-    require_known(plan, plan_path(name), profile, dictionary, transducer=transducer)
+    require_known(plan, plan_path(name), profile, dictionary, transducer=equipment.has_transducer)
     if chosen.link == "emulated":
         require_protected(plan, plan_path(name), profile, dictionary)
     if chosen.jobs > 1 and (chosen.real_time or chosen.link != "emulated"):
@@ -123,6 +125,8 @@ def _run(
         ),
     )
     with RunProgress(output) as bar:
+        alone = chosen.as_json or chosen.jobs > 1
+        info = replace(info, prompt=asking.prompt(output, bar.aside, yes=chosen.yes, alone=alone))
         progress = RunViews(where, bar, output, part)
         opener = partial(
             open_session,

@@ -1,4 +1,4 @@
-"""The emulated bench: a drive on any number of wires, a load machine and a torque transducer on its shaft."""
+"""The emulated bench: a drive on any number of wires, and the equipment around it."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from dataclasses import dataclass
 import can
 import numpy as np
 
-from benchtool.block import Block
 from benchtool.clock import VirtualClock
 from benchtool.emulator.core import Core
+from benchtool.emulator.equipment import EmulatedLoad, EmulatedSupply, EmulatedTransducer
 from benchtool.emulator.firmware.device import Firmware
-from benchtool.emulator.machine.transducer import MAX_TICKS
+from benchtool.emulator.instruments import CanInstrument, CanReadings, CanTorque, samples_apart
 from benchtool.emulator.machine.truth import InverterTruth, MotorTruth, SensorTruth
 from benchtool.emulator.servers.canopen import CanopenServer
 from benchtool.emulator.servers.node import DriveNode, OnGone, Server
@@ -23,7 +23,9 @@ from benchtool.link.canopen.virtual import VirtualTimeBus
 from benchtool.link.pipe import PipePort, pipe
 from benchtool.link.port import Port
 from benchtool.profile import Emulator, Profile
+from benchtool.profile.equipment import CanTransducer
 from benchtool.protocol.canopen.nmt import NmtState
+from benchtool.protocol.dbc import DbcMessage
 from benchtool.protocol.dictionary import Dictionary
 from benchtool.protocol.dictionary.keys import setting_of
 from benchtool.protocol.dictionary.objects import Number, ObjectTable, load_table
@@ -77,19 +79,51 @@ class EmulatedBench:
         self.clock = VirtualClock(paced=paced, speed=speed, step_s=step_s, catch_up_s=catch_up_s)
         self.load = EmulatedLoad(core)
         self.transducer = EmulatedTransducer(core)
+        self.supply = EmulatedSupply(core)
+        self._core = core
+        self._instruments: list[CanInstrument] = []
         self._node = DriveNode(node_id, lambda emit: Firmware(table, core, node_id, stored, emit))
         if has_bus:
             # Frames bear the drive's time: the clock stands still while the drive runs up to it.
             bus = VirtualTimeBus(self.channel, clock=self.clock, preserve_timestamps=True)
             self.add_can(bus)
             self.clock.settle_with(bus.settle)
-        self.clock.follow(self._node.advance_to)
+        self.clock.follow(self._advance_to)
 
-    def host_bus(self) -> VirtualTimeBus:
-        """A bus for the host's link, on this bench's channel and in its time."""
-        bus = VirtualTimeBus(self.channel, clock=self.clock)
+    def host_bus(self, channel: str = "") -> VirtualTimeBus:
+        """A bus for the host, on this bench's channel or on another one, in its time."""
+        bus = VirtualTimeBus(channel or self.channel, clock=self.clock)
         self.clock.settle_with(bus.settle)
         return bus
+
+    def add_torque(
+        self, stated: CanTransducer, message: DbcMessage, factor: float, channel: str = ""
+    ) -> None:
+        """Have a transducer send the torque of the shaft on a CAN bus; `transducer` records nothing then.
+
+        `factor` is Nm in a unit of its signals, `channel` names its bus if that is not the drive's.
+
+        Raises:
+            ProfileError: it samples when the torque is not known.
+        """
+        samples_apart(self._core, stated.sample_rate_Hz)  # before there is a bus to be given back
+        self._instruments.append(
+            CanTorque(self._instrument_bus(channel), message, stated, factor, self._core)
+        )
+
+    def add_readings(
+        self,
+        message: DbcMessage,
+        rate_Hz: float,
+        values: Callable[[], Mapping[str, float]],
+        channel: str = "",
+    ) -> None:
+        """Have an instrument send these values, in the units of its signals, `rate_Hz` times a second."""
+        self._instruments.append(CanReadings(self._instrument_bus(channel), message, rate_Hz, values))
+
+    def _instrument_bus(self, channel: str) -> VirtualTimeBus:
+        """A bus whose frames bear the moment at which they were due."""
+        return VirtualTimeBus(channel or self.channel, clock=self.clock, preserve_timestamps=True)
 
     def host_port(self) -> PipePort:
         """The host's end of a serial line to the drive, in the bench's time; every call makes another."""
@@ -147,7 +181,16 @@ class EmulatedBench:
 
     def close(self) -> None:
         """Power off."""
+        for each in self._instruments:
+            each.close()
         self._node.close()
+
+    def _advance_to(self, now_s: float) -> None:
+        for each in self._instruments:
+            each.prepare(now_s)
+        self._node.advance_to(now_s)
+        for each in self._instruments:
+            each.send_until(now_s)
 
 
 @dataclass(frozen=True)
@@ -160,43 +203,6 @@ class DriveStatus:
     omega_m_rad_s: float
     torque_Nm: float
     late_s: float
-
-
-class EmulatedLoad:
-    """The load machine of an emulated bench."""
-
-    def __init__(self, core: Core) -> None:
-        self._load = core.load
-
-    def apply(self, torque_Nm: float) -> None:
-        """Load the shaft; positive torque opposes positive speed. It may turn as it likes again."""
-        self._load.torque_Nm = torque_Nm
-        self._load.held = 0
-
-    def hold(self, omega_m_rad_s: float) -> None:
-        """Turn the shaft at this speed, whatever torque that takes."""
-        self._load.omega_m_rad_s = omega_m_rad_s
-        self._load.held = 1
-
-
-class EmulatedTransducer:
-    """The torque transducer of an emulated bench: air-gap torque, 20 samples per drive tick."""
-
-    def __init__(self, core: Core) -> None:
-        self._core = core
-
-    @property
-    def longest_s(self) -> float:
-        """The longest time that it records."""
-        return MAX_TICKS * float(self._core.memory["control_period"][0])
-
-    def start(self, duration_s: float) -> None:
-        """Record for `duration_s` from now."""
-        self._core.transducer.start(round(duration_s / float(self._core.memory["control_period"][0])))
-
-    def block(self) -> Block:
-        """What was recorded, as channel `torque_transducer`."""
-        return self._core.transducer.block()
 
 
 def _core(table: ObjectTable, profile: Profile, emulator: Emulator, seed: int, first_tick: int) -> Core:

@@ -1,4 +1,4 @@
-"""What stands beside the drive on a bench, as a profile states it: its sensors and their certificates."""
+"""What stands beside the drive on a bench, as a profile states it: equipment, sensors, their certificates."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from typing import Annotated, Any, Final
 from pydantic import Field, field_validator, model_validator
 
 from benchtool.document import Section
+from benchtool.profile.equipment import Load, Supply, Temperature, Transducer
 from benchtool.profile.motor import NotNegative, Positive
 
 UNITS: Final = {"A": "A", "V": "V", "Nm": "Nm", "Wb": "Wb", "rad": "rad", "rad_s": "rad/s"}
@@ -149,12 +150,18 @@ class ReferenceClock(Instrument):
 
 
 class Bench(Section):
-    """The bench: the sensor of each channel, by the channel's name, and the drive's clock.
+    """The bench: its equipment, the sensor of each channel, by the channel's name, and the drive's clock.
+
+    Equipment is None where the profile leaves its table out, see `benchtool.profile.equipment`.
 
     The drive's channels are those of its dictionary, its estimates among them; that of a torque transducer is
     `torque_transducer`.
     """
 
+    load: Load | None = None
+    transducer: Transducer | None = None
+    supply: Supply | None = None
+    temperature: Temperature | None = None
     channels: dict[str, Sensor] = Field(default_factory=dict)
     clock: ReferenceClock | None = None
 

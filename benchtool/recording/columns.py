@@ -22,19 +22,24 @@ class TimeBase:
     first_tick: int
     stride: int
     tick_s: float
+    alignment_s: float = 0.0
 
     @classmethod
     def of(cls, block: Block) -> TimeBase:
-        return cls(int(block.first_tick), int(block.stride), float(block.tick_s))
+        return cls(int(block.first_tick), int(block.stride), float(block.tick_s), float(block.alignment_s))
 
     def to_metadata(self) -> dict[str, str]:
         # repr of a float reads back as the same float
-        return {"first_tick": str(self.first_tick), "stride": str(self.stride), "tick_s": repr(self.tick_s)}
+        told = {"first_tick": str(self.first_tick), "stride": str(self.stride), "tick_s": repr(self.tick_s)}
+        return told | ({"alignment_s": repr(self.alignment_s)} if self.alignment_s else {})
 
     @classmethod
     def from_metadata(cls, metadata: Mapping[bytes, bytes]) -> TimeBase:
         """Raises ValueError or KeyError where the metadata are not those of `to_metadata`."""
-        return cls(int(metadata[b"first_tick"]), int(metadata[b"stride"]), float(metadata[b"tick_s"]))
+        alignment_s = float(metadata.get(b"alignment_s", 0.0))
+        return cls(
+            int(metadata[b"first_tick"]), int(metadata[b"stride"]), float(metadata[b"tick_s"]), alignment_s
+        )
 
 
 def schema_of(
@@ -72,7 +77,13 @@ def block_of(
             data[row : row + len(batch), number] = column.to_numpy(zero_copy_only=False)
         row += len(batch)
     return Block(
-        channels_of(schema), time_base.first_tick, time_base.stride, time_base.tick_s, data, tuple(gaps)
+        channels_of(schema),
+        time_base.first_tick,
+        time_base.stride,
+        time_base.tick_s,
+        data,
+        tuple(gaps),
+        time_base.alignment_s,
     )
 
 

@@ -20,7 +20,7 @@ MEASUREMENTS = "measurements.json"
 CERTIFICATE = "certificate.json"
 TABLES = "tables.json"
 
-_PACKAGES = ("canopen", "matplotlib", "numba", "numpy", "pyarrow", "python-can", "scipy")
+_PACKAGES = ("canopen", "cantools", "matplotlib", "numba", "numpy", "pyarrow", "python-can", "scipy")
 
 
 class StreamInfo(Section):

@@ -6,9 +6,12 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import asdict, dataclass, field, replace
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 from benchtool.analysis import measurements_to_json, tables_to_json
+from benchtool.bench.person import UNLOAD, Done, Prompt, ask, instruction, unasked
 from benchtool.bench.session import Session
 from benchtool.block import Block
 from benchtool.drive import Identity
@@ -20,18 +23,28 @@ from benchtool.plan.limits import Verdict
 from benchtool.plan.model import Plan, Setting
 from benchtool.plan.operating_point import Seen
 from benchtool.plan.rating import require_rated
-from benchtool.recording import Bundle, BundleWriter, Conditions, EventFile, Manifest, software_versions
+from benchtool.recording import (
+    Bundle,
+    BundleWriter,
+    Conditions,
+    EventFile,
+    Level,
+    Manifest,
+    software_versions,
+)
 from benchtool.report.assembly.figures import draw_case, draw_cases
 from benchtool.results.assessment import Assessment, RunResult, assess, assess_bundle
 from benchtool.results.calibration import Calibration, stated_overdue
 from benchtool.results.repetitions import over_repetitions
 from benchtool.run.conduct import Progress, conduct
+from benchtool.run.equipment import facts, readings, remarks
 from benchtool.run.failure import fail_bundle
 from benchtool.run.observers import Unwatched, Watcher
 from benchtool.run.parameter_check import ParameterCheck, check_parameters
 from benchtool.run.requirements import require_capable
 from benchtool.run.resumption import Origin, case_folder, require_same_origin
 from benchtool.telemetry import (
+    ClockFit,
     FanOut,
     Journal,
     Sink,
@@ -48,7 +61,8 @@ class RunInfo:
 
     `when` is wall time in ISO 8601, `wall_s` tells that of now. `allow_different` lets a drive run whose
     parameters contradict the profile. `profile_toml` is the text of the profile, None if it is not known
-    before the bench is open. `note` and `conditions` go into the manifest as they are.
+    before the bench is open. `note` and `conditions` go into the manifest as they are. `prompt` asks a person
+    to do what the bench has no equipment for, None where nobody can be asked.
     """
 
     when: str
@@ -60,6 +74,7 @@ class RunInfo:
     profile_toml: str | None = None
     note: str = ""
     conditions: Conditions = field(default_factory=Conditions)
+    prompt: Prompt | None = None
 
 
 Opener = Callable[[Case, int], AbstractContextManager[Session]]
@@ -108,6 +123,7 @@ def run_cases(
 ) -> list[Assessment]:
     """Run some of a plan's cases, each in a session of its own, so that none depends on those before it."""
     results: list[Assessment] = []
+    put_on = ""
     origin = Origin(plan, info.link, info.seed, info.profile_toml)
     if resume:
         require_same_origin(folder, origin)
@@ -134,12 +150,18 @@ def run_cases(
                 )
                 require_same_origin(folder, here)
             _require_rated(session, plan, case)
+            _require_person(session, todo, info)
             setup = {**plan.setup, **case.setup}
             check = _checked(session, setup, info, progress)
-            with temporary(session.drive, setup):
-                looking = watcher or Unwatched()
+            todo_by_hand = "" if session.load is not None else instruction(case.operating_point)
+            done_by_hand = ask(info.prompt, todo_by_hand or (UNLOAD if put_on else ""))
+            put_on = todo_by_hand
+            looking = watcher or Unwatched()
+            with _freed(todo_by_hand, progress), temporary(session.drive, setup):
                 results.append(
-                    _run_case(session, plan, case, place, info, identity, check, progress, looking)
+                    _run_case(
+                        session, plan, case, place, info, identity, check, done_by_hand, progress, looking
+                    )
                 )
     return results
 
@@ -177,6 +199,24 @@ def _require_rated(session: Session, plan: Plan, case: Case) -> None:
         )
 
 
+@contextmanager
+def _freed(by_hand: str, progress: Progress) -> Iterator[None]:
+    """Tell the person at the end, whatever the end is, to undo what was done by hand."""
+    try:
+        yield
+    finally:
+        if by_hand:
+            progress.note(f"to the person at the bench: {UNLOAD}")
+
+
+def _require_person(session: Session, todo: Sequence[Case], info: RunInfo) -> None:
+    """Refuse a run that will need a person whom nobody can ask, before the drive is enabled for any case."""
+    if session.load is None and info.prompt is None:
+        for case in todo:
+            if what := instruction(case.operating_point):
+                raise unasked(what)
+
+
 def _checked(
     session: Session, setup: Mapping[str, Setting], info: RunInfo, progress: Progress
 ) -> ParameterCheck:
@@ -197,26 +237,34 @@ def _run_case(
     info: RunInfo,
     identity: Identity,
     check: ParameterCheck,
+    by_hand: Done | None,
     progress: Progress,
     watcher: Watcher,
 ) -> Assessment:
     link = session.drive.link
-    manifest = _manifest(session, plan, case, info, identity)
+    before = readings(session)
+    manifest = _manifest(session, plan, case, info, identity, facts(session, before, by_hand))
     with BundleWriter(place, manifest) as writer:
         stream = None
         takers = (EventFile(place).append, watcher.happened)
         try:
             sinks = watcher.opened(session, case, manifest)
             with keep_journal(session.drive, takers) as journal:
+                if by_hand is not None:
+                    journal.note(str(by_hand))
                 with _telemetry(session, writer, sinks) as stream:
-                    conducted = conduct(session, plan, case, _Steps(progress, journal))
+                    clock = partial(_drive_clock, stream)
+                    conducted = conduct(session, plan, case, _Steps(progress, journal), clock)
+                for line in remarks(session):
+                    progress.note(line)
+                    journal.note(line, Level.WARN)
                 capture, transducer = conducted.capture, conducted.transducer
                 writer.append("capture", capture)
                 if transducer is not None:
                     writer.append("transducer", transducer)
                 watcher.captured(capture, transducer, _trigger_row(plan, capture))
                 progress.note("analysing")
-                certificate, facts = certify_recording(stream, {"capture": capture}, link.counters)
+                certificate, stated = certify_recording(stream, {"capture": capture}, link.counters)
                 motor, quality = session.profile.motor, certificate.measurements
                 seen = Seen(conducted.readings, _dc_link_V(session), check.to_json())
                 calibration = Calibration.at(session.profile.bench, info.when)
@@ -224,7 +272,7 @@ def _run_case(
                     plan, case.name, motor, place, capture, transducer, quality, seen, calibration
                 )
         except BaseException as failure:
-            details = {"parameter_check": check.to_json()}
+            details = facts(session, before, by_hand) | {"parameter_check": check.to_json()}
             reason = fail_bundle(
                 writer, failure, stream, link.counters, verdict=Verdict.FAIL, details=details
             )
@@ -236,7 +284,8 @@ def _run_case(
             tables=tables_to_json(result.tables),
             verdict=result.verdict,
             quality=asdict(link.counters),
-            details=facts
+            details=stated
+            | facts(session, before, by_hand)
             | seen.to_json()
             | {"verdicts": {name: str(verdict) for name, verdict in result.verdicts.items()}},
             certificate=certificate.to_json() | stated_overdue(result.overdue),
@@ -251,6 +300,11 @@ def _supervision(session: Session) -> dict[str, Mapping[str, bool | str]]:
     """How a drive was supervised that the profile lets run unsupervised; nothing of any other."""
     stated = session.drive.supervision.to_json()
     return {"supervision": stated} if stated else {}
+
+
+def _drive_clock(stream: TelemetryStream | None) -> ClockFit | None:
+    """The drive's time on the host's clock; None of a drive without a stream."""
+    return None if stream is None else stream.report().clock
 
 
 def _dc_link_V(session: Session) -> float | None:
@@ -294,15 +348,22 @@ def _telemetry(
         yield stream
 
 
-def _manifest(session: Session, plan: Plan, case: Case, info: RunInfo, identity: Identity) -> Manifest:
-    facts: Mapping[str, int | float | str | None] = asdict(identity)
+def _manifest(
+    session: Session,
+    plan: Plan,
+    case: Case,
+    info: RunInfo,
+    identity: Identity,
+    equipment: Mapping[str, Any],
+) -> Manifest:
+    told: Mapping[str, int | float | str | None] = asdict(identity)
     return Manifest(
         what=plan.title,
         when=info.when,
         profile_name=session.profile_name,
         profile_toml=session.profile_toml,
         link=info.link,
-        identity={key: value for key, value in facts.items() if value is not None},
+        identity={key: value for key, value in told.items() if value is not None},
         dictionary_hash=identity.dictionary_hash,
         parameters=snapshot(session.drive),
         versions=software_versions(),
@@ -318,5 +379,6 @@ def _manifest(session: Session, plan: Plan, case: Case, info: RunInfo, identity:
             "motor": session.profile.motor.model_dump(mode="json"),
             "wall": session.drive.wall_mark(info.wall_s()),
             **_supervision(session),
+            **equipment,
         },
     )

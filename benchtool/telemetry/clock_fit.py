@@ -26,6 +26,10 @@ class ClockFit:
     residual_rms_s: float
     residual_max_s: float
 
+    def drive_s(self, arrival_s: float) -> float:
+        """Drive time, tick x tick_s, at a moment of the host's clock."""
+        return (arrival_s - self.offset_s) / (1.0 + self.drift_ppm * 1e-6)
+
 
 class ArrivalStatistics:
     """Collects the arrivals of a stream's records.

@@ -124,7 +124,8 @@ def test_it_is_one_drive(child: Child) -> None:
 
 def test_a_plan_runs_on_it_and_leaves_it_to_the_next(child: Child, tmp_path: Path) -> None:
     link = child.links["slcan pty"]
-    output = invoke("run", "zhu2011/ripple", "--link", link, "--out", str(tmp_path / "a"), "--json")
+    to = ("--out", str(tmp_path / "a"), "--yes", "--json")  # the load is put on where the drive is emulated
+    output = invoke("run", "zhu2011/ripple", "--link", link, *to)
     (case,) = json.loads(output)["cases"].values()
     assert case["measurements"]["torque_mean"]["value"] == pytest.approx(0.65, abs=0.05)
     with observer(child) as session:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from benchtool.bench.person import beforehand
 from benchtool.bench.session import Session
 from benchtool.errors import ParameterMismatch, ValueRefused
 from benchtool.plan.model import Plan
@@ -86,7 +87,8 @@ def test_what_the_capture_has_not_is_read_from_the_drive(wire: Wire, tmp_path: P
 def test_a_load_that_was_never_there_fails_and_says_by_how_much(wire: Wire, tmp_path: Path) -> None:
     for transducer in (wire.session.transducer, None):
         session = replace(wire.session, load=None, transducer=transducer)
-        found = _run(session, _plan(), tmp_path / ("with" if transducer else "without"))
+        folder = tmp_path / ("with" if transducer else "without")
+        found = _run(session, _plan(), folder, replace(INFO, prompt=beforehand))
         assert found.verdict == "fail"
         (missed,) = found.missed
         assert missed.name == "load_torque_reached"

@@ -37,13 +37,14 @@ def bus_at(address: Address) -> can.BusABC:
 def _connect(_stack: ExitStack, address: Address, opening: Opening) -> Connection:
     from benchtool.clock import RealClock
     from benchtool.link.canopen.link import CanopenLink
+    from benchtool.link.canopen.stamps import AdapterStamps
 
     clock = RealClock()
 
     def open_link() -> Link:
         bus = bus_at(address)
         if opening.frames is None:
-            return CanopenLink(bus, opening.node_id, clock)
+            return CanopenLink(bus, opening.node_id, clock, arrival_s=AdapterStamps(clock))
         tapped = opening.frames.tap(bus, clock, stamp=True)
         return CanopenLink(tapped, opening.node_id, clock, arrival_s=_timestamp)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -75,6 +76,16 @@ class Core:
         self.transducer = Transducer(lambda: self.tick, self.control_period_s)
         self._truth = motor.machine(), inverter.power_stage(self.control_period_s), sensors.sensing()
         self._noise = Noise(sensors.current_noise_A_rms, seed)
+
+    def set_dc_link(self, u_dc_V: float) -> None:
+        """Supply the dc link with another voltage, from the next tick on.
+
+        Raises:
+            ValueRefused: it is not positive.
+        """
+        self.inverter = replace(self.inverter, u_dc_V=u_dc_V)
+        machine, _, sensing = self._truth
+        self._truth = machine, self.inverter.power_stage(self.control_period_s), sensing
 
     def turn_rotor(self, theta_e_rad: float) -> None:
         """Put the rotor at an electrical angle, as a hand on the shaft would."""

@@ -1,0 +1,82 @@
+"""Equipment of the emulated bench that needs no wire: load machine, torque transducer and dc supply."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from benchtool.block import Block
+from benchtool.emulator.core import Core
+from benchtool.emulator.machine.transducer import MAX_TICKS
+
+
+class EmulatedLoad:
+    """The load machine of an emulated bench."""
+
+    def __init__(self, core: Core) -> None:
+        self._load = core.load
+
+    def apply(self, torque_Nm: float) -> None:
+        """Load the shaft; positive torque opposes positive speed. It may turn as it likes again."""
+        self._load.torque_Nm = torque_Nm
+        self._load.held = 0
+
+    def hold(self, omega_m_rad_s: float) -> None:
+        """Turn the shaft at this speed, whatever torque that takes."""
+        self._load.omega_m_rad_s = omega_m_rad_s
+        self._load.held = 1
+
+
+class EmulatedTransducer:
+    """The torque transducer of an emulated bench: air-gap torque, 20 samples per drive tick."""
+
+    def __init__(self, core: Core) -> None:
+        self._core = core
+
+    @property
+    def longest_s(self) -> float:
+        """The longest time that it records."""
+        return MAX_TICKS * float(self._core.memory["control_period"][0])
+
+    @property
+    def late_s(self) -> float:
+        """It is sampled with the drive: nothing is late."""
+        return 0.0
+
+    def require_alive(self) -> None:
+        """It always measures."""
+
+    def start(self, duration_s: float) -> None:
+        """Record for `duration_s` from now."""
+        self._core.transducer.start(round(duration_s / float(self._core.memory["control_period"][0])))
+
+    def block(self, clock: object = None) -> Block:
+        """What was recorded, as channel `torque_transducer`; its ticks are the drive's, without a `clock`."""
+        return self._core.transducer.block()
+
+    def facts(self) -> dict[str, Any]:
+        """Nothing beside its samples: it loses none."""
+        return {}
+
+
+class EmulatedSupply:
+    """The supply of an emulated bench's dc link."""
+
+    def __init__(self, core: Core) -> None:
+        self._core = core
+
+    def set_voltage(self, u_dc_V: float) -> None:
+        """Supply another voltage from the next tick on.
+
+        Raises:
+            ValueRefused: it is not positive.
+        """
+        self._core.set_dc_link(u_dc_V)
+
+    @property
+    def u_dc_V(self) -> float:
+        """Voltage of the dc link, behind the supply's resistance, at the last tick."""
+        return float(self._core.shaft.u_dc)
+
+    @property
+    def i_dc_A(self) -> None:
+        """The emulated supply does not measure its current."""
