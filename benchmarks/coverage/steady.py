@@ -296,7 +296,10 @@ DISTURBANCES: Mapping[str, Disturbance] = {
     "jittered_samples": replace(_QUIET, time_jitter=0.05),
     "spikes": replace(_QUIET, spikes=0.3),
     "white_-60dB_long": replace(_QUIET, noise=1e-3, periods=250.6, frequency_Hz=50.0),
-    "few_samples_a_period": replace(_QUIET, noise=3e-3, periods=500.3, frequency_Hz=811.7),
+    # what lies above half the rate aliases, and no analysis could tell it from what lies below
+    "few_samples_a_period": replace(
+        _QUIET, noise=3e-3, periods=500.3, frequency_Hz=811.7, harmonics={5: HARMONICS[5]}
+    ),
     "two_periods": replace(_QUIET, periods=2.9, noise=3e-3),
     "six_periods_coloured": replace(_QUIET, periods=6.45, noise=1e-2, colour=0.98, angle=False),
     "standstill_within": replace(_QUIET, stands_still=0.1, periods=80.0),

@@ -226,7 +226,7 @@ def test_a_drive_that_loses_power_is_named(session: Session, hands: Bench) -> No
         session.drive.watched(stream.check),
     ):
         session.drive.wait(0.3)
-        hands.benches[0].clock.forget(hands.benches[0]._node.advance_to)
+        hands.benches[0].clock.forget(hands.benches[0]._advance_to)
         session.drive.wait(5.0)
 
 

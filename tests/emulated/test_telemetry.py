@@ -70,7 +70,7 @@ def benches(monkeypatch: pytest.MonkeyPatch) -> list[EmulatedBench]:
 
 
 def power_off(bench: EmulatedBench) -> None:
-    bench.clock.forget(bench._node.advance_to)
+    bench.clock.forget(bench._advance_to)
     bench._node.close()
 
 
