@@ -27,7 +27,7 @@ from benchmarks.figures import print_figures
 from benchtool.block import Block, Channel
 from benchtool.clock import RealClock
 from benchtool.live import Destination, FileDestination, LiveView, Setup, Viewer
-from benchtool.live.columns import TimeAxis, block_columns, scalars
+from benchtool.live.sending import TimeAxis, block_columns, scalars
 from benchtool.telemetry import Sink
 
 RATE_HZ = 10_000

@@ -20,7 +20,7 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.figures import print_figures
-from benchtool.protocol.capture import CaptureHeader, decode_capture, encode_capture
+from benchtool.protocol.capture_data import CaptureHeader, decode_capture, encode_capture
 from benchtool.protocol.dictionary import Dictionary
 from benchtool.protocol.telemetry import RecordDecoder, stream_layout
 from benchtool.recording import BundleWriter, Manifest

@@ -8,7 +8,7 @@ from benchtool.block import Block
 from benchtool.drive.capabilities import Capability
 from benchtool.drive.remote import RemoteDrive
 from benchtool.errors import CaptureError
-from benchtool.protocol.capture import decode_capture
+from benchtool.protocol.capture_data import decode_capture
 from benchtool.ticks import counted_on
 
 _POLL_S = 0.01

@@ -16,7 +16,7 @@ from benchtool.emulator.firmware.device import Firmware
 from benchtool.emulator.instruments import CanInstrument, CanReadings, CanTorque, samples_apart
 from benchtool.emulator.machine.truth import InverterTruth, MotorTruth, SensorTruth
 from benchtool.emulator.servers.canopen import CanopenServer
-from benchtool.emulator.servers.node import DriveNode, OnGone, Server
+from benchtool.emulator.servers.drive_node import DriveNode, OnGone, Server
 from benchtool.emulator.servers.serial import SerialServer
 from benchtool.errors import ProfileError
 from benchtool.link.canopen.virtual import VirtualTimeBus

@@ -11,9 +11,9 @@ from benchtool.analysis import measurements_from_json
 from benchtool.block import Block
 from benchtool.link.ticks import WallMark
 from benchtool.live import names
-from benchtool.live.columns import parts
 from benchtool.live.panels.band import Limits
 from benchtool.live.panels.documents import certificate_document, results_document
+from benchtool.live.sending import parts
 from benchtool.live.sinks.outlet import Destination
 from benchtool.live.view import LiveView, Setup
 from benchtool.recording import Bundle, Event, Level, Manifest

@@ -19,7 +19,14 @@ from benchtool.errors import EnvironmentFailure
 from benchtool.link.ticks import WallMark
 from benchtool.live import names
 from benchtool.live.blueprint import Layout, blueprint
-from benchtool.live.columns import (
+from benchtool.live.panels import locus
+from benchtool.live.panels.band import Limits, TorqueBand
+from benchtool.live.panels.documents import parameters_document, results_document
+from benchtool.live.panels.events import EventLog, markers
+from benchtool.live.panels.quality import Counters, Quality
+from benchtool.live.panels.spectra import capture_spectra, running_spectra
+from benchtool.live.panels.spectrum import RunningSpectrum, chosen
+from benchtool.live.sending import (
     Arrangement,
     Message,
     Still,
@@ -28,13 +35,6 @@ from benchtool.live.columns import (
     parts,
     series,
 )
-from benchtool.live.panels import locus
-from benchtool.live.panels.band import Limits, TorqueBand
-from benchtool.live.panels.documents import parameters_document, results_document
-from benchtool.live.panels.events import EventLog, markers
-from benchtool.live.panels.quality import Counters, Quality
-from benchtool.live.panels.spectra import capture_spectra, running_spectra
-from benchtool.live.panels.spectrum import RunningSpectrum, chosen
 from benchtool.live.sinks.outlet import PATIENCE_S, Destination, Outlet
 from benchtool.recording import Event, Level
 

@@ -17,7 +17,7 @@ from benchtool.plan.model import Plan, Setting
 from benchtool.plan.naming import Naming
 from benchtool.plan.rating import beyond_rating, speed_rad_s
 from benchtool.profile import Profile, altered
-from benchtool.protocol.capture import MOST_VALUES
+from benchtool.protocol.capture_data import MOST_VALUES
 from benchtool.protocol.dictionary import Dictionary
 from benchtool.protocol.dictionary.keys import setting_of
 

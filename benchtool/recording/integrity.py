@@ -20,7 +20,7 @@ from benchtool.recording.checkpoints import CHECKPOINTS, intact_prefix, read_che
 from benchtool.recording.files import PART
 from benchtool.recording.manifest import MANIFEST, Manifest, read_manifest
 from benchtool.recording.seal import SEAL, FileHash, hash_of, read_sealed_json, write_json
-from benchtool.recording.stream import DATA, FINISHED, RUNNING
+from benchtool.recording.stream_file import DATA, FINISHED, RUNNING
 
 HASHES: Final = "hashes.json"
 _MISSING: Final = "No such file"

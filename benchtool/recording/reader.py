@@ -14,7 +14,7 @@ from benchtool.recording.failures import reading
 from benchtool.recording.integrity import Integrity, check_bundle
 from benchtool.recording.manifest import CERTIFICATE, MEASUREMENTS, TABLES, Manifest, read_manifest
 from benchtool.recording.seal import read_json
-from benchtool.recording.stream import DATA, FINISHED, RUNNING, read_parquet, read_stream
+from benchtool.recording.stream_file import DATA, FINISHED, RUNNING, read_parquet, read_stream
 
 PLOTS = "plots"
 

@@ -24,7 +24,7 @@ from benchtool.recording.manifest import (
 )
 from benchtool.recording.reader import Bundle
 from benchtool.recording.seal import FileHash, hash_of, write_json
-from benchtool.recording.stream import DATA, FINISHED, RUNNING, StreamWriter
+from benchtool.recording.stream_file import DATA, FINISHED, RUNNING, StreamWriter
 
 _STREAM_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]*")
 

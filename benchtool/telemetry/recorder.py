@@ -7,15 +7,15 @@ from contextlib import contextmanager
 
 from benchtool.recording import BundleWriter
 from benchtool.telemetry.fanout import Sink
-from benchtool.telemetry.node import Node
 from benchtool.telemetry.stream import DEFAULT_RATE_HZ, TelemetryStream
+from benchtool.telemetry.streamed_drive import StreamedDrive
 
 STREAM = "telemetry"
 
 
 @contextmanager
 def record_stream(
-    node: Node,
+    node: StreamedDrive,
     bundle: BundleWriter,
     channels: Sequence[str] = (),
     rate_Hz: float = DEFAULT_RATE_HZ,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from benchtool.protocol.canopen.nmt import NmtCommand
 from benchtool.protocol.dictionary.variable import Variable
-from benchtool.telemetry.node import Node
+from benchtool.telemetry.streamed_drive import StreamedDrive
 
 TORQUE, SPEED = "torque_command", "omega_m_command"
 
@@ -24,7 +24,9 @@ class Setpoints:
         SdoAbort, NoAnswer, WriteNotVerified: it cannot be set up.
     """
 
-    def __init__(self, node: Node, torque: Variable | None = None, speed: Variable | None = None) -> None:
+    def __init__(
+        self, node: StreamedDrive, torque: Variable | None = None, speed: Variable | None = None
+    ) -> None:
         if torque is None and speed is None:
             torque, speed = node.dictionary[TORQUE], node.dictionary[SPEED]
         self._message = node.link.process_data.setpoints(node, torque, speed)

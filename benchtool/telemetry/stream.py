@@ -16,7 +16,7 @@ from benchtool.protocol.canopen.nmt import NmtState
 from benchtool.protocol.telemetry import StreamCounters
 from benchtool.telemetry.clock_fit import ArrivalStatistics, ClockFit
 from benchtool.telemetry.fanout import FanOut, Sink
-from benchtool.telemetry.node import Node
+from benchtool.telemetry.streamed_drive import StreamedDrive
 from benchtool.telemetry.worker import Worker
 from benchtool.ticks import ahead
 
@@ -78,7 +78,7 @@ class TelemetryStream:
 
     def __init__(
         self,
-        node: Node,
+        node: StreamedDrive,
         sinks: Sequence[Sink],
         channels: Sequence[str] = (),
         rate_Hz: float = DEFAULT_RATE_HZ,

@@ -15,7 +15,7 @@ import pytest
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
-from benchtool.protocol.capture import decode_header
+from benchtool.protocol.capture_data import decode_header
 from benchtool.protocol.dictionary.objects import Entry
 from tests.device.can_ends import (
     ENABLE,

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from benchtool.bench.wires.wire import Offered, Opening, Wire
 from benchtool.clock import Clock
 from benchtool.emulator.bench import EmulatedBench
-from benchtool.emulator.servers.node import OnGone
+from benchtool.emulator.servers.drive_node import OnGone
 from benchtool.emulator.servers.serial import SerialServer
 from benchtool.link import Link
 from benchtool.link.port import READ_S, Port

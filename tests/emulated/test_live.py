@@ -19,7 +19,7 @@ from typer.testing import CliRunner, Result
 
 from benchtool.cli import app
 from benchtool.live import CAPTURE, STREAM, TRANSDUCER, LiveView, Outlet, Viewer, names
-from benchtool.live.columns import Message
+from benchtool.live.sending import Message
 from benchtool.live.sinks.viewer import viewer_environment, viewer_program
 from benchtool.recording import Bundle
 from benchtool.telemetry import TelemetryStream

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from benchtool.emulator.core import Core
-from benchtool.emulator.core.capture import CaptureState, Trigger
+from benchtool.emulator.core.capture_memory import CaptureState, Trigger
 from benchtool.errors import ValueRefused
 from tests.physics.paper_machine import make_core
 

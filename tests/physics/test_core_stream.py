@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from benchtool.emulator.core import Core
 from benchtool.emulator.core.kernel import run_ticks
-from benchtool.emulator.core.stream import RING_ROWS
+from benchtool.emulator.core.stream_ring import RING_ROWS
 from benchtool.errors import ValueRefused
 from benchtool.protocol.modes import Mode
 from tests.physics.paper_machine import make_core

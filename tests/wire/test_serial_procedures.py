@@ -17,7 +17,7 @@ from benchtool.link.serial.link import SerialLink
 from benchtool.protocol import serial as wire
 from benchtool.protocol.canopen.abort import Abort
 from benchtool.protocol.canopen.nmt import NmtState
-from benchtool.protocol.capture import decode_header
+from benchtool.protocol.capture_data import decode_header
 from benchtool.protocol.dictionary import Dictionary
 from benchtool.shipped import shipped
 from tests.wire.raw_host import HOST, SUPERVISION, TABLE, RawHost, mapping

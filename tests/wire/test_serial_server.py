@@ -14,7 +14,7 @@ from benchtool.emulator.servers.serial import MAX_REPLY, MAX_REQUEST
 from benchtool.emulator.servers.upload import CHUNK_BYTES
 from benchtool.protocol import serial as wire
 from benchtool.protocol.canopen.abort import Abort
-from benchtool.protocol.capture import decode_header
+from benchtool.protocol.capture_data import decode_header
 from benchtool.protocol.modes import Mode
 from tests.wire.raw_host import HOST, SUPERVISION, TABLE, RawHost, mapping
 

@@ -10,14 +10,14 @@ import serial
 from numpy.typing import NDArray
 
 from benchtool.emulator.bench import EmulatedBench
-from benchtool.emulator.core.stream import RING_ROWS
+from benchtool.emulator.core.stream_ring import RING_ROWS
 from benchtool.emulator.firmware.objects import ObjectStore
 from benchtool.emulator.servers.serial import MAX_REPLY
-from benchtool.emulator.servers.stream import ControlRateStream
+from benchtool.emulator.servers.serial_stream import ControlRateStream
 from benchtool.emulator.servers.transmitter import CAPACITY, RESERVE
 from benchtool.protocol import serial as wire
 from benchtool.protocol.canopen.abort import Abort
-from benchtool.protocol.capture import HEADER_SIZE, decode_header
+from benchtool.protocol.capture_data import HEADER_SIZE, decode_header
 from benchtool.protocol.dictionary.objects import DataType
 from tests.physics.paper_machine import make_core
 from tests.wire.raw_host import TABLE, RawHost, mapping

@@ -11,7 +11,7 @@ from benchtool.bench.wires.wire import Connection, Offered, Opening, StreamLimit
 
 if TYPE_CHECKING:
     from benchtool.emulator.bench import EmulatedBench
-    from benchtool.emulator.servers.node import OnGone
+    from benchtool.emulator.servers.drive_node import OnGone
     from benchtool.link import Link
     from benchtool.link.discovery import Found
     from benchtool.link.port import Port

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from benchtool.clock import Clock
     from benchtool.emulator.bench import EmulatedBench
     from benchtool.emulator.ports.client import Traffic
-    from benchtool.emulator.servers.node import OnGone
+    from benchtool.emulator.servers.drive_node import OnGone
     from benchtool.link import Link
     from benchtool.link.discovery import Found
     from benchtool.link.port import Port

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.emulator.control.protection import Trip
-from benchtool.emulator.core.capture import Capture
+from benchtool.emulator.core.capture_memory import CaptureRecorder
 from benchtool.emulator.core.kernel import run_ticks
-from benchtool.emulator.core.stream import StreamRecorder
+from benchtool.emulator.core.stream_ring import StreamRecorder
 from benchtool.emulator.machine.sensors import Noise
 from benchtool.emulator.machine.transducer import Transducer
 from benchtool.emulator.machine.truth import InverterTruth, MotorTruth, SensorTruth
@@ -71,7 +71,7 @@ class Core:
         self.command.mode = int(Mode.TORQUE)
         self.shaft.u_dc = inverter.u_dc_V
         self.turn_rotor(0.0)
-        self.capture = Capture(self.memory)
+        self.capture = CaptureRecorder(self.memory)
         self.stream = StreamRecorder(self.memory, lambda: self.tick)
         self.transducer = Transducer(lambda: self.tick, self.control_period_s)
         self._truth = motor.machine(), inverter.power_stage(self.control_period_s), sensors.sensing()

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.emulator.control.cycle import control_tick
-from benchtool.emulator.core.capture import take
-from benchtool.emulator.core.stream import stream_row
+from benchtool.emulator.core.capture_memory import take
+from benchtool.emulator.core.stream_ring import stream_row
 from benchtool.emulator.jit import entry, is_cached, njit
 from benchtool.emulator.machine.freewheel import freewheel
 from benchtool.emulator.machine.inverter import (

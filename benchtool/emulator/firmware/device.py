@@ -7,9 +7,9 @@ from collections.abc import Callable, Mapping
 from functools import partial
 
 from benchtool.emulator.core import Core, Trip
-from benchtool.emulator.firmware.capture import CaptureObjects
+from benchtool.emulator.firmware.capture_objects import CaptureObjects
 from benchtool.emulator.firmware.objects import ObjectStore, Refused
-from benchtool.emulator.firmware.stimulus import StimulusObjects
+from benchtool.emulator.firmware.stimulus_objects import StimulusObjects
 from benchtool.emulator.firmware.supervision import LinkState, LinkSupervision
 from benchtool.protocol.canopen.abort import Abort
 from benchtool.protocol.canopen.emcy import Emergency, ErrorCode, error_register

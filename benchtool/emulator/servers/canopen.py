@@ -8,7 +8,7 @@ import can
 from canopen import SdoAbortedError
 
 from benchtool.emulator.firmware.objects import Refused
-from benchtool.emulator.servers.node import NEVER, DriveNode
+from benchtool.emulator.servers.drive_node import NEVER, DriveNode
 from benchtool.emulator.servers.receiver import Receiver
 from benchtool.emulator.servers.sdo_server import SdoServer
 from benchtool.protocol.canopen import cob_id

@@ -8,9 +8,9 @@ from contextlib import suppress
 
 from benchtool.emulator.firmware.objects import Refused
 from benchtool.emulator.ports.client import HungUp, Traffic
-from benchtool.emulator.servers.node import DriveNode
+from benchtool.emulator.servers.drive_node import DriveNode
 from benchtool.emulator.servers.receiver import Receiver
-from benchtool.emulator.servers.stream import ControlRateStream
+from benchtool.emulator.servers.serial_stream import ControlRateStream
 from benchtool.emulator.servers.transmitter import DirectTransmitter, QueuedTransmitter
 from benchtool.emulator.servers.upload import Upload
 from benchtool.link.port import Port

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from benchtool.block import Block
 from benchtool.live import names
-from benchtool.live.columns import Message, TimeAxis, lines, scalars
+from benchtool.live.sending import Message, TimeAxis, lines, scalars
 
 Limits = Mapping[str, tuple[float | None, float | None]]
 """(min, max) by name of a measurement, in its unit."""

@@ -11,7 +11,7 @@ import rerun as rr
 
 from benchtool.block import Block
 from benchtool.live import names
-from benchtool.live.columns import Message, Still, TimeAxis, at, scalars
+from benchtool.live.sending import Message, Still, TimeAxis, at, scalars
 from benchtool.protocol.telemetry import COUNTING_SIGNALS
 from benchtool.recording import Event, Level
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from benchtool.block import Block
 from benchtool.live import names
-from benchtool.live.columns import Columns, Still, TimeAxis, at
+from benchtool.live.sending import Columns, Still, TimeAxis, at
 
 NEEDED = ("psi_alpha", "psi_beta")
 _MOST_POINTS = 4000

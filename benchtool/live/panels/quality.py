@@ -10,7 +10,7 @@ import numpy as np
 import rerun as rr
 
 from benchtool.live import names
-from benchtool.live.columns import Message, TimeAxis, at, lines, scalars
+from benchtool.live.sending import Message, TimeAxis, at, lines, scalars
 
 Counters = Callable[[], Mapping[str, int]]
 """Counts by name, from any thread."""

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from benchtool.block import Block
 from benchtool.live import names
-from benchtool.live.columns import Message, TimeAxis, at
 from benchtool.live.panels.spectrum import Bars, RunningSpectrum, bars, chosen, decibels, spectrogram
+from benchtool.live.sending import Message, TimeAxis, at
 
 _BLUE, _RED = (86, 180, 233), (213, 94, 0)
 _LINES = f"{names.SPECTRUM}/lines"

@@ -10,7 +10,7 @@ from typing import Final, Protocol
 import rerun as rr
 
 from benchtool.errors import EnvironmentFailure
-from benchtool.live.columns import Columns, Message
+from benchtool.live.sending import Columns, Message
 
 APPLICATION: Final = "benchtool"
 PATIENCE_S: Final = 0.5

@@ -107,15 +107,18 @@ def test_each_declaration_is_of_a_measurement_that_there_is() -> None:
 
 
 def test_only_these_are_measured_again() -> None:
-    titles = {analysis.title for analysis in STEADY if any(declared(name) is None for name in analysis.names)}
-    assert titles == {
-        "flux trajectory",
-        "switching states",
-        "torque residual",
-        "torque residual on the shaft",
-    }
+    """A new analysis may be; none that has declared its sensitivities falls back to it."""
+    again = {analysis.name for analysis in STEADY if any(declared(name) is None for name in analysis.names)}
+    known = {"flux_trajectory", "switching_states", "torque_residual", "true_torque_residual"}
+    assert known <= again
+    assert again.isdisjoint(
+        {
+            *("torque_ripple", "true_torque_ripple", "torque_error", "flux_ripple", "current_spectrum"),
+            *("switching_frequency", "torque_orders", "speed_orders", "torque_spectrum", "current_unbalance"),
+        }
+    )
     for analysis in STEADY:
-        assert len({declared(name) is None for name in analysis.names}) == 1, analysis.title
+        assert len({declared(name) is None for name in analysis.names}) <= 1, analysis.title
 
 
 def test_the_clock_moves_times_and_frequencies_by_their_unit() -> None:

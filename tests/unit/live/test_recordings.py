@@ -20,7 +20,7 @@ from benchtool.errors import EnvironmentFailure
 from benchtool.link.ticks import WallMark
 from benchtool.live import FileDestination, LiveView, Setup, certificate_document, names, results_document
 from benchtool.live.bundle import limits_of, setup_of, show_bundle
-from benchtool.live.columns import Columns, parts
+from benchtool.live.sending import Columns, parts
 from benchtool.recording import Bundle, BundleWriter, Event, EventFile, Level, Manifest
 from tests.unit.live.readback import Recording, assert_holds
 

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from benchtool.errors import CaptureError
-from benchtool.protocol.capture import (
+from benchtool.protocol.capture_data import (
     HEADER_SIZE,
     CaptureHeader,
     decode_capture,

@@ -8,7 +8,7 @@ from benchtool.link import Link
 from benchtool.link.process_data import DriveAccess
 
 
-class Node(DriveAccess, Protocol):
+class StreamedDrive(DriveAccess, Protocol):
     """A drive and its link, which may become another one when it is opened anew."""
 
     @property

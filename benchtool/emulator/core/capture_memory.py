@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from benchtool.emulator.jit import njit
 from benchtool.emulator.memory import Record, record_type, word_offset, words
 from benchtool.errors import ValueRefused
-from benchtool.protocol.capture import MOST_VALUES
+from benchtool.protocol.capture_data import MOST_VALUES
 from benchtool.ticks import on_wire
 
 MAX_ROWS = 200_000
@@ -149,7 +149,7 @@ def _triggers(
     return hit
 
 
-class Capture:
+class CaptureRecorder:
     """The capture unit of one drive; the kernel fills it while the core runs."""
 
     def __init__(self, memory: Record) -> None:

@@ -11,8 +11,7 @@ from pyarrow import parquet
 
 from benchtool.block import Block, Gap
 from benchtool.errors import RecordingError
-from benchtool.recording.checkpoints import Checkpoints, HashedFile
-from benchtool.recording.columns import (
+from benchtool.recording.arrow import (
     TimeBase,
     batch_of,
     block_of,
@@ -20,6 +19,7 @@ from benchtool.recording.columns import (
     gaps_to_text,
     schema_of,
 )
+from benchtool.recording.checkpoints import Checkpoints, HashedFile
 from benchtool.recording.failures import reading, writing
 from benchtool.recording.files import flush_to_disk
 from benchtool.recording.seal import FileHash

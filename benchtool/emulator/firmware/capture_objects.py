@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from benchtool.emulator.core import Core
-from benchtool.emulator.core.capture import CaptureState
+from benchtool.emulator.core.capture_memory import CaptureState
 from benchtool.emulator.firmware.objects import ObjectStore, Refused
 from benchtool.protocol.canopen.abort import Abort
-from benchtool.protocol.capture import CaptureHeader, encode_capture
+from benchtool.protocol.capture_data import CaptureHeader, encode_capture
 from benchtool.protocol.dictionary.objects import Entry, Number
 
 _MAX_CHANNELS = 16

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.emulator.core.stream import MAX_CHANNELS, StreamRecorder
+from benchtool.emulator.core.stream_ring import MAX_CHANNELS, StreamRecorder
 from benchtool.emulator.firmware.objects import ObjectStore, Refused
-from benchtool.emulator.servers.node import NEVER
+from benchtool.emulator.servers.drive_node import NEVER
 from benchtool.protocol.canopen.abort import Abort
 from benchtool.protocol.dictionary.objects import Entry
 from benchtool.protocol.serial import Batch, Stream, StreamFormat
