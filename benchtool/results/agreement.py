@@ -41,6 +41,11 @@ class Disagreement:
         }
 
 
+def true_name(name: str) -> str:
+    """The name by the transducer of what NAME is by the drive's estimate."""
+    return f"{_TRUE}{name}"
+
+
 def disagreements(
     measurements: Sequence[Measurement], limits: Mapping[str, Limit]
 ) -> tuple[Disagreement, ...]:
@@ -53,7 +58,7 @@ def disagreements(
 
 def _disagreements(found: Mapping[str, Measurement], limits: Mapping[str, Limit]) -> Iterator[Disagreement]:
     for name, estimate in found.items():
-        true = found.get(f"{_TRUE}{name}")
+        true = found.get(true_name(name))
         if true is None or not (math.isfinite(true.value) and math.isfinite(estimate.value)):
             continue
         if abs(estimate.value - true.value) > _of_difference(estimate, true).expanded:

@@ -174,7 +174,8 @@ class RunResult:
         """As that of the cases; None where none has a transducer."""
         found = [each.verdict_by_transducer for each in self.assessments]
         known = [verdict for verdict in found if verdict is not None]
-        return worst((*known, self._verdict_together)) if known else None
+        together = (each.verdict_by_transducer for found in self.repeated.values() for each in found)
+        return worst((*known, *together)) if known else None
 
     def to_json(self) -> dict[str, Any]:
         """The document that `--json` prints."""

@@ -16,6 +16,7 @@ from benchtool.plan.cases import Case, cases
 from benchtool.plan.limits import Limit, Missed, Verdict, missed
 from benchtool.plan.model import Plan
 from benchtool.plan.operating_point import NAMES as REACHED
+from benchtool.results.agreement import Disagreement, disagreements, true_name
 from benchtool.telemetry.certificate import certificate_units
 
 
@@ -28,6 +29,7 @@ class Repeated:
     of that, `instruments` are the errors of sensors and clock, which `uncertainty` contains besides.
     `limit` is the one that holds for them together and `judged` what it is put to: by `judge` of the plan the
     mean, or the worst repetition; None where the plan judges each, or where nothing was measured.
+    `disagreement` is there where a transducer contradicts what is judged.
     """
 
     name: str
@@ -39,6 +41,7 @@ class Repeated:
     judged: Measurement | None = None
     instruments: tuple[Contribution, ...] = ()
     judge: Literal["each", "mean", "worst"] = "each"
+    disagreement: Disagreement | None = None
 
     @property
     def uncertainty(self) -> Uncertainty | None:
@@ -64,6 +67,12 @@ class Repeated:
         return self.limit.judge(self.judged.value, self.judged.uncertainty)
 
     @property
+    def verdict_by_transducer(self) -> Verdict:
+        """The verdict with the transducer's number where that contradicts the estimate."""
+        by_transducer = None if self.disagreement is None else self.disagreement.verdict
+        return self.verdict if by_transducer is None else by_transducer
+
+    @property
     def missed(self) -> Missed | None:
         """What is to be said of the limit; None where it is met or where there is none."""
         return None if self.limit is None else missed(self.name, self.limit, self.judged)
@@ -80,6 +89,8 @@ class Repeated:
             document["uncertainty"] = self.uncertainty.to_json()
         if self.limit is not None:
             document["limit"] = self.limit.to_json(self.judged)
+        if self.disagreement is not None:
+            document["disagreement"] = self.disagreement.to_json()
         return document
 
 
@@ -126,6 +137,7 @@ def _together(
     limits: Mapping[str, Limit],
 ) -> Iterator[Repeated]:
     units = {each.name: each.unit for measurements in group for each in measurements}
+    done: dict[str, Repeated] = {}
     for name in dict.fromkeys((*units, *limits)):
         found = [each for measurements in group for each in measurements if each.name == name]
         values = [each.value for each in found if math.isfinite(each.value)]
@@ -138,7 +150,16 @@ def _together(
         )
         if limit is not None and found:
             together = replace(together, judged=_judged(together, found, len(group), judge == "mean"))
-        yield together
+        done[name] = together
+    for name, together in done.items():
+        limit, true = together.limit, done.get(true_name(name))
+        if limit is not None and together.judged is not None and true is not None:
+            on_shaft = [each for measurements in group for each in measurements if each.name == true.name]
+            shaft = _judged(replace(true, limit=limit), on_shaft, len(group), judge == "mean")
+            found_apart = disagreements((together.judged, shaft), {name: limit})
+            yield replace(together, disagreement=next(iter(found_apart), None))
+        else:
+            yield together
 
 
 def _shared(found: Sequence[Measurement]) -> Iterator[Contribution]:

@@ -13,7 +13,7 @@ from scipy import stats
 from benchtool.analysis import Measurement, Uncertainty
 from benchtool.plan.cases import cases
 from benchtool.plan.limits import Limit, Verdict
-from benchtool.plan.model import Plan
+from benchtool.plan.model import Plan, Sweep
 from benchtool.results.assessment import RunResult
 from benchtool.results.repetitions import Repeated, limits_together, over_repetitions
 
@@ -112,3 +112,34 @@ def test_what_each_repetition_answers_for_is_not_judged_together() -> None:
     assert limits_together(plan.model_copy(update={"judge": "each"}), "u_s_V=60") == {}
     with pytest.raises(ValidationError, match="judge = 'mean' is over repetitions, of which there is one"):
         Plan.model_validate(_plan(1).model_dump() | {"judge": "mean"})
+
+
+@pytest.mark.parametrize(
+    ("judge", "shaft", "by_transducer"),
+    [
+        ("mean", (1.30, 1.31), Verdict.FAIL),
+        ("worst", (1.05, 1.31), Verdict.FAIL),
+        ("mean", (1.10, 1.1001), Verdict.PASS),
+        ("mean", (1.30, math.nan), Verdict.PASS),  # without a number in each there is nothing to contradict
+    ],
+)
+def test_a_limit_on_repetitions_is_held_against_the_transducer_too(
+    judge: str, shaft: tuple[float, float], by_transducer: Verdict
+) -> None:
+    plan = _plan(2).model_copy(
+        update={"judge": judge, "limits": {"torque_mean": Limit(max=1.2)}, "sweep": Sweep()}
+    )
+    names = [case.name for case in cases(plan)]
+    small = Uncertainty(1e-4, "test")
+    measured = {
+        name: (
+            Measurement("torque_mean", value, "Nm", "mean", uncertainty=small),
+            Measurement("true_torque_mean", true, "Nm", "mean", uncertainty=small),
+        )
+        for name, value, true in zip(names, (1.00, 1.001), shaft, strict=True)
+    }
+    (together,) = over_repetitions(plan, measured).values()
+    estimate = next(each for each in together if each.name == "torque_mean")
+    assert estimate.verdict is Verdict.PASS
+    assert estimate.verdict_by_transducer is by_transducer
+    assert ("disagreement" in estimate.to_json()) == math.isfinite(sum(shaft))
