@@ -12,12 +12,10 @@ import can
 
 from benchtool.clock import Clock
 from benchtool.errors import LinkClosed, NoAnswer
+from benchtool.link.canopen.reception import receive_frames
 from benchtool.link.interface import Frame, FrameReceiver
 from benchtool.protocol.dbc import DbcMessage
 
-_RECEIVE_S = 0.05
-_ERROR_PAUSE_S = 0.001
-_ERRORS_IN_A_ROW = 100
 _SILENT_FRAMES = 5
 _SILENT_S = 0.1
 _POLL_S = 0.02
@@ -209,20 +207,7 @@ class BusListener:
             ) from self._failure
 
     def _receive(self) -> None:
-        errors = 0
-        while not self._stopping.is_set():
-            try:
-                frame = self._bus.recv(_RECEIVE_S)
-                if frame is not None:
-                    self._handle(frame)
-            except Exception as error:  # noqa: BLE001  drivers raise anything at a line that is disturbed
-                errors += 1
-                if errors == _ERRORS_IN_A_ROW:
-                    self._failure = error
-                    return
-                self._stopping.wait(_ERROR_PAUSE_S)
-            else:
-                errors = 0
+        self._failure = receive_frames(self._bus, self._stopping, self._handle)
 
     def _handle(self, frame: can.Message) -> None:
         if frame.is_error_frame or frame.is_remote_frame:

@@ -13,6 +13,7 @@ from canopen.sdo.exceptions import SdoAbortedError, SdoCommunicationError
 from benchtool.clock import Clock
 from benchtool.errors import LinkError, NoAnswer, SdoAbort
 from benchtool.link.canopen.process_data import PdoProcessData
+from benchtool.link.canopen.reception import FAILING_S, receive_frames
 from benchtool.link.canopen.sdo_client import BlockNotOfferedError, SdoClient, SdoTimeoutError
 from benchtool.link.interface import CountsMalformed, Frame, FrameReceiver, LinkCounters
 from benchtool.link.receiving import ReceivingLink
@@ -21,10 +22,6 @@ from benchtool.protocol.canopen.abort import abort_text
 from benchtool.protocol.canopen.emcy import Emergency
 from benchtool.protocol.canopen.nmt import NmtCommand, NmtState, heartbeat_state
 
-_RECEIVE_S = 0.05
-_ERROR_PAUSE_S = 0.001
-_ERRORS_IN_A_ROW = 100
-_FAILING_S = _ERRORS_IN_A_ROW * _ERROR_PAUSE_S * 4.0
 _CHECK_SENDING = "that the bus is powered and terminated and that another node acknowledges"
 
 
@@ -151,14 +148,14 @@ class CanopenLink(ReceivingLink):
                 f"check the wiring, and that no other SDO client talks to this node"
             ) from None
         except (can.CanError, OSError) as reason:
-            raise self._send_failure(reason, _FAILING_S, _CHECK_SENDING) from reason
+            raise self._send_failure(reason, FAILING_S, _CHECK_SENDING) from reason
 
     def _send(self, can_id: int, data: bytes) -> None:
         self._require_open()
         try:
             self._network.send_message(can_id, data)
         except (can.CanError, OSError) as reason:
-            raise self._send_failure(reason, _FAILING_S, _CHECK_SENDING) from reason
+            raise self._send_failure(reason, FAILING_S, _CHECK_SENDING) from reason
 
     def _close_device(self) -> None:
         self._bus.shutdown()
@@ -166,21 +163,10 @@ class CanopenLink(ReceivingLink):
     # ---- receive thread ------------------------------------------------------------------------------------
 
     def _receive(self) -> None:
-        errors = 0
-        while not self._stopping.is_set():
-            try:
-                frame = self._bus.recv(_RECEIVE_S)
-                if frame is not None:
-                    self._handle(frame)
-            except Exception as error:  # noqa: BLE001  drivers raise anything at a line that is disturbed
-                self._counts["receive_errors"] += 1
-                errors += 1
-                if errors == _ERRORS_IN_A_ROW:
-                    self._failure = error
-                    return
-                self._stopping.wait(_ERROR_PAUSE_S)
-            else:
-                errors = 0
+        self._failure = receive_frames(self._bus, self._stopping, self._handle, self._count_error)
+
+    def _count_error(self) -> None:
+        self._counts["receive_errors"] += 1
 
     def _handle(self, frame: can.Message) -> None:
         self._counts["frames_received"] += 1
