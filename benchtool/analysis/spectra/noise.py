@@ -217,15 +217,18 @@ def repeated_quantisation(spectrum: CoherentSpectrum, step: float) -> float:
     Quantisation has the mean square step^2 / 12 (JCGM 100:2008, F.2.2.1). What of that is not in the bins
     between the lines is in these: evenly over as many as those below the step are worth, a hundred at most.
     Where noise hides what is missing, the lines themselves tell that repeat with the strong ones and are
-    weaker than the step: by twice the power that they are above the noise,
-    because a strong line has more of it.
+    weaker than the step: by twice the power that they are above the noise, because a strong line has more
+    of it. That is no more than all of the quantisation, and noise of rms s leaves but exp(-(2 pi s / step)^2)
+    of it that repeats (Widrow and Kollar, Quantization Noise, 2008, 4.3: the characteristic function of the
+    noise at 1 / step).
     """
     if step <= 0.0:
         return 0.0
     square = np.square(spectrum.amplitude)
     between = 0.5 * float(np.sum(square[1:]) - np.sum(square[spectrum.periods :: spectrum.periods]))
     in_band = 2.0 * (len(spectrum.amplitude) / spectrum.samples)
-    missing = max(0.0, in_band * step**2 / 12.0 - between)
+    whole = in_band * step**2 / 12.0
+    missing = max(0.0, whole - between)
     lines = square[spectrum.periods :: spectrum.periods]
     small = lines[lines < step**2]
     fourth = float(np.sum(small**2))
@@ -238,7 +241,9 @@ def repeated_quantisation(spectrum: CoherentSpectrum, step: float) -> float:
     if not len(weak):
         return even
     noise = float(np.median(square[1:])) / math.log(2.0)
-    return max(even, math.sqrt(2.0 * max(0.0, float(np.mean(weak)) - noise)))
+    seen = min(max(0.0, float(np.mean(weak)) - noise), 2.0 * whole / len(weak))
+    undithered = math.exp(-4.0 * math.pi**2 * max(0.0, between - whole) / step**2)
+    return max(even, math.sqrt(2.0 * seen * undithered))
 
 
 def _lost(
