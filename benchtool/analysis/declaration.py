@@ -1,7 +1,7 @@
 """What a kind of analysis declares: its settings, what it needs, what it measures and what it draws.
 
 An `Analysis` stands at the end of the module that computes it and once in `benchtool.analysis.catalogue`, or
-in a package of somebody else under the entry point group `benchtool.analyses`. Validation of plans,
+in another package under the entry point group `benchtool.analyses`. Validation of plans,
 assessment, figures, report, live view and the tables of docs/measurements.md come from it.
 """
 

@@ -1,4 +1,4 @@
-"""The errors of sensors and clock in the uncertainty of what was measured with them (JCGM 100:2008, 4.3).
+"""The errors of sensors and clock in the uncertainty of measurements (JCGM 100:2008, 4.3).
 
 They enter here and nowhere else, once the analyses have measured: as contributions of type B, each of which
 names the sensor and its certificate.

@@ -78,7 +78,7 @@ class Sensitivity:
 class Declared:
     """The sensitivities of measurements whose names match `pattern`, a regular expression.
 
-    `line_Hz` is the frequency of what is one line. A `bound` is what an error moves at most: a magnitude near
+    `line_Hz` is the frequency of a single line. A `bound` is what an error moves at most: a magnitude near
     zero grows with an error of either sign, which a derivative does not tell.
     """
 

@@ -35,9 +35,9 @@ class Done:
 
 
 def unasked(what: str) -> UsageError:
-    """The refusal where nobody can be asked."""
+    """The refusal where there is no person to ask."""
     return UsageError(
-        f"this bench has no load machine: a person has to {what}, and nobody can be asked; run it on a "
+        f"this bench has no load machine: a person has to {what}, and there is none to ask; run it on a "
         f"terminal, without --json and --jobs, or give --yes once that is done; the drive was not enabled"
     )
 
@@ -60,10 +60,10 @@ def instruction(point: OperatingPoint) -> str:
 
 
 def ask(prompt: Prompt | None, what: str) -> Done | None:
-    """Ask for something; None if there is nothing to do. Without a prompt nobody can be asked.
+    """Ask for something; None if there is nothing to do. Without a prompt there is no person to ask.
 
     Raises:
-        UsageError: nobody can be asked.
+        UsageError: there is no person to ask.
     """
     if not what:
         return None

@@ -13,11 +13,11 @@ from benchtool.cli.output import Output
 def prompt(
     output: Output, aside: Callable[[], AbstractContextManager[None]], *, yes: bool, alone: bool
 ) -> Prompt | None:
-    """What asks the person at this terminal; None where nobody can be asked.
+    """What asks the person at this terminal; None where there is no person to ask.
 
     Args:
         output: of the command.
-        aside: clears the terminal while somebody is asked.
+        aside: clears the terminal during the question.
         yes: take everything as done.
         alone: the command runs for a program, or in several processes.
     """

@@ -43,7 +43,7 @@ class RunProgress:
 
     @contextmanager
     def aside(self) -> Iterator[None]:
-        """Take the bar away for the length of a `with` block, in which somebody is asked."""
+        """Take the bar away for the length of a `with` block, in which a question is asked."""
         if self._bar is not None:
             self._bar.stop()
         try:

@@ -66,7 +66,7 @@ class LinkSupervision:
         """Send the host's heartbeat, and have the drive stop the motor when it stays out for `timeout_s`.
 
         Raises:
-            ValueRefused: a timeout that 0x1016 cannot have; of 0 it would watch nobody.
+            ValueRefused: a timeout that 0x1016 cannot have; of 0 it would not watch the host.
             CapabilityMissing: the drive has no such object, or has it in use for other nodes.
             SdoAbort, WriteNotVerified: the drive does not take it.
             StateError: another host has the drive enabled.

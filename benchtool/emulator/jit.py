@@ -61,7 +61,7 @@ def is_cached(compiled: Callable[..., Any]) -> bool:
 
 @cache
 def fingerprint(package: Path = Path(__file__).parent.parent) -> int:
-    """CRC-32 over the sources of what is compiled, in a package's folder, and the compiler's version.
+    """CRC-32 over the compiled sources in a package's folder, and the compiler's version.
 
     Firmware, servers and ports are not compiled: an edit there leaves it as it is.
     """

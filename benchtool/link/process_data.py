@@ -68,7 +68,7 @@ class Decoder(Protocol):
 class Source(Protocol[Item]):
     """One configuration of a stream over one wire: `start`, then `feed`, `stop`, `detach`.
 
-    `start`, `stop` and `detach` are called by whoever owns the stream; `feed`, and `take` of the decoder, in
+    `start`, `stop` and `detach` are called by the owner of the stream; `feed`, and `take` of the decoder, in
     one thread, which handles what `start`'s receiver was given.
     """
 

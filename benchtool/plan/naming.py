@@ -183,7 +183,7 @@ class Naming:
 
     @property
     def _reached(self) -> Mapping[str, str]:
-        """Units of what is measured of the operating point."""
+        """Units of the measurements of the operating point."""
         wanted = (asked(case.operating_point, self.motor, None) for case in cases(self.plan))
         return {each.name: each.unit for point in wanted for each in point}
 

@@ -62,7 +62,7 @@ class RunInfo:
     `when` is wall time in ISO 8601, `wall_s` tells that of now. `allow_different` lets a drive run whose
     parameters contradict the profile. `profile_toml` is the text of the profile, None if it is not known
     before the bench is open. `note` and `conditions` go into the manifest as they are. `prompt` asks a person
-    to do what the bench has no equipment for, None where nobody can be asked.
+    to do what the bench has no equipment for, None where there is no person to ask.
     """
 
     when: str
@@ -210,7 +210,7 @@ def _freed(by_hand: str, progress: Progress) -> Iterator[None]:
 
 
 def _require_person(session: Session, todo: Sequence[Case], info: RunInfo) -> None:
-    """Refuse a run that will need a person whom nobody can ask, before the drive is enabled for any case."""
+    """Refuse a run that needs a person and has none to ask, before the drive is enabled for any case."""
     if session.load is None and info.prompt is None:
         for case in todo:
             if what := instruction(case.operating_point):

@@ -1,4 +1,4 @@
-"""A wire of somebody else: messages of the serial line, each in a packet of a socket pair with its time."""
+"""A wire of another package: messages of the serial line, each in a packet of a socket pair with its time."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A package of somebody else that measures the mechanical power, as an installer would have left it."""
+"""Another package, which measures the mechanical power, as an installer would have left it."""
 
 from __future__ import annotations
 

@@ -63,7 +63,7 @@ def test_a_terminal_that_goes_is_nobody(monkeypatch: pytest.MonkeyPatch) -> None
     with _terminal(monkeypatch) as keyboard:
         ask = prompt(Answering(keyboard, b"\x04"), nullcontext, yes=False, alone=False)
         assert ask is not None
-        with pytest.raises(UsageError, match="nobody can be asked"):
+        with pytest.raises(UsageError, match="there is none to ask"):
             ask(WHAT)
 
 

@@ -1,4 +1,4 @@
-"""An analysis of somebody else's package: in the plan, the results, the figures, the report and `analyze`."""
+"""An analysis of another package: in the plan, the results, the figures, the report and `analyze`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Wires: one of somebody else that an installed package adds by one line, and links that are open already."""
+"""Wires: one that an installed package adds by one line, and links that are open already."""
 
 from __future__ import annotations
 

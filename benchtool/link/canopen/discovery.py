@@ -41,7 +41,7 @@ def ask_bus(place: str, bus: can.BusABC, bitrate: int | None, timeout_s: float, 
         clock: that the bus goes by.
 
     Raises:
-        LinkError: frames cannot be sent, as on a bus where nobody acknowledges them.
+        LinkError: frames cannot be sent, as on a bus where no node acknowledges them.
     """
     try:
         heard = _Heard()

@@ -33,7 +33,7 @@ def ask_port(place: str, port: Port, baudrate: int, timeout_s: float, clock: Clo
         clock: that the line goes by.
 
     Raises:
-        NoAnswer: nobody, or nobody who speaks this protocol.
+        NoAnswer: no drive that speaks this protocol.
         LinkClosed: the port is gone.
     """
     try:

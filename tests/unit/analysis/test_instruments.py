@@ -1,4 +1,4 @@
-"""Sensors and clock in the uncertainty of what is measured with them."""
+"""Sensors and clock in the uncertainty of measurements."""
 
 from __future__ import annotations
 
