@@ -11,7 +11,7 @@ from benchtool.analysis import Measurement
 from benchtool.analysis.catalogue import catalogue
 from benchtool.cli.output import VERDICT_COLOURS, Output, significant, tell_overdue
 from benchtool.plan.limits import Limit
-from benchtool.report.numbers import stated
+from benchtool.report.numbers import with_expanded
 from benchtool.results.assessment import Assessment, RunResult
 from benchtool.results.calibration import overdue_text
 from benchtool.results.repetitions import Repeated
@@ -21,8 +21,7 @@ _MOST_COLUMNS = 7
 
 def measured(measurement: Measurement) -> str:
     """Its value with its expanded uncertainty for 95 %, if it has one."""
-    uncertainty = measurement.uncertainty
-    return stated(measurement.value, None if uncertainty is None else uncertainty.expanded)
+    return with_expanded(measurement.value, measurement.uncertainty)
 
 
 def show_run(output: Output, title: str, result: RunResult, tabulate: Sequence[str] = ()) -> None:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from benchtool.analysis import Uncertainty
+
 NOTHING: Final = "–"
 _MINUS: Final = "−"
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -42,6 +44,11 @@ def stated(value: float, uncertainty: float | None) -> str:
         value, uncertainty = round(value, -place), round(uncertainty, -place)
     text = f"{_signed(f'{value:.{decimals}f}')} ± {uncertainty:.{decimals}f}"
     return f"({text}) × {_power(scaled)}" if scaled else text
+
+
+def with_expanded(value: float, uncertainty: Uncertainty | None) -> str:
+    """A value ± its expanded uncertainty for 95 %, which is what ± means wherever nothing else is said."""
+    return stated(value, None if uncertainty is None else uncertainty.expanded)
 
 
 def placed(value: float, uncertainty: float | None) -> str:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from benchtool.analysis import Measurement, Table, Uncertainty
 from benchtool.analysis.measurement import Basis
 from benchtool.report.content import Cell, Grid, Item, Mark, Section, Text
-from benchtool.report.numbers import NOTHING, number, raw, stated
+from benchtool.report.numbers import NOTHING, number, raw, with_expanded
 
 _SHOWN_ROWS = 10
 _GAPS = {0: "no gaps", 1: "1 gap"}
@@ -122,7 +122,7 @@ def _table(table: Table) -> Iterator[Item]:
 
 
 def _value(measured: Measurement) -> str:
-    return stated(measured.value, measured.uncertainty.expanded if measured.uncertainty else None)
+    return with_expanded(measured.value, measured.uncertainty)
 
 
 def measurement_notes(measured: Measurement) -> Iterator[str]:

@@ -19,7 +19,7 @@ from benchtool.report.assembly.figures import case_figures
 from benchtool.report.assembly.marks import mark, picture
 from benchtool.report.content import Item, Picture, Section, Text
 from benchtool.report.figures.overview import draw_channels
-from benchtool.report.numbers import number, raw, stated
+from benchtool.report.numbers import number, raw, with_expanded
 from benchtool.report.origin import (
     choices_section,
     events_section,
@@ -71,10 +71,7 @@ def remarks(result: Assessment) -> Iterator[Item]:
         yield Text(f"{str(missed.verdict).capitalize()}: {missed}.", "warning")
     for each in result.disagreements:
         verdict = f": {each.verdict} there" if each.verdict is not None else ""
-        own, true = (
-            stated(one.value, one.uncertainty.standard if one.uncertainty else None)
-            for one in (each.estimate, each.true)
-        )
+        own, true = (with_expanded(one.value, one.uncertainty) for one in (each.estimate, each.true))
         yield Text(
             f"The transducer disagrees: {each.name} is {own} {each.estimate.unit} by the drive's own "
             f"estimate, {true} {each.true.unit} on the shaft{verdict}.",

@@ -20,7 +20,7 @@ from benchtool.report.assembly.figures import panel_of
 from benchtool.report.assembly.marks import mark, picture, read_already
 from benchtool.report.content import Cell, Facts, Grid, Item, Report, Section, Text
 from benchtool.report.figures.drawings import comparable, draw_side_by_side
-from benchtool.report.numbers import NOTHING, raw, signed, stated
+from benchtool.report.numbers import NOTHING, raw, signed, with_expanded
 from benchtool.report.origin import files_section, supervision_notes
 from benchtool.report.results import measurement_notes
 from benchtool.results.assessment import Assessment
@@ -140,7 +140,7 @@ def _value(result: Assessment, name: str) -> Cell:
     measured = _named(result, name)
     if measured is None:
         return Cell(NOTHING)
-    text = stated(measured.value, measured.uncertainty.expanded if measured.uncertainty else None)
+    text = with_expanded(measured.value, measured.uncertainty)
     return Cell(text, mark(result.verdicts[name])) if name in result.verdicts else Cell(text)
 
 
@@ -154,7 +154,7 @@ def delta_row(delta: Delta) -> tuple[str | Cell, ...]:
 
 def difference(delta: Delta) -> str:
     """A difference with its sign and its expanded uncertainty, as far as there is one."""
-    text = stated(delta.absolute, None if delta.uncertainty is None else delta.uncertainty.expanded)
+    text = with_expanded(delta.absolute, delta.uncertainty)
     if "±" not in text:
         return signed(delta.absolute)
     if delta.absolute <= 0.0:

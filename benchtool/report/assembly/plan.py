@@ -10,7 +10,7 @@ from benchtool.report.assembly.case import case_facts, case_items, circumstances
 from benchtool.report.assembly.figures import run_figures
 from benchtool.report.assembly.marks import mark, picture
 from benchtool.report.content import Cell, Grid, Item, Section, Text
-from benchtool.report.numbers import NOTHING, raw, stated
+from benchtool.report.numbers import NOTHING, raw, with_expanded
 from benchtool.results.repetitions import Repeated
 from benchtool.results.runs import RecordedCase, RecordedRun
 
@@ -57,7 +57,7 @@ def _overview(run: RecordedRun) -> Iterator[Item]:
         repeated = [_repeated_row(each) for each in together]
         headings_ = (
             "measurement",
-            ">mean ± standard uncertainty",
+            ">mean ± U (95 %)",
             "unit",
             ">repetitions",
             "limit",
@@ -72,7 +72,7 @@ def _overview(run: RecordedRun) -> Iterator[Item]:
 
 def _repeated_row(each: Repeated) -> tuple[str | Cell, ...]:
     """A measurement over its repetitions, and how it meets the limit that holds for these together."""
-    row = (each.name, stated(each.mean, each.combined), each.unit, str(each.n))
+    row = (each.name, with_expanded(each.mean, each.uncertainty), each.unit, str(each.n))
     if each.limit is None:
         return (*row, "", "")
     what = "" if each.judged is None else f" ({each.judged.definition}; {each.limit.rule})"
@@ -103,7 +103,7 @@ def _overview_cell(case: RecordedCase, name: str) -> Cell:
     measured = next((each for each in result.measurements if each.name == name), None) if result else None
     if result is None or measured is None:
         return Cell(NOTHING)
-    text = stated(measured.value, measured.uncertainty.expanded if measured.uncertainty else None)
+    text = with_expanded(measured.value, measured.uncertainty)
     if name in result.published:
         text += f" ({raw(result.published[name])})"
     return Cell(text, mark(result.verdicts[name])) if name in result.verdicts else Cell(text)
