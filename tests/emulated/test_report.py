@@ -127,6 +127,14 @@ def test_the_report_of_the_demo(demo: Path) -> None:
     assert (demo / "report.pdf").read_bytes().startswith(b"%PDF-")
 
 
+def test_a_number_of_the_demo_has_one_uncertainty_wherever_it_is_printed(demo: Path) -> None:
+    """± is the expanded uncertainty, in the table of measurements and in what the transducer contradicts."""
+    page = page_of(demo)
+    found = re.findall(r"torque_ripple_pp is (\S+ ± \S+) Nm by", page)
+    assert len(found) == 1
+    assert page.count(found[0]) >= 3  # the limits, the measurements and this remark
+
+
 def test_the_same_bundle_gives_the_same_bytes_wherever_it_lies(demo: Path, tmp_path: Path) -> None:
     first = page_of(demo, "--pdf"), (demo / "report.pdf").read_bytes()
     moved = tmp_path / "elsewhere" / "demo"
