@@ -126,6 +126,7 @@ class Cia402Node(RemoteNode):
         try:
             self._walk_to(State.SWITCH_ON_DISABLED)
         except DriveFault:
+            self._touched = False
             return
         except BenchError as reason:
             self.link.nmt(NmtCommand.STOP)
@@ -133,8 +134,7 @@ class Cia402Node(RemoteNode):
                 f"the drive did not confirm that it is disabled ({reason}); NMT stop was sent and the host's "
                 f"heartbeat ends now: check that the motor has stopped, or use the emergency stop"
             ) from reason
-        finally:
-            self._touched = False
+        self._touched = False  # only now: an interrupted way out is gone again
         with suppress(BenchError):  # the power stage is off, and `enable` sees to it again
             self._zero_targets()
 
