@@ -278,6 +278,13 @@ def test_each_verb_says_what_it_lacks(
     assert not [each for each in tmp_path.iterdir() if each.suffix not in (".toml", ".eds")]
 
 
+@pytest.mark.parametrize("without", [(), ("603F",)])
+def test_reset_takes_the_error_code_by_its_role(tmp_path: Path, without: Collection[str]) -> None:
+    told = _invoked("reset", "--profile", foreign_profile(tmp_path, without=without), "--json")
+    assert told.exit_code == 0, told.stderr
+    assert json.loads(told.stdout)["error_code"] == (None if without else "0x0000")
+
+
 def test_jog_tells_that_nothing_watches_it(tmp_path: Path) -> None:
     path = foreign_profile(tmp_path, without=["1016"], drive="allow_unsupervised = true\n")
     told = _invoked("jog", "--torque", "0.1", "--duration", "0.05", "--profile", path, "--json")
