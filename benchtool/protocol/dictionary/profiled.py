@@ -45,7 +45,7 @@ def _redirected(dictionary: Dictionary, role: Role, stated: RoleObject) -> Varia
         )
     if role is Role.CONSUMER_HEARTBEAT and variable.index != role.key[0]:
         raise ValueRefused(
-            f"'{stated.object}' is 0x{variable.index:04X}, and an entry of 0x{role.key[0]:04X} is expected, the "
+            f"'{stated.object}' is 0x{variable.index:04X}, an entry of 0x{role.key[0]:04X} is expected, the "
             f"only object by which CiA 301 has a node watch its host: leave the key out, and see "
             f"allow_unsupervised under [drive] if the drive has none"
         )
