@@ -23,7 +23,7 @@ from benchtool.cli import app
 from benchtool.drive import Mode
 from benchtool.drive.capabilities import Capability
 from benchtool.drive.quantities import DC_LINK_VOLTAGE, SPEED, SPEED_SETPOINT, TORQUE, TORQUE_SETPOINT, in_si
-from benchtool.errors import CapabilityMissing
+from benchtool.errors import CapabilityMissing, ValueRefused
 from benchtool.profile import load_profile
 from benchtool.protocol.cia402 import State
 from benchtool.protocol.dictionary.roles import Role
@@ -158,12 +158,13 @@ def test_a_speed_in_units_of_the_user_is_not_guessed(open_foreign: Opener) -> No
     [
         (["6071"], r"no 'torque': .* maker\.eds has not 0x6071:0 target_torque"),
         (["6076"], r"has it in per mille, and no 0x6076:0 motor_rated_torque"),
+        (["1400"], r"setpoints at a rate take RPDO1, and .*maker\.eds has no 0x1400:1 rpdo_cob_id"),
     ],
 )
 def test_a_torque_that_it_has_not_is_refused(open_foreign: Opener, without: list[str], said: str) -> None:
     bench = open_foreign(without=without)
     bench.drive.connect()
-    with pytest.raises(CapabilityMissing, match=said):
+    with pytest.raises((CapabilityMissing, ValueRefused), match=said):
         jog(bench.drive, bench.session.profile.motor, Mode.TORQUE, lambda _: 0.1, duration_s=0.1)
     assert bench.drive.state() is State.SWITCH_ON_DISABLED
 
