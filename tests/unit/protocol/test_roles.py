@@ -121,7 +121,7 @@ def test_a_torque_may_be_of_the_rated_one(tmp_path: Path, unit: str) -> None:
 
 def test_a_host_is_watched_by_no_object_but_the_standards(tmp_path: Path) -> None:
     """What is written there reads back from any object that holds 32 bits, such as the rated torque."""
-    with pytest.raises(ProfileError, match=r"'0x6076' is 0x6076, and an entry of 0x1016 is expected"):
+    with pytest.raises(ProfileError, match=r"'0x6076' is 0x6076, an entry of 0x1016 is expected"):
         dictionary_with(tmp_path, 'consumer_heartbeat = "0x6076"\n')
     second = dictionary_with(tmp_path, 'consumer_heartbeat = "0x1016:2"\n')
     assert second[Role.CONSUMER_HEARTBEAT].key == (0x1016, 2)
