@@ -6,6 +6,7 @@ from benchtool.bench.session import open_session
 from benchtool.cli import options
 from benchtool.cli.output import Output
 from benchtool.protocol.cia402 import State
+from benchtool.protocol.dictionary.roles import Role
 
 
 def reset(
@@ -18,13 +19,16 @@ def reset(
     with open_session(profile, link, note=output.note, instruments=False) as session:
         drive = session.drive
         drive.connect()
-        before, error = drive.state(), f"0x{int(drive.number('error_code')):04X}"
+        before, code = drive.state(), drive.optional_number(Role.ERROR_CODE)
         if before is State.FAULT:
             drive.reset_fault()
         after = drive.state()
+    error = None if code is None else f"0x{code:04X}"
     was_in_fault = before is State.FAULT
     output.line(
-        f"{before.value} ({error}), now {after.value}" if was_in_fault else f"no fault: {after.value}"
+        f"{before.value} ({error or 'no error code'}), now {after.value}"
+        if was_in_fault
+        else f"no fault: {after.value}"
     )
     output.document({"before": before.value, "error_code": error, "after": after.value})
     return 0

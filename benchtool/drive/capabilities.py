@@ -219,4 +219,9 @@ def _remedy(capability: Capability) -> str:
     """What a person can do about a missing capability."""
     if any(isinstance(each.of, str) for each in _NEEDS[capability].objects):
         return "it takes firmware of benchtool's dictionary (docs/porting.md)"
+    if capability is Capability.SUPERVISED:
+        return (
+            "if another sub-index of it is to be used, name that under [roles] in its profile; only "
+            "allow_unsupervised = true under [drive] lets the drive run without"
+        )
     return "if the drive has such an object elsewhere, name it under [roles] in its profile"

@@ -31,23 +31,27 @@ class Quantity:
     """
 
     title: str
-    unit: str
     own: str
     role: Role
     rated: Role | None = None
     milli: bool = False
 
+    @property
+    def unit(self) -> str:
+        """SI unit of the quantity."""
+        return self.role.unit
+
 
 TORQUE_SETPOINT: Final = Quantity(
-    "torque setpoint", "Nm", "torque_command", Role.TARGET_TORQUE, Role.MOTOR_RATED_TORQUE
+    "torque setpoint", "torque_command", Role.TARGET_TORQUE, Role.MOTOR_RATED_TORQUE
 )
-SPEED_SETPOINT: Final = Quantity("speed setpoint", "rad/s", "omega_m_command", Role.TARGET_VELOCITY)
-TORQUE: Final = Quantity("torque", "Nm", "torque", Role.TORQUE_ACTUAL, Role.MOTOR_RATED_TORQUE)
-SPEED: Final = Quantity("speed", "rad/s", "omega_m", Role.VELOCITY_ACTUAL)
-CURRENT: Final = Quantity("current", "A", "", Role.CURRENT_ACTUAL, Role.MOTOR_RATED_CURRENT)
-DC_LINK_VOLTAGE: Final = Quantity("dc-link voltage", "V", "u_dc", Role.DC_LINK_VOLTAGE, milli=True)
-RATED_TORQUE: Final = Quantity("rated torque", "Nm", "", Role.MOTOR_RATED_TORQUE, milli=True)
-RATED_CURRENT: Final = Quantity("rated current", "A", "", Role.MOTOR_RATED_CURRENT, milli=True)
+SPEED_SETPOINT: Final = Quantity("speed setpoint", "omega_m_command", Role.TARGET_VELOCITY)
+TORQUE: Final = Quantity("torque", "torque", Role.TORQUE_ACTUAL, Role.MOTOR_RATED_TORQUE)
+SPEED: Final = Quantity("speed", "omega_m", Role.VELOCITY_ACTUAL)
+CURRENT: Final = Quantity("current", "", Role.CURRENT_ACTUAL, Role.MOTOR_RATED_CURRENT)
+DC_LINK_VOLTAGE: Final = Quantity("dc-link voltage", "u_dc", Role.DC_LINK_VOLTAGE, milli=True)
+RATED_TORQUE: Final = Quantity("rated torque", "", Role.MOTOR_RATED_TORQUE, milli=True)
+RATED_CURRENT: Final = Quantity("rated current", "", Role.MOTOR_RATED_CURRENT, milli=True)
 _RATED: Final = {each.role: each for each in (RATED_TORQUE, RATED_CURRENT)}
 
 

@@ -171,6 +171,19 @@ class RemoteDrive(Cia402Node):
         self.supervision.require()
         super().enable(mode)
 
+    def disable(self) -> None:
+        """As `Cia402Node.disable`; a drive that does not confirm watches on, and this host is silent.
+
+        Raises:
+            StateError: as there.
+        """
+        try:
+            super().disable()
+        except BenchError:
+            with suppress(LinkError):  # what the heartbeat ran into when the link went
+                self.stop_heartbeat()
+            raise
+
     def _drop_link(self) -> None:
         with suppress(LinkError):  # what the heartbeat ran into when the link went
             self.stop_heartbeat()

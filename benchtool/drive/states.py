@@ -9,7 +9,7 @@ from typing import Protocol
 
 from benchtool.clock import Clock
 from benchtool.drive.node import RemoteNode
-from benchtool.errors import BenchError, DriveFault, SdoAbort, StateError
+from benchtool.errors import BenchError, DriveFault, LinkError, SdoAbort, StateError
 from benchtool.link import Link
 from benchtool.protocol.canopen.abort import Abort
 from benchtool.protocol.canopen.emcy import Emergency, error_text
@@ -126,15 +126,19 @@ class Cia402Node(RemoteNode):
         try:
             self._walk_to(State.SWITCH_ON_DISABLED)
         except DriveFault:
+            self._touched = False
             return
         except BenchError as reason:
-            self.link.nmt(NmtCommand.STOP)
+            try:
+                self.link.nmt(NmtCommand.STOP)
+                stop = "NMT stop was sent"
+            except LinkError:  # the link has gone, and what is to be told stays the same
+                stop = "NMT stop could not be sent"
             raise StateError(
-                f"the drive did not confirm that it is disabled ({reason}); NMT stop was sent and the host's "
+                f"the drive did not confirm that it is disabled ({reason}); {stop} and the host's "
                 f"heartbeat ends now: check that the motor has stopped, or use the emergency stop"
             ) from reason
-        finally:
-            self._touched = False
+        self._touched = False  # only now: an interrupted way out is gone again
         with suppress(BenchError):  # the power stage is off, and `enable` sees to it again
             self._zero_targets()
 

@@ -34,6 +34,10 @@ class RoleObject(Section):
     @model_validator(mode="before")
     @classmethod
     def _object_alone(cls, stated: Any) -> Any:
+        if not isinstance(stated, str | dict):
+            raise ValueError(
+                "the object as text, '0x3001:2' or its name, or a table with 'object' is expected"
+            )
         return {"object": stated} if isinstance(stated, str) else stated
 
     @model_validator(mode="after")

@@ -23,7 +23,7 @@ from benchtool.cli import app
 from benchtool.drive import Mode
 from benchtool.drive.capabilities import Capability
 from benchtool.drive.quantities import DC_LINK_VOLTAGE, SPEED, SPEED_SETPOINT, TORQUE, TORQUE_SETPOINT, in_si
-from benchtool.errors import CapabilityMissing
+from benchtool.errors import CapabilityMissing, ValueRefused
 from benchtool.profile import load_profile
 from benchtool.protocol.cia402 import State
 from benchtool.protocol.dictionary.roles import Role
@@ -158,12 +158,13 @@ def test_a_speed_in_units_of_the_user_is_not_guessed(open_foreign: Opener) -> No
     [
         (["6071"], r"no 'torque': .* maker\.eds has not 0x6071:0 target_torque"),
         (["6076"], r"has it in per mille, and no 0x6076:0 motor_rated_torque"),
+        (["1400"], r"setpoints at a rate take RPDO1, and .*maker\.eds has no 0x1400:1 rpdo_cob_id"),
     ],
 )
 def test_a_torque_that_it_has_not_is_refused(open_foreign: Opener, without: list[str], said: str) -> None:
     bench = open_foreign(without=without)
     bench.drive.connect()
-    with pytest.raises(CapabilityMissing, match=said):
+    with pytest.raises((CapabilityMissing, ValueRefused), match=said):
         jog(bench.drive, bench.session.profile.motor, Mode.TORQUE, lambda _: 0.1, duration_s=0.1)
     assert bench.drive.state() is State.SWITCH_ON_DISABLED
 
@@ -276,6 +277,13 @@ def test_each_verb_says_what_it_lacks(
     assert f"no '{capability}'" in told.stderr
     assert "nothing was sent" in told.stderr
     assert not [each for each in tmp_path.iterdir() if each.suffix not in (".toml", ".eds")]
+
+
+@pytest.mark.parametrize("without", [(), ("603F",)])
+def test_reset_takes_the_error_code_by_its_role(tmp_path: Path, without: Collection[str]) -> None:
+    told = _invoked("reset", "--profile", foreign_profile(tmp_path, without=without), "--json")
+    assert told.exit_code == 0, told.stderr
+    assert json.loads(told.stdout)["error_code"] == (None if without else "0x0000")
 
 
 def test_jog_tells_that_nothing_watches_it(tmp_path: Path) -> None:

@@ -133,6 +133,7 @@ def test_an_emulated_drive_offers_the_wire_of_somebody_else() -> None:
     [
         ("broken = tests.emulated.loopback:NOTHING", "'broken' .* cannot be loaded: AttributeError"),
         ("absent = no_such_module:WIRE", "'absent' .* cannot be loaded: ModuleNotFoundError"),
+        ("ending = ending_wire:WIRE", r"'ending' .* cannot be loaded: SystemExit\(0\)"),
         ("odd = tests.emulated.loopback:LoopbackPort", "'odd' .* is a type, a Wire is expected"),
     ],
 )
@@ -140,6 +141,7 @@ def test_an_installed_wire_that_is_none_is_named(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, line: str, complaint: str
 ) -> None:
     install(tmp_path, monkeypatch, line)
+    (tmp_path / "ending_wire.py").write_text("raise SystemExit(0)\n", encoding="utf-8")
     assert registry.parse("emulated?wire=serial").scheme == "emulated", "those of this package work on"
     with pytest.raises(EnvironmentFailure, match=complaint):
         registry.parse("somewhere:else")

@@ -117,7 +117,7 @@ def _installed() -> Iterator[Wire]:
     for entry in entry_points(group=GROUP):
         try:
             wire = entry.load()
-        except Exception as reason:  # another package raises anything
+        except (Exception, SystemExit) as reason:  # another package raises anything
             raise EnvironmentFailure(
                 f"the wire '{entry.name}' ({entry.value}) cannot be loaded: {reason!r}; repair or remove the "
                 f"package that brings it"

@@ -12,6 +12,7 @@ from benchtool.link.interface import FrameLink
 from benchtool.link.process_data import DriveAccess, Source, encoded
 from benchtool.protocol.canopen.pdo import MAX_BITS, rpdo
 from benchtool.protocol.dictionary import Dictionary
+from benchtool.protocol.dictionary.roles import Role
 from benchtool.protocol.dictionary.variable import Variable
 from benchtool.protocol.telemetry import most_channels
 
@@ -49,6 +50,7 @@ class PdoSetpoints:
         self._link = link
         self._torque, self._speed = torque, speed
         mapped = [each for each in (torque, speed) if each is not None]
+        _require_rpdo(drive.dictionary)
         _require_mappable(*mapped)
         self._pdo = rpdo(link.node_id, [each.mapping for each in mapped])
         self._found = FoundPdo.of(drive, self._pdo)
@@ -73,6 +75,15 @@ class PdoSetpoints:
     def close(self) -> None:
         """See `SetpointMessage.close`."""
         self._found.put_back(self._drive)
+
+
+def _require_rpdo(dictionary: Dictionary) -> None:
+    for role in (Role.RPDO_COB_ID, Role.RPDO_MAPPING):
+        if role.key not in dictionary:
+            raise ValueRefused(
+                f"setpoints at a rate take RPDO1, and {dictionary.source} has no {role.label}: give an EDS "
+                f"that lists it; this drive takes no setpoints at a rate"
+            )
 
 
 def _require_mappable(*setpoints: Variable) -> None:

@@ -10,6 +10,7 @@ from benchtool.errors import ProfileError, ValueRefused
 from benchtool.profile import Profile, RoleObject, eds_path
 from benchtool.protocol.dictionary import Dictionary
 from benchtool.protocol.dictionary.objects import DataType
+from benchtool.protocol.dictionary.quantity import spellings
 from benchtool.protocol.dictionary.roles import Role
 from benchtool.protocol.dictionary.variable import Variable
 
@@ -42,4 +43,24 @@ def _redirected(dictionary: Dictionary, role: Role, stated: RoleObject) -> Varia
             f"'{stated.object}' in {PurePath(dictionary.source).name} is of type {variable.type}, {expected} "
             f"is expected: name another object"
         )
-    return replace(variable, unit=stated.unit, factor=stated.factor) if stated.unit else variable
+    if role is Role.CONSUMER_HEARTBEAT and variable.index != role.key[0]:
+        raise ValueRefused(
+            f"'{stated.object}' is 0x{variable.index:04X}, an entry of 0x{role.key[0]:04X} is expected, the "
+            f"only object by which CiA 301 has a node watch its host: leave the key out, and see "
+            f"allow_unsupervised under [drive] if the drive has none"
+        )
+    if not stated.unit:
+        return variable
+    if not role.unit:
+        raise ValueRefused(
+            f"unit is '{stated.unit}', and a {role.title} is no quantity: leave unit and factor out"
+        )
+    if stated.unit not in _units(role):
+        raise ValueRefused(f"unit is '{stated.unit}', and one of {', '.join(_units(role))} is expected")
+    return replace(variable, unit=stated.unit, factor=stated.factor)
+
+
+def _units(role: Role) -> tuple[str, ...]:
+    """Units that a profile may state for the object of a role."""
+    rated = {"Nm": ("T_N",), "A": ("I_N",)}.get(role.unit, ())
+    return (*spellings(role.unit), *rated)

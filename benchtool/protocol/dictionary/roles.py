@@ -8,7 +8,9 @@ may redirect it to another object of the drive. Sources: CiA 301, 7.5.2 (communi
 from __future__ import annotations
 
 import difflib
+from collections.abc import Mapping
 from enum import Enum, unique
+from typing import Final
 
 from benchtool.errors import ValueRefused
 
@@ -86,6 +88,11 @@ class Role(Enum):
         return f"{self.address} {self.title}"
 
     @property
+    def unit(self) -> str:
+        """SI unit of the quantity that the object is of; empty of a code, bits or a count."""
+        return _UNITS.get(self, "")
+
+    @property
     def is_text(self) -> bool:
         """Whether the object is a string; all others are numbers."""
         return self in (Role.DEVICE_NAME, Role.HARDWARE_VERSION, Role.FIRMWARE_VERSION)
@@ -103,3 +110,12 @@ class Role(Enum):
         close = difflib.get_close_matches(title, names, n=1, cutoff=0.5)
         hint = f"did you mean '{close[0]}'?" if close else f"the roles are {', '.join(names)}"
         raise ValueRefused(f"no role '{title}': {hint}")
+
+
+_UNITS: Final[Mapping[Role, str]] = {
+    **dict.fromkeys((Role.TARGET_TORQUE, Role.MAX_TORQUE, Role.MOTOR_RATED_TORQUE, Role.TORQUE_ACTUAL), "Nm"),
+    **dict.fromkeys((Role.MOTOR_RATED_CURRENT, Role.CURRENT_ACTUAL), "A"),
+    Role.DC_LINK_VOLTAGE: "V",
+    **dict.fromkeys((Role.TARGET_POSITION, Role.POSITION_ACTUAL), "rad"),
+    **dict.fromkeys((Role.TARGET_VELOCITY, Role.VELOCITY_ACTUAL), "rad/s"),
+}

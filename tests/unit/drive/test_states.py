@@ -10,7 +10,7 @@ import pytest
 from benchtool.clock import VirtualClock
 from benchtool.drive.parameters.transaction import require_disabled
 from benchtool.drive.states import Cia402Node
-from benchtool.errors import StateError, ValueRefused
+from benchtool.errors import LinkClosed, StateError, ValueRefused
 from benchtool.protocol.canopen.nmt import NmtCommand
 from benchtool.protocol.cia402 import State, state_of
 from benchtool.protocol.dictionary import Dictionary
@@ -65,6 +65,18 @@ def test_a_drive_whose_state_cannot_be_told_is_not_taken_for_disabled() -> None:
     with pytest.raises(StateError, match="did not confirm"):
         drive.node.disable()
     assert drive.sent == [NmtCommand.STOP]
+
+
+def test_a_link_that_has_gone_leaves_the_same_to_be_told() -> None:
+    """Without it the person at the bench would read "connect again" while the motor may be running."""
+    drive = Walked(OPERATION_ENABLED)
+
+    def gone(*_: object, **__: object) -> None:
+        raise LinkClosed("the link is closed; connect again")
+
+    vars(drive.node.link).update(upload=gone, nmt=gone)
+    with pytest.raises(StateError, match=r"closed; .*NMT stop could not be sent .* use the emergency stop"):
+        drive.node.disable()
 
 
 def test_a_drive_that_takes_its_time_is_waited_for_and_not_for_ever() -> None:

@@ -382,3 +382,64 @@ def test_the_cyclic_mode_is_asked_for_where_the_profile_mode_is_missing(supporte
     slave.held[0x6502, 0] = supported
     with slave.enabled_by_host():
         assert slave.held[MODE] == code
+
+
+# ---- ways out on which the drive does not confirm ---------------------------------------------------------
+
+
+def test_a_drive_that_does_not_confirm_is_left_watching_a_host_that_is_silent() -> None:
+    slave = Slave(foreign_eds())
+    slave.held[ACTION] = NONE
+    with (
+        pytest.raises(StateError, match="heartbeat ends now"),
+        slave.host() as drive,
+        drive.enabled(Mode.VELOCITY),
+    ):
+        slave.refused = {CONTROLWORD: Abort.DEVICE_STATE}
+    assert slave.state is State.OPERATION_ENABLED
+    assert slave.held[ENTRY] == WATCHED, "the watch is all that stops it now"
+    assert slave.held[ACTION] == FAULT
+    before = len(slave.heartbeats)
+    slave.clock.wait(1.0)
+    assert len(slave.heartbeats) == before
+
+
+def test_a_host_that_stays_after_that_is_silent_too() -> None:
+    slave = Slave(foreign_eds())
+    with slave.host() as drive:
+        drive.enable(Mode.VELOCITY)
+        slave.refused = {CONTROLWORD: Abort.DEVICE_STATE}
+        with pytest.raises(StateError, match="heartbeat ends now"):
+            drive.disable()
+        before = len(slave.heartbeats)
+        slave.clock.wait(1.0)
+        assert len(slave.heartbeats) == before
+        slave.refused = {}
+    assert slave.state is State.SWITCH_ON_DISABLED, "the way out tries again"
+
+
+class _Interrupting:
+    """An observer at whose first look Ctrl-C comes, once it is ready."""
+
+    ready = False
+
+    def state(self, state: State, tick: int | None) -> None:
+        if self.ready:
+            self.ready = False
+            raise KeyboardInterrupt
+
+    def emergency(self, emergency: object, tick: int | None) -> None:
+        pass
+
+
+def test_an_interrupt_while_it_is_disabled_keeps_it_from_nothing() -> None:
+    slave, interrupting = Slave(foreign_eds()), _Interrupting()
+    with (
+        pytest.raises(KeyboardInterrupt),
+        slave.host() as drive,
+        drive.observed(interrupting),
+        drive.enabled(Mode.VELOCITY),
+    ):
+        interrupting.ready = True
+    assert slave.state is State.SWITCH_ON_DISABLED
+    assert slave.held[ENTRY] == 0

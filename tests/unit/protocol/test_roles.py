@@ -88,6 +88,11 @@ def test_a_profile_adds_an_object_that_the_standard_has_elsewhere(tmp_path: Path
         ("torque_actual = 0x6077", "key 'roles.torque_actual"),
         ('torque_actual = { object = "0x6077", factor = 0.5 }', "a factor is of a unit"),
         ('torque_actual = { object = "0x6077", unit = "Nm", factor = 0.0 }', "makes every value 0"),
+        (
+            'torque_actual = { object = "0x6077", unit = "rpm" }',
+            "unit is 'rpm', and one of Nm, .* is expected",
+        ),
+        ("torque_actual = 24695", "'0x3001:2' or its name, or a table with 'object' is expected"),
         ('torque_actual = { objct = "0x6077" }', r"unknown key 'roles.torque_actual.objct': did you mean"),
     ],
 )
@@ -96,3 +101,27 @@ def test_what_is_wrong_is_refused_with_file_line_and_key(tmp_path: Path, line: s
         dictionary_with(tmp_path, f'controlword = "0x6040"\n{line}\n')
     assert str(refused.value).startswith(f"{tmp_path / 'profile.toml'}, line {FIRST_LINE + 1}: ")
     assert "roles.torque_act" in str(refused.value) or "roles.device_name" in str(refused.value)
+
+
+@pytest.mark.parametrize("role", [role for role in Role if not role.unit and not role.is_text])
+def test_what_is_no_quantity_is_not_scaled(tmp_path: Path, role: Role) -> None:
+    """A factor on a code would have the host write another one: 0x6007 of 1 as 0, which is to do nothing."""
+    eds = foreign_eds()
+    address = role.address if role in Dictionary.from_bytes(eds, 1, "any.eds") else "0x1001"
+    stated = f'{role.title} = {{ object = "{address}", unit = "rad/s", factor = 2.0 }}\n'
+    with pytest.raises(ProfileError, match=f"'roles.{role.title}': unit is 'rad/s', and a .* is no quantity"):
+        dictionary_with(tmp_path, stated, eds)
+
+
+@pytest.mark.parametrize("unit", ["Nm", "mNm", "T_N"])
+def test_a_torque_may_be_of_the_rated_one(tmp_path: Path, unit: str) -> None:
+    stated = f'torque_actual = {{ object = "0x6077", unit = "{unit}", factor = 0.01 }}\n'
+    assert dictionary_with(tmp_path, stated)[Role.TORQUE_ACTUAL].unit == unit
+
+
+def test_a_host_is_watched_by_no_object_but_the_standards(tmp_path: Path) -> None:
+    """What is written there reads back from any object that holds 32 bits, such as the rated torque."""
+    with pytest.raises(ProfileError, match=r"'0x6076' is 0x6076, an entry of 0x1016 is expected"):
+        dictionary_with(tmp_path, 'consumer_heartbeat = "0x6076"\n')
+    second = dictionary_with(tmp_path, 'consumer_heartbeat = "0x1016:2"\n')
+    assert second[Role.CONSUMER_HEARTBEAT].key == (0x1016, 2)
