@@ -175,7 +175,7 @@ class RemoteDrive(Cia402Node):
         """As `Cia402Node.disable`; a drive that does not confirm watches on, and this host is silent.
 
         Raises:
-            StateError: as there.
+            StateError, LinkClosed: as there.
         """
         try:
             super().disable()

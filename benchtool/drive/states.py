@@ -9,7 +9,7 @@ from typing import Protocol
 
 from benchtool.clock import Clock
 from benchtool.drive.node import RemoteNode
-from benchtool.errors import BenchError, DriveFault, LinkError, SdoAbort, StateError
+from benchtool.errors import BenchError, DriveFault, LinkClosed, LinkError, SdoAbort, StateError
 from benchtool.link import Link
 from benchtool.protocol.canopen.abort import Abort
 from benchtool.protocol.canopen.emcy import Emergency, error_text
@@ -122,6 +122,7 @@ class Cia402Node(RemoteNode):
 
         Raises:
             StateError: the drive does not confirm; its link supervision will have to stop it.
+            LinkClosed: likewise, as the link has gone.
         """
         try:
             self._walk_to(State.SWITCH_ON_DISABLED)
@@ -129,12 +130,13 @@ class Cia402Node(RemoteNode):
             self._touched = False
             return
         except BenchError as reason:
+            failure: type[StateError | LinkClosed] = StateError
             try:
                 self.link.nmt(NmtCommand.STOP)
                 stop = "NMT stop was sent"
             except LinkError:  # the link has gone, and what is to be told stays the same
-                stop = "NMT stop could not be sent"
-            raise StateError(
+                failure, stop = LinkClosed, "NMT stop could not be sent"
+            raise failure(
                 f"the drive did not confirm that it is disabled ({reason}); {stop} and the host's "
                 f"heartbeat ends now: check that the motor has stopped, or use the emergency stop"
             ) from reason

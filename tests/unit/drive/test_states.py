@@ -75,7 +75,7 @@ def test_a_link_that_has_gone_leaves_the_same_to_be_told() -> None:
         raise LinkClosed("the link is closed; connect again")
 
     vars(drive.node.link).update(upload=gone, nmt=gone)
-    with pytest.raises(StateError, match=r"closed; .*NMT stop could not be sent .* use the emergency stop"):
+    with pytest.raises(LinkClosed, match=r"closed; .*NMT stop could not be sent .* use the emergency stop"):
         drive.node.disable()
 
 
