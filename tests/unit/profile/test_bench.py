@@ -34,6 +34,14 @@ k = 2.5
 tolerance_ppm = 50
 """
 
+TRANSDUCER = """
+[bench.transducer]
+kind = "can"
+dbc = "torque.dbc"
+message = "Torque"
+rate_Hz = 1000.0
+"""
+
 
 def _bench(tmp_path: Path, text: str) -> Bench:
     path = tmp_path / "bench.toml"
@@ -81,6 +89,27 @@ def test_a_calibration_holds_up_to_the_day_it_is_due(tmp_path: Path) -> None:
 def test_what_cannot_be_is_refused_by_its_key(tmp_path: Path, line: str, message: str) -> None:
     with pytest.raises(ProfileError) as refused:
         _bench(tmp_path, f"[bench.channels.i_a]\n{line}\n")
+    assert message in str(refused.value)
+    assert "bench.toml, line" in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("section", "message"),
+    [
+        ('[bench]\nload = "person"', "key 'bench.load' is 'person': a table is expected"),
+        ("[bench.channels]\ni_a = 0.2", "key 'bench.channels.i_a' is 0.2: a table is expected"),
+        ("[bench]\nchannels = 3", "key 'bench.channels' is 3: a table is expected"),
+        (
+            f"{TRANSDUCER}signals = 'torque'",
+            "key 'bench.transducer.signals' is 'torque': an array is expected",
+        ),
+        (f"{TRANSDUCER}signals = ['torque', 'torque']", "signal 'torque' is named twice"),
+        (f"{TRANSDUCER}signals = ['torque']\ncounter = 'torque'", "signal 'torque' is named twice"),
+    ],
+)
+def test_tables_and_arrays_are_asked_for_by_these_words(tmp_path: Path, section: str, message: str) -> None:
+    with pytest.raises(ProfileError) as refused:
+        _bench(tmp_path, f"{section}\n")
     assert message in str(refused.value)
     assert "bench.toml, line" in str(refused.value)
 
