@@ -131,6 +131,8 @@ def test_a_file_without_a_bench_is_refused(tmp_path: Path) -> None:
         ("[bench.channels.i_A]\ngain_U_percent = 1.0", "no channel 'i_A'"),
         ("[bench.channels.i_a]\noffset_U_V = 1.0", "'i_a' is in A, its offset or resolution in V"),
         ("[bench.channels.torque_transducer]\noffset_U_A = 1.0", "'torque_transducer' is in Nm"),
+        ("[bench.channels.switching_count]\noffset_U_A = 1.0", "'switching_count' has no unit, its offset"),
+        ("[bench.channels.i_b]\n[bench.channels.i_A]\n", "no channel 'i_A'"),
     ],
 )
 def test_a_sensor_of_no_channel_is_refused_before_a_run(tmp_path: Path, section: str, message: str) -> None:
@@ -140,8 +142,18 @@ def test_a_sensor_of_no_channel_is_refused_before_a_run(tmp_path: Path, section:
     dictionary = Dictionary.from_eds(eds_path(profile, profile_path("zhu2011")), 1)
     name = "zhu2011/ripple"
     with pytest.raises((ProfileError, PlanError)) as refused:
-        require_known(load_plan(name), plan_path(name), profile, dictionary, transducer=True)
+        require_known(
+            load_plan(name),
+            plan_path(name),
+            profile,
+            dictionary,
+            transducer=True,
+            profile_file=tmp_path / "mine.toml",
+        )
     assert message in str(refused.value)
+    wrong = section.strip().splitlines()
+    line = len(text.splitlines()) + 1 + max(at for at, each in enumerate(wrong, 1) if each.startswith("["))
+    assert str(refused.value).startswith(f"{tmp_path / 'mine.toml'}, line {line}, [bench.channels]: ")
 
 
 def test_the_shipped_profile_states_no_sensor() -> None:
