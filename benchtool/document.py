@@ -26,6 +26,13 @@ Array = Annotated[tuple[Item, ...], Strict(False)]
 
 _UNION_MEMBERS = frozenset({"float", "int", "str"})  # that pydantic appends to where a value stands
 _SHORT_LIST = 24
+_EXPECTED = {  # in the words of TOML, by the type of pydantic's complaint
+    "dict_type": "a table is expected",
+    "model_type": "a table is expected",
+    "model_attributes_type": "a table is expected",
+    "tuple_type": "an array is expected",
+    "list_type": "an array is expected",
+}
 _PART = r"""(?:"[^"]*"|'[^']*'|[\w-]+)"""
 _KEYS = rf"{_PART}(?:\s*\.\s*{_PART})*"
 
@@ -175,7 +182,7 @@ def _explain(model: type[BaseModel], detail: ErrorDetails) -> str:
     if detail["type"] == "union_tag_invalid":
         context = detail["ctx"]
         return f"key '{key}.kind' is '{context['tag']}': {context['expected_tags']} are the kinds known here"
-    message = detail["msg"].removeprefix("Value error, ")
+    message = _EXPECTED.get(detail["type"], detail["msg"].removeprefix("Value error, "))
     message = message[:1].lower() + message[1:]
     if isinstance(detail["input"], dict):  # a whole table, of which only the keys together are wrong
         return f"[{key}]: {message}" if key else message

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from typing import Final
 
@@ -13,7 +12,7 @@ from benchtool.analysis.measurement import Measurement
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.ripple import ripple_numbers
 from benchtool.analysis.span import cut_to_span
-from benchtool.analysis.uncertainty import Uncertainty
+from benchtool.analysis.uncertainty import Contribution, combined
 from benchtool.analysis.window import Window
 from benchtool.block import Block
 
@@ -70,8 +69,9 @@ def true_torque(
         return numbers
     mean, uncertain = numbers[0], None
     if estimate.uncertainty is not None and mean.uncertainty is not None:
-        both = math.hypot(estimate.uncertainty.standard, mean.uncertainty.standard)
-        uncertain = Uncertainty(both, "those of both means, taken as independent")
+        both = {"estimate": estimate.uncertainty, "transducer": mean.uncertainty}
+        parts = [Contribution(f"mean of the {name}", "A", u.standard, u.dof) for name, u in both.items()]
+        uncertain = combined(parts, "those of both means, taken as independent")
     text = f"mean of the drive's estimate torque minus mean of {what}"
     error_Nm = estimate.value - mean.value
     reference = f"torque_transducer, {len(inside.data)} samples at {inside.sample_rate_Hz:g} Hz"

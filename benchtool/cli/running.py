@@ -95,7 +95,14 @@ def _checked(named: NamedPlan, chosen: RunOptions) -> NamedPlan:
     capabilities = Capabilities.of(dictionary)
     for case in cases(plan):
         require_capable(capabilities, plan, case)
-    require_known(plan, plan_path(name), profile, dictionary, transducer=equipment.has_transducer)
+    require_known(
+        plan,
+        plan_path(name),
+        profile,
+        dictionary,
+        transducer=equipment.has_transducer,
+        profile_file=profile_path(named.profile),
+    )
     if chosen.link == "emulated":
         require_protected(plan, plan_path(name), profile, dictionary)
     if chosen.jobs > 1 and (chosen.real_time or chosen.link != "emulated"):

@@ -34,7 +34,13 @@ Faults = Iterator[tuple[Path_, str]]
 
 
 def require_known(
-    plan: Plan, path: Path, profile: Profile, dictionary: Dictionary, *, transducer: bool
+    plan: Plan,
+    path: Path,
+    profile: Profile,
+    dictionary: Dictionary,
+    *,
+    transducer: bool,
+    profile_file: Path | None = None,
 ) -> None:
     """Check all that the plan at `path` names and asks for.
 
@@ -44,6 +50,7 @@ def require_known(
         profile: of the motor and the bench that it will run on.
         dictionary: of the drive.
         transducer: whether that bench has a torque transducer.
+        profile_file: of the profile, for messages; without it they have the profile's title.
 
     Raises:
         ProfileError: the profile sets a parameter that there is not, or to what it cannot be; or it states a
@@ -55,9 +62,11 @@ def require_known(
         try:
             setting_of(dictionary, key, value)
         except ValueRefused as refused:
-            raise ProfileError(f"profile '{profile.title}', [drive.parameters]: {refused}") from None
-    for reason in _sensor_faults(profile, dictionary):
-        raise ProfileError(f"profile '{profile.title}', [bench.channels]: {reason}")
+            place = _in_profile(profile, profile_file, ("drive", "parameters", key))
+            raise ProfileError(f"{place}, [drive.parameters]: {refused}") from None
+    for name, reason in _sensor_faults(profile, dictionary):
+        place = _in_profile(profile, profile_file, ("bench", "channels", name))
+        raise ProfileError(f"{place}, [bench.channels]: {reason}")
     text = path.read_text(encoding="utf-8")
     written = tomllib.loads(text)
     stream = "stream_sequence" in dictionary
@@ -77,16 +86,26 @@ def require_known(
             raise PlanError(f"{path}{line_of(text, location)}: {reason}")
 
 
-def _sensor_faults(profile: Profile, dictionary: Dictionary) -> Iterator[str]:
+def _in_profile(profile: Profile, file: Path | None, location: Path_) -> str:
+    """Where a key of the profile stands: file and line, or the profile by its title."""
+    if file is None:
+        return f"profile '{profile.title}'"
+    return f"{file}{line_of(file.read_text(encoding='utf-8'), location)}"
+
+
+def _sensor_faults(profile: Profile, dictionary: Dictionary) -> Iterator[tuple[str, str]]:
     """Sensors of channels that there are not, and what is stated of them in another unit."""
     units = {each.name: each.unit for each in dictionary if each.role == "signal"} | {TRANSDUCER: "Nm"}
     for name, sensor in profile.bench.channels.items():
         if name not in units:
-            yield f"no channel '{name}' of drive or torque transducer: {closest(name, list(units))}"
+            yield name, f"no channel '{name}' of drive or torque transducer: {closest(name, list(units))}"
+        elif sensor.unit and not units[name]:
+            yield name, f"'{name}' has no unit, its offset or resolution is in {sensor.unit}: leave them out"
         elif sensor.unit and sensor.unit != units[name]:
             yield (
-                f"'{name}' is in {units[name] or 'no unit'}, its offset or resolution in {sensor.unit}: "
-                f"state them in the channel's unit"
+                name,
+                f"'{name}' is in {units[name]}, its offset or resolution in {sensor.unit}: "
+                f"state them in the channel's unit",
             )
 
 

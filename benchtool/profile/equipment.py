@@ -84,6 +84,16 @@ class CanTransducer(CanFrames):
     delay_s: NotNegative = 0.0
     delay_limit_s: NotNegative = 0.0
 
+    @model_validator(mode="after")
+    def _each_signal_once(self) -> Self:
+        for name in self.read_signals:
+            if self.read_signals.count(name) > 1:
+                raise ValueError(
+                    f"signal '{name}' is named twice, a signal for each sample and one that counts are "
+                    f"expected: name the others"
+                )
+        return self
+
     @property
     def read_signals(self) -> tuple[str, ...]:
         """See `CanFrames.read_signals`."""

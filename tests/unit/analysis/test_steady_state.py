@@ -82,6 +82,19 @@ def test_the_torque_error_is_what_the_estimate_has_too_much() -> None:
     assert analyze(capture(0.68), transducer())["torque_error"].value == pytest.approx(0.03, abs=2e-4)
 
 
+def test_the_torque_error_has_the_degrees_of_freedom_of_both_means() -> None:
+    """Scatter over a few periods: Welch and Satterthwaite of two, not a normal distribution."""
+    steady = analyze(capture(0.68), transducer())
+    stated = (steady[name].uncertainty for name in ("torque_error", "torque_mean", "true_torque_mean"))
+    error, *means = (each for each in stated if each is not None)
+
+    u2 = sum(each.standard**2 for each in means)
+    assert error.standard == pytest.approx(u2**0.5)
+    assert error.dof == pytest.approx(u2**2 / sum(each.standard**4 / each.dof for each in means))
+    assert np.isfinite(error.dof)
+    assert [each.name for each in error.lines] == ["mean of the estimate", "mean of the transducer"]
+
+
 def test_every_number_of_a_known_capture() -> None:
     steady = analyze(capture(), transducer())
 

@@ -34,6 +34,14 @@ k = 2.5
 tolerance_ppm = 50
 """
 
+TRANSDUCER = """
+[bench.transducer]
+kind = "can"
+dbc = "torque.dbc"
+message = "Torque"
+rate_Hz = 1000.0
+"""
+
 
 def _bench(tmp_path: Path, text: str) -> Bench:
     path = tmp_path / "bench.toml"
@@ -85,6 +93,27 @@ def test_what_cannot_be_is_refused_by_its_key(tmp_path: Path, line: str, message
     assert "bench.toml, line" in str(refused.value)
 
 
+@pytest.mark.parametrize(
+    ("section", "message"),
+    [
+        ('[bench]\nload = "person"', "key 'bench.load' is 'person': a table is expected"),
+        ("[bench.channels]\ni_a = 0.2", "key 'bench.channels.i_a' is 0.2: a table is expected"),
+        ("[bench]\nchannels = 3", "key 'bench.channels' is 3: a table is expected"),
+        (
+            f"{TRANSDUCER}signals = 'torque'",
+            "key 'bench.transducer.signals' is 'torque': an array is expected",
+        ),
+        (f"{TRANSDUCER}signals = ['torque', 'torque']", "signal 'torque' is named twice"),
+        (f"{TRANSDUCER}signals = ['torque']\ncounter = 'torque'", "signal 'torque' is named twice"),
+    ],
+)
+def test_tables_and_arrays_are_asked_for_by_these_words(tmp_path: Path, section: str, message: str) -> None:
+    with pytest.raises(ProfileError) as refused:
+        _bench(tmp_path, f"{section}\n")
+    assert message in str(refused.value)
+    assert "bench.toml, line" in str(refused.value)
+
+
 def test_an_angle_has_no_gain(tmp_path: Path) -> None:
     with pytest.raises(ProfileError, match="exact after a whole revolution"):
         _bench(tmp_path, "[bench.channels.theta_m]\ngain_U_percent = 0.1\n")
@@ -102,6 +131,8 @@ def test_a_file_without_a_bench_is_refused(tmp_path: Path) -> None:
         ("[bench.channels.i_A]\ngain_U_percent = 1.0", "no channel 'i_A'"),
         ("[bench.channels.i_a]\noffset_U_V = 1.0", "'i_a' is in A, its offset or resolution in V"),
         ("[bench.channels.torque_transducer]\noffset_U_A = 1.0", "'torque_transducer' is in Nm"),
+        ("[bench.channels.switching_count]\noffset_U_A = 1.0", "'switching_count' has no unit, its offset"),
+        ("[bench.channels.i_b]\n[bench.channels.i_A]\n", "no channel 'i_A'"),
     ],
 )
 def test_a_sensor_of_no_channel_is_refused_before_a_run(tmp_path: Path, section: str, message: str) -> None:
@@ -111,8 +142,18 @@ def test_a_sensor_of_no_channel_is_refused_before_a_run(tmp_path: Path, section:
     dictionary = Dictionary.from_eds(eds_path(profile, profile_path("zhu2011")), 1)
     name = "zhu2011/ripple"
     with pytest.raises((ProfileError, PlanError)) as refused:
-        require_known(load_plan(name), plan_path(name), profile, dictionary, transducer=True)
+        require_known(
+            load_plan(name),
+            plan_path(name),
+            profile,
+            dictionary,
+            transducer=True,
+            profile_file=tmp_path / "mine.toml",
+        )
     assert message in str(refused.value)
+    wrong = section.strip().splitlines()
+    line = len(text.splitlines()) + 1 + max(at for at, each in enumerate(wrong, 1) if each.startswith("["))
+    assert str(refused.value).startswith(f"{tmp_path / 'mine.toml'}, line {line}, [bench.channels]: ")
 
 
 def test_the_shipped_profile_states_no_sensor() -> None:
