@@ -10,6 +10,8 @@ from functools import partial
 from pathlib import Path
 
 from benchtool.bench.session import dictionary_of, equipment_of, open_session
+from benchtool.bench.wires import registry
+from benchtool.bench.wires.wire import FarEnd
 from benchtool.cli import asking, options, viewing
 from benchtool.cli.bundles import bundle_folder, conditions
 from benchtool.cli.output import Output
@@ -103,7 +105,7 @@ def _checked(named: NamedPlan, chosen: RunOptions) -> NamedPlan:
         transducer=equipment.has_transducer,
         profile_file=profile_path(named.profile),
     )
-    if chosen.link == "emulated":
+    if registry.far_end(chosen.link) is FarEnd.EMULATED_DRIVE:
         require_protected(plan, plan_path(name), profile, dictionary)
     if chosen.jobs > 1 and (chosen.real_time or chosen.link != "emulated"):
         raise UsageError(

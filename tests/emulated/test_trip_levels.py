@@ -5,12 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
 from benchtool.bench.session import dictionary_of
+from benchtool.cli import app
 from benchtool.drive.parameters.transaction import temporary, write_all
 from benchtool.emulator.bench import EmulatedBench
 from benchtool.errors import PlanError, ProfileError, SdoAbort, ValueRefused
-from benchtool.plan.model import Plan, load_plan
+from benchtool.plan.model import Plan, load_plan, plan_path
 from benchtool.plan.ranges import require_protected
 from benchtool.profile import altered, load_profile
 from benchtool.protocol.canopen.abort import Abort
@@ -119,6 +121,17 @@ def test_a_plan_is_refused_before_any_of_its_cases_runs(changes: dict[str, objec
         return
     with pytest.raises(PlanError, match=complaint):
         require_protected(plan, path, profile, dictionary)
+
+
+@pytest.mark.parametrize("link", ["emulated", "emulated?wire=serial"])
+def test_the_same_plans_are_refused_over_either_wire_of_the_emulated_drive(link: str, tmp_path: Path) -> None:
+    text = plan_path("zhu2011/ripple").read_text(encoding="utf-8")
+    plan = tmp_path / "mine.toml"
+    plan.write_text(text.replace("[setup]", "[setup]\ni_trip_A = 14.5"), encoding="utf-8")
+    result = CliRunner().invoke(app, ["run", str(plan), "--link", link, "--out", str(tmp_path / "run")])
+    assert result.exit_code == 2
+    assert "i_trip = 14.5 A is above i_full_scale = 12.5 A" in result.stderr
+    assert not (tmp_path / "run").exists()
 
 
 def test_defaults_beyond_a_smaller_converter_are_in_force_as_cut_by_the_drive() -> None:
