@@ -71,6 +71,10 @@ def run_to_the_end(app: Callable[[], object]) -> NoReturn:
         sys.stdout.flush()
     except OSError as failure:
         code = tell_refused(failure)
+    try:
+        sys.stderr.flush()  # a library's note, which the interpreter would make an exit code of 120
+    except OSError:
+        _silence_broken_streams()
     raise SystemExit(code)
 
 

@@ -301,7 +301,12 @@ def test_a_transducer_that_falls_silent_ends_the_run_disabled_and_unloaded(
         (SLOW, "emulated?wire=serial", "the drive is on no CAN bus"),
         ({**SLOW, "signals": ["torque_9"]}, "emulated", "has no signal 'torque_9': did you mean"),
         ({**SLOW, "message": "Heat", "signals": ["speed"], "counter": ""}, "emulated", "is in 'rpm'"),
-        ({**SLOW, "counter": "torque_1"}, "emulated", "counter 'torque_1' counts from"),
+        (
+            {**SLOW, "signals": ["torque_0"], "counter": "torque_1"},
+            "emulated",
+            "counter 'torque_1' counts from",
+        ),
+        ({**SLOW, "counter": "torque_1"}, "emulated", "signal 'torque_1' is named twice"),
         ({**SLOW, "rate_Hz": 999.0}, "emulated", "whole parts of it"),
         ({**SLOW, "dbc": "other.dbc"}, "emulated", "cannot read"),
     ],

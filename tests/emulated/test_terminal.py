@@ -104,6 +104,16 @@ def test_streams_that_take_nothing(tmp_path: Path, shell: str, code: int, said: 
     assert said in done.stderr
 
 
+def test_a_note_of_a_library_that_nothing_takes_is_no_failure() -> None:
+    code = (
+        "import sys\n"
+        "from benchtool.cli.ending import run_to_the_end\n"
+        "run_to_the_end(lambda: sys.stderr.write('building a cache'))\n"
+    )
+    command = ["bash", "-c", '"$@" 2>/dev/full', "bash", sys.executable, "-c", code]
+    assert subprocess.run(command, check=False).returncode == 0
+
+
 @pytest.mark.parametrize("number", [errno.ENOSPC, errno.EROFS, errno.EACCES, errno.EIO])
 def test_what_the_system_refuses_is_a_line(number: int, capsys: pytest.CaptureFixture[str]) -> None:
     def verb() -> int:
