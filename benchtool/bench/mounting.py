@@ -8,8 +8,6 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import can
-
 from benchtool.bench.can_frames import BusListener, MessageListener
 from benchtool.bench.dbc import DbcSupply, DbcThermometer, DbcTransducer, factor_of
 from benchtool.bench.equipment import (
@@ -25,7 +23,7 @@ from benchtool.bench.wires.canopen import bus_at
 from benchtool.clock import Clock
 from benchtool.errors import ProfileError
 from benchtool.link import FrameLink, Link
-from benchtool.link.canopen.stamps import AdapterStamps
+from benchtool.link.canopen.stamps import AdapterStamps, timestamp
 from benchtool.link.interface import Frame, FrameReceiver
 from benchtool.profile.equipment import (
     DRIVES_BUS,
@@ -218,7 +216,7 @@ class _Mounting:
         if url not in self._others:
             if self._emulated is not None:
                 bus = self._emulated.host_bus(f"{self._emulated.channel}/{url}")
-                listener = BusListener(bus, _timestamp)
+                listener = BusListener(bus, timestamp)
             else:
                 listener = BusListener(bus_at(registry.parse(url)), AdapterStamps(self._clock))
             self._stack.callback(listener.close)
@@ -229,7 +227,3 @@ class _Mounting:
         """The virtual channel of an instrument of the emulated bench; empty for the drive's own."""
         assert self._emulated is not None
         return "" if stated.bus == DRIVES_BUS else f"{self._emulated.channel}/{stated.bus}"
-
-
-def _timestamp(frame: can.Message) -> float:
-    return frame.timestamp

@@ -86,6 +86,7 @@ def record(
             manifest = manifest_of(
                 session,
                 identity,
+                what="record",
                 when=begun,
                 wall_s=options.wall_time().timestamp(),
                 note=note,
@@ -93,6 +94,7 @@ def record(
                 seed=seed,
                 link=link,
                 command_line=tuple(sys.argv[1:]),
+                details={"state": drive.state().value},
             )
             tell_overdue(output, Calibration.at(session.profile.bench, begun).overdue(names))
             with (

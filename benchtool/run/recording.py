@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass
+from typing import Any
 
 from benchtool.bench.session import Session
 from benchtool.drive import Identity
@@ -50,6 +51,7 @@ def manifest_of(
     session: Session,
     identity: Identity,
     *,
+    what: str,
     when: str,
     wall_s: float,
     note: str,
@@ -57,11 +59,15 @@ def manifest_of(
     seed: int,
     link: str,
     command_line: tuple[str, ...],
+    details: Mapping[str, Any],
 ) -> Manifest:
-    """The manifest of a recording that begins now, at `wall_s` of wall time, `when` in ISO 8601."""
+    """The manifest of a recording that begins now, at `wall_s` of wall time, `when` in ISO 8601.
+
+    `details` are what only this recording has, `what` it is.
+    """
     drive = session.drive
     return Manifest(
-        what="record",
+        what=what,
         when=when,
         profile_name=session.profile_name,
         profile_toml=session.profile_toml,
@@ -74,7 +80,7 @@ def manifest_of(
         command_line=command_line,
         note=note,
         conditions=conditions,
-        details={"state": drive.state().value, "wall": drive.wall_mark(wall_s)},
+        details={**details, "wall": drive.wall_mark(wall_s)},
     )
 
 

@@ -30,7 +30,6 @@ from benchtool.recording import (
     EventFile,
     Level,
     Manifest,
-    software_versions,
 )
 from benchtool.report.assembly.figures import draw_case, draw_cases
 from benchtool.results.assessment import Assessment, RunResult, assess, assess_bundle
@@ -41,6 +40,7 @@ from benchtool.run.equipment import facts, readings, remarks
 from benchtool.run.failure import fail_bundle
 from benchtool.run.observers import Unwatched, Watcher
 from benchtool.run.parameter_check import ParameterCheck, check_parameters
+from benchtool.run.recording import manifest_of
 from benchtool.run.requirements import require_capable
 from benchtool.run.resumption import Origin, case_folder, require_same_origin
 from benchtool.telemetry import (
@@ -356,28 +356,23 @@ def _manifest(
     identity: Identity,
     equipment: Mapping[str, Any],
 ) -> Manifest:
-    told: Mapping[str, int | float | str | None] = asdict(identity)
-    return Manifest(
+    return manifest_of(
+        session,
+        identity,
         what=plan.title,
         when=info.when,
-        profile_name=session.profile_name,
-        profile_toml=session.profile_toml,
-        link=info.link,
-        identity={key: value for key, value in told.items() if value is not None},
-        dictionary_hash=identity.dictionary_hash,
-        parameters=snapshot(session.drive),
-        versions=software_versions(),
-        seed=_seed(info, case),
-        command_line=info.command_line,
+        wall_s=info.wall_s(),
         note=info.note,
         conditions=info.conditions,
+        seed=_seed(info, case),
+        link=info.link,
+        command_line=info.command_line,
         details={
             "case": case.name,
             "coordinates": case.coordinates.to_json(),
             "operating_point": case.operating_point.model_dump(mode="json"),
             "plan": plan.model_dump(mode="json"),
             "motor": session.profile.motor.model_dump(mode="json"),
-            "wall": session.drive.wall_mark(info.wall_s()),
             **_supervision(session),
             **equipment,
         },

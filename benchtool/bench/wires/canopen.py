@@ -37,7 +37,7 @@ def bus_at(address: Address) -> can.BusABC:
 def _connect(_stack: ExitStack, address: Address, opening: Opening) -> Connection:
     from benchtool.clock import RealClock
     from benchtool.link.canopen.link import CanopenLink
-    from benchtool.link.canopen.stamps import AdapterStamps
+    from benchtool.link.canopen.stamps import AdapterStamps, timestamp
 
     clock = RealClock()
 
@@ -46,25 +46,22 @@ def _connect(_stack: ExitStack, address: Address, opening: Opening) -> Connectio
         if opening.frames is None:
             return CanopenLink(bus, opening.node_id, clock, arrival_s=AdapterStamps(clock))
         tapped = opening.frames.tap(bus, clock, stamp=True)
-        return CanopenLink(tapped, opening.node_id, clock, arrival_s=_timestamp)
+        return CanopenLink(tapped, opening.node_id, clock, arrival_s=timestamp)
 
     return Connection(clock, open_link)
 
 
 def _host_link(bench: EmulatedBench, opening: Opening) -> Callable[[], Link]:
     from benchtool.link.canopen.link import CanopenLink
+    from benchtool.link.canopen.stamps import timestamp
 
     def open_link() -> Link:
         bus: can.BusABC = bench.host_bus()
         if opening.frames is not None:
             bus = opening.frames.tap(bus, bench.clock)
-        return CanopenLink(bus, opening.node_id, bench.clock, arrival_s=_timestamp)
+        return CanopenLink(bus, opening.node_id, bench.clock, arrival_s=timestamp)
 
     return open_link
-
-
-def _timestamp(frame: can.Message) -> float:
-    return frame.timestamp
 
 
 def _offer_slcan(bench: EmulatedBench, port: Port, place: str, node_id: int, on_gone: OnGone) -> Offered:
