@@ -1,8 +1,8 @@
-"""Time, real and virtual: the only place of the project that sleeps.
+"""Clocks, real and virtual; the only module of the project that sleeps.
 
 In virtual time waiting *is* simulating: `wait` brings every follower (the emulated drive) up to each moment
-at which something is due, so that an experiment takes as long as its arithmetic and its outcome never
-hangs on thread timing.
+at which something is due, so that an experiment runs as fast as it computes, and its result does not depend
+on thread timing.
 """
 
 from __future__ import annotations
@@ -23,13 +23,17 @@ class Timer(Protocol):
 
 
 class Clock(Protocol):
-    """What host and emulator know of time; seconds, monotonic, from an arbitrary origin."""
+    """Clock of host and emulator; seconds, monotonic, from an arbitrary origin."""
 
     virtual: ClassVar[bool]
     """Whether time advances only inside `wait`: periods are exact, whatever the computer does."""
 
+    @property
+    def paced(self) -> bool:
+        """Whether time passes as that of the wall clock does."""
+
     def now_s(self) -> float:
-        """The present."""
+        """Return the present."""
 
     def wait(self, duration_s: float) -> None:
         """Return when `duration_s` has passed."""
@@ -38,24 +42,30 @@ class Clock(Protocol):
         """Call `action` now and then every `period_s`, until cancelled."""
 
     def settle(self) -> bool:
-        """Have everything sent so far, and everything sent in answer, handled; whether that can be known.
+        """Wait until everything sent so far, and everything sent in response, is handled; return whether that
+        is certain.
 
-        If it is true, what has not come by now will not come before time moves. A real clock knows nothing of
-        what is under way, and returns False at once.
+        If true, nothing more will come before time moves. A real clock cannot know, and returns False at
+        once.
         """
 
-    def settle_with(self, settle: Callable[[], bool]) -> None:
-        """Have `settle()` called before time moves, where time waits: it returns once nothing sent to it is
-        unhandled, and says whether there was something."""
+    def register(self, settle: Callable[[], bool]) -> None:
+        """Register a receiver: virtual time calls `settle()` before it moves, which waits until everything
+        sent to the receiver is handled, and returns whether there was anything."""
 
-    def forget(self, callback: Callable[..., object]) -> None:
-        """Take back a `settle_with`."""
+    def unregister(self, callback: Callable[..., object]) -> None:
+        """Undo `register`."""
 
 
 class RealClock:
-    """The wall clock, which waits for nothing."""
+    """The wall clock."""
 
     virtual: ClassVar[bool] = False
+
+    @property
+    def paced(self) -> bool:
+        """Always."""
+        return True
 
     def now_s(self) -> float:
         return time.monotonic()
@@ -69,11 +79,11 @@ class RealClock:
     def settle(self) -> bool:
         return False
 
-    def settle_with(self, settle: Callable[[], bool]) -> None:
-        """Nothing: this clock waits for no one."""
+    def register(self, settle: Callable[[], bool]) -> None:
+        """Does nothing: this clock does not wait for receivers."""
 
-    def forget(self, callback: Callable[..., object]) -> None:
-        """Nothing was kept."""
+    def unregister(self, callback: Callable[..., object]) -> None:
+        """Does nothing."""
 
 
 class _RealTimer:
@@ -111,7 +121,7 @@ class VirtualClock:
         catch_up_s: wall-clock seconds by which a paced clock may fall behind and catches up;
             a longer delay is given up, and counted in `late_s`.
         speed: virtual seconds in a wall-clock second, of a paced clock.
-        step_s: longest virtual step of a paced clock, which what comes from outside may have to wait.
+        step_s: longest virtual step of a paced clock: the longest delay of external input.
 
     Raises:
         ValueError: speed or step are not positive.
@@ -134,19 +144,24 @@ class VirtualClock:
         self._followers: list[Callable[[float], None]] = []
         self._settlers: list[Callable[[], bool]] = []
 
+    @property
+    def paced(self) -> bool:
+        """See `Clock.paced`."""
+        return self._pace is not None
+
     def now_s(self) -> float:
         return self._now_s
 
     def follow(self, advance: Callable[[float], None]) -> None:
-        """Have `advance(now_s)` called for every new moment: a process that runs with this clock."""
+        """Call `advance(now_s)` for every new moment, for a process that runs on this clock."""
         self._followers.append(advance)
 
-    def settle_with(self, settle: Callable[[], bool]) -> None:
-        """See `Clock.settle_with`."""
+    def register(self, settle: Callable[[], bool]) -> None:
+        """See `Clock.register`."""
         self._settlers.append(settle)
 
-    def forget(self, callback: Callable[..., object]) -> None:
-        """Take back a `follow` or `settle_with`."""
+    def unregister(self, callback: Callable[..., object]) -> None:
+        """Undo `follow` or `register`."""
         self._followers = [each for each in self._followers if each != callback]
         self._settlers = [each for each in self._settlers if each != callback]
 
@@ -199,7 +214,8 @@ class _Pace:
         self._origin_s: float | None = None
 
     def until(self, now_s: float, next_s: float) -> float:
-        """Sleep until virtual time may go from one moment to the next; the wall-clock seconds given up."""
+        """Sleep until virtual time may go from one moment to the next; return the wall-clock seconds given
+        up."""
         wall_s = time.monotonic()
         if self._origin_s is None:
             self._origin_s = wall_s - now_s / self._speed

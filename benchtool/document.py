@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import difflib
 import itertools
+import json
 import re
 import reprlib
 import tomllib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, TypeVar, get_args, get_origin
+from typing import Annotated, Any, TypeVar, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, Strict, ValidationError
 from pydantic_core import ErrorDetails
@@ -26,13 +27,16 @@ Array = Annotated[tuple[Item, ...], Strict(False)]
 
 _UNION_MEMBERS = frozenset({"float", "int", "str"})  # that pydantic appends to where a value stands
 _SHORT_LIST = 24
+_WIDEST = 44  # column of comments
 _EXPECTED = {  # in the words of TOML, by the type of pydantic's complaint
     "dict_type": "a table is expected",
     "model_type": "a table is expected",
     "model_attributes_type": "a table is expected",
     "tuple_type": "an array is expected",
     "list_type": "an array is expected",
+    "float_type": "it should be a valid number, without quotes",
 }
+_TABLE_EXPECTED = frozenset({"dict_type", "model_type", "model_attributes_type"})
 _PART = r"""(?:"[^"]*"|'[^']*'|[\w-]+)"""
 _KEYS = rf"{_PART}(?:\s*\.\s*{_PART})*"
 
@@ -40,7 +44,7 @@ _KEYS = rf"{_PART}(?:\s*\.\s*{_PART})*"
 class Section(BaseModel):
     """A table of a document: unknown keys are refused, values cannot be changed afterwards.
 
-    Values are of the type that is asked for: `true` and `"15.71"` are no numbers. A whole number is a float.
+    Values are of the type that is asked for: `true` and `"15.71"` are not numbers. A whole number is a float.
     """
 
     model_config = ConfigDict(
@@ -58,7 +62,8 @@ def document_path(
     names: Callable[[], Sequence[str]],
     error: type[UsageError],
 ) -> Path:
-    """The file that `name` names: a path ending in .toml, else `place`, where a document of that name ships.
+    """Return the file that `name` names: a path ending in .toml, else `place`, where a document of that name
+    ships.
 
     Raises:
         error: there is none; the message names the nearest of `names()`, and all of them.
@@ -69,6 +74,8 @@ def document_path(
             return given
         raise error(f"no {kind} file {given}: give an existing TOML file or a name ({', '.join(names())})")
     if place is None or not place.is_file():
+        if (beside := Path(f"{name}.toml")).is_file():
+            raise error(f"no {kind} ships by the name '{name}': did you mean the file '{beside}'?")
         raise error(f"no {kind} '{name}': {closest(name, names())}; or give a TOML file")
     return place
 
@@ -82,8 +89,13 @@ def closest(name: str, names: Sequence[str]) -> str:
     return f"{meant}the names are {', '.join(names)}"
 
 
-def load_document(path: Path, model: type[Model], error: type[UsageError]) -> Model:
-    """The document at `path` as `model`.
+def load_document(
+    path: Path,
+    model: type[Model],
+    error: type[UsageError],
+    change: Callable[[Mapping[str, Any]], Mapping[str, Any]] = lambda content: content,
+) -> Model:
+    """Return the document at `path` as `model`; `change` may alter what the file has before that is checked.
 
     Raises:
         error: the file cannot be read, is not TOML, or does not fit the model; one line each.
@@ -95,44 +107,59 @@ def load_document(path: Path, model: type[Model], error: type[UsageError]) -> Mo
     try:
         content = tomllib.loads(text)
     except tomllib.TOMLDecodeError as reason:
-        raise error(f"{path}: not TOML: {reason}; mend that line") from None
+        raise error(f"{path}: not TOML: {reason}; correct that line") from None
     except RecursionError:
         raise error(
             f"{path}: tables or lists lie deeper in each other than can be read, some levels are expected: "
             f"take the nesting out"
         ) from None
     try:
-        return model.model_validate(content)
+        return model.model_validate(change(content))
     except ValidationError as failed:
-        place = f"{path}{line_of(text, _location(model, _foremost(failed)))}"
-        raise error(f"{place}: {explain(model, failed)}") from None
+        reasons = _reasons(model, failed)
+        raise error.of_all([f"{path}{line_of(text, place)}: {why}" for place, why in reasons]) from None
 
 
 def explain(model: type[BaseModel], failed: ValidationError) -> str:
-    """Half a line on why content does not fit `model`: the foremost key, what was seen, what to do."""
-    foremost = _foremost(failed)
-    place = _location(model, foremost)
-    # every member of a union complains, and then the array or table around them
-    wrong = {_location(model, each) for each in failed.errors()}
-    more = len({other for other in wrong if other != place[: len(other)]})
-    others = f" (and {more} more)" if more else ""
-    return f"{_explain(model, foremost)}{others}"
+    """Return half a line on why content does not fit `model`: the first key, what was seen, what to do."""
+    (_, first), *others = _reasons(model, failed)
+    return f"{first} (and {len(others)} more)" if others else first
 
 
-def _foremost(failed: ValidationError) -> ErrorDetails:
-    """A misspelt key before what is missing because of it."""
-    details = failed.errors()
-    return next((each for each in details if each["type"] == "extra_forbidden"), details[0])
+def _reasons(model: type[BaseModel], failed: ValidationError) -> list[tuple[Path_, str]]:
+    """Return what is wrong, each thing once with its place: misspelt keys before what is missing because of
+    them."""
+    details = sorted(failed.errors(), key=lambda each: each["type"] != "extra_forbidden")
+    found: dict[Path_, str] = {}
+    meant: set[Path_] = set()
+    for detail in details:
+        place = _location(model, detail)
+        # pydantic reports every member of a union, and then the array or table around them
+        if place in meant or any(place == other[: len(place)] for other in found):
+            continue
+        found[place] = _explain(model, detail)
+        if detail["type"] == "extra_forbidden" and (key := _key_meant(model, detail)):
+            meant.add((*place[:-1], key))
+    return list(found.items())
+
+
+def _key_meant(model: type[BaseModel], detail: ErrorDetails) -> str:
+    """Return the known key that an unknown one is like; empty if there is none."""
+    close = difflib.get_close_matches(
+        str(detail["loc"][-1]), _allowed_keys(model, detail["loc"][:-1]), n=1, cutoff=0.5
+    )
+    return close[0] if close else ""
 
 
 def _location(model: type[BaseModel], detail: ErrorDetails) -> Path_:
-    """Where in the document a value is wrong."""
+    """Return where in the document a value is wrong."""
     location = _without_kinds(model, detail["loc"])
     return location[:-1] if location and location[-1] in _UNION_MEMBERS else location
 
 
 def _without_kinds(model: type[BaseModel], location: Path_) -> Path_:
-    """A location without the kinds of tables that pydantic puts into it where a table is one of several."""
+    """Return a location without the kinds of tables that pydantic puts into it where a table is one of
+    several."""
     kept: list[int | str] = []
     models = [model]
     for part in location:
@@ -149,8 +176,20 @@ def _is_kind(model: type[BaseModel], part: int | str) -> bool:
     return field is not None and part in get_args(field.annotation)
 
 
+def _models_at_location(model: type[BaseModel], location: Path_) -> list[type[BaseModel]]:
+    """Return the models that the table at a location may have; none where a value is expected."""
+    models = [model]
+    for part in location:
+        models = _models_at(models, part)
+    return models[:1]
+
+
+def _required(model: type[BaseModel]) -> list[str]:
+    return [name for name, field in model.model_fields.items() if field.is_required()]
+
+
 def _models_at(models: Sequence[type[BaseModel]], part: int | str) -> list[type[BaseModel]]:
-    """The models that a key of some models may have; those of an array's items are the array's own."""
+    """Return the models that a key of some models may have; those of an array's items are the array's own."""
     if isinstance(part, int):
         return list(models)
     fields = [each.model_fields[part] for each in models if part in each.model_fields]
@@ -171,12 +210,12 @@ def _explain(model: type[BaseModel], detail: ErrorDetails) -> str:
     location = _location(model, detail)
     key = ".".join(str(part) for part in location)
     if detail["type"] == "extra_forbidden":
-        allowed = _allowed_keys(model, detail["loc"][:-1])
-        close = difflib.get_close_matches(str(location[-1]), allowed, n=1, cutoff=0.5)
-        hint = f"did you mean '{close[0]}'?" if close else f"known here: {', '.join(allowed)}"
+        known = ", ".join(_allowed_keys(model, detail["loc"][:-1]))
+        hint = f"did you mean '{meant}'?" if (meant := _key_meant(model, detail)) else f"known here: {known}"
         return f"unknown key '{key}': {hint}"
     if detail["type"] == "missing":
-        return f"key '{key}' is missing: add it"
+        needed = [each for found in _models_at_location(model, location) for each in _required(found)]
+        return f"key '{key}' is missing: add it" + (f", a table with {', '.join(needed)}" if needed else "")
     if detail["type"] == "union_tag_not_found":
         return f"key '{key}.kind' is missing: add it"
     if detail["type"] == "union_tag_invalid":
@@ -184,13 +223,15 @@ def _explain(model: type[BaseModel], detail: ErrorDetails) -> str:
         return f"key '{key}.kind' is '{context['tag']}': {context['expected_tags']} are the kinds known here"
     message = _EXPECTED.get(detail["type"], detail["msg"].removeprefix("Value error, "))
     message = message[:1].lower() + message[1:]
+    if detail["type"] in _TABLE_EXPECTED and (keys := _allowed_keys(model, detail["loc"])):
+        message += f", of {', '.join(keys[:_SHORT_LIST])}"
     if isinstance(detail["input"], dict):  # a whole table, of which only the keys together are wrong
         return f"[{key}]: {message}" if key else message
     return f"key '{key}' is {_SHOWN.repr(detail['input'])}: {message}"
 
 
 def _allowed_keys(model: type[BaseModel], location: Path_) -> list[str]:
-    """Keys of the table at a location as pydantic tells it, with the kinds of tables."""
+    """Return the keys of the table at a location as pydantic tells it, with the kinds of tables."""
     models = [model]
     parts = iter(location)
     for part in parts:
@@ -202,7 +243,7 @@ def _allowed_keys(model: type[BaseModel], location: Path_) -> list[str]:
 
 
 def _of_chosen_keys(models: Sequence[type[BaseModel]], part: int | str) -> bool:
-    """Whether a key holds tables under names that the document chooses."""
+    """Return whether a key holds tables under names that the document chooses."""
     fields = [each.model_fields.get(str(part)) for each in models]
     return any(field is not None and get_origin(field.annotation) is dict for field in fields)
 
@@ -235,10 +276,42 @@ def line_of(text: str, location: Path_) -> str:
 
 
 def _parts(keys: str) -> list[str]:
-    """The parts of a dotted key, without their quotes."""
+    """Return the parts of a dotted key, without their quotes."""
     return [part.strip("\"'") for part in re.findall(_PART, keys)]
 
 
 def unit_suffix(unit: str) -> str:
-    """A unit as a key ends with it: `Nm`, `rad_s`, `percent`; empty of a pure number (`""` or `"1"`)."""
+    """Return a unit as a key ends with it: `Nm`, `rad_s`, `percent`; empty of a pure number (`""` or
+    `"1"`)."""
     return re.sub(r"\W+", "_", unit.replace("%", "percent")).strip("_").removeprefix("1")
+
+
+Literal = float | str | bool | Sequence[str] | Mapping[str, float]
+
+
+def commented_table(name: str, rows: Sequence[tuple[str, Literal, str]]) -> str:
+    """Return a table of TOML, each key with its value and a comment; a key that begins with `#` is left
+    out."""
+    lines = [(f"{key.replace('#', '# ')} = {_literal(value)}", comment) for key, value, comment in rows]
+    width = min(max(len(line) for line, _ in lines), _WIDEST) if lines else 0
+    header = [f"[{name}]"] if name else []
+    return "\n".join(
+        (*header, *(f"{line:<{width}}  # {comment}" if comment else line for line, comment in lines), "")
+    )
+
+
+def _literal(value: Literal) -> str:
+    """Return a value as TOML has it; numbers to six digits."""
+    match value:
+        case bool():
+            return str(value).lower()
+        case int():
+            return str(value)
+        case float():
+            return f"{value:.6g}"
+        case str():
+            return json.dumps(value, ensure_ascii=False)
+        case Mapping():
+            return f"{{ {', '.join(f'{key} = {_literal(each)}' for key, each in value.items())} }}"
+        case _:
+            return f"[{', '.join(_literal(each) for each in value)}]"

@@ -5,14 +5,16 @@ prints it as it is. `exit_code` is what a command ends with when the error reach
 2 usage, 3 cannot connect / environment, 4 drive fault.
 
     BenchError
-    ├── UsageError                 2  the caller asked for something that cannot be
+    ├── UsageError                 2  the caller asked for something impossible
     │   ├── ProfileError              a profile is unknown, unreadable or wrong
     │   ├── PlanError                 a plan is unknown, unreadable or wrong
     │   ├── ParameterFileError        a parameter file is unreadable, wrong or of another drive
     │   ├── ValueRefused              a value is outside its limits, unit or state; nothing was sent
-    │   ├── CapabilityMissing         the drive has not the objects that this takes; nothing was sent
-    │   └── AnalysisError             the data cannot answer the question (gap, too short, no channel)
-    ├── EnvironmentFailure         3  the world around the tool is not as needed
+    │   ├── CapabilityMissing         the drive lacks objects that are needed; nothing was sent
+    │   ├── EmulationError            the emulated machine runs away beyond what can be computed
+    │   ├── AnalysisError             the data cannot answer the question (gap, too short, no channel)
+    │   └── NoSuchAttribute           an object of the API has no attribute of that name
+    ├── EnvironmentFailure         3  the environment of the tool is not as needed
     │   ├── LinkError                 frames or bytes do not move
     │   │   ├── NoAnswer              nothing came back in time
     │   │   └── LinkClosed            the link was closed or its adapter vanished
@@ -20,7 +22,7 @@ prints it as it is. `exit_code` is what a command ends with when the error reach
     │   ├── DictionaryMismatch        the drive speaks another dictionary version
     │   ├── ParameterMismatch         the drive holds other parameters than the profile states
     │   ├── DictionaryError           a dictionary file cannot be read
-    │   ├── PlugInError               code of another package that joins benchtool is broken
+    │   ├── PlugInError               a plug-in of another package is broken
     │   └── RecordingError            a recording cannot be written or read
     └── DriveError                 4  the drive answered, and refused or failed
         ├── SdoAbort                  a read or write was refused with an abort code
@@ -33,15 +35,31 @@ prints it as it is. `exit_code` is what a command ends with when the error reach
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Self
+
+_MOST_REASONS = 40
+
 
 class BenchError(Exception):
     """Base of every error that benchtool raises on purpose."""
 
     exit_code = 1
 
+    @classmethod
+    def of_all(cls, reasons: Sequence[str]) -> Self:
+        """Return an error of several reasons, a line each: the first is the message, the others are its
+        notes."""
+        error = cls(reasons[0])
+        for reason in reasons[1:_MOST_REASONS]:
+            error.add_note(reason)
+        if (more := len(reasons) - _MOST_REASONS) > 0:
+            error.add_note(f"and {more} more: fix these first")
+        return error
+
 
 class UsageError(BenchError):
-    """The caller asked for something that cannot be."""
+    """The caller asked for something impossible."""
 
     exit_code = 2
 
@@ -63,15 +81,23 @@ class ValueRefused(UsageError):
 
 
 class CapabilityMissing(UsageError):
-    """The drive has not the objects that this takes; nothing was sent."""
+    """The drive lacks objects that are needed; nothing was sent."""
+
+
+class EmulationError(UsageError):
+    """The emulated machine, as its profile and its load state it, runs away beyond what can be computed."""
 
 
 class AnalysisError(UsageError):
     """The data cannot answer the question: a gap, too short, a channel missing."""
 
 
+class NoSuchAttribute(UsageError, AttributeError):
+    """An object of the API has no attribute of that name, such as a setpoint that is misspelt."""
+
+
 class EnvironmentFailure(BenchError):
-    """The world around the tool is not as needed."""
+    """The environment of the tool is not as needed."""
 
     exit_code = 3
 
@@ -105,7 +131,7 @@ class DictionaryError(EnvironmentFailure):
 
 
 class PlugInError(EnvironmentFailure):
-    """Code of another package that joins benchtool through an entry point is broken."""
+    """A plug-in of another package is broken."""
 
 
 class RecordingError(EnvironmentFailure):

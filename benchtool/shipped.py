@@ -1,4 +1,4 @@
-"""Where the files that ship with the package are, in a checkout and installed alike."""
+"""Paths of the files that ship with the package, in a checkout and installed."""
 
 from __future__ import annotations
 
@@ -8,6 +8,6 @@ _PACKAGE = Path(__file__).resolve().parent
 
 
 def shipped(folder: str) -> Path:
-    """Folder `profiles` or `firmware_protocol` of this installation."""
+    """Return the folder `profiles` or `firmware_protocol` of this installation."""
     installed = _PACKAGE / "_shipped" / folder
     return installed if installed.is_dir() else _PACKAGE.parent / folder
