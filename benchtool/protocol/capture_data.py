@@ -26,7 +26,7 @@ from benchtool.protocol.dictionary.variable import Variable
 MAGIC = b"BTC1"
 HEADER_SIZE = 32
 MOST_VALUES = 1_000_000
-"""Rows times channels that the reference drive has room for (`capture_rows`)."""
+"""Capacity of the reference drive: rows times channels (`capture_rows`)."""
 
 _VALUE_SIZE = 4
 _HEADER = struct.Struct("<4sHHIIIII")
@@ -35,7 +35,7 @@ _CRC = struct.Struct("<I")
 
 @dataclass(frozen=True)
 class CaptureHeader:
-    """What the header says; the ticks are the drive's and wrap at 2**32."""
+    """Fields of the header; the ticks are those of the drive and wrap at 2**32."""
 
     n_channels: int
     stride: int
@@ -47,13 +47,13 @@ class CaptureHeader:
 
 
 def encode_capture(header: CaptureHeader, rows: bytes) -> bytes:
-    """The data as the drive offers them; `rows` has header.rows times header.n_channels values."""
+    """Return the data as the drive offers them; `rows` has header.rows times header.n_channels values."""
     head = _HEADER.pack(MAGIC, *astuple(header))
     return head + _CRC.pack(zlib.crc32(rows, zlib.crc32(head))) + rows
 
 
 def decode_header(data: bytes) -> CaptureHeader:
-    """Header of a capture whose length and checksum hold.
+    """Return the header of a capture whose length and checksum hold.
 
     Raises:
         CaptureError: too short, not a capture, inconsistent or damaged.
@@ -90,7 +90,7 @@ def decode_header(data: bytes) -> CaptureHeader:
 
 
 def decode_capture(data: bytes, channels: Sequence[Variable], sequence: int) -> Block:
-    """Rows of a capture as a Block, in units of the channels.
+    """Return the rows of a capture as a Block, in units of the channels.
 
     Args:
         data: object 0x2042 as read.
@@ -104,7 +104,7 @@ def decode_capture(data: bytes, channels: Sequence[Variable], sequence: int) -> 
     if header.sequence != sequence:
         raise CaptureError(
             f"the data are of capture {header.sequence}, capture {sequence} was armed: "
-            f"someone else armed one, capture again"
+            f"another host armed one, capture again"
         )
     if header.n_channels != len(channels):
         raise CaptureError(

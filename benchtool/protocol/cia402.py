@@ -1,9 +1,9 @@
 """The CiA 402 power drive state machine as total functions, for the host and for the drive.
 
 Sources: CiA 402-2 (IEC 61800-7-201), "Finite state automaton of the power drive system": the coding of the
-statusword 0x6041, the command coding of the controlword 0x6040, and the transitions 0 to 16. Transitions
-that the drive makes of its own accord (0, 1, 13, 14 and the end of a quick stop) are not caused by a
-controlword and belong to the firmware. Transition 16, optional there, is not supported.
+statusword 0x6041, the command coding of the controlword 0x6040, and the transitions 0 to 16. Transitions that
+the drive makes by itself (0, 1, 13, 14 and the end of a quick stop) are not caused by a controlword and
+belong to the firmware. Transition 16, optional there, is not supported.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ _FAULT_RESET_BIT = 0x80
 
 
 class State(StrEnum):
-    """States of the power drive system; the value is the name that people read."""
+    """States of the power drive system; the value is the display name."""
 
     NOT_READY_TO_SWITCH_ON = "not ready to switch on"
     SWITCH_ON_DISABLED = "switch on disabled"
@@ -61,7 +61,7 @@ _CONTROLWORDS = {
     Command.FAULT_RESET: (0x00, _FAULT_RESET_BIT),
 }
 
-# State, the bits of the statusword that tell it, and their values.
+# State, its mask of the statusword, and the value.
 _STATUS_CODING = (
     (State.NOT_READY_TO_SWITCH_ON, 0x4F, 0x00),
     (State.SWITCH_ON_DISABLED, 0x4F, 0x40),
@@ -74,7 +74,7 @@ _STATUS_CODING = (
 )
 _STATUS_BITS = {state: bits for state, _, bits in _STATUS_CODING}
 
-# Command, the bits of the controlword that tell it, and their values. "Switch on" and "disable operation"
+# Command, its mask of the controlword, and the value. "Switch on" and "disable operation"
 # share one code; the state tells which is meant.
 _COMMAND_CODING = (
     (Command.SHUTDOWN, 0x87, 0x06),
@@ -84,7 +84,7 @@ _COMMAND_CODING = (
     (Command.QUICK_STOP, 0x86, 0x02),
 )
 
-# What a command does in a state, with the number of the transition.
+# Effect of a command in a state, with the number of the transition.
 _TRANSITIONS = {
     (State.SWITCH_ON_DISABLED, Command.SHUTDOWN): State.READY_TO_SWITCH_ON,  # 2
     (State.READY_TO_SWITCH_ON, Command.SWITCH_ON): State.SWITCHED_ON,  # 3
@@ -124,7 +124,8 @@ COMMANDABLE: frozenset[State] = frozenset(_HEIGHT) | {State.QUICK_STOP_ACTIVE}
 
 
 def state_of(statusword: int) -> State:
-    """State that a statusword tells; UNKNOWN where the standard has no such pattern. Never raises."""
+    """Return the state coded in a statusword; UNKNOWN for a pattern that the standard does not define. Never
+    raises."""
     for state, mask, bits in _STATUS_CODING:
         if statusword & mask == bits:
             return state
@@ -132,7 +133,7 @@ def state_of(statusword: int) -> State:
 
 
 def next_command(state: State, target: State) -> Command | None:
-    """The host's next command on the way from `state` to `target`.
+    """Return the host's next command on the way from `state` to `target`.
 
     None where nothing is to be sent: the target is reached, the drive must first leave a transient or unknown
     state by itself, or no command leads there (only COMMANDABLE states can be asked for, and a quick stop
@@ -152,7 +153,7 @@ def next_command(state: State, target: State) -> Command | None:
 
 
 def transition(state: State, controlword: int, previous_controlword: int) -> State:
-    """The drive's state after a controlword was written.
+    """Return the drive's state after a controlword was written.
 
     Args:
         state: state before.
@@ -177,7 +178,8 @@ def statusword(
     target_reached: bool = False,
     internal_limit: bool = False,
 ) -> int:
-    """Statusword of a drive in `state`: bits 0 to 3, 5 and 6 from the state, bits 4, 7, 9, 10 and 11 given.
+    """Return the statusword of a drive in `state`: bits 0 to 3, 5 and 6 from the state, bits 4, 7, 9, 10 and
+    11 given.
 
     Raises:
         ValueRefused: UNKNOWN, which is what a host may see but no drive can be in.

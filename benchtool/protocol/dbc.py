@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class SignalRange:
-    """What one signal can tell: its unit, the value of one bit and the range that its DBC file states.
+    """Range of one signal: its unit, the value of one bit and the limits that its DBC file states.
 
     Values are physical, in `unit` as the file spells it. `minimum` and `maximum` are infinite where the file
     states no range.
@@ -31,21 +31,21 @@ class SignalRange:
     maximum: float
 
     def holds(self, value: float) -> bool:
-        """Whether a value is within the range, half a bit of rounding allowed; never what is not finite."""
+        """Return whether a finite value is within the range, with half a bit of rounding allowed."""
         slack = 0.5 * self.resolution
         return math.isfinite(value) and self.minimum - slack <= value <= self.maximum + slack
 
 
 class DbcMessage:
-    """One message of a DBC file, of which some signals are wanted.
+    """One message of a DBC file and some of its signals.
 
     Args:
         path: the file.
         name: the message's.
-        signals: names of those wanted, physical numbers each.
+        signals: names of the signals, each a physical number.
 
     Raises:
-        ProfileError: the file cannot be read or is no DBC file, or has not the message or a signal.
+        ProfileError: the file cannot be read or is not a DBC file, or lacks the message or a signal.
     """
 
     def __init__(self, path: Path, name: str, signals: Sequence[str]) -> None:
@@ -59,10 +59,10 @@ class DbcMessage:
         self.ranges: Mapping[str, SignalRange] = {each: _range(self._signal(each)) for each in signals}
 
     def decode(self, data: bytes) -> Mapping[str, float] | None:
-        """Physical values of the wanted signals; None for bytes that are no such message.
+        """Return the physical values of the signals; None for bytes that are not this message.
 
-        Too few bytes, a multiplexer that selects other signals and whatever else cannot be decoded give None.
-        More bytes than the message has are the padding of CAN FD. Never raises.
+        Too few bytes, a multiplexer that selects other signals and other undecodable data give None. More
+        bytes than the message has are the padding of CAN FD. Never raises.
         """
         if len(data) < self.length:
             return None
@@ -73,9 +73,10 @@ class DbcMessage:
             return None
 
     def encode(self, values: Mapping[str, float]) -> bytes:
-        """The message with these physical values, each held within its range; other signals are as initial.
+        """Return the message with these physical values, each held within its range; other signals are as
+        initial.
 
-        For an instrument that is emulated.
+        Used by emulated instruments.
         """
         content = {each.name: each.initial or 0 for each in self._message.signals}
         for name, value in values.items():
@@ -101,8 +102,8 @@ def _load(path: Path, name: str) -> Message:
         database = cantools.database.load_file(path, database_format="dbc", strict=True)
     except OSError as reason:
         raise ProfileError(f"cannot read {path}: {reason.strerror}; a DBC file is expected") from None
-    except Exception as reason:  # noqa: BLE001 # the parser raises what it comes across
-        raise ProfileError(f"{path} is no DBC file: {reason}; export it anew from the instrument") from None
+    except Exception as reason:  # noqa: BLE001  the parser raises various exceptions
+        raise ProfileError(f"{path} is no DBC file: {reason}; export it again from the instrument") from None
     assert isinstance(database, Database)
     for message in database.messages:
         if message.name == name:

@@ -6,7 +6,7 @@ from enum import IntEnum
 
 
 class Mode(IntEnum):
-    """What the setpoint means. VOLTAGE is the drive's own: no law runs, a stimulus sets the voltage."""
+    """Mode of operation. VOLTAGE is specific to this drive: no law runs, a stimulus sets the voltage."""
 
     VOLTAGE = -1
     VELOCITY = 3
@@ -18,7 +18,7 @@ class Mode(IntEnum):
         return {Mode.VELOCITY: (3, 9), Mode.TORQUE: (4, 10)}.get(self, (int(self),))
 
     def supported_code(self, supported_modes: int) -> int | None:
-        """The first of `codes` whose bit 0x6502 has; None if it has none of them."""
+        """Return the first of `codes` whose bit 0x6502 has; None if it has none of them."""
         return first_supported(self.codes, supported_modes)
 
 
@@ -26,5 +26,6 @@ PROFILE_POSITION, CYCLIC_POSITION = 1, 8
 
 
 def first_supported(codes: tuple[int, ...], supported_modes: int) -> int | None:
-    """The first of these modes that 0x6502 has; it has no bits for modes of the maker's own, from -1 down."""
+    """Return the first of these modes that 0x6502 has; it has no bits for modes of the manufacturer, from -1
+    down."""
     return next((code for code in codes if code > 0 and supported_modes >> (code - 1) & 1), None)

@@ -1,4 +1,4 @@
-"""CAN frames as lines of text, as serial CAN adapters speak them: slcan.
+"""CAN frames as lines of text (slcan), as used by serial CAN adapters.
 
 Sources are the manuals of LAWICEL's CAN232 and CANUSB, and the line discipline `slcan` of Linux.
 A line ends with CR. Digits are hexadecimal, of either case; `L` is the length code, 0 to 8:
@@ -8,7 +8,7 @@ A line ends with CR. Digits are hexadecimal, of either case; `L` is the length c
 
 An adapter with time stamps switched on appends four digits: milliseconds modulo 60000. Everything else is a
 command of the host or an answer of the adapter. A line that is neither is dropped and counted by its cause;
-nothing that arrives raises.
+received data never raise.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ REFUSED = b"\a"
 
 TIME_MODULUS_ms = 60_000
 MAX_LINE = 160
-"""Bytes of a line; the longest that means anything is a CAN FD frame of 64 bytes with time stamp: 142."""
+"""Bytes of a line; the longest valid line is a CAN FD frame of 64 bytes with time stamp: 142."""
 
 _MAX_ID = 0x7FF
 _MAX_EXTENDED_ID = 0x1FFFFFFF
@@ -37,8 +37,8 @@ _STAMP = 2  # bytes of a time stamp, two digits each
 class Cause(StrEnum):
     """Why a line was dropped."""
 
-    LETTER = "letter"  # begins with none that is known here
-    DIGIT = "digit"  # something that is no hexadecimal digit
+    LETTER = "letter"  # unknown first letter
+    DIGIT = "digit"  # not a hexadecimal digit
     LENGTH = "length"  # too few or too many digits
     DLC = "dlc"  # length code above 8
     IDENTIFIER = "identifier"  # above 7FF, or 1FFFFFFF
@@ -59,13 +59,13 @@ class SlcanFrame(NamedTuple):
 
 
 class Answer(NamedTuple):
-    """What an adapter says of a command; `text` is what follows the letter of a query's answer."""
+    """Response of an adapter to a command; `text` is the text after the letter of a query's response."""
 
     kind: str  # "ok", "refused", "sent", "version", "serial_number" or "flags"
     text: str = ""
 
 
-class Command(NamedTuple):
+class SlcanCommand(NamedTuple):
     """A command of the host that is not a frame, such as `S6`."""
 
     letter: str
@@ -83,7 +83,7 @@ _COMMAND = re.compile(
 
 
 def parse_frame(line: bytes) -> SlcanFrame | Cause:
-    """The frame on a line without its CR, or why there is none. Never raises."""
+    """Return the frame on a line without its CR, or the cause of a fault. Never raises."""
     kind = _KINDS.get(line[:1])
     if kind is None:
         return Cause.UNSUPPORTED if line[:1] in _FD else Cause.LETTER
@@ -114,10 +114,10 @@ def parse_frame(line: bytes) -> SlcanFrame | Cause:
 
 
 def format_frame(frame: SlcanFrame) -> bytes:
-    """The line of a frame, with CR, and with a time stamp if the frame has a time.
+    """Return the line of a frame, with CR, and with a time stamp if the frame has a time.
 
     Raises:
-        ValueError: identifier, length or time is beyond what a line can say.
+        ValueError: identifier, length or time is out of range.
     """
     most = _MAX_EXTENDED_ID if frame.extended else _MAX_ID
     if not 0 <= frame.can_id <= most:
@@ -138,7 +138,7 @@ def format_frame(frame: SlcanFrame) -> bytes:
 
 
 def parse_answer(line: bytes) -> Answer | Cause:
-    """What an adapter's line without its CR says of a command; BELL is an answer of its own."""
+    """Return the response on an adapter's line without its CR; BELL is a response of its own."""
     if line == b"":
         return Answer("ok")
     if line == REFUSED:
@@ -150,17 +150,17 @@ def parse_answer(line: bytes) -> Answer | Cause:
     return Cause.LETTER if line[:1] not in _QUERIES else Cause.LENGTH
 
 
-def parse_command(line: bytes) -> Command | SlcanFrame | Cause:
-    """What the host asks for on a line without its CR; a time stamp after a frame is none of the host's."""
+def parse_command(line: bytes) -> SlcanCommand | SlcanFrame | Cause:
+    """Return the command or frame on a host's line without its CR; a host's frame has no time stamp."""
     if _COMMAND.fullmatch(line):
         text = line.decode("ascii")
-        return Command(text[0], text[1:])
+        return SlcanCommand(text[0], text[1:])
     found = parse_frame(line)
     return Cause.LENGTH if isinstance(found, SlcanFrame) and found.time_ms is not None else found
 
 
 class Lines:
-    """Cuts what arrives into lines; how it was cut on the way makes no difference."""
+    """Splits received data into lines, however they were divided."""
 
     def __init__(self) -> None:
         self.too_long = 0
@@ -168,7 +168,7 @@ class Lines:
         self._skipping = False
 
     def split(self, data: bytes) -> list[bytes]:
-        """The lines that end in `data`, without their CR."""
+        """Return the lines that end in `data`, without their CR."""
         *lines, self._tail = (self._tail + data).split(b"\r")
         if lines and self._skipping:
             del lines[0]
@@ -183,12 +183,12 @@ class Lines:
         return lines
 
     def clear(self) -> None:
-        """Forget the line that has begun."""
+        """Discard the incomplete line."""
         self._tail, self._skipping = b"", False
 
 
 class AdapterLines:
-    """What an adapter sends: frames, answers, and a count of everything else by its cause."""
+    """Parser of an adapter's lines: frames, responses, and counts of invalid lines by cause."""
 
     def __init__(self) -> None:
         self._lines = Lines()
@@ -203,7 +203,7 @@ class AdapterLines:
         return counts
 
     def feed(self, data: bytes) -> tuple[list[SlcanFrame], list[Answer]]:
-        """Frames and answers that are complete with `data`. Never raises."""
+        """Return the frames and answers that are complete with `data`. Never raises."""
         frames: list[SlcanFrame] = []
         answers: list[Answer] = []
         # Some adapters add LF to CR. BELL has no CR; given one, it is a line or the end of a damaged line.

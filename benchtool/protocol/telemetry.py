@@ -1,4 +1,4 @@
-"""The slow stream: a record of signals of one tick, divided over TPDOs, and put together again.
+"""The slow stream: records of signals of one tick, divided over TPDOs and reassembled.
 
 A record is a row of words of four bytes, two to a PDO:
 
@@ -6,7 +6,7 @@ A record is a row of words of four bytes, two to a PDO:
 
 The PDOs of a record follow each other on the wire in the order of their COB-IDs. A record counts if each of
 them came, in that order, and the sequence number in the last one is that of the first: since frames arrive in
-the order of sending, no loss can then have mixed two records. One that does not count is a gap.
+the order of sending, records cannot be mixed. An incomplete record is a gap.
 """
 
 from __future__ import annotations
@@ -22,16 +22,16 @@ import numpy as np
 from benchtool.block import Block, Channel, Gap
 from benchtool.errors import ValueRefused
 from benchtool.protocol.canopen.pdo import Pdo, most_tpdos, tpdo, tpdo_numbers
-from benchtool.protocol.dictionary import Dictionary
+from benchtool.protocol.dictionary.dictionary import Dictionary
 from benchtool.protocol.dictionary.objects import DataType
 from benchtool.protocol.dictionary.variable import Variable
-from benchtool.ticks import TICKS, ahead, counted_on
+from benchtool.ticks import TICKS, ticks_since, unwrap_tick
 
 COUNTING_SIGNALS = {
     "adc_saturated": "current samples at either end of the converter's range",
     "law_clipped": "ticks in which the law could not reach its reference and clipped",
 }
-"""Signals that are counters of the drive, and what they count."""
+"""Signals that are counters of the drive, with descriptions."""
 
 _WORD = 4
 _WORDS_PER_PDO = 2
@@ -42,7 +42,7 @@ _SEQUENCE = struct.Struct("<L")
 
 @dataclass(frozen=True)
 class StreamLayout:
-    """Which signals a record holds, in which PDOs, and how often the drive sends one."""
+    """Layout of a record: its signals and PDOs, and the rate."""
 
     channels: tuple[Variable, ...]
     pdos: tuple[Pdo, ...]
@@ -62,7 +62,7 @@ class StreamLayout:
 def stream_layout(
     dictionary: Dictionary, node_id: int, names: Sequence[str], rate_Hz: float, tick_s: float
 ) -> StreamLayout:
-    """Layout of a stream of these signals.
+    """Return the layout of a stream of these signals.
 
     Args:
         rate_Hz: records per second; the drive's event timers count whole milliseconds.
@@ -96,13 +96,13 @@ def stream_layout(
 
 
 def most_channels(node_id: int) -> int:
-    """How many channels a record of this node can hold: 13, or 5 of node ids from 64."""
+    """Return how many channels a record of this node can hold: 13, or 5 of node ids from 64."""
     return most_tpdos(node_id) * _WORDS_PER_PDO - _FRAMING_WORDS
 
 
 def _period_s(rate_Hz: float) -> float:
     if not 0.0 < rate_Hz < 1e6:
-        raise ValueRefused(f"a rate of {rate_Hz:g} Hz cannot be: choose 0.0153 to 1000 Hz")
+        raise ValueRefused(f"a rate of {rate_Hz:g} Hz is not possible: choose 0.0153 to 1000 Hz")
     ms = 1e3 / rate_Hz
     whole = max(1, min(0xFFFF, round(ms)))
     if abs(ms - whole) > 1e-4 * ms:
@@ -114,7 +114,7 @@ def _period_s(rate_Hz: float) -> float:
 
 
 def stream_channel(dictionary: Dictionary, name: str) -> Variable:
-    """The signal of this name, which a stream can carry.
+    """Return the signal of this name, which a stream can carry.
 
     Raises:
         ValueRefused: there is none, or it is not one of four bytes that can be mapped.
@@ -130,7 +130,7 @@ def stream_channel(dictionary: Dictionary, name: str) -> Variable:
 
 @dataclass(frozen=True)
 class StreamCounters:
-    """What became of the records of a stream."""
+    """Counters of the records of a stream."""
 
     received: int = 0
     missing: int = 0  # by the ticks between those received
@@ -141,7 +141,7 @@ class StreamCounters:
 
 
 class RecordDecoder:
-    """Puts records together from PDOs and rows into Blocks. It never raises at what it is fed.
+    """Assembles records from PDOs, and Blocks from records. Never raises on received data.
 
     Args:
         layout: of a record.
@@ -179,7 +179,7 @@ class RecordDecoder:
         return len(self._rows)
 
     def feed(self, can_id: int, data: bytes, arrival_s: float) -> bool:
-        """Take a frame; whether it completed a record."""
+        """Add a frame; return whether it completed a record."""
         place = self._places.get(can_id)
         if place is None:
             return False
@@ -199,8 +199,8 @@ class RecordDecoder:
             return False
         return self._complete(b"".join(self._parts))
 
-    def take(self) -> Block | None:
-        """The rows since the last call, which are given away; None if there are none."""
+    def pop_block(self) -> Block | None:
+        """Return the rows since the last call and clear them; None if there are none."""
         if not self._rows:
             return None
         words = np.frombuffer(b"".join(self._rows), dtype="<u4").reshape(len(self._rows), -1)
@@ -234,16 +234,16 @@ class RecordDecoder:
             return False
         self._next = 0
         if self._received:
-            ticks = ahead(tick, self.tick)
+            ticks = ticks_since(tick, self.tick)
             steps, rest = divmod(ticks, self.layout.stride)
             if rest or not 0 < ticks < TICKS // 2:
                 self._off_grid += 1
                 return False
             self._missing += steps - 1
-            self._lost += max(0, ahead(sequence, self._sequence) - 1)
+            self._lost += max(0, ticks_since(sequence, self._sequence) - 1)
             self.tick += ticks
         else:
-            self.tick = counted_on(tick, self._near)
+            self.tick = unwrap_tick(tick, self._near)
         self._sequence = sequence
         self._received += 1
         self.arrival_s = self._begun_s

@@ -1,4 +1,4 @@
-"""SDO abort codes (CiA 301, 7.2.4.3.17, table 22) with what they mean and what to do about them."""
+"""SDO abort codes (CiA 301, 7.2.4.3.17, table 22) with meanings and remedies."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ _TEXTS: dict[int, tuple[str, str]] = {
 
 
 def abort_text(code: int) -> str:
-    """Code, meaning and remedy on one line; says so of a code that CiA 301 does not define."""
+    """Return the code, meaning and remedy on one line, also of a code that CiA 301 does not define."""
     meaning, remedy = _TEXTS.get(
         code, ("not a code of CiA 301", "look it up in the manual of the drive's manufacturer")
     )

@@ -95,12 +95,12 @@ class Emergency:
     vendor: bytes = bytes(5)
 
     def encode(self) -> bytes:
-        """The eight bytes on the wire; the manufacturer's part is padded with zeros or cut to five."""
+        """Return the eight bytes on the wire; the manufacturer's part is padded with zeros or cut to five."""
         return _MESSAGE.pack(self.code, self.register, self.vendor)
 
     @staticmethod
     def decode(data: bytes) -> Emergency | None:
-        """The message in eight bytes; None if it is none. Never raises."""
+        """Return the message in eight bytes; None if it is invalid. Never raises."""
         return Emergency(*_MESSAGE.unpack(data)) if len(data) == _MESSAGE.size else None
 
     @property
@@ -110,12 +110,13 @@ class Emergency:
 
 
 def error_text(code: int) -> str:
-    """What an error code means; of a code without an entry, what its class means."""
+    """Return what an error code means; of a code without an entry, what its class means."""
     return _TEXTS.get(code) or _by_class(code, _CLASSES) or "code without a standard meaning"
 
 
 def error_register(code: int) -> int:
-    """Bits of the error register 0x1001 that an error code sets: bit 0 with every error, and its class's."""
+    """Return the bits of the error register 0x1001 that an error code sets: bit 0 with every error, and its
+    class's."""
     return (_GENERIC | (_by_class(code, _REGISTER_BITS) or 0)) if code else 0
 
 

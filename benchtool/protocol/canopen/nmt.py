@@ -16,7 +16,7 @@ class NmtCommand(IntEnum):
 
 
 class NmtState(IntEnum):
-    """States as the heartbeat tells them (7.2.8.3.2.2); BOOT_UP is the message after a reset."""
+    """States as coded in the heartbeat (7.2.8.3.2.2); BOOT_UP is the message after a reset."""
 
     BOOT_UP = 0
     STOPPED = 4
@@ -28,5 +28,6 @@ _STATES = {int(state): state for state in NmtState}
 
 
 def heartbeat_state(data: bytes) -> NmtState | None:
-    """State in a heartbeat message; None if the message is none (one byte, bit 7 reserved). Never raises."""
+    """Return the state in a heartbeat message; None if the message is invalid (one byte, bit 7 reserved).
+    Never raises."""
     return _STATES.get(data[0]) if len(data) == 1 else None

@@ -45,11 +45,11 @@ class Pdo:
 
     @property
     def switch_off(self) -> tuple[str, int]:
-        """The write that takes it out of use."""
+        """The write that disables it."""
         return f"0x{self.communication:04X}:1", INVALID | self.can_id
 
     def set_up(self, period_s: float = 0.0) -> Iterator[tuple[str, int | float]]:
-        """The writes that put it into use, in their order (7.5.2.36 to 38): label and value of each.
+        """Yield the writes that enable it, in their order (7.5.2.36 to 38): label and value of each.
 
         Args:
             period_s: of the event timer of a TPDO.
@@ -66,20 +66,20 @@ class Pdo:
 
 
 def rpdo(node_id: int, mappings: Sequence[int], number: int = 1) -> Pdo:
-    """The drive's receive PDO with its predefined identifier."""
+    """Return the drive's receive PDO with its predefined identifier."""
     return Pdo(number, cob_id.RPDO[number - 1] + node_id, tuple(mappings), transmit=False)
 
 
 def most_tpdos(node_id: int) -> int:
-    """How many TPDOs a node has whose COB-IDs are no other node's."""
+    """Return how many TPDOs a node has whose COB-IDs do not belong to another node."""
     return len(cob_id.TPDO) if node_id <= cob_id.LAST_NODE_OF_EIGHT_TPDOS else 4
 
 
 def tpdo_numbers(node_id: int, count: int) -> list[int]:
-    """Numbers of the first `count` TPDOs in the order in which they are on the wire: that of their COB-IDs.
+    """Return the numbers of the first `count` TPDOs in their order on the wire, that of their COB-IDs.
 
     Raises:
-        ValueError: there are not as many, or their COB-IDs would be another node's.
+        ValueError: there are fewer, or their COB-IDs would belong to another node.
     """
     most = most_tpdos(node_id)
     if count > most:
@@ -88,5 +88,5 @@ def tpdo_numbers(node_id: int, count: int) -> list[int]:
 
 
 def tpdo(node_id: int, mappings: Sequence[int], number: int) -> Pdo:
-    """The drive's transmit PDO with the identifier of `cob_id.TPDO`."""
+    """Return the drive's transmit PDO with the identifier of `cob_id.TPDO`."""
     return Pdo(number, cob_id.TPDO[number - 1] + node_id, tuple(mappings), transmit=True)

@@ -1,7 +1,7 @@
 """SDO on the wire: command specifiers, their flags, and the layout of the frames (CiA 301, 7.2.4.3).
 
 The upper three bits of the first byte are the specifier, which client and server number differently; the
-others are flags whose meaning hangs on it.
+others are flags whose meaning depends on it.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ class Response(IntEnum):
 
 
 ABORT: Final = 0x80
-"""Of client and server alike."""
+"""Common to client and server."""
 
 SIZE_INDICATED: Final = 0x01
 """Of an initiate: the number of bytes is given, in bits 2 and 3 if it is expedited (as those unused)."""
@@ -60,7 +60,7 @@ class Block(IntEnum):
 BLOCK_SUBCOMMAND: Final = 0x03
 BLOCK_SIZE_INDICATED: Final = 0x02
 BLOCK_CRC: Final = 0x04
-"""Of an initiate: who sends it supports the CRC."""
+"""Of an initiate: the sender supports the CRC."""
 
 LAST_SEGMENT: Final = 0x80
 """Bit of a block segment's first byte, whose others are its number within the sub-block."""
@@ -79,44 +79,44 @@ ABORT_CODE: Final = struct.Struct("<L")
 
 
 def expedited(specifier: int, size: int) -> int:
-    """Command of an expedited transfer of `size` bytes, 1 to 4, which it indicates."""
+    """Return the command of an expedited transfer of `size` bytes, 1 to 4, which it indicates."""
     return specifier | EXPEDITED | SIZE_INDICATED | (4 - size) << 2
 
 
 def expedited_data(frame: bytes) -> bytes:
-    """Bytes that an expedited transfer brings; all four if it does not say how many of them count."""
+    """Return bytes that an expedited transfer brings; all four if it does not say how many of them count."""
     unused = frame[0] >> 2 & 0x03 if frame[0] & SIZE_INDICATED else 0
     return frame[4 : FRAME_SIZE - unused]
 
 
 def segment(specifier: int, toggle: int, data: bytes, *, last: bool) -> bytes:
-    """A frame of segmented transfer with at most seven bytes of data."""
+    """Return a frame of segmented transfer with at most seven bytes of data."""
     command = specifier | toggle | (SEGMENT_SIZE - len(data)) << 1 | (NO_MORE_SEGMENTS if last else 0)
     return bytes([command]) + data.ljust(SEGMENT_SIZE, b"\x00")
 
 
 def segment_data(frame: bytes) -> bytes:
-    """Bytes that a frame of segmented transfer brings."""
+    """Return the bytes that a frame of segmented transfer brings."""
     return frame[1 : FRAME_SIZE - (frame[0] >> 1 & 0x07)]
 
 
 def block_end(specifier: int, unused: int, crc: int) -> bytes:
-    """The frame that ends a block transfer."""
+    """Return the frame that ends a block transfer."""
     return BLOCK_END.pack(specifier | Block.END | unused << 2, crc)
 
 
 def block_unused(command: int) -> int:
-    """Bytes of the last segment that do not count, by the command that ends a block transfer."""
+    """Return the number of unused bytes of the last segment, by the command that ends a block transfer."""
     return command >> 2 & 0x07
 
 
 def key(frame: bytes) -> tuple[int, int]:
-    """Index and sub-index in an initiate or an abort."""
+    """Return the index and sub-index in an initiate or an abort."""
     return int.from_bytes(frame[1:3], "little"), frame[3]
 
 
 def initiates(command: int) -> bool:
-    """Whether a request names an object, which its answer then repeats."""
+    """Return whether a request names an object, which its answer then repeats."""
     match command & SPECIFIER:
         case Request.DOWNLOAD | Request.UPLOAD:
             return True

@@ -1,7 +1,7 @@
 """The text of an EDS or DCF (CiA 306-1) as sections of keys and values, and the notation of its numbers.
 
-Makers' files differ in encoding, in case and in care. What cannot be understood is left out and named in a
-warning; only a file that is no EDS at all is refused.
+Files of vendors differ in encoding, case and correctness. Invalid parts are skipped with a warning; only a
+file that is not an EDS is refused.
 """
 
 from __future__ import annotations
@@ -24,14 +24,14 @@ _OBJECT = re.compile(r"[0-9a-f]{4}(sub[0-9a-f]{1,2})?")
 
 @dataclass(frozen=True)
 class EdsFile:
-    """Sections by name, their values by key (both lower case), and what could not be understood."""
+    """Sections by name, their values by key (both lower case), and the parts that could not be parsed."""
 
     sections: Mapping[str, Keys]
     warnings: tuple[str, ...]
 
 
 def read_eds(data: bytes, source: str) -> EdsFile:
-    """Sections of a file.
+    """Return the sections of a file.
 
     An object's section also gets the keys that `[Comments]` has for it in lines of the form
     `Line7=2000sub2 Role=parameter Unit=ohm: Stator resistance`; keys in the section itself go first.
@@ -90,7 +90,7 @@ def _annotations(comments: Keys) -> Iterator[tuple[str, dict[str, str]]]:
 
 
 def parse_integer(text: str, node_id: int = 0) -> int:
-    """An integer of an EDS: decimal or hexadecimal, with `$NODEID+` where it depends on the node.
+    """Return an integer of an EDS: decimal or hexadecimal, with `$NODEID+` where it depends on the node.
 
     Raises:
         ValueError: not of that form.
@@ -103,10 +103,10 @@ def parse_integer(text: str, node_id: int = 0) -> int:
 
 
 def parse_number(text: str, type_: DataType, node_id: int = 0) -> Number:
-    """A limit or default of a numeric type, raw.
+    """Return a limit or default of a numeric type, raw.
 
     Integers of signed types may be given in two's complement. A float is given by its bits in hexadecimal
-    (CiA 306-1) or, as some makers do, in decimals; one of 32 bits becomes the shortest decimal naming it.
+    (CiA 306-1) or, as some vendors do, in decimals; one of 32 bits becomes the shortest decimal naming it.
 
     Raises:
         ValueError: not of that form, or outside the type.
@@ -135,5 +135,5 @@ def _parse_float(text: str, type_: DataType) -> float:
 
 
 def shortest(value: float) -> float:
-    """The shortest decimal that names the same 32-bit float: 0.1 for 0.10000000149011612."""
+    """Return the shortest decimal that names the same 32-bit float: 0.1 for 0.10000000149011612."""
     return float(str(np.float32(value)))

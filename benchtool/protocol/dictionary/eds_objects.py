@@ -23,7 +23,7 @@ _Parsed = TypeVar("_Parsed")
 
 @dataclass(frozen=True)
 class Identity:
-    """Whose drive the file describes; None where the file does not say."""
+    """Identity of the drive in the file; None where the file does not state it."""
 
     vendor_name: str
     vendor_id: int | None
@@ -33,7 +33,7 @@ class Identity:
 
 
 class EdsObjects:
-    """The variables and the identity in the sections of one file, with `warnings` of what is wrong there."""
+    """The variables and the identity in the sections of one file, with `warnings` about faults in them."""
 
     def __init__(self, file: EdsFile, node_id: int) -> None:
         self._sections = file.sections
@@ -82,7 +82,7 @@ class EdsObjects:
                 yield name, self._variable(index, 0, section, keys)
 
     def _indices(self) -> dict[int, dict[int, str]]:
-        """Section of every sub-index of every object; data types, below 0x1000, are none."""
+        """Return the section of every sub-index of every object; data types, below 0x1000, are skipped."""
         indices: dict[int, dict[int, str]] = {}
         for section in self._sections:
             match = re.fullmatch(r"([0-9a-f]{4})(?:sub([0-9a-f]{1,2}))?", section)
@@ -96,10 +96,10 @@ class EdsObjects:
     def _described(
         self, index: int, section: str, keys: Keys, rows: Mapping[int, str]
     ) -> dict[int, tuple[str, Keys]]:
-        """Section and keys of every sub-index that the file describes.
+        """Return the section and keys of every sub-index that the file describes.
 
-        Some editors leave a sub-section without a type and a name. That of sub-index 0 then is of an object
-        without sub-indices, which its own section describes; of any other nothing is known.
+        Some editors leave a sub-section without a type and a name. For sub-index 0, the section of the object
+        describes it; others are skipped.
         """
         plain = self._kind(section, keys) not in (8, 9) and "datatype" in keys
         described: dict[int, tuple[str, Keys]] = {}

@@ -8,7 +8,7 @@ from pathlib import Path, PurePath
 from benchtool.document import line_of
 from benchtool.errors import ProfileError, ValueRefused
 from benchtool.profile import Profile, RoleObject, eds_path
-from benchtool.protocol.dictionary import Dictionary
+from benchtool.protocol.dictionary.dictionary import Dictionary
 from benchtool.protocol.dictionary.objects import DataType
 from benchtool.protocol.dictionary.quantity import spellings
 from benchtool.protocol.dictionary.roles import Role
@@ -16,7 +16,7 @@ from benchtool.protocol.dictionary.variable import Variable
 
 
 def profiled_dictionary(profile: Profile, source: Path, node_id: int) -> Dictionary:
-    """Dictionary of the drive of `profile`, which was read from `source`.
+    """Return the dictionary of the drive of `profile`, which was read from `source`.
 
     Raises:
         ProfileError: it names no EDS, an unknown role, or an object that the EDS has not.
@@ -35,7 +35,7 @@ def profiled_dictionary(profile: Profile, source: Path, node_id: int) -> Diction
 
 
 def _redirected(dictionary: Dictionary, role: Role, stated: RoleObject) -> Variable:
-    """The object that has a role, in the unit that the profile states."""
+    """Return the object that has a role, in the unit that the profile states."""
     variable = dictionary[stated.object]
     if (variable.type is DataType.STRING) is not role.is_text or variable.type is DataType.DOMAIN:
         expected = "text" if role.is_text else "a number"
@@ -61,6 +61,6 @@ def _redirected(dictionary: Dictionary, role: Role, stated: RoleObject) -> Varia
 
 
 def _units(role: Role) -> tuple[str, ...]:
-    """Units that a profile may state for the object of a role."""
+    """Return the units that a profile may state for the object of a role."""
     rated = {"Nm": ("T_N",), "A": ("I_N",)}.get(role.unit, ())
     return (*spellings(role.unit), *rated)

@@ -1,4 +1,4 @@
-"""Values as people type them, `0.123`, `123 mohm`, `5deg`, `150 rpm`, into the dictionary's unit.
+"""Parsing of typed values, `0.123`, `123 mohm`, `5deg`, `150 rpm`, into the dictionary's unit.
 
 A number without a unit is in the dictionary's. Prefixes n, u (or µ), m, k and M go with the SI's
 units, not with kgm2, deg and rpm. `Ω`, `°`, `²` and `·` may be written. The arithmetic is decimal: 9.52 mH is
@@ -20,12 +20,17 @@ from benchtool.protocol.dictionary.variable import Value, Variable
 _PI = Decimal(math.pi)
 _PREFIXES = {"": 0, "m": -3, "u": -6, "n": -9, "k": 3, "M": 6}
 _PREFIXED = frozenset(
-    ("A", "F", "H", "Hz", "N", "Nm", "Nm/rad", "Nms", "Nms/rad", "V", "W", "Wb", "ohm", "rad", "rad/s", "s")
+    (
+        *("A", "F", "H", "Hz", "N", "Nm", "Nm/A", "Nm/rad", "Nms", "Nms/rad", "V", "Vs/rad", "W", "Wb"),
+        *("ohm", "rad", "rad/s", "s"),
+    )
 )
-_SYNONYMS = {"Nms/rad": ("Nms",), "Nms": ("Nms/rad",), "Wb": ("Vs",)}
+_SYNONYMS = {"Nms/rad": ("Nms",), "Nms": ("Nms/rad",), "Wb": ("Vs",), "Vs/rad": ("Vs",)}
 _OTHERS: Mapping[str, Mapping[str, Decimal]] = {
     "rad": {"deg": _PI / 180, "rev": 2 * _PI},
     "rad/s": {"rpm": _PI / 30, "deg/s": _PI / 180, "rev/s": 2 * _PI},
+    "rad/s/V": {"rpm/V": _PI / 30},
+    "Vs/rad": {"V/rpm": 30 / _PI, "V/krpm": 30 / _PI / 1000, "mV/rpm": 30 / _PI / 1000},
     "kgm2": {"gm2": Decimal("1e-3"), "kgcm2": Decimal("1e-4"), "gcm2": Decimal("1e-7")},
 }
 
@@ -37,7 +42,8 @@ _PLAIN = str.maketrans(
 
 @cache
 def spellings(unit: str) -> Mapping[str, Decimal]:
-    """Every unit that a value of `unit` may be given in, and how many of `unit` it is; `unit` comes first."""
+    """Return every unit that a value of `unit` may be given in, and how many of `unit` it is; `unit` comes
+    first."""
     if not unit:
         return {}
     prefixes = _PREFIXES if unit in _PREFIXED else {"": 0}
@@ -50,7 +56,7 @@ def spellings(unit: str) -> Mapping[str, Decimal]:
 
 
 def parse_value(variable: Variable, text: str) -> Value:
-    """What `text` states, in the variable's unit; limits, names and whole numbers are `encode`'s to check.
+    """Return what `text` states, in the variable's unit; `encode` checks limits, names and whole numbers.
 
     Raises:
         ValueRefused: neither a number nor a name, or a unit that the variable cannot be given in.
@@ -60,27 +66,59 @@ def parse_value(variable: Variable, text: str) -> Value:
         return text
     if re.fullmatch(r"[+-]?0[xX][0-9a-fA-F]+", text):
         return int(text, 16)
-    match = _NUMBER.fullmatch(text)
-    if match is None:
-        raise _refusal(variable, text, "a number")
-    number, unit = match["number"], match["unit"].translate(_PLAIN)
+    number, unit = _split(text, variable.unit, variable.name)
     if not unit:
         return int(number) if re.fullmatch(r"[+-]?\d{1,20}", number) else float(number)
-    if unit not in (known := spellings(variable.unit)):
-        raise _refusal(variable, text, "a plain number" if not variable.unit else "")
+    return _converted(number, unit, variable.unit, variable.name, text)
+
+
+def parse_quantity(text: str, unit: str, name: str) -> float:
+    """Return what `text` states of `name`, in `unit`; a number without a unit is in it already.
+
+    Raises:
+        ValueRefused: it is no number, or in a unit that this quantity cannot be given in.
+    """
+    number, stated = _split(text.strip(), unit, name)
+    return _converted(number, stated, unit, name, text) if stated else float(number)
+
+
+def _split(text: str, unit: str, name: str) -> tuple[str, str]:
+    """Return the number and the unit behind it."""
+    match = _NUMBER.fullmatch(text)
+    if match is None:
+        raise _refusal(name, unit, text, "a number")
+    return match["number"], match["unit"].translate(_PLAIN)
+
+
+def _converted(number: str, stated: str, unit: str, name: str, text: str) -> float:
+    if stated not in (known := spellings(unit)):
+        raise _refusal(name, unit, text, "a plain number" if not unit else "")
     try:
-        return float(Decimal(number) * known[unit])
+        return float(Decimal(number) * known[stated])
     except ArithmeticError:
-        raise _refusal(variable, text, "a finite number") from None
+        raise _refusal(name, unit, text, "a finite number") from None
 
 
-def _refusal(variable: Variable, text: str, wanted: str) -> ValueRefused:
-    names = list(spellings(variable.unit))
+def shown(value: Value) -> str:
+    """Return a value for people."""
+    if isinstance(value, bytes):
+        return value.hex(" ")
+    return f"{value:.9g}" if isinstance(value, float) else str(value)
+
+
+def plain(value: Value) -> int | float | str:
+    """Return a value for JSON, which has neither bytes nor nan."""
+    if isinstance(value, float) and not math.isfinite(value):
+        return str(value)
+    return value.hex() if isinstance(value, bytes) else value
+
+
+def _refusal(name: str, unit: str, text: str, wanted: str) -> ValueRefused:
+    names = list(spellings(unit))
     units = ""
     if names:
-        others = names[1:3] + [name for name in _OTHERS.get(variable.unit, {}) if name not in names[1:3]]
+        others = names[1:3] + [each for each in _OTHERS.get(unit, {}) if each not in names[1:3]]
         units = f" in {names[0]}" + (f" (or {', '.join(others)}, ...)" if others else "")
     return ValueRefused(
-        f"{variable.name} = {text[:40]!r}: {wanted or 'a value'}{units} is expected; nothing was sent: "
-        f"give one"
+        f"{name} = {text[:40]!r}: {wanted or 'a value'}{units} is expected; nothing was sent: give one"
     )

@@ -1,11 +1,11 @@
-"""Limits that are the value of another variable, such as a trip level's: the end of the converter's range."""
+"""Limits given by the value of another variable, such as a trip level's by the converter's range."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from benchtool.protocol.dictionary import Dictionary
+from benchtool.protocol.dictionary.dictionary import Dictionary
 from benchtool.protocol.dictionary.keys import variable_of
 from benchtool.protocol.dictionary.variable import Value, Variable
 
@@ -14,14 +14,15 @@ _ROUNDING = 1e-6  # of a float32
 
 @dataclass(frozen=True)
 class Relation:
-    """`lower` is at most `times` the value of `upper`; where that is 0 it is not known, and no limit."""
+    """`lower` is at most `times` the value of `upper`; 0 means unknown, without a limit."""
 
     lower: Variable
     upper: Variable
     times: float
 
     def breach(self, values: Mapping[str, Value]) -> str:
-        """What is wrong with these values, by name, and what to do; empty if nothing, or one is missing."""
+        """Return the fault of these values, by name, and the remedy; empty if there is none, or a value is
+        missing."""
         lower, upper = values.get(self.lower.name), values.get(self.upper.name)
         if not (isinstance(lower, int | float) and isinstance(upper, int | float)) or upper <= 0:
             return ""
@@ -36,7 +37,7 @@ class Relation:
 
 
 def relations(dictionary: Dictionary) -> Iterator[Relation]:
-    """Every relation of two variables that the dictionary states, once."""
+    """Yield every relation of two variables that the dictionary states, once."""
     stated: set[tuple[str, str]] = set()
     for variable in dictionary:
         pairs = ((variable.name, variable.max_entry), (variable.min_entry, variable.name))
@@ -48,9 +49,9 @@ def relations(dictionary: Dictionary) -> Iterator[Relation]:
 
 
 def first_breach(dictionary: Dictionary, given: Mapping[str, Value], ranges: Mapping[str, Value]) -> str:
-    """What is wrong with parameters, by key, on a drive whose sensors have these `ranges`; empty if nothing.
+    """Return the fault of parameters, by key, on a drive whose sensors have these `ranges`; empty if none.
 
-    What is not given has its default, except for levels that a drive cuts to its ranges.
+    Missing parameters have their defaults, except for levels that a drive cuts to its ranges.
     """
     values = {variable.name: variable.default for variable in dictionary if variable.default is not None}
     set_here = [(variable_of(dictionary, key), value) for key, value in given.items()]

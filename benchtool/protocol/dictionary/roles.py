@@ -1,7 +1,7 @@
-"""Standard objects by their role: the one table of indices that the host has.
+"""Standard objects by their role: the host's table of indices.
 
-Makers name their objects as they like, so the host asks for a role: `dictionary[Role.STATUSWORD]`. A profile
-may redirect it to another object of the drive. Sources: CiA 301, 7.5.2 (communication objects), and CiA 402-2
+Vendors name their objects freely, so the host asks for a role: `dictionary[Role.STATUSWORD]`. A profile may
+redirect it to another object of the drive. Sources: CiA 301, 7.5.2 (communication objects), and CiA 402-2
 (IEC 61800-7-201).
 """
 
@@ -17,7 +17,7 @@ from benchtool.errors import ValueRefused
 
 @unique
 class Role(Enum):
-    """What an object is for; the value is its index and sub-index in the standard.
+    """Role of an object; the value is its index and sub-index in the standard.
 
     Of process data it is the first PDO's; those of the n-th are at index + n - 1.
     """
@@ -99,7 +99,7 @@ class Role(Enum):
 
     @classmethod
     def named(cls, title: str) -> Role:
-        """The role of a name as a profile states it.
+        """Return the role of a name as a profile states it.
 
         Raises:
             ValueRefused: there is none of that name.

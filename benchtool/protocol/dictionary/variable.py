@@ -1,4 +1,4 @@
-"""One variable of a drive: between values in SI units and the bytes on the wire."""
+"""One variable of a drive: conversion between values in SI units and bytes on the wire."""
 
 from __future__ import annotations
 
@@ -93,9 +93,10 @@ class Variable:
         return self.access in ("rw", "wo")
 
     def encode(self, value: Value) -> bytes:
-        """Bytes of a value: a number in `unit`, a name of the enumeration, the text of either, or a string.
+        """Return the bytes of a value: a number in `unit`, a name of the enumeration, the text of either, or
+        a string.
 
-        An integer with a factor is rounded to the nearest step. `access` plays no part.
+        An integer with a factor is rounded to the nearest step. `access` is not checked.
 
         Raises:
             ValueRefused: not a value of this type, no such name, or outside the limits.
@@ -112,8 +113,8 @@ class Variable:
         return np.array(raw, dtype=self.type.numpy).tobytes()
 
     def decode(self, data: bytes) -> Value:
-        """Value in bytes: a number in `unit`, a name of the enumeration (its number if it has no name), a
-        string or, of a domain, the bytes. A 32-bit float becomes the shortest decimal that names it.
+        """Return the value in bytes: a number in `unit`, a name of the enumeration (its number if it has no
+        name), a string or, of a domain, the bytes. A 32-bit float becomes the shortest decimal that names it.
 
         Raises:
             DictionaryMismatch: the length is not that of the type.

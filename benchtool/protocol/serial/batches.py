@@ -1,8 +1,7 @@
 """The full-rate stream: batches of records of one schema, put together to Blocks.
 
-The records of a batch follow each other on the drive's grid of ticks, so what is missing is missing between
-batches. Sequence number and tick must both go on; a batch that fits only one of them is not taken: it is of
-another stream, or an old one again.
+The records of a batch are consecutive, so rows can only be missing between batches. Sequence number and tick
+must both continue; a batch that fits only one of them, of another stream or repeated, is dropped.
 """
 
 from __future__ import annotations
@@ -19,13 +18,13 @@ from benchtool.protocol.dictionary.objects import DataType
 from benchtool.protocol.dictionary.variable import Variable
 from benchtool.protocol.serial.messages import Batch, StreamFormat
 from benchtool.protocol.telemetry import StreamCounters
-from benchtool.ticks import TICKS, ahead, counted_on
+from benchtool.ticks import TICKS, ticks_since, unwrap_tick
 
 _NO_VALUE = -(1 << 15)  # what a drive sends for a value that is not finite or beyond the int16's reach
 
 
 class BatchDecoder:
-    """Turns batches into Blocks. It never raises at what it is fed.
+    """Converts batches to Blocks. Never raises on received data.
 
     Args:
         channels: objects of a record in their order, of four bytes each.
@@ -103,7 +102,7 @@ class BatchDecoder:
         return self._rows
 
     def feed(self, batch: Batch, arrival_s: float) -> int:
-        """Take a batch; how many rows were taken."""
+        """Add a batch; return the number of rows accepted."""
         if batch.schema != self._schema:
             self.other_schema += 1
             return 0
@@ -115,12 +114,12 @@ class BatchDecoder:
         ):
             self._malformed += 1
             return 0
-        first_tick = counted_on(batch.first_tick, self._near)
+        first_tick = unwrap_tick(batch.first_tick, self._near)
         if self._received:
-            ticks_ahead = ahead(batch.first_tick, self.tick)
-            batches_ahead = ahead(batch.sequence, self._sequence)
+            ticks_ahead = ticks_since(batch.first_tick, self.tick)
+            batches_ahead = ticks_since(batch.sequence, self._sequence)
             records_ahead, rest = divmod(ticks_ahead, self._stride)
-            # Every batch on the way to this one, and this one, has one record or more of those on the way.
+            # Every batch between, and this one, has at least one of the records between.
             if rest or ticks_ahead >= TICKS // 2 or not 0 < batches_ahead <= records_ahead:
                 self._off_grid += batch.n
                 return 0
@@ -137,8 +136,8 @@ class BatchDecoder:
         self._spans.append((first_tick, batch.n))
         return batch.n
 
-    def take(self) -> Block | None:
-        """The rows since the last call, which are given away; None if there are none."""
+    def pop_block(self) -> Block | None:
+        """Return the rows since the last call and clear them; None if there are none."""
         if not self._rows:
             return None
         data = self._values(b"".join(self._batches))
@@ -153,7 +152,7 @@ class BatchDecoder:
         return Block(self._channels, first_tick, self._stride, self._tick_s, data, tuple(gaps))
 
     def _values(self, records: bytes) -> NDArray[np.float64]:
-        """Values in the units of the channels, shape (rows, channels)."""
+        """Return the values in the units of the channels, shape (rows, channels)."""
         shape = -1, len(self._channels)
         if self._words:
             words = np.frombuffer(records, dtype="<u4").reshape(shape)

@@ -24,7 +24,7 @@ _RUN = 254  # bytes without a zero that COBS stuffs with one more
 
 
 def encode_frame(payload: bytes) -> bytes:
-    """The frame of a payload, with a zero before and behind it.
+    """Return the frame of a payload, with a zero before and behind it.
 
     Raises:
         ValueRefused: the payload is empty or longer than any receiver takes.
@@ -39,9 +39,9 @@ def encode_frame(payload: bytes) -> bytes:
 
 
 class FrameSplitter:
-    """Cuts a stream of bytes into payloads. It never raises at what it is fed, nor holds more than a frame.
+    """Splits a stream of bytes into payloads. Never raises on received data, nor stores more than a frame.
 
-    What comes out, and what is counted, depends on the bytes alone, not on how they were divided over calls.
+    The result depends on the bytes alone, not on their division over calls.
     """
 
     def __init__(self, max_payload: int = MAX_PAYLOAD) -> None:
@@ -59,11 +59,11 @@ class FrameSplitter:
 
     @property
     def dropped(self) -> int:
-        """Frames dropped for whatever cause."""
+        """Frames dropped for any cause."""
         return self.too_long + self.bad_stuffing + self.too_short + self.bad_crc
 
     def feed(self, data: bytes) -> list[bytes]:
-        """Payloads of the good frames that end in these bytes, in order."""
+        """Return the payloads of the good frames that end in these bytes, in order."""
         *ended, rest = data.split(_DELIMITER)
         payloads = []
         if ended:

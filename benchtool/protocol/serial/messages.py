@@ -43,7 +43,7 @@ class StreamFormat(IntEnum):
 
 
 class RejectReason(IntEnum):
-    """Why a drive cannot take a request that came whole."""
+    """Reason of a drive to reject a valid request."""
 
     UNKNOWN_TYPE = 1
     WRONG_LENGTH = 2
@@ -52,7 +52,7 @@ class RejectReason(IntEnum):
 
 @dataclass(frozen=True)
 class Identify:
-    """Who is there? `version` is the host's."""
+    """Request for the identity; `version` is that of the host."""
 
     tag: int
     version: int = VERSION
@@ -60,7 +60,7 @@ class Identify:
 
 @dataclass(frozen=True)
 class Identity:
-    """Who is there. Of a drive of another version nothing behind `dictionary_hash` is known: zeros."""
+    """Identity of the drive. For a drive of another version, the fields after `dictionary_hash` are zero."""
 
     tag: int
     status: int
@@ -110,7 +110,7 @@ class Write:
 
 @dataclass(frozen=True)
 class WriteReply:
-    """What became of a write; `status` as in `ReadReply`."""
+    """Result of a write; `status` as in `ReadReply`."""
 
     tag: int
     status: int
@@ -199,7 +199,7 @@ class Setpoint:
 
 @dataclass(frozen=True)
 class HostHeartbeat:
-    """The host is alive."""
+    """Heartbeat of the host."""
 
     node: int
     nmt_state: int
@@ -214,7 +214,7 @@ class Nmt:
 
 @dataclass(frozen=True)
 class Heartbeat:
-    """The drive is alive."""
+    """Heartbeat of the drive."""
 
     nmt_state: int
     tick: int

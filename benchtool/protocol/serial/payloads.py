@@ -1,7 +1,7 @@
-"""Payloads that carry messages of the serial line, there and back.
+"""Encoding and decoding of messages of the serial line as payloads.
 
-Everything is little-endian. Decoding is total: bytes that are no message give None, or for a request the
-`Reject` that answers it.
+Everything is little-endian. Decoding never raises: invalid bytes give None, or for a request the `Reject`
+that answers it.
 """
 
 from __future__ import annotations
@@ -94,7 +94,7 @@ _REQUESTS = range(0x01, 0x10)  # types that are answered
 
 
 def encode_message(message: Message) -> bytes:
-    """Payload of a message.
+    """Return the payload of a message.
 
     Raises:
         ValueRefused: a field does not fit its place on the wire.
@@ -126,7 +126,7 @@ def encode_message(message: Message) -> bytes:
 
 
 def decode_request(payload: bytes) -> Request | Reject | None:
-    """What a host says; the answer to a request that cannot be taken; None if it is to be dropped.
+    """Return what a host says; the answer to a request that cannot be taken; None if it is to be dropped.
 
     Never raises.
     """
@@ -149,7 +149,7 @@ def decode_request(payload: bytes) -> Request | Reject | None:
 
 
 def decode_reply(payload: bytes) -> Reply | None:
-    """What a drive says; None if it is to be dropped. Never raises."""
+    """Return the message of a drive; None if it is to be dropped. Never raises."""
     if not payload or payload[0] < MessageType.HEARTBEAT:
         return None
     if payload[0] == MessageType.IDENTITY:
@@ -174,7 +174,7 @@ def _decode(payload: bytes) -> Message | None:
 
 
 def _sound(message: Message) -> bool:
-    """Whether the length of the data is one that the other fields allow."""
+    """Return whether the length of the data fits the other fields."""
     match message:
         case Write():
             return bool(message.data)
@@ -235,7 +235,7 @@ def _decode_stream(payload: bytes) -> Stream | None:
     if len(payload) < _STREAM_HEAD.size:
         return None
     _, tag, stride, batch, layout, n = _STREAM_HEAD.unpack_from(payload)
-    if layout not in _SCALES_PER_CHANNEL:  # then nobody knows how long the message should be
+    if layout not in _SCALES_PER_CHANNEL:  # then the length of the message is unknown
         return None
     scales = n * _SCALES_PER_CHANNEL[layout]
     rest = payload[_STREAM_HEAD.size :]

@@ -1,0 +1,40 @@
+from .batches import BatchDecoder as BatchDecoder
+from .framing import (
+    MAX_PAYLOAD as MAX_PAYLOAD,
+    FrameSplitter as FrameSplitter,
+    encode_frame as encode_frame,
+)
+from .messages import (
+    VERSION as VERSION,
+    Answer as Answer,
+    Batch as Batch,
+    ChunkReply as ChunkReply,
+    Chunks as Chunks,
+    Event as Event,
+    Heartbeat as Heartbeat,
+    HostHeartbeat as HostHeartbeat,
+    Identify as Identify,
+    Identity as Identity,
+    Message as Message,
+    MessageType as MessageType,
+    Nmt as Nmt,
+    Open as Open,
+    OpenReply as OpenReply,
+    Read as Read,
+    ReadReply as ReadReply,
+    Reject as Reject,
+    RejectReason as RejectReason,
+    Reply as Reply,
+    Request as Request,
+    Setpoint as Setpoint,
+    Stream as Stream,
+    StreamFormat as StreamFormat,
+    StreamReply as StreamReply,
+    Write as Write,
+    WriteReply as WriteReply,
+)
+from .payloads import (
+    decode_reply as decode_reply,
+    decode_request as decode_request,
+    encode_message as encode_message,
+)
