@@ -1,4 +1,4 @@
-"""What stands beside the drive on a bench, as a profile states it: equipment, sensors, their certificates."""
+"""The `[bench]` section of a profile: equipment, sensors and their certificates."""
 
 from __future__ import annotations
 
@@ -22,17 +22,22 @@ _ROOT_3: Final = math.sqrt(3.0)
 
 
 class Instrument(Section):
-    """What tells one instrument from another, and how long what is stated of it holds.
+    """Identification of an instrument, and the validity of its calibration.
 
     `k` is the coverage factor with which its certificate states an expanded uncertainty U; `due` is the day
     of the next calibration.
     """
 
     sensor: str = ""
+    """Type of the instrument."""
     serial_number: str = ""
+    """Its serial number."""
     certificate: str = ""
+    """Number of its calibration certificate."""
     due: date | None = None
+    """Day of its next calibration; reports tell of one that is overdue."""
     k: Annotated[float, Field(ge=1.0, le=5.0)] = 2.0
+    """Coverage factor of the expanded uncertainties that the certificate states."""
 
     @field_validator("due", mode="before")
     @classmethod
@@ -49,12 +54,12 @@ class Instrument(Section):
         return ", ".join(part for part in (self.sensor, number, certificate) if part)
 
     def overdue(self, on: date) -> bool:
-        """Whether the next calibration was due before this day."""
+        """Return whether the next calibration was due before this day."""
         return self.due is not None and self.due < on
 
 
 class Sensor(Instrument):
-    """What is known of how one channel measures (JCGM 100:2008, 4.3).
+    """Sensor of one channel and its errors (JCGM 100:2008, 4.3).
 
     The reading is (1 + gain error) x value + offset error. Each error is stated in one of two ways: as an
     expanded uncertainty of a certificate (`gain_U_percent`, `offset_U_A`; u = U / k, 4.3.3), or as the limits
@@ -64,12 +69,19 @@ class Sensor(Instrument):
     """
 
     gain_U_percent: NotNegative | None = None
+    """Expanded uncertainty of the gain, of the reading, by the certificate."""
     gain_limit_percent: NotNegative | None = None
+    """Limits of error of the gain, of the reading, by the data sheet."""
     offset_U: NotNegative | None = None
+    """Expanded uncertainty of the offset. The key ends in the channel's unit: `offset_U_A`."""
     offset_limit: NotNegative | None = None
+    """Limits of error of the offset. The key ends in the channel's unit: `offset_limit_A`."""
     resolution: NotNegative | None = None
+    """Step of the reading. The key ends in the channel's unit: `resolution_A`."""
     bandwidth_Hz: Positive | None = None
+    """Where the sensor, taken as a first-order lag, has lost 3 dB."""
     unit: str = ""
+    """Unit of the keys."""
 
     @model_validator(mode="before")
     @classmethod
@@ -142,6 +154,7 @@ class ReferenceClock(Instrument):
     """The clock by which the drive samples: the limits of its relative error, rectangular."""
 
     tolerance_ppm: NotNegative
+    """Limits of the relative error of the drive's clock."""
 
     @property
     def relative_standard(self) -> float:
@@ -159,11 +172,17 @@ class Bench(Section):
     """
 
     load: Load | None = None
+    """What loads the shaft."""
     transducer: Transducer | None = None
+    """The torque transducer on the shaft."""
     supply: Supply | None = None
+    """The instrument that measures the dc link."""
     temperature: Temperature | None = None
+    """The thermometers."""
     channels: dict[str, Sensor] = Field(default_factory=dict)
+    """The sensor of each channel, by the channel's name."""
     clock: ReferenceClock | None = None
+    """The clock by which the drive samples."""
 
     @model_validator(mode="after")
     def _an_angle_has_no_gain(self) -> Bench:

@@ -1,4 +1,4 @@
-"""What a published source leaves open and what it claims, beside the numbers that were measured."""
+"""Choices and claims of a published source, compared with measured numbers."""
 
 from __future__ import annotations
 
@@ -14,29 +14,43 @@ class Choice(Section):
     """Where a source leaves something open or contradicts itself: what was chosen and why."""
 
     about: str
+    """What the source leaves open."""
     choice: str
+    """What was chosen."""
     reason: str
+    """Why."""
     effect: str
+    """What it changes."""
 
 
 class Reference(Section):
     """A measured number; what is left out is as in the comparison that refers to it."""
 
     plan: str = ""
+    """Its plan."""
     case: str = ""
+    """Its case."""
     measurement: str = ""
+    """Its measurement."""
 
 
 class Comparison(Section):
     """A measured number against `times` a value or another measured one; near: within that factor of it."""
 
     plan: str
+    """Plan of the measured number."""
     case: str
+    """Case of the measured number."""
     measurement: str
+    """The measured number."""
     relation: Literal["below", "above", "near"]
+    """What is claimed of it."""
     value: float | None = None
+    """A value that it is compared with."""
     other: Reference | None = None
+    """Another measured number that it is compared with."""
     times: Positive = 1.0
+    """Factor on the value or the other number; for `near`, the ratio that is still near."""
 
     @model_validator(mode="after")
     def _has_one_partner(self) -> Comparison:
@@ -49,5 +63,8 @@ class Claim(Section):
     """What a source claims of its results, and the comparisons that all hold where it is right."""
 
     claim: str
+    """The claim in a sentence."""
     source: str
+    """Where the source makes it."""
     comparisons: Annotated[Array[Comparison], Field(min_length=1)]
+    """Comparisons that all hold if the claim is right."""

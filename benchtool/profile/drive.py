@@ -16,9 +16,13 @@ class Drive(Section):
     """
 
     node_id: Annotated[int, Field(ge=1, le=126)] = 1
+    """CANopen node id of the drive; `&node=` of a link overrides it."""
     eds: str = "drive.eds"
+    """EDS or DCF of the drive, a file beside the profile; `drive.eds` is benchtool's own dictionary."""
     allow_unsupervised: bool = False
+    """Enable a drive although nothing stops it when this host falls silent; reports then say so."""
     parameters: dict[str, float | str] = Field(default_factory=dict)
+    """What the drive is set to: names of its dictionary with the unit appended, such as `u_s_V`."""
 
 
 class RoleObject(Section):
@@ -28,8 +32,11 @@ class RoleObject(Section):
     """
 
     object: str
+    """The object that has the role, by name or as `0x3001:02`."""
     unit: str = ""
+    """Unit of `raw * factor`, where the EDS does not state it."""
     factor: float = 1.0
+    """Value of one raw step in `unit`."""
 
     @model_validator(mode="before")
     @classmethod

@@ -1,4 +1,4 @@
-"""The emulated bench as a profile states it."""
+"""The emulated bench as a profile states it. Every number is bounded: what is left can be computed."""
 
 from __future__ import annotations
 
@@ -8,44 +8,88 @@ from typing import Annotated
 from pydantic import Field
 
 from benchtool.document import Section
-from benchtool.profile.motor import NotNegative, Positive
+
+Resistance = Annotated[float, Field(ge=0, le=1e4)]
+Inductance = Annotated[float, Field(ge=1e-7, le=10)]
+Inertia = Annotated[float, Field(ge=1e-9, le=1e4)]
+Torque = Annotated[float, Field(ge=0, le=1e5)]
+Voltage = Annotated[float, Field(ge=0.1, le=1e5)]
 
 
 class TrueMotor(Section):
-    """The machine as it really is on the emulated bench; what is left out is as in `[motor]`."""
+    """The true machine of the emulated bench; keys that are left out are as in `[motor]`."""
 
-    R_s_ohm: NotNegative | None = None
-    L_d_H: Positive | None = None
-    L_q_H: Positive | None = None
-    psi_r_Wb: Positive | None = None
-    J_kgm2: Positive | None = None
-    friction_Nms: NotNegative = 0.0
-    coulomb_Nm: NotNegative = 0.0
-    cogging_Nm: NotNegative = 0.0
-    cogging_order: Annotated[int, Field(ge=0)] = 0
+    R_s_ohm: Resistance | None = None
+    """True stator resistance of one phase; `[motor]` has what control believes."""
+    L_d_H: Inductance | None = None
+    """True inductance along the rotor flux."""
+    L_q_H: Inductance | None = None
+    """True inductance across the rotor flux."""
+    psi_r_Wb: Annotated[float, Field(gt=0, le=100)] | None = None
+    """True rotor flux linkage, peak."""
+    J_kgm2: Inertia | None = None
+    """True moment of inertia."""
+    friction_Nms: Annotated[float, Field(ge=0, le=1e3)] = 0.0
+    """Viscous friction: torque per mechanical speed."""
+    coulomb_Nm: Torque = 0.0
+    """Coulomb friction of the turning shaft, independent of the speed."""
+    breakaway_Nm: Torque = 0.0
+    """Torque up to which a shaft at rest stays at rest; at least `coulomb_Nm`."""
+    stribeck_rad_s: Annotated[float, Field(ge=0, le=1e4)] = 0.0
+    """Mechanical speed at which 1/e is left of what `breakaway_Nm` has above `coulomb_Nm`; 0: nothing."""
+    cogging_Nm: Torque = 0.0
+    """Amplitude of the cogging torque."""
+    cogging_order: Annotated[int, Field(ge=0, le=1000)] = 0
+    """Periods of the cogging torque in a mechanical revolution."""
 
 
 class Inverter(Section):
     """The emulated power stage."""
 
-    u_dc_V: Positive
-    dc_link_R_ohm: NotNegative = 0.0
-    dead_time_s: NotNegative = 0.0
-    device_drop_V: NotNegative = 0.0
+    u_dc_V: Voltage
+    """Voltage of the dc link without load."""
+    dc_link_R_ohm: Annotated[float, Field(ge=0, le=1e3)] = 0.0
+    """Source resistance of the dc link."""
+    dead_time_s: Annotated[float, Field(ge=0, le=1e-5)] = 0.0
+    """Dead time of a bridge leg, after each change of it."""
+    device_drop_V: Annotated[float, Field(ge=0, le=100)] = 0.0
+    """Forward drop of a switch or diode."""
+    on_resistance_ohm: Annotated[float, Field(ge=0, le=100)] = 0.0
+    """Resistance of a conducting switch or diode."""
+    timer_Hz: Annotated[float, Field(ge=0, le=1e10)] = 0.0
+    """Clock of the timer that counts up and down in a PWM period; the duties have its steps. 0: no steps."""
+    dc_link_C_F: Annotated[float, Field(ge=1e-5, le=100)] | None = None
+    """Capacitor of the dc link. The supply then feeds it and takes nothing back: braking pumps it up."""
+    supply_ripple_V: Annotated[float, Field(ge=0, le=1e4)] = 0.0
+    """Amplitude of the ripple of the supply's voltage."""
+    supply_ripple_Hz: Annotated[float, Field(ge=0, le=2000)] = 0.0
+    """Frequency of the ripple of the supply's voltage."""
+    chopper_R_ohm: Annotated[float, Field(ge=1e-3, le=1e5)] | None = None
+    """Resistance of a brake chopper across the capacitor."""
+    chopper_on_V: Annotated[float, Field(ge=0, le=1e5)] = 0.0
+    """Voltage of the dc link above which the chopper switches on."""
+    chopper_off_V: Annotated[float, Field(ge=0, le=1e5)] = 0.0
+    """Voltage of the dc link below which the chopper switches off again; above `u_dc_V`."""
 
 
 class Sensors(Section):
     """The emulated current, voltage and position measurement."""
 
     adc_bits: Annotated[int, Field(ge=4, le=24)] = 10
-    i_full_scale_A: Positive
-    u_full_scale_V: Positive
-    current_noise_A_rms: NotNegative = 0.0
-    encoder_lines: Annotated[int, Field(gt=0)] = 2500
-    encoder_offset_rad: float = 0.0
+    """Resolution of the converters of current and voltage."""
+    i_full_scale_A: Annotated[float, Field(ge=1e-3, le=1e5)]
+    """Current at the end of the converter's range; it saturates there."""
+    u_full_scale_V: Annotated[float, Field(ge=1e-3, le=1e6)]
+    """Voltage of the dc link at the end of the converter's range."""
+    current_noise_A_rms: Annotated[float, Field(ge=0, le=1e5)] = 0.0
+    """Noise of a current sample, rms."""
+    encoder_lines: Annotated[int, Field(gt=0, le=2**24)] = 2500
+    """Lines of the incremental encoder; it counts four times as many edges in a revolution."""
+    encoder_offset_rad: Annotated[float, Field(ge=-100, le=100)] = 0.0
+    """Electrical angle between the encoder's zero and phase a."""
 
     def full_scales(self) -> Mapping[str, float]:
-        """Ends of the converter's ranges, by the keys of the objects that tell of them."""
+        """Return the ends of the converter's ranges, by the keys of the objects that tell of them."""
         return {"i_full_scale_A": self.i_full_scale_A, "u_dc_full_scale_V": self.u_full_scale_V}
 
 
@@ -53,5 +97,8 @@ class Emulator(Section):
     """The emulated bench: true values, which control never sees."""
 
     motor: TrueMotor = TrueMotor()
+    """The machine as it really is, where it differs from `[motor]`."""
     inverter: Inverter
+    """The power stage."""
     sensors: Sensors
+    """What the drive measures with."""

@@ -1,7 +1,7 @@
 """Equipment beside the drive as `[bench]` names it: load, torque transducer, dc supply and temperature.
 
 Each table has a `kind`. Where a table is left out, an emulated bench has its own equipment, and a bench with
-a real drive has none: a person loads the shaft.
+a real drive has none: the operator loads the shaft.
 """
 
 from __future__ import annotations
@@ -23,25 +23,30 @@ class Emulated(Section):
     """What the emulated bench has, without a wire of its own."""
 
     kind: Literal["emulated"] = "emulated"
+    """The emulated bench's own equipment."""
 
 
 class EmulatedTemperature(Emulated):
     """Temperatures of an emulated bench: constants, as the emulated machine has no thermal model."""
 
     winding_degC: float = 25.0
+    """Temperature of the winding."""
     ambient_degC: float = 25.0
+    """Temperature of the surroundings."""
 
 
-class Person(Section):
-    """A person at the bench does it, and says so."""
+class Operator(Section):
+    """The operator does it by hand, and confirms it."""
 
-    kind: Literal["person"]
+    kind: Literal["operator", "person"]
+    """An operator is asked to load the shaft before the drive is enabled; "person" is its former name."""
 
 
 class Absent(Section):
     """The bench has none."""
 
     kind: Literal["none"]
+    """The bench has none."""
 
 
 class CanFrames(Section):
@@ -52,10 +57,15 @@ class CanFrames(Section):
     """
 
     kind: Literal["can"]
+    """An instrument on a CAN bus."""
     dbc: Signal
+    """DBC file beside the profile that describes the frames."""
     message: Signal
+    """Message of the DBC file."""
     rate_Hz: Positive
+    """Frames per second."""
     bus: str = DRIVES_BUS
+    """`drive` for the drive's own bus, or the address of another one as `--link` takes it."""
 
     @property
     def read_signals(self) -> tuple[str, ...]:
@@ -80,9 +90,13 @@ class CanTransducer(CanFrames):
     """
 
     signals: Annotated[tuple[Signal, ...], Field(min_length=1, max_length=32, strict=False)]
+    """Signal of each torque sample of a frame, oldest first."""
     counter: str = ""
+    """Signal that counts frames up and wraps; it tells lost frames from late ones."""
     delay_s: NotNegative = 0.0
+    """Time from the last sample of a frame to the frame's arrival."""
     delay_limit_s: NotNegative = 0.0
+    """Limits within which `delay_s` is known."""
 
     @model_validator(mode="after")
     def _each_signal_once(self) -> Self:
@@ -109,7 +123,9 @@ class CanSupply(CanFrames):
     """A power analyser that tells the voltage of the dc link, and its current if `i_dc` is named."""
 
     u_dc: Signal
+    """Signal with the voltage of the dc link."""
     i_dc: str = ""
+    """Signal with the current of the dc link."""
 
     @property
     def read_signals(self) -> tuple[str, ...]:
@@ -121,7 +137,9 @@ class CanTemperature(CanFrames):
     """A thermometer of the winding, of the surroundings, or of both."""
 
     winding: str = ""
+    """Signal with the temperature of the winding."""
     ambient: str = ""
+    """Signal with the temperature of the surroundings."""
 
     @property
     def read_signals(self) -> tuple[str, ...]:
@@ -135,7 +153,7 @@ class CanTemperature(CanFrames):
         return self
 
 
-Load = Annotated[Emulated | Person, Field(discriminator="kind")]
+Load = Annotated[Emulated | Operator, Field(discriminator="kind")]
 Transducer = Annotated[Emulated | CanTransducer | Absent, Field(discriminator="kind")]
 Supply = Annotated[Emulated | CanSupply | Absent, Field(discriminator="kind")]
 Temperature = Annotated[EmulatedTemperature | CanTemperature | Absent, Field(discriminator="kind")]

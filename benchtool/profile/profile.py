@@ -21,29 +21,36 @@ Number = float | int
 
 
 class Profile(Section):
-    """Everything that is known of one motor on one drive.
+    """Everything known about one motor on one drive.
 
     `roles` has the objects for which this drive departs from CiA 301 and CiA 402, by role.
     """
 
     title: str
+    """One line that names motor and drive in reports."""
     motor: Motor
+    """Rating and equivalent circuit, as the host and the drive's control assume them."""
     drive: Drive
+    """Where the drive answers, which dictionary it speaks, what it is set to."""
     bench: Bench = Bench()
+    """What stands beside the drive, and how well it measures."""
     roles: dict[str, RoleObject] = Field(default_factory=dict)
+    """Objects of this drive that differ from CiA 301 and CiA 402, by role."""
     emulator: Emulator | None = None
+    """The emulated bench; a profile without it runs on real links only."""
     choices: Array[Choice] = ()
+    """What a published source leaves open, and how it is read here."""
     claims: Array[Claim] = ()
+    """What a published source claims of its results."""
 
     @property
     def stated_parameters(self) -> dict[str, float | str]:
         """What the drive is to hold, by TOML key: the motor, and `[drive.parameters]`."""
-        motor = self.motor.model_dump(exclude={"I_N_A_rms", "slots"})  # slots are for the host alone
-        return {**motor, "motor_rated_current_A": self.motor.I_N_A_rms, **self.drive.parameters}
+        return {**self.motor.parameters, **self.drive.parameters}
 
     def commissioned(self) -> Mapping[str, float | str]:
-        """What a drive of this profile is set to: what the profile states and, on an emulated bench, the
-        encoder."""
+        """Return what a drive of this profile is set to: what the profile states and, on an emulated bench,
+        the encoder."""
         encoder = {"encoder_lines", "encoder_offset_rad"}
         sensors = self.emulator.sensors.model_dump(include=encoder) if self.emulator else {}
         return {**sensors, **self.stated_parameters}
@@ -58,18 +65,18 @@ class _BenchOfDocument(Section):
 
 
 def profile_path(name: str) -> Path:
-    """File of a shipped profile's name, or of a path.
+    """Return the file of a shipped profile's name, or of a path.
 
     Raises:
         ProfileError: neither exists.
     """
     path = shipped("profiles") / name / "profile.toml"
     place = path if path.is_relative_to(shipped("profiles")) else None
-    return document_path(name, place, "profile", _names, ProfileError)
+    return document_path(name, place, "profile", shipped_profiles, ProfileError)
 
 
 def load_profile(name: str) -> Profile:
-    """The profile of a name or of a file.
+    """Return the profile of a name or of a file.
 
     Raises:
         ProfileError: unknown, unreadable, or a key is wrong.
@@ -100,7 +107,7 @@ def load_bench(name: str) -> Bench:
 
 
 def altered(profile: Profile, emulator: Mapping[str, Number]) -> Profile:
-    """The profile with another emulated bench; `emulator` names what differs, such as `inverter.u_dc_V`.
+    """Return profile with another emulated bench; `emulator` names what differs, such as `inverter.u_dc_V`.
 
     Raises:
         ProfileError: it has no emulated bench, or a key or value does not fit.
@@ -124,7 +131,7 @@ def altered(profile: Profile, emulator: Mapping[str, Number]) -> Profile:
 
 
 def eds_path(profile: Profile, source: Path) -> Path:
-    """The profile's EDS: beside the profile if it is there, else one that ships with the package.
+    """Return the profile's EDS: beside the profile if it is there, else one that ships with the package.
 
     Raises:
         ProfileError: there is none.
@@ -138,5 +145,6 @@ def eds_path(profile: Profile, source: Path) -> Path:
     )
 
 
-def _names() -> list[str]:
+def shipped_profiles() -> list[str]:
+    """Return the names of the profiles that ship."""
     return sorted(path.parent.name for path in shipped("profiles").glob("*/profile.toml"))

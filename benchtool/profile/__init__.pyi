@@ -1,0 +1,60 @@
+from .bench import (
+    Bench as Bench,
+    Instrument as Instrument,
+    ReferenceClock as ReferenceClock,
+    Sensor as Sensor,
+)
+from .claims import (
+    Choice as Choice,
+    Claim as Claim,
+    Comparison as Comparison,
+    Reference as Reference,
+)
+from .derivation import (
+    LAWS as LAWS,
+    Derived as Derived,
+    Given as Given,
+    derived_parameters as derived_parameters,
+)
+from .drive import (
+    Drive as Drive,
+    RoleObject as RoleObject,
+)
+from .emulator import (
+    Emulator as Emulator,
+    Inverter as Inverter,
+    Sensors as Sensors,
+    TrueMotor as TrueMotor,
+)
+from .equipment import (
+    DRIVES_BUS as DRIVES_BUS,
+    Absent as Absent,
+    CanFrames as CanFrames,
+    CanSupply as CanSupply,
+    CanTemperature as CanTemperature,
+    CanTransducer as CanTransducer,
+    Emulated as Emulated,
+    EmulatedTemperature as EmulatedTemperature,
+    Operator as Operator,
+)
+from .motor import Motor as Motor
+from .nameplate import (
+    Amplitude as Amplitude,
+    Nameplate as Nameplate,
+    Voltage as Voltage,
+    Winding as Winding,
+    flux_of_ke as flux_of_ke,
+    flux_of_kt as flux_of_kt,
+    flux_of_kv as flux_of_kv,
+)
+from .profile import (
+    Profile as Profile,
+    altered as altered,
+    bench_of as bench_of,
+    eds_path as eds_path,
+    load_bench as load_bench,
+    load_profile as load_profile,
+    profile_path as profile_path,
+    shipped_profiles as shipped_profiles,
+)
+from .template import profile_text as profile_text

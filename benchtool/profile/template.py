@@ -1,0 +1,124 @@
+"""A profile as a TOML file that a person goes on with: every key of a first day, with unit and meaning."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import Final
+
+from benchtool.document import commented_table
+from benchtool.profile.derivation import Derived, Given
+from benchtool.profile.motor import Motor
+
+_ADC_BITS = 12
+_HEADROOM = 1.05  # of the converter's range over the trip level
+_HEAD: Final = """\
+# A profile: a motor, its drive, and the bench they stand on.
+# Numbers are in SI units; each key ends in its unit. What stands behind a # may be left out.
+#
+#   benchtool plan new ripple.toml --profile THIS-FILE     a first test of it
+#   benchtool run ripple.toml                              on the emulated bench
+#   benchtool run ripple.toml --link can:socketcan:can0    on the drive
+"""
+_BENCH: Final = """
+# What stands beside the drive. What is left out is emulated on an emulated bench, and absent on a real one.
+#
+# [bench.load]
+# kind = "operator"           # asked to load the shaft before the drive is enabled; or "emulated"
+#
+# [bench.channels.i_a]        # the sensor of a channel, which enters the uncertainty of measurements
+# gain_limit_percent = 0.5    # %: limits of error of a data sheet; gain_U_percent of a certificate
+# offset_limit_A = 0.02       # A
+# resolution_A = 0.005        # A: a step of the converter
+# bandwidth_Hz = 50e3         # Hz: 3 dB
+"""
+
+
+def profile_text(title: str, motor: Motor, given: Given, derived: Iterable[Derived]) -> str:
+    """Return a profile of this motor, whose drive has the derived parameters, with an emulated bench to suit.
+
+    The emulated machine is as `[motor]` states it, its sensors reach beyond the trip levels.
+    """
+    parameters = tuple(derived)
+    i_trip_A = next(float(each.value) for each in parameters if each.key == "i_trip_A")
+    u_dc_max_V = next(float(each.value) for each in parameters if each.key == "u_dc_max_V")
+    i_full_scale_A = _HEADROOM * i_trip_A
+    p = motor.pole_pairs
+    f_e_Hz = p * motor.omega_m_N_rad_s / (2.0 * math.pi)
+    sections = (
+        commented_table("", [("title", title, "what a report calls the motor and its bench")]),
+        commented_table(
+            "motor",
+            [
+                ("pole_pairs", p, "p, half of the number of magnets"),
+                ("R_s_ohm", motor.R_s_ohm, "ohm: stator resistance per phase, half of that of two terminals"),
+                ("L_d_H", motor.L_d_H, "H: inductance in the direct axis, per phase"),
+                ("L_q_H", motor.L_q_H, "H: in the quadrature axis; as L_d for surface magnets"),
+                ("psi_r_Wb", motor.psi_r_Wb, "Wb: flux linkage of the magnets, peak: e = p omega_m psi_r"),
+                ("J_kgm2", motor.J_kgm2, "kgm2: moment of inertia of the rotor and what is coupled to it"),
+                ("T_N_Nm", motor.T_N_Nm, "Nm: rated torque; setpoints beyond it are refused"),
+                (
+                    "omega_m_N_rad_s",
+                    motor.omega_m_N_rad_s,
+                    f"rad/s: rated mechanical speed, {motor.omega_m_N_rad_s * 30.0 / math.pi:.4g} rpm, "
+                    f"{f_e_Hz:.4g} Hz electrical",
+                ),
+                ("I_N_A_rms", motor.I_N_A_rms, "A: rated phase current, rms"),
+                ("#slots", 12, "stator slots, which name orders of cogging torque"),
+            ],
+        ),
+        commented_table(
+            "drive",
+            [
+                ("node_id", 1, "CANopen node id, 1 to 126"),
+                ("eds", "drive.eds", "object dictionary: a file beside this one, or one that ships"),
+                ("#allow_unsupervised", False, "true: enable a drive that cannot supervise its link"),
+            ],
+        ),
+        commented_table("drive.parameters", [(each.key, each.value, each.rule) for each in parameters]),
+        commented_table(
+            "emulator.motor",
+            [
+                ("#R_s_ohm", motor.R_s_ohm * 1.2, "ohm: the true machine, where it differs from [motor]"),
+                ("friction_Nms", 0.0, "Nms/rad: viscous friction"),
+                ("coulomb_Nm", 0.0, "Nm: dry friction of the turning shaft"),
+                ("#breakaway_Nm", 0.0, "Nm: torque up to which a shaft at rest stays at rest"),
+                ("#stribeck_rad_s", 0.0, "rad/s: over which friction falls from the one to the other"),
+                ("cogging_Nm", 0.0, "Nm: peak of the cogging torque"),
+                ("cogging_order", 0, "its periods per revolution: lcm of slots and 2 p"),
+            ],
+        ),
+        commented_table(
+            "emulator.inverter",
+            [
+                ("u_dc_V", given.u_dc_V, "V: voltage of the dc link"),
+                ("dc_link_R_ohm", 0.0, "ohm: resistance it stands behind"),
+                ("dead_time_s", given.dead_time_s, "s: between the switches of a leg"),
+                ("device_drop_V", 0.0, "V: forward voltage of a conducting device"),
+                ("on_resistance_ohm", 0.0, "ohm: resistance of a conducting device"),
+                ("#timer_Hz", 100e6, "Hz: clock of the PWM timer, whose steps the duties have"),
+                ("#dc_link_C_F", 1e-3, "F: capacitor of the dc link, which braking pumps up"),
+                ("#supply_ripple_V", 0.0, "V: amplitude of the supply's ripple"),
+                ("#supply_ripple_Hz", 300.0, "Hz: its frequency"),
+                ("#chopper_R_ohm", 20.0, "ohm: brake chopper across the capacitor"),
+                ("#chopper_on_V", 1.2 * given.u_dc_V, "V: where it switches on"),
+                ("#chopper_off_V", 1.15 * given.u_dc_V, "V: where it switches off"),
+            ],
+        ),
+        commented_table(
+            "emulator.sensors",
+            [
+                ("adc_bits", _ADC_BITS, "bits of the converters"),
+                ("i_full_scale_A", i_full_scale_A, "A: end of the range of the phase currents, above i_trip"),
+                ("u_full_scale_V", _HEADROOM * u_dc_max_V, "V: end of the range of u_dc, above u_dc_max"),
+                (
+                    "current_noise_A_rms",
+                    2.0 * i_full_scale_A / 2**_ADC_BITS,
+                    "A: noise of a phase current, rms; here one step of the converter",
+                ),
+                ("encoder_lines", given.encoder_lines, "lines per revolution, four counts each"),
+                ("encoder_offset_rad", 0.0, "rad: mechanical angle of its zero to the rotor flux"),
+            ],
+        ),
+    )
+    return f"{_HEAD}\n{chr(10).join(sections)}{_BENCH}"
