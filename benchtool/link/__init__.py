@@ -1,5 +1,5 @@
 """How frames and bytes move between the host and one drive."""
 
-from benchtool.link.interface import Alarm, BatchLink, Frame, FrameLink, FrameReceiver, Link, LinkCounters
+import lazy_loader
 
-__all__ = ["Alarm", "BatchLink", "Frame", "FrameLink", "FrameReceiver", "Link", "LinkCounters"]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,4 +1,4 @@
-"""Who is there: what a search over any wire finds and asks. Nothing but reads is sent."""
+"""Discovery over any wire: results and common requests. Only reads are sent."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from contextlib import suppress
 from dataclasses import dataclass
 
 from benchtool.errors import LinkError, SdoAbort
-from benchtool.link import Link
-from benchtool.protocol.canopen.nmt import NmtState
+from benchtool.link.interface import Link
+from benchtool.protocol.canopen import NmtState
 
 DEVICE_NAME, FIRMWARE_VERSION = (0x1008, 0), (0x100A, 0)
 VENDOR_ID, PRODUCT_CODE, SERIAL_NUMBER = (0x1018, 1), (0x1018, 2), (0x1018, 4)
@@ -17,7 +17,7 @@ VENDOR_ID, PRODUCT_CODE, SERIAL_NUMBER = (0x1018, 1), (0x1018, 2), (0x1018, 4)
 
 @dataclass(frozen=True)
 class Found:
-    """A drive that answered, and its address as `--link` takes it; None for what it does not tell.
+    """A drive that answered, and its address as `--link` takes it; None for what it does not provide.
 
     `answers` is how often it answered one request on CAN: more than once if two nodes have the same number.
     """
@@ -34,7 +34,7 @@ class Found:
 
 
 def duplicates(found: Sequence[Found]) -> list[str]:
-    """What should be there once and is there twice, a line each. A serial number of 0 is none."""
+    """Return duplicates of node ids and serial numbers, one line each. A serial number of 0 is ignored."""
     lines = [
         f"node {each.node_id} answered {each.answers} times ({each.link}): "
         f"give each node of the bus a number of its own"
@@ -55,13 +55,13 @@ def duplicates(found: Sequence[Found]) -> list[str]:
 
 
 def read_number(link: Link, key: tuple[int, int]) -> int | None:
-    """An unsigned number of the drive; None if it does not tell."""
+    """Return an unsigned number of the drive; None if it does not provide it."""
     data = _read(link, key)
     return int.from_bytes(data, "little") if data else None
 
 
 def read_text(link: Link, key: tuple[int, int]) -> str | None:
-    """A text of the drive; None if it does not tell."""
+    """Return a text of the drive; None if it does not provide it."""
     data = _read(link, key)
     return data.decode(errors="replace").rstrip("\0") if data else None
 

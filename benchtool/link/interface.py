@@ -1,4 +1,4 @@
-"""What a drive's host side may ask of a link, whatever carries it."""
+"""Interfaces of links, independent of the wire."""
 
 from __future__ import annotations
 
@@ -8,19 +8,18 @@ from typing import NamedTuple, Protocol, runtime_checkable
 
 from benchtool.clock import Clock
 from benchtool.link.process_data import ProcessData
-from benchtool.protocol.canopen.emcy import Emergency
-from benchtool.protocol.canopen.nmt import NmtCommand, NmtState
+from benchtool.protocol.canopen import Emergency, NmtCommand, NmtState
 from benchtool.protocol.serial import Batch, StreamReply
 
 
 @dataclass(frozen=True)
 class LinkCounters:
-    """What went over a link since it was opened, and what went wrong on it."""
+    """Counters of a link since it was opened."""
 
     frames_received: int = 0
     frames_dropped: int = 0  # malformed
     receive_errors: int = 0  # the adapter's driver raised; reception went on
-    overruns: int = 0  # well-formed, but nobody took them in time
+    overruns: int = 0  # well-formed, but not taken in time
     retries: int = 0  # reads, or chunks of one, that were asked for again
     stale_answers: int = 0  # to a request that had been given up
     sdo_aborts: int = 0
@@ -37,7 +36,7 @@ class Frame(NamedTuple):
     arrival_s: float
 
 
-class Alarm(NamedTuple):
+class ReceivedEmergency(NamedTuple):
     """An emergency as it arrived, at `arrival_s` of the host's clock."""
 
     emergency: Emergency
@@ -51,11 +50,11 @@ BatchReceiver = Callable[[Batch, float], None]
 
 @runtime_checkable
 class CountsMalformed(Protocol):
-    """A bus whose adapter's own protocol can be disturbed, before there is a frame."""
+    """A bus whose adapter protocol counts malformed input."""
 
     @property
     def malformed(self) -> int:
-        """What has come and was none of that protocol."""
+        """Number of malformed inputs."""
 
 
 class Link(Protocol):
@@ -74,22 +73,23 @@ class Link(Protocol):
 
     @property
     def clock(self) -> Clock:
-        """What its waiting, and the times of what arrives, go by."""
+        """Clock of its waits and arrival times."""
 
     @property
     def process_data(self) -> ProcessData:
         """How it carries streams and setpoints."""
 
     def upload(self, index: int, sub: int, *, block: bool = False, length: int | None = None) -> bytes:
-        """Bytes of one object; `block` for a transfer that is fast for long ones. Asked twice if need be.
+        """Return the bytes of one object; `block` for a transfer that is fast for long ones. The request is
+        repeated once if necessary.
 
         `length` is how many bytes the object has: so many are taken of an answer that brings four and does
         not say how many of them count, as an expedited SDO transfer may. It changes no other answer.
 
         Raises:
-            NoAnswer: nothing came back.
+            NoAnswer: no response came.
             SdoAbort: the drive refused.
-            LinkError: what came back is damaged or is no answer.
+            LinkError: the response is damaged or out of protocol.
         """
 
     def download(self, index: int, sub: int, data: bytes, *, block: bool = False) -> None:
@@ -98,27 +98,27 @@ class Link(Protocol):
         Raises:
             NoAnswer: nothing came back; the drive may hold either value.
             SdoAbort: the drive refused.
-            LinkError: what came back is damaged or is no answer.
+            LinkError: the response is damaged or out of protocol.
         """
 
     def nmt(self, command: NmtCommand) -> None:
-        """Tell the drive to change its network state; nothing confirms it but its heartbeat."""
+        """Send an NMT command; only the heartbeat confirms it."""
 
     def send_heartbeat(self) -> None:
         """Feed the drive's link supervision, once."""
 
     def heartbeat_state(self) -> NmtState | None:
-        """State in the drive's last heartbeat; None before the first."""
+        """Return the state in the drive's last heartbeat; None before the first."""
 
     def wait_heartbeat(self, timeout_s: float) -> NmtState:
-        """State in the drive's next heartbeat.
+        """Return the state in the drive's next heartbeat.
 
         Raises:
             NoAnswer: none came within `timeout_s` of the link's clock.
         """
 
-    def emergencies(self) -> tuple[Alarm, ...]:
-        """Emergencies since the last call, oldest first."""
+    def emergencies(self) -> tuple[ReceivedEmergency, ...]:
+        """Return the emergencies since the last call, oldest first."""
 
     def close(self) -> None:
         """End reception and close the adapter; a second call does nothing."""
@@ -133,10 +133,10 @@ class FrameLink(Link, Protocol):
         quick, and must not transfer."""
 
     def unsubscribe(self, can_ids: Iterable[int]) -> None:
-        """Take a subscription back."""
+        """Cancel a subscription."""
 
     def send_pdo(self, can_id: int, data: bytes) -> None:
-        """Send process data: nothing confirms them."""
+        """Send process data, which are not confirmed."""
 
 
 @runtime_checkable
@@ -144,12 +144,13 @@ class BatchLink(Link, Protocol):
     """A link whose process data are setpoints and batches of records."""
 
     def batch_rows(self, channels: int) -> int:
-        """Records of so many words of four bytes that the drive can put in one batch; 0 if none fits."""
+        """Return the records of so many words of four bytes that the drive can put in one batch; 0 if none
+        fits."""
 
     def configure_stream(self, mappings: Sequence[int] = (), stride: int = 0, batch: int = 1) -> StreamReply:
         """Have the drive stream these objects every `stride` ticks, `batch` records at a time; 0 stops it.
 
-        Asked once.
+        The request is sent once.
 
         Raises:
             NoAnswer: nothing came back; the drive may stream or not.
@@ -161,4 +162,4 @@ class BatchLink(Link, Protocol):
         transfer."""
 
     def send_setpoint(self, torque_Nm: float, omega_m_rad_s: float) -> None:
-        """Send both setpoints: nothing confirms them."""
+        """Send both setpoints, which are not confirmed."""

@@ -14,7 +14,7 @@ _LIVENESS_S = 0.1
 
 
 def pipe(clock: Clock) -> tuple[PipePort, PipePort]:
-    """The two ends of a line; bytes bear the time of `clock` at which they were written."""
+    """Return the two ends of a line; bytes bear the time of `clock` at which they were written."""
     lock = threading.Condition()
     one, other = PipePort(clock, lock), PipePort(clock, lock)
     one.peer, other.peer = other, one
@@ -22,10 +22,10 @@ def pipe(clock: Clock) -> tuple[PipePort, PipePort]:
 
 
 class PipePort:
-    """One end: a `Port` that knows when its reader has dealt with everything sent to it.
+    """One end: a `Port` that knows when its reader has handled everything sent to it.
 
-    A receive loop reads on only after it has dealt with what it read before, so the call of `read` is what
-    marks the previous bytes as done. An end that is closed hangs up: the other gets an OSError.
+    A receive loop reads again only after it has handled the bytes before, so each call of `read` marks them
+    as done. An end that is closed hangs up: the other gets an OSError.
     """
 
     peer: PipePort
@@ -90,9 +90,10 @@ class PipePort:
             self._lock.notify_all()
 
     def settle(self, timeout_s: float = 5.0) -> bool:
-        """Return once every byte sent to this end, and a hang-up, has been dealt with; say whether there was.
+        """Wait until every byte sent to this end, and a hang-up, has been handled; return whether there was
+        any.
 
-        Bytes sent to an end that has been closed since are nobody's, and not waited for.
+        Bytes sent to an end that has since been closed are not waited for.
 
         Raises:
             LinkClosed: the reader has ended without closing its end, or does not come back for `timeout_s`.
@@ -102,7 +103,7 @@ class PipePort:
             if not self._is_waited_for():
                 return False
             while self._is_waited_for():
-                reason = self._why_nobody_reads(deadline_s)
+                reason = self._stall_reason(deadline_s)
                 if reason:
                     raise LinkClosed(
                         f"bytes on a serial line are not dealt with because {reason}; the reader must call "
@@ -115,13 +116,13 @@ class PipePort:
         return self._open and bool(self._arrived or self._in_hand or self._is_being_told())
 
     def _is_being_told(self) -> bool:
-        """Whether the other end has hung up, and a reader has yet to draw its conclusions."""
+        """Return whether the other end has hung up, and the reader has yet to handle it."""
         if self.peer._open or self._concluded:
             return False
         reader = self._reader
         return reader is not None and reader is not threading.current_thread() and reader.is_alive()
 
-    def _why_nobody_reads(self, deadline_s: float) -> str:
+    def _stall_reason(self, deadline_s: float) -> str:
         if self._is_waited_for() and self._reader is not None and not self._reader.is_alive():
             return f"the receive thread '{self._reader.name}' has ended"
         if time.monotonic() > deadline_s:

@@ -1,7 +1,8 @@
-"""Byte ports: what a serial protocol is carried by, whatever is behind it."""
+"""Byte ports, which carry a serial protocol."""
 
 from __future__ import annotations
 
+import os
 import select
 import socket
 from typing import Protocol
@@ -24,7 +25,7 @@ class Port(Protocol):
     """A stream of bytes both ways; one thread reads, and one at a time writes."""
 
     def read(self) -> bytes:
-        """What has come; waits up to 50 ms for the first byte, and returns none if there is none.
+        """Return the received bytes; wait up to 50 ms for the first, and return none if none comes.
 
         Raises:
             OSError: the port is gone.
@@ -38,7 +39,7 @@ class Port(Protocol):
         """
 
     def close(self) -> None:
-        """Give the port back; a second call does nothing."""
+        """Close the port; a second call does nothing."""
 
 
 class PyserialPort:
@@ -91,7 +92,7 @@ class SocketPort:
         port: number of the TCP port.
 
     Raises:
-        OSError: nobody accepts.
+        OSError: the connection is refused.
     """
 
     def __init__(self, host: str, port: int) -> None:
@@ -122,7 +123,7 @@ class SocketPort:
 
 
 def open_port(url: str, baudrate: int = DEFAULT_BAUDRATE) -> Port:
-    """The port behind a URL: `socket://HOST:PORT`, or one of pyserial's.
+    """Return the port behind a URL: `socket://HOST:PORT`, or one of pyserial's.
 
     Raises:
         LinkError: it cannot be opened.
@@ -135,7 +136,14 @@ def open_port(url: str, baudrate: int = DEFAULT_BAUDRATE) -> Port:
             return SocketPort(place.hostname, place.port)
         return PyserialPort(url, baudrate)
     except (OSError, ValueError) as reason:
-        raise LinkError(f"cannot open {url}: {reason}; {_remedy(url, reason)}") from None
+        raise LinkError(f"cannot open {url}: {_cause(reason)}; {_remedy(url, reason)}") from None
+
+
+def _cause(reason: Exception) -> str:
+    """Return the system's words for a failure once: pyserial repeats them, with the port and the number."""
+    if isinstance(reason, OSError) and reason.errno and "could not open port" in str(reason):
+        return os.strerror(reason.errno)
+    return str(reason)
 
 
 def _remedy(url: str, reason: Exception) -> str:

@@ -11,9 +11,8 @@ from typing import Any, Protocol, TypeVar
 
 from benchtool.block import Block
 from benchtool.clock import Clock
-from benchtool.protocol.dictionary import Dictionary
-from benchtool.protocol.dictionary.variable import Value, Variable
-from benchtool.protocol.telemetry import StreamCounters
+from benchtool.protocol import StreamCounters
+from benchtool.protocol.dictionary import Dictionary, Value, Variable
 
 Item = TypeVar("Item")
 
@@ -33,7 +32,7 @@ class DriveAccess(Protocol):
 
 @dataclass(frozen=True)
 class Sent:
-    """What the drive says of a stream that has ended.
+    """Counts of a stream that has ended, as the drive reports them.
 
     `records` is how many there were to send, `dropped` how many of them it could not, as its line was full.
     """
@@ -43,7 +42,7 @@ class Sent:
 
 
 class Decoder(Protocol):
-    """What makes Blocks of what has come, as the stream sees it: how it is fed differs by wire."""
+    """Converts received records to Blocks; how it is fed depends on the wire."""
 
     @property
     def counters(self) -> StreamCounters:
@@ -61,8 +60,8 @@ class Decoder(Protocol):
     def arrival_s(self) -> float:
         """When that record arrived."""
 
-    def take(self) -> Block | None:
-        """The rows since the last call, which are given away; None if there are none."""
+    def pop_block(self) -> Block | None:
+        """Return the rows since the last call and clear them; None if there are none."""
 
 
 class Source(Protocol[Item]):
@@ -88,14 +87,14 @@ class Source(Protocol[Item]):
         """Set the drive up; `receive` is called in the link's receive thread, and must be quick.
 
         Raises:
-            SdoAbort, NoAnswer, WriteNotVerified: the drive does not let itself be set up.
+            SdoAbort, NoAnswer, WriteNotVerified: the drive cannot be set up.
         """
 
     def stop(self) -> Sent:
         """Have the drive stop."""
 
     def detach(self) -> None:
-        """Take the receiver back; nothing is asked of the drive."""
+        """Remove the receiver; nothing is sent to the drive."""
 
     def feed(self, item: Item) -> bool:
         """Give the decoder what was received; whether it completed a record. Never raises."""
@@ -105,7 +104,7 @@ class SetpointMessage(Protocol):
     """Setpoints of torque and speed in one message that nothing confirms."""
 
     def encode(self, torque_Nm: float, omega_m_rad_s: float) -> bytes:
-        """Both as the drive takes them.
+        """Return both as the drive takes them.
 
         Raises:
             ValueRefused: one is outside its limits.
@@ -119,7 +118,7 @@ class SetpointMessage(Protocol):
         """
 
     def close(self) -> None:
-        """Have the drive take none any more, and put back what was set up.
+        """Stop the drive from taking setpoints, and restore what was set up.
 
         Raises:
             BenchError: the drive does not answer or refuses; the notes say how it is left.
@@ -127,15 +126,15 @@ class SetpointMessage(Protocol):
 
 
 class ProcessData(Protocol):
-    """How one open link carries process data. What travels differs by wire and stays behind it."""
+    """How one open link carries process data; the messages depend on the wire."""
 
     def fitting(self, dictionary: Dictionary, channels: Sequence[str]) -> tuple[str, ...]:
-        """Of these signals those that the drive has, the first ones, as many as a record holds."""
+        """Return those of the signals that the drive has, at most as many as a record holds."""
 
     def source(
         self, drive: DriveAccess, channels: Sequence[str], rate_Hz: float, after: Source[Any] | None = None
     ) -> Source[Any]:
-        """A stream of these signals; nothing is set up yet.
+        """Return a stream of these signals; nothing is set up yet.
 
         `after` is the source that this one goes on for, which knows what the drive was set up for before.
 
@@ -155,10 +154,10 @@ class ProcessData(Protocol):
 
 
 def encoded(variable: Variable | None, value: float) -> bytes:
-    """A setpoint as the drive takes it; nothing for one that is left out."""
+    """Return a setpoint as the drive takes it; nothing for one that is left out."""
     return b"" if variable is None else variable.encode(value)
 
 
 def control_period_s(drive: DriveAccess) -> float:
-    """The drive's control period, to whole nanoseconds: the drive has it as a float32."""
+    """Return the drive's control period, to whole nanoseconds: the drive has it as a float32."""
     return round(drive.number("control_period") * 1e9) * 1e-9

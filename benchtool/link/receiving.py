@@ -1,4 +1,4 @@
-"""What links with a receive thread have in common: their end, their failure, what the drive says unasked."""
+"""Base of links with a receive thread: closing, failure, heartbeats and emergencies."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from typing import Self
 
 from benchtool.clock import Clock
 from benchtool.errors import LinkClosed, LinkError
-from benchtool.link.announcements import Announcements
-from benchtool.link.interface import Alarm, LinkCounters
-from benchtool.protocol.canopen.nmt import NmtState
+from benchtool.link.heartbeat_emcy import HeartbeatEmcyConsumer
+from benchtool.link.interface import LinkCounters, ReceivedEmergency
+from benchtool.protocol.canopen import NmtState
 
 
 class ReceivingLink(ABC):
@@ -38,7 +38,7 @@ class ReceivingLink(ABC):
         self._close_lock = threading.Lock()
         self._stopping = threading.Event()
         self._failure: Exception | None = None
-        self._announced = Announcements(node_id, clock, self._require_open)
+        self._announced = HeartbeatEmcyConsumer(node_id, clock, self._require_open)
         self._counts = dict.fromkeys((field.name for field in fields(LinkCounters)), 0)
         self._thread = threading.Thread(target=self._receive, name=thread_name, daemon=True)
 
@@ -62,7 +62,7 @@ class ReceivingLink(ABC):
         """See `Link.wait_heartbeat`."""
         return self._announced.wait_heartbeat(timeout_s)
 
-    def emergencies(self) -> tuple[Alarm, ...]:
+    def emergencies(self) -> tuple[ReceivedEmergency, ...]:
         """See `Link.emergencies`. The first 256 are kept, as the cause is among the first."""
         return self._announced.emergencies()
 
@@ -81,7 +81,7 @@ class ReceivingLink(ABC):
 
     @abstractmethod
     def _close_device(self) -> None:
-        """Give the device back; nobody receives from it any more."""
+        """Close the device; the receive thread has ended."""
 
     def _require_open(self) -> None:
         if self._failure is not None:
@@ -93,7 +93,7 @@ class ReceivingLink(ABC):
             raise LinkClosed(f"the link to node {self._node_id} is closed; connect again")
 
     def _send_failure(self, reason: Exception, failing_s: float, check: str) -> LinkError:
-        """What to raise when sending has failed.
+        """Return what to raise when sending has failed.
 
         Args:
             failing_s: how long reception takes at the most to fail when the device is gone.
@@ -102,7 +102,7 @@ class ReceivingLink(ABC):
         Raises:
             LinkClosed: it is.
         """
-        # A device that is gone makes reception fail too, a moment later: then that is the finding.
+        # If the device is gone, reception fails too, a moment later: then that is reported.
         self._thread.join(failing_s)
         self._require_open()
         return LinkError(f"sending to node {self._node_id} failed: {reason}; check {check}")

@@ -15,11 +15,8 @@ from benchtool.clock import VirtualClock
 from benchtool.errors import LinkClosed, LinkError, NoAnswer, SdoAbort
 from benchtool.link.canopen.process_data import PdoProcessData
 from benchtool.link.canopen.sdo_transcript import Kind, Transfer, transfers
-from benchtool.link.interface import Alarm, Frame, FrameReceiver, LinkCounters
-from benchtool.protocol.canopen import cob_id
-from benchtool.protocol.canopen.abort import abort_text
-from benchtool.protocol.canopen.emcy import Emergency
-from benchtool.protocol.canopen.nmt import NmtCommand, NmtState, heartbeat_state
+from benchtool.link.interface import Frame, FrameReceiver, LinkCounters, ReceivedEmergency
+from benchtool.protocol.canopen import Emergency, NmtCommand, NmtState, abort_text, cob_id, heartbeat_state
 
 FRAMES = Path("data", "frames.log")
 """Where a bundle keeps its frames, in the format of `candump -L`."""
@@ -31,9 +28,9 @@ _AFTER_THE_END_S = 0.5
 class ReplayLink:
     """A `FrameLink` that plays the frames of a bundle; time passes by waiting.
 
-    A read is answered as it was then, at the time it was then: the first with the first answer, each
-    further one with the next, and when there are no more with what was last read or written. A write is
-    confirmed if the recording has the same; nothing else can be commanded.
+    A read gets the recorded answer at its recorded time: the first read the first answer, each further one
+    the next, and when there are no more the value last read or written. A write is confirmed if the recording
+    has the same; nothing else can be commanded.
 
     Args:
         bundle: folder of the bundle.
@@ -52,7 +49,7 @@ class ReplayLink:
         self._position = 0
         self._receivers: dict[int, FrameReceiver] = {}
         self._state: NmtState | None = None
-        self._emergencies: deque[Alarm] = deque()
+        self._emergencies: deque[ReceivedEmergency] = deque()
         self._counters = LinkCounters()
         self._reads: dict[tuple[int, int], deque[Transfer]] = defaultdict(deque)
         self._writes: dict[tuple[tuple[int, int], bytes], deque[Transfer]] = defaultdict(deque)
@@ -114,18 +111,18 @@ class ReplayLink:
         self._known[key] = data
 
     def nmt(self, command: NmtCommand) -> None:
-        """See `Link.nmt`; what it did then is in the recording."""
+        """See `Link.nmt`; the effect is in the recording."""
         self._require_open()
 
     def send_heartbeat(self) -> None:
-        """See `Link.send_heartbeat`; nobody listens."""
+        """See `Link.send_heartbeat`; does nothing in a replay."""
         self._require_open()
 
     def send_pdo(self, can_id: int, data: bytes) -> None:
         """See `FrameLink.send_pdo`.
 
         Raises:
-            LinkError: always: there is no drive.
+            LinkError: always, as there is no drive.
         """
         raise LinkError(f"the recording {self._bundle} takes no setpoints: use the drive's link")
 
@@ -157,7 +154,7 @@ class ReplayLink:
                 return state
         raise NoAnswer(f"the recording {self._bundle} has no heartbeat of node {self._node_id} at this time")
 
-    def emergencies(self) -> tuple[Alarm, ...]:
+    def emergencies(self) -> tuple[ReceivedEmergency, ...]:
         """See `Link.emergencies`."""
         self._require_open()
         return tuple(self._emergencies.popleft() for _ in range(len(self._emergencies)))
@@ -174,7 +171,7 @@ class ReplayLink:
     def close(self) -> None:
         """See `Link.close`."""
         self._closed = True
-        self.clock.forget(self._advance_to)
+        self.clock.unregister(self._advance_to)
 
     # ---- playing -------------------------------------------------------------------------------------------
 
@@ -197,11 +194,11 @@ class ReplayLink:
             self._state = state
             self._count(heartbeats_received=1)
         elif can_id == cob_id.EMCY + self._node_id and (emergency := Emergency.decode(data)) is not None:
-            self._emergencies.append(Alarm(emergency, frame.timestamp))
+            self._emergencies.append(ReceivedEmergency(emergency, frame.timestamp))
             self._count(emcy_received=1)
 
     def _next(self, recorded: deque[Transfer]) -> Transfer:
-        """The next of these transfers, in its time."""
+        """Return the next of these transfers, in its time."""
         transfer = recorded.popleft()
         ahead_s = self._frames[transfer.position].timestamp - self.clock.now_s()
         if ahead_s > 0.0:
@@ -231,7 +228,8 @@ class ReplayLink:
 
 
 def _read_frames(bundle: Path) -> list[can.Message]:
-    """Frames of a bundle, with the time since the first; a last line that is half written is left out."""
+    """Return the frames of a bundle, with the time since the first; a last line that is half written is left
+    out."""
     path = bundle / FRAMES
     try:
         text = path.read_text(encoding="ascii")

@@ -1,1 +1,5 @@
-"""The host end of a CANopen link: buses, the SDO client, and the link itself."""
+"""The host's side of a CANopen link: buses, the SDO client, and the link itself."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -11,7 +11,7 @@ from benchtool.link.canopen.slcan import open_slcan
 
 
 def open_bus(interface: str, channel: str, bitrate: int | None = None) -> can.BusABC:
-    """A bus of python-can; without a bit rate, in bit/s, the adapter stays as it is set.
+    """Return a bus of python-can; without a bit rate, in bit/s, the adapter stays as it is set.
 
     Raises:
         LinkError: it cannot be opened.
@@ -21,7 +21,8 @@ def open_bus(interface: str, channel: str, bitrate: int | None = None) -> can.Bu
         if interface == "slcan":
             return open_slcan(channel, bitrate)
         return can.Bus(interface=interface, channel=channel, **options)
-    except (can.CanError, OSError, ImportError, ValueError, TypeError) as reason:
+    except (can.CanError, OSError, ImportError, NameError, ValueError, TypeError) as reason:
+        # NameError: an interface of python-can that goes on without its maker's library, as kvaser does
         raise LinkError(
             f"cannot open can:{interface}:{channel}: {reason}; "
             f"check the interface's name, its driver and the channel"

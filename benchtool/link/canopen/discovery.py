@@ -1,4 +1,4 @@
-"""Who is on a CAN bus, among all nodes that there can be. Nothing but reads is sent."""
+"""Discovery of all nodes on a CAN bus. Only reads are sent."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from dataclasses import dataclass, field
 import can
 
 from benchtool.clock import Clock
-from benchtool.link import Frame
 from benchtool.link.canopen.link import CanopenLink
 from benchtool.link.discovery import (
     DEVICE_NAME,
@@ -20,18 +19,18 @@ from benchtool.link.discovery import (
     read_number,
     read_text,
 )
-from benchtool.protocol.canopen import cob_id, sdo
-from benchtool.protocol.canopen.nmt import NmtState, heartbeat_state
+from benchtool.link.interface import Frame
+from benchtool.protocol.canopen import NmtState, cob_id, heartbeat_state, sdo
 
 _SPACING_S = 0.005  # 200 requests a second are 5 % of a bus at 500 kbit/s
 _SDO_READ_SERIAL_NUMBER = sdo.INITIATE.pack(sdo.Request.UPLOAD, *SERIAL_NUMBER, 0)
 
 
-def ask_bus(place: str, bus: can.BusABC, bitrate: int | None, timeout_s: float, clock: Clock) -> list[Found]:
-    """The nodes of a CAN bus: those that answer an SDO read of their serial number, or are heard.
+def scan_bus(place: str, bus: can.BusABC, bitrate: int | None, timeout_s: float, clock: Clock) -> list[Found]:
+    """Return the nodes of a CAN bus: those that answer an SDO read of their serial number, or are heard.
 
     Requests to all 127 node numbers leave within 0.7 s. A node serves one transfer at a time: a read would
-    break off what another host is just transferring.
+    abort a transfer of another host.
 
     Args:
         place: how the bus is called, as an address has it, without options.
@@ -60,7 +59,7 @@ def ask_bus(place: str, bus: can.BusABC, bitrate: int | None, timeout_s: float, 
 
 @dataclass
 class _Heard:
-    """What nodes have sent, taken in the receive thread."""
+    """Responses of nodes, collected in the receive thread."""
 
     answers: Counter[int] = field(default_factory=Counter)
     states: dict[int, NmtState] = field(default_factory=dict)
@@ -75,7 +74,7 @@ class _Heard:
             self.states[frame.can_id - cob_id.HEARTBEAT] = state
 
     def nodes(self) -> list[int]:
-        """In order."""
+        """Return the nodes found, in order."""
         return sorted({*self.answers, *self.states})
 
 

@@ -17,10 +17,15 @@ from benchtool.link.canopen.reception import FAILING_S, receive_frames
 from benchtool.link.canopen.sdo_client import BlockNotOfferedError, SdoClient, SdoTimeoutError
 from benchtool.link.interface import CountsMalformed, Frame, FrameReceiver, LinkCounters
 from benchtool.link.receiving import ReceivingLink
-from benchtool.protocol.canopen import cob_id, sdo
-from benchtool.protocol.canopen.abort import abort_text
-from benchtool.protocol.canopen.emcy import Emergency
-from benchtool.protocol.canopen.nmt import NmtCommand, NmtState, heartbeat_state
+from benchtool.protocol.canopen import (
+    Emergency,
+    NmtCommand,
+    NmtState,
+    abort_text,
+    cob_id,
+    heartbeat_state,
+    sdo,
+)
 
 _CHECK_SENDING = "that the bus is powered and terminated and that another node acknowledges"
 
@@ -188,11 +193,11 @@ class CanopenLink(ReceivingLink):
         if state is None:
             self._counts["frames_dropped"] += 1
             return
-        self._announced.hear_heartbeat(state)
+        self._announced.on_heartbeat(state)
 
     def _on_emergency(self, frame: Frame) -> None:
         emergency = Emergency.decode(frame.data)
         if emergency is None:
             self._counts["frames_dropped"] += 1
             return
-        self._announced.hear_emergency(emergency, frame.arrival_s)
+        self._announced.on_emergency(emergency, frame.arrival_s)

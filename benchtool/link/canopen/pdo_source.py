@@ -6,14 +6,12 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 
 from benchtool.errors import BenchError
-from benchtool.link import Frame, FrameLink
-from benchtool.link.canopen.pdo_restoring import FoundPdo, found_if_used
+from benchtool.link.canopen.pdo_backup import PdoBackup, backup_if_used
+from benchtool.link.interface import Frame, FrameLink
 from benchtool.link.process_data import DriveAccess, Sent, control_period_s
-from benchtool.protocol.canopen.cob_id import INVALID, TPDO
-from benchtool.protocol.canopen.nmt import NmtCommand
-from benchtool.protocol.canopen.pdo import TPDO_COMMUNICATION, most_tpdos, tpdo
-from benchtool.protocol.telemetry import RecordDecoder, stream_layout
-from benchtool.ticks import ahead
+from benchtool.protocol import RecordDecoder, stream_layout
+from benchtool.protocol.canopen import INVALID, TPDO, TPDO_COMMUNICATION, NmtCommand, most_tpdos, tpdo
+from benchtool.ticks import ticks_since
 
 
 class PdoSource:
@@ -26,7 +24,7 @@ class PdoSource:
         rate_Hz: records per second; a whole number of milliseconds apart.
         after: the source that this one goes on for, after the link was lost.
 
-    TPDOs that were in use are put back as they were; those that were not stay out of use, mapped as here.
+    TPDOs that were in use are restored; others stay disabled with this mapping.
 
     Raises:
         ValueRefused: the drive cannot stream this.
@@ -46,7 +44,7 @@ class PdoSource:
         self._layout = stream_layout(drive.dictionary, link.node_id, channels, rate_Hz, self.tick_s)
         self.decoder = RecordDecoder(self._layout, drive.tick_now())
         self._sequence_before = 0
-        self._found: tuple[FoundPdo, ...] | None = None if after is None else after._found
+        self._found: tuple[PdoBackup, ...] | None = None if after is None else after._found
 
     @property
     def stride(self) -> int:
@@ -59,13 +57,13 @@ class PdoSource:
         numbers = range(1, most_tpdos(self._link.node_id) + 1)
         all_pdos = [mapped.get(number) or tpdo(self._link.node_id, (), number) for number in numbers]
         if self._found is None:
-            found = (found_if_used(drive, pdo) for pdo in all_pdos)
+            found = (backup_if_used(drive, pdo) for pdo in all_pdos)
             self._found = tuple(each for each in found if each is not None)
         try:
             self._set_up(receive)
         except BaseException:
             with suppress(BenchError):  # the failure that is under way is the one to report
-                self._put_back()
+                self._restore()
             raise
 
     def _set_up(self, receive: Callable[[Frame], None]) -> None:
@@ -84,8 +82,8 @@ class PdoSource:
         """See `Source.stop`."""
         for pdo in self._layout.pdos:
             self._drive.write(*pdo.switch_off)
-        sent = Sent(ahead(int(self._drive.number("stream_sequence")), self._sequence_before))
-        self._put_back()
+        sent = Sent(ticks_since(int(self._drive.number("stream_sequence")), self._sequence_before))
+        self._restore()
         return sent
 
     def detach(self) -> None:
@@ -96,9 +94,9 @@ class PdoSource:
         """See `Source.feed`."""
         return self.decoder.feed(*item)
 
-    def _put_back(self) -> None:
+    def _restore(self) -> None:
         for each in self._found or ():
-            each.put_back(self._drive)
+            each.restore(self._drive)
 
     def _switch_off(self, number: int) -> None:
         label = f"0x{TPDO_COMMUNICATION + number - 1:04X}:1"

@@ -6,15 +6,13 @@ from collections.abc import Sequence
 from typing import Any
 
 from benchtool.errors import BenchError, ValueRefused
-from benchtool.link.canopen.pdo_restoring import FoundPdo
+from benchtool.link.canopen.pdo_backup import PdoBackup
 from benchtool.link.canopen.pdo_source import PdoSource
 from benchtool.link.interface import FrameLink
 from benchtool.link.process_data import DriveAccess, Source, encoded
-from benchtool.protocol.canopen.pdo import MAX_BITS, rpdo
-from benchtool.protocol.dictionary import Dictionary
-from benchtool.protocol.dictionary.roles import Role
-from benchtool.protocol.dictionary.variable import Variable
-from benchtool.protocol.telemetry import most_channels
+from benchtool.protocol import most_channels
+from benchtool.protocol.canopen import MAX_BITS, rpdo
+from benchtool.protocol.dictionary import Dictionary, Role, Variable
 
 
 class PdoProcessData:
@@ -41,7 +39,7 @@ class PdoProcessData:
 
 
 class PdoSetpoints:
-    """A `SetpointMessage` in RPDO1, whose parameters are put back in the end."""
+    """A `SetpointMessage` in RPDO1, whose parameters are restored at the end."""
 
     def __init__(
         self, drive: DriveAccess, link: FrameLink, torque: Variable | None, speed: Variable | None
@@ -53,7 +51,7 @@ class PdoSetpoints:
         _require_rpdo(drive.dictionary)
         _require_mappable(*mapped)
         self._pdo = rpdo(link.node_id, [each.mapping for each in mapped])
-        self._found = FoundPdo.of(drive, self._pdo)
+        self._found = PdoBackup.of(drive, self._pdo)
         try:
             for label, value in self._pdo.set_up():
                 drive.write(label, value)
@@ -74,7 +72,7 @@ class PdoSetpoints:
 
     def close(self) -> None:
         """See `SetpointMessage.close`."""
-        self._found.put_back(self._drive)
+        self._found.restore(self._drive)
 
 
 def _require_rpdo(dictionary: Dictionary) -> None:

@@ -1,4 +1,4 @@
-"""The receive loop of a CAN bus, which no error of a driver and no disturbed line ends at once."""
+"""The receive loop of a CAN bus, which tolerates errors of drivers and disturbed lines."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _ERROR_PAUSE_S = 0.001
 _ERRORS_IN_A_ROW = 100
 
 FAILING_S: Final = _ERRORS_IN_A_ROW * _ERROR_PAUSE_S * 4.0
-"""How long a bus that fails may be taken for one that still works."""
+"""Time for which a failing bus may still count as working."""
 
 
 def receive_frames(
@@ -28,7 +28,7 @@ def receive_frames(
         bus: open bus.
         stopping: ends the loop, within 0.05 s.
         handle: takes a frame; what it raises counts as an error of the bus.
-        on_error: told of each error.
+        on_error: called for each error.
 
     Returns:
         The last of 100 errors in a row, which end the loop; None where it was stopped.

@@ -19,9 +19,16 @@ import canopen
 from canopen.sdo import client
 from canopen.sdo.exceptions import SdoAbortedError, SdoCommunicationError
 
-from benchtool.protocol.canopen import cob_id, sdo
-from benchtool.protocol.canopen.abort import Abort
-from benchtool.protocol.canopen.sdo import MAX_BLOCK_SIZE, SEGMENT_SIZE, Block, Request, Response
+from benchtool.protocol.canopen import (
+    MAX_BLOCK_SIZE,
+    SEGMENT_SIZE,
+    Abort,
+    Block,
+    Request,
+    Response,
+    cob_id,
+    sdo,
+)
 
 _QUEUE_SIZE = 1024
 _FRUITLESS_SUB_BLOCKS = 3
@@ -65,8 +72,8 @@ class SdoClient(client.SdoClient):
         self.settle = settle
         self.overruns = 0
         self.stale = 0
-        """Answers to earlier requests, come late."""
-        # Four times as fast as the package's queue, whose other methods nobody calls.
+        """Late answers to earlier requests."""
+        # Four times as fast as the package's queue, whose other methods are not called.
         self.responses: queue.SimpleQueue[bytes] = queue.SimpleQueue()  # type: ignore[assignment]  # see above
         self._object = bytes(3)
 
@@ -80,11 +87,11 @@ class SdoClient(client.SdoClient):
             self.overruns += 1
 
     def read_response(self) -> bytes:
-        """The next frame of the server."""
+        """Return the next frame of the server."""
         return self._raise_abort(self._next_frame(self.timeout_s))
 
     def request_response(self, request: bytes) -> bytes:
-        """Send a request and return its answer; answers to earlier requests, come late, are passed over."""
+        """Send a request and return its answer; late answers to earlier requests are dropped."""
         while not self.responses.empty():
             self.responses.get_nowait()
             self.stale += 1
@@ -109,7 +116,7 @@ class SdoClient(client.SdoClient):
 
     def _next_frame(self, timeout_s: float) -> bytes:
         if self.responses.empty() and self.settle():
-            timeout_s = 0.0  # what has not come by now never will
+            timeout_s = 0.0  # an answer that is not there now will not come
         try:
             return self.responses.get(timeout=timeout_s)
         except queue.Empty:
@@ -203,7 +210,7 @@ class SdoClient(client.SdoClient):
         return data
 
     def block_upload(self, index: int, subindex: int) -> bytes:
-        """Read by block transfer, CRC checked.
+        """Read by block transfer and check the CRC.
 
         Raises:
             BlockNotOfferedError: read it by `upload`.
@@ -275,7 +282,7 @@ def _segments(data: bytes) -> list[bytes]:
 
 
 def _block_request(subcommand: Block, *content: int) -> bytes:
-    """A request of a block upload that is under way."""
+    """Return a request of a block upload that is under way."""
     return bytes([Request.BLOCK_UPLOAD | subcommand, *content]).ljust(sdo.FRAME_SIZE, b"\x00")
 
 
@@ -284,5 +291,5 @@ def _is_block(response: bytes, specifier: Response, subcommand: Block) -> bool:
 
 
 def _aborts_anything(response: bytes) -> bool:
-    """Whether it is an abort that names no object: some servers leave that out."""
+    """Return whether it is an abort that names no object: some servers leave that out."""
     return response[0] == sdo.ABORT and not any(response[1:4])

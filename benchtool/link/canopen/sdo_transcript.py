@@ -1,4 +1,4 @@
-"""What SDO transfers on a recorded wire have read and written (CiA 301, 7.2.4.3)."""
+"""SDO transfers in a recorded trace: what was read and written (CiA 301, 7.2.4.3)."""
 
 from __future__ import annotations
 
@@ -6,8 +6,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from enum import Enum
 
-from benchtool.protocol.canopen import sdo
-from benchtool.protocol.canopen.sdo import EXPEDITED, SIZE_INDICATED, SPECIFIER, Block, Request, Response
+from benchtool.protocol.canopen import EXPEDITED, SIZE_INDICATED, SPECIFIER, Block, Request, Response, sdo
 
 
 class Kind(Enum):
@@ -33,9 +32,9 @@ class Transfer:
 
 
 def transfers(frames: Iterable[tuple[int, bool, bytes]]) -> Iterator[Transfer]:
-    """Every transfer between one client and one server that came to an end.
+    """Yield every transfer between one client and one server that came to an end.
 
-    Expedited and segmented transfers both ways, and block uploads; of a block download nothing is told.
+    Expedited and segmented transfers both ways, and block uploads; block downloads are ignored.
 
     Args:
         frames: number, whether it is of the server, and data of each SDO frame, in order.

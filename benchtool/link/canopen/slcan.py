@@ -1,4 +1,4 @@
-"""A serial CAN adapter (slcan, LAWICEL) as a python-can bus that reads in bulk and that no noise stops."""
+"""A serial CAN adapter (slcan, LAWICEL) as a python-can bus that reads in bulk and tolerates noise."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from contextlib import suppress
 import can
 
 from benchtool.link.port import Port, open_port
-from benchtool.protocol.slcan import BITRATES_BIT_S, AdapterLines, Answer, Cause, SlcanFrame, format_frame
+from benchtool.protocol import BITRATES_BIT_S, AdapterLines, Answer, Cause, SlcanFrame, format_frame
 
 DEFAULT_BAUDRATE = 115_200
 _ANSWER_S = 0.5
@@ -32,15 +32,14 @@ class SlcanBus(can.BusABC):
         port: owned from now on, also if opening fails.
         bitrate: of the CAN bus in bit/s, one of `BITRATES_BIT_S`; None leaves the adapter as it is set.
         listen_only: take no part on the bus, not even by acknowledging.
-        acknowledged: the adapter answers commands. True insists on it, for up to three seconds in which an
+        acknowledged: the adapter answers commands. True requires it, for up to three seconds in which an
             adapter may still be starting; False expects nothing; None goes by whether it answers the first.
         identify: ask for version and serial number before the channel is opened.
         now_s: stamps frames with the moment at which they were read; the time of day, as python-can does.
         name: of the channel, in messages.
 
-    Raises:
-        can.CanInitializationError: a bit rate that cannot be, an adapter that refuses, is gone, or is silent
-            although answers were insisted on.
+    Raises: can.CanInitializationError: an invalid bit rate, or an adapter that refuses, is gone, or does not
+        answer although `acknowledged` is True.
     """
 
     def __init__(
@@ -90,8 +89,7 @@ class SlcanBus(can.BusABC):
     def send(self, msg: can.Message, timeout: float | None = None) -> None:
         """Send a frame; that the adapter refused it shows in `refused`, a moment later.
 
-        Raises:
-            can.CanOperationError: the adapter is gone or takes nothing, or no line can say this frame.
+        Raises: can.CanOperationError: the adapter is gone or blocked, or slcan cannot represent this frame.
         """
         if self._listen_only:
             raise can.CanOperationError("the channel only listens; open it without listen_only to send")
@@ -126,7 +124,7 @@ class SlcanBus(can.BusABC):
         return (self._waiting.popleft() if self._waiting else None), False
 
     def _fill(self) -> bool:
-        """Take what has come; whether something had."""
+        """Read received data; return whether there were any."""
         data = self._port.read()
         if not data:
             return False
@@ -150,7 +148,7 @@ class SlcanBus(can.BusABC):
 
     def _write(self, line: bytes) -> None:
         with self._writing:
-            # Whatever was left of a line that broke off must not become part of this one.
+            # The rest of an interrupted line must not become part of this one.
             whole = b"\r" + line if self._broken_off else line
             self._broken_off = True
             self._port.write(whole)
@@ -186,11 +184,11 @@ class SlcanBus(can.BusABC):
         self._command(
             "L" if self._listen_only else "O",
             expected,
-            "the adapter refused to open its channel: name the bit rate, or plug it in anew",
+            "the adapter refused to open its channel: name the bit rate, or plug it in again",
         )
 
     def _close_channel(self, patience_s: float) -> bool:
-        """Close the channel and drop what was still on its way; whether the adapter answers commands."""
+        """Close the channel and drop pending input; return whether the adapter answers commands."""
         # The first CRs end what an earlier user may have left unfinished, as the manual advises.
         self._write(b"\r\r\rC\r")
         start_s = time.monotonic()
@@ -214,7 +212,7 @@ class SlcanBus(can.BusABC):
             raise can.CanInitializationError(refusal)
         if expected and answer is None:
             raise can.CanInitializationError(
-                f"the adapter did not answer the command {command} within {_ANSWER_S:g} s; plug it in anew"
+                f"the adapter did not answer the command {command} within {_ANSWER_S:g} s; plug it in again"
             )
 
     def _query(self, command: str, kind: str) -> str | None:
@@ -223,7 +221,7 @@ class SlcanBus(can.BusABC):
         return None if answer is None or answer.kind == "refused" else answer.text
 
     def _wait_for(self, kinds: tuple[str, ...]) -> Answer | None:
-        """The first answer of one of these kinds; those of other kinds are dropped."""
+        """Return the first answer of one of these kinds; those of other kinds are dropped."""
         deadline_s = time.monotonic() + _ANSWER_S
         while True:
             while self._answers:
@@ -244,12 +242,12 @@ def open_slcan(
     acknowledged: bool | None = None,
     now_s: Callable[[], float] = time.time,
 ) -> SlcanBus:
-    """The adapter at a port.
+    """Return the adapter at a port.
 
     Args:
         channel: a port as `open_port` takes it, `/dev/ttyACM0` or `socket://HOST:PORT`; with `@921600` after
             it, in place of `baudrate`, as python-can has it.
-        baudrate: of the serial line in bit/s; adapters on USB do not care.
+        baudrate: of the serial line in bit/s; adapters on USB ignore it.
 
     Raises:
         LinkError: the port cannot be opened.

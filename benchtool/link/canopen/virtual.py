@@ -17,10 +17,10 @@ _LIVENESS_S = 0.1
 
 
 class VirtualTimeBus(VirtualBus):
-    """A python-can virtual bus that knows when its receiver has dealt with everything sent to it.
+    """A python-can virtual bus that knows when its receiver has handled everything sent to it.
 
-    A receive loop asks for the next frame only after it has dealt with the one before, so the call of
-    `recv` is what marks the previous frame as done. Plain python-can buses on the channel are its peers.
+    A receive loop asks for the next frame only after it has handled the one before, so each call of `recv`
+    marks the previous frame as done. Plain python-can buses on the channel are its peers.
 
     Args:
         channel: name that peers share.
@@ -35,9 +35,9 @@ class VirtualTimeBus(VirtualBus):
         self._receiver: threading.Thread | None = None
 
     def settle(self, timeout_s: float = 5.0) -> bool:
-        """Return once every frame sent to this bus has been dealt with; say whether there was one.
+        """Wait until every frame sent to this bus has been handled; return whether there was one.
 
-        Frames sent to a bus that has been closed since are nobody's, and not waited for.
+        Frames sent to a bus that has since been closed are not waited for.
 
         Raises:
             LinkClosed: the receiver has ended without closing the bus, or has not come back for `timeout_s`.
@@ -47,7 +47,7 @@ class VirtualTimeBus(VirtualBus):
             if not (self._open and self.queue.unfinished_tasks):
                 return False
             while self._open and (waiting := self.queue.unfinished_tasks):
-                reason = self._why_nobody_receives(deadline_s)
+                reason = self._stall_reason(deadline_s)
                 if reason:
                     raise LinkClosed(
                         f"{waiting} frames on '{self.channel_id}' are not dealt with because {reason}; "
@@ -103,7 +103,7 @@ class VirtualTimeBus(VirtualBus):
         self._in_hand = received[0] is not None
         return received
 
-    def _why_nobody_receives(self, deadline_s: float) -> str:
+    def _stall_reason(self, deadline_s: float) -> str:
         if self._receiver is not None and not self._receiver.is_alive():
             return f"the receive thread '{self._receiver.name}' has ended"
         if time.monotonic() > deadline_s:

@@ -1,1 +1,5 @@
-"""The host end of a serial line."""
+"""The host's side of a serial line."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

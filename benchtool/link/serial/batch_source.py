@@ -6,11 +6,11 @@ import threading
 from collections.abc import Callable, Sequence
 
 from benchtool.errors import ValueRefused
-from benchtool.link import BatchLink
+from benchtool.link.interface import BatchLink
 from benchtool.link.process_data import DriveAccess, Sent, control_period_s
-from benchtool.protocol.canopen.nmt import NmtCommand
+from benchtool.protocol import stream_channel
+from benchtool.protocol.canopen import NmtCommand
 from benchtool.protocol.serial import Batch, BatchDecoder, StreamFormat
-from benchtool.protocol.telemetry import stream_channel
 
 MOST_CHANNELS = 16
 _LATENCY_S = 0.02  # how long the first record of a batch may wait for the last
@@ -101,13 +101,13 @@ class BatchSource:
 
 
 def _stride(rate_Hz: float, tick_s: float) -> int:
-    """Ticks between two records.
+    """Return the ticks between two records.
 
     Raises:
         ValueRefused: the rate is not one of the drive's.
     """
     if not 0.0 < rate_Hz < 1e9:
-        raise ValueRefused(f"a rate of {rate_Hz:g} Hz cannot be: choose one up to {1.0 / tick_s:g} Hz")
+        raise ValueRefused(f"a rate of {rate_Hz:g} Hz is not possible: choose one up to {1.0 / tick_s:g} Hz")
     ticks = 1.0 / (rate_Hz * tick_s)
     whole = max(1, min(_LONGEST_STRIDE, round(ticks)))
     if abs(ticks - whole) > 1e-4 * ticks:

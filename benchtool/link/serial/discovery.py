@@ -1,4 +1,4 @@
-"""Who is at the other end of a serial line. Nothing but reads is sent."""
+"""Discovery of a drive on a serial line. Only reads are sent."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from benchtool.errors import LinkClosed, NoAnswer
 from benchtool.link.discovery import FIRMWARE_VERSION, Found, read_text
 from benchtool.link.port import DEFAULT_BAUDRATE, Port
 from benchtool.link.serial.link import SerialLink
-from benchtool.protocol.canopen.nmt import heartbeat_state
+from benchtool.protocol.canopen import heartbeat_state
 from benchtool.protocol.serial import (
     VERSION,
     FrameSplitter,
@@ -23,8 +23,8 @@ from benchtool.protocol.serial import (
 _TAG = 1
 
 
-def ask_port(place: str, port: Port, baudrate: int, timeout_s: float, clock: Clock) -> Found:
-    """Who is at the other end of a serial line.
+def scan_port(place: str, port: Port, baudrate: int, timeout_s: float, clock: Clock) -> Found:
+    """Return the drive at the other end of a serial line.
 
     Args:
         place: how the port is called, as an address has it.

@@ -9,11 +9,10 @@ from benchtool.clock import Clock
 from benchtool.link.interface import BatchReceiver, LinkCounters
 from benchtool.link.port import Port
 from benchtool.link.receiving import ReceivingLink
-from benchtool.link.serial.exchange import Exchange
 from benchtool.link.serial.process_data import BatchProcessData
+from benchtool.link.serial.request_response import RequestResponse
 from benchtool.link.serial.requests import SerialRequests
-from benchtool.protocol.canopen.cob_id import HOST_NODE
-from benchtool.protocol.canopen.nmt import NmtCommand, NmtState
+from benchtool.protocol.canopen import HOST_NODE, NmtCommand, NmtState
 from benchtool.protocol.serial import (
     VERSION,
     Batch,
@@ -30,7 +29,7 @@ from benchtool.protocol.serial import (
     encode_frame,
     encode_message,
 )
-from benchtool.ticks import on_wire
+from benchtool.ticks import wrap_tick
 
 _FAILING_S = 0.2
 _CHECK_SENDING = "that the other end of the line reads, and that there is no flow control"
@@ -39,8 +38,8 @@ _CHECK_SENDING = "that the other end of the line reads, and that there is no flo
 class SerialLink(ReceivingLink):
     """A `BatchLink` over a byte port, with one receive thread that only the end of the port ends.
 
-    Messages are handled in the receive thread, requests run in the caller's, one at a time. The first one,
-    and the first after a reset of the drive, asks before who is there.
+    Messages are handled in the receive thread, requests run in the caller's, one at a time. The first
+    request, and the first after a reset of the drive, is preceded by a request for the identity.
 
     Args:
         port: open port, owned from now on.
@@ -59,8 +58,8 @@ class SerialLink(ReceivingLink):
         self._port = port
         self._host_node_id = host_node_id
         self._splitter = FrameSplitter()
-        self._exchange = Exchange(self._send, timeout_s, clock.settle)
-        self._requests = SerialRequests(self._exchange, node_id, self._require_open)
+        self._request_response = RequestResponse(self._send, timeout_s, clock.settle)
+        self._requests = SerialRequests(self._request_response, node_id, self._require_open)
         self._batch_receiver: BatchReceiver | None = None
         self._setpoint_sequence = 0
         self._send_lock = threading.Lock()
@@ -74,7 +73,7 @@ class SerialLink(ReceivingLink):
         received = {
             "frames_received": splitter.frames,
             "frames_dropped": self._counts["frames_dropped"] + splitter.dropped + self._requests.odd_chunks,
-            "stale_answers": self._exchange.stale,
+            "stale_answers": self._request_response.stale,
             "retries": self._requests.retries,
             "sdo_aborts": self._requests.aborts,
         }
@@ -83,7 +82,7 @@ class SerialLink(ReceivingLink):
     # ---- objects -----------------------------------------------------------------------------------------
 
     def upload(self, index: int, sub: int, *, block: bool = False, length: int | None = None) -> bytes:
-        """See `Link.upload`; every answer tells its length.
+        """See `Link.upload`; every answer contains its length.
 
         An object too long for one answer is read in chunks in any case.
         """
@@ -124,7 +123,7 @@ class SerialLink(ReceivingLink):
     def send_setpoint(self, torque_Nm: float, omega_m_rad_s: float) -> None:
         """See `BatchLink.send_setpoint`."""
         self._requests.identity()
-        self._setpoint_sequence = on_wire(self._setpoint_sequence + 1)
+        self._setpoint_sequence = wrap_tick(self._setpoint_sequence + 1)
         self._send(Setpoint(self._setpoint_sequence, torque_Nm, omega_m_rad_s))
 
     @property
@@ -156,12 +155,12 @@ class SerialLink(ReceivingLink):
                 for payload in self._splitter.feed(data):
                     try:
                         self._handle(payload, arrival_s)
-                    except Exception:  # noqa: BLE001  whoever takes batches must not end the reception
+                    except Exception:  # noqa: BLE001  a receiver of batches must not end the reception
                         self._counts["receive_errors"] += 1
         except Exception as failure:  # noqa: BLE001  drivers raise anything when their adapter goes
             self._failure = failure
         finally:
-            self._exchange.end()
+            self._request_response.close()
 
     def _read(self) -> tuple[bytes, float]:
         data = self._port.read()
@@ -182,26 +181,26 @@ class SerialLink(ReceivingLink):
             case _:
                 if isinstance(message, Identity):
                     self._on_identity(message)
-                self._exchange.take(message)
+                self._request_response.on_response(message)
 
     def _on_identity(self, identity: Identity) -> None:
         # Heartbeats before it may have waited in a buffer for longer than this host is there.
         if identity.version == VERSION and identity.nmt_state in set(NmtState):
-            self._announced.learn_state(NmtState(identity.nmt_state))
+            self._announced.on_state_read(NmtState(identity.nmt_state))
 
     def _on_heartbeat(self, heartbeat: Heartbeat) -> None:
         if heartbeat.nmt_state not in set(NmtState):
             self._counts["frames_dropped"] += 1
             return
         state = NmtState(heartbeat.nmt_state)
-        self._announced.hear_heartbeat(state)
+        self._announced.on_heartbeat(state)
         if state is NmtState.BOOT_UP:
-            # Another firmware may have started: who is there is asked again, its events count from anew.
-            self._requests.forget()
+            # Another firmware may have started: ask for the identity again; its events count from 0.
+            self._requests.reset()
             self._event_sequence = None
 
     def _on_event(self, event: Event, arrival_s: float) -> None:
         if self._event_sequence is not None:
             self._counts["emcy_lost"] += (event.sequence - self._event_sequence - 1) % 256
         self._event_sequence = event.sequence
-        self._announced.hear_emergency(event.emergency, arrival_s)
+        self._announced.on_emergency(event.emergency, arrival_s)

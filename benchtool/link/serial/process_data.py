@@ -8,8 +8,7 @@ from typing import Any
 from benchtool.link.interface import BatchLink
 from benchtool.link.process_data import DriveAccess, Source, encoded
 from benchtool.link.serial.batch_source import BatchSource
-from benchtool.protocol.dictionary import Dictionary
-from benchtool.protocol.dictionary.variable import Variable
+from benchtool.protocol.dictionary import Dictionary, Variable
 
 
 class BatchProcessData:

@@ -1,4 +1,4 @@
-"""What a host asks of a drive on a serial line, and what it makes of the answers."""
+"""Requests of a host on a serial line, and the handling of the responses."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from collections.abc import Callable, Sequence
 from typing import TypeVar
 
 from benchtool.errors import IdentityMismatch, LinkClosed, LinkError, NoAnswer, SdoAbort, ValueRefused
-from benchtool.link.serial.exchange import Answer, Exchange, Question, UnansweredError
-from benchtool.protocol.canopen.abort import Abort, abort_text
+from benchtool.link.serial.request_response import Answer, NoResponseError, Request, RequestResponse
+from benchtool.protocol.canopen import Abort, abort_text
 from benchtool.protocol.serial import (
     VERSION,
     ChunkReply,
@@ -43,34 +43,36 @@ Expected = TypeVar("Expected", Identity, ReadReply, WriteReply, OpenReply, Strea
 class SerialRequests:
     """The requests of a `SerialLink`, one at a time; methods raise what the link's say.
 
-    The first one, and the first after `forget`, asks before who is there.
+    The first request, and the first after `reset`, is preceded by a request for the identity.
 
     Args:
-        exchange: over which questions go.
+        request_response: over which requests go.
         node_id: the drive's.
         require_open: raises LinkClosed if the port is closed or gone.
     """
 
-    def __init__(self, exchange: Exchange, node_id: int, require_open: Callable[[], None]) -> None:
+    def __init__(
+        self, request_response: RequestResponse, node_id: int, require_open: Callable[[], None]
+    ) -> None:
         self.retries = 0
         self.aborts = 0
         self.odd_chunks = 0
         """Chunks that were not asked for, or of a wrong length."""
-        self._exchange = exchange
+        self._request_response = request_response
         self._node_id = node_id
         self._require_open = require_open
         self._lock = threading.Lock()
         self._identity: Identity | None = None
 
     def identity(self) -> Identity:
-        """Who is there, asked if it is not known."""
+        """Return the identity of the drive; request it if it is unknown."""
         if (known := self._identity) is not None:
             return known
         with self._lock:
             return self._greet()
 
-    def forget(self) -> None:
-        """Ask again who is there; from any thread."""
+    def reset(self) -> None:
+        """Request the identity again with the next request; from any thread."""
         self._identity = None
 
     def upload(self, index: int, sub: int, *, in_chunks: bool) -> bytes:
@@ -123,7 +125,7 @@ class SerialRequests:
     # ---- inside ------------------------------------------------------------------------------------------
 
     def _greet(self) -> Identity:
-        """Who is there, asked if it is not known.
+        """Return the identity of the drive; request it if it is unknown.
 
         Raises:
             IdentityMismatch: another node than that of the address.
@@ -175,11 +177,11 @@ class SerialRequests:
     def _fetch(self, opened: OpenReply, wanted: range, parts: dict[int, bytes], doing: str) -> None:
         """Put chunks into `parts`, until all are there or none comes any more."""
         missing = set(wanted)
-        with self._exchange.asking(Chunks(0, opened.upload, wanted.start, len(wanted))) as answer:
+        with self._request_response.request(Chunks(0, opened.upload, wanted.start, len(wanted))) as answer:
             while missing:
                 try:
                     reply = self._accepted(answer(), doing)
-                except UnansweredError:
+                except NoResponseError:
                     self._require_open()
                     return
                 assert isinstance(reply, ChunkReply)
@@ -192,25 +194,25 @@ class SerialRequests:
                     self.odd_chunks += 1
 
     def _ask(
-        self, question: Question, expected: type[Expected], doing: str, *, twice: bool = False
+        self, request: Request, expected: type[Expected], doing: str, *, twice: bool = False
     ) -> Expected:
         try:
-            reply = self._ask_once(question, doing)
-        except UnansweredError:
+            reply = self._ask_once(request, doing)
+        except NoResponseError:
             self._require_open()
             if not twice:
                 raise self._no_answer(doing, "once") from None
             self.retries += 1
             try:
-                reply = self._ask_once(question, doing)
-            except UnansweredError:
+                reply = self._ask_once(request, doing)
+            except NoResponseError:
                 self._require_open()
                 raise self._no_answer(doing, "twice") from None
         assert isinstance(reply, expected)
         return reply
 
-    def _ask_once(self, question: Question, doing: str) -> Answer:
-        with self._exchange.asking(question) as answer:
+    def _ask_once(self, request: Request, doing: str) -> Answer:
+        with self._request_response.request(request) as answer:
             return self._accepted(answer(), doing)
 
     def _accepted(self, reply: Answer, doing: str) -> Answer:
@@ -226,8 +228,8 @@ class SerialRequests:
 
     def _no_answer(self, doing: str, times: str) -> NoAnswer:
         return NoAnswer(
-            f"node {self._node_id} did not answer within {self._exchange.timeout_s:g} s when {doing}, asked "
-            f"{times}; check that the drive is powered, the baud rate and the wiring"
+            f"node {self._node_id} did not answer within {self._request_response.timeout_s:g} s when "
+            f"{doing}, asked {times}; check that the drive is powered, the baud rate and the wiring"
         )
 
     def _out_of_protocol(self, doing: str, reason: str) -> LinkError:

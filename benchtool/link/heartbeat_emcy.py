@@ -1,4 +1,4 @@
-"""What a drive says unasked, whatever carries it: its heartbeats and its emergencies."""
+"""Consumer of a drive's heartbeats and emergency messages (EMCY), on any wire."""
 
 from __future__ import annotations
 
@@ -7,16 +7,15 @@ from collections.abc import Callable
 
 from benchtool.clock import Clock
 from benchtool.errors import NoAnswer
-from benchtool.link.interface import Alarm
-from benchtool.protocol.canopen.emcy import Emergency
-from benchtool.protocol.canopen.nmt import NmtState
+from benchtool.link.interface import ReceivedEmergency
+from benchtool.protocol.canopen import Emergency, NmtState
 
 _EMERGENCIES = 256
 _POLL_S = 0.01
 
 
-class Announcements:
-    """Heard in a link's receive thread, asked for in any other.
+class HeartbeatEmcyConsumer:
+    """Filled in a link's receive thread, read in any other.
 
     The first 256 emergencies are kept until they are taken, as the cause is among the first.
 
@@ -32,31 +31,31 @@ class Announcements:
         self._require_open = require_open
         self._state: NmtState | None = None
         self._heartbeats = self._heard = self._overruns = 0
-        self._emergencies: deque[Alarm] = deque()
+        self._emergencies: deque[ReceivedEmergency] = deque()
 
     @property
     def counts(self) -> dict[str, int]:
-        """What was heard, by the names of `LinkCounters`."""
+        """Counts of received messages, by the names of `LinkCounters`."""
         return {
             "heartbeats_received": self._heartbeats,
             "emcy_received": self._heard,
             "overruns": self._overruns,
         }
 
-    def learn_state(self, state: NmtState) -> None:
-        """Take a state that the drive told when it was asked: it is newer than any heartbeat before."""
+    def on_state_read(self, state: NmtState) -> None:
+        """Note a state that the drive returned to a request: it is newer than earlier heartbeats."""
         self._state = state
 
-    def hear_heartbeat(self, state: NmtState) -> None:
-        """Note the state that a heartbeat tells."""
+    def on_heartbeat(self, state: NmtState) -> None:
+        """Note the state in a heartbeat."""
         self._state = state
         self._heartbeats += 1
 
-    def hear_emergency(self, emergency: Emergency, arrival_s: float) -> None:
+    def on_emergency(self, emergency: Emergency, arrival_s: float) -> None:
         """Keep an emergency, or count it where there is no room."""
         self._heard += 1
         if len(self._emergencies) < _EMERGENCIES:
-            self._emergencies.append(Alarm(emergency, arrival_s))
+            self._emergencies.append(ReceivedEmergency(emergency, arrival_s))
         else:
             self._overruns += 1
 
@@ -80,7 +79,7 @@ class Announcements:
                 )
             self._clock.wait(min(_POLL_S, timeout_s))
 
-    def emergencies(self) -> tuple[Alarm, ...]:
+    def emergencies(self) -> tuple[ReceivedEmergency, ...]:
         """See `Link.emergencies`."""
         self._require_open()
         return tuple(self._emergencies.popleft() for _ in range(len(self._emergencies)))

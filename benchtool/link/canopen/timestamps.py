@@ -1,4 +1,4 @@
-"""Time stamps of a CAN adapter on the host's clock."""
+"""Timestamps of a CAN adapter on the host's clock."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ _CLOCKS = 2e-4  # by which an adapter's clock and the host's may differ
 _JUMP_S = 1.0
 
 
-class AdapterStamps:
-    """Tells when a frame arrived, on `clock`, by the stamp that its adapter gave it.
+class AdapterTimestamps:
+    """Converts the timestamps of an adapter to arrival times on `clock`.
 
     An adapter counts from an origin of its own. The two clocks are tied together by the frame that took the
-    shortest way through driver and host so far: no later than now, and even where the host was late. An
-    adapter that stamps nothing, or whose clock jumps by a second, is taken at the host's word.
+    shortest way through driver and host so far: no later than now, and even where the host was late. For an
+    adapter without timestamps, or whose clock jumps by a second, the host's time is used.
 
     Args:
         clock: the host's.
@@ -41,5 +41,5 @@ class AdapterStamps:
 
 
 def timestamp(frame: can.Message) -> float:
-    """When a frame arrived, on a bus whose stamps are of the host's clock already."""
+    """Return when a frame arrived, on a bus whose stamps are of the host's clock already."""
     return frame.timestamp

@@ -1,4 +1,4 @@
-"""PDO parameters of a drive as they were found, to be put back when their time here is over."""
+"""Backup of PDO parameters of a drive, restored after use."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from dataclasses import dataclass
 
 from benchtool.errors import BenchError, NoAnswer, SdoAbort
 from benchtool.link.process_data import DriveAccess
-from benchtool.protocol.canopen.cob_id import INVALID
-from benchtool.protocol.canopen.pdo import Pdo
+from benchtool.protocol.canopen import INVALID, Pdo
 
 
 @dataclass(frozen=True)
-class FoundPdo:
-    """One PDO as it was; `entries` are its mapping parameters from sub-index 1, the first `count` in use."""
+class PdoBackup:
+    """Parameters of one PDO; `entries` are its mapping parameters from sub-index 1, the first `count` in
+    use."""
 
     pdo: Pdo
     cob_id: int
@@ -23,7 +23,7 @@ class FoundPdo:
     entries: tuple[int, ...]
 
     @classmethod
-    def of(cls, drive: DriveAccess, pdo: Pdo) -> FoundPdo:
+    def of(cls, drive: DriveAccess, pdo: Pdo) -> PdoBackup:
         """Read the parameters that `pdo.set_up` writes.
 
         Raises:
@@ -37,17 +37,17 @@ class FoundPdo:
         entries = tuple(int(drive.number(f"0x{pdo.mapping:04X}:{sub}")) for sub in subs)
         return cls(pdo, cob_id, tuple((label, drive.number(label)) for label in labels), count, entries)
 
-    def put_back(self, drive: DriveAccess) -> None:
-        """Write everything as it was; the PDO is in use again only if it was, and then last of all.
+    def restore(self, drive: DriveAccess) -> None:
+        """Restore the parameters; the PDO is enabled again only if it was, as the last write.
 
         Raises:
-            BenchError: the drive does not take it; the message says how it is left.
+            BenchError: the drive refuses; the message states the resulting configuration.
         """
         try:
             for label, value in self._writes():
                 drive.write(label, value)
             for sub, mapping in enumerate(self.entries[self.count :], start=self.count + 1):
-                with suppress(SdoAbort):  # out of use in any case, and not every drive takes a zero
+                with suppress(SdoAbort):  # disabled first; not every drive accepts a zero
                     drive.write(f"0x{self.pdo.mapping:04X}:{sub}", mapping)
             drive.write(f"0x{self.pdo.mapping:04X}:0", self.count)
             drive.write(f"0x{self.pdo.communication:04X}:1", self.cob_id)
@@ -67,12 +67,12 @@ class FoundPdo:
             yield f"0x{self.pdo.mapping:04X}:{sub}", mapping
 
 
-def found_if_used(drive: DriveAccess, pdo: Pdo) -> FoundPdo | None:
-    """A PDO that is in use; None of one that is not, which takes one read, or that cannot be read."""
+def backup_if_used(drive: DriveAccess, pdo: Pdo) -> PdoBackup | None:
+    """Return the backup of a PDO in use; None if it is not in use (one read), or cannot be read."""
     label = f"0x{pdo.communication:04X}:1"
     if label not in drive.dictionary or int(drive.number(label)) & INVALID:
         return None
     try:
-        return FoundPdo.of(drive, pdo)
+        return PdoBackup.of(drive, pdo)
     except (NoAnswer, SdoAbort):
         return None
