@@ -1,10 +1,5 @@
 """The drive as the host sees it: names and SI values, states, capture, supervision."""
 
-from benchtool.drive.capture import Capture, CaptureRequest
-from benchtool.drive.identity import Identity
-from benchtool.drive.player import play
-from benchtool.drive.remote import RemoteDrive
-from benchtool.drive.stimulus import Stimulus
-from benchtool.protocol.modes import Mode
+import lazy_loader
 
-__all__ = ["Capture", "CaptureRequest", "Identity", "Mode", "RemoteDrive", "Stimulus", "play"]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

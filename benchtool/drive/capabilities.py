@@ -1,8 +1,8 @@
-"""What a drive can do for this tool, by the objects that its dictionary has.
+"""Capabilities of a drive, by the objects in its dictionary.
 
-A capability is there when the dictionary has every object that it takes, with the access that it takes.
-Standard objects are asked for by role; names are of benchtool's own dictionary, where no standard has such an
-object.
+A capability is available when the dictionary has every object that it needs, with the necessary access.
+Standard objects are looked up by role; names are of benchtool's own dictionary, where no standard defines
+such an object.
 """
 
 from __future__ import annotations
@@ -14,16 +14,15 @@ from pathlib import PurePath
 from typing import Any, Final, Self
 
 from benchtool.errors import CapabilityMissing
-from benchtool.protocol.dictionary import Dictionary
-from benchtool.protocol.dictionary.roles import Role
-from benchtool.protocol.modes import CYCLIC_POSITION, PROFILE_POSITION, Mode, first_supported
+from benchtool.protocol import CYCLIC_POSITION, PROFILE_POSITION, Mode, first_supported
+from benchtool.protocol.dictionary import Dictionary, Role
 
 _SHOWN = 4
 _DATA: Final = "capture_data"  # bytes; all others are numbers
 
 
 class Capability(StrEnum):
-    """What a drive may be able to do."""
+    """Capabilities that a drive may have."""
 
     SUPERVISED = "supervised"
     TORQUE = "torque"
@@ -38,13 +37,14 @@ class Capability(StrEnum):
 
 @dataclass(frozen=True)
 class _Object:
-    """An object that a capability takes."""
+    """An object that a capability needs."""
 
     of: Role | str
     written: bool = False
 
     def found(self, dictionary: Dictionary) -> str | None:
-        """Address and role or name, `0x6071:0 target_torque`; None if it is not there, or not accessible."""
+        """Return the address and role or name, `0x6071:0 target_torque`; None if it is missing, or not
+        accessible."""
         variable = dictionary.get(self.of)
         if variable is None or not (variable.writable if self.written else variable.readable):
             return None
@@ -53,7 +53,7 @@ class _Object:
         return f"{variable.label} {self.of.title if isinstance(self.of, Role) else self.of}"
 
     def wanted(self, dictionary: Dictionary) -> str:
-        """What to look for, and the access if the object is there without it."""
+        """Return what to look for, and the access if the object is there without it."""
         label = self.of.label if isinstance(self.of, Role) else self.of
         if self.of not in dictionary:
             return label
@@ -62,9 +62,9 @@ class _Object:
 
 @dataclass(frozen=True)
 class _Needs:
-    """What a capability takes, and what cannot be done without it.
+    """Objects that a capability needs, and the consequence of lacking it.
 
-    Of `modes` (0x6060) one will do. `beside` are objects that make more of it, where the drive has them.
+    One of `modes` (0x6060) suffices. `beside` are optional objects that extend it.
     """
 
     objects: tuple[_Object, ...]
@@ -73,7 +73,7 @@ class _Needs:
     beside: tuple[_Object, ...] = ()
 
     def missing(self, dictionary: Dictionary) -> tuple[str, ...]:
-        """What the dictionary has not, or says that the drive has not."""
+        """Return the missing objects."""
         absent = [each.wanted(dictionary) for each in self.objects if each.found(dictionary) is None]
         variable = dictionary.get(Role.SUPPORTED_MODES)
         stated = None if variable is None else variable.raw_default
@@ -156,7 +156,7 @@ _NEEDS: Final[Mapping[Capability, _Needs]] = {
 
 @dataclass(frozen=True)
 class Finding:
-    """Whether a capability is there: by which objects, or else which of those that it takes are missing."""
+    """Whether a capability is available, and by which objects, or which are missing."""
 
     available: bool
     by: tuple[str, ...]
@@ -172,7 +172,7 @@ class Capabilities:
 
     @classmethod
     def of(cls, dictionary: Dictionary) -> Self:
-        """Of the drive that a dictionary describes."""
+        """Return the capabilities of the drive that a dictionary describes."""
         findings = {capability: _finding(dictionary, needs) for capability, needs in _NEEDS.items()}
         return cls(PurePath(dictionary.source).name, findings)
 
@@ -180,13 +180,13 @@ class Capabilities:
         return isinstance(capability, Capability) and self.findings[capability].available
 
     def require(self, *wanted: Capability, purpose: str) -> None:
-        """Check that the drive has these.
+        """Check that the drive has these capabilities.
 
         Args:
             purpose: what takes them: "a jog", "the plan".
 
         Raises:
-            CapabilityMissing: it has not; names what is missing and what that costs.
+            CapabilityMissing: one is missing; the message names the objects and the consequence.
         """
         for capability in wanted:
             finding = self.findings[capability]
@@ -204,7 +204,7 @@ class Capabilities:
 
 
 def cost(capability: Capability) -> str:
-    """What cannot be done with a drive that lacks it."""
+    """Return the consequence of lacking a capability."""
     return _NEEDS[capability].cost
 
 
@@ -216,9 +216,9 @@ def _finding(dictionary: Dictionary, needs: _Needs) -> Finding:
 
 
 def _remedy(capability: Capability) -> str:
-    """What a person can do about a missing capability."""
+    """Return the remedy for a missing capability."""
     if any(isinstance(each.of, str) for each in _NEEDS[capability].objects):
-        return "it takes firmware of benchtool's dictionary (docs/porting.md)"
+        return "it takes firmware of benchtool's dictionary (docs/how_to/port_firmware.md)"
     if capability is Capability.SUPERVISED:
         return (
             "if another sub-index of it is to be used, name that under [roles] in its profile; only "

@@ -1,24 +1,30 @@
-"""The capture on the drive: armed over the link, recorded at the control rate, read as one domain."""
+"""The on-drive capture: armed over the link, recorded at the control rate, read as one domain."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Final
 
 from benchtool.block import Block
 from benchtool.drive.capabilities import Capability
 from benchtool.drive.remote import RemoteDrive
-from benchtool.errors import CaptureError
-from benchtool.protocol.capture_data import decode_capture
-from benchtool.ticks import counted_on
+from benchtool.errors import CaptureError, ValueRefused
+from benchtool.protocol import decode_capture
+from benchtool.ticks import unwrap_tick
 
 _POLL_S = 0.01
 _SLACK_S = 1.0
-_MAX_CHANNELS = 16
+MAX_CHANNELS: Final = 16
+"""Channels of a capture: objects `capture_channel_1` and on."""
 
 
 @dataclass(frozen=True)
 class CaptureRequest:
-    """What to capture: names of signals, rows in all, ticks per row, and rows from before the trigger."""
+    """What to capture: names of signals, rows in all, ticks per row, and rows from before the trigger.
+
+    Raises:
+        ValueRefused: no channel, or more than a capture has.
+    """
 
     channels: tuple[str, ...]
     rows: int
@@ -27,6 +33,13 @@ class CaptureRequest:
     trigger: str = "immediate"
     trigger_signal: str | None = None
     trigger_level: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not 0 < len(self.channels) <= MAX_CHANNELS:
+            raise ValueRefused(
+                f"{len(self.channels)} channels, 1 to {MAX_CHANNELS} are expected; nothing was sent: "
+                f"choose some"
+            )
 
 
 class Capture:
@@ -37,7 +50,7 @@ class Capture:
         request: what to capture; it is armed on construction.
 
     Raises:
-        CapabilityMissing: the drive captures nothing.
+        CapabilityMissing: the drive has no capture.
         SdoAbort: the drive refuses the request.
     """
 
@@ -46,7 +59,7 @@ class Capture:
         self._drive = drive
         self._channels = [drive.dictionary[name] for name in request.channels]
         mappings = [variable.mapping for variable in self._channels]
-        for position, mapping in enumerate([*mappings, 0][:_MAX_CHANNELS], start=1):
+        for position, mapping in enumerate([*mappings, 0][:MAX_CHANNELS], start=1):
             drive.write(f"capture_channel_{position}", mapping)
         drive.write("capture_rows", request.rows)
         drive.write("capture_stride", request.stride)
@@ -84,12 +97,12 @@ class Capture:
             waited_s += _POLL_S
 
     def read(self) -> Block:
-        """The captured rows, by block upload.
+        """Return the captured rows, by block upload.
 
         Raises:
-            CaptureError: the data contradict themselves or belong to another capture.
+            CaptureError: the data are inconsistent or belong to another capture.
         """
         variable = self._drive.dictionary["capture_data"]
         data = self._drive.link.upload(variable.index, variable.sub, block=True)
         block = decode_capture(data, self._channels, self._sequence)
-        return replace(block, first_tick=counted_on(block.first_tick, self._drive.tick_now()))
+        return replace(block, first_tick=unwrap_tick(block.first_tick, self._drive.tick_now()))

@@ -1,4 +1,4 @@
-"""Who answers, and whether it is the drive that the profile's dictionary describes."""
+"""Identity of the drive, checked against the profile's dictionary."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ from benchtool.protocol.dictionary import Dictionary
 
 @dataclass(frozen=True)
 class Identity:
-    """Objects 0x1018, 0x1008 to 0x100A and the dictionary hash; None where the drive does not tell."""
+    """Objects 0x1018, 0x1008 to 0x100A and the dictionary hash; None where the drive does not provide
+    them."""
 
     vendor_id: int | None
     product_code: int | None
@@ -24,7 +25,7 @@ class Identity:
     def require(self, dictionary: Dictionary, source: str) -> None:
         """Check that this is the drive of `dictionary`, which was read from `source`.
 
-        A vendor or a product that the file does not state, or the drive does not tell, is not compared.
+        A vendor or a product that the file does not state, or the drive does not provide, is not compared.
 
         Raises:
             IdentityMismatch: another vendor or product.
@@ -46,12 +47,12 @@ class Identity:
 
 
 def differs(one: int | None, other: int | None) -> bool:
-    """Whether both are known and not the same."""
+    """Return whether both are known and not the same."""
     return one is not None and other is not None and one != other
 
 
 def described(vendor_id: int | None, product_code: int | None) -> str:
-    """Vendor and product in words, whichever are known."""
+    """Return the vendor and product in words, whichever are known."""
     vendor, product = (
         "(not stated)" if each is None else f"0x{each:08X}" for each in (vendor_id, product_code)
     )

@@ -9,14 +9,11 @@ from dataclasses import asdict
 from benchtool.clock import Clock
 from benchtool.drive.capabilities import Capabilities, Capability
 from benchtool.drive.identity import Identity
-from benchtool.errors import SdoAbort, ValueRefused, WriteNotVerified
-from benchtool.link import Link
-from benchtool.link.ticks import TickMark, WallMark
-from benchtool.protocol.canopen.abort import Abort
-from benchtool.protocol.dictionary import Dictionary
-from benchtool.protocol.dictionary.roles import Role
-from benchtool.protocol.dictionary.variable import Value, Variable
-from benchtool.ticks import counted_on
+from benchtool.errors import NoAnswer, SdoAbort, StateError, ValueRefused, WriteNotVerified
+from benchtool.link import ClockAnchor, Link, TickAnchor
+from benchtool.protocol.canopen import Abort, NmtState
+from benchtool.protocol.dictionary import Dictionary, Role, Value, Variable
+from benchtool.ticks import unwrap_tick
 
 
 class RemoteNode:
@@ -34,7 +31,7 @@ class RemoteNode:
         self.dictionary = dictionary
         self.clock = clock
         self._source = source
-        self._mark: TickMark | None = None
+        self._anchor: TickAnchor | None = None
 
     @property
     def capabilities(self) -> Capabilities:
@@ -42,61 +39,78 @@ class RemoteNode:
         return Capabilities.of(self.dictionary)
 
     def check(self) -> Identity:
-        """Who answers, which is the drive of the dictionary; notes its tick. Only reads are sent.
+        """Check that the drive of the dictionary answers, and return its identity; notes its tick. Only reads
+        are sent.
 
         Raises:
-            NoAnswer, IdentityMismatch, DictionaryMismatch: as their names say.
+            NoAnswer: the drive does not answer. IdentityMismatch, DictionaryMismatch: it is another drive.
+            StateError: it is in NMT state stopped, in which its objects cannot be read.
         """
-        identity = self.identify()
+        try:
+            identity = self.identify()
+        except (NoAnswer, SdoAbort) as failed:
+            if not self.is_stopped:
+                raise
+            raise StateError(
+                f"the drive is in NMT state stopped, in which it answers nothing ({failed}): a host could "
+                f"not disable it, or another master stopped it; make sure that the motor stands still, then "
+                f"start it with `benchtool reset`, or switch its supply off and on"
+            ) from failed
         identity.require(self.dictionary, self._source)
         self._note_tick()
         return identity
 
+    @property
+    def is_stopped(self) -> bool:
+        """Whether its last heartbeat told of NMT state stopped."""
+        return self.link.heartbeat_state() is NmtState.STOPPED
+
     def _note_tick(self) -> None:
         if Capability.TICK in self.capabilities:
             tick_s = round(self.number("control_period") * 1e9) * 1e-9  # the drive has it as a float32
-            tick = counted_on(int(self.number("tick")), self.tick_now())
-            self._mark = TickMark(tick, self.clock.now_s(), tick_s)
+            tick = unwrap_tick(int(self.number("tick")), self.tick_now())
+            self._anchor = TickAnchor(tick, self.clock.now_s(), tick_s)
 
-    def wall_mark(self, wall_s: float) -> dict[str, int | float] | None:
-        """The drive's tick now, which is `wall_s` of wall time, as a manifest keeps it: the fields of a
-        `WallMark`; None as `tick_at`."""
+    def clock_anchor(self, wall_s: float) -> dict[str, int | float] | None:
+        """Return the drive's tick now, which is `wall_s` of wall time, as a manifest keeps it: the fields of
+        a `ClockAnchor`; None as `tick_at`."""
         tick = self.tick_now()
-        if tick is None or self._mark is None:
+        if tick is None or self._anchor is None:
             return None
-        return asdict(WallMark(tick, self._mark.tick_s, wall_s))
+        return asdict(ClockAnchor(tick, self._anchor.tick_s, wall_s))
 
     def tick_now(self) -> int | None:
-        """Tick of the drive now, as `tick_at`."""
+        """Return the tick of the drive now, as `tick_at`."""
         return self.tick_at(self.clock.now_s())
 
     def tick_at(self, at_s: float) -> int | None:
-        """Tick of the drive at a moment of this node's clock, by the last one that was read.
+        """Return the tick of the drive at a moment of this node's clock, by the last one that was read.
 
-        Both clocks are taken as equal: 50 ppm between them make 3 ms a minute. None before `check`, and of a
-        drive that does not tell its tick.
+        Both clocks are taken as equal: 50 ppm between them make 3 ms a minute. None before `check`, and for a
+        drive without a tick.
         """
-        return None if self._mark is None else self._mark.tick_at(at_s)
+        return None if self._anchor is None else self._anchor.tick_at(at_s)
 
     def identify(self) -> Identity:
-        """Who answers, by the objects that CiA 301 has for it, whether the EDS lists them or not.
+        """Return the identity by the objects of CiA 301, whether or not the EDS lists them.
 
         Raises:
-            NoAnswer: nobody does.
+            NoAnswer: the drive does not answer.
         """
         return Identity(
-            vendor_id=self._told_number(Role.VENDOR_ID),
-            product_code=self._told_number(Role.PRODUCT_CODE),
-            revision_number=self._told_number(Role.REVISION_NUMBER),
-            serial_number=self._told_number(Role.SERIAL_NUMBER),
-            device_name=self._told_text(Role.DEVICE_NAME),
-            hardware_version=self._told_text(Role.HARDWARE_VERSION),
-            firmware_version=self._told_text(Role.FIRMWARE_VERSION),
+            vendor_id=self._optional_number(Role.VENDOR_ID),
+            product_code=self._optional_number(Role.PRODUCT_CODE),
+            revision_number=self._optional_number(Role.REVISION_NUMBER),
+            serial_number=self._optional_number(Role.SERIAL_NUMBER),
+            device_name=self._optional_text(Role.DEVICE_NAME),
+            hardware_version=self._optional_text(Role.HARDWARE_VERSION),
+            firmware_version=self._optional_text(Role.FIRMWARE_VERSION),
             dictionary_hash=self.optional_number("dictionary_hash"),
         )
 
     def read(self, name: Role | str | Variable) -> Value:
-        """Physical value of an object, in the unit of the dictionary; the name of an enumeration's value.
+        """Return the physical value of an object, in the unit of the dictionary; the name of an enumeration's
+        value.
 
         Raises:
             ValueRefused: no such object.
@@ -107,7 +121,7 @@ class RemoteNode:
             return variable.decode(self._upload(variable))
 
     def number(self, name: Role | str | Variable) -> float:
-        """Raw or physical number of an object, an enumeration's value as its number."""
+        """Return the raw or physical number of an object, an enumeration's value as its number."""
         variable, shown = self._variable(name)
         value = variable.decode(self._upload(variable))
         if isinstance(value, str) and variable.values:
@@ -117,7 +131,7 @@ class RemoteNode:
         return value
 
     def optional_number(self, name: Role | str | Variable) -> int | None:
-        """Whole number of an object that not every drive has; None where the dictionary or the drive has not.
+        """Return the whole number of an optional object; None if the dictionary or the drive lacks it.
 
         Raises:
             NoAnswer, SdoAbort: the drive did not answer, or has it and refused.
@@ -151,23 +165,23 @@ class RemoteNode:
             )
 
     def _variable(self, name: Role | str | Variable) -> tuple[Variable, str]:
-        """The object, and what it is called in messages."""
+        """Return the object, and what it is called in messages."""
         variable = name if isinstance(name, Variable) else self.dictionary[name]
         return variable, name if isinstance(name, str) else variable.name
 
     def _upload(self, variable: Variable) -> bytes:
         return self.link.upload(variable.index, variable.sub, length=variable.type.bits // 8 or None)
 
-    def _told_number(self, role: Role) -> int | None:
+    def _optional_number(self, role: Role) -> int | None:
         data = self._told(role)
         return int.from_bytes(data, "little") if data else None
 
-    def _told_text(self, role: Role) -> str | None:
+    def _optional_text(self, role: Role) -> str | None:
         data = self._told(role)
         return None if data is None else data.rstrip(b"\0").decode(errors="replace")
 
     def _told(self, role: Role) -> bytes | None:
-        """Bytes of an object, listed or not; None if the drive refuses it, with whatever reason."""
+        """Return the bytes of an object, listed or not; None if the drive refuses it for any reason."""
         variable = self.dictionary.get(role)
         try:
             return self.link.upload(*(role.key if variable is None else variable.key))

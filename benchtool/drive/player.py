@@ -1,4 +1,4 @@
-"""Plays a stimulus on the drive: checked against the rating, paced by the drive, captured meanwhile."""
+"""Play a stimulus on the drive: checked against the rating, timed by the drive, and captured."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from benchtool.drive.remote import RemoteDrive
 from benchtool.drive.stimulus import Stimulus
 from benchtool.errors import BenchError, StimulusError, ValueRefused
 from benchtool.profile import Motor
-from benchtool.protocol.dictionary.roles import Role
+from benchtool.protocol.dictionary import Role
 
 _POLL_S = 0.01
 _SLACK_S = 1.0
@@ -35,7 +35,7 @@ def play(
         The captured rows, channel `stimulus` in the unit of its quantity; None without a request.
 
     Raises:
-        CapabilityMissing: the drive plays none.
+        CapabilityMissing: the drive has no stimulus.
         ValueRefused: beyond the rating, or the drive is in another mode; nothing was written.
         SdoAbort: the drive refuses it.
         StimulusError: it was stopped before its end.

@@ -1,8 +1,8 @@
-"""What a drive measures and is told, in SI units, whichever of its objects has it.
+"""Measured quantities and setpoints of a drive in SI units, from its own or standard objects.
 
 The objects of CiA 402 have torque and current in per mille of the rated ones (0x6076 in mNm, 0x6075 in mA),
-voltage in mV and speed in units of the user. What an EDS or a profile says of a unit goes before; benchtool's
-own dictionary has each quantity as a float in SI.
+voltage in mV and speed in units of the user. A unit stated by an EDS or a profile takes precedence;
+benchtool's own dictionary has each quantity as a float in SI.
 """
 
 from __future__ import annotations
@@ -12,10 +12,7 @@ from typing import Final
 
 from benchtool.drive.node import RemoteNode
 from benchtool.errors import CapabilityMissing
-from benchtool.protocol.dictionary import Dictionary
-from benchtool.protocol.dictionary.quantity import spellings
-from benchtool.protocol.dictionary.roles import Role
-from benchtool.protocol.dictionary.variable import Variable
+from benchtool.protocol.dictionary import Dictionary, Role, Variable, spellings
 
 _PER_MILLE: Final = 1e-3
 _PER_RATED: Final = ("T_N", "I_N")  # units of the dictionary that mean: of the rated value
@@ -56,18 +53,18 @@ _RATED: Final = {each.role: each for each in (RATED_TORQUE, RATED_CURRENT)}
 
 
 def is_own(dictionary: Dictionary, quantity: Quantity) -> bool:
-    """Whether the drive has it as benchtool's dictionary does, and the profile does not say otherwise."""
+    """Return whether the drive has benchtool's object of it, and the profile does not redirect it."""
     own = dictionary.get(quantity.own)
     return own is not None and own.unit == quantity.unit and quantity.role not in dictionary.redirected
 
 
 def in_si(node: RemoteNode, quantity: Quantity) -> Variable:
-    """The object of a quantity, scaled so that its physical value is in `quantity.unit`.
+    """Return the object of a quantity, scaled so that its physical value is in `quantity.unit`.
 
     Of a per-mille object this reads the rated value.
 
     Raises:
-        CapabilityMissing: the drive has no such object, or nothing says what its numbers are.
+        CapabilityMissing: the drive has no such object, or its scale is unknown.
         NoAnswer, SdoAbort: the rated value cannot be read.
     """
     dictionary = node.dictionary

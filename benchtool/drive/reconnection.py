@@ -1,4 +1,4 @@
-"""What is known of a drive whose link was lost and came back."""
+"""Result of a reconnection."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from benchtool.drive.identity import Identity
 
 @dataclass(frozen=True)
 class Reconnection:
-    """Who answers, and whether the drive restarted meanwhile; None where its ticks do not tell."""
+    """Identity of the drive, and whether it restarted meanwhile; None if that is unknown."""
 
     identity: Identity
     restarted: bool | None

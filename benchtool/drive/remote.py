@@ -1,4 +1,4 @@
-"""A drive at the other end of a link: supervised while it is commanded, disabled on every way out."""
+"""A drive at the other end of a link: supervised while it is commanded, disabled on every exit."""
 
 from __future__ import annotations
 
@@ -14,23 +14,23 @@ from benchtool.drive.states import Cia402Node
 from benchtool.drive.supervision import LINK_TIMEOUT_S, LinkSupervision
 from benchtool.errors import BenchError, LinkClosed, LinkError, StateError
 from benchtool.link import Link
+from benchtool.protocol import Mode
 from benchtool.protocol.dictionary import Dictionary
-from benchtool.protocol.modes import Mode
 
 _REOPEN_S = 0.2
 _WATCH_S = 0.05
 
 
 class RemoteDrive(Cia402Node):
-    """A drive that is left disabled on every way out of its `with` block.
+    """A drive that is disabled on every exit of its `with` block.
 
     Args:
         link: open link to the drive's node.
         dictionary: what its EDS says.
         source: name of that EDS, for messages.
         clock: the clock that waiting and heartbeats go by.
-        reopen: opens the same link anew, for `reconnect`.
-        allow_unsupervised: let it be enabled although nothing stops it when this host falls silent.
+        reopen: opens the same link again, for `reconnect`.
+        allow_unsupervised: allow enabling without link supervision.
     """
 
     def __init__(
@@ -57,13 +57,12 @@ class RemoteDrive(Cia402Node):
         try:
             if self._touched:
                 self.disable()
-            self.supervision.disarm()
         except BenchError:
-            # The first failure is the one to report; silence of the host's heartbeat stops the drive itself.
+            # Report the first failure; the drive stops by itself when the host's heartbeat ends.
             if error is None:
                 raise
         finally:
-            self.stop_heartbeat()
+            self.release()
 
     # ---- connection ---------------------------------------------------------------------------------------
 
@@ -71,7 +70,7 @@ class RemoteDrive(Cia402Node):
         """Check identity and dictionary, and start the supervision of the link.
 
         Raises:
-            NoAnswer, IdentityMismatch, DictionaryMismatch: as their names say.
+            NoAnswer: the drive does not answer. IdentityMismatch, DictionaryMismatch: it is another drive.
             StateError: another host supervises the drive; nothing was changed.
             CapabilityMissing, SdoAbort, WriteNotVerified: the supervision cannot be armed, and the profile
                 demands it.
@@ -82,20 +81,20 @@ class RemoteDrive(Cia402Node):
         return identity
 
     def reconnect(self, timeout_s: float) -> Reconnection:
-        """Open the link anew after it was lost, and check who answers.
+        """Open the link again after it was lost, and check the identity of the drive.
 
         A drive that was supervised or enabled from here is so again, supervised and left disabled: its link
         supervision has stopped the motor meanwhile, and if that made a fault, `reset_fault` is needed before
-        it can be enabled. One that was only read goes on with what it does.
+        it can be enabled. A drive that was only read is left as it is.
 
         Raises:
-            LinkError: there was no way back within `timeout_s`.
+            LinkError: the link could not be opened within `timeout_s`.
             IdentityMismatch, DictionaryMismatch: another drive answers.
             StateError: the drive does not confirm that it is disabled.
         """
         if self._reopen is None:
             raise LinkClosed("this link cannot be opened again: open another session")
-        before = self._mark
+        before = self._anchor
         deadline_s = self.clock.now_s() + timeout_s
         while True:
             self._drop_link()
@@ -112,8 +111,8 @@ class RemoteDrive(Cia402Node):
                     raise
                 self.clock.wait(_REOPEN_S)
         restarted = None
-        if before is not None and self._mark is not None:
-            restarted = before.restarted_since(self._mark)
+        if before is not None and self._anchor is not None:
+            restarted = before.restarted_since(self._anchor)
         return Reconnection(identity, restarted)
 
     def close_link(self) -> None:
@@ -123,7 +122,7 @@ class RemoteDrive(Cia402Node):
     # ---- waiting -----------------------------------------------------------------------------------------
 
     def wait(self, duration_s: float) -> None:
-        """Let drive time pass, and stop at a fault or at what a watch raises.
+        """Let drive time pass; a fault or an exception of a watch ends it.
 
         Raises:
             DriveFault: an emergency arrived.
@@ -139,7 +138,7 @@ class RemoteDrive(Cia402Node):
 
     @contextmanager
     def watched(self, check: Callable[[], None]) -> Iterator[None]:
-        """Have `check` called while `wait` waits: it raises what is to end the run."""
+        """Call `check` while `wait` waits; it may raise an exception to end the run."""
         self._watches.append(check)
         try:
             yield
@@ -149,7 +148,7 @@ class RemoteDrive(Cia402Node):
     # ---- link supervision -------------------------------------------------------------------------------
 
     def supervise(self, timeout_s: float = LINK_TIMEOUT_S) -> None:
-        """Send the host's heartbeat, and have the drive stop the motor when it stays out for `timeout_s`.
+        """Send the host's heartbeat, and have the drive stop the motor when it is missing for `timeout_s`.
 
         Raises:
             CapabilityMissing, SdoAbort, WriteNotVerified: it cannot be armed, and the profile demands it.
@@ -158,21 +157,32 @@ class RemoteDrive(Cia402Node):
         self.supervision.arm(timeout_s)
         self._commanded = True
 
+    def release(self) -> None:
+        """End the supervision of a drive and the heartbeat: another host may command it.
+
+        One that has not confirmed that it is disabled watches on, and this host is silent.
+        """
+        try:
+            if not self._touched:
+                self.supervision.disarm()
+        finally:
+            self.stop_heartbeat()
+
     def stop_heartbeat(self) -> None:
-        """Fall silent; a drive that is supervised stops the motor after its timeout."""
-        self.supervision.fall_silent()
+        """Stop the heartbeat; a supervised drive stops the motor after its timeout."""
+        self.supervision.stop_sending()
 
     def enable(self, mode: Mode) -> None:
         """As `Cia402Node.enable`, of a drive that watches this host.
 
         Raises:
-            CapabilityMissing, SdoAbort, WriteNotVerified, StateError: it does not; it was not enabled.
+            CapabilityMissing, SdoAbort, WriteNotVerified, StateError: it does not watch; it was not enabled.
         """
         self.supervision.require()
         super().enable(mode)
 
     def disable(self) -> None:
-        """As `Cia402Node.disable`; a drive that does not confirm watches on, and this host is silent.
+        """As `Cia402Node.disable`; a drive that does not confirm keeps watching, and the heartbeat stops.
 
         Raises:
             StateError, LinkClosed: as there.
@@ -180,11 +190,11 @@ class RemoteDrive(Cia402Node):
         try:
             super().disable()
         except BenchError:
-            with suppress(LinkError):  # what the heartbeat ran into when the link went
+            with suppress(LinkError):  # the heartbeat failed when the link was lost
                 self.stop_heartbeat()
             raise
 
     def _drop_link(self) -> None:
-        with suppress(LinkError):  # what the heartbeat ran into when the link went
+        with suppress(LinkError):  # the heartbeat failed when the link was lost
             self.stop_heartbeat()
         self.link.close()

@@ -11,17 +11,13 @@ from benchtool.clock import Clock
 from benchtool.drive.node import RemoteNode
 from benchtool.errors import BenchError, DriveFault, LinkClosed, LinkError, SdoAbort, StateError
 from benchtool.link import Link
-from benchtool.protocol.canopen.abort import Abort
-from benchtool.protocol.canopen.emcy import Emergency, error_text
-from benchtool.protocol.canopen.nmt import NmtCommand
-from benchtool.protocol.cia402 import Command, State, next_command, state_of
-from benchtool.protocol.dictionary import Dictionary
-from benchtool.protocol.dictionary.roles import Role
-from benchtool.protocol.modes import Mode
+from benchtool.protocol import Command, Mode, State, next_command, state_of
+from benchtool.protocol.canopen import Abort, Emergency, NmtCommand, error_text
+from benchtool.protocol.dictionary import Dictionary, Role
 
 _TRANSITION_TIMEOUT_S = 1.0
 _POLL_S = 0.001
-_LOOKING_S = 0.5
+_POLL_PERIOD_S = 0.5
 _TARGETS: tuple[Role | str, ...] = (
     *(Role.TARGET_TORQUE, Role.TARGET_VELOCITY),
     *("torque_command", "omega_m_command"),  # last: the standard's objects set these
@@ -31,9 +27,10 @@ _ROUNDING_S = 1e-9
 
 
 class Observer(Protocol):
-    """Told what is heard of a drive, by whoever asked the drive for it; must be quick.
+    """Observer of the states and emergencies of a drive; its methods must return quickly.
 
-    What it raises is lost. `tick` is the drive's at that moment, None where it is not known.
+    Exceptions that they raise are ignored. `tick` is the drive's tick at that moment, None where it is
+    unknown.
     """
 
     def state(self, state: State, tick: int | None) -> None:
@@ -51,11 +48,11 @@ class Cia402Node(RemoteNode):
         self._touched = False
         self._commanded = False
         self._observers: list[Observer] = []
-        self._looked_s = -math.inf
+        self._polled_s = -math.inf
 
     @contextmanager
     def observed(self, observer: Observer) -> Iterator[None]:
-        """Have an observer told for the length of a `with` block."""
+        """Register an observer for the length of a `with` block."""
         self._observers.append(observer)
         try:
             yield
@@ -63,27 +60,26 @@ class Cia402Node(RemoteNode):
             self._observers.remove(observer)
 
     def state(self) -> State:
-        """State of the CiA 402 state machine."""
+        """Return the state of the CiA 402 state machine."""
         state = state_of(int(self.number(Role.STATUSWORD)))
         tick = self.tick_now()
         for observer in self._observers:
-            with suppress(Exception):  # whoever looks on must not keep a drive from being disabled
+            with suppress(Exception):  # an observer must not keep a drive from being disabled
                 observer.state(state, tick)
         return state
 
-    def look(self) -> None:
-        """Read the state, at most every half second, for whoever observes it; and once a minute the tick that
-        events are placed by."""
+    def poll(self) -> None:
+        """Read the state for the observers, at most every half second, and the tick once a minute."""
         now_s = self.clock.now_s()
-        if now_s - self._looked_s < _LOOKING_S - _ROUNDING_S:
+        if now_s - self._polled_s < _POLL_PERIOD_S - _ROUNDING_S:
             return
-        self._looked_s = now_s
-        if self._mark is not None and now_s - self._mark.at_s >= _NOTING_S:
+        self._polled_s = now_s
+        if self._anchor is not None and now_s - self._anchor.at_s >= _NOTING_S:
             self._note_tick()
         self.state()
 
     def emergencies(self) -> tuple[Emergency, ...]:
-        """Emergencies that have arrived since the last call, oldest first."""
+        """Return the emergencies that have arrived since the last call, oldest first."""
         arrived = self.link.emergencies()
         for emergency, arrival_s in arrived:
             for observer in self._observers:
@@ -104,7 +100,8 @@ class Cia402Node(RemoteNode):
                 )
 
     def enable(self, mode: Mode) -> None:
-        """Walk to operation enabled in `mode`, with every target at zero: a drive keeps what it was told.
+        """Walk to operation enabled in `mode`, with every target set to zero, as a drive keeps earlier
+        targets.
 
         Raises:
             DriveFault: the drive is or goes into fault.
@@ -118,7 +115,7 @@ class Cia402Node(RemoteNode):
         self._walk_to(State.OPERATION_ENABLED)
 
     def disable(self) -> None:
-        """Switch the power stage off, from whatever state, and leave no target for the next to enable.
+        """Switch the power stage off from any state, and clear the targets.
 
         Raises:
             StateError: the drive does not confirm; its link supervision will have to stop it.
@@ -134,19 +131,20 @@ class Cia402Node(RemoteNode):
             try:
                 self.link.nmt(NmtCommand.STOP)
                 stop = "NMT stop was sent"
-            except LinkError:  # the link has gone, and what is to be told stays the same
+            except LinkError:  # the link has gone: raise the same message
                 failure, stop = LinkClosed, "NMT stop could not be sent"
             raise failure(
                 f"the drive did not confirm that it is disabled ({reason}); {stop} and the host's "
-                f"heartbeat ends now: check that the motor has stopped, or use the emergency stop"
+                f"heartbeat ends now: check that the motor has stopped, or use the emergency stop; "
+                f"`benchtool reset` then has it answer again"
             ) from reason
-        self._touched = False  # only now: an interrupted way out is gone again
+        self._touched = False  # only now, so that an interrupted exit is repeated
         with suppress(BenchError):  # the power stage is off, and `enable` sees to it again
             self._zero_targets()
 
     @contextmanager
     def enabled(self, mode: Mode) -> Iterator[None]:
-        """Operation enabled in `mode` for the length of a `with` block, disabled on every way out of it.
+        """Enable operation in `mode` for the length of a `with` block, and disable it on every exit.
 
         Raises:
             DriveFault, StateError: as `enable` and `disable`.
@@ -176,7 +174,7 @@ class Cia402Node(RemoteNode):
             )
 
     def _code_of(self, mode: Mode) -> int:
-        """Code of a mode: the cyclic mode's on a drive that has not the profile one, by its 0x6502."""
+        """Return code of a mode: the cyclic mode's on a drive that has not the profile one, by its 0x6502."""
         supported = self.optional_number(Role.SUPPORTED_MODES) if len(mode.codes) > 1 else None
         code = None if supported is None else mode.supported_code(supported)
         return int(mode) if code is None else code

@@ -10,8 +10,8 @@ from pydantic import Field, model_validator
 from benchtool.document import Section
 from benchtool.errors import ValueRefused
 from benchtool.profile import Motor
-from benchtool.protocol.dictionary.variable import Value
-from benchtool.protocol.modes import Mode
+from benchtool.protocol import Mode
+from benchtool.protocol.dictionary import Value
 
 _SUFFIXES = {"torque": "Nm", "speed": "rad_s", "d_current": "A", "voltage": "V"}
 _UNITS = {**_SUFFIXES, "speed": "rad/s"}
@@ -49,28 +49,49 @@ class Stimulus(Section):
     """
 
     quantity: Literal["torque", "speed", "d_current", "voltage"]
+    """What is played."""
     shape: Literal[
         "constant", "step", "staircase", "ramp", "sine", "chirp_linear", "chirp_logarithmic", "prbs"
     ]
+    """Its course over one repetition."""
     amplitude_Nm: float | None = None
+    """Amplitude of a torque."""
     amplitude_rad_s: float | None = None
+    """Amplitude of a speed."""
     amplitude_A: float | None = None
+    """Amplitude of a d-current, peak."""
     amplitude_V: float | None = None
+    """Amplitude of a voltage, peak; no operating point of a plan is in voltage mode yet."""
     offset_Nm: float | None = None
+    """Offset of a torque."""
     offset_rad_s: float | None = None
+    """Offset of a speed."""
     offset_A: float | None = None
+    """Offset of a d-current, peak."""
     offset_V: float | None = None
+    """Offset of a voltage, peak."""
     duration_s: Seconds | None = None
+    """Length of one repetition; a PRBS without it lasts one period."""
     repetitions: Annotated[int, Field(ge=1, le=1_000_000)] = 1
+    """How often it is played, without a pause."""
     steps: Annotated[int, Field(ge=1, le=10_000)] | None = None
+    """Steps of a staircase."""
     frequency_Hz: Hertz | None = None
+    """Frequency of a sine."""
     frequency_start_Hz: Hertz | None = None
+    """Frequency at which a chirp begins."""
     frequency_end_Hz: Hertz | None = None
+    """Frequency at which a chirp ends."""
     prbs_clock_s: Seconds | None = None
+    """Length of one bit of a PRBS."""
     prbs_length: Annotated[int, Field(ge=2, le=20)] | None = None
+    """Bits of the shift register of a PRBS."""
     seed: Annotated[int, Field(ge=1, le=0xFFFFF)] | None = None
+    """Start of the shift register of a PRBS."""
     frame: Literal["stator", "rotor"] = "stator"
+    """Frame of a voltage: phase a, or the rotor flux."""
     angle_rad: Annotated[float, Field(ge=-6.2832, le=6.2832)] = 0.0
+    """Angle of a voltage in its frame."""
 
     @model_validator(mode="after")
     def _keys_fit(self) -> Stimulus:
@@ -160,7 +181,7 @@ class Stimulus(Section):
         return bit * ((1 << self.prbs_length) - 1)
 
     def table(self, control_period_s: float) -> dict[str, Value]:
-        """Values of the drive's objects by name.
+        """Return the values of the drive's objects by name.
 
         Raises:
             ValueRefused: a duration is shorter than a tick.

@@ -21,11 +21,9 @@ from benchtool.errors import (
     ValueRefused,
     WriteNotVerified,
 )
-from benchtool.protocol.canopen.abort import Abort
-from benchtool.protocol.cia402 import State
-from benchtool.protocol.dictionary.objects import DataType
-from benchtool.protocol.dictionary.roles import Role
-from benchtool.protocol.dictionary.variable import Variable
+from benchtool.protocol import State
+from benchtool.protocol.canopen import Abort
+from benchtool.protocol.dictionary import DataType, Role, Variable
 
 HEARTBEAT_S: Final = 0.1
 LINK_TIMEOUT_S: Final = 0.5
@@ -63,7 +61,7 @@ class LinkSupervision:
     # ---- arming -------------------------------------------------------------------------------------------
 
     def arm(self, timeout_s: float = LINK_TIMEOUT_S) -> None:
-        """Send the host's heartbeat, and have the drive stop the motor when it stays out for `timeout_s`.
+        """Send the host's heartbeat, and have the drive stop the motor when it is missing for `timeout_s`.
 
         Raises:
             ValueRefused: a timeout that 0x1016 cannot have; of 0 it would not watch the host.
@@ -76,7 +74,7 @@ class LinkSupervision:
                 f"a link timeout of {timeout_s:g} s: 0x1016 has {_SHORTEST_S:g} to {_LONGEST_S:g} s, choose "
                 f"one within; nothing was sent"
             )
-        self.fall_silent()
+        self.stop_sending()
         self._timeout_s = timeout_s
         self._entry, self.unsupervised = None, ""
         try:
@@ -85,7 +83,7 @@ class LinkSupervision:
             if not self.allow_unsupervised:
                 raise
             self.unsupervised = str(failed)
-        self._speak()
+        self._keep_alive()
 
     def require(self) -> None:
         """Have the drive watch this host now, whatever has happened to it since it was armed.
@@ -96,10 +94,11 @@ class LinkSupervision:
         if not (self.unsupervised or self._held()):
             self.arm(self._timeout_s)
         elif self._heartbeat is None:
-            self._speak()
+            self._keep_alive()
 
     def _held(self) -> bool:
-        """Whether the drive says that it still watches this host: a reset, or another master, may end it."""
+        """Return whether the drive says that it still watches this host: a reset, or another master, may end
+        it."""
         if self._entry is None:
             return False
         return _watches_host(int(self._drive.number(self._entry))) and self._action() != _NO_ACTION
@@ -110,7 +109,7 @@ class LinkSupervision:
         return HOST_NODE_ID << 16 | round(self._timeout_s * 1000.0)
 
     def _armed_entry(self) -> Variable:
-        """The entry of 0x1016 that has this host in it, as read back."""
+        """Return the entry of 0x1016 that has this host in it, as read back."""
         drive = self._drive
         drive.capabilities.require(Capability.SUPERVISED, purpose="enabling the drive")
         entry = self._usable_entry()
@@ -125,7 +124,7 @@ class LinkSupervision:
         return entry
 
     def _usable_entry(self) -> Variable:
-        """The entry that names this host already, else the first one that is not in use.
+        """Return the entry that names this host already, else the first one that is not in use.
 
         Two entries must not name the same node (CiA 301, object 0x1016).
         """
@@ -146,7 +145,7 @@ class LinkSupervision:
             seen = (
                 f"every entry watches another node ({nodes})"
                 if nodes
-                else "the drive has not what its EDS lists"
+                else "the drive lacks objects that its EDS lists"
             )
             raise CapabilityMissing(
                 f"no '{Capability.SUPERVISED}': an entry of 0x{first.index:04X} is needed for this host, and "
@@ -155,7 +154,7 @@ class LinkSupervision:
         return (own + free)[0]
 
     def _action(self) -> int | None:
-        """What the drive does without this host; None where it does not tell."""
+        """Return what the drive does without this host; None where it does not tell."""
         return self._drive.optional_number(Role.ABORT_CONNECTION_OPTION)
 
     def _arm_action(self) -> None:
@@ -171,14 +170,14 @@ class LinkSupervision:
 
     # ---- silence ------------------------------------------------------------------------------------------
 
-    def _speak(self) -> None:
+    def _keep_alive(self) -> None:
         period_s = min(HEARTBEAT_S, self._timeout_s / 3.0)
         self._heartbeat = self._drive.clock.call_every(period_s, self._send_heartbeat)
 
     def _send_heartbeat(self) -> None:
         self._drive.link.send_heartbeat()  # over the link of now: a reconnected drive has another
 
-    def fall_silent(self) -> None:
+    def stop_sending(self) -> None:
         """End the heartbeat; a drive that is supervised stops the motor after its timeout."""
         heartbeat, self._heartbeat = self._heartbeat, None
         if heartbeat is not None:
@@ -227,12 +226,12 @@ class LinkSupervision:
 
 
 def _node(code: int) -> int:
-    """Node that an entry of 0x1016 watches; 0 of one that is not in use."""
+    """Return the node that an entry of 0x1016 watches; 0 of one that is not in use."""
     return code >> 16 & 0x7F
 
 
 def _timeout_ms(code: int) -> int:
-    """Time after which that node is lost; 0 of an entry that is not in use."""
+    """Return the time after which that node is lost; 0 of an entry that is not in use."""
     return code & 0xFFFF
 
 
@@ -241,7 +240,8 @@ def _watches_host(code: int) -> bool:
 
 
 def _plain(entry: Variable) -> Variable:
-    """An entry of 0x1016 as CiA 301 codes it: some makers' files limit it to a time, without a node."""
+    """Return an entry of 0x1016 as CiA 301 codes it: some vendors' files limit it to a time, without a
+    node."""
     return replace(
         entry, type=DataType.U32, unit="", factor=1.0, raw_minimum=None, raw_maximum=None, values=None
     )

@@ -1,9 +1,9 @@
-"""Samples of an instrument with a clock of its own, aligned with the drive's ticks.
+"""Alignment of samples of an instrument with its own clock to the drive's ticks.
 
 The instrument samples evenly by its own clock, and its frames are stamped on the host's clock when they
 arrive. A straight line through (frame number, arrival) tells when each frame was due; the line of the drive's
-records (`ClockFit`) tells which moment of the drive that was. The scatter about both lines, and what is not
-known of the instrument's delay, make the uncertainty of the alignment.
+records (`ClockFit`) tells which moment of the drive that was. The scatter about both lines, and the
+uncertainty of the instrument's delay, make the uncertainty of the alignment.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from benchtool.block import Block, Channel, Gap
 from benchtool.errors import EnvironmentFailure
 from benchtool.telemetry.clock_fit import ClockFit
 
-_EARLY = 2.5  # periods by which a frame never is before its time
+_EARLY = 2.5  # periods by which a frame is never early
 _FINE = 1000  # ticks of a row: what rounding the first one to a whole tick costs is a thousandth of a sample
 _RATE_TOLERANCE = 0.01
 _SAME_S = 1e-9  # two periods that agree within this over a whole record are one
@@ -40,10 +40,10 @@ class Sampling:
 
 @dataclass(frozen=True)
 class Alignment:
-    """How well samples stand at the drive's ticks; standard uncertainties in seconds.
+    """Uncertainty of the alignment of samples with the drive's ticks; standard uncertainties in seconds.
 
     `drive_s` is the scatter of the drive's records about their line, `instrument_s` that of the frames about
-    theirs, `delay_s` what the instrument's delay is not known by, `rounding_s` that of the first sample's
+    theirs, `delay_s` the uncertainty of the instrument's delay, `rounding_s` that of the first sample's
     moment. `frame_rate_Hz` was found, in drive time.
     """
 
@@ -60,19 +60,19 @@ class Alignment:
 def frame_numbers(
     arrivals_s: NDArray[np.float64], frame_rate_Hz: float, counts: NDArray[np.int64] | None, wrap: int
 ) -> NDArray[np.int64]:
-    """Number of every frame since the first, shape (n,); what is left out was lost.
+    """Return the number of every frame since the first, shape (n,); missing numbers were lost.
 
-    Numbers increase, but of a frame that came twice, which its counter tells: both have one number.
+    Numbers increase, except that a repeated frame, by its counter, has the same number again.
 
     Args:
         arrivals_s: stamps, shape (n,).
         frame_rate_Hz: nominal rate.
-        counts: what the frames' own counter says, shape (n,); None without one.
-        wrap: values that the counter has before it begins again; a loss of `wrap` frames or more is told by
-            the stamps.
+        counts: values of the frames' own counter, shape (n,); None without one.
+        wrap: values that the counter has before it begins again; a loss of `wrap` frames or more is detected
+            by the stamps.
 
     Without a counter a frame is lost where two stamps are one and a half periods apart or more, and no more
-    are lost than the whole record is too short by: frames that were late, in a bunch, are none.
+    are lost than the whole record is too short by: late frames in a burst were not lost.
 
     Raises:
         EnvironmentFailure: counter and stamps contradict each other.
@@ -81,7 +81,7 @@ def frame_numbers(
     if counts is not None:
         by_counter = np.diff(counts) % wrap
         late = np.concatenate(([0.0], np.cumsum(steps - by_counter)))  # in periods, by stamps less counter
-        after = np.minimum.accumulate(late[::-1])[::-1]  # what is late for a while was not lost
+        after = np.minimum.accumulate(late[::-1])[::-1]  # frames that are late for a while were not lost
         rounds = np.rint(np.diff(after) / wrap).astype(np.int64)
         early = np.minimum.accumulate(late)[:-1] - np.maximum.accumulate(late[::-1])[::-1][1:]
         if (contradictions := np.flatnonzero(early > _EARLY)).size:
@@ -89,7 +89,7 @@ def frame_numbers(
             raise EnvironmentFailure(
                 f"the counter of the frames went from {counts[row]} to {counts[row + 1]} of {wrap} values "
                 f"while {steps[row]:.3g} frames were due: the instrument restarted, or its counter wraps "
-                f"elsewhere than by the DBC file; record again, or mend it there"
+                f"elsewhere than by the DBC file; record again, or correct it there"
             )
         return np.concatenate(([0], np.cumsum(by_counter + rounds * wrap)))
     lost = np.maximum(np.rint(steps).astype(np.int64) - 1, 0)
@@ -111,7 +111,7 @@ def align(
     sampling: Sampling,
     clock: ClockFit,
 ) -> tuple[Block, Alignment]:
-    """Samples as a block in drive time, and how well they are aligned.
+    """Return the samples as a block in drive time, and how well they are aligned.
 
     Args:
         channel: its channel.
@@ -122,7 +122,7 @@ def align(
         clock: of the drive's records, on the same host clock.
 
     Raises:
-        EnvironmentFailure: fewer than three frames, or they come at another rate than was stated.
+        EnvironmentFailure: fewer than three frames, or they arrive at another rate than stated.
     """
     if len(arrivals_s) < 3:
         raise EnvironmentFailure(
@@ -171,7 +171,8 @@ def align(
 
 
 def _line(numbers: NDArray[np.int64], stamps: NDArray[np.float64]) -> tuple[float, float, float]:
-    """Period, stamp of number 0 on the line, and the stamps' scatter about it, rms; by least squares."""
+    """Return the period, stamp of number 0 on the line, and the stamps' scatter about it, rms; by least
+    squares."""
     nominal_s = (stamps[-1] - stamps[0]) / float(numbers[-1])
     deviation = (stamps - stamps[0]) - numbers * nominal_s  # small numbers, so that rounding stays small
     centred = numbers - numbers.mean()

@@ -1,4 +1,4 @@
-"""How good the data of a recording are, as numbers with names that a plan may limit."""
+"""The data-quality certificate of a recording: numbers that a plan may limit."""
 
 from __future__ import annotations
 
@@ -8,11 +8,10 @@ from dataclasses import asdict, dataclass
 from functools import cache
 from typing import Any
 
-from benchtool.analysis import Measurement
-from benchtool.analysis.measurement import measurements_to_json
+from benchtool.analysis import Measurement, measurements_to_json
 from benchtool.block import Block, Gap
 from benchtool.link import LinkCounters
-from benchtool.protocol.telemetry import COUNTING_SIGNALS, StreamCounters
+from benchtool.protocol import COUNTING_SIGNALS, StreamCounters
 from benchtool.telemetry.recorder import STREAM
 from benchtool.telemetry.stream import StreamReport, TelemetryStream
 from benchtool.ticks import TICKS
@@ -20,7 +19,7 @@ from benchtool.ticks import TICKS
 
 @dataclass(frozen=True)
 class StreamFacts:
-    """What one stream holds: its rows, its gaps, and first and last value of the signals that count."""
+    """Facts of one stream: rows, gaps, and first and last value of its counters."""
 
     rows: int
     gaps: tuple[Gap, ...]
@@ -29,7 +28,8 @@ class StreamFacts:
 
     @classmethod
     def of(cls, block: Block, expected: int | None = None) -> StreamFacts:
-        """Facts of a whole stream as one block; `expected` rows where its source tells their number."""
+        """Return the facts of a whole stream as one block; `expected` rows if the source provides their
+        number."""
         counts = {
             name: (float(block.column(name)[0]), float(block.column(name)[-1]))
             for name in COUNTING_SIGNALS
@@ -39,7 +39,7 @@ class StreamFacts:
 
     @classmethod
     def of_report(cls, report: StreamReport) -> StreamFacts:
-        """Facts of the slow stream."""
+        """Return the facts of the slow stream."""
         counts = {
             name: (report.first[name], report.last[name]) for name in COUNTING_SIGNALS if name in report.first
         }
@@ -53,7 +53,8 @@ class Certificate:
     measurements: tuple[Measurement, ...]
 
     def value(self, name: str) -> float:
-        """Value by name; nan where it is undefined. Raises KeyError for a name that is not certified."""
+        """Return the value by name; nan where it is undefined. Raises KeyError for a name that is not
+        certified."""
         return {each.name: each.value for each in self.measurements}[name]
 
     @property
@@ -63,7 +64,7 @@ class Certificate:
 
     @property
     def summary(self) -> str:
-        """What a person should know, on one line: missing rows, saturated samples, clipped laws."""
+        """Summary on one line: missing rows, saturated samples, clipped laws."""
         totals = {
             text: sum(each.value for each in self.measurements if each.name.endswith(ending))
             for ending, text in (("_rows_expected", "expected"), ("_rows_missing", "missing"))
@@ -73,21 +74,21 @@ class Certificate:
             ("adc_saturated", "samples saturated"),
             ("law_clipped", "ticks clipped by the law"),
         ):
-            # Streams overlap in time: the largest count is that of the moment, a sum would count it twice.
-            counts = [each.value for each in self.measurements if each.name.endswith(f"_{signal}")]
+            # Streams overlap in time: use the largest count, as a sum would count twice.
+            counts = [each.value for each in self.measurements if each.name.endswith(f"_{signal}_count")]
             if worst := max((count for count in counts if count > 0), default=0):
                 found.append(f"{worst:.0f} {text}")
         return "data: " + ", ".join(found)
 
     def to_json(self) -> dict[str, Any]:
-        """The document `certificate.json`: `value`, `unit` and `definition` by name."""
+        """Return the document `certificate.json`: `value`, `unit` and `definition` by name."""
         return {"complete": self.complete, "measurements": measurements_to_json(self.measurements)}
 
 
 def certify(
     streams: Mapping[str, StreamFacts], link: LinkCounters, report: StreamReport | None = None
 ) -> Certificate:
-    """Certificate of a recording.
+    """Return the certificate of a recording.
 
     Args:
         streams: by name; their names begin those of their measurements: `capture_rows_missing`.
@@ -105,7 +106,7 @@ def certify(
 def certify_recording(
     stream: TelemetryStream | None, blocks: Mapping[str, Block], link: LinkCounters
 ) -> tuple[Certificate, dict[str, Any]]:
-    """Certificate of what a run recorded, the slow stream among it, and what a manifest says of it."""
+    """Return certificate of what a run recorded, the slow stream among it, and what a manifest says of it."""
     facts = {name: StreamFacts.of(block) for name, block in blocks.items()}
     if stream is None:
         return certify(facts, link), {}
@@ -117,8 +118,8 @@ def certify_recording(
 
 @cache
 def certificate_units(*, stream: bool) -> Mapping[str, str]:
-    """Units of what the certificate of a run measures, by name; `stream` tells whether the drive has a slow
-    stream."""
+    """Return the units of what the certificate of a run measures, by name; `stream` tells whether the drive
+    has a slow stream."""
     blocks = ("capture", STREAM) if stream else ("capture",)
     empty = StreamReport(None, None, StreamCounters(), (), {}, {}, 0, 0, 0, 0.0, 0.0, None)
     found = certify(
@@ -141,9 +142,9 @@ def _stream(name: str, facts: StreamFacts) -> Iterator[Measurement]:
         definition = f"{text}, last less first value of {signal} in {name}"
         if signal in facts.counts:
             first, last = facts.counts[signal]
-            yield Measurement(f"{name}_{signal}", (last - first) % TICKS, "", definition)
+            yield Measurement(f"{name}_{signal}_count", (last - first) % TICKS, "", definition)
         else:
-            yield Measurement.undefined(f"{name}_{signal}", "", definition, f"{signal} is not recorded")
+            yield Measurement.undefined(f"{name}_{signal}_count", "", definition, f"{signal} is not recorded")
 
 
 def _slow_stream(report: StreamReport) -> Iterator[Measurement]:

@@ -1,4 +1,4 @@
-"""The host's clock against the drive's: a straight line through (drive time, arrival)."""
+"""Fit of the host's clock against the drive's: a straight line through (drive time, arrival)."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ _MOST = 1 << 15
 class ClockFit:
     """arrival_s = offset_s + (1 + drift_ppm / 1e6) * tick * tick_s, by least squares.
 
-    The residuals contain what the way of a frame varies by: they bound the error with which a moment of
-    the drive can be told on the host's clock.
+    The residuals contain the variation of transmission: they bound the error of a moment of the drive on the
+    host's clock.
     """
 
     records: int
@@ -44,7 +44,7 @@ class ArrivalStatistics:
         self._count = 0
         self._ticks = array("q")
         self._arrivals = array("d")
-        self._growing = threading.Lock()  # an array that is being read refuses to grow
+        self._growing = threading.Lock()  # an array that is being read cannot grow
         self._last: tuple[int, float] | None = None
         self._intervals = 0
         self._squares = 0.0
@@ -74,7 +74,7 @@ class ArrivalStatistics:
         return math.sqrt(self._squares / self._intervals) if self._intervals else 0.0
 
     def fit(self) -> ClockFit | None:
-        """The line; None for fewer than three records."""
+        """Return the line; None for fewer than three records."""
         with self._growing:
             ticks, arrivals = np.array(self._ticks), np.array(self._arrivals)
         if len(ticks) < 3:

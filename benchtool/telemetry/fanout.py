@@ -13,13 +13,12 @@ _ROOM_S = 2.0
 
 
 class Sink:
-    """Where blocks go.
+    """A destination of blocks.
 
     Args:
         name: for messages.
-        take: called with each block, in the sink's thread.
-        lossless: a full queue is waited for and, after `room_s`, an error; else its blocks are dropped
-            and counted.
+        take: called with each block, in the thread of the sink.
+        lossless: wait for a full queue, and raise an error after `room_s`; otherwise drop and count blocks.
         size: blocks that may wait.
         room_s: wall time that a lossless sink has to make room.
     """
@@ -57,7 +56,7 @@ class Sink:
 
 
 class FanOut:
-    """Every block to every sink."""
+    """Passes every block to every sink."""
 
     def __init__(self, sinks: Sequence[Sink]) -> None:
         self.sinks = tuple(sinks)
@@ -72,13 +71,13 @@ class FanOut:
             sink.put(block)
 
     def check(self) -> None:
-        """Raise what a lossless sink has raised; a viewer's failure stops nothing but the viewer."""
+        """Raise the exception of a lossless sink; a failure of a viewer only stops the viewer."""
         for sink in self.sinks:
             if sink.lossless:
                 sink.worker.check()
 
     def close(self) -> None:
-        """Let every sink handle what waits, and end the threads."""
+        """Handle all queued blocks, and end the threads."""
         with ExitStack() as stack:
             for sink in self.sinks:
                 stack.callback(sink.worker.close)

@@ -1,4 +1,4 @@
-"""Every frame of a session in a file that `candump`, Wireshark and `--link replay:DIR` read."""
+"""Log of all frames of a session, in a file that `candump`, Wireshark and `--link replay:DIR` read."""
 
 from __future__ import annotations
 
@@ -12,10 +12,8 @@ from can.io import CanutilsLogWriter
 
 from benchtool.clock import Clock
 from benchtool.errors import RecordingError
-from benchtool.link.interface import CountsMalformed
-from benchtool.link.replay import FRAMES
-from benchtool.recording.checkpoints import Checkpoints, HashedFile
-from benchtool.recording.failures import writing
+from benchtool.link import FRAMES, CountsMalformed
+from benchtool.recording import Checkpoints, HashedFile, writing
 from benchtool.telemetry.worker import Worker
 
 _WAITING = 1 << 15
@@ -24,8 +22,8 @@ _FLUSH_S = 0.2
 
 
 class FrameLog:
-    """Takes frames from the moment of `tap` and writes them from the moment of `start`: what came before,
-    the identification of the drive, is kept until then."""
+    """Takes frames from the moment of `tap` and writes them from the moment of `start`: earlier frames, the
+    identification of the drive, are kept until then."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -35,7 +33,7 @@ class FrameLog:
         self._lost = 0
 
     def tap(self, bus: can.BusABC, clock: Clock, *, stamp: bool = False) -> can.BusABC:
-        """A bus in place of `bus` that shows its frames here.
+        """Return a bus in place of `bus` that shows its frames here.
 
         Args:
             clock: of the time of frames that are sent.
@@ -53,9 +51,9 @@ class FrameLog:
             self._file = _LogFile(bundle)
             early, self._early = self._early, []
         for frame in early:
-            self.take(frame)
+            self.append(frame)
 
-    def take(self, frame: can.Message) -> None:
+    def append(self, frame: can.Message) -> None:
         """Note a frame; from any thread."""
         with self._lock:
             if self._closed:
@@ -66,7 +64,7 @@ class FrameLog:
                 self._lost += 1
 
     def check(self) -> None:
-        """Raise what went wrong while writing.
+        """Raise an error of the writing thread.
 
         Raises:
             RecordingError: the file cannot be written, or the disk does not keep up.
@@ -81,7 +79,7 @@ class FrameLog:
             )
 
     def close(self) -> None:
-        """Write what waits and close the file; frames that follow are not kept.
+        """Write queued frames and close the file; later frames are dropped.
 
         Raises:
             RecordingError: it could not be written.
@@ -121,7 +119,7 @@ class _LogFile:
 
 
 class _TappedBus(can.BusABC):
-    """A bus whose frames somebody sees; it owns the bus behind it."""
+    """A bus whose frames are logged; it owns the bus behind it."""
 
     def __init__(self, bus: can.BusABC, log: FrameLog, clock: Clock, stamp: bool) -> None:
         super().__init__(channel=bus.channel_info)
@@ -141,12 +139,12 @@ class _TappedBus(can.BusABC):
         if frame is not None:
             if self._stamp:
                 frame.timestamp = self._clock.now_s()
-            self._log.take(_copy(frame, frame.timestamp, is_rx=True))
+            self._log.append(_copy(frame, frame.timestamp, is_rx=True))
         return frame
 
     def send(self, msg: can.Message, timeout: float | None = None) -> None:
         # Before it is sent: an answer must not stand before its request.
-        self._log.take(_copy(msg, self._clock.now_s(), is_rx=False))
+        self._log.append(_copy(msg, self._clock.now_s(), is_rx=False))
         self._bus.send(msg, timeout)
 
     def shutdown(self) -> None:
@@ -155,7 +153,7 @@ class _TappedBus(can.BusABC):
 
 
 def _copy(frame: can.Message, timestamp: float, *, is_rx: bool) -> can.Message:
-    """The frame without the name of its channel, which is not the same in another session."""
+    """Return the frame without the name of its channel, which is not the same in another session."""
     return can.Message(
         timestamp=timestamp,
         arbitration_id=frame.arbitration_id,

@@ -1,4 +1,4 @@
-"""The log of a run: what the host hears of the drive, and the steps that it takes itself, as events."""
+"""The log of a run: messages of the drive and steps of the host, as events."""
 
 from __future__ import annotations
 
@@ -7,15 +7,15 @@ from contextlib import AbstractContextManager, contextmanager
 from typing import Protocol
 
 from benchtool.errors import BenchError
-from benchtool.protocol.canopen.emcy import Emergency
-from benchtool.protocol.cia402 import State
+from benchtool.protocol import State
+from benchtool.protocol.canopen import Emergency
 from benchtool.recording import Event, Level
 
 _FAULTS = (State.FAULT, State.FAULT_REACTION_ACTIVE)
 
 
 class Observable(Protocol):
-    """A drive that tells what is heard of it, and its tick: a `RemoteDrive` does."""
+    """A drive that can be observed and provides its tick, such as a `RemoteDrive`."""
 
     def observed(self, observer: Journal) -> AbstractContextManager[None]: ...
     def tick_now(self) -> int | None: ...
@@ -23,7 +23,7 @@ class Observable(Protocol):
 
 @contextmanager
 def keep_journal(drive: Observable, takers: Sequence[Callable[[Event], None]]) -> Iterator[Journal]:
-    """A journal of a drive for the length of a `with` block; what ends the block too early is its last event.
+    """Keep a journal of a drive for the length of a `with` block; an exception becomes its last event.
 
     Raises:
         RecordingError: events could not be written.
@@ -42,11 +42,11 @@ def keep_journal(drive: Observable, takers: Sequence[Callable[[Event], None]]) -
 
 
 class Journal:
-    """Makes events and hands each to whoever takes them, in the caller's thread. Observes a drive.
+    """Make events and pass each to its receivers, in the caller's thread. Observes a drive.
 
     Args:
         tick: the drive's now, None where it is not known.
-        takers: called with every event; what they raise is kept for `check`.
+        takers: called with every event; their exceptions are kept for `check`.
     """
 
     def __init__(self, tick: Callable[[], int | None], takers: Sequence[Callable[[Event], None]]) -> None:
@@ -56,23 +56,23 @@ class Journal:
         self._failure: BenchError | None = None
 
     def note(self, text: str, level: Level = Level.INFO) -> None:
-        """Something happens now."""
+        """Note an event that happens now."""
         self._hand_on(Event(text=text, level=level, tick=self._tick()))
 
     def state(self, state: State, tick: int | None = None) -> None:
-        """The drive is in a state; an event if it is another one than before."""
+        """Note the state of the drive; an event if it has changed."""
         if state is not self._state:
             self._state = state
             level = Level.ERROR if state in _FAULTS else Level.INFO
             self._hand_on(Event(text=f"state: {state.value}", level=level, tick=tick, state=state.value))
 
     def emergency(self, emergency: Emergency, tick: int | None = None) -> None:
-        """The drive has reported something."""
+        """Note an emergency of the drive."""
         level = Level.ERROR if emergency.code else Level.INFO
         self._hand_on(Event(text=f"emergency: {emergency.text}", level=level, tick=tick))
 
     def check(self) -> None:
-        """Raise what a taker has raised, once.
+        """Raise the exception of a receiver, once.
 
         Raises:
             RecordingError: events could not be written.
@@ -85,5 +85,5 @@ class Journal:
         for take in self._takers:
             try:
                 take(event)
-            except BenchError as failure:  # not now: the drive may just be on its way to disabled
+            except BenchError as failure:  # not now: the drive may just be being disabled
                 self._failure = self._failure or failure

@@ -1,4 +1,4 @@
-"""The slow stream into a run bundle, beside whatever else the run records."""
+"""Recording of the slow stream into a run bundle."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ def record_stream(
     *,
     others: Sequence[Sink] = (),
 ) -> Iterator[TelemetryStream]:
-    """Record for the length of a `with` block; nothing is lost on the way, or `check` and the exit raise.
+    """Record for the length of a `with` block; if data are lost, `check` and the exit raise.
 
-    Until the block ends, `bundle` is this stream's alone.
+    Until the block ends, only this stream may use `bundle`.
 
     Args:
         others: further sinks, closed on the way out.

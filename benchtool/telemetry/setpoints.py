@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from benchtool.protocol.canopen.nmt import NmtCommand
-from benchtool.protocol.dictionary.variable import Variable
+from benchtool.protocol.canopen import NmtCommand
+from benchtool.protocol.dictionary import Variable
 from benchtool.telemetry.streamed_drive import StreamedDrive
 
 TORQUE, SPEED = "torque_command", "omega_m_command"
@@ -33,7 +33,7 @@ class Setpoints:
         node.link.nmt(NmtCommand.START)
 
     def check(self, *, torque_Nm: float = 0.0, omega_m_rad_s: float = 0.0) -> None:
-        """Find out whether `send` would take these, without sending them.
+        """Check that `send` would accept these, without sending them.
 
         Raises:
             ValueRefused: a value is outside its limits.
@@ -41,7 +41,7 @@ class Setpoints:
         self._message.encode(torque_Nm, omega_m_rad_s)
 
     def send(self, *, torque_Nm: float = 0.0, omega_m_rad_s: float = 0.0) -> None:
-        """Send both setpoints; the drive heeds the one of its mode.
+        """Send both setpoints; the drive uses the one of its mode.
 
         Raises:
             ValueRefused: a value is outside its limits; nothing was sent.
@@ -49,7 +49,7 @@ class Setpoints:
         self._message.send(torque_Nm, omega_m_rad_s)
 
     def close(self) -> None:
-        """Have the drive take none any more, and put back what was set up.
+        """Stop the drive from taking setpoints, and restore what was set up.
 
         Raises:
             BenchError: the drive does not answer or refuses; the notes say how it is left.

@@ -1,4 +1,4 @@
-"""One stream: set up on the drive, received, decoded in a thread of its own, handed to sinks."""
+"""One stream: set up on the drive, received, decoded in its own thread, passed to sinks."""
 
 from __future__ import annotations
 
@@ -10,15 +10,14 @@ from typing import Any, Self
 
 from benchtool.block import Gap
 from benchtool.errors import BenchError, NoAnswer, StateError
-from benchtool.link.process_data import Sent
-from benchtool.link.ticks import TickMark
-from benchtool.protocol.canopen.nmt import NmtState
-from benchtool.protocol.telemetry import StreamCounters
+from benchtool.link import Sent, TickAnchor
+from benchtool.protocol import StreamCounters
+from benchtool.protocol.canopen import NmtState
 from benchtool.telemetry.clock_fit import ArrivalStatistics, ClockFit
 from benchtool.telemetry.fanout import FanOut, Sink
 from benchtool.telemetry.streamed_drive import StreamedDrive
 from benchtool.telemetry.worker import Worker
-from benchtool.ticks import ahead
+from benchtool.ticks import ticks_since
 
 DEFAULT_RATE_HZ = 100.0
 DEFAULT_CHANNELS = (
@@ -34,11 +33,11 @@ _SILENT_PERIODS = 5
 
 @dataclass(frozen=True)
 class StreamReport:
-    """What came of a stream.
+    """Report on a stream.
 
-    `expected` is how many records the drive says there were to send, `drive_dropped` how many of them it
-    could not, as its line was full; None if it could not be asked. `first` and `last` are the values of the
-    first and the last row, by channel. Jitter and clock are of the time since the last resumption.
+    `expected` is the number of records due by the drive's count, `drive_dropped` how many of them it dropped,
+    as its line was full; None if it could not be asked. `first` and `last` are the values of the first and
+    the last row, by channel. Jitter and clock are of the time since the last resumption.
     """
 
     expected: int | None
@@ -65,7 +64,7 @@ class TelemetryStream:
 
     Args:
         node: connected drive.
-        sinks: what the blocks go to; theirs from now on is this stream's to close.
+        sinks: destinations of the blocks; closed by this stream.
         channels: signals of four bytes: 13 at most over CAN, 16 over a serial line; without any, those of
             `DEFAULT_CHANNELS` that fit.
         rate_Hz: records per second: over CAN a whole number of milliseconds apart, over a serial line of the
@@ -73,7 +72,7 @@ class TelemetryStream:
 
     Raises:
         ValueRefused: the drive cannot stream this.
-        SdoAbort, NoAnswer, WriteNotVerified: it does not let itself be set up.
+        SdoAbort, NoAnswer, WriteNotVerified: it cannot be set up.
     """
 
     def __init__(
@@ -101,7 +100,7 @@ class TelemetryStream:
         self._frames_dropped = 0
         self._resumptions = 0
         self._earlier = StreamCounters()
-        self._before: TickMark | None = None
+        self._before: TickAnchor | None = None
         self._sent: Sent | None = None
         self._started_s = 0.0
         self._worker = Worker("benchtool-telemetry", self._take_item, _ITEMS)
@@ -116,7 +115,7 @@ class TelemetryStream:
 
     def __enter__(self) -> Self:
         for worker in self._workers():
-            self._node.clock.settle_with(worker.settle)
+            self._node.clock.register(worker.settle)
         try:
             self._start()
         except BaseException:
@@ -134,14 +133,14 @@ class TelemetryStream:
                 self._close()
             self._check_threads()
         except BenchError:
-            if error is None:  # else the first failure is the one to report
+            if error is None:  # otherwise the first failure is reported
                 raise
 
     def resume(self) -> None:
-        """Stream on after the node's link was lost and opened anew; what was missed is a gap by its ticks.
+        """Resume after the node's link was lost and opened again; missed rows are a gap by their ticks.
 
         Raises:
-            SdoAbort, NoAnswer, WriteNotVerified: the drive does not let itself be set up again.
+            SdoAbort, NoAnswer, WriteNotVerified: the drive cannot be set up again.
         """
         self._running = False
         self._source.detach()
@@ -157,13 +156,13 @@ class TelemetryStream:
         self._start()
 
     def check(self) -> None:
-        """Raise what has gone wrong behind the caller's back.
+        """Raise an error of the background threads.
 
         Raises:
             RecordingError: a lossless sink failed, or does not keep up.
-            NoAnswer: no record has come for a second, nor a heartbeat that would say why.
-            StateError: none has come because the drive has left the NMT state operational, or it restarted
-                while its link was lost.
+            NoAnswer: no record and no heartbeat has come for a second.
+            StateError: no record has come because the drive has left the NMT state operational, or it
+                restarted while its link was lost.
         """
         self._check_threads()
         silent_s = self._node.clock.now_s() - max(self._started_s, self._source.decoder.arrival_s)
@@ -181,12 +180,12 @@ class TelemetryStream:
         )
 
     def report(self) -> StreamReport:
-        """What has come so far; complete after the `with` block."""
+        """Return the report so far; complete after the `with` block."""
         counters = self._counters()
         # A drive that restarted has counted from zero again.
         sent = None if self._sent is None or self._sent.records < counters.received else self._sent
         if self._resumptions:
-            sent = None  # what it sent before is not known
+            sent = None  # earlier records are unknown
         return StreamReport(
             expected=None if sent is None else sent.records,
             drive_dropped=None if sent is None else sent.dropped,
@@ -231,12 +230,12 @@ class TelemetryStream:
                 self._hand_on()
 
     def _hand_on(self) -> None:
-        block = self._source.decoder.take()
+        block = self._source.decoder.pop_block()
         if block is None:
             return
         if self._taken:
-            # A source that was begun anew does not know how often the drive's counter has wrapped.
-            first_tick = self._next_tick + ahead(block.first_tick, self._next_tick)
+            # A new source does not know how often the drive's counter has wrapped.
+            first_tick = self._next_tick + ticks_since(block.first_tick, self._next_tick)
             block = replace(block, first_tick=first_tick)
         missing = (block.first_tick - self._next_tick) // block.stride if self._taken else 0
         self._gaps += [Gap(self._taken, missing)] if missing else []
@@ -247,7 +246,7 @@ class TelemetryStream:
         self._next_tick = int(block.ticks()[-1]) + block.stride
         self._fan_out.put(block)
 
-    def _require_same_run(self, before: TickMark) -> None:
+    def _require_same_run(self, before: TickAnchor) -> None:
         later = self._mark()
         if before.restarted_since(later):
             raise StateError(
@@ -255,13 +254,13 @@ class TelemetryStream:
                 f"followed by {later.tick}; its rows cannot stand in one stream, record again"
             )
 
-    def _mark(self) -> TickMark:
-        """That of the last record received."""
+    def _mark(self) -> TickAnchor:
+        """Return the tick of the last record received."""
         decoder = self._source.decoder
-        return TickMark(decoder.tick, decoder.arrival_s, self._source.tick_s)
+        return TickAnchor(decoder.tick, decoder.arrival_s, self._source.tick_s)
 
     def _counters(self) -> StreamCounters:
-        """Those of all sources so far."""
+        """Return the counters of all sources so far."""
         parts = (asdict(self._earlier), asdict(self._source.decoder.counters))
         return StreamCounters(**{name: sum(part[name] for part in parts) for name in parts[0]})
 
@@ -277,7 +276,7 @@ class TelemetryStream:
             if not self._worker.failed:
                 self._hand_on()
         for worker in self._workers():
-            self._node.clock.forget(worker.settle)
+            self._node.clock.unregister(worker.settle)
 
     def _workers(self) -> tuple[Worker[Any], ...]:
         return self._worker, *(sink.worker for sink in self._fan_out.sinks)

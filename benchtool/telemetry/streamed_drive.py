@@ -1,15 +1,14 @@
-"""What the stream asks of a drive: a `RemoteDrive` has it all."""
+"""Interface of a drive for the stream; `RemoteDrive` implements it."""
 
 from __future__ import annotations
 
 from typing import Protocol
 
-from benchtool.link import Link
-from benchtool.link.process_data import DriveAccess
+from benchtool.link import DriveAccess, Link
 
 
 class StreamedDrive(DriveAccess, Protocol):
-    """A drive and its link, which may become another one when it is opened anew."""
+    """A drive and its link, which is replaced when it is opened again."""
 
     @property
     def link(self) -> Link: ...

@@ -1,4 +1,4 @@
-"""A thread with a bounded queue: what is put in is handled in order, failures are kept for the caller."""
+"""A thread with a bounded queue, which handles items in order and keeps failures for the caller."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ Item = TypeVar("Item")
 class Worker(Generic[Item]):
     """Handles items in a thread of its own until it is closed.
 
-    After a failure of `handle` the remaining items are discarded, so that nobody blocks on a dead worker;
-    whoever owns it finds the failure by `check`.
+    After a failure of `handle` the remaining items are discarded, so that no caller blocks on a dead worker;
+    the owner finds the failure by `check`.
 
     Args:
         name: of the thread.
@@ -36,7 +36,7 @@ class Worker(Generic[Item]):
         return self._failure is not None
 
     def put(self, item: Item, timeout_s: float = 0.0) -> bool:
-        """Hand over an item, waiting for room up to `timeout_s` of wall time; whether there was room."""
+        """Put an item, waiting for room up to `timeout_s` of wall time; return whether there was room."""
         try:
             self._queue.put(item, block=timeout_s > 0.0, timeout=timeout_s or None)
         except queue.Full:
@@ -44,7 +44,8 @@ class Worker(Generic[Item]):
         return True
 
     def settle(self) -> bool:
-        """Return once every item so far has been handled; whether there was one. For `settle_with`."""
+        """Wait until every item so far has been handled; return whether there was one. For
+        `Clock.register`."""
         with self._queue.all_tasks_done:
             if not self._queue.unfinished_tasks:
                 return False
@@ -53,13 +54,13 @@ class Worker(Generic[Item]):
         return True
 
     def check(self) -> None:
-        """Raise what `handle` raised, once."""
+        """Raise the exception of `handle`, once."""
         if self._failure is not None and not self._reported:
             self._reported = True
             raise self._failure
 
     def close(self) -> None:
-        """Handle what waits, and end the thread; a second call does nothing."""
+        """Handle queued items, and end the thread; a second call does nothing."""
         if not self._closed:
             self._closed = True
             self._queue.put(None)

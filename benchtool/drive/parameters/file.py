@@ -1,4 +1,4 @@
-"""Parameter files: the parameters of one drive as TOML, with units in the keys and where they came from."""
+"""Parameter files: the parameters of one drive as TOML, with units in the keys and their provenance."""
 
 from __future__ import annotations
 
@@ -15,16 +15,14 @@ from benchtool.document import Section, load_document
 from benchtool.drive.identity import Identity
 from benchtool.drive.parameters.migration import Hash, Migrations
 from benchtool.errors import ParameterFileError
-from benchtool.protocol.dictionary import Dictionary
-from benchtool.protocol.dictionary.keys import toml_key
-from benchtool.protocol.dictionary.variable import Variable
-from benchtool.recording.files import write_whole
+from benchtool.protocol.dictionary import Dictionary, Variable, toml_key
+from benchtool.recording import write_whole
 
 Scalar = StrictInt | StrictFloat | StrictStr
 _HEX = ("dictionary_hash", "vendor_id", "product_code", "revision_number")
 
 
-class Origin(Section):
+class Provenance(Section):
     """The drive that the values were read from, and when (ISO 8601)."""
 
     date: str = ""
@@ -40,13 +38,13 @@ class Origin(Section):
 class ParameterFile(Section):
     """Values by TOML key, in the unit that the key ends in."""
 
-    drive: Origin
+    drive: Provenance
     parameters: dict[str, Scalar]
 
     def migrated(self, to_hash: int | None, migrations: Migrations) -> ParameterFile | None:
-        """The file as the dictionary `to_hash` would state it; None if no rule leads there.
+        """Return the file as the dictionary `to_hash` would state it; None if no rule leads there.
 
-        A drive or a file without a hash is another maker's, whose dictionaries have no versions.
+        A drive or a file without a hash is of another vendor, whose dictionaries have no versions.
 
         Raises:
             ParameterFileError: a value does not fit the rule for it.
@@ -59,22 +57,22 @@ class ParameterFile(Section):
         values: Mapping[str, int | float | str] = self.parameters
         for rule in chain:
             values = rule.apply(values)
-        origin = self.drive.model_copy(update={"dictionary_hash": to_hash})
-        return self.model_copy(update={"drive": origin, "parameters": dict(values)})
+        provenance = self.drive.model_copy(update={"dictionary_hash": to_hash})
+        return self.model_copy(update={"drive": provenance, "parameters": dict(values)})
 
 
 def describe(identity: Identity, values: Mapping[str, int | float | str], date: str) -> ParameterFile:
-    """The parameter file of a drive: who answered, and the snapshot of its parameters.
+    """Return the parameter file of a drive: who answered, and the snapshot of its parameters.
 
     Raises:
-        ParameterFileError: the drive holds a value that is no number, which a file could not give back.
+        ParameterFileError: the drive holds nan or infinity, which a file cannot represent.
     """
     for key, value in values.items():
         if isinstance(value, float) and not math.isfinite(value):
             raise ParameterFileError(
                 f"the drive holds '{key}' = {value}, a finite number is expected: set it first"
             )
-    origin = Origin(
+    provenance = Provenance(
         date=date,
         device_name=identity.device_name or "",
         firmware_version=identity.firmware_version or "",
@@ -84,11 +82,11 @@ def describe(identity: Identity, values: Mapping[str, int | float | str], date: 
         revision_number=identity.revision_number,
         serial_number=identity.serial_number,
     )
-    return ParameterFile(drive=origin, parameters=dict(values))
+    return ParameterFile(drive=provenance, parameters=dict(values))
 
 
 def read_parameter_file(path: Path) -> ParameterFile:
-    """The file at `path`.
+    """Return the file at `path`.
 
     Raises:
         ParameterFileError: unreadable, not TOML, or not of this form.
@@ -97,7 +95,7 @@ def read_parameter_file(path: Path) -> ParameterFile:
 
 
 def write_parameter_file(path: Path, text: str) -> None:
-    """Put a file in place in one step, so that a reader sees the old or the new one, never a half.
+    """Write a file atomically: a reader sees the old or the new one.
 
     Raises:
         RecordingError: it cannot be written.
@@ -106,7 +104,8 @@ def write_parameter_file(path: Path, text: str) -> None:
 
 
 def render(file: ParameterFile, dictionary: Dictionary) -> str:
-    """TOML text of a file, every parameter under its description and limits; same values, same text."""
+    """Return the TOML text of a file, every parameter under its description and limits; same values, same
+    text."""
     variables = {toml_key(variable): variable for variable in dictionary}
     lines = ["# Parameters of a drive. Write them back with: benchtool params load FILE", "", "[drive]"]
     for key, value in file.drive.model_dump(exclude_none=True).items():
@@ -119,7 +118,7 @@ def render(file: ParameterFile, dictionary: Dictionary) -> str:
 
 
 def about(variable: Variable) -> str:
-    """Description and limits on one line: `Stator resistance per phase; 0 to 100 ohm`."""
+    """Return the description and limits on one line: `Stator resistance per phase; 0 to 100 ohm`."""
     parts = [re.sub(r"[\x00-\x1f\x7f]", " ", variable.description)] if variable.description else []
     if variable.values is not None:
         parts.append(f"one of {', '.join(variable.values)}")

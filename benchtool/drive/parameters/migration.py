@@ -1,4 +1,4 @@
-"""Parameter values of an earlier dictionary as a later one calls and scales them, by stated rules."""
+"""Migration of parameter values between versions of a dictionary, by stated rules."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Number = int | float | str
 
 
 class Migration(Section):
-    """One change of the dictionary: what became of parameters between two of its versions."""
+    """One change of the dictionary: renamed and rescaled parameters between two versions."""
 
     from_hash: Hash
     to_hash: Hash
@@ -25,10 +25,11 @@ class Migration(Section):
     drop: Array[str] = ()
 
     def apply(self, values: Mapping[str, Number]) -> dict[str, Number]:
-        """Values by key in the later dictionary.
+        """Return the values by key in the later dictionary.
 
         Raises:
-            ParameterFileError: an old and its new key are both there, or a value to be scaled is no number.
+            ParameterFileError: an old and its new key are both there, or a value to be scaled is not a
+            number.
         """
         both = [f"'{old}' and '{new}'" for old, new in self.rename.items() if {old, new} <= values.keys()]
         if both:
@@ -40,7 +41,7 @@ class Migration(Section):
         if key not in self.scale:
             return value
         if isinstance(value, str):
-            raise ParameterFileError(f"'{key}' is {value!r}, a number is expected: mend the file")
+            raise ParameterFileError(f"'{key}' is {value!r}, a number is expected: correct the file")
         return value * self.scale[key]
 
 
@@ -50,7 +51,7 @@ class Migrations(Section):
     migration: Array[Migration] = ()
 
     def path(self, from_hash: int, to_hash: int) -> Sequence[Migration] | None:
-        """The shortest chain of rules between two versions; None if there is none."""
+        """Return the shortest chain of rules between two versions; None if there is none."""
         chains: list[tuple[Migration, ...]] = [()]
         seen = {from_hash}
         for chain in chains:
@@ -64,5 +65,5 @@ class Migrations(Section):
 
 
 def shipped_migrations() -> Migrations:
-    """The rules of the reference drive's dictionary."""
+    """Return the rules of the reference drive's dictionary."""
     return load_document(shipped("firmware_protocol") / "migrations.toml", Migrations, ParameterFileError)

@@ -1,4 +1,4 @@
-"""What a parameter file means for a drive: settings that it can take, and where the two differ."""
+"""Parameter files applied to a drive: valid settings, and differences."""
 
 from __future__ import annotations
 
@@ -8,18 +8,16 @@ from benchtool.drive.identity import Identity, described, differs
 from benchtool.drive.parameters.file import ParameterFile
 from benchtool.drive.parameters.migration import Migrations
 from benchtool.errors import ParameterFileError, ValueRefused
-from benchtool.protocol.dictionary import Dictionary
-from benchtool.protocol.dictionary.keys import toml_key, variable_of
-from benchtool.protocol.dictionary.variable import Value, Variable
+from benchtool.protocol.dictionary import Dictionary, Value, Variable, toml_key, variable_of
 
-# Writing these moves the drive to where the host no longer finds it. LSS does so too, but has no objects.
+# Writing these changes the drive's address, so that the host loses it. LSS does so too, without objects.
 _ADDRESS_INDEX = 0x100B
 _ADDRESS_NAMES = frozenset({"node_id", "bit_rate"})
 
 
 @dataclass(frozen=True)
 class Difference:
-    """A key whose values differ; None where a side has no such key."""
+    """A key whose values differ; None where one side lacks it."""
 
     key: str
     a: int | float | str | None
@@ -35,7 +33,8 @@ def settings(
     *,
     with_address: bool = False,
 ) -> dict[str, Value]:
-    """Values by name as a drive is to take them, in the dictionary's order, checked against its limits.
+    """Return the values by name as a drive is to take them, in the dictionary's order, checked against its
+    limits.
 
     Args:
         file: as read from `source`.
@@ -49,10 +48,12 @@ def settings(
         ParameterFileError: another product's or another dictionary's, a key is unknown or no parameter, or a
             value is outside its limits.
     """
-    origin = file.drive
-    if differs(origin.vendor_id, identity.vendor_id) or differs(origin.product_code, identity.product_code):
+    provenance = file.drive
+    if differs(provenance.vendor_id, identity.vendor_id) or differs(
+        provenance.product_code, identity.product_code
+    ):
         raise ParameterFileError(
-            f"{source} is of {described(origin.vendor_id, origin.product_code)}; the drive is "
+            f"{source} is of {described(provenance.vendor_id, provenance.product_code)}; the drive is "
             f"{described(identity.vendor_id, identity.product_code)}: load a file of such a drive"
         )
     try:
@@ -75,12 +76,12 @@ def settings(
 
 
 def is_address(variable: Variable) -> bool:
-    """Whether it decides where on the bus the drive answers: 0x100B, or a node id or bit rate by name."""
+    """Return whether it is an address of the drive on the bus: 0x100B, or a node id or bit rate by name."""
     return variable.index == _ADDRESS_INDEX or variable.name in _ADDRESS_NAMES
 
 
 def as_held(file: ParameterFile, dictionary: Dictionary) -> ParameterFile:
-    """The file with each value as a drive would read it back: rounded to its type, an enumeration by name.
+    """Return file with each value as a drive would read it back: rounded to its type, an enumeration by name.
 
     What the drive cannot hold stays as it is.
     """
@@ -100,7 +101,7 @@ def as_held(file: ParameterFile, dictionary: Dictionary) -> ParameterFile:
 def aligned(
     a: ParameterFile, b: ParameterFile, migrations: Migrations
 ) -> tuple[ParameterFile, ParameterFile]:
-    """The two by the keys of the later dictionary, where a rule leads from one to the other.
+    """Return the two by the keys of the later dictionary, where a rule leads from one to the other.
 
     Raises:
         ParameterFileError: a value does not fit the rule for it.
@@ -111,7 +112,7 @@ def aligned(
 
 
 def compare(a: ParameterFile, b: ParameterFile) -> tuple[Difference, ...]:
-    """Where two files differ: product and dictionary, then each key in the order of `a`, then of `b`.
+    """Return where two files differ: product and dictionary, then each key in the order of `a`, then of `b`.
 
     Dates, names, versions and serial numbers do not count.
     """
@@ -124,11 +125,11 @@ def compare(a: ParameterFile, b: ParameterFile) -> tuple[Difference, ...]:
 
 
 def _compared(file: ParameterFile) -> dict[str, int | float | str]:
-    origin = file.drive
+    provenance = file.drive
     head = {
-        "drive.vendor_id": origin.vendor_id,
-        "drive.product_code": origin.product_code,
-        "drive.dictionary_hash": origin.dictionary_hash,
+        "drive.vendor_id": provenance.vendor_id,
+        "drive.product_code": provenance.product_code,
+        "drive.dictionary_hash": provenance.dictionary_hash,
     }
     shown = {key: f"0x{value:08X}" for key, value in head.items() if value is not None}
     return {**shown, **file.parameters}

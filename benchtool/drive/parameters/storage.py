@@ -1,4 +1,4 @@
-"""What a drive keeps over a reset: parameters stored on command, and the way back to its defaults."""
+"""Persistent parameters: storing on command, and restoring defaults."""
 
 from __future__ import annotations
 
@@ -6,9 +6,8 @@ from benchtool.drive.capabilities import Capability
 from benchtool.drive.parameters.transaction import default_of, parameters, require_disabled
 from benchtool.drive.remote import RemoteDrive
 from benchtool.errors import CapabilityMissing, NoAnswer, WriteNotVerified
-from benchtool.protocol.canopen.nmt import NmtCommand, NmtState
-from benchtool.protocol.dictionary.roles import Role
-from benchtool.protocol.dictionary.variable import Value, Variable
+from benchtool.protocol.canopen import NmtCommand, NmtState
+from benchtool.protocol.dictionary import Role, Value, Variable
 
 _SAVE = b"save"
 _LOAD = b"load"
@@ -18,7 +17,7 @@ _POLL_S = 0.005
 
 
 def store(drive: RemoteDrive) -> None:
-    """Have the drive keep its parameters over a reset (CiA 301, object 0x1010).
+    """Store the parameters, so that they survive a reset (CiA 301, object 0x1010).
 
     Raises:
         CapabilityMissing: the dictionary has no such object.
@@ -32,7 +31,7 @@ def store(drive: RemoteDrive) -> None:
 
 
 def restore_defaults(drive: RemoteDrive) -> dict[str, Value]:
-    """Have the drive forget what it stored (CiA 301, object 0x1011), and reset it: the defaults are in force.
+    """Restore the defaults (CiA 301, object 0x1011), and reset the drive, after which they are in force.
 
     Returns:
         Every parameter that has a default, as the drive read back after the reset.
@@ -64,7 +63,7 @@ def restore_defaults(drive: RemoteDrive) -> dict[str, Value]:
 
 
 def _cut(drive: RemoteDrive, variable: Variable) -> Value | None:
-    """The default, cut to what the variable that limits it allows; None where none does."""
+    """Return the default, cut to what the variable that limits it allows; None where none does."""
     default = default_of(variable)
     if variable.max_entry not in drive.dictionary or not isinstance(default, int | float):
         return None
@@ -94,7 +93,7 @@ def reset(drive: RemoteDrive) -> None:
 
 
 def _sign(drive: RemoteDrive, role: Role, signature: bytes, ability: str) -> None:
-    """Write a signature; such an object reads as an ability (bit 0) and never as what was written."""
+    """Write a signature; such an object reads as a capability (bit 0), never as the value written."""
     variable = drive.dictionary[role]
     if not int(drive.number(role)) & _ON_COMMAND:
         raise WriteNotVerified(

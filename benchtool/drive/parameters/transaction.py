@@ -12,15 +12,20 @@ from contextlib import contextmanager
 
 from benchtool.drive.remote import RemoteDrive
 from benchtool.errors import BenchError, LinkError, ValueRefused, WriteNotVerified
-from benchtool.protocol.cia402 import State
-from benchtool.protocol.dictionary import Dictionary
-from benchtool.protocol.dictionary.keys import toml_key, variable_of
-from benchtool.protocol.dictionary.relations import Relation, relations
-from benchtool.protocol.dictionary.variable import Value, Variable
+from benchtool.protocol import State
+from benchtool.protocol.dictionary import (
+    Dictionary,
+    Relation,
+    Value,
+    Variable,
+    relations,
+    toml_key,
+    variable_of,
+)
 
 
 def parameters(dictionary: Dictionary) -> tuple[Variable, ...]:
-    """Every parameter, in the order of the dictionary.
+    """Return every parameter, in the order of the dictionary.
 
     Raises:
         ValueRefused: the EDS does not say which of its objects are parameters.
@@ -35,13 +40,25 @@ def parameters(dictionary: Dictionary) -> tuple[Variable, ...]:
 
 
 def named(dictionary: Dictionary, name: str) -> Variable:
-    """Variable of a name, a TOML key or an index such as `0x2000:2`.
+    """Return the variable of a name, a TOML key or an index such as `0x2000:2`.
 
     Raises:
         ValueRefused: there is none.
     """
     by_key = next((variable for variable in dictionary if toml_key(variable) == name), None)
     return by_key or dictionary[name]
+
+
+def readable(dictionary: Dictionary, name: str) -> Variable:
+    """As `named`, for objects that can be read.
+
+    Raises:
+        ValueRefused: there is none, or it is write-only.
+    """
+    variable = named(dictionary, name)
+    if not variable.readable:
+        raise ValueRefused(f"'{variable.name}' is write-only: it cannot be read")
+    return variable
 
 
 def parameter(dictionary: Dictionary, name: str) -> Variable:
@@ -60,7 +77,7 @@ def parameter(dictionary: Dictionary, name: str) -> Variable:
 
 
 def default_of(variable: Variable) -> Value | None:
-    """Default as the drive would hold it; None without one."""
+    """Return the default as the drive would hold it; None without one."""
     try:
         return None if variable.default is None else variable.decode(variable.encode(variable.default))
     except ValueRefused:
@@ -68,7 +85,7 @@ def default_of(variable: Variable) -> Value | None:
 
 
 def snapshot(drive: RemoteDrive) -> dict[str, int | float | str]:
-    """Every readable parameter of the drive by its TOML key."""
+    """Return every readable parameter of the drive by its TOML key."""
     values = {
         toml_key(variable): drive.read(variable.name)
         for variable in drive.dictionary
@@ -101,7 +118,7 @@ def require_settable(drive: RemoteDrive, values: Mapping[str, Value]) -> None:
 
 
 def _related(drive: RemoteDrive, values: Mapping[str, Value]) -> list[Relation]:
-    """The relations that these values, by name, are part of."""
+    """Return the relations that these values, by name, are part of."""
     return [
         each for each in relations(drive.dictionary) if each.lower.name in values or each.upper.name in values
     ]
@@ -139,7 +156,7 @@ def require_disabled(drive: RemoteDrive, purpose: str) -> None:
 
 
 def write_all(drive: RemoteDrive, values: Mapping[str, Value]) -> dict[str, Value]:
-    """Write values by name, each read back, all or none; what was there before, by name.
+    """Write values by name, each read back, all or none; return the previous values by name.
 
     Values are checked first (`require_settable`). On any failure, also Ctrl-C, the old values are written
     back and a note of the exception says whether they are in force.
@@ -165,11 +182,11 @@ def write_all(drive: RemoteDrive, values: Mapping[str, Value]) -> dict[str, Valu
 
 @contextmanager
 def temporary(drive: RemoteDrive, values: Mapping[str, Value]) -> Iterator[None]:
-    """Write values by TOML key, and restore what was there on the way out.
+    """Write values by TOML key for the length of a `with` block, and restore the previous ones on exit.
 
     Raises:
         ValueRefused: a key or a value is wrong; checked for all before the first is sent.
-        WriteNotVerified: what was there could not be written back.
+        WriteNotVerified: a previous value could not be restored.
     """
     by_name: dict[str, Value] = {}
     for key, value in values.items():
@@ -177,9 +194,28 @@ def temporary(drive: RemoteDrive, values: Mapping[str, Value]) -> Iterator[None]
         variable.encode(value)
         by_name[variable.name] = value
     _require_consistent(drive, by_name)
+    with _restored(drive, by_name):
+        yield
+
+
+@contextmanager
+def held(drive: RemoteDrive, values: Mapping[str, Value]) -> Iterator[None]:
+    """As `temporary`, of values by name.
+
+    Raises:
+        ValueRefused: as `require_settable`; nothing was sent.
+        WriteNotVerified: a previous value could not be restored.
+    """
+    require_settable(drive, values)
+    with _restored(drive, values):
+        yield
+
+
+@contextmanager
+def _restored(drive: RemoteDrive, values: Mapping[str, Value]) -> Iterator[None]:
     before: dict[str, Value] = {}
     try:
-        _write(drive, by_name, before)
+        _write(drive, values, before)
         yield
     except BaseException as error:
         try:
@@ -194,7 +230,7 @@ def temporary(drive: RemoteDrive, values: Mapping[str, Value]) -> Iterator[None]
 def _write(drive: RemoteDrive, values: Mapping[str, Value], before: dict[str, Value]) -> None:
     """Write in order; `before` takes each old value ahead of its write.
 
-    Of two values of which one limits the other, that one goes first which makes room.
+    Of two values of which one limits the other, the write that widens the limit comes first.
     """
     order = list(values)
     for relation in _related(drive, values):
@@ -215,7 +251,7 @@ def _restore(drive: RemoteDrive, before: Mapping[str, Value]) -> None:
     reasons: list[BenchError] = []
     for name, value in reversed(list(before.items())):
         if reasons and isinstance(reasons[-1], LinkError):
-            lost.append(name)  # nobody there: not one timeout per parameter
+            lost.append(name)  # no answer: avoid one timeout per parameter
             continue
         try:
             # A write that the drive refused needs no undoing, and would be refused again.
