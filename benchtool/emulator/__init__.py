@@ -1,5 +1,5 @@
-"""The emulated drive: machine, inverter and sensors, its control and its firmware, behind frames alone."""
+"""The emulated drive: machine, inverter, sensors, control and firmware, reached by frames only."""
 
-from benchtool.emulator.machine.open_loop import OpenLoop, open_loop
+import lazy_loader
 
-__all__ = ["OpenLoop", "open_loop"]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -10,7 +10,8 @@ import can
 import numpy as np
 
 from benchtool.clock import VirtualClock
-from benchtool.emulator.core import Core
+from benchtool.emulator.core.core import Core, truth_of
+from benchtool.emulator.core.kernel import kernel_is_cached
 from benchtool.emulator.equipment import EmulatedLoad, EmulatedSupply, EmulatedTransducer
 from benchtool.emulator.firmware.device import Firmware
 from benchtool.emulator.instruments import CanInstrument, CanReadings, CanTorque, samples_apart
@@ -19,18 +20,21 @@ from benchtool.emulator.servers.canopen import CanopenServer
 from benchtool.emulator.servers.drive_node import DriveNode, OnGone, Server
 from benchtool.emulator.servers.serial import SerialServer
 from benchtool.errors import ProfileError
-from benchtool.link.canopen.virtual import VirtualTimeBus
-from benchtool.link.pipe import PipePort, pipe
-from benchtool.link.port import Port
-from benchtool.profile import Emulator, Profile
-from benchtool.profile.equipment import CanTransducer
-from benchtool.protocol.canopen.nmt import NmtState
-from benchtool.protocol.dbc import DbcMessage
-from benchtool.protocol.dictionary import Dictionary
-from benchtool.protocol.dictionary.keys import setting_of
-from benchtool.protocol.dictionary.objects import Number, ObjectTable, load_table
-from benchtool.protocol.dictionary.relations import first_breach
-from benchtool.protocol.dictionary.variable import Value, Variable
+from benchtool.link import PipePort, Port, pipe
+from benchtool.link.canopen import VirtualTimeBus
+from benchtool.profile import CanTransducer, Emulator, Profile
+from benchtool.protocol import DbcMessage
+from benchtool.protocol.canopen import NmtState
+from benchtool.protocol.dictionary import (
+    Dictionary,
+    Number,
+    ObjectTable,
+    Value,
+    Variable,
+    first_breach,
+    load_table,
+    setting_of,
+)
 from benchtool.shipped import shipped
 
 _channels = itertools.count(1)
@@ -46,10 +50,11 @@ class EmulatedBench:
         paced: hold virtual time to the wall clock.
         speed, step_s, catch_up_s: of a paced clock, as `VirtualClock` takes them.
         first_tick: the drive's tick at power-up, for a drive that is about to reach 2**32.
-        has_bus: the drive is on the virtual CAN bus from power-up. Other wires are added at will.
+        has_bus: the drive is on the virtual CAN bus from power-up. Further wires can be added.
 
     Raises:
-        ProfileError: the profile describes no emulated bench, or a trip level that its sensors cannot tell.
+        ProfileError: the profile describes no emulated bench, or a trip level beyond the range of its
+        sensors.
         ValueRefused: it sets a parameter that the drive has not, or to a value that it cannot have.
     """
 
@@ -66,14 +71,10 @@ class EmulatedBench:
         first_tick: int = 0,
         has_bus: bool = True,
     ) -> None:
-        if profile.emulator is None:
-            raise ProfileError(
-                f"profile '{profile.title}' has no [emulator] section, which an emulated bench is made of: "
-                f"add one, or name the drive's link with --link"
-            )
+        emulator = _emulator_of(profile)
         table = load_table(shipped("firmware_protocol") / "objects.toml")
-        core = _core(table, profile, profile.emulator, seed, first_tick)
-        stored = _stored_parameters(profile, profile.emulator)
+        core = _core(table, profile, emulator, seed, first_tick)
+        stored = _stored_parameters(profile, emulator)
         node_id = profile.drive.node_id
         self.channel = channel or f"benchtool-{next(_channels)}"
         self.clock = VirtualClock(paced=paced, speed=speed, step_s=step_s, catch_up_s=catch_up_s)
@@ -87,13 +88,13 @@ class EmulatedBench:
             # Frames bear the drive's time: the clock stands still while the drive runs up to it.
             bus = VirtualTimeBus(self.channel, clock=self.clock, preserve_timestamps=True)
             self.add_can(bus)
-            self.clock.settle_with(bus.settle)
+            self.clock.register(bus.settle)
         self.clock.follow(self._advance_to)
 
     def host_bus(self, channel: str = "") -> VirtualTimeBus:
-        """A bus for the host, on this bench's channel or on another one, in its time."""
+        """Return a bus for the host, on this bench's channel or on another one, in its time."""
         bus = VirtualTimeBus(channel or self.channel, clock=self.clock)
-        self.clock.settle_with(bus.settle)
+        self.clock.register(bus.settle)
         return bus
 
     def add_torque(
@@ -104,7 +105,7 @@ class EmulatedBench:
         `factor` is Nm in a unit of its signals, `channel` names its bus if that is not the drive's.
 
         Raises:
-            ProfileError: it samples when the torque is not known.
+            ProfileError: its sampling instants do not match those of the machine's torque.
         """
         samples_apart(self._core, stated.sample_rate_Hz)  # before there is a bus to be given back
         self._instruments.append(
@@ -122,21 +123,22 @@ class EmulatedBench:
         self._instruments.append(CanReadings(self._instrument_bus(channel), message, rate_Hz, values))
 
     def _instrument_bus(self, channel: str) -> VirtualTimeBus:
-        """A bus whose frames bear the moment at which they were due."""
+        """Return a bus whose frames bear the moment at which they were due."""
         return VirtualTimeBus(channel or self.channel, clock=self.clock, preserve_timestamps=True)
 
     def host_port(self) -> PipePort:
-        """The host's end of a serial line to the drive, in the bench's time; every call makes another."""
+        """Return host's end of a serial line to the drive, in the bench's time; every call makes another."""
         drive_end, host_end = pipe(self.clock)
         for end in (drive_end, host_end):
-            self.clock.settle_with(end.settle)
+            self.clock.register(end.settle)
         self.add_serial(drive_end, buffered=False)
         return host_end
 
     def add_can(self, bus: can.BusABC, on_gone: OnGone = lambda _: None) -> None:
         """Connect the drive to a CAN bus, which is owned from now on.
 
-        `on_gone` is told, in the thread that advances time, why the wire was lost; the drive runs on.
+        `on_gone` is called with the reason, in the thread that advances time, if the wire is lost; the drive
+        runs on.
         """
         self._node.add(CanopenServer(bus, self._node), on_gone)
 
@@ -158,7 +160,7 @@ class EmulatedBench:
         self._node.add(make(self._node), on_gone)
 
     def warm_up(self) -> None:
-        """Live through the first tick, which may compile for some seconds, before the clock begins to run."""
+        """Run the first tick, which may compile for some seconds, before the clock starts."""
         self._node.advance_to(self._node.firmware.period_s)
 
     @property
@@ -167,7 +169,7 @@ class EmulatedBench:
         return self._node.firmware.state.power_stage_on
 
     def status(self) -> DriveStatus:
-        """The present, from any thread."""
+        """Return the present, from any thread."""
         with self._node.lock:
             firmware = self._node.firmware
             return DriveStatus(
@@ -195,7 +197,7 @@ class EmulatedBench:
 
 @dataclass(frozen=True)
 class DriveStatus:
-    """What an emulated drive is doing, as it knows it; `late_s` is how far it fell behind the wall clock."""
+    """State of an emulated drive; `late_s` is how far it fell behind the wall clock."""
 
     drive_s: float
     state: str
@@ -205,21 +207,41 @@ class DriveStatus:
     late_s: float
 
 
+def is_compiled(profile: Profile) -> bool:
+    """Return whether this machine holds the emulator compiled for what the profile's bench has.
+
+    Raises:
+        ProfileError: the profile describes no emulated bench.
+        ValueRefused: one that cannot be computed.
+    """
+    return kernel_is_cached(truth_of(*_truth(profile, _emulator_of(profile))))
+
+
+def _emulator_of(profile: Profile) -> Emulator:
+    if profile.emulator is None:
+        raise ProfileError(
+            f"profile '{profile.title}' has no [emulator] section, which an emulated bench is made of: "
+            f"add one, or name the drive's link with --link"
+        )
+    return profile.emulator
+
+
 def _core(table: ObjectTable, profile: Profile, emulator: Emulator, seed: int, first_tick: int) -> Core:
+    return Core(table, *_truth(profile, emulator), seed=seed, first_tick=first_tick)
+
+
+def _truth(profile: Profile, emulator: Emulator) -> tuple[MotorTruth, InverterTruth, SensorTruth]:
     motor, true = profile.motor, emulator.motor
     believed = motor.model_dump(include={"pole_pairs", "R_s_ohm", "L_d_H", "L_q_H", "psi_r_Wb", "J_kgm2"})
-    return Core(
-        table,
+    return (
         MotorTruth(**{**believed, **true.model_dump(exclude_none=True)}),
-        InverterTruth(**emulator.inverter.model_dump()),
+        InverterTruth(**emulator.inverter.model_dump(exclude_none=True)),
         SensorTruth(**emulator.sensors.model_dump()),
-        seed=seed,
-        first_tick=first_tick,
     )
 
 
 def _stored_parameters(profile: Profile, emulator: Emulator) -> dict[str, Number]:
-    """Raw values that the drive was commissioned with: the believed motor, the encoder, the parameters."""
+    """Return the raw values that the drive was commissioned with: motor data, encoder and parameters."""
     given: Mapping[str, Value] = profile.commissioned()
     dictionary = Dictionary.from_eds(shipped("firmware_protocol") / "drive.eds", profile.drive.node_id)
     variables = {key: setting_of(dictionary, key, value) for key, value in given.items()}

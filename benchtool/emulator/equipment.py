@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from benchtool.block import Block
-from benchtool.emulator.core import Core
+from benchtool.emulator.core.core import Core
 from benchtool.emulator.machine.transducer import MAX_TICKS
 
 
@@ -16,12 +16,12 @@ class EmulatedLoad:
         self._load = core.load
 
     def apply(self, torque_Nm: float) -> None:
-        """Load the shaft; positive torque opposes positive speed. It may turn as it likes again."""
+        """Load the shaft; positive torque opposes positive speed. Its speed is free again."""
         self._load.torque_Nm = torque_Nm
         self._load.held = 0
 
     def hold(self, omega_m_rad_s: float) -> None:
-        """Turn the shaft at this speed, whatever torque that takes."""
+        """Hold the shaft at this speed at any torque."""
         self._load.omega_m_rad_s = omega_m_rad_s
         self._load.held = 1
 
@@ -39,7 +39,7 @@ class EmulatedTransducer:
 
     @property
     def late_s(self) -> float:
-        """It is sampled with the drive: nothing is late."""
+        """Zero: it is sampled with the drive."""
         return 0.0
 
     def require_alive(self) -> None:
@@ -50,11 +50,12 @@ class EmulatedTransducer:
         self._core.transducer.start(round(duration_s / float(self._core.memory["control_period"][0])))
 
     def block(self, clock: object = None) -> Block:
-        """What was recorded, as channel `torque_transducer`; its ticks are the drive's, without a `clock`."""
+        """Return what was recorded, as channel `torque_transducer`; its ticks are the drive's, without a
+        `clock`."""
         return self._core.transducer.block()
 
     def facts(self) -> dict[str, Any]:
-        """Nothing beside its samples: it loses none."""
+        """Return nothing beside its samples: it loses none."""
         return {}
 
 

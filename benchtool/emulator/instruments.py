@@ -1,6 +1,6 @@
 """Instruments of the emulated bench that speak CAN: each a party of its own on a bus, in the bench's time.
 
-They send the messages of a DBC file as a real instrument does; the host knows nothing of them but frames.
+They send the messages of a DBC file as a real instrument does; the host sees only their frames.
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ from contextlib import suppress
 
 import can
 
-from benchtool.emulator.core import Core
+from benchtool.emulator.core.core import Core
 from benchtool.emulator.machine.transducer import MAX_TICKS
 from benchtool.errors import ProfileError
-from benchtool.profile.equipment import CanTransducer
-from benchtool.protocol.dbc import DbcMessage
+from benchtool.profile import CanTransducer
+from benchtool.protocol import DbcMessage
 
 _ROUNDING = 1e-6
 
@@ -35,7 +35,7 @@ class CanInstrument(ABC):
         self._message = message
 
     def prepare(self, now_s: float) -> None:  # noqa: B027 # most have nothing to prepare
-        """Be told that time is about to pass, up to `now_s`."""
+        """Prepare for time to pass, up to `now_s`."""
 
     def send_until(self, now_s: float) -> None:
         """Send what was due until `now_s`."""
@@ -49,7 +49,7 @@ class CanInstrument(ABC):
             )
             with suppress(can.CanError):
                 self._bus.send(frame)
-        while self._bus.recv(0.0) is not None:  # what others send is none of its business
+        while self._bus.recv(0.0) is not None:  # ignore what others send
             pass
 
     def close(self) -> None:
@@ -58,11 +58,12 @@ class CanInstrument(ABC):
 
     @abstractmethod
     def _due(self, now_s: float) -> Iterator[tuple[float, Mapping[str, float]]]:
-        """Moment and physical values of each frame that is due."""
+        """Return the moment and physical values of each frame that is due."""
 
 
 class CanReadings(CanInstrument):
-    """An instrument that tells of some quantities, `rate_Hz` times a second; `values` gives those of now."""
+    """An instrument that sends some quantities `rate_Hz` times a second; `values` returns the present
+    ones."""
 
     def __init__(
         self, bus: can.BusABC, message: DbcMessage, rate_Hz: float, values: Callable[[], Mapping[str, float]]
@@ -80,7 +81,8 @@ class CanReadings(CanInstrument):
 
 
 def samples_apart(core: Core, sample_rate_Hz: float) -> int:
-    """Every how many samples that the machine's torque is known at a transducer of this rate takes one.
+    """Return every how many samples that the machine's torque is known at a transducer of this rate takes
+    one.
 
     Raises:
         ProfileError: that is no whole number.

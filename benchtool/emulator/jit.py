@@ -1,25 +1,43 @@
 """Compilation: `njit` for the functions of the numerical core, `entry` for the few that Python calls.
 
-Only entries are cached on disk. numba's cache looks at the file of the cached function alone, so an edit of a
-function it calls would leave a stale entry behind; an entry therefore bears a fingerprint of all sources of
-the core in its name, and an edit anywhere makes it another function with cache files of its own.
+What a machine has not costs nothing. An optional part of a record is None where it is absent, and a function
+that takes such a part as an argument asks first whether it is there:
+
+    @njit
+    def less_cogging(cogging: Cogging | None, rate: float, ...) -> float:
+        if cogging is None:
+            return rate
+        ...
+
+The type of None is a type like any other, so the kernel is compiled for the parts that are there, and the
+rest of such a function is neither typed nor compiled for those that are not. `specialised` gives each set of
+parts a kernel of its own, `separately` compiles what all of them share once.
+
+Only entries and what is compiled separately are cached on disk. numba's cache looks at the file of the cached
+function alone, so an edit of a function it calls would leave a stale entry behind; what is cached therefore
+bears a fingerprint of all sources of the core in its name, and an edit anywhere makes it another function
+with cache files of its own.
 """
 
 from __future__ import annotations
 
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import cache
 from pathlib import Path
+from types import FunctionType
 from typing import Any, TypeVar, cast
 
 import numba
+from numba.core.typing.templates import infer_global
 from numba.extending import register_jitable
 
 F = TypeVar("F", bound=Callable[..., Any])
 
 # No fastmath: the same source gives the same bits. The numpy error model spares a branch at every division.
 _OPTIONS: dict[str, Any] = {"error_model": "numpy"}
+
+_SEPARATE: dict[Callable[..., Any], Any] = {}  # numba holds them by weak references only
 
 
 def njit(function: F) -> F:
@@ -35,17 +53,55 @@ def entry(function: F) -> F:
     """Compile a function that Python calls, and keep it on disk; `py_func` of it is the plain function.
 
     The cache lies beside the source, or in the user's cache directory when that is not writable; where
-    neither is, every process compiles anew.
+    neither is, every process compiles again.
     """
-    function.__qualname__ = f"{function.__name__}_{fingerprint():08x}"
+    return cast(F, _compiled(function, f"{fingerprint():08x}"))
+
+
+def separately(function: F) -> F:
+    """Compile a function once for all the compiled functions that call it, and keep it on disk.
+
+    In Python it stays the plain function that it is.
+    """
+    _SEPARATE[function] = _compiled(function, f"{fingerprint():08x}")
+    infer_global(function, numba.types.Dispatcher(_SEPARATE[function]))  # type: ignore[no-untyped-call]
+    return function
+
+
+@cache
+def specialised(function: Callable[..., Any], parts: frozenset[str]) -> Callable[..., Any]:
+    """`entry` of a plain function for one set of parts, with cache files of its own."""
+    crc = zlib.crc32(" ".join(sorted(parts)).encode())
+    return cast(Callable[..., Any], _compiled(function, f"{crc:08x}_{fingerprint():08x}"))
+
+
+def parts_of(record: Any, path: str = "") -> Iterator[str]:
+    """Yield the names of the optional parts that a record of the kernel has, such as `machine.cogging`."""
+    for name in record._fields:
+        value = getattr(record, name)
+        if hasattr(value, "_fields"):
+            yield f"{path}{name}"
+            yield from parts_of(value, f"{path}{name}.")
+
+
+def _compiled(function: Callable[..., Any], suffix: str) -> Any:
+    named = FunctionType(
+        function.__code__,
+        function.__globals__,
+        function.__name__,
+        function.__defaults__,
+        function.__closure__,
+    )
+    named.__qualname__ = f"{function.__name__}_{suffix}"
+    named.__doc__, named.__module__ = function.__doc__, function.__module__
     try:
-        return cast(F, numba.njit(cache=True, nogil=True, **_OPTIONS)(function))
+        return numba.njit(cache=True, nogil=True, **_OPTIONS)(named)
     except (RuntimeError, OSError):  # numba found no place to write to
-        return cast(F, numba.njit(nogil=True, **_OPTIONS)(function))
+        return numba.njit(nogil=True, **_OPTIONS)(named)
 
 
 def is_cached(compiled: Callable[..., Any]) -> bool:
-    """Whether an entry is compiled already, in this process or on disk.
+    """Return whether an entry is compiled already, in this process or on disk.
 
     Judged by the names of the cache files, so a cache of another kind of processor counts as well.
     """
@@ -61,7 +117,7 @@ def is_cached(compiled: Callable[..., Any]) -> bool:
 
 @cache
 def fingerprint(package: Path = Path(__file__).parent.parent) -> int:
-    """CRC-32 over the compiled sources in a package's folder, and the compiler's version.
+    """Return the CRC-32 over the compiled sources in a package's folder, and the compiler's version.
 
     Firmware, servers and ports are not compiled: an edit there leaves it as it is.
     """
@@ -72,8 +128,8 @@ def fingerprint(package: Path = Path(__file__).parent.parent) -> int:
 
 
 def compiled_sources(package: Path) -> list[Path]:
-    """Files whose functions are compiled, or whose constants compiled functions hold, in order."""
-    sources = [package / "emulator" / f"{name}.py" for name in ("jit", "memory", "rotation")]
+    """Return the files whose functions are compiled, or whose constants compiled functions hold, in order."""
+    sources = [package / "emulator" / f"{name}.py" for name in ("jit", "memory", "rotate")]
     for room in ("machine", "control", "core"):
         sources += package.glob(f"emulator/{room}/*.py")
     return [*sorted(sources), package / "protocol" / "modes.py", package / "ticks.py"]

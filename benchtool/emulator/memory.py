@@ -1,4 +1,4 @@
-"""The records that firmware, control and capture share: the drive's memory, and what is beside it.
+"""Records shared by firmware, control and capture: the drive's memory and others.
 
 Every record is a structured array of shape (1,); element 0 has its fields as attributes, in Python as in
 compiled code, and writes go through to the array.
@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.protocol.dictionary.objects import ObjectTable
+from benchtool.protocol.dictionary import ObjectTable
 
 Record = np.ndarray[Any, np.dtype[Any]]
 
@@ -22,7 +22,8 @@ def record_type(fields: list[tuple[str, Any]]) -> np.dtype[Any]:
 
 
 def new_memory(table: ObjectTable) -> Record:
-    """The drive's memory at power-up, shape (1,): a field for every number of the table, with its default."""
+    """Return the drive's memory at power-up, shape (1,): a field for every number of the table, with its
+    default."""
     entries = [(entry, entry.type.numpy) for entry in table if entry.type.numpy is not None]
     memory = np.zeros(1, record_type([(entry.name, dtype) for entry, dtype in entries]))
     for entry, _ in entries:
@@ -32,18 +33,18 @@ def new_memory(table: ObjectTable) -> Record:
 
 
 def words(memory: Record) -> NDArray[np.uint32]:
-    """The memory as 32-bit words, sharing storage; a four-byte field is the word at its offset / 4."""
+    """Return the memory as 32-bit words, sharing storage; a four-byte field is the word at its offset / 4."""
     return memory.view(np.uint32)
 
 
 def word_offset(memory: Record, name: str) -> int:
-    """Which word of `words(memory)` a four-byte field is."""
+    """Return which word of `words(memory)` a four-byte field is."""
     fields = memory.dtype.fields
     assert fields is not None
     return int(fields[name][1]) // 4
 
 
-# What the firmware tells control, and what control reports back to it.
+# Commands of the firmware to control, and the replies of control.
 COMMAND = record_type(
     [
         ("mode", "i4"),  # a `Mode`, as object 0x6060
@@ -85,7 +86,7 @@ STIMULUS = record_type(
     ]
 )
 
-# What control remembers from tick to tick. `*_next` waits in the PWM unit's shadow registers for a tick.
+# State of the control from tick to tick. `*_next` waits in the PWM unit's shadow registers for a tick.
 CONTROL = record_type(
     [
         ("angles", "i8"),  # that the observer has seen while it begins
@@ -93,7 +94,7 @@ CONTROL = record_type(
         ("gated_next", "u4"),
         ("theta_m", "f8"),
         ("omega_m", "f8"),
-        ("acceleration", "f8"),  # by what the observer does not know of: the load
+        ("acceleration", "f8"),  # by disturbances: the load
         ("speed_integral", "f8"),
         ("u_alpha", "f8"),
         ("u_beta", "f8"),
@@ -141,7 +142,7 @@ MEASUREMENT = record_type(
     ]
 )
 
-# The machine as it really is; control never sees it.
+# The true state of the machine; control never sees it.
 SHAFT = record_type(
     [
         ("i_d", "f8"),
@@ -154,8 +155,12 @@ SHAFT = record_type(
         ("high_a", "u4"),  # leg left high at the end of the period
         ("high_b", "u4"),
         ("high_c", "u4"),
+        ("blank_a", "f8"),  # dead time that the end of the period left over, in s
+        ("blank_b", "f8"),
+        ("blank_c", "f8"),
+        ("chopper", "u4"),  # the brake chopper is on
     ]
 )
 
-# What stands on the other end of the shaft.
+# The load machine on the shaft.
 LOAD = record_type([("torque_Nm", "f8"), ("held", "u4"), ("omega_m_rad_s", "f8")])

@@ -29,11 +29,11 @@ _REST_S = 0.08
 
 @njit
 def brake(drive: Any, control: Any, omega_m: float) -> float:
-    """Torque that brings the shaft to rest and holds it there, within `torque_limit`.
+    """Return the torque that brings the shaft to rest and holds it there, within `torque_limit`.
 
     Args:
         drive: the drive's memory.
-        control: what control remembers; its `braking` is 0 in the first tick.
+        control: state of the control; its `braking` is 0 in the first tick.
         omega_m: measured speed, rad/s, from which the first tick starts.
     """
     T_s, omega_0 = drive.control_period, drive.omega_observer
@@ -58,7 +58,9 @@ def brake(drive: Any, control: Any, omega_m: float) -> float:
     control.load += _BANDWIDTH * share * (load - control.load)
     _count(drive, control, omega)
     limit = drive.torque_limit
-    control.speed_integral = min(max(control.load, -limit), limit)  # what the speed controller goes on from
+    control.speed_integral = min(
+        max(control.load, -limit), limit
+    )  # from which the speed controller continues
     torque: float = min(max(control.load - drive.J * omega_0 / _LANDING * omega, -limit), limit)
     return torque
 
@@ -75,15 +77,15 @@ def _count(drive: Any, control: Any, omega: float) -> None:
 
 
 @njit
-def stands(control: Any) -> bool:
-    """Whether the speed is below 1 % of the rated one."""
+def is_at_standstill(control: Any) -> bool:
+    """Return whether the speed is below 1 % of the rated one."""
     standing: bool = control.rest_ticks > 0
     return standing
 
 
 @njit
 def at_rest(drive: Any, control: Any) -> bool:
-    """Whether braking has come to its end: the speed has reached zero, or stays near it for 80 ms."""
+    """Return whether braking is complete: the speed has reached zero, or stays near it for 80 ms."""
     ended: bool = (
         control.turned_ticks >= _TURNED_TICKS or control.rest_ticks * drive.control_period >= _REST_S
     )

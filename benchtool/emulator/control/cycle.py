@@ -6,29 +6,29 @@ import math
 from typing import Any
 
 from benchtool.emulator.control.estimation import (
-    Situation,
+    StateEstimate,
     clarke,
     into_frame,
     out_of_frame,
     predict,
-    situation,
+    state_estimate,
 )
 from benchtool.emulator.control.field_weakening import reference
-from benchtool.emulator.control.laws import demand, forget, limits
+from benchtool.emulator.control.laws import demand, limits, reset_law
 from benchtool.emulator.control.observer import accelerating_torque, rotor_angle, track
 from benchtool.emulator.control.protection import trips
 from benchtool.emulator.control.speed import torque_reference
 from benchtool.emulator.control.stimulus import Quantity, play, voltage_of
 from benchtool.emulator.control.svpwm import compensated, modulate
 from benchtool.emulator.control.vectors import MODULATED, held
-from benchtool.emulator.jit import njit
-from benchtool.protocol.modes import Mode
+from benchtool.emulator.jit import njit, separately
+from benchtool.protocol import Mode
 
 _VOLTAGE_MODE = int(Mode.VOLTAGE)
 _TORQUE, _SPEED, _D_CURRENT = int(Quantity.TORQUE), int(Quantity.SPEED), int(Quantity.D_CURRENT)
 
 
-@njit
+@separately
 def control_tick(drive: Any, command: Any, control: Any, stimulus: Any, measurement: Any) -> bool:
     """Run control once. Returns whether a trip was raised that was not there before."""
     _load_shadow(control)
@@ -71,7 +71,7 @@ def control_tick(drive: Any, command: Any, control: Any, stimulus: Any, measurem
 
 @njit
 def _load_shadow(control: Any) -> None:
-    """What was computed in the tick before takes effect for the period that begins now."""
+    """Apply what was computed in the tick before to the period that begins now."""
     control.gated = control.gated_next
     control.u_alpha, control.u_beta = control.u_alpha_next, control.u_beta_next
     control.duty_a = control.duty_a_next
@@ -80,15 +80,15 @@ def _load_shadow(control: Any) -> None:
 
 
 @njit
-def _observe(drive: Any, command: Any, control: Any, measurement: Any) -> Situation:
-    """Signals that need no more than the measurements."""
+def _observe(drive: Any, command: Any, control: Any, measurement: Any) -> StateEstimate:
+    """Return the signals that need no more than the measurements."""
     theta_m = rotor_angle(measurement.count, drive)
     omega_m = track(theta_m, accelerating_torque(drive, command), drive, control)
     theta_e = drive.pole_pairs * theta_m
     cos_theta, sin_theta = math.cos(theta_e), math.sin(theta_e)
     i_alpha, i_beta = clarke(measurement.i_a, measurement.i_b, measurement.i_c)
     i_d, i_q = into_frame(i_alpha, i_beta, cos_theta, sin_theta)
-    now = situation(i_d, i_q, drive.pole_pairs * omega_m, cos_theta, sin_theta, drive)
+    now = state_estimate(i_d, i_q, drive.pole_pairs * omega_m, cos_theta, sin_theta, drive)
     drive.i_a, drive.i_b, drive.i_c = measurement.i_a, measurement.i_b, measurement.i_c
     drive.i_d, drive.i_q = i_d, i_q
     drive.u_dc = measurement.u_dc
@@ -114,13 +114,13 @@ def _protect(drive: Any, command: Any, measurement: Any) -> bool:
 @njit
 def _stand_by(drive: Any, command: Any, control: Any) -> None:
     """Power stage off: no voltage, no references, no memory of the speed loop or of a law."""
-    forget(control)
+    reset_law(control)
     control.gated = 0
     control.gated_next = 0
     control.u_alpha_next, control.u_beta_next = 0.0, 0.0
     control.speed_integral = 0.0
     control.braking = 0
-    if command.quick_stop == 0:  # else what has just ended it is for the firmware to see
+    if command.quick_stop == 0:  # else the firmware has to see the cause first
         command.standstill = 0
     drive.u_alpha, drive.u_beta = 0.0, 0.0
     drive.torque_reference, drive.psi_s_reference, drive.law_angle = 0.0, 0.0, 0.0
@@ -128,10 +128,10 @@ def _stand_by(drive: Any, command: Any, control: Any) -> None:
 
 
 @njit
-def _apply_voltage(u: float, stimulus: Any, at: Situation, drive: Any, control: Any, u_dc: float) -> None:
+def _apply_voltage(u: float, stimulus: Any, at: StateEstimate, drive: Any, control: Any, u_dc: float) -> None:
     """Put out the voltage of a stimulus; no law runs, and there are no references."""
     u_alpha, u_beta = voltage_of(u, stimulus, at.cos_theta, at.sin_theta)
-    forget(control)
+    reset_law(control)
     if _modulate(u_alpha, u_beta, at, drive, control, u_dc):
         drive.law_clipped += 1
     control.speed_integral = 0.0
@@ -140,7 +140,9 @@ def _apply_voltage(u: float, stimulus: Any, at: Situation, drive: Any, control: 
 
 
 @njit
-def _modulate(u_alpha: float, u_beta: float, at: Situation, drive: Any, control: Any, u_dc: float) -> bool:
+def _modulate(
+    u_alpha: float, u_beta: float, at: StateEstimate, drive: Any, control: Any, u_dc: float
+) -> bool:
     """Put the duties of a voltage into the shadow register. Returns whether the hexagon limited it."""
     made = modulate(u_alpha, u_beta, u_dc)
     duty_a, duty_b, duty_c = made.duty_a, made.duty_b, made.duty_c

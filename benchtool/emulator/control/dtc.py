@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from benchtool.emulator.control.estimation import Situation, out_of_frame
+from benchtool.emulator.control.estimation import StateEstimate, out_of_frame
 from benchtool.emulator.control.vectors import nearest_zero
 from benchtool.emulator.jit import njit
 
@@ -18,8 +18,8 @@ _SECTOR = math.pi / 3.0
 
 
 @njit
-def vector(at: Situation, torque: float, psi_s: float, drive: Any, control: Any) -> int:
-    """Inverter vector for the control period that begins in the situation `at`."""
+def vector(at: StateEstimate, torque: float, psi_s: float, drive: Any, control: Any) -> int:
+    """Return the inverter vector for the control period that begins in the state estimate `at`."""
     magnitude = math.sqrt(at.psi_d * at.psi_d + at.psi_q * at.psi_q)
     control.torque_state = torque_state(torque - at.torque, drive.torque_band, control.torque_state)
     control.flux_state = flux_state(psi_s - magnitude, drive.flux_band, control.flux_state)
@@ -51,7 +51,7 @@ def flux_state(error: float, band: float, before: int) -> int:
 
 @njit
 def table(flux_angle: float, torque: int, flux: int) -> int:
-    """Vector of the switching table: one sector ahead of the flux's raises it, two ahead lowers it.
+    """Return vector of the switching table: one sector ahead of the flux's raises it, two ahead lowers it.
 
     Sector 0 is +-30 degrees about vector 1; `torque` and `flux` are 1 or -1, and the angle is within +-pi.
     """

@@ -9,14 +9,14 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from benchtool.emulator.control.estimation import Situation, predict
+from benchtool.emulator.control.estimation import StateEstimate, predict
 from benchtool.emulator.control.vectors import held, nearest_zero
 from benchtool.emulator.jit import njit
 
 
 @njit
-def vector(at: Situation, torque: float, psi_s: float, drive: Any, control: Any) -> int:
-    """Vector of least cost at the end of the control period that begins in the situation `at`.
+def vector(at: StateEstimate, torque: float, psi_s: float, drive: Any, control: Any) -> int:
+    """Return vector of least cost at the end of the control period that begins in the state estimate `at`.
 
     Both zero vectors cost the same; the one with fewer switchings is taken.
     """
@@ -31,7 +31,7 @@ def vector(at: Situation, torque: float, psi_s: float, drive: Any, control: Any)
 
 
 @njit
-def cost(after: Situation, torque: float, psi_s: float, drive: Any) -> float:
+def cost(after: StateEstimate, torque: float, psi_s: float, drive: Any) -> float:
     """(T - T*)^2 / T_N^2 + w (|psi_s| - psi_s*)^2 / psi_r^2."""
     torque_error = (after.torque - torque) / drive.T_N
     magnitude = math.sqrt(after.psi_d * after.psi_d + after.psi_q * after.psi_q)

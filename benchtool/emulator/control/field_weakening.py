@@ -1,4 +1,4 @@
-"""The torque and the flux that voltage and current allow: what every law is asked for, and no more.
+"""Torque and flux references within the limits of voltage and current, for every law.
 
 In the plane of the currents the voltage allows an ellipse and the trip level a circle. A torque whose point
 of least current lies within both stays as it is. Otherwise i_d is lowered at the same torque until the
@@ -21,7 +21,7 @@ _EXACT = 1e-12  # square of the relative step that ends it; the next would be of
 
 
 class Limits(NamedTuple):
-    """What a law may use: the mean voltage that it can count on, and the magnitude of the current, peak."""
+    """Limits of a law: the mean voltage available, and the magnitude of the current, peak."""
 
     u: float
     i: float
@@ -37,7 +37,7 @@ class Reference(NamedTuple):
 
 @njit
 def reference(torque: float, i_d_added: float, omega_e: float, limits: Limits, drive: Any) -> Reference:
-    """Nearest torque within the limits, and the flux with which it needs the least current there.
+    """Return the nearest torque within the limits, and the flux with which it needs the least current there.
 
     A setpoint of the flux is kept as far as the limits let it; `i_d_added` moves the flux to where i_d is so
     much more at the same torque.
@@ -76,7 +76,8 @@ def _excess(i_d: float, i_q: float, omega_e: float, u: float, drive: Any) -> flo
 
 @njit
 def _within(i_d: float, i_q: float, omega_e: float, limits: Limits, drive: Any) -> tuple[float, float, bool]:
-    """Currents within the limits in place of (i_d, i_q >= 0), and whether torque or flux had to give way."""
+    """Return the currents within the limits in place of (i_d, i_q >= 0), and whether torque or flux had to
+    give way."""
     given_way = False
     if i_d * i_d + i_q * i_q > limits.i * limits.i:
         i_d, i_q = _within_current(i_d, i_q, limits.i, drive)
@@ -92,7 +93,8 @@ def _within(i_d: float, i_q: float, omega_e: float, limits: Limits, drive: Any) 
 
 @njit
 def _within_current(i_d: float, i_q: float, i: float, drive: Any) -> tuple[float, float]:
-    """Currents of magnitude `i` towards those of least current at the same torque, or the most torque."""
+    """Return the currents of magnitude `i` towards those of least current at the same torque, or the most
+    torque."""
     psi_r, saliency = float(drive.psi_r), float(drive.L_q) - float(drive.L_d)
     a = i_q * (psi_r - saliency * i_d)
     inside, _ = least_current(1.5 * drive.pole_pairs * a, drive)
@@ -112,7 +114,7 @@ def _within_current(i_d: float, i_q: float, i: float, drive: Any) -> tuple[float
 
 @njit
 def _weakened(i_d: float, i_q: float, omega_e: float, u: float, drive: Any) -> tuple[float, float, bool]:
-    """Currents of the same torque at which the voltage just suffices, and whether there are any.
+    """Return the currents of the same torque at which the voltage just suffices, and whether there are any.
 
     At a torque |u_s|^2 is convex in i_d: from the right, Newton's method does not overshoot the larger root.
     """
@@ -137,7 +139,7 @@ def _weakened(i_d: float, i_q: float, omega_e: float, u: float, drive: Any) -> t
 
 @njit
 def _most_torque(omega_e: float, limits: Limits, drive: Any) -> tuple[float, float]:
-    """Currents of the most torque on the edge of the voltage, at most `limits.i` in magnitude.
+    """Return the currents of the most torque on the edge of the voltage, at most `limits.i` in magnitude.
 
     From where the edge begins to the left the torque rises, up to where the current is at its limit or the
     torque at its largest (maximum torque per volt). Where even the edge's beginning needs too much current
@@ -180,9 +182,10 @@ def _most_torque(omega_e: float, limits: Limits, drive: Any) -> tuple[float, flo
 
 @njit
 def _along_circle(omega_e: float, limits: Limits, right: float, drive: Any) -> tuple[float, float]:
-    """Currents of the limit's magnitude: from i_d alone towards the most torque, up to the edge.
+    """Return the currents of the limit's magnitude: from i_d alone towards the most torque, up to the edge.
 
-    Where not even i_d alone is within the voltage, that is it: the flux is as low as the current makes it.
+    If not even i_d alone is within the voltage, i_d alone is returned: the lowest flux that the current
+    allows.
     """
     left = -limits.i
     for _ in range(_HALVINGS):

@@ -1,9 +1,9 @@
-"""The direction of a voltage of fixed length: what both TPCs have in common.
+"""The direction of a voltage of fixed length, shared by both TPC laws.
 
 Over a period the voltage moves the stator flux by u_s T_k, onto a circle about where the flux drifts to
 without voltage. Two directions make the torque that is asked for, and the flux comparator chooses between
 them (Zhu, Xiao and Li 2011, II-D). Where the argument of (14) is beyond +-1 none does: both fall into one,
-and to take that would leave the flux to itself. There the voltage is aimed at the flux vector that has the
+and taking it would leave the flux uncontrolled. There the voltage is aimed at the flux vector that has the
 length of the reference and makes the torque. On the straight way there neither the current nor the voltage
 that is needed exceeds the larger of those at both ends.
 """
@@ -13,10 +13,10 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from benchtool.emulator.control.estimation import SQRT3, Situation
+from benchtool.emulator.control.estimation import SQRT3, StateEstimate
 from benchtool.emulator.control.flux import operating_point
 from benchtool.emulator.jit import njit
-from benchtool.emulator.rotation import turned
+from benchtool.emulator.rotate import rotate
 
 _END = 1  # of `lambda_reference`
 
@@ -45,15 +45,16 @@ class Direction(NamedTuple):
 
 @njit
 def mean_voltage(drive: Any) -> float:
-    """Mean of the voltage over the period: u_s for T_k, or what a known dc link makes in every direction."""
+    """Return the mean of the voltage over the period: u_s for T_k, or what a known dc link makes in every
+    direction."""
     u, reach = drive.u_s * drive.T_k_ratio, drive.u_dc * (1.0 / SQRT3)
     limited: float = reach if 0.0 < reach < u else u
     return limited
 
 
 @njit
-def without_voltage(at: Situation, drive: Any) -> Drift:
-    """Drift of a period that begins in the situation `at`; T = 3/2 p (psi_d i_q - psi_q i_d)."""
+def without_voltage(at: StateEstimate, drive: Any) -> Drift:
+    """Return drift of a period that begins in the state estimate `at`; T = 3/2 p (psi_d i_q - psi_q i_d)."""
     T_s, R_s = drive.control_period, drive.R_s
     d_d = T_s * (at.omega_e * at.psi_q - R_s * at.i_d)
     d_q = -T_s * (at.omega_e * at.psi_d + R_s * at.i_q)
@@ -75,12 +76,12 @@ def direction(
     needed: float,
     h_d: float,
     h_q: float,
-    at: Situation,
+    at: StateEstimate,
     drift: Drift,
     raise_below: float,
     drive: Any,
 ) -> Direction:
-    """Direction that makes the torque, by changing it by `needed` against what it drifts to.
+    """Return the direction that makes the torque, by changing it by `needed` against what it drifts to.
 
     (h_d, h_q) is what the law takes the change of the torque by that of the flux for, in Nm/Wb: its length is
     the gain in (14), and lambda counts from the axis across it. A flux below `raise_below` is raised, any
@@ -104,12 +105,12 @@ def direction(
 
 
 @njit
-def lambda_axis(at: Situation, drive: Any) -> tuple[float, float]:
-    """Direction (cosine, sine) of the rotor flux that lambda' is laid against.
+def lambda_axis(at: StateEstimate, drive: Any) -> tuple[float, float]:
+    """Return the direction (cosine, sine) of the rotor flux that lambda' is laid against.
 
     (14) reads as if psi_r stood still over the period: `lambda_reference` start takes it as it is when the
     period begins. The torque is met when the period ends: end takes it as it is there.
     """
     if drive.lambda_reference == _END:
-        return turned(at.cos_theta, at.sin_theta, at.omega_e * drive.control_period)
+        return rotate(at.cos_theta, at.sin_theta, at.omega_e * drive.control_period)
     return at.cos_theta, at.sin_theta

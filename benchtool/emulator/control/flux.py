@@ -13,7 +13,7 @@ _EXACT = 1e-13  # relative step that ends it
 
 @njit
 def flux_reference(torque: float, drive: Any) -> float:
-    """Magnitude of the stator flux to be held, in Wb peak: the setpoint, or that of least current.
+    """Return the magnitude of the stator flux to be held, in Wb peak: the setpoint, or that of least current.
 
     Limits of voltage and current are not in it; `field_weakening` has them.
     """
@@ -25,7 +25,7 @@ def flux_reference(torque: float, drive: Any) -> float:
 
 @njit
 def magnitude(i_d: float, i_q: float, drive: Any) -> float:
-    """Stator flux of the currents, in Wb peak."""
+    """Return the stator flux of the currents, in Wb peak."""
     psi_d = float(drive.psi_r) + float(drive.L_d) * i_d
     psi_q = float(drive.L_q) * i_q
     return math.sqrt(psi_d * psi_d + psi_q * psi_q)
@@ -33,7 +33,7 @@ def magnitude(i_d: float, i_q: float, drive: Any) -> float:
 
 @njit
 def least_current(torque: float, drive: Any) -> tuple[float, float]:
-    """Currents (i_d, i_q) that make the torque with the least magnitude (maximum torque per ampere).
+    """Return currents (i_d, i_q) that make the torque with the least magnitude (maximum torque per ampere).
 
     Without saliency pure i_q. With it, dL = L_q - L_d,
 
@@ -63,7 +63,7 @@ def least_current(torque: float, drive: Any) -> tuple[float, float]:
 
 @njit
 def most_torque(current: float, drive: Any) -> tuple[float, float]:
-    """Currents (i_d, i_q > 0) of that magnitude which make the most torque."""
+    """Return the currents (i_d, i_q > 0) of that magnitude which make the most torque."""
     psi_r, saliency = float(drive.psi_r), float(drive.L_q) - float(drive.L_d)
     root = math.sqrt(psi_r * psi_r + 8.0 * saliency * saliency * current * current)
     i_d = -2.0 * saliency * current * current / (psi_r + root)
@@ -72,7 +72,7 @@ def most_torque(current: float, drive: Any) -> tuple[float, float]:
 
 @njit
 def operating_point(torque: float, psi_s: float, drive: Any) -> tuple[float, float, bool]:
-    """Flux vector (psi_d, psi_q) of length `psi_s` that makes the torque, and whether none does.
+    """Return the flux vector (psi_d, psi_q) of length `psi_s` that makes the torque, and whether none does.
 
     T = 3/2 p psi_s (psi_r / L_d - (1/L_d - 1/L_q) psi_s cos delta) sin delta: without saliency solved as it
     is, with it by Newton's method. Of two points the one of less current is taken: below the pull-out angle,
@@ -96,7 +96,8 @@ def operating_point(torque: float, psi_s: float, drive: Any) -> tuple[float, flo
 
 @njit
 def _load_angle(torque: float, of_magnets: float, of_saliency: float) -> tuple[float, bool]:
-    """Angle at which A sin delta - B sin delta cos delta is the torque, and whether it lies beyond pull-out.
+    """Return the angle at which A sin delta - B sin delta cos delta is the torque, and whether it lies beyond
+    pull-out.
 
     Between where the torque begins to rise and where it pulls out the curve has one inflexion at most: from
     there Newton's method moves to the root from one side.

@@ -1,7 +1,7 @@
 """The comparator that decides whether TPC's next voltage vector raises the stator flux or lowers it.
 
-Zhu, Xiao and Li (II-D) name a hysteresis controller and no more. A vector moves the flux by up to u_s T_k
-per period, several times what any band could usefully be, so that the band is taken as zero. What is
+Zhu, Xiao and Li (II-D) only state that it is a hysteresis controller. A vector moves the flux by up to u_s
+T_k per period, several times what any band could usefully be, so that the band is taken as zero. What is
 compared leaves two readings:
 
 - plain: the flux at the moment the vector begins. The flux then alternates about its reference, but
@@ -17,7 +17,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from benchtool.emulator.control.estimation import Situation
+from benchtool.emulator.control.estimation import StateEstimate
 from benchtool.emulator.jit import njit
 
 _ACCUMULATED = 1
@@ -26,8 +26,8 @@ _LARGEST_SUM = 2.0  # steps of u_s T_k: a flux that cannot be reached winds up n
 
 
 @njit
-def threshold(psi_s: float, at: Situation, drive: Any, control: Any) -> float:
-    """Flux below which the vector raises the flux, in Wb; `flux_error_sum` grows with each call."""
+def threshold(psi_s: float, at: StateEstimate, drive: Any, control: Any) -> float:
+    """Return flux below which the vector raises the flux, in Wb; `flux_error_sum` grows with each call."""
     if drive.flux_comparator != _ACCUMULATED:
         return psi_s
     largest = _LARGEST_SUM * drive.u_s * drive.T_k_ratio * drive.control_period

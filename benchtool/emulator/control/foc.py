@@ -10,17 +10,17 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from benchtool.emulator.control.estimation import Situation, into_frame, out_of_frame
+from benchtool.emulator.control.estimation import StateEstimate, into_frame, out_of_frame
 from benchtool.emulator.control.flux import operating_point
 from benchtool.emulator.jit import njit
-from benchtool.emulator.rotation import turned
+from benchtool.emulator.rotate import rotate
 
 
 @njit
 def voltage(
-    at: Situation, torque: float, psi_s: float, drive: Any, control: Any
+    at: StateEstimate, torque: float, psi_s: float, drive: Any, control: Any
 ) -> tuple[float, float, bool]:
-    """Mean voltage (u_alpha, u_beta) of a control period that begins in the situation `at`.
+    """Return the mean voltage (u_alpha, u_beta) of a control period that begins in the state estimate `at`.
 
     The references are the currents of that torque and flux. Returns also whether these had to be clipped.
     """
@@ -30,7 +30,7 @@ def voltage(
     error_q = psi_q / drive.L_q - at.i_q
 
     # The voltage turns with the rotor; its mean over the period lies in the frame of the period's middle.
-    cos_theta, sin_theta = turned(at.cos_theta, at.sin_theta, 0.5 * at.omega_e * T_s)
+    cos_theta, sin_theta = rotate(at.cos_theta, at.sin_theta, 0.5 * at.omega_e * T_s)
 
     # Anti-windup: what the inverter fell short of counts as if the reference had been that much nearer
     # (Peng, Vrancic and Hanus, IEEE Control Syst. 16 (1996) no. 4).

@@ -7,13 +7,13 @@ from enum import IntEnum
 from typing import Any, NamedTuple
 
 from benchtool.emulator.control import deadbeat, dtc, fcs_mpc, foc, svm_dtc, tpc, tpc_stator
-from benchtool.emulator.control.estimation import SQRT3, Situation, into_frame
+from benchtool.emulator.control.estimation import SQRT3, StateEstimate, into_frame
 from benchtool.emulator.control.field_weakening import Limits
 from benchtool.emulator.control.fixed_voltage import mean_voltage
 from benchtool.emulator.control.flux_comparator import threshold
 from benchtool.emulator.control.vectors import MODULATED, held
 from benchtool.emulator.jit import njit
-from benchtool.emulator.rotation import turned
+from benchtool.emulator.rotate import rotate
 
 
 class Law(IntEnum):
@@ -37,11 +37,11 @@ _OF_FIXED_VOLTAGE, _OF_ONE_VECTOR, _OF_MODULATOR = 0.94, 0.9, 0.95
 
 
 class Demand(NamedTuple):
-    """What a law asks of the inverter for a period.
+    """Output of a law for a period.
 
     A mean voltage for the modulator, or, where `vector` is not `MODULATED`, that vector for the whole period.
     `angle` is that of the voltage against the rotor flux at the period's end; with `tpc_stator` against the
-    stator flux. `clipped`: the reference was out of the law's reach.
+    stator flux. `clipped`: the reference could not be reached.
     """
 
     u_alpha: float
@@ -52,11 +52,10 @@ class Demand(NamedTuple):
 
 
 @njit
-def demand(at: Situation, torque: float, psi_s: float, drive: Any, control: Any) -> Demand:
-    """Run the chosen law for the period that begins in the situation `at`.
+def demand(at: StateEstimate, torque: float, psi_s: float, drive: Any, control: Any) -> Demand:
+    """Run the chosen law for the period that begins in the state estimate `at`.
 
-    Parameters that make no sense together (no flux, no voltage) give no voltage, and count as clipped; so
-    does an unknown law.
+    Inconsistent parameters (no flux, no voltage) and an unknown law give no voltage, and count as clipped.
     """
     u_alpha, u_beta, vector, angle, clipped = 0.0, 0.0, MODULATED, 0.0, False
     law = drive.law
@@ -82,7 +81,7 @@ def demand(at: Situation, torque: float, psi_s: float, drive: Any, control: Any)
         switched = held(vector, drive.u_dc)
         u_alpha, u_beta = switched.u_alpha, switched.u_beta
     if not (math.isfinite(u_alpha) and math.isfinite(u_beta)):
-        forget(control)
+        reset_law(control)
         return Demand(0.0, 0.0, MODULATED, 0.0, True)
     if law != _TPC and law != _TPC_STATOR:
         angle = _against_rotor(u_alpha, u_beta, at, drive)
@@ -91,7 +90,7 @@ def demand(at: Situation, torque: float, psi_s: float, drive: Any, control: Any)
 
 @njit
 def limits(drive: Any) -> Limits:
-    """What the chosen law can use of voltage and current in the steady state.
+    """Return what the chosen law can use of voltage and current in the steady state.
 
     A law needs some of its voltage to correct errors with. It keeps the current so far below the trip level
     that its own ripple does not trip: a share for noise and overshoot, and, where the length of the voltage
@@ -113,8 +112,8 @@ def limits(drive: Any) -> Limits:
 
 
 @njit
-def forget(control: Any) -> None:
-    """Clear what the laws remember from period to period."""
+def reset_law(control: Any) -> None:
+    """Reset the state that the laws keep from period to period."""
     control.limited = 0
     control.flux_error_sum = 0.0
     control.delta_integral = 0.0
@@ -124,7 +123,7 @@ def forget(control: Any) -> None:
 
 
 @njit
-def _against_rotor(u_alpha: float, u_beta: float, at: Situation, drive: Any) -> float:
-    cos_theta, sin_theta = turned(at.cos_theta, at.sin_theta, at.omega_e * drive.control_period)
+def _against_rotor(u_alpha: float, u_beta: float, at: StateEstimate, drive: Any) -> float:
+    cos_theta, sin_theta = rotate(at.cos_theta, at.sin_theta, at.omega_e * drive.control_period)
     u_d, u_q = into_frame(u_alpha, u_beta, cos_theta, sin_theta)
     return math.atan2(u_q, u_d)

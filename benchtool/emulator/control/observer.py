@@ -1,4 +1,4 @@
-"""Position from the encoder's count, speed from an observer of third order that knows the torque."""
+"""Position from the encoder's count, speed from a third-order observer with torque feedforward."""
 
 from __future__ import annotations
 
@@ -6,33 +6,34 @@ import math
 from typing import Any
 
 from benchtool.emulator.jit import njit
-from benchtool.protocol.modes import Mode
+from benchtool.protocol import Mode
 
 _VELOCITY = int(Mode.VELOCITY)
 TWO_PI = 2.0 * math.pi
 _TURNS = 1.0 / TWO_PI  # per rad; a product is cheaper than a quotient
 SETTLED = -1  # of `angles`
 _FIRST = (
-    8  # ticks of standstill taken for granted: else the encoder's first step would be 2 pi / 4N in a tick
+    8  # ticks of standstill assumed at the start: else the encoder's first step would be 2 pi / 4N in a tick
 )
 
 
 @njit
 def wrapped(angle: float) -> float:
-    """Angle in [-pi, pi)."""
+    """Return the angle in [-pi, pi)."""
     return angle - TWO_PI * math.floor(angle * _TURNS + 0.5)
 
 
 @njit
 def rotor_angle(count: int, drive: Any) -> float:
-    """Mechanical angle of the rotor flux against phase a, 0 to 2 pi: the middle of the encoder's step."""
+    """Return the mechanical angle of the rotor flux against phase a, 0 to 2 pi: the middle of the encoder's
+    step."""
     angle: float = (count + 0.5) * TWO_PI / (4.0 * drive.encoder_lines) - drive.encoder_offset
     return angle - TWO_PI * math.floor(angle * _TURNS)
 
 
 @njit
 def accelerating_torque(drive: Any, command: Any) -> float:
-    """Air-gap torque of the tick before, as far as it is this drive that moves the shaft.
+    """Return the air-gap torque of the tick before while the speed loop is closed, else 0.
 
     That is where the speed loop is closed. In torque mode something else sets the speed, a load machine as a
     rule: against a held shaft the torque would pass for an acceleration that there is not. And a power stage
@@ -45,7 +46,7 @@ def accelerating_torque(drive: Any, command: Any) -> float:
 
 @njit
 def track(theta_m: float, torque: float, drive: Any, control: Any) -> float:
-    """Mechanical speed: angle, speed and load follow `theta_m` with three poles at `omega_observer`.
+    """Return mechanical speed: angle, speed and load follow `theta_m` with three poles at `omega_observer`.
 
     `torque` (`accelerating_torque`) over `J` is fed forward, so that the machine's own torque leaves no lag;
     `J` = 0 feeds nothing forward. The third state is the acceleration by all that is not fed forward: the

@@ -1,4 +1,4 @@
-"""Trips: what switches the power stage off in the very tick it is seen."""
+"""Trips: faults that switch the power stage off in the tick in which they are detected."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ _UNDERVOLTAGE, _OVERVOLTAGE = int(Trip.UNDERVOLTAGE), int(Trip.OVERVOLTAGE)
 
 @njit
 def trips(drive: Any, measurement: Any, omega_m: float, pwm_enabled: bool) -> int:
-    """Mask of the limits that this tick's measurements violate.
+    """Return the mask of the limits that this tick's measurements violate.
 
-    Each level is asked for what is within it, so that a measurement or a level which is no number trips. What
-    reads the end of the converter's range may be anything beyond it. Low dc link and saturated currents are
-    faults only of a power stage that is on.
+    Each test asks whether a value is within its level, so that nan, in either, trips. A reading at the end of
+    the converter's range may be anything beyond it. Low dc link and saturated currents are faults only of a
+    power stage that is on.
     """
     mask = 0
     within = (

@@ -1,19 +1,19 @@
-"""The torque reference: a limited setpoint, or the speed PI that stands around every torque law."""
+"""The torque reference: a limited setpoint, or the output of the speed PI around every torque law."""
 
 from __future__ import annotations
 
 from typing import Any
 
-from benchtool.emulator.control.braking import at_rest, brake, stands
+from benchtool.emulator.control.braking import at_rest, brake, is_at_standstill
 from benchtool.emulator.jit import njit
-from benchtool.protocol.modes import Mode
+from benchtool.protocol import Mode
 
 _VELOCITY = int(Mode.VELOCITY)
 
 
 @njit
 def limited(torque: float, limit: float) -> float:
-    """Torque within +-limit."""
+    """Return the torque within +-limit."""
     return min(max(torque, -limit), limit)
 
 
@@ -21,16 +21,17 @@ def limited(torque: float, limit: float) -> float:
 def torque_reference(
     drive: Any, command: Any, control: Any, omega_m: float, torque_added: float, omega_added: float
 ) -> float:
-    """Torque asked of the law, within `torque_limit`; what a stimulus adds counts as part of the setpoint.
+    """Return the torque asked of the law, within `torque_limit`; what a stimulus adds counts as part of the
+    setpoint.
 
     Quick stop, in any mode, and halt in velocity mode brake to rest and hold it; halt in torque mode makes no
-    torque. `standstill` tells that they have come to that, and once a quick stop has, `off_at_standstill`
+    torque. `standstill` is set when they have reached it, and once a quick stop has, `off_at_standstill`
     switches the power stage off in the same tick.
     """
     if command.quick_stop != 0 or (command.halt != 0 and command.mode == _VELOCITY):
         torque = brake(drive, control, omega_m)
         if command.quick_stop == 0:
-            command.standstill = 1 if stands(control) else 0
+            command.standstill = 1 if is_at_standstill(control) else 0
         elif at_rest(drive, control):
             command.standstill = 1
             if command.off_at_standstill != 0:
@@ -50,7 +51,7 @@ def torque_reference(
 
 @njit
 def speed_pi(error: float, drive: Any, control: Any) -> float:
-    """PI whose integral stands still while it would drive further into the torque limit."""
+    """Return output of the PI; its integral is held while it would drive further into the torque limit."""
     proportional = drive.K_p_speed * error
     integral = control.speed_integral + drive.K_i_speed * drive.control_period * error
     wanted = proportional + integral

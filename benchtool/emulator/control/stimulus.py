@@ -80,13 +80,13 @@ _EXPONENTS: Mapping[int, tuple[int, ...]] = {
 
 
 def feedback(length: int) -> int:
-    """Mask of the bits whose parity is the next one of a maximum-length sequence of 2 to 20 bits."""
+    """Return mask of the bits whose parity is the next one of a maximum-length sequence of 2 to 20 bits."""
     return 1 | sum(1 << exponent for exponent in _EXPONENTS[length])
 
 
 @njit
 def shifted(register: int, mask: int, length: int) -> int:
-    """The register one bit on; bit 0 is the present bit of the sequence."""
+    """Return the register one bit on; bit 0 is the present bit of the sequence."""
     parity = register & mask
     parity ^= parity >> 16
     parity ^= parity >> 8
@@ -98,7 +98,7 @@ def shifted(register: int, mask: int, length: int) -> int:
 
 @njit
 def chirp_cycles(k: int, ticks: int, f_start: float, f_end: float, T_s: float, logarithmic: bool) -> float:
-    """Phase of a chirp at tick k in cycles since its start, in closed form.
+    """Return the phase of a chirp at tick k in cycles since its start, in closed form.
 
     Linear: the frequency grows by (f_end - f_start) / N per tick; logarithmic: by the factor
     (f_end / f_start)^(1/N).
@@ -111,8 +111,8 @@ def chirp_cycles(k: int, ticks: int, f_start: float, f_end: float, T_s: float, l
 
 
 @njit
-def form(shape: int, k: int, ticks: int, steps: int, f_start: float, f_end: float, T_s: float) -> float:
-    """Every shape but the binary sequence at tick k of `ticks`, within [-1, 1].
+def waveform(shape: int, k: int, ticks: int, steps: int, f_start: float, f_end: float, T_s: float) -> float:
+    """Return every shape but the binary sequence at tick k of `ticks`, within [-1, 1].
 
     A step is 1 in the first half and 0 in the second; the staircase's j-th of `steps` levels is j / steps; a
     ramp would reach 1 at tick `ticks`; sines and chirps begin at phase zero.
@@ -133,7 +133,7 @@ def form(shape: int, k: int, ticks: int, steps: int, f_start: float, f_end: floa
 
 @njit
 def play(stimulus: Any, tick: int) -> float:
-    """Value in this tick, 0 unless one is running; moves the stimulus one tick on."""
+    """Return the value in this tick, 0 unless one is running; moves the stimulus one tick on."""
     stimulus.began = 0
     if stimulus.state != _RUNNING:
         return 0.0
@@ -151,7 +151,7 @@ def play(stimulus: Any, tick: int) -> float:
     if stimulus.kind == _PRBS:
         unit = 1.0 if stimulus.register & 1 else -1.0
     else:
-        unit = form(
+        unit = waveform(
             stimulus.kind,
             k,
             stimulus.ticks,
@@ -170,14 +170,15 @@ def play(stimulus: Any, tick: int) -> float:
 
 @njit
 def voltage_of(value: float, stimulus: Any, cos_theta: float, sin_theta: float) -> tuple[float, float]:
-    """alpha and beta of a voltage along the stimulus's angle, or along the rotor flux at (cos, sin)."""
+    """Return the alpha and beta of a voltage along the stimulus's angle, or along the rotor flux at (cos,
+    sin)."""
     if stimulus.in_rotor_frame != 0:
         return value * cos_theta, value * sin_theta
     return value * stimulus.cos_angle, value * stimulus.sin_angle
 
 
 def halt(stimulus: Any) -> None:
-    """Stop what is running, for the firmware: by the time of the next tick there is none."""
+    """Stop a running stimulus, for the firmware, before the next tick."""
     stimulus.began = 0
     if stimulus.state == _RUNNING:
         stimulus.state = _IDLE

@@ -23,7 +23,8 @@ class Modulated(NamedTuple):
 
 @njit
 def modulate(u_alpha: float, u_beta: float, u_dc: float) -> Modulated:
-    """Duties of a mean voltage vector; beyond the hexagon it is shortened to its edge, keeping its angle.
+    """Return the duties of a mean voltage vector; beyond the hexagon it is shortened to its edge, keeping its
+    angle.
 
     Adding half the sum of the largest and smallest phase voltage centres the active vectors in the period,
     which is SVPWM with equal shares of both zero vectors.
@@ -50,7 +51,8 @@ def modulate(u_alpha: float, u_beta: float, u_dc: float) -> Modulated:
 
 @njit
 def compensated(duty: float, current: float, dead_share: float) -> float:
-    """Duty that makes up for what the dead time takes at a positive current, or gives at a negative one."""
+    """Return the duty that makes up for what the dead time takes at a positive current, or gives at a
+    negative one."""
     if current > 0.0:
         duty += dead_share
     elif current < 0.0:

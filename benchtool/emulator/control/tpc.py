@@ -17,14 +17,16 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from benchtool.emulator.control.estimation import Situation, out_of_frame
+from benchtool.emulator.control.estimation import StateEstimate, out_of_frame
 from benchtool.emulator.control.fixed_voltage import direction, lambda_axis, mean_voltage, without_voltage
 from benchtool.emulator.jit import njit
 
 
 @njit
-def voltage(at: Situation, torque: float, raise_below: float, drive: Any) -> tuple[float, float, float, bool]:
-    """Mean voltage (u_alpha, u_beta) of a control period that begins in the situation `at`.
+def voltage(
+    at: StateEstimate, torque: float, raise_below: float, drive: Any
+) -> tuple[float, float, float, bool]:
+    """Return the mean voltage (u_alpha, u_beta) of a control period that begins in the state estimate `at`.
 
     A flux below `raise_below` is raised. Returns also the angle lambda' against the rotor flux, and whether
     the argument of (14) was beyond +-1: the voltage then is aimed at the flux vector of that torque and flux.

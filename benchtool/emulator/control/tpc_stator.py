@@ -22,16 +22,16 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from benchtool.emulator.control.estimation import Situation, out_of_frame
+from benchtool.emulator.control.estimation import StateEstimate, out_of_frame
 from benchtool.emulator.control.fixed_voltage import direction, lambda_axis, mean_voltage, without_voltage
 from benchtool.emulator.jit import njit
 
 
 @njit
 def voltage(
-    at: Situation, torque: float, psi_s: float, raise_below: float, drive: Any
+    at: StateEstimate, torque: float, psi_s: float, raise_below: float, drive: Any
 ) -> tuple[float, float, float, bool]:
-    """Mean voltage (u_alpha, u_beta) of a control period that begins in the situation `at`.
+    """Return the mean voltage (u_alpha, u_beta) of a control period that begins in the state estimate `at`.
 
     A flux below `raise_below` is raised; the flux error is that against `psi_s`. Returns also the angle
     against the stator flux, and whether its sine had to be clipped.

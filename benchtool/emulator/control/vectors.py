@@ -20,7 +20,7 @@ _HIGH_A, _HIGH_B, _HIGH_C = 0b11000110, 0b10011100, 0b11110000
 
 @njit
 def held(vector: int, u_dc: float) -> Modulated:
-    """Duties of 0 and 1, and the voltage that they make."""
+    """Return the duties of 0 and 1, and the voltage that they make."""
     a = float((_HIGH_A >> vector) & 1)
     b = float((_HIGH_B >> vector) & 1)
     c = float((_HIGH_C >> vector) & 1)
@@ -30,5 +30,5 @@ def held(vector: int, u_dc: float) -> Modulated:
 
 @njit
 def nearest_zero(control: Any) -> int:
-    """The zero vector that is fewer switchings away from the duties under way."""
+    """Return the zero vector that is fewer switchings away from the duties under way."""
     return 7 if control.duty_a + control.duty_b + control.duty_c > 1.5 else 0

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from benchtool.emulator.jit import njit
 from benchtool.emulator.memory import Record, record_type, word_offset, words
 from benchtool.errors import ValueRefused
-from benchtool.protocol.capture_data import MOST_VALUES
-from benchtool.ticks import on_wire
+from benchtool.protocol import MOST_VALUES
+from benchtool.ticks import wrap_tick
 
 MAX_ROWS = 200_000
 MAX_CHANNELS = 16
@@ -79,7 +79,7 @@ CAPTURE = record_type(
 
 
 @njit
-def take(
+def capture_row(
     capture: Any,
     drive: Any,
     drive_words: NDArray[np.uint32],
@@ -171,7 +171,7 @@ class CaptureRecorder:
         trigger_name: str = "torque",
         trigger_level: float = 0.0,
     ) -> None:
-        """Forget the rows of before and wait for a trigger.
+        """Discard earlier rows and wait for a trigger.
 
         `trigger_level` is in the unit of `trigger_name`, and counts for the rising and falling trigger.
 
@@ -210,7 +210,7 @@ class CaptureRecorder:
     def first_tick(self) -> int:
         """Tick of the first kept row."""
         capture = self.record[0]
-        return on_wire(int(capture.armed_tick) + int(capture.first) * int(capture.stride))
+        return wrap_tick(int(capture.armed_tick) + int(capture.first) * int(capture.stride))
 
     @property
     def rows_done(self) -> int:
@@ -222,7 +222,7 @@ class CaptureRecorder:
         return written - int(capture.first)
 
     def rows(self) -> NDArray[np.uint32]:
-        """Rows of a complete capture in order of time, shape (rows, channels), as raw 32-bit words.
+        """Return rows of a complete capture in order of time, shape (rows, channels), as raw 32-bit words.
 
         Raises:
             ValueRefused: the capture is not complete.

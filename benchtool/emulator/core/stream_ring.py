@@ -1,7 +1,7 @@
 """The stream at the control rate: rows of up to 16 signals go into a ring for as long as it runs.
 
-The kernel never waits for who reads. It counts the rows it writes; a reader that comes too late finds the
-oldest ones overwritten, and is told how many.
+The kernel never waits for a reader. It counts the rows it writes; a reader that is too late finds the oldest
+rows overwritten, and gets their number.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from benchtool.emulator.jit import njit
 from benchtool.emulator.memory import Record, record_type, word_offset
 from benchtool.errors import ValueRefused
-from benchtool.ticks import on_wire
+from benchtool.ticks import wrap_tick
 
 MAX_CHANNELS = 16
 RING_ROWS = 4096
@@ -69,7 +69,7 @@ class StreamRecorder:
         self._read = 0
 
     def start(self, names: Sequence[str], stride: int) -> None:
-        """Forget what was not read, and write a row in every tick that is a multiple of `stride` from now on.
+        """Discard unread rows, and write a row in every tick that is a multiple of `stride` from now on.
 
         Raises:
             ValueRefused: a name is no four-byte field of the memory, or a number is out of its limits.
@@ -100,7 +100,7 @@ class StreamRecorder:
         self.record[0].running = 0
 
     def ticks_until(self, rows: int) -> int:
-        """Ticks from now until `rows` rows wait to be taken; 0 if they do."""
+        """Return the ticks from now until `rows` rows wait to be taken; 0 if they do."""
         stream = self.record[0]
         missing = rows - (int(stream.written) - self._read)
         return int(stream.until_row) + 1 + (missing - 1) * int(stream.stride) if missing > 0 else 0
@@ -110,10 +110,11 @@ class StreamRecorder:
         """Rows written and not yet taken, overwritten ones among them."""
         return int(self.record[0].written) - self._read
 
-    def take(self, rows: int) -> StreamRows:
-        """The oldest rows, at most so many, which are given away; shape (rows, channels), as 32-bit words."""
+    def read(self, rows: int) -> StreamRows:
+        """Return the oldest rows, at most so many, which are given away; shape (rows, channels), as 32-bit
+        words."""
         lost = max(0, self.waiting - len(self.ring))
         first = self._read + lost
         self._read = min(first + rows, int(self.record[0].written))
-        first_tick = on_wire(self._origin + first * int(self.record[0].stride))
+        first_tick = wrap_tick(self._origin + first * int(self.record[0].stride))
         return StreamRows(lost, first_tick, self.ring[np.arange(first, self._read) % len(self.ring)])

@@ -1,1 +1,1 @@
-"""The drive's firmware: dictionary, CiA 402 states, faults, link supervision. It knows nothing of frames."""
+"""The drive's firmware: dictionary, CiA 402 states, faults, link supervision; independent of frames."""

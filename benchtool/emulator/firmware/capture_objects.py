@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from benchtool.emulator.core import Core
 from benchtool.emulator.core.capture_memory import CaptureState
+from benchtool.emulator.core.core import Core
 from benchtool.emulator.firmware.objects import ObjectStore, Refused
-from benchtool.protocol.canopen.abort import Abort
-from benchtool.protocol.capture_data import CaptureHeader, encode_capture
-from benchtool.protocol.dictionary.objects import Entry, Number
+from benchtool.protocol import CaptureHeader, encode_capture
+from benchtool.protocol.canopen import Abort
+from benchtool.protocol.dictionary import Entry, Number
 
 _MAX_CHANNELS = 16
 _MAX_VALUES = 1_000_000
@@ -30,7 +30,7 @@ class CaptureObjects:
         objects.compute("capture_data", self._data)
 
     def abort(self) -> None:
-        """End a capture that is under way; its rows are gone."""
+        """Abort a capture that is under way; its rows are lost."""
         if self._core.capture.state in (CaptureState.ARMED, CaptureState.TRIGGERED):
             self._core.capture.abort()
 

@@ -6,16 +6,14 @@ import math
 from collections.abc import Callable, Mapping
 from functools import partial
 
-from benchtool.emulator.core import Core, Trip
+from benchtool.emulator.core.core import Core, Trip
 from benchtool.emulator.firmware.capture_objects import CaptureObjects
 from benchtool.emulator.firmware.objects import ObjectStore, Refused
 from benchtool.emulator.firmware.stimulus_objects import StimulusObjects
 from benchtool.emulator.firmware.supervision import LinkState, LinkSupervision
-from benchtool.protocol.canopen.abort import Abort
-from benchtool.protocol.canopen.emcy import Emergency, ErrorCode, error_register
-from benchtool.protocol.cia402 import State, statusword, transition
-from benchtool.protocol.dictionary.objects import Number, ObjectTable
-from benchtool.protocol.modes import Mode
+from benchtool.protocol import Mode, State, statusword, transition
+from benchtool.protocol.canopen import Abort, Emergency, ErrorCode, error_register
+from benchtool.protocol.dictionary import Number, ObjectTable
 
 _SAVE = 0x65766173
 _LOAD = 0x64616F6C
@@ -34,7 +32,7 @@ _ERROR_OF_TRIP = {
 
 
 class Firmware:
-    """A drive behind its dictionary; frames are its servers' business.
+    """A drive behind its dictionary; servers handle the frames.
 
     Args:
         table: its objects.
@@ -113,10 +111,10 @@ class Firmware:
         self.supervision.feed(self.now_s)
 
     def stop(self) -> None:
-        """Switch the power stage off without a fault and forget the targets, as NMT stop does."""
+        """Switch the power stage off without a fault and clear the targets, as NMT stop does."""
         if self.state.power_stage_on:
             self._enter(State.SWITCH_ON_DISABLED)
-        self._forget_targets()
+        self._clear_targets()
 
     def advance_to(self, tick: int) -> None:
         """Run control and machine up to a drive tick, counted on past 2**32."""
@@ -127,11 +125,11 @@ class Firmware:
             if (left_s := self.supervision.deadline_s() - self.now_s) < math.inf:
                 ahead = min(ahead, max(1, round(left_s / self.period_s)))
             self.core.run(ahead)
-            self._look_after()
+            self._supervise()
 
     # ---- after every run of the core -------------------------------------------------------------------
 
-    def _look_after(self) -> None:
+    def _supervise(self) -> None:
         if self.core.command.trip and self.state is not State.FAULT:
             trips = int(self.core.command.trip)
             first = next(trip for trip in Trip if trips & trip)
@@ -144,7 +142,7 @@ class Firmware:
     def _fault(self, code: ErrorCode) -> None:
         self._report(code)
         self._enter(State.FAULT)
-        self._forget_targets()
+        self._clear_targets()
 
     def _report(self, code: ErrorCode) -> None:
         self.objects["error_code"] = int(code)
@@ -160,14 +158,14 @@ class Firmware:
             return
         self._report(ErrorCode.HEARTBEAT)
         if action != 0:
-            self._forget_targets()
+            self._clear_targets()
         if action == 2:
             self.stop()
         elif action == 3 and self.state.power_stage_on:
-            self._quick_stop(hold=False)  # nobody is there who could end a hold
+            self._quick_stop(hold=False)  # no host is left that could end a hold
 
-    def _forget_targets(self) -> None:
-        """Have the next start wait for a fresh command."""
+    def _clear_targets(self) -> None:
+        """Clear the targets, so that the next start waits for a new command."""
         for name in _TARGETS:
             self.objects[name] = 0
 
@@ -209,7 +207,7 @@ class Firmware:
             return
         self._stimulus.stop()
         self.core.command.off_at_standstill = not (hold and option in _HOLDING_OPTIONS)
-        self.core.command.standstill = 0  # what a halt came to is no end of a quick stop
+        self.core.command.standstill = 0  # the standstill of a halt does not end a quick stop
         self.core.command.quick_stop = 1
         self.state = State.QUICK_STOP_ACTIVE
 
@@ -230,12 +228,12 @@ class Firmware:
             self.state,
             voltage_enabled=self.objects["u_dc"] > self.objects["u_dc_min"],
             warning=self.supervision.state is LinkState.LOST,
-            target_reached=self._stands(),
+            target_reached=self._is_at_standstill(),
             internal_limit=self.state.power_stage_on and bool(limited),
         )
 
-    def _stands(self) -> bool:
-        """Whether a halt or a quick stop that holds has brought the axis to standstill."""
+    def _is_at_standstill(self) -> bool:
+        """Return whether a halt or a quick stop that holds has brought the axis to standstill."""
         command = self.core.command
         halted = self.state is State.OPERATION_ENABLED and bool(command.halt)
         return bool(command.standstill) and (halted or self.state is State.QUICK_STOP_ACTIVE)
@@ -294,7 +292,7 @@ class Firmware:
         mode = Mode(int(raw))
         if mode != self.core.command.mode:
             self._stimulus.stop()  # it was started for the mode that ends
-            self._forget_targets()
+            self._clear_targets()
         self.core.command.mode = int(mode)
         self.objects["mode_of_operation_display"] = int(mode)
 

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from benchtool.protocol.canopen.abort import Abort
-from benchtool.protocol.dictionary.objects import DataType, Entry, Number, ObjectTable
+from benchtool.protocol.canopen import Abort
+from benchtool.protocol.dictionary import DataType, Entry, Number, ObjectTable
 
 Value = Number | str | bytes
 
@@ -62,11 +62,11 @@ class ObjectStore:
         self._effects[name] = effect
 
     def is_computed(self, name: str) -> bool:
-        """Whether memory does not hold the value of `name`."""
+        """Return whether memory does not hold the value of `name`."""
         return name in self._computed
 
     def __getitem__(self, name: str) -> Number:
-        """Raw number of `name` as memory holds it."""
+        """Return the raw number of `name` as memory holds it."""
         value: Number = self._memory[name][0].item()
         return value
 
@@ -74,11 +74,11 @@ class ObjectStore:
         self._memory[name][0] = raw
 
     def parameters(self) -> Mapping[str, Number]:
-        """Raw values of every entry that `store_parameters` keeps."""
+        """Return the raw values of every entry that `store_parameters` keeps."""
         return {entry.name: self[entry.name] for entry in self.table if entry.role == "parameter"}
 
     def read(self, index: int, sub: int) -> bytes:
-        """Raw bytes of an entry.
+        """Return the raw bytes of an entry.
 
         Raises:
             Refused: no such object, or it cannot be read now.
@@ -98,7 +98,7 @@ class ObjectStore:
         return np.asarray(value, dtype=entry.type.numpy).tobytes()
 
     def length(self, index: int, sub: int) -> int | None:
-        """Bytes of an entry; None if there is no such entry or its length varies."""
+        """Return the bytes of an entry; None if there is no such entry or its length varies."""
         entry = self.table.by_key.get((index, sub))
         return entry.type.bits // 8 or None if entry is not None else None
 
@@ -123,7 +123,7 @@ class ObjectStore:
         self[name] = min(entry.default, self._ceiling(entry))
 
     def is_acceptable(self, name: str) -> bool:
-        """Whether a write of the value that memory holds for `name` would be within all limits."""
+        """Return whether a write of the value that memory holds for `name` would be within all limits."""
         entry = self.table.by_name[name]
         try:
             self._require_consistent(entry, _raw(entry, self.read(entry.index, entry.sub)))
@@ -146,7 +146,8 @@ class ObjectStore:
                 raise Refused(Abort.PARAMETER_INCOMPATIBLE)
 
     def _ceiling(self, entry: Entry) -> float:
-        """What the entry that limits it allows at most; infinity where none does, or it is not known."""
+        """Return what the entry that limits it allows at most; infinity where none does, or it is not
+        known."""
         most = _rounded(entry, self[entry.max_entry] * entry.max_times) if entry.max_entry else 0.0
         return most if most > 0.0 else math.inf
 
@@ -169,7 +170,7 @@ class ObjectStore:
                 raise
 
     def _accept(self, entry: Entry, data: bytes) -> Number:
-        """Raw number of `data`, which may be written to the entry now."""
+        """Return the raw number of `data`, which may be written to the entry now."""
         if entry.access not in ("rw", "wo"):
             raise Refused(Abort.READ_ONLY)
         raw = _raw(entry, data)
@@ -187,7 +188,7 @@ class ObjectStore:
 
 
 def _raw(entry: Entry, data: bytes) -> Number:
-    """Number that `data` states, within the limits of the entry."""
+    """Return the number that `data` states, within the limits of the entry."""
     dtype = entry.type.numpy
     if dtype is None:
         raise Refused(Abort.READ_ONLY)
@@ -206,7 +207,7 @@ def _raw(entry: Entry, data: bytes) -> Number:
 
 
 def _rounded(entry: Entry, limit: Number) -> Number:
-    """The limit as a drive in single precision holds it, so that the limit itself is accepted."""
+    """Return the limit as a drive in single precision holds it, so that the limit itself is accepted."""
     if entry.type is DataType.F32:
         value: float = struct.unpack("<f", struct.pack("<f", limit))[0]
         return value

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 
 from benchtool.emulator.control.stimulus import Frame, Quantity, Shape, StimulusState, feedback, halt
-from benchtool.emulator.core import Core
+from benchtool.emulator.core.core import Core
 from benchtool.emulator.firmware.objects import ObjectStore, Refused
-from benchtool.protocol.canopen.abort import Abort
-from benchtool.protocol.dictionary.objects import Number
-from benchtool.protocol.modes import Mode
+from benchtool.protocol import Mode
+from benchtool.protocol.canopen import Abort
+from benchtool.protocol.dictionary import Number
 
 _START = 1
 _MODES = {
@@ -55,7 +55,7 @@ class StimulusObjects:
             raise Refused(Abort.VALUE_HIGH)
 
     def _limit(self, quantity: Quantity) -> float:
-        """What the stimulus may reach; a speed adds to the setpoint."""
+        """Return what the stimulus may reach; a speed adds to the setpoint."""
         objects = self._objects
         match quantity:
             case Quantity.TORQUE:
@@ -68,7 +68,7 @@ class StimulusObjects:
                 return objects["u_dc"] / math.sqrt(3.0)
 
     def _is_consistent(self, shape: Shape) -> bool:
-        """Whether the entries that this shape uses go together."""
+        """Return whether the entries that this shape uses go together."""
         objects = self._objects
         match shape:
             case Shape.CHIRP_LOGARITHMIC:

@@ -1,4 +1,4 @@
-"""Link supervision: the drive stops the motor when the host falls silent."""
+"""Link supervision: the drive stops the motor when the host's heartbeat stops."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class LinkSupervision:
         self.rearm()
 
     def rearm(self) -> None:
-        """Forget a loss and wait for the next heartbeat."""
+        """Clear a loss and wait for the next heartbeat."""
         supervised = self.host_node_id != 0 and self._timeout_s > 0.0
         self.state = LinkState.WAITING if supervised else LinkState.OFF
 
@@ -45,11 +45,11 @@ class LinkSupervision:
             self._deadline_s = now_s + self._timeout_s
 
     def deadline_s(self) -> float:
-        """When the link counts as lost; infinity while it is not watched."""
+        """Return when the link counts as lost; infinity while it is not watched."""
         return self._deadline_s if self.state is LinkState.ALIVE else float("inf")
 
     def expire(self, now_s: float) -> bool:
-        """Whether the link was lost just now."""
+        """Return whether the link was lost just now."""
         if now_s < self.deadline_s():
             return False
         self.state = LinkState.LOST

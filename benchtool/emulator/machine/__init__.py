@@ -1,1 +1,1 @@
-"""The machine as it really is: motor, shaft, power stage, sensors. Compiled; control never sees it."""
+"""The true machine: motor, shaft, power stage, sensors. Compiled; control never sees it."""

@@ -117,7 +117,7 @@ def run_open_loop(
     theta_e: float,
     T_load: float,
 ) -> NDArray[np.float64]:
-    """Rows (i_alpha, i_beta, omega_m, theta_e) at rising sample times."""
+    """Return the rows (i_alpha, i_beta, omega_m, theta_e) at rising sample times."""
     result = np.empty((samples.size, 4))
     c, s = math.cos(theta_e), math.sin(theta_e)
     x = place(i_alpha * c + i_beta * s, i_beta * c - i_alpha * s, omega_e, theta_e)

@@ -11,8 +11,7 @@ Between two switching edges the stator voltage is constant in alpha/beta, so in 
 is integrated along with the currents, in steps of the classical Runge-Kutta method of fourth order. The
 direction of the rotor flux, (cos_theta, sin_theta), is carried along and turned by the angle of each step.
 
-Flux harmonics 5 and 7 turn up in d/q at 6 theta_e; their torque is the one that conserves energy. Coulomb
-friction is smoothed around standstill: T_coulomb omega_e / sqrt(omega_e^2 + OMEGA_0^2).
+Harmonics of the flux, cogging and dry friction are optional parts of the machine, in modules of their own.
 """
 
 from __future__ import annotations
@@ -21,9 +20,27 @@ import math
 from typing import NamedTuple
 
 from benchtool.emulator.jit import njit
-from benchtool.emulator.rotation import turned
+from benchtool.emulator.machine.harmonics import (
+    Harmonics,
+    harmonic_turning,
+    linkage,
+    with_harmonic_emf,
+    with_harmonic_torque,
+)
+from benchtool.emulator.machine.shaft import (
+    Cogging,
+    Friction,
+    cogging_stiffness,
+    cogging_turning,
+    less_cogging,
+    less_friction,
+    part_until_rest,
+    sliding,
+    stribeck_slope,
+)
+from benchtool.emulator.rotate import rotate
 
-OMEGA_0 = 0.2  # electrical rad/s, speed below which Coulomb friction fades out
+MOST_TURN = 100.0  # rad of the fastest process in a PWM period: beyond, a period takes too many steps
 
 
 class Machine(NamedTuple):
@@ -38,13 +55,11 @@ class Machine(NamedTuple):
     L_d: float
     L_q: float
     psi_r: float
-    psi_5: float
-    psi_7: float
     J: float
     B: float
-    T_coulomb: float
-    T_cogging: float
-    N_cogging: float
+    harmonics: Harmonics | None
+    cogging: Cogging | None
+    friction: Friction | None
 
     inv_L_d: float  # zero with open terminals
     inv_L_q: float
@@ -57,7 +72,6 @@ class Machine(NamedTuple):
     kappa: float  # gamma 3/2 p psi_r
     sigma: float  # gamma 3/2 p (L_d - L_q)
     beta: float  # B / J
-    imperfect: bool  # there are harmonics, cogging or Coulomb friction
 
 
 class State(NamedTuple):
@@ -74,7 +88,7 @@ class State(NamedTuple):
 
 @njit
 def place(i_d: float, i_q: float, omega_e: float, theta_e: float) -> State:
-    """State with its direction derived from the angle."""
+    """Return the state with its direction derived from the angle."""
     return State(i_d, i_q, omega_e, theta_e, 0.0, math.cos(theta_e), math.sin(theta_e))
 
 
@@ -85,17 +99,16 @@ def machine_of(
     L_d: float,
     L_q: float,
     psi_r: float,
-    psi_5: float,
-    psi_7: float,
     J: float,
     B: float,
-    T_coulomb: float,
-    T_cogging: float,
-    N_cogging: float,
+    harmonics: Harmonics | None,
+    cogging: Cogging | None,
+    friction: Friction | None,
     speed_held: bool,
     open_terminals: bool,
 ) -> Machine:
-    """Coefficients of a machine, with its speed held, its currents held at zero, or both, or neither."""
+    """Return the coefficients of a machine, with its speed held, its currents held at zero, or both, or
+    neither."""
     closed = 0.0 if open_terminals else 1.0
     gamma = 0.0 if speed_held else p / J
     return Machine(
@@ -104,13 +117,11 @@ def machine_of(
         L_d,
         L_q,
         psi_r,
-        psi_5,
-        psi_7,
         J,
         B,
-        T_coulomb,
-        T_cogging,
-        N_cogging,
+        harmonics,
+        cogging,
+        friction,
         closed / L_d,
         closed / L_q,
         R_s / L_d,
@@ -122,26 +133,24 @@ def machine_of(
         gamma * 1.5 * p * psi_r,
         gamma * 1.5 * p * (L_d - L_q),
         gamma * B / p,
-        psi_5 != 0.0 or psi_7 != 0.0 or T_coulomb > 0.0 or T_cogging > 0.0,
     )
 
 
 @njit
 def holding(m: Machine, speed: bool, currents: bool) -> Machine:
-    """The machine with its speed held, or with open terminals, or both; what was held before stays held."""
+    """Return the machine with its speed held, or with open terminals, or both; what was held before stays
+    held."""
     return machine_of(
         m.p,
         m.R_s,
         m.L_d,
         m.L_q,
         m.psi_r,
-        m.psi_5,
-        m.psi_7,
         m.J,
         m.B,
-        m.T_coulomb,
-        m.T_cogging,
-        m.N_cogging,
+        m.harmonics,
+        m.cogging,
+        m.friction,
         speed or m.gamma == 0.0,
         currents or m.inv_L_d == 0.0,
     )
@@ -149,77 +158,63 @@ def holding(m: Machine, speed: bool, currents: bool) -> Machine:
 
 @njit
 def fastest_rate(m: Machine) -> float:
-    """Sum of the machine's rates at standstill, 1/s: electrical, mechanical and coupled."""
+    """Return the sum of the machine's rates at standstill, 1/s: electrical, mechanical and coupled."""
     inv_L = max(m.inv_L_d, m.inv_L_q)
-    linkage = m.psi_r + 5.0 * abs(m.psi_5) + 7.0 * abs(m.psi_7)
-    stiffness = 1.5 * m.p * linkage * linkage * inv_L + m.T_cogging * m.N_cogging / m.p
-    friction = (m.B + m.T_coulomb * m.p / OMEGA_0) / m.p
+    psi = m.psi_r + linkage(m.harmonics)
+    stiffness = 1.5 * m.p * psi * psi * inv_L + cogging_stiffness(m.cogging)
+    friction = m.B / m.p + stribeck_slope(m.friction)
     return m.R_s * inv_L + math.sqrt(m.gamma * stiffness) + m.gamma * friction
 
 
 @njit
 def turning_rate(m: Machine) -> float:
-    """Rate in 1/s that every electrical rad/s adds to `fastest_rate`."""
-    rate = max(1.0, m.k_d, m.k_q)
-    if m.psi_5 != 0.0 or m.psi_7 != 0.0:
-        rate += 6.0
-    if m.T_cogging > 0.0:
-        rate += m.N_cogging / m.p
-    return rate
+    """Return the rate in 1/s that every electrical rad/s adds to `fastest_rate`."""
+    return max(1.0, m.k_d, m.k_q) + harmonic_turning(m.harmonics) + cogging_turning(m.cogging)
 
 
 @njit
 def airgap_torque(i_d: float, i_q: float, theta_e: float, m: Machine) -> float:
-    """Electromagnetic torque in Nm, 3/2 p (psi_s x i_s), with the torque of the flux harmonics."""
+    """Return the electromagnetic torque in Nm, 3/2 p (psi_s x i_s), with the torque of the flux harmonics."""
     torque = (m.psi_r + (m.L_d - m.L_q) * i_d) * i_q
-    if m.imperfect:
-        g_d, g_q = _harmonics(theta_e, m)
-        torque += g_d * i_d + g_q * i_q
-    return 1.5 * m.p * torque
+    return 1.5 * m.p * with_harmonic_torque(m.harmonics, torque, i_d, i_q, theta_e, 1.0)
 
 
 @njit
 def derivative(
-    i_d: float, i_q: float, omega_e: float, theta_e: float, v_d: float, v_q: float, m: Machine, T_load: float
+    i_d: float,
+    i_q: float,
+    omega_e: float,
+    theta_e: float,
+    v_d: float,
+    v_q: float,
+    m: Machine,
+    T_load: float,
+    slide: float = 0.0,
 ) -> tuple[float, float, float, float, float]:
-    """Rates of i_d, i_q, omega_e, v_d and v_q, where v_d = u_d / L_d and v_q = u_q / L_q."""
+    """Return the rates of i_d, i_q, omega_e, v_d and v_q, where v_d = u_d / L_d and v_q = u_q / L_q.
+
+    `slide` is the direction in which a shaft with dry friction slides; by default it sticks.
+    """
     along, across = omega_e * m.k_d, omega_e * m.k_q
     di_d = (v_d + along * i_q) - m.rho_d * i_d
     di_q = (v_q - across * i_d) - (m.rho_q * i_q + omega_e * m.epsilon)
-    domega = (m.kappa + m.sigma * i_d) * i_q - (m.beta * omega_e + m.gamma * T_load)
-    if m.imperfect:
-        extra_d, extra_q, extra_w = _imperfections(i_d, i_q, omega_e, theta_e, m)
-        di_d, di_q, domega = di_d + extra_d, di_q + extra_q, domega + extra_w
+    di_d, di_q = with_harmonic_emf(m.harmonics, di_d, di_q, omega_e, theta_e, m.inv_L_d, m.inv_L_q)
+    domega = _acceleration(i_d, i_q, omega_e, theta_e, m, T_load)
+    domega = less_friction(m.friction, domega, omega_e, slide, m.gamma)
     return di_d, di_q, domega, along * v_q, -(across * v_d)
 
 
 @njit
-def _imperfections(
-    i_d: float, i_q: float, omega_e: float, theta_e: float, m: Machine
-) -> tuple[float, float, float]:
-    """What flux harmonics, cogging and Coulomb friction add to the rates of i_d, i_q and omega_e."""
-    g_d, g_q = _harmonics(theta_e, m)
-    torque = 1.5 * m.p * (g_d * i_d + g_q * i_q)
-    if m.T_cogging > 0.0:
-        torque -= m.T_cogging * math.sin(m.N_cogging * theta_e / m.p)
-    torque -= m.T_coulomb * omega_e / math.sqrt(omega_e * omega_e + OMEGA_0 * OMEGA_0)
-    return -omega_e * g_d * m.inv_L_d, -omega_e * g_q * m.inv_L_q, m.gamma * torque
-
-
-@njit
-def _harmonics(theta_e: float, m: Machine) -> tuple[float, float]:
-    """Change of the rotor flux's fifth and seventh harmonic with theta_e, in d/q, in Wb/rad.
-
-    The fifth turns backwards and the seventh forwards: psi_5 exp(-j 5 theta) + psi_7 exp(j 7 theta).
-    """
-    g_d = -(5.0 * m.psi_5 + 7.0 * m.psi_7) * math.sin(6.0 * theta_e)
-    g_q = (7.0 * m.psi_7 - 5.0 * m.psi_5) * math.cos(6.0 * theta_e)
-    return g_d, g_q
+def _acceleration(i_d: float, i_q: float, omega_e: float, theta_e: float, m: Machine, T_load: float) -> float:
+    """Return the rate of omega_e without dry friction."""
+    domega = (m.kappa + m.sigma * i_d) * i_q - (m.beta * omega_e + m.gamma * T_load)
+    domega = with_harmonic_torque(m.harmonics, domega, i_d, i_q, theta_e, m.gamma * 1.5 * m.p)
+    return less_cogging(m.cogging, domega, theta_e, m.gamma)
 
 
 @njit
 def scaled_voltage(x: State, u_alpha: float, u_beta: float, m: Machine) -> tuple[float, float]:
-    """v_d = u_d / L_d and v_q = u_q / L_q of a stator voltage."""
+    """Return v_d = u_d / L_d and v_q = u_q / L_q of a stator voltage."""
     u_d = u_alpha * x.cos_theta + u_beta * x.sin_theta
     u_q = u_beta * x.cos_theta - u_alpha * x.sin_theta
     return u_d * m.inv_L_d, u_q * m.inv_L_q
@@ -227,12 +222,13 @@ def scaled_voltage(x: State, u_alpha: float, u_beta: float, m: Machine) -> tuple
 
 @njit
 def step(x: State, u_alpha: float, u_beta: float, h: float, m: Machine, T_load: float) -> State:
-    """One Runge-Kutta step of `h` seconds under the constant voltage (u_alpha, u_beta)."""
+    """Return one Runge-Kutta step of `h` seconds under the constant voltage (u_alpha, u_beta)."""
     i_d, i_q, w, theta = x.i_d, x.i_q, x.omega_e, x.theta_e
     v_d, v_q = scaled_voltage(x, u_alpha, u_beta, m)
     half = 0.5 * h
+    slide = sliding(m.friction, w, _acceleration(i_d, i_q, w, theta, m, T_load), m.gamma)
 
-    a_d, a_q, a_w, a_vd, a_vq = derivative(i_d, i_q, w, theta, v_d, v_q, m, T_load)
+    a_d, a_q, a_w, a_vd, a_vq = derivative(i_d, i_q, w, theta, v_d, v_q, m, T_load, slide)
 
     w2 = w + half * a_w
     b_d, b_q, b_w, b_vd, b_vq = derivative(
@@ -244,6 +240,7 @@ def step(x: State, u_alpha: float, u_beta: float, h: float, m: Machine, T_load: 
         v_q + half * a_vq,
         m,
         T_load,
+        slide,
     )
 
     w3 = w + half * b_w
@@ -256,16 +253,17 @@ def step(x: State, u_alpha: float, u_beta: float, h: float, m: Machine, T_load: 
         v_q + half * b_vq,
         m,
         T_load,
+        slide,
     )
 
     w4 = w + h * c_w
     d_d, d_q, d_w, _, _ = derivative(
-        i_d + h * c_d, i_q + h * c_q, w4, theta + h * w3, v_d + h * c_vd, v_q + h * c_vq, m, T_load
+        i_d + h * c_d, i_q + h * c_q, w4, theta + h * w3, v_d + h * c_vd, v_q + h * c_vq, m, T_load, slide
     )
 
     sixth = h * (1.0 / 6.0)
     turn = sixth * (w + 2.0 * (w2 + w3) + w4)
-    cos_theta, sin_theta = turned(x.cos_theta, x.sin_theta, turn)
+    cos_theta, sin_theta = rotate(x.cos_theta, x.sin_theta, turn)
     theta, theta_rest = added(x.theta_e, x.theta_rest, turn)
     return State(
         i_d + sixth * (a_d + 2.0 * (b_d + c_d) + d_d),
@@ -279,8 +277,21 @@ def step(x: State, u_alpha: float, u_beta: float, h: float, m: Machine, T_load: 
 
 
 @njit
+def move(x: State, u_alpha: float, u_beta: float, h: float, m: Machine, T_load: float) -> tuple[State, float]:
+    """`step` that ends early where dry friction brings the shaft to rest. Returns its length as well."""
+    after = step(x, u_alpha, u_beta, h, m, T_load)
+    part = part_until_rest(m.friction, x.omega_e, after.omega_e)
+    if part < 1.0:
+        h = part * h
+        y = step(x, u_alpha, u_beta, h, m, T_load)
+        after = State(y.i_d, y.i_q, 0.0, y.theta_e, y.theta_rest, y.cos_theta, y.sin_theta)
+    return after, h
+
+
+@njit
 def substep(remaining: float, rate: float, turn: float) -> float:
-    """Step of equal parts of `remaining` in which the fastest process advances by at most `turn` rad."""
+    """Return the step of equal parts of `remaining` in which the fastest process advances by at most `turn`
+    rad."""
     parts = remaining * rate
     return remaining if parts <= turn else remaining / math.ceil(parts / turn)
 
@@ -294,7 +305,7 @@ def advance(
     remaining, rest = duration, 0.0
     while remaining > 0.0:
         h = substep(remaining, at_rest + moving * abs(x.omega_e), turn)
-        x = step(x, u_alpha, u_beta, h, m, T_load)
+        x, h = move(x, u_alpha, u_beta, h, m, T_load)
         remaining, rest = added(remaining, rest, -h)
     return x
 

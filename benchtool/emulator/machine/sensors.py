@@ -1,4 +1,4 @@
-"""Measurement: what the converter and the encoder make of the machine's true state."""
+"""Measurement: converter and encoder models applied to the machine's true state."""
 
 from __future__ import annotations
 
@@ -31,13 +31,13 @@ class Sensing(NamedTuple):
 
 @njit
 def code_of(value: float, steps_per_unit: float, lowest: float, highest: float) -> float:
-    """Code of a mid-tread converter: the nearest step, held within its range."""
+    """Return the code of a mid-tread converter: the nearest step, held within its range."""
     return min(max(math.floor(value * steps_per_unit + 0.5), lowest), highest)
 
 
 @njit
 def encoder_count(theta_m: float, sensing: Sensing) -> int:
-    """Position within a revolution, floor((theta_m + offset) counts / 2 pi) modulo counts."""
+    """Return the position within a revolution, floor((theta_m + offset) counts / 2 pi) modulo counts."""
     count = math.floor((theta_m + sensing.encoder_offset) * sensing.counts / (2.0 * math.pi))
     return int(count - math.floor(count / sensing.counts) * sensing.counts)
 
@@ -49,7 +49,7 @@ def measure(
     """Sample currents, dc link and position into the record `measurement`.
 
     `noise`, shape (3,), is added to the currents in A. `saturated` counts the currents that read either end
-    of the converter's range, `u_dc_saturated` tells of a dc link that reads the upper one.
+    of the converter's range, `u_dc_saturated` is set where the dc link reads the upper one.
     """
     i_a, i_b, i_c = phase_currents(x)
     i_a = sensing.gain_a * i_a + sensing.offset_a + noise[0]
@@ -93,7 +93,7 @@ class Noise:
         self._samples = np.zeros((self.BATCH, 3), np.float32)
 
     def ahead(self) -> NDArray[np.float32]:
-        """Samples of the ticks to come, shape (n, 3) with n of at least 1."""
+        """Return the samples of the ticks to come, shape (n, 3) with n of at least 1."""
         if self._used == self.BATCH:
             self._used = 0
             if self._rms_A > 0.0:
@@ -102,5 +102,5 @@ class Noise:
         return self._samples[self._used :]
 
     def use(self, ticks: int) -> None:
-        """Take note that the first `ticks` samples are used up."""
+        """Discard the first `ticks` samples, which were used."""
         self._used += ticks

@@ -73,7 +73,7 @@ def _rates(
 
 @njit
 def _hermite(s: float, h: float, y0: float, y1: float, rate0: float, rate1: float) -> float:
-    """Cubic through (0, y0) and (h, y1) with the given slopes, at s * h."""
+    """Return the cubic through (0, y0) and (h, y1) with the given slopes, at s * h."""
     r = 1.0 - s
     return (1.0 + 2.0 * s) * r * r * y0 + s * s * (3.0 - 2.0 * s) * y1 + s * r * h * (r * rate0 - s * rate1)
 
@@ -98,7 +98,7 @@ class Transducer:
         self._first_tick = 0
 
     def start(self, ticks: int) -> None:
-        """Forget what was recorded and record the next `ticks` drive ticks.
+        """Discard earlier samples and record the next `ticks` drive ticks.
 
         Raises:
             ValueRefused: `ticks` is not between 1 and 2 000 000.
@@ -111,11 +111,11 @@ class Transducer:
         self.record[0].recording = 1
 
     def stop(self) -> None:
-        """Record no more; what was recorded stays readable."""
+        """Stop recording; recorded samples stay readable."""
         self.record[0].recording = 0
 
     def block(self) -> Block:
-        """What was recorded since `start`: channel `torque_transducer` in Nm.
+        """Return what was recorded since `start`: channel `torque_transducer` in Nm.
 
         Its tick is the sample, `samples_per_tick` of which make a drive tick, so drive tick k is its tick
         k * samples_per_tick.

@@ -1,13 +1,16 @@
-"""The emulated bench as it really is: values that control never sees, and the form the kernel reads."""
+"""True values of the emulated bench, which control never sees, and their form for the kernel."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
 
-from benchtool.emulator.machine.inverter import PowerStage
+from benchtool.emulator.machine.dc_link import DcLink
+from benchtool.emulator.machine.harmonics import Harmonics
+from benchtool.emulator.machine.inverter import DeadTime, Devices, PowerStage, Timer
 from benchtool.emulator.machine.plant import Machine, machine_of
 from benchtool.emulator.machine.sensors import Sensing
+from benchtool.emulator.machine.shaft import Cogging, Friction, Stribeck
 from benchtool.errors import ValueRefused
 
 
@@ -17,6 +20,9 @@ class MotorTruth:
 
     `cogging_order` counts periods of the cogging torque per mechanical revolution. `psi_5_Wb` and `psi_7_Wb`
     are the fifth and seventh harmonic of the rotor flux linkage of phase a, as cosines of 5 and 7 theta_e.
+    A shaft at rest sticks up to `breakaway_Nm`, which is the Coulomb torque where it is stated lower; while
+    the shaft turns, what it has above the Coulomb torque fades out over `stribeck_rad_s`, or at once if that
+    is 0.
 
     Raises:
         ValueRefused: a value is not finite, negative, or zero where the machine could not move.
@@ -30,6 +36,8 @@ class MotorTruth:
     J_kgm2: float
     friction_Nms: float = 0.0
     coulomb_Nm: float = 0.0
+    breakaway_Nm: float = 0.0
+    stribeck_rad_s: float = 0.0
     cogging_Nm: float = 0.0
     cogging_order: int = 0
     psi_5_Wb: float = 0.0
@@ -42,34 +50,60 @@ class MotorTruth:
             psi_r_Wb=self.psi_r_Wb,
             friction_Nms=self.friction_Nms,
             coulomb_Nm=self.coulomb_Nm,
+            breakaway_Nm=self.breakaway_Nm,
+            stribeck_rad_s=self.stribeck_rad_s,
             cogging_Nm=self.cogging_Nm,
             cogging_order=self.cogging_order,
         )
         finite(psi_5_Wb=self.psi_5_Wb, psi_7_Wb=self.psi_7_Wb)
 
-    def machine(self, speed_held: bool = False) -> Machine:
-        """Coefficients of the differential equations."""
+    def machine(self, speed_held: bool = False, devices_ohm: float = 0.0) -> Machine:
+        """Return the coefficients of the differential equations, with devices of this resistance in each
+        phase."""
         return machine_of(
             float(self.pole_pairs),
-            self.R_s_ohm,
+            self.R_s_ohm + devices_ohm,
             self.L_d_H,
             self.L_q_H,
             self.psi_r_Wb,
-            self.psi_5_Wb,
-            self.psi_7_Wb,
             self.J_kgm2,
             self.friction_Nms,
-            self.coulomb_Nm,
-            self.cogging_Nm,
-            float(self.cogging_order),
+            self._harmonics(),
+            self._cogging(),
+            self._friction(),
             speed_held,
             False,
         )
+
+    def _harmonics(self) -> Harmonics | None:
+        if self.psi_5_Wb == 0.0 and self.psi_7_Wb == 0.0:
+            return None
+        return Harmonics(self.psi_5_Wb, self.psi_7_Wb)
+
+    def _friction(self) -> Friction | None:
+        breakaway = max(self.breakaway_Nm, self.coulomb_Nm)
+        if breakaway == 0.0:
+            return None
+        excess = breakaway - self.coulomb_Nm
+        stribeck = None
+        if excess > 0.0 and self.stribeck_rad_s > 0.0:
+            stribeck = Stribeck(excess, 1.0 / (self.pole_pairs * self.stribeck_rad_s))
+        return Friction(self.coulomb_Nm, breakaway, stribeck)
+
+    def _cogging(self) -> Cogging | None:
+        if self.cogging_Nm == 0.0 or self.cogging_order == 0:
+            return None
+        return Cogging(self.cogging_Nm, self.cogging_order / self.pole_pairs)
 
 
 @dataclass(frozen=True, kw_only=True)
 class InverterTruth:
     """A two-level inverter on a dc link behind a resistance.
+
+    Every conducting device, switch or diode, takes `device_drop_V` and `on_resistance_ohm` times its current.
+    `timer_Hz` is the clock of the timer that counts up and down in a PWM period; 0 is as fine as you like.
+    With `dc_link_C_F` the link is a capacitor that the supply feeds through `dc_link_R_ohm` and takes nothing
+    back from; `supply_ripple_V` is the amplitude of the supply's ripple.
 
     Raises:
         ValueRefused: a value is not finite or out of its range.
@@ -79,6 +113,14 @@ class InverterTruth:
     dc_link_R_ohm: float = 0.0
     dead_time_s: float = 0.0
     device_drop_V: float = 0.0
+    on_resistance_ohm: float = 0.0
+    timer_Hz: float = 0.0
+    dc_link_C_F: float = 0.0
+    supply_ripple_V: float = 0.0
+    supply_ripple_Hz: float = 0.0
+    chopper_R_ohm: float = 0.0
+    chopper_on_V: float = 0.0
+    chopper_off_V: float = 0.0
 
     def __post_init__(self) -> None:
         positive(u_dc_V=self.u_dc_V)
@@ -86,11 +128,51 @@ class InverterTruth:
             dc_link_R_ohm=self.dc_link_R_ohm,
             dead_time_s=self.dead_time_s,
             device_drop_V=self.device_drop_V,
+            on_resistance_ohm=self.on_resistance_ohm,
+            timer_Hz=self.timer_Hz,
+            dc_link_C_F=self.dc_link_C_F,
+            supply_ripple_V=self.supply_ripple_V,
+            supply_ripple_Hz=self.supply_ripple_Hz,
+            chopper_R_ohm=self.chopper_R_ohm,
+            chopper_on_V=self.chopper_on_V,
+            chopper_off_V=self.chopper_off_V,
         )
+        if self.dc_link_C_F > 0.0 and self.dc_link_R_ohm == 0.0:
+            raise ValueRefused(
+                "dc_link_C_F without dc_link_R_ohm: a capacitor is charged through a resistance"
+            )
+        if self.dc_link_C_F == 0.0 and (self.supply_ripple_V > 0.0 or self.chopper_R_ohm > 0.0):
+            raise ValueRefused("supply_ripple_V or chopper_R_ohm without dc_link_C_F: state the capacitor")
+        if self.chopper_R_ohm > 0.0 and not self.chopper_on_V > self.chopper_off_V > self.u_dc_V:
+            raise ValueRefused(
+                f"chopper_on_V = {self.chopper_on_V:g} and chopper_off_V = {self.chopper_off_V:g} with "
+                f"u_dc_V = {self.u_dc_V:g}: have the first above the second, and both above the supply"
+            )
 
     def power_stage(self, T_s: float) -> PowerStage:
-        """Coefficients for a PWM period of `T_s` seconds."""
-        return PowerStage(T_s, self.u_dc_V, self.dc_link_R_ohm, self.dead_time_s, self.device_drop_V)
+        """Return the coefficients for a PWM period of `T_s` seconds."""
+        return PowerStage(
+            T_s=T_s,
+            u_dc=self.u_dc_V,
+            R_dc=self.dc_link_R_ohm,
+            metered=self.dc_link_R_ohm > 0.0,
+            link=self._dc_link(),
+            dead_time=DeadTime(self.dead_time_s) if self.dead_time_s > 0.0 else None,
+            timer=Timer(max(1.0, math.floor(0.5 * T_s * self.timer_Hz))) if self.timer_Hz > 0.0 else None,
+            devices=Devices(self.device_drop_V) if self.device_drop_V > 0.0 else None,
+        )
+
+    def _dc_link(self) -> DcLink | None:
+        if self.dc_link_C_F == 0.0:
+            return None
+        return DcLink(
+            C=self.dc_link_C_F,
+            ripple=self.supply_ripple_V,
+            omega_ripple=2.0 * math.pi * self.supply_ripple_Hz,
+            chopper_on=self.chopper_on_V,
+            chopper_off=self.chopper_off_V,
+            G_chopper=1.0 / self.chopper_R_ohm if self.chopper_R_ohm > 0.0 else 0.0,
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -126,7 +208,7 @@ class SensorTruth:
             finite(**{f"current_gain of phase {phase}": gain, f"current_offset_A of phase {phase}": offset})
 
     def sensing(self) -> Sensing:
-        """Coefficients of the measurement."""
+        """Return the coefficients of the measurement."""
         codes = 2.0**self.adc_bits
         return Sensing(
             *self.current_gain,

@@ -1,4 +1,4 @@
-"""What a wire with clients who come and go knows of them."""
+"""Clients of a wire, who may connect and disconnect."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A pseudo-terminal as a byte port: what a USB adapter's device file is to its clients, who come and go."""
+"""A pseudo-terminal as a byte port, which clients open like the device file of a USB adapter."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ import tty
 
 from benchtool.emulator.ports.client import HungUp
 from benchtool.emulator.ports.share import MOST_B, Share
-from benchtool.link.port import READ_S
+from benchtool.link import READ_S
 
 __all__ = ["HungUp", "PtyPort"]
 
-_NO_CLIENT_S = 0.01  # nothing tells that a client opens the other end
+_NO_CLIENT_S = 0.01  # polled: the opening of the other end raises no event
 _WRITE_POLL_ms = 50
 _SETTLING_S = 0.02
 
@@ -60,11 +60,11 @@ class PtyPort:
             except BlockingIOError:
                 return b""
             except OSError as reason:
-                if reason.errno != errno.EIO:  # EIO: nobody has the other end open
+                if reason.errno != errno.EIO:  # EIO: the other end is not open
                     raise
                 if self._has_client:
                     self._has_client = False
-                    with self._writing:  # a write under way ends, as nobody has the other end open
+                    with self._writing:  # a write under way ends, as the other end is not open
                         self._clients += 1
                         self._renew()
                     raise HungUp(f"the client of {self.path} hung up") from None
@@ -78,7 +78,7 @@ class PtyPort:
         """See `Port.write`.
 
         Raises:
-            HungUp: nobody has the other end open; the data are lost.
+            HungUp: the other end is not open; the data are lost.
             OSError: the port is closed.
         """
         clients = self._clients

@@ -1,4 +1,4 @@
-"""The share of a processor that one wire may take, so that a flood on it costs the other wires nothing."""
+"""Limit of the processor time of one wire, so that a flood on it does not delay the other wires."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ SHARE: Final = 0.25
 """Of one processor, for what a wire's client sends; hundreds of requests a second need a tenth of that."""
 
 MOST_B: Final = 4096
-"""Most that is taken from a wire at a time: what is done with it holds the drive up."""
+"""Most bytes read from a wire at a time: handling them delays the drive."""
 
 _BURST_S: Final = 0.05
 
@@ -44,7 +44,7 @@ class Share:
         self._handling_since_s = self._spent_s()
 
     def pause_s(self) -> float:
-        """How long to wait before more is read; 0 within the budget. For the thread that reads."""
+        """Return how long to wait before more is read; 0 within the budget. For the thread that reads."""
         now_s = self._now_s()
         self._budget_s = min(_BURST_S, self._budget_s + self._share * (now_s - self._filled_s))
         self._filled_s = now_s

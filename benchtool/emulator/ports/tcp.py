@@ -1,4 +1,4 @@
-"""A TCP port as a byte port: what a serial server on the network is to its clients, one at a time."""
+"""A TCP port as a byte port, like a serial server on the network, for one client at a time."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from contextlib import suppress
 
 from benchtool.emulator.ports.client import HungUp
 from benchtool.emulator.ports.share import MOST_B, Share
-from benchtool.link.port import READ_S
+from benchtool.link import READ_S
 
 _WRITE_POLL_S = 0.05
 _PATIENCE_s = 5
@@ -18,8 +18,8 @@ _PATIENCE_s = 5
 class TcpPort:
     """A listening socket and the connection of the client who is there.
 
-    A client who comes while another is there is turned away: its connection is accepted and closed. One whose
-    computer vanished without a word is given up after some seconds, where the system can tell.
+    A second client is refused: its connection is accepted and closed. A client whose computer vanished is
+    dropped after some seconds, where the system detects it.
 
     Args:
         host: address to listen at; loopback is not reached from other computers.
@@ -56,7 +56,7 @@ class TcpPort:
             client = self._client
             watched = [self._listener] if client is None else [self._listener, client]
             ready, _, _ = select.select(watched, [], [], READ_S)
-            # Who was there is heard to the end before the next is looked at.
+            # Read the data of the present client to the end before another is accepted.
             if client is not None and client in ready:
                 return self._hear(client)
             if ready:

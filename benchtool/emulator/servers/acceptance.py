@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from benchtool.protocol.slcan import SlcanFrame
+from benchtool.protocol import SlcanFrame
 
 ACCEPT_ALL = (0x00000000, 0xFFFFFFFF)
 """Code and mask after power-up (LAWICEL CAN232 manual)."""
 
 
 def accepts(code: int, mask: int, frame: SlcanFrame) -> bool:
-    """Whether a frame passes one of the two filters (NXP SJA1000 data sheet, 6.4.15.2).
+    """Return whether a frame passes one of the two filters (NXP SJA1000 data sheet, 6.4.15.2).
 
     Args:
         code: acceptance code registers 0 to 3, the first in the highest byte.

@@ -11,9 +11,7 @@ from benchtool.emulator.firmware.objects import Refused
 from benchtool.emulator.servers.drive_node import NEVER, DriveNode
 from benchtool.emulator.servers.receiver import Receiver
 from benchtool.emulator.servers.sdo_server import SdoServer
-from benchtool.protocol.canopen import cob_id
-from benchtool.protocol.canopen.emcy import Emergency
-from benchtool.protocol.canopen.nmt import NmtState
+from benchtool.protocol.canopen import Emergency, NmtState, cob_id
 
 _POLL_S = 0.2
 _ERRORS_IN_A_ROW = 10
@@ -103,9 +101,9 @@ class CanopenServer:
                 self._sdo.on_request(data)
         elif can_id - cob_id.HEARTBEAT in cob_id.NODES:
             if len(data) == 1:
-                node.take_heartbeat(can_id - cob_id.HEARTBEAT)
+                node.on_host_heartbeat(can_id - cob_id.HEARTBEAT)
         else:
-            node.take_process_data(can_id, data)
+            node.on_process_data(can_id, data)
 
     def _read(self, index: int, sub: int) -> bytes:
         try:

@@ -11,9 +11,8 @@ from benchtool.emulator.firmware.objects import Refused
 from benchtool.emulator.servers.pdo import ProcessData
 from benchtool.emulator.servers.receiver import Receiver
 from benchtool.errors import LinkClosed
-from benchtool.protocol.canopen.emcy import Emergency
-from benchtool.protocol.canopen.nmt import NmtCommand, NmtState
-from benchtool.ticks import on_wire
+from benchtool.protocol.canopen import Emergency, NmtCommand, NmtState
+from benchtool.ticks import wrap_tick
 
 OnGone = Callable[[OSError], None]
 
@@ -23,14 +22,14 @@ NEVER = 1 << 62
 class Server(Protocol):
     """One wire of a drive.
 
-    The node calls all but `receiver` with its lock held. A wire that is gone must not raise: its receiver
-    tells of it.
+    The node calls all but `receiver` with its lock held. A lost wire must not raise: its receiver reports it.
     """
 
     receiver: Receiver
 
     def boot(self) -> None:
-        """The drive was powered up or its communication reset: announce it and forget the host's settings."""
+        """The drive was powered up or its communication reset: announce it and discard the host's
+        settings."""
 
     def confirm(self, state: NmtState) -> None:
         """The host has commanded a state."""
@@ -45,7 +44,7 @@ class Server(Protocol):
         """Send a PDO."""
 
     def next_tick(self, tick: int) -> int:
-        """The first tick after `tick` in which there is something else to be sent, or `NEVER`."""
+        """Return the first tick after `tick` in which there is something else to be sent, or `NEVER`."""
 
     def transmit(self, tick: int) -> None:
         """Send that."""
@@ -62,7 +61,7 @@ class DriveNode:
         firmware: makes the firmware, given where its emergencies go.
 
     Attributes:
-        lock: held by whoever touches the drive; a server takes it for what it receives.
+        lock: guards the drive; a server holds it while it handles a received frame.
         nmt_state: of all wires.
         stream_taken: whether a server has configured the stream at the control rate, of which there is one.
     """
@@ -89,7 +88,8 @@ class DriveNode:
 
         Args:
             server: owned from now on.
-            on_gone: told, in the thread that advances time, why the wire was lost. The drive runs on.
+            on_gone: called with the reason, in the thread that advances time, if the wire is lost. The drive
+            runs on.
         """
         with self.lock:
             self._servers.append((server, on_gone))
@@ -136,7 +136,7 @@ class DriveNode:
     # ---- what a server's receive thread calls, with the lock held ------------------------------------------
 
     def command(self, command: int) -> None:
-        """Take a command of network management; a number that is none is ignored."""
+        """Take a command of network management; an unknown number is ignored."""
         match command:
             case NmtCommand.START:
                 self.nmt_state = NmtState.OPERATIONAL
@@ -157,17 +157,17 @@ class DriveNode:
         for server, _ in self._servers:
             server.confirm(self.nmt_state)
 
-    def take_heartbeat(self, node: int) -> None:
+    def on_host_heartbeat(self, node: int) -> None:
         """A heartbeat was heard; that of the host feeds the link supervision."""
         if node == self.firmware.supervision.host_node_id:
             self.feed_link()
 
-    def take_process_data(self, can_id: int, data: bytes) -> None:
+    def on_process_data(self, can_id: int, data: bytes) -> None:
         """Take an RPDO, whichever it is."""
         if self.nmt_state is NmtState.OPERATIONAL:
             self._pdos.receive(can_id, data)
 
-    def take_setpoint(self, torque_command: bytes, omega_m_command: bytes) -> bool:
+    def on_setpoint(self, torque_command: bytes, omega_m_command: bytes) -> bool:
         """Take both setpoints as their objects have them, or neither; only then they feed the supervision."""
         objects = self.firmware.objects
         entries = objects.table.by_name["torque_command"], objects.table.by_name["omega_m_command"]
@@ -181,12 +181,12 @@ class DriveNode:
     def count(self, name: str, more: int = 1) -> None:
         """Add to a counter of the dictionary."""
         objects = self.firmware.objects
-        objects[name] = on_wire(int(objects[name]) + more)
+        objects[name] = wrap_tick(int(objects[name]) + more)
 
     def feed_link(self) -> None:
         self.firmware.feed_link()
 
-    # ---- what all servers are told -----------------------------------------------------------------------
+    # ---- notifications to all servers -------------------------------------------------------------------
 
     def _boot(self) -> None:
         self._pdos.reset()
@@ -209,7 +209,7 @@ class DriveNode:
     # ---- wires that end ------------------------------------------------------------------------------------
 
     def _let_go(self) -> None:
-        """Forget the servers whose wires are gone, and tell who wants to know."""
+        """Remove the servers whose wires are gone, and call `on_gone`."""
         with self.lock:
             gone = [each for each in self._servers if each[0].receiver.gone is not None]
             self._servers = [each for each in self._servers if each not in gone]

@@ -7,12 +7,9 @@ from dataclasses import dataclass
 from functools import partial
 
 from benchtool.emulator.firmware.objects import ObjectStore, Refused
-from benchtool.protocol.canopen import cob_id
-from benchtool.protocol.canopen.abort import Abort
-from benchtool.protocol.canopen.cob_id import CAN_ID, INVALID
-from benchtool.protocol.canopen.pdo import MAX_BITS, MAX_ENTRIES, PDO_PARAMETERS
-from benchtool.protocol.dictionary.objects import Entry, Number
-from benchtool.ticks import on_wire
+from benchtool.protocol.canopen import CAN_ID, INVALID, MAX_BITS, MAX_ENTRIES, PDO_PARAMETERS, Abort, cob_id
+from benchtool.protocol.dictionary import Entry, Number
+from benchtool.ticks import wrap_tick
 
 _NEVER = 1 << 62
 
@@ -68,19 +65,19 @@ class ProcessData:
         self._renew()
 
     def next_tick(self, tick: int) -> int:
-        """The first tick after `tick` in which a PDO is to be sent."""
+        """Return the first tick after `tick` in which a PDO is to be sent."""
         return min(((tick // pdo.ticks + 1) * pdo.ticks for pdo in self._transmitted), default=_NEVER)
 
     def transmit(self, tick: int) -> None:
         """Send what is due in this tick, lowest identifier first as the bus would have it."""
         due = [pdo for pdo in self._transmitted if tick % pdo.ticks == 0]
         if any(pdo.name == "tpdo1" for pdo in due):
-            self._objects["stream_sequence"] = on_wire(int(self._objects["stream_sequence"]) + 1)
+            self._objects["stream_sequence"] = wrap_tick(int(self._objects["stream_sequence"]) + 1)
         for pdo in due:
             self._send(pdo.can_id, b"".join(self._objects.read(e.index, e.sub) for e in pdo.entries))
 
     def receive(self, can_id: int, data: bytes) -> None:
-        """Take a setpoint frame as a whole or not at all; identifiers of no RPDO are not ours."""
+        """Take a setpoint frame as a whole or not at all; other identifiers are ignored."""
         pdo = self._received.get(can_id)
         if pdo is None:
             return

@@ -1,4 +1,4 @@
-"""The receive thread of a server: what ends it is kept for whoever asks."""
+"""The receive thread of a server; the exception that ends it is kept."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 
 class Receiver:
-    """Calls `receive` again and again until it is stopped, or until `receive` raises.
+    """Calls `receive` repeatedly until it is stopped, or until `receive` raises.
 
     Args:
         name: of the thread.
@@ -15,7 +15,7 @@ class Receiver:
         at_end: gives the wire back, in whichever way the thread ends.
 
     Attributes:
-        gone: the OSError by which the wire told that it is gone.
+        gone: the OSError raised when the wire was lost.
         failure: any other exception: a defect.
     """
 
@@ -36,7 +36,7 @@ class Receiver:
         self._thread.join()
 
     def lose(self, reason: OSError) -> None:
-        """The wire was found to be gone by someone else, who wrote to it."""
+        """Note that a write found the wire lost."""
         if not self._stopping.is_set():
             self.gone = self.gone or reason
         self._stopping.set()

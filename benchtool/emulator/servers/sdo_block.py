@@ -11,9 +11,7 @@ import binascii
 
 from canopen.sdo.exceptions import SdoAbortedError
 
-from benchtool.protocol.canopen import sdo
-from benchtool.protocol.canopen.abort import Abort
-from benchtool.protocol.canopen.sdo import LAST_SEGMENT, MAX_BLOCK_SIZE, SEGMENT_SIZE, Block, Response
+from benchtool.protocol.canopen import LAST_SEGMENT, MAX_BLOCK_SIZE, SEGMENT_SIZE, Abort, Block, Response, sdo
 
 _HEADERS = [bytes([value]) for value in range(256)]
 
@@ -40,7 +38,7 @@ class BlockUpload:
         self._sent = 0
 
     def sub_block(self) -> list[bytes]:
-        """Frames of the present sub-block."""
+        """Return the frames of the present sub-block."""
         segments = self._segments[self._position : self._position + self._size]
         self._sent = len(segments)
         frames = [_HEADERS[number] + segment for number, segment in enumerate(segments, start=1)]
@@ -102,7 +100,7 @@ class BlockDownload:
         return bytes([command, acknowledged, MAX_BLOCK_SIZE]).ljust(sdo.FRAME_SIZE, b"\x00")
 
     def finish(self, frame: bytes) -> bytes:
-        """The data, from the client's end frame.
+        """Return the data, from the client's end frame.
 
         Raises:
             canopen.SdoAbortedError: their length or their CRC is not what the client says.

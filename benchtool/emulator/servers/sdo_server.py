@@ -18,9 +18,16 @@ from canopen.sdo import server
 from canopen.sdo.exceptions import SdoAbortedError
 
 from benchtool.emulator.servers.sdo_block import BlockDownload, BlockUpload
-from benchtool.protocol.canopen import sdo
-from benchtool.protocol.canopen.abort import Abort
-from benchtool.protocol.canopen.sdo import EXPEDITED, MAX_BLOCK_SIZE, SIZE_INDICATED, Block, Request, Response
+from benchtool.protocol.canopen import (
+    EXPEDITED,
+    MAX_BLOCK_SIZE,
+    SIZE_INDICATED,
+    Abort,
+    Block,
+    Request,
+    Response,
+    sdo,
+)
 
 
 class _Stage(Enum):
@@ -87,7 +94,8 @@ class SdoServer(server.SdoServer):
         self.malformed = 0
 
     def reset(self) -> None:
-        """Forget a transfer that is under way, as after a reset of the drive: the client is told nothing."""
+        """Discard a transfer that is under way, as after a reset of the drive, without an abort to the
+        client."""
         self._stage = _Stage.IDLE
 
     def on_request(self, data: bytes) -> None:  # type: ignore[override]  # the caller has sorted out CAN ids
@@ -169,7 +177,8 @@ class SdoServer(server.SdoServer):
         self.init_download(request)
 
     def _with_size(self, request: bytes) -> bytes:
-        """An expedited download as it would be with the size of its object indicated (7.2.4.3.3, s)."""
+        """Return an expedited download as it would be with the size of its object indicated (7.2.4.3.3,
+        s)."""
         size = min(self._length(*sdo.key(request)) or 4, 4)
         return bytes([sdo.expedited(Request.DOWNLOAD, size)]) + request[1:]
 

@@ -13,10 +13,8 @@ from benchtool.emulator.servers.receiver import Receiver
 from benchtool.emulator.servers.serial_stream import ControlRateStream
 from benchtool.emulator.servers.transmitter import DirectTransmitter, QueuedTransmitter
 from benchtool.emulator.servers.upload import Upload
-from benchtool.link.port import Port
-from benchtool.protocol.canopen.abort import Abort
-from benchtool.protocol.canopen.emcy import Emergency
-from benchtool.protocol.canopen.nmt import NmtState
+from benchtool.link import Port
+from benchtool.protocol.canopen import Abort, Emergency, NmtState
 from benchtool.protocol.serial import (
     MAX_PAYLOAD,
     VERSION,
@@ -46,7 +44,7 @@ from benchtool.protocol.serial import (
     encode_frame,
     encode_message,
 )
-from benchtool.ticks import follows, on_wire
+from benchtool.ticks import is_newer, wrap_tick
 
 MAX_REQUEST = 256
 """Longest request that this drive takes, bytes; a stream of 16 scaled signals has 135."""
@@ -62,14 +60,15 @@ class SerialServer:
     While the drive is stopped, requests that touch the dictionary are answered with 0x08000022, where CAN has
     no answer at all.
 
-    A client that hangs up (`HungUp` from the port) takes its settings with it: the stream ends, and the next
-    client begins anew. Whether the motor is to stop is for the supervision of the link to find.
+    A client that hangs up (`HungUp` from the port) loses its settings: the stream ends, and the next client
+    starts afresh. Link supervision decides whether the motor stops.
 
     Args:
         port: open port, owned from now on.
         node: the drive.
-        buffered: send from a thread, so that a port that blocks delays nobody; what it does not take in time
-            is lost, telemetry first. Without, whoever advances time writes to the port.
+        buffered: send from a thread, so that a port that blocks does not delay the drive; what it does not
+            take in time is lost, telemetry first. Without it, the thread that advances time writes to the
+            port.
     """
 
     def __init__(self, port: Port, node: DriveNode, *, buffered: bool = True) -> None:
@@ -95,7 +94,7 @@ class SerialServer:
 
     def boot(self) -> None:
         """See `Server.boot`."""
-        self._forget_host()
+        self._reset_host()
         self.heartbeat(NmtState.BOOT_UP)
 
     def confirm(self, state: NmtState) -> None:
@@ -136,21 +135,21 @@ class SerialServer:
             data = self._port.read()
         except HungUp:
             with self._node.lock:
-                self._forget_host()
-            self._line.forget()
+                self._reset_host()
+            self._line.clear()
             return
         if data:
             dropped = self._splitter.dropped
-            payloads = self._splitter.feed(data)  # without the drive's lock: garbage holds nobody up
+            payloads = self._splitter.feed(data)  # without the drive's lock: garbage delays no other server
             with self._node.lock:
                 self._node.count("serial_dropped", self._splitter.dropped - dropped)
                 for payload in payloads:
                     self._handle(payload)
 
-    def _forget_host(self) -> None:
+    def _reset_host(self) -> None:
         self.release()
         self._last_sequence = None
-        self._upload.forget()
+        self._upload.reset()
 
     def _close(self) -> None:
         with suppress(OSError):
@@ -161,9 +160,9 @@ class SerialServer:
         message = decode_request(payload)
         match message:
             case Setpoint():
-                self._take_setpoint(message)
+                self._on_setpoint(message)
             case HostHeartbeat():
-                self._node.take_heartbeat(message.node)
+                self._node.on_host_heartbeat(message.node)
             case Nmt():
                 self._node.command(message.command)
             case Read():
@@ -228,15 +227,15 @@ class SerialServer:
             return refused.code
         return 0
 
-    def _take_setpoint(self, message: Setpoint) -> None:
+    def _on_setpoint(self, message: Setpoint) -> None:
         """Take it if it is newer than the last one taken, and both of its values can be."""
         node = self._node
         if node.nmt_state is not NmtState.OPERATIONAL:
             return
-        newer = self._last_sequence is None or follows(message.sequence, self._last_sequence)
+        newer = self._last_sequence is None or is_newer(message.sequence, self._last_sequence)
         torque_command = _F32.pack(message.torque_command_Nm)
         omega_m_command = _F32.pack(message.omega_m_command_rad_s)
-        if newer and node.take_setpoint(torque_command, omega_m_command):
+        if newer and node.on_setpoint(torque_command, omega_m_command):
             self._last_sequence = message.sequence
         else:
             node.count("rpdo_dropped")
@@ -272,7 +271,7 @@ class SerialServer:
             self._stream.pause()
 
     def _tick(self) -> int:
-        return on_wire(self._node.tick)
+        return wrap_tick(self._node.tick)
 
     def _send(self, message: Reply) -> None:
         self._line.send(_frame(message))

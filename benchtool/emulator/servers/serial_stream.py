@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from benchtool.emulator.core.stream_ring import MAX_CHANNELS, StreamRecorder
 from benchtool.emulator.firmware.objects import ObjectStore, Refused
 from benchtool.emulator.servers.drive_node import NEVER
-from benchtool.protocol.canopen.abort import Abort
-from benchtool.protocol.dictionary.objects import Entry
+from benchtool.protocol.canopen import Abort
+from benchtool.protocol.dictionary import Entry
 from benchtool.protocol.serial import Batch, Stream, StreamFormat
-from benchtool.ticks import on_wire
+from benchtool.ticks import wrap_tick
 
 _WORD_BITS = 32
 _NO_VALUE = -(1 << 15)
@@ -33,14 +33,14 @@ class _Layout:
     batch: int
 
     def encode(self, rows: NDArray[np.uint32]) -> bytes:
-        """Records of rows of 32-bit words, shape (rows, entries)."""
+        """Return the records of rows of 32-bit words, shape (rows, entries)."""
         if self.format is StreamFormat.WORDS:
             return rows.astype("<u4", copy=False).tobytes()
         steps = np.empty(rows.shape, "<i2")
         for number, (entry, scale) in enumerate(zip(self.entries, self.scales, strict=True)):
             assert entry.type.numpy is not None
             column = np.ascontiguousarray(rows[:, number]).view(entry.type.numpy)
-            with np.errstate(invalid="ignore"):  # a signal that is no number has a code of its own
+            with np.errstate(invalid="ignore"):  # nan has a code of its own
                 value = np.rint(column.astype(np.float64) / scale)
             inside = np.abs(value) < -_NO_VALUE
             steps[:, number] = np.where(inside, value, _NO_VALUE)
@@ -82,7 +82,7 @@ class ControlRateStream:
         return self._layout is not None
 
     def layout(self, message: Stream) -> _Layout | None:
-        """What a message asks for; None to stop.
+        """Return what a message asks for; None to stop.
 
         Raises:
             Refused: it cannot be.
@@ -97,11 +97,11 @@ class ControlRateStream:
         entries = tuple(self._signal(mapping) for mapping in message.mappings)
         if not all(math.isfinite(scale) and scale > 0.0 for scale in message.scales):
             raise Refused(Abort.VALUE)
-        form = StreamFormat(message.format)
-        record = (4 if form is StreamFormat.WORDS else 2) * n
+        stream_format = StreamFormat(message.format)
+        record = (4 if stream_format is StreamFormat.WORDS else 2) * n
         if _HEADER_BYTES + message.batch * record > self._max_payload:
             raise Refused(Abort.MAPPING_TOO_LONG)
-        return _Layout(entries, message.scales, form, message.stride, message.batch)
+        return _Layout(entries, message.scales, stream_format, message.stride, message.batch)
 
     def end(self) -> None:
         """Send what was recorded and record no more; the counts stay."""
@@ -109,7 +109,7 @@ class ControlRateStream:
         self._layout = None
 
     def begin(self, layout: _Layout) -> None:
-        """Make this the schema in force; counts begin anew, records with `resume`."""
+        """Make this the schema in force; counts restart, records with `resume`."""
         self._layout = layout
         self.schema = (self.schema + 1) & 0xFFFF
         self.sent = self.dropped = self._sequence = 0
@@ -130,7 +130,7 @@ class ControlRateStream:
                 self._send_batch(self._layout)
 
     def next_tick(self, tick: int) -> int:
-        """The tick after `tick` in which a batch will be full."""
+        """Return the tick after `tick` in which a batch will be full."""
         if self._layout is None or not self._running:
             return NEVER
         return tick + max(1, self._recorder.ticks_until(self._layout.batch))
@@ -142,17 +142,17 @@ class ControlRateStream:
                 self._send_batch(self._layout)
 
     def _send_batch(self, layout: _Layout) -> None:
-        lost, first_tick, rows = self._recorder.take(layout.batch)
+        lost, first_tick, rows = self._recorder.read(layout.batch)
         if lost:  # they count as a batch that was dropped, so that the host sees who lost them
             self._count(lost, sent=False)
         batch = Batch(self.schema, self._sequence, first_tick, layout.stride, len(rows), layout.encode(rows))
         self._count(len(rows), sent=self._send(batch))
 
     def _count(self, records: int, *, sent: bool) -> None:
-        self._sequence = on_wire(self._sequence + 1)
-        self.sent = on_wire(self.sent + records)
+        self._sequence = wrap_tick(self._sequence + 1)
+        self.sent = wrap_tick(self.sent + records)
         if not sent:
-            self.dropped = on_wire(self.dropped + records)
+            self.dropped = wrap_tick(self.dropped + records)
 
     def _signal(self, mapping: int) -> Entry:
         entry = self._objects.table.by_key.get((mapping >> 16, mapping >> 8 & 0xFF))

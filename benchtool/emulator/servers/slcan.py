@@ -1,4 +1,4 @@
-"""A serial CAN adapter (slcan, LAWICEL) between an emulated drive and whoever has the other end of a port."""
+"""A serial CAN adapter (slcan, LAWICEL) between an emulated drive and the client of a byte port."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ import can
 
 from benchtool.emulator.ports.client import HungUp, Traffic
 from benchtool.emulator.servers.acceptance import ACCEPT_ALL, accepts
-from benchtool.link.port import Port
-from benchtool.protocol.slcan import (
+from benchtool.link import Port
+from benchtool.protocol import (
     BITRATES_BIT_S,
     OK,
     REFUSED,
     Cause,
-    Command,
     Lines,
+    SlcanCommand,
     SlcanFrame,
     TIME_MODULUS_ms,
     format_frame,
@@ -108,7 +108,7 @@ class SlcanAdapter(can.BusABC):
         return Traffic(self.received, self.sent, self.dropped + sum(self.malformed.values()))
 
     def send(self, msg: can.Message, timeout: float | None = None) -> None:
-        """Give the host a frame; while the channel is closed it goes nowhere, as on a bus nobody listens to.
+        """Give the host a frame; while the channel is closed it is dropped, as on a bus without listeners.
 
         Raises:
             can.CanOperationError: no line can say this frame.
@@ -171,11 +171,11 @@ class SlcanAdapter(can.BusABC):
         for _ in range(self._lines.too_long - too_long):
             self._answer(self._refuse(Cause.TOO_LONG))
 
-    def _handle(self, asked: Command | SlcanFrame | Cause, *, is_empty: bool) -> bytes:
-        """What is answered."""
+    def _handle(self, asked: SlcanCommand | SlcanFrame | Cause, *, is_empty: bool) -> bytes:
+        """Return what is answered."""
         if isinstance(asked, SlcanFrame):
             return self._transmit(asked)
-        if isinstance(asked, Command):
+        if isinstance(asked, SlcanCommand):
             return self._obey(asked)
         return REFUSED if is_empty else self._refuse(asked)
 
@@ -199,7 +199,7 @@ class SlcanAdapter(can.BusABC):
         )
         return b"Z\r" if frame.extended else b"z\r"
 
-    def _obey(self, command: Command) -> bytes:
+    def _obey(self, command: SlcanCommand) -> bytes:
         letter, argument = command
         match letter:
             case "V":

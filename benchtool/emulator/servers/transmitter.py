@@ -46,8 +46,8 @@ class DirectTransmitter:
         while (frame := next(frames, None)) is not None and self.send(frame):
             pass
 
-    def forget(self) -> None:
-        """Drop what waits: who it was for has gone."""
+    def clear(self) -> None:
+        """Drop queued frames, as their client has gone."""
 
     def close(self) -> None:
         """Send no more; what waits is lost."""
@@ -60,13 +60,14 @@ class QueuedTransmitter:
     came; those of `send_each` are made one by one between them.
 
     Args:
-        write: sends bytes and may block for a while. If it gives up for want of time, or because nobody has
-            the other end open (`HungUp`), these bytes are lost; any other OSError is the end of the line.
+        write: sends bytes and may block for a while. If it gives up because of a timeout, or because no
+            client has the other end open (`HungUp`), these bytes are lost; any other OSError is the end of
+            the line.
         lost: takes that OSError.
 
     Attributes:
         sent: frames that the line took.
-        dropped: frames that it did not take in time; those for nobody are in neither.
+        dropped: frames that it did not take in time; frames without a client are counted in neither.
     """
 
     def __init__(self, write: Callable[[bytes], None], lost: Callable[[OSError], None]) -> None:
@@ -100,8 +101,8 @@ class QueuedTransmitter:
             self._made, self._making = frames, True
             self._changed.notify()
 
-    def forget(self) -> None:
-        """See `DirectTransmitter.forget`."""
+    def clear(self) -> None:
+        """See `DirectTransmitter.clear`."""
         with self._changed:
             self._frames.clear()
             self._waiting = 0
@@ -131,7 +132,7 @@ class QueuedTransmitter:
                 return
 
     def _take(self) -> list[bytes] | None:
-        """What is to be written next, as soon as there is something; None once it is closed."""
+        """Return what is to be written next, as soon as there is something; None once it is closed."""
         with self._changed:
             while self._open and not self._frames and not self._making:
                 self._changed.wait()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import zlib
 from collections.abc import Iterator
 
-from benchtool.protocol.canopen.abort import Abort
+from benchtool.protocol.canopen import Abort
 from benchtool.protocol.serial import ChunkReply, Chunks, Open, OpenReply
 
 CHUNK_BYTES = 1024
@@ -30,12 +30,12 @@ class Upload:
             crc=zlib.crc32(data),
         )
 
-    def forget(self) -> None:
-        """Let go of the data; chunks are refused until the next `open`."""
+    def reset(self) -> None:
+        """Discard the data; chunks are refused until the next `open`."""
         self._data = None
 
     def chunks(self, request: Chunks) -> Iterator[ChunkReply]:
-        """The answers to a request: its chunks, or one with the reason why there are none."""
+        """Return the answers to a request: its chunks, or one with the reason why there are none."""
         data = self._data
         if data is None or request.upload != self._number:
             return iter([_refusal(request, Abort.DEVICE_STATE)])

@@ -10,8 +10,8 @@ _SMALL = 0.05  # rad, up to which the series below are exact to rounding
 
 
 @njit
-def turned(cosine: float, sine: float, angle: float) -> tuple[float, float]:
-    """Cosine and sine of an angle that has grown by `angle` rad."""
+def rotate(cosine: float, sine: float, angle: float) -> tuple[float, float]:
+    """Return the cosine and sine of an angle that has grown by `angle` rad."""
     if abs(angle) <= _SMALL:
         q = angle * angle
         s = angle * (1.0 + q * (-1.0 / 6.0 + q * (1.0 / 120.0 - q * (1.0 / 5040.0))))

@@ -1,0 +1,4 @@
+from .core import (
+    Core as Core,
+    Trip as Trip,
+)

@@ -1,0 +1,160 @@
+"""The numerical core as one object: true machine and power stage, sensors, control and their records."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchtool.emulator.control.protection import Trip
+from benchtool.emulator.core.capture_memory import CaptureRecorder
+from benchtool.emulator.core.kernel import Truth, kernel_of
+from benchtool.emulator.core.stream_ring import StreamRecorder
+from benchtool.emulator.machine.bounds import require_computable, runaway
+from benchtool.emulator.machine.sensors import Noise
+from benchtool.emulator.machine.transducer import Transducer
+from benchtool.emulator.machine.truth import InverterTruth, MotorTruth, SensorTruth
+from benchtool.emulator.memory import COMMAND, CONTROL, LOAD, MEASUREMENT, SHAFT, STIMULUS, new_memory
+from benchtool.protocol import Mode
+from benchtool.protocol.dictionary import ObjectTable
+from benchtool.ticks import wrap_tick
+
+__all__ = ["Core", "Trip"]
+
+
+def truth_of(motor: MotorTruth, inverter: InverterTruth, sensors: SensorTruth, T_s: float = 1e-4) -> Truth:
+    """Return the bench in the form that the kernel reads, for a control period of `T_s` seconds."""
+    return Truth(
+        motor.machine(devices_ohm=inverter.on_resistance_ohm), inverter.power_stage(T_s), sensors.sensing()
+    )
+
+
+class Core:
+    """An emulated drive and bench below the firmware; drive tick n is at n control periods.
+
+    Args:
+        table: objects, whose numbers make up the drive's memory.
+        motor, inverter, sensors: true values, which control never sees.
+        first_tick: the drive's tick at power-up, which is 0 of a drive that was not on before.
+        seed: of the measurement noise; the same seed and commands give the same bits, however the ticks are
+            divided over calls of `run`.
+
+    Raises:
+        ValueRefused: the machine has a process too fast to be computed.
+
+    Attributes:
+        memory: structured array of shape (1,), a field for every number of the table.
+        command: record between firmware and control: `mode`, `pwm_enabled`, `quick_stop`,
+            `off_at_standstill`, `halt`, `trip` (a mask of `Trip`), `standstill`.
+        load: record of the other end of the shaft: `torque_Nm` against positive rotation, or, while `held` is
+            not zero, the speed `omega_m_rad_s`.
+        stimulus: record of the stimulus that plays, taken over from its table by the firmware.
+        shaft: record of the machine's true state: `i_d`, `i_q`, `omega_m`, `theta_e`, `u_dc`.
+        tick: the drive's tick, counted on past 2**32 where memory has it modulo that.
+        capture, stream, transducer: the recorders.
+    """
+
+    def __init__(
+        self,
+        table: ObjectTable,
+        motor: MotorTruth,
+        inverter: InverterTruth,
+        sensors: SensorTruth,
+        seed: int = 0,
+        first_tick: int = 0,
+    ) -> None:
+        self.motor, self.inverter, self.sensors = motor, inverter, sensors
+        self.memory = new_memory(table)
+        self.memory["tick"] = wrap_tick(first_tick)
+        self.first_tick = self.tick = first_tick
+        # As the table states it; the float32 in memory is what control computes with.
+        period = table.by_name["control_period"].default
+        assert isinstance(period, float)
+        self.control_period_s = period
+        require_computable(motor, period)
+        self._commands, self._controls, self._measurements, self._shafts, self._loads, self._stimuli = (
+            np.zeros(1, dtype) for dtype in (COMMAND, CONTROL, MEASUREMENT, SHAFT, LOAD, STIMULUS)
+        )
+        self.command, self.load, self.shaft = self._commands[0], self._loads[0], self._shafts[0]
+        self.stimulus = self._stimuli[0]
+        self.command.mode = int(Mode.TORQUE)
+        self.shaft.u_dc = inverter.u_dc_V
+        self.turn_rotor(0.0)
+        self.capture = CaptureRecorder(self.memory)
+        self.stream = StreamRecorder(self.memory, lambda: self.tick)
+        self.transducer = Transducer(lambda: self.tick, self.control_period_s)
+        self._truth = truth_of(motor, inverter, sensors, period)
+        self._noise = Noise(sensors.current_noise_A_rms, seed)
+
+    def set_dc_link(self, u_dc_V: float) -> None:
+        """Supply the dc link with another voltage, from the next tick on.
+
+        Raises:
+            ValueRefused: it is not positive.
+        """
+        self.inverter = replace(self.inverter, u_dc_V=u_dc_V)
+        self._truth = self._truth._replace(stage=self.inverter.power_stage(self.control_period_s))
+
+    def turn_rotor(self, theta_e_rad: float) -> None:
+        """Set the rotor to an electrical angle."""
+        self.shaft.theta_e = theta_e_rad
+        self.shaft.cos_theta, self.shaft.sin_theta = math.cos(theta_e_rad), math.sin(theta_e_rad)
+
+    def run(self, ticks: int) -> int:
+        """Run control and machine for up to `ticks` ticks.
+
+        Returns how many were run: fewer than asked when one raised a new trip, in which the power stage is
+        already off.
+
+        Raises:
+            EmulationError: the machine has run away, to where it cannot be computed any more.
+        """
+        return self.run_with(kernel_of(self._truth), ticks)
+
+    def run_with(self, kernel: Callable[..., int], ticks: int) -> int:
+        """`run` with another form of the kernel: the plain function `run_ticks`, to compare with."""
+        done, trips = 0, self._commands["trip"][0]
+        while done < ticks and self._commands["trip"][0] == trips:
+            noise = self._noise.ahead()
+            asked = min(ticks - done, len(noise))
+            ran = self._run(kernel, asked, noise)
+            self._noise.use(ran)
+            self.tick += ran
+            done += ran
+            if self._ran_away(complete=ran == asked or self._commands["trip"][0] != trips):
+                time_s = (self.tick - self.first_tick) * self.control_period_s
+                raise runaway(self.shaft, self.load, self.motor, time_s)
+        return done
+
+    def _ran_away(self, *, complete: bool) -> bool:
+        shaft = self.shaft
+        state = shaft.i_d + shaft.i_q + shaft.omega_m + shaft.theta_e + shaft.u_dc
+        return not (complete and math.isfinite(state))
+
+    def _run(self, kernel: Callable[..., int], ticks: int, noise: NDArray[np.float32]) -> int:
+        capture, stream, transducer = self.capture, self.stream, self.transducer
+        return kernel(
+            ticks,
+            self.memory,
+            capture.words,
+            capture.floats,
+            self._commands,
+            self._controls,
+            self._stimuli,
+            self._measurements,
+            self._shafts,
+            self._loads,
+            *self._truth,
+            noise,
+            capture.record,
+            capture.channels,
+            capture.buffer,
+            stream.record,
+            stream.channels,
+            stream.ring,
+            transducer.record,
+            transducer.torque,
+        )

@@ -1,0 +1,63 @@
+"""What can be computed: machines whose fastest process turns by no more than so much in a PWM period.
+
+A step of the integration covers a small part of a radian of the fastest process, so that beyond this bound
+a period takes thousands of them, and a run has no end that is worth waiting for.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from benchtool.emulator.machine.plant import MOST_TURN, fastest_rate
+from benchtool.emulator.machine.truth import MotorTruth
+from benchtool.errors import EmulationError, ValueRefused
+
+
+def require_computable(motor: MotorTruth, T_s: float) -> None:
+    """Refuse a machine that is too fast at standstill already.
+
+    Raises:
+        ValueRefused: it is; the keys of the fastest process are named.
+    """
+    rate = fastest_rate(motor.machine())
+    if rate * T_s <= MOST_TURN:
+        return
+    L = min(motor.L_d_H, motor.L_q_H)
+    per_inertia = motor.pole_pairs / motor.J_kgm2
+    stiffness = 1.5 * motor.pole_pairs * motor.psi_r_Wb**2 / L
+    slope = max(motor.breakaway_Nm - motor.coulomb_Nm, 0.0) / max(motor.stribeck_rad_s, 1e-300)
+    friction = (motor.friction_Nms + (slope if motor.stribeck_rad_s > 0.0 else 0.0)) / motor.pole_pairs
+    cogging = motor.cogging_Nm * motor.cogging_order / motor.pole_pairs
+    processes = {
+        f"R_s_ohm = {motor.R_s_ohm:g} over L_d_H or L_q_H = {L:g}": motor.R_s_ohm / L,
+        f"psi_r_Wb = {motor.psi_r_Wb:g} with L_d_H or L_q_H = {L:g} and J_kgm2 = {motor.J_kgm2:g}": math.sqrt(
+            per_inertia * stiffness
+        ),
+        f"cogging_Nm = {motor.cogging_Nm:g} with J_kgm2 = {motor.J_kgm2:g}": math.sqrt(per_inertia * cogging),
+        f"friction_Nms = {motor.friction_Nms:g} and stribeck_rad_s = {motor.stribeck_rad_s:g} over "
+        f"J_kgm2 = {motor.J_kgm2:g}": per_inertia * friction,
+    }
+    fastest = max(processes, key=lambda name: processes[name])
+    raise ValueRefused(
+        f"emulator.motor: {fastest} makes a process of {rate:.3g} 1/s, the emulated machine can be computed "
+        f"up to {MOST_TURN / T_s:.3g} 1/s: correct them, in [emulator.motor] or in [motor]"
+    )
+
+
+def runaway(shaft: Any, load: Any, motor: MotorTruth, time_s: float) -> EmulationError:
+    """Return what has become of a machine that can no longer be computed, from its records `shaft` and
+    `load`."""
+    omega_m = load.omega_m_rad_s if load.held else shaft.omega_m
+    if not math.isfinite(shaft.i_d + shaft.i_q):
+        seen = f"its currents (i_d, i_q) are ({shaft.i_d:g}, {shaft.i_q:g}) A"
+        remedy = "correct R_s_ohm, L_d_H, L_q_H or u_dc_V of [emulator]"
+    elif load.held:
+        seen = f"it is held at {omega_m:.3g} rad/s"
+        remedy = "hold it at a lower speed"
+    else:
+        seen = f"{load.torque_Nm:g} Nm of load on J_kgm2 = {motor.J_kgm2:g}, at {omega_m:.3g} rad/s"
+        remedy = "lower the load, or raise J_kgm2 in [emulator.motor] or [motor]"
+    return EmulationError(
+        f"the emulated machine is too fast to be computed after {time_s:.4f} s: {seen}; {remedy}"
+    )

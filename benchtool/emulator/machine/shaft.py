@@ -1,0 +1,112 @@
+"""The shaft: cogging and dry friction, optional parts of the machine.
+
+A shaft at rest sticks: it stays at rest until the torques on it exceed the breakaway torque. A shaft that
+turns is braked by the Coulomb torque and, with the Stribeck effect, by what the breakaway torque has above
+it, which fades out with the speed as exp(-(omega / omega_stribeck)^2). Nothing is smoothed, so that friction
+has no stiffness: the direction of sliding is fixed within a step, and a step ends where the shaft comes to
+rest.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from benchtool.emulator.jit import njit
+
+
+class Cogging(NamedTuple):
+    """Torque -T sin(order theta_m)."""
+
+    T: float
+    per_theta_e: float  # order over pole pairs
+
+
+class Stribeck(NamedTuple):
+    """What the breakaway torque has above the Coulomb torque, and where it has faded out to 1/e."""
+
+    excess: float
+    per_omega_e: float  # one over electrical rad/s
+
+
+class Friction(NamedTuple):
+    """Dry friction of the shaft, in Nm."""
+
+    T_coulomb: float
+    T_breakaway: float
+    stribeck: Stribeck | None
+
+
+@njit
+def less_cogging(cogging: Cogging | None, domega: float, theta_e: float, gamma: float) -> float:
+    """Return the rate of the speed, less that of the cogging torque; `gamma` is its gain, p / J."""
+    if cogging is None:
+        return domega
+    return domega - gamma * cogging.T * math.sin(cogging.per_theta_e * theta_e)
+
+
+@njit
+def sliding(friction: Friction | None, omega_e: float, domega: float, gamma: float) -> float:
+    """Return the direction in which the shaft slides, 1 or -1, and 0 while it sticks; `domega` is without
+    friction."""
+    if friction is None:
+        return 0.0
+    if omega_e == 0.0 and abs(domega) <= gamma * friction.T_breakaway:
+        return 0.0
+    return math.copysign(1.0, omega_e if omega_e != 0.0 else domega)
+
+
+@njit
+def less_friction(
+    friction: Friction | None, domega: float, omega_e: float, slide: float, gamma: float
+) -> float:
+    """Return the rate of the speed, less that of dry friction; the shaft slides in direction `slide`, or
+    sticks."""
+    if friction is None:
+        return domega
+    if slide == 0.0:
+        return 0.0
+    return domega - slide * gamma * (friction.T_coulomb + _stribeck_torque(friction.stribeck, omega_e))
+
+
+@njit
+def _stribeck_torque(stribeck: Stribeck | None, omega_e: float) -> float:
+    if stribeck is None:
+        return 0.0
+    ratio = omega_e * stribeck.per_omega_e
+    return stribeck.excess * math.exp(-ratio * ratio)
+
+
+@njit
+def part_until_rest(friction: Friction | None, before: float, after: float) -> float:
+    """Return part of a step after which dry friction has brought the shaft to rest, by the secant; else 1."""
+    if friction is None:
+        return 1.0
+    if before * after >= 0.0 and (before == 0.0 or after != 0.0):
+        return 1.0
+    return before / (before - after)
+
+
+@njit
+def cogging_stiffness(cogging: Cogging | None) -> float:
+    """Return the largest slope of the cogging torque over theta_e, in Nm/rad."""
+    return 0.0 if cogging is None else cogging.T * cogging.per_theta_e
+
+
+@njit
+def cogging_turning(cogging: Cogging | None) -> float:
+    """Return the periods of the cogging torque in an electrical one."""
+    return 0.0 if cogging is None else cogging.per_theta_e
+
+
+@njit
+def stribeck_slope(friction: Friction | None) -> float:
+    """Return the largest slope of dry friction over omega_e while the shaft slides, in Nms/rad."""
+    if friction is None:
+        return 0.0
+    return _slope(friction.stribeck)
+
+
+@njit
+def _slope(stribeck: Stribeck | None) -> float:
+    return 0.0 if stribeck is None else stribeck.excess * stribeck.per_omega_e

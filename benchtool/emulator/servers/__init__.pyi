@@ -1,0 +1,2 @@
+from .drive_node import OnGone as OnGone
+from .slcan import SlcanAdapter as SlcanAdapter
