@@ -11,23 +11,6 @@ certificate.json      how good the data are: rows, gaps, jitter, saturation, cli
 plots/*.png           figures
 """
 
-from benchtool.recording.events import Event, EventFile, Level
-from benchtool.recording.integrity import Integrity, enlist, verify
-from benchtool.recording.manifest import Conditions, Manifest, StreamInfo, software_versions
-from benchtool.recording.reader import Bundle
-from benchtool.recording.writer import BundleWriter
+import lazy_loader
 
-__all__ = [
-    "Bundle",
-    "BundleWriter",
-    "Conditions",
-    "Event",
-    "EventFile",
-    "Integrity",
-    "Level",
-    "Manifest",
-    "StreamInfo",
-    "enlist",
-    "software_versions",
-    "verify",
-]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

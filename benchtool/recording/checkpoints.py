@@ -1,4 +1,4 @@
-"""What of a recording that is under way is acknowledged: SHA-256 of the beginning of each file, as it grows.
+"""Checkpoints of a recording in progress: SHA-256 of the acknowledged part of each file.
 
 `data/checkpoints.log` has a line for each write: the hash, how many bytes it is of, the file, and a CRC-32 of
 the line. It is there while a run is recorded, and after the process was killed; a bundle that was closed has
@@ -34,7 +34,7 @@ class Checkpoints:
         self._lock = threading.Lock()
 
     def note(self, path: Path, state: FileHash) -> None:
-        """The first bytes of the file at `path`, within the bundle, are with the operating system.
+        """Note that the first bytes of the file at `path`, within the bundle, are with the operating system.
 
         Raises:
             RecordingError: it cannot be written.
@@ -45,7 +45,7 @@ class Checkpoints:
             file.write(b"%s %08x\n" % (line, zlib.crc32(line)))
 
     def end(self) -> None:
-        """Take the file away: the manifest has the hashes now.
+        """Remove the file, as the manifest has the hashes now.
 
         Raises:
             RecordingError: it cannot be removed.
@@ -65,7 +65,7 @@ class HashedFile(io.BufferedIOBase):
 
     @property
     def state(self) -> FileHash:
-        """Of all that was written."""
+        """Hash of everything written."""
         return FileHash(size_B=self._size_B, sha256=self._hash.hexdigest())
 
     def writable(self) -> bool:
@@ -93,8 +93,8 @@ class HashedFile(io.BufferedIOBase):
 
 
 def read_checkpoints(directory: Path) -> Mapping[str, Sequence[FileHash]]:
-    """States of each file of a bundle, in the order in which they were noted; none of a bundle that has no
-    checkpoints.
+    """Return the states of each file of a bundle, in the order in which they were noted; empty for a bundle
+    without checkpoints.
 
     Raises:
         RecordingError: they cannot be read, or a line other than a last one that was cut short is damaged.
@@ -103,7 +103,7 @@ def read_checkpoints(directory: Path) -> Mapping[str, Sequence[FileHash]]:
     with reading(path):
         lines = path.read_bytes().split(b"\n") if path.is_file() else [b""]
     *whole, last = lines
-    if _is_whole(last[:-1]):  # what ended it is no line feed any more
+    if _is_whole(last[:-1]):  # a damaged line feed
         whole.append(last)
     states: dict[str, list[FileHash]] = defaultdict(list)
     for number, line in enumerate(whole, start=1):
@@ -123,7 +123,7 @@ def _is_whole(line: bytes) -> bool:
 
 
 def intact_prefix(path: Path, states: Sequence[FileHash]) -> FileHash | None:
-    """The longest state that the file is long enough for, if the file begins with it.
+    """Return the longest state that the file is long enough for, if the file begins with it.
 
     Raises:
         RecordingError: the file cannot be read.

@@ -1,4 +1,4 @@
-"""What happened in a run besides its data: steps, states, faults, one line each, at their drive ticks."""
+"""Events of a run: steps, states, faults, one line each, at their drive ticks."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ EVENTS: Final = Path("data", "events.jsonl")
 
 
 class Level(StrEnum):
-    """How much an event matters."""
+    """Severity of an event."""
 
     INFO = "INFO"
     WARN = "WARN"
@@ -60,10 +60,10 @@ class EventFile:
 
 
 def read_events(directory: Path, size_B: int | None = None) -> tuple[Event, ...]:
-    """Events of a bundle in the order in which they were noted; none if it has no file of them.
+    """Return the events of a bundle in the order in which they were noted; none if it has no file of them.
 
-    Lines that are no events, such as a last one that was cut short, are left out; `size_B` is how much of the
-    file is known to be whole, without it all is read.
+    Invalid lines, such as a last one that was cut short, are skipped; `size_B` is the acknowledged size of
+    the file, without it all is read.
 
     Raises:
         RecordingError: the file is there and cannot be read.

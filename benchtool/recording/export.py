@@ -26,7 +26,7 @@ class Format(StrEnum):
 
     @property
     def suffix(self) -> str:
-        """Ending that other tools know the format by."""
+        """File name extension of the format."""
         return ".mf4" if self is Format.MDF4 else f".{self}"
 
 
@@ -34,7 +34,7 @@ def export(bundle: Bundle, stream: str, format_: Format, path: Path) -> Block:
     """Write a stream to `path`, which appears whole or not at all; the block that was written.
 
     Every format holds `tick`, `time_s` since the first row, and the channels with their units and every bit
-    of their values. Missing rows are missing: their ticks are not there.
+    of their values. Missing rows are left out: their ticks do not appear.
 
     Raises:
         RecordingError: `path` exists or cannot be written, or there is no such stream.
@@ -50,7 +50,8 @@ def export(bundle: Bundle, stream: str, format_: Format, path: Path) -> Block:
 
 
 def _csv(path: Path, stream: str, block: Block, bundle: Bundle) -> None:
-    """One head line, `name [unit]`, and numbers as the shortest decimals that read back to the same bits."""
+    """Write one header line, `name [unit]`, and numbers as the shortest decimals that read back to the same
+    bits."""
     names = ["tick", "time_s [s]"]
     names += [f"{each.name} [{each.unit}]" if each.unit else each.name for each in block.channels]
     columns = [pa.array(block.ticks()), pa.array(block.time_s())]
@@ -62,7 +63,7 @@ def _csv(path: Path, stream: str, block: Block, bundle: Bundle) -> None:
 
 
 def _mat(path: Path, stream: str, block: Block, bundle: Bundle) -> None:
-    """A struct named as the stream: fields of the channels, and `units` with the same names."""
+    """Write a struct named as the stream: fields of the channels, and `units` with the same names."""
     from scipy.io import savemat
 
     content = {"tick": block.ticks(), "time_s": block.time_s()}
@@ -74,13 +75,13 @@ def _mat(path: Path, stream: str, block: Block, bundle: Bundle) -> None:
 
 
 def _identifier(stream: str) -> str:
-    """The stream's name as MATLAB can have it."""
+    """Return the stream's name as MATLAB can have it."""
     name = "".join(char if char.isalnum() else "_" for char in stream)
     return name if name[0].isalpha() else f"s_{name}"
 
 
 def _mdf4(path: Path, stream: str, block: Block, bundle: Bundle) -> None:
-    """One channel group with `time_s` as its master."""
+    """Write one channel group with `time_s` as its master."""
     try:
         from asammdf import MDF, Signal
     except ImportError:

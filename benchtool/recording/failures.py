@@ -1,4 +1,4 @@
-"""What the file system and the file formats raise, as errors of this project."""
+"""Conversion of exceptions of the file system and of file formats to errors of this project."""
 
 from __future__ import annotations
 
@@ -17,10 +17,7 @@ def writing(path: Path) -> Iterator[None]:
     try:
         yield
     except (OSError, pa.ArrowException) as failure:
-        raise RecordingError(
-            f"cannot write {path}: {_reason(failure)}; a writable folder with free space is needed: "
-            f"make space or choose another folder"
-        ) from None
+        raise RecordingError(f"cannot write {path}: {_reason(failure)}; {_remedy(failure)}") from None
 
 
 @contextmanager
@@ -33,6 +30,14 @@ def reading(path: Path) -> Iterator[None]:
             f"cannot read {path}: {_reason(failure)}; a file written by benchtool is expected: restore it or "
             f"record again"
         ) from None
+
+
+def _remedy(failure: Exception) -> str:
+    if isinstance(failure, FileNotFoundError):
+        return "its folder does not exist: make that folder or choose another one"
+    if isinstance(failure, PermissionError):
+        return "a folder that you may write to is needed: choose another one"
+    return "a writable folder with free space is needed: make space or choose another folder"
 
 
 def _reason(failure: Exception) -> str:

@@ -1,4 +1,4 @@
-"""Files that appear whole or not at all: written beside their place, flushed to the disk, and renamed."""
+"""Atomic files: written beside their place, flushed to the disk, and renamed."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ PART = ".part"
 
 @contextmanager
 def replacing(path: Path, suffix: str = "") -> Iterator[Path]:
-    """A file to write in place of `path`, which it takes when the `with` block ends without an error.
+    """Yield a temporary file that replaces `path` when the `with` block ends without an error.
 
     Its name ends as that of `path` does, or in `suffix` for a writer that goes by that.
 
-    What was at `path` stays as it is until then, and after a failure. A symbolic link stays, its target is
-    replaced; a device or a pipe is written as it is.
+    The file at `path` is unchanged until then, and after a failure. A symbolic link stays, its target is
+    replaced; a device or a pipe is written directly.
 
     Raises:
         RecordingError: it cannot be written.
@@ -47,17 +47,17 @@ def replacing(path: Path, suffix: str = "") -> Iterator[Path]:
 
 
 def write_whole(path: Path, content: bytes) -> None:
-    """Write a file in one step: a reader sees the old or the new one, never a half.
+    """Write a file atomically: a reader sees the old or the new one.
 
     Raises:
-        RecordingError: it cannot be written; what was there before is there still.
+        RecordingError: it cannot be written; the earlier file is unchanged.
     """
     with replacing(path) as part:
         part.write_bytes(content)
 
 
 def require_free(path: Path) -> None:
-    """Refuse a path that is taken, for what overwrites nothing; a device or a pipe takes it.
+    """Refuse a path that exists, for commands that do not overwrite; devices and pipes are accepted.
 
     Raises:
         RecordingError: a file or a folder is there.
@@ -69,10 +69,10 @@ def require_free(path: Path) -> None:
 
 
 def require_own(path: Path, mark: bytes) -> None:
-    """Refuse a path where another file is than one that has `mark` somewhere in it.
+    """Refuse to replace a file that does not contain `mark`.
 
     Raises:
-        RecordingError: there is, or what is there cannot be read.
+        RecordingError: the file lacks `mark`, or cannot be read.
     """
     if path.is_dir():
         raise RecordingError(f"{path} is a folder: name a file")
@@ -90,7 +90,7 @@ def require_own(path: Path, mark: bytes) -> None:
 
 
 def flush_to_disk(path: Path) -> None:
-    """Have the system put the file on the disk, so that the rename cannot come before its content."""
+    """Flush the file to the disk, so that the rename cannot precede its content."""
     file = os.open(path, os.O_RDONLY)
     try:
         os.fsync(file)

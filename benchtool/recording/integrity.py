@@ -1,8 +1,8 @@
-"""Whether the files of a recording are what they were when they were written, by size and SHA-256.
+"""Integrity of the files of a recording, by size and SHA-256.
 
-A bundle's manifest has the hashes of its files and a seal of its own, and is not touched after that. What is
-made of a bundle or of several later, figures and reports, has its hashes in `hashes.json` in the same folder.
-Of a bundle whose process was killed, `data/checkpoints.log` says how far each file was acknowledged.
+A bundle's manifest has the hashes of its files and a seal of its own, and is not touched after that. Files
+made later, such as figures and reports, have their hashes in `hashes.json` in the same folder. If the process
+was killed, `data/checkpoints.log` states how far each file was acknowledged.
 """
 
 from __future__ import annotations
@@ -24,17 +24,17 @@ from benchtool.recording.stream_file import DATA, FINISHED, RUNNING
 
 HASHES: Final = "hashes.json"
 _MISSING: Final = "No such file"
-_DIFFERS: Final = "its SHA-256 is not that of what was written"
+_DIFFERS: Final = "its SHA-256 differs from that of the recorded file"
 _OWN: Final = (MANIFEST, HASHES, CHECKPOINTS.as_posix())
 
 
 @dataclass(frozen=True)
 class Integrity:
-    """What a check has found; paths are relative to the folder that was checked.
+    """Result of a check; paths are relative to the folder that was checked.
 
-    `damaged` has the reason for each file, half a sentence. `unlisted` files are beside the recording and
-    nothing is known of them. `extents` is how many bytes of a file are known, where it may have more. Of what
-    is not `sealed`, recorded by an older version, nothing can be said.
+    `damaged` has the reason for each file, half a sentence. `unlisted` files lie beside the recording without
+    a hash. `extents` is the acknowledged size of files that may be longer. Bundles that are not `sealed`, of
+    an older version, cannot be checked.
     """
 
     sealed: bool
@@ -48,7 +48,7 @@ class _Hashes(Section):
 
 
 def verify(folder: Path) -> Integrity:
-    """Check every file of a bundle, or of a folder of bundles, and what was made of them.
+    """Check every file of a bundle, or of a folder of bundles, and files made of them.
 
     Raises:
         RecordingError: the folder holds no recording.
@@ -74,7 +74,7 @@ def verify(folder: Path) -> Integrity:
 
 
 def check_bundle(directory: Path, manifest: Manifest, sealed: bool) -> Integrity:
-    """Check the files of one bundle by its manifest, without what was made of them later.
+    """Check the files of one bundle by its manifest, without files made later.
 
     Args:
         directory: of the bundle.
@@ -97,7 +97,7 @@ def check_bundle(directory: Path, manifest: Manifest, sealed: bool) -> Integrity
 
 
 def enlist(folder: Path, paths: Iterable[Path]) -> None:
-    """Keep the hashes of files that were made of a recording and lie in its folder; others are left alone.
+    """Store the hashes of files made of a recording in its folder; other files are ignored.
 
     Raises:
         RecordingError: a file cannot be read, or the hashes cannot be read or written.
@@ -110,7 +110,7 @@ def enlist(folder: Path, paths: Iterable[Path]) -> None:
 
 
 def files_of(directory: Path) -> dict[str, Path]:
-    """Files of a bundle by their names within it, without those that say what the others are."""
+    """Return the files of a bundle by their names within it, without the files of hashes."""
     return {name: directory / name for name in _names(directory) if name not in _OWN}
 
 
@@ -122,7 +122,7 @@ def _check_recorded(bundle: Path) -> Integrity:
 
 
 def _check_made(folder: Path) -> Integrity:
-    """Check what was made of the bundle or the bundles in a folder."""
+    """Check the files made of the bundle or the bundles in a folder."""
     try:
         files = _hashes(folder)
     except RecordingError as reason:
@@ -135,7 +135,7 @@ def _check_made(folder: Path) -> Integrity:
 
 
 def _check_running(directory: Path) -> Integrity:
-    """By the checkpoints: what is acknowledged of each file is what was written."""
+    """Check the acknowledged part of each file by the checkpoints."""
     states = read_checkpoints(directory)
     damaged, extents = {}, {}
     for name, noted in states.items():
@@ -153,7 +153,7 @@ def _check_running(directory: Path) -> Integrity:
 
 
 def _was_replaced(directory: Path, name: str, states: Mapping[str, object]) -> bool:
-    """Whether the process ended between two steps of finishing: one form of a stream stands for the other."""
+    """Return whether the process ended between two steps of finishing, when a stream exists in two forms."""
     path = directory / name
     other = path.with_suffix(FINISHED if path.suffix == RUNNING else RUNNING)
     return other.is_file() and other.relative_to(directory).as_posix() in states

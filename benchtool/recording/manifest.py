@@ -14,7 +14,10 @@ from benchtool.document import Array, Section
 from benchtool.errors import RecordingError
 from benchtool.recording.seal import SEAL, FileHash, read_sealed_json, write_json
 
-SCHEMA_VERSION = 1
+SCHEMA_VERSION = 3
+"""Of the bundles that are written. 1 had other names of measurements in its plan (`plan.former_names`), and
+neither 1 nor 2 a column `time_s` in the Parquet files."""
+READABLE = (1, 2, 3)
 MANIFEST = "manifest.json"
 MEASUREMENTS = "measurements.json"
 CERTIFICATE = "certificate.json"
@@ -32,10 +35,10 @@ class StreamInfo(Section):
 
 
 class Conditions(Section):
-    """What the operator states of a test; benchtool measures none of it, and all of it may be left out.
+    """Conditions of a test as the operator states them, not measured by benchtool; all are optional.
 
-    `test_object_serial_number` is that of the motor, `instruments` name what measured beside the drive, one
-    each, with its serial number or certificate. The temperature is that of the surroundings.
+    `test_object_serial_number` is that of the motor, `instruments` name the instruments used, one each, with
+    serial number or certificate. The temperature is that of the surroundings.
     """
 
     operator: str = ""
@@ -45,7 +48,7 @@ class Conditions(Section):
 
 
 class Manifest(Section):
-    """Everything of a run that is neither samples nor results.
+    """Metadata of a run: everything except samples and results.
 
     `when` is the ISO 8601 wall time of the start, given by the caller, `note` and `conditions` are the
     operator's, `link` the address of the drive. `verdict`, `quality` (data-quality counters), `streams`,
@@ -76,7 +79,8 @@ class Manifest(Section):
 
 
 def software_versions() -> dict[str, str]:
-    """Versions of benchtool, Python and the packages that results depend on; in a checkout, its commit."""
+    """Return the versions of benchtool, Python and the packages that results depend on; in a checkout, its
+    commit."""
     versions = {"benchtool": __version__, "python": platform.python_version()}
     versions |= {package: metadata.version(package) for package in _PACKAGES}
     commit = checkout_commit(Path(__file__).resolve().parents[2])
@@ -84,7 +88,7 @@ def software_versions() -> dict[str, str]:
 
 
 def checkout_commit(root: Path) -> str | None:
-    """The commit that is checked out at `root`, read from git's own files; None if it is no checkout."""
+    """Return commit that is checked out at `root`, read from git's own files; None if it is no checkout."""
     git = root / ".git"
     try:
         if git.is_file():  # a worktree's, which names its folder
@@ -105,7 +109,7 @@ def checkout_commit(root: Path) -> str | None:
 
 
 def write_manifest(directory: Path, manifest: Manifest) -> None:
-    """Put the manifest in place in one step: a reader sees the old or the new one, never a half.
+    """Write the manifest atomically: a reader sees the old or the new one.
 
     Raises:
         RecordingError: it cannot be written, or `details` holds what JSON cannot.
@@ -114,12 +118,15 @@ def write_manifest(directory: Path, manifest: Manifest) -> None:
 
 
 def read_manifest(directory: Path) -> tuple[Manifest, bool]:
-    """Manifest of the bundle in `directory`, and whether it has a seal: those of older versions have none.
+    """Return the manifest of the bundle in `directory`, and whether it has a seal: those of older versions
+    have none.
 
     Raises:
         RecordingError: there is none, it is not one of this schema version, or its seal does not fit.
     """
     path = directory / MANIFEST
+    if not directory.exists():
+        raise RecordingError(f"{directory} does not exist: give the folder of a run")
     if not path.is_file():
         raise RecordingError(
             f"{directory} is not a run bundle: it has no {MANIFEST}; give the folder of a run"
@@ -127,10 +134,10 @@ def read_manifest(directory: Path) -> tuple[Manifest, bool]:
     document, fits = read_sealed_json(path)
     document.pop(SEAL, None)
     version = document.get("schema_version")
-    if version != SCHEMA_VERSION:
+    if version not in READABLE:
         raise RecordingError(
-            f"{path}: schema version {version!r}, this benchtool reads {SCHEMA_VERSION}: use the "
-            f"benchtool that recorded it"
+            f"{path}: schema version {version!r}, this benchtool reads {', '.join(map(str, READABLE))}: "
+            f"use the benchtool that recorded it"
         )
     try:
         manifest = Manifest.model_validate(document)

@@ -31,11 +31,11 @@ class Bundle:
 
     @classmethod
     def open(cls, directory: Path, *, checked: bool = False) -> Bundle:
-        """The bundle in `directory`.
+        """Return the bundle in `directory`.
 
         Args:
             directory: of the bundle.
-            checked: leave out the comparison with the hashes that were kept, which was made just now.
+            checked: skip the comparison with the stored hashes, as it was just made.
 
         Raises:
             RecordingError: it is not a bundle, or its manifest or measurements are damaged or cannot be read.
@@ -50,21 +50,21 @@ class Bundle:
         return cls(directory, manifest, measurements, tuple(sorted(found | set(manifest.streams))), integrity)
 
     def require_intact(self) -> None:
-        """Check that every file is what was recorded, but for figures and reports.
+        """Check that every file is unchanged, except figures and reports.
 
         Raises:
-            RecordingError: one is not; the message names it.
+            RecordingError: one was changed; the message names it.
         """
         _require_intact(self.directory, self.integrity, list(self.integrity.damaged))
 
     @property
     def complete(self) -> bool:
-        """Whether the run was finished; if not, blocks hold what was acknowledged until it was cut short."""
+        """Whether the run was finished; if not, blocks hold the acknowledged data."""
         return self.manifest.complete
 
     @property
     def certificate(self) -> dict[str, Any] | None:
-        """How good the data are; None if the run ended before that was known.
+        """The data-quality certificate; None if the run ended before it was made.
 
         Raises:
             RecordingError: it cannot be read.
@@ -75,7 +75,7 @@ class Bundle:
 
     @property
     def tables(self) -> dict[str, Any]:
-        """Tables of what was measured, as they were written; none of a recording that measured none.
+        """Tables of measurements as written; empty if there are none.
 
         Raises:
             RecordingError: they cannot be read.
@@ -86,7 +86,7 @@ class Bundle:
 
     @property
     def events(self) -> tuple[Event, ...]:
-        """What happened, in the order in which it was noted; none of a run that noted nothing.
+        """Events in the order in which they were noted; empty if there are none.
 
         Raises:
             RecordingError: it cannot be read.
@@ -101,7 +101,7 @@ class Bundle:
         return self.directory / PLOTS
 
     def block(self, stream: str) -> Block:
-        """All rows of a stream, with its gaps.
+        """Return all rows of a stream, with its gaps.
 
         Raises:
             RecordingError: there is no such stream or it cannot be read.

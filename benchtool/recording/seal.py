@@ -1,4 +1,4 @@
-"""SHA-256 of files, and JSON documents that carry their own: a byte that changed later is found."""
+"""SHA-256 of files, and JSON documents sealed by their own hash."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ SEAL: Final = "seal"
 
 
 class FileHash(Section):
-    """What a file was when it was written."""
+    """Size and hash of a file when it was written."""
 
     size_B: int = Field(ge=0)
     sha256: str = Field(pattern=r"^[0-9a-f]{64}$")
 
 
 def hash_of(path: Path) -> FileHash:
-    """Size and SHA-256 of a file as it is now.
+    """Return the size and SHA-256 of a file as it is now.
 
     Raises:
         RecordingError: it cannot be read.
@@ -57,7 +57,7 @@ def write_json(path: Path, document: Mapping[str, Any], *, sealed: bool = False)
 
 
 def read_json(path: Path) -> dict[str, Any]:
-    """The JSON mapping in a file.
+    """Return the JSON mapping in a file.
 
     Raises:
         RecordingError: it cannot be read or is not a JSON mapping.
@@ -67,7 +67,7 @@ def read_json(path: Path) -> dict[str, Any]:
 
 
 def read_sealed_json(path: Path) -> tuple[dict[str, Any], bool | None]:
-    """The JSON mapping in a file, and whether its seal fits; None of a document without a seal.
+    """Return the JSON mapping in a file, and whether its seal fits; None of a document without a seal.
 
     Raises:
         RecordingError: it cannot be read or is not a JSON mapping.

@@ -9,16 +9,20 @@ from pathlib import Path
 import pyarrow as pa
 from pyarrow import parquet
 
-from benchtool.block import Block, Gap
-from benchtool.errors import RecordingError
-from benchtool.recording.arrow import (
+from benchtool.block import (
+    Block,
+    Gap,
     TimeBase,
     batch_of,
     block_of,
     gaps_from_text,
     gaps_to_text,
+    recorded_fields,
     schema_of,
+    times_s,
+    with_time,
 )
+from benchtool.errors import RecordingError
 from benchtool.recording.checkpoints import Checkpoints, HashedFile
 from benchtool.recording.failures import reading, writing
 from benchtool.recording.files import flush_to_disk
@@ -34,7 +38,7 @@ _ROW_GROUP = 1 << 16
 class StreamWriter:
     """Appends blocks to `path`; each is with the operating system when `append` returns.
 
-    Gaps travel in the custom metadata of their batch, because what follows may never be written. Each batch
+    Gaps travel in the custom metadata of their batch, because later batches may never be written. Each batch
     is noted in `checkpoints` before `append` returns.
     """
 
@@ -100,7 +104,7 @@ class StreamWriter:
         return before + [Gap(self.rows + gap.row, gap.missing_rows) for gap in block.gaps]
 
     def close(self) -> None:
-        """Release the file; a stream that broke stays as it is, its failure was reported already."""
+        """Release the file; a stream that failed stays as it is, as its failure was already reported."""
         if self._broken:
             with suppress(OSError):
                 self._file.close()
@@ -109,15 +113,15 @@ class StreamWriter:
             self._stream.close()
 
     def convert(self, target: Path) -> FileHash:
-        """Write the closed stream as Parquet to `target` and drop it; what the file is now.
+        """Write the closed stream as Parquet to `target` and remove it; return the file's hash.
 
-        Row groups have a fixed size, so that the bytes do not hang on how the rows arrived.
+        Row groups have a fixed size, so that the bytes do not depend on how the rows arrived.
 
         Raises:
-            RecordingError: the Parquet file cannot be written, or the stream broke; it is still there.
+            RecordingError: the Parquet file cannot be written, or the stream failed; it is kept.
         """
         self._require_sound()
-        schema = schema_of(self._channels, self._time_base, self.gaps)
+        schema = with_time(schema_of(self._channels, self._time_base, self.gaps))
         part = target.with_name(target.name + ".part")
         with reading(self.path), pa.memory_map(str(self.path)) as source:
             stream = pa.ipc.open_stream(source)
@@ -128,8 +132,10 @@ class StreamWriter:
                     hashed, schema, compression="zstd", use_dictionary=False, use_byte_stream_split=True
                 ) as file,
             ):
-                for group in _regroup(stream, schema):
-                    file.write_table(group, row_group_size=_ROW_GROUP)
+                first = 0
+                for group in _regroup(stream):
+                    file.write_table(self._timed(group, first, schema), row_group_size=_ROW_GROUP)
+                    first += len(group)
         self._checkpoints.note(target, hashed.state)
         with writing(target):
             flush_to_disk(part)
@@ -137,9 +143,16 @@ class StreamWriter:
             self.path.unlink()
         return hashed.state
 
+    def _timed(self, group: pa.Table, first: int, schema: pa.Schema) -> pa.Table:
+        """Return rows from `first` on with their time before them, where the schema has one of its own."""
+        columns = group.columns
+        if len(schema) > len(columns):
+            columns = [pa.array(times_s(self._time_base, self.gaps, first, len(group))), *columns]
+        return pa.Table.from_arrays(columns, schema=schema)
 
-def _regroup(batches: Iterator[pa.RecordBatch], schema: pa.Schema) -> Iterator[pa.Table]:
-    """The same rows as tables of `_ROW_GROUP` rows, the last one of what is left."""
+
+def _regroup(batches: Iterator[pa.RecordBatch]) -> Iterator[pa.Table]:
+    """Yield the same rows as tables of `_ROW_GROUP` rows; the last one may be shorter."""
     waiting: list[pa.RecordBatch] = []
     rows = 0
     for batch in batches:
@@ -147,15 +160,15 @@ def _regroup(batches: Iterator[pa.RecordBatch], schema: pa.Schema) -> Iterator[p
         rows += len(batch)
         while rows >= _ROW_GROUP:
             table = pa.Table.from_batches(waiting)
-            yield table.slice(0, _ROW_GROUP).combine_chunks().replace_schema_metadata(schema.metadata)
+            yield table.slice(0, _ROW_GROUP).combine_chunks()
             waiting = table.slice(_ROW_GROUP).to_batches()
             rows -= _ROW_GROUP
     if rows:
-        yield pa.Table.from_batches(waiting).combine_chunks().replace_schema_metadata(schema.metadata)
+        yield pa.Table.from_batches(waiting).combine_chunks()
 
 
 def read_stream(path: Path, size_B: int | None = None) -> Block:
-    """Block of a stream that was never converted; a batch that was only half written is left out.
+    """Return the block of a stream that was never converted; a batch that was only half written is left out.
 
     Args:
         path: of the stream.
@@ -173,14 +186,14 @@ def read_stream(path: Path, size_B: int | None = None) -> Block:
                 batch, metadata = stream.read_next_batch_with_custom_metadata()
                 gaps += gaps_from_text(metadata[b"gaps"])
             except (StopIteration, OSError, KeyError, TypeError, ValueError):
-                break  # the end, or what the process was writing when it ended
+                break  # the end, or a batch that was being written when the process ended
             batches.append(batch)
         rows = sum(len(batch) for batch in batches)
         return block_of(stream.schema, batches, rows, _time_base(path, stream.schema), gaps)
 
 
 def read_parquet(path: Path) -> Block:
-    """Block of a finished stream.
+    """Return the block of a finished stream.
 
     Raises:
         RecordingError: it cannot be read or was not written here.
@@ -189,7 +202,9 @@ def read_parquet(path: Path) -> Block:
         schema = file.schema_arrow
         time_base = _time_base(path, schema)
         gaps = gaps_from_text(schema.metadata.get(b"gaps", b"[]"))
-        return block_of(schema, file.iter_batches(_ROW_GROUP), file.metadata.num_rows, time_base, gaps)
+        names = [field.name for field in recorded_fields(schema)]
+        batches = file.iter_batches(_ROW_GROUP, columns=names)
+        return block_of(schema, batches, file.metadata.num_rows, time_base, gaps)
 
 
 def _time_base(path: Path, schema: pa.Schema) -> TimeBase:

@@ -36,9 +36,9 @@ class BundleWriter:
             bundle.append("capture", block)
             bundle.finish(measurements, verdict="passed")
 
-    What `append` has accepted survives the end of the process, however it ends. Without `finish` the bundle
-    stays marked as incomplete and its data stay Arrow streams, which `Bundle` reads as well. The manifest
-    that `finish` or `fail` writes has the hashes of all files that are there by then.
+    Data that `append` has accepted survive any end of the process. Without `finish` the bundle stays marked
+    as incomplete and its data stay Arrow streams, which `Bundle` reads as well. The manifest that `finish` or
+    `fail` writes has the hashes of all files that are there by then.
 
     Raises:
         RecordingError: the directory has content or cannot be written.
@@ -68,7 +68,7 @@ class BundleWriter:
         try:
             self.close()
         except RecordingError:
-            if error is None:  # else the first failure is the one to report
+            if error is None:  # otherwise the first failure is reported
                 raise
 
     def append(self, stream: str, block: Block) -> None:
@@ -106,11 +106,11 @@ class BundleWriter:
         """Turn the streams into Parquet, write the results, mark the bundle complete and open it.
 
         `tables` are results of many numbers each, such as spectra; without any there is no file of them.
-        `details` and `quality` are added to those the manifest began with; `certificate` tells how good
-        the data are.
+        `details` and `quality` are added to those the manifest began with; `certificate` is the data-quality
+        certificate.
 
         Raises:
-            RecordingError: something cannot be written; what was recorded stays readable.
+            RecordingError: a file cannot be written; the recorded data stay readable.
         """
         self._require_open()
         self.close()
@@ -135,7 +135,8 @@ class BundleWriter:
         details: Mapping[str, Any] | None = None,
         certificate: Mapping[str, Any] | None = None,
     ) -> None:
-        """Say in the manifest why the run was cut short; the bundle stays incomplete, its data Arrow streams.
+        """Note in the manifest why the run was cut short; the bundle stays incomplete, its data Arrow
+        streams.
 
         Raises:
             RecordingError: manifest or certificate cannot be written.
@@ -173,10 +174,10 @@ class BundleWriter:
         self._checkpoints.end()
 
     def close(self) -> None:
-        """Release the files without finishing; again is harmless."""
+        """Release the files without finishing; may be called repeatedly."""
         if self._open:
             self._open = False
-            with ExitStack() as streams:  # each is closed, whatever another one raises
+            with ExitStack() as streams:  # each is closed, even if another one raises
                 for stream in self._streams.values():
                     streams.callback(stream.close)
 
