@@ -49,7 +49,7 @@ Figures = dict[str, float]
 
 
 def capture(seconds: int) -> Block:
-    """A synthetic capture, each channel contiguous."""
+    """Return a synthetic capture, each channel contiguous."""
     random, rows = np.random.default_rng(1), seconds * RATE_HZ
     data = np.empty((rows, len(CHANNELS)), order="F")
     for start in range(0, rows, RATE_HZ):
@@ -78,12 +78,12 @@ def _channels(number: NDArray[np.int64], theta_e: NDArray[np.floating[Any]]) -> 
 
 
 def peak_MB() -> float:
-    """Most memory that this process has held, MB."""
+    """Return the most memory that this process has held, MB."""
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3
 
 
 def analyse(seconds: int, folder: str) -> Figures:
-    """Time of each of some analyses of a block in memory; the first is apart."""
+    """Return the time of each of some analyses of a block in memory; the first is apart."""
     block = capture(seconds)
     before = peak_MB()
     processor = time.process_time()
@@ -101,7 +101,7 @@ def analyse(seconds: int, folder: str) -> Figures:
 
 
 def welch(seconds: int, folder: str) -> Figures:
-    """Best time of a Welch spectrum of every channel."""
+    """Return the best time of a Welch spectrum of every channel."""
     block = capture(seconds)
     times = []
     for _ in range(RUNS):
@@ -124,7 +124,7 @@ def write(seconds: int, folder: str) -> Figures:
 
 
 def read(seconds: int, folder: str) -> Figures:
-    """Time of reading the bundle, once, and of one analysis of what was read."""
+    """Return the time of reading the bundle, once, and of one analysis of what was read."""
     start = time.perf_counter()
     block = Bundle.open(Path(folder)).block("capture")
     read_s = time.perf_counter() - start
@@ -140,7 +140,7 @@ def _analyse_s(block: Block) -> float:
 
 
 def apart(function: Callable[[int, str], Figures], seconds: int, folder: str = "") -> Figures:
-    """What a function measures in a new process."""
+    """Return what a function measures in a new process."""
     with multiprocessing.get_context("spawn").Pool(1) as pool:
         return pool.apply(function, (seconds, folder))
 

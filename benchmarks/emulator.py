@@ -2,13 +2,15 @@
 
 Measured is the closed loop at 0.1 of rated speed against 0.65 Nm: TPC at 10 kHz, the machine integrated
 between switching edges, noisy 10-bit sensors, a capture of 12 channels under way. The baseline, in the same
-run, is the same kernel on the same inputs as plain Python, which its sources are without the compiler.
+run, is the same kernel on the same inputs as plain Python, which its sources are without the compiler. What
+the parts of a bench cost is measured against the ideal one, turn by turn in this process.
 Processor time of this one thread counts, so that a neighbour on the machine does not.
 """
 
 from __future__ import annotations
 
 import argparse
+import math
 import os
 import statistics
 import subprocess
@@ -16,7 +18,8 @@ import sys
 import tempfile
 import time
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from typing import Any
 
 from benchmarks.figures import print_figures
 from benchtool.emulator.core import Core
@@ -32,6 +35,15 @@ CHANNELS = [
 ]  # fmt: skip
 TICKS = 20_000
 RUNS = 15
+PARTS: dict[str, tuple[dict[str, float], dict[str, float]]] = {  # of the motor, of the inverter
+    "coulomb": ({"coulomb_Nm": 0.02}, {}),
+    "stribeck": ({"coulomb_Nm": 0.02, "breakaway_Nm": 0.03, "stribeck_rad_s": 5.0}, {}),
+    "cogging": ({"cogging_Nm": 0.02, "cogging_order": 12}, {}),
+    "dead_time": ({}, {"dead_time_s": 2e-6}),
+    "devices": ({}, {"device_drop_V": 1.0, "on_resistance_ohm": 0.02}),
+    "timer": ({}, {"timer_Hz": 100e6}),
+    "dc_link": ({}, {"dc_link_R_ohm": 0.5, "dc_link_C_F": 1e-3}),
+}
 BASELINE_TICKS = 300
 GOAL = 250.0  # times real time
 
@@ -45,15 +57,21 @@ print(time.perf_counter() - start)
 """
 
 
-def paper_machine() -> Core:
-    """The paper's machine with its drive set up and switched on."""
+def paper_machine(motor: Mapping[str, Any] = {}, inverter: Mapping[str, Any] = {}) -> Core:
+    """Return the paper's machine with its drive set up and switched on, and with these flaws."""
     document = (shipped("firmware_protocol") / "objects.toml").read_text(encoding="utf-8")
     core = Core(
         table_from_toml(tomllib.loads(document)),
         MotorTruth(
-            pole_pairs=4, R_s_ohm=0.123, L_d_H=9.52e-3, L_q_H=9.52e-3, psi_r_Wb=0.1685, J_kgm2=13.1e-4
+            pole_pairs=4,
+            R_s_ohm=0.123,
+            L_d_H=9.52e-3,
+            L_q_H=9.52e-3,
+            psi_r_Wb=0.1685,
+            J_kgm2=13.1e-4,
+            **motor,
         ),
-        InverterTruth(u_dc_V=122.5),
+        InverterTruth(u_dc_V=122.5, **inverter),
         SensorTruth(i_full_scale_A=15.0, u_full_scale_V=500.0, current_noise_A_rms=0.015),
         seed=1,
     )
@@ -76,7 +94,7 @@ def capture(core: Core, ticks: int) -> None:
 
 
 def cpu_s(core: Core, ticks: int, run: Callable[[int], int]) -> float:
-    """Processor time of `ticks` logged ticks."""
+    """Return the processor time of `ticks` logged ticks."""
     capture(core, ticks)
     start = time.thread_time()
     ran = run(ticks)
@@ -88,8 +106,24 @@ def cpu_s(core: Core, ticks: int, run: Callable[[int], int]) -> float:
     return elapsed
 
 
+def speeds_with_parts() -> dict[str, float]:
+    """Return speed with each part of `PARTS`, and with all of them, as a share of that of the ideal bench."""
+    whole = [{key: value for part in PARTS.values() for key, value in part[k].items()} for k in (0, 1)]
+    cores = {
+        "ideal": paper_machine(),
+        **{f"speed_with_{name}": paper_machine(*part) for name, part in PARTS.items()},
+        "speed_with_all_parts": paper_machine(*whole),
+    }
+    best = dict.fromkeys(cores, math.inf)
+    for _ in range(RUNS):
+        for name, core in cores.items():
+            best[name] = min(best[name], cpu_s(core, TICKS // 10, core.run))
+    ideal = best.pop("ideal")
+    return {name: round(ideal / each, 3) for name, each in best.items()}
+
+
 def start_s(cache: str) -> float:
-    """Time of the first tick in a new process that caches in the folder `cache`."""
+    """Return the time of the first tick in a new process that caches in the folder `cache`."""
     environment = {**os.environ, "NUMBA_CACHE_DIR": cache}
     command = [sys.executable, "-c", _START]
     done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
@@ -112,7 +146,7 @@ def main() -> None:
 
     plain = paper_machine()
     plain.run(TICKS)
-    python_s = cpu_s(plain, BASELINE_TICKS, lambda ticks: plain.run_with(run_ticks.py_func, ticks))  # type: ignore[attr-defined]  # of numba's dispatcher
+    python_s = cpu_s(plain, BASELINE_TICKS, lambda ticks: plain.run_with(run_ticks, ticks))
     python_factor = BASELINE_TICKS * plain.control_period_s / python_s
 
     result = {
@@ -128,6 +162,7 @@ def main() -> None:
         "ticks_per_run": TICKS,
         "runs": RUNS,
         "channels_captured": len(CHANNELS),
+        **speeds_with_parts(),
     }
     print_figures(result, as_json=as_json)
 

@@ -1,4 +1,4 @@
-"""How every benchmark prints what it measured."""
+"""Output of all benchmarks."""
 
 from __future__ import annotations
 

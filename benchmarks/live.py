@@ -27,7 +27,7 @@ from benchmarks.figures import print_figures
 from benchtool.block import Block, Channel
 from benchtool.clock import RealClock
 from benchtool.live import Destination, FileDestination, LiveView, Setup, Viewer
-from benchtool.live.sending import TimeAxis, block_columns, scalars
+from benchtool.live.messages import TimeAxis, block_columns, scalars
 from benchtool.telemetry import Sink
 
 RATE_HZ = 10_000
@@ -41,7 +41,7 @@ _NAMES = (
 
 
 def block() -> Block:
-    """A fifth of a second: a current of 10 Hz and noise everywhere, which nothing compresses."""
+    """Return a fifth of a second: a current of 10 Hz and noise everywhere, which nothing compresses."""
     random = np.random.default_rng(1)
     data = random.standard_normal((ROWS, len(_NAMES)))
     data[:, 0] += 10.0 * np.sin(2.0 * np.pi * 10.0 * np.arange(ROWS) / RATE_HZ)
@@ -50,16 +50,16 @@ def block() -> Block:
 
 
 def resident_MB() -> float:
-    """Memory of this process."""
+    """Return the memory of this process."""
     pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1])
     return pages * os.sysconf("SC_PAGE_SIZE") / 1e6
 
 
 def stream_s(destination: Destination, seconds: float, happens: Callable[[], None]) -> dict[str, float]:
-    """Stream in real time; `happens` after the first second."""
+    """Send the stream in real time; `happens` is called after the first second."""
     clock, whole = RealClock(), block()
     view = LiveView(Setup("benchmark", psi_Wb=1.0), [destination])
-    sink = Sink("live", view.take, lossless=False)
+    sink = Sink("live", view.add_block, lossless=False)
     view.count_drops(lambda: sink.rows_dropped)
     blocks = round(seconds * RATE_HZ / ROWS)
     longest_s = 0.0
@@ -92,7 +92,7 @@ def stream_s(destination: Destination, seconds: float, happens: Callable[[], Non
 
 
 def rows_per_s(send: Callable[[rr.RecordingStream, int], int], folder: Path) -> float:
-    """Rows of 16 channels per second of processor time, over about a second."""
+    """Return the rows of 16 channels per second of processor time, over about a second."""
     stream = rr.RecordingStream("benchmark")
     stream.save(folder / "baseline.rrd")
     send(stream, 0)
@@ -107,7 +107,7 @@ def rows_per_s(send: Callable[[rr.RecordingStream, int], int], folder: Path) -> 
 
 
 def one_by_one(stream: rr.RecordingStream, number: int) -> int:
-    """A hundred rows with `log`."""
+    """Send a hundred rows with `log`."""
     data = block().data[:100]
     for row, values in enumerate(data):
         stream.set_time("drive_tick", sequence=number * 100 + row)
@@ -116,7 +116,7 @@ def one_by_one(stream: rr.RecordingStream, number: int) -> int:
 
 
 def by_quantity(stream: rr.RecordingStream, number: int) -> int:
-    """A block as the view sends it."""
+    """Send a block as the view does."""
     whole = replace(block(), first_tick=number * ROWS)
     for columns in block_columns(whole, TimeAxis(1e-4, 0, 0.0), "/stream"):
         columns.send(stream)
@@ -124,7 +124,7 @@ def by_quantity(stream: rr.RecordingStream, number: int) -> int:
 
 
 def by_channel(stream: rr.RecordingStream, number: int) -> int:
-    """A block with an entity for each channel."""
+    """Send a block with an entity for each channel."""
     whole, axis = replace(block(), first_tick=number * ROWS), TimeAxis(1e-4, 0, 0.0)
     for column, name in enumerate(whole.names):
         scalars(f"/stream/{name}", axis, whole.ticks(), whole.data[:, [column]]).send(stream)

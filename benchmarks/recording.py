@@ -2,7 +2,8 @@
 
 Measured, against real time, is a full-rate stream of 16 channels of float32 at 10 kHz: batches with header
 and CRC-32 as bytes, decoded into Blocks, through the fan-out and its threads, into the Arrow stream of a
-bundle on disk. The baseline, in the same run, is what nobody can do without: the CRC and a view of the bytes.
+bundle on disk. The baseline, measured in the same run, is the unavoidable part: the CRC and a view of the
+bytes.
 The second figure is the slow stream: PDOs per second through the decoder, against a loop that only tells
 their identifiers apart. Processor time of all threads counts, so that a neighbour on the machine does not.
 """
@@ -54,7 +55,7 @@ def batches() -> list[bytes]:
 
 
 def record_s(data: list[bytes], folder: Path) -> tuple[float, float]:
-    """Processor and wall time of decoding and recording."""
+    """Return the processor and wall time of decoding and recording."""
     channels = [_DICTIONARY[name] for name in CHANNELS]
     with BundleWriter(folder, Manifest(what="benchmark", when="2000-01-01T00:00:00+00:00")) as bundle:
         wall, processor = time.perf_counter(), time.process_time()
@@ -68,7 +69,7 @@ def record_s(data: list[bytes], folder: Path) -> tuple[float, float]:
 
 
 def baseline_s(data: list[bytes]) -> float:
-    """Processor time of CRC and view alone."""
+    """Return the processor time of CRC and view alone."""
     start = time.process_time()
     for batch in data:
         zlib.crc32(batch)
@@ -77,7 +78,7 @@ def baseline_s(data: list[bytes]) -> float:
 
 
 def pdos() -> tuple[RecordDecoder, list[tuple[int, bytes]]]:
-    """A decoder and the PDOs of many records of the default channels."""
+    """Return a decoder and the PDOs of many records of the default channels."""
     layout = stream_layout(_DICTIONARY, 1, CHANNELS[:9], 1000.0, 1e-4)
     frames = []
     for number in range(RECORDS):
@@ -88,13 +89,13 @@ def pdos() -> tuple[RecordDecoder, list[tuple[int, bytes]]]:
 
 
 def decode_s() -> tuple[float, float, int]:
-    """Processor time of the decoder, of the bare loop, and how many PDOs."""
+    """Return the processor time of the decoder, of the bare loop, and how many PDOs."""
     decoder, frames = pdos()
     start = time.process_time()
     for can_id, data in frames:
         decoder.feed(can_id, data, 0.0)
         if decoder.rows >= 200:
-            decoder.take()
+            decoder.pop_block()
     decoded = time.process_time() - start
     if decoder.counters.received != RECORDS:
         raise SystemExit(

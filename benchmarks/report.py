@@ -3,7 +3,7 @@
 Two bundles, both synthetic: one as the demo leaves it (0.52 s of 12 channels at 10 kHz, and a transducer at
 200 kHz) and a long one (600 s of 12 channels at 10 kHz). Measured is what `benchtool report` does, from
 opening the bundle to the bytes of the page and, apart, of the PDF: reading, measuring again, drawing,
-hashing, setting. The baseline, in the same run, is what nobody can do without: reading the bundle's data.
+hashing, setting. The baseline, measured in the same run, is the unavoidable part: reading the bundle's data.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ GOAL_S = 10.0
 
 
 def capture(seconds: float) -> Block:
-    """A machine in steady state: 12 channels with noise, one peak of one sample in the torque."""
+    """Return a machine in steady state: 12 channels with noise, one peak of one sample in the torque."""
     rows = round(seconds * RATE_HZ)
     random = np.random.default_rng(1)
     theta_m = OMEGA_M_RAD_S * np.arange(rows) / RATE_HZ
@@ -66,7 +66,7 @@ def capture(seconds: float) -> Block:
 
 
 def transducer(seconds: float) -> Block:
-    """The shaft's torque, `OVERSAMPLING` times as fast."""
+    """Return the shaft's torque, `OVERSAMPLING` times as fast."""
     rows = round(seconds * RATE_HZ * OVERSAMPLING)
     torque = 0.65 + 0.05 * np.random.default_rng(2).standard_normal(rows)
     return Block(
@@ -108,7 +108,7 @@ def write_bundle(folder: Path, seconds: float, *, with_transducer: bool) -> None
 
 
 def measure(folder: Path) -> dict[str, float]:
-    """Seconds of wall time: reading alone, the page, and the PDF on top of the same content."""
+    """Return the seconds of wall time: reading alone, the page, and the PDF on top of the same content."""
     start = time.perf_counter()
     bundle = Bundle.open(folder)
     for stream in bundle.streams:
@@ -131,7 +131,7 @@ def measure(folder: Path) -> dict[str, float]:
 
 
 def best(folder: Path, runs: int) -> dict[str, float]:
-    """The fastest of some runs, with its ratio to reading."""
+    """Return the fastest of some runs, with its ratio to reading."""
     found = min((measure(folder) for _ in range(runs)), key=lambda each: each["with_pdf_s"])
     ratio = {"page_over_reading": found["page_s"] / found["read_s"]}
     return {name: round(value, 3) for name, value in (found | ratio).items()}

@@ -62,7 +62,7 @@ def drive_end(max_reply: int) -> Iterator[str]:
 
 
 def record(terminal: str, seconds: float, folder: Path) -> dict[str, float]:
-    """Shares and losses of a recording."""
+    """Return the shares and losses of a recording."""
     dictionary = Dictionary.from_eds(shipped("firmware_protocol") / "drive.eds", 1)
     clock = RealClock()
     manifest = Manifest(what="benchmark", when="2000-01-01T00:00:00+00:00")
@@ -99,7 +99,7 @@ def record(terminal: str, seconds: float, folder: Path) -> dict[str, float]:
 
 
 def read_only(terminal: str, seconds: float) -> dict[str, float]:
-    """Share of reading the same bytes and doing nothing with them."""
+    """Return the share of reading the same bytes without processing."""
     rows = (MAX_REPLY_BYTES - 14) // (4 * len(CHANNELS))
     port = PyserialPort(terminal)
     try:

@@ -2,7 +2,7 @@
 
 It answers what a host asks before a stream and sends batches of made-up records when they are due, over a
 pseudo-terminal whose name it prints. It never waits for the line: a batch that does not fit the backlog is
-dropped and counted, as a drive would. Its own processor time is nobody's.
+dropped and counted, as a drive would. Its own processor time is not counted.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ class Streamer:
         self._records: list[bytes] = []
 
     def run(self) -> None:
-        """Until the host goes and its end of the terminal with it, or standard input ends."""
+        """Run until the host closes its end of the terminal, or standard input ends."""
         while True:
             writable = [self._descriptor] if self._backlog else []
             ready, _, _ = select.select([self._descriptor, sys.stdin], writable, [], self._pause_s())

@@ -65,7 +65,7 @@ class Tally:
 
 
 def stream(seconds: float) -> None:
-    """The adapter's process: print where it is, send once its channel is open, print what became of it."""
+    """The adapter's process: print its port, send once its channel is open, print the result."""
     port = PtyPort()
     adapter = SlcanAdapter(port)
     closing = threading.Event()
@@ -142,7 +142,7 @@ def through_bus(bus: can.BusABC, tally: Tally) -> None:
 
 
 def measure(receive: Callable[[str, Tally], None], seconds: float) -> dict[str, float]:
-    """Processor share and losses of one way to receive."""
+    """Return the processor share and losses of one way to receive."""
     command = [sys.executable, "-m", "benchmarks.slcan", "--stream", str(seconds)]
     tally = Tally()
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as child:

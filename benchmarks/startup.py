@@ -18,7 +18,7 @@ GOAL_S = 0.4
 
 
 def median_s(*arguments: str) -> float:
-    """Median wall time of a Python process with these arguments."""
+    """Return the median wall time of a Python process with these arguments."""
     times = []
     for _ in range(RUNS):
         start = time.perf_counter()

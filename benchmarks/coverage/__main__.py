@@ -22,7 +22,7 @@ REPETITIONS = 100
 
 
 def score_family(name: str, repetitions: int) -> list[Score]:
-    """Scores of one family by its name."""
+    """Return the scores of one family by its name."""
     return list(scores(FAMILIES[name], repetitions))
 
 

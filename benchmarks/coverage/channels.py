@@ -1,4 +1,4 @@
-"""Families of what further channels tell: flux, switching, torque residual, unbalance, lines, transducer."""
+"""Families of further channels: flux, switching, torque residual, unbalance, lines, transducer."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.coverage.families import OF_THE_ENSEMBLE, Family, picked
-from benchmarks.coverage.noise import coloured
+from benchmarks.coverage.families import OF_THE_ENSEMBLE, Family, selected
+from benchmarks.coverage.noise import coloured, converted
 from benchtool.analysis import (
     Measurement,
     current_unbalance,
@@ -21,7 +21,7 @@ from benchtool.analysis import (
     torque_ripple,
     track_angle,
     track_tone,
-    true_torque,
+    transducer_torque,
 )
 from benchtool.block import Block
 from benchtool.profile import Motor
@@ -89,7 +89,7 @@ def _flux(what: Flux, random: np.random.Generator) -> Found:
         psi = np.conj(psi)
     if what.bits:
         step = 2.2 * RADIUS_WB / 2**what.bits
-        psi = np.round(psi.real / step) * step + 1j * np.round(psi.imag / step) * step
+        psi = converted(psi.real, step, random) + 1j * converted(psi.imag, step, random)
     block = Block.from_arrays(
         RATE_HZ, {"psi_alpha": "Wb", "psi_beta": "Wb"}, psi_alpha=psi.real, psi_beta=psi.imag
     )
@@ -104,7 +104,7 @@ def _flux(what: Flux, random: np.random.Generator) -> Found:
         "flux_centre_offset": RADIUS_WB * what.centre,
         "flux_radius_order_6": RADIUS_WB * abs(np.conj(fifth) + seventh),
     }
-    yield from picked(flux_trajectory(block), truths)
+    yield from selected(flux_trajectory(block), truths)
 
 
 @dataclass(frozen=True)
@@ -133,7 +133,7 @@ def _switching(what: Switching, random: np.random.Generator) -> Found:
     for _ in range(3):
         if what.scatter:
             steps = random.gamma(1 / what.scatter**2, what.scatter**2, int(2 * turns[-1]) + 100)
-            events = np.cumsum(steps) - 20.0  # long before the record: no memory of its beginning
+            events = np.cumsum(steps) - 20.0  # long before the record, so that the beginning has no effect
         else:
             events = np.arange(-1.0, turns[-1] + 1.0) + random.uniform()
         total += np.searchsorted(events, turns)
@@ -144,7 +144,7 @@ def _switching(what: Switching, random: np.random.Generator) -> Found:
 
 @dataclass(frozen=True)
 class Residual:
-    """A machine as its model says, and an estimate that is off by offset, noise and a ripple, Nm."""
+    """A machine that follows its model, and an estimate with offset, noise and ripple, Nm."""
 
     offset_Nm: float = 0.02
     noise_Nm: float = 0.01
@@ -182,12 +182,12 @@ def _residual(what: Residual, random: np.random.Generator) -> Found:
     )
     square = what.offset_Nm**2 + what.noise_Nm**2 + 0.5 * what.ripple_Nm**2
     truths = {"torque_residual_mean": what.offset_Nm, "torque_residual_rms": math.sqrt(square)}
-    yield from picked(torque_residual(block, MOTOR), truths)
+    yield from selected(torque_residual(block, MOTOR), truths)
 
 
 @dataclass(frozen=True)
 class Unbalance:
-    """Three currents of 5 A: negative and zero sequence relative to the positive one, and what disturbs."""
+    """Three currents of 5 A: negative and zero sequence relative to the positive one, and disturbances."""
 
     negative: float = 0.03
     zero: float = 0.01
@@ -233,7 +233,7 @@ def _unbalance(what: Unbalance, random: np.random.Generator) -> Found:
         "current_unbalance_percent": 100.0 * what.negative,
         "current_unbalance_zero_percent": 100.0 * what.zero,
     }
-    yield from picked(current_unbalance(block, track_tone(currents["i_a"], "i_a")), truths)
+    yield from selected(current_unbalance(block, track_tone(currents["i_a"], "i_a")), truths)
 
 
 @dataclass(frozen=True)
@@ -256,16 +256,16 @@ def _lines(what: Lines, random: np.random.Generator) -> Found:
         torque += size * np.cos(2 * np.pi * (frequency_Hz + off_Hz) * time_s + random.uniform(0, 2 * np.pi))
     if what.bits:
         step = 4.0 / 2**what.bits
-        torque = np.round(torque / step) * step
+        torque = converted(torque, step, random)
     block = Block.from_arrays(RATE_HZ, {"torque": "Nm"}, torque=torque)
     frequency_Hz, size = what.lines[0]
     truths = {"torque_line_frequency": frequency_Hz + off_Hz, "torque_line_amplitude": size}
-    yield from picked(spectral_lines(block, "torque").measurements, truths)
+    yield from selected(spectral_lines(block, "torque").measurements, truths)
 
 
 @dataclass(frozen=True)
 class Shaft:
-    """A transducer at 50 kHz beside an estimate that is off by 0.05 Nm, with ripple and noise, Nm."""
+    """A transducer at 50 kHz and an estimate with an error of 0.05 Nm, with ripple and noise, Nm."""
 
     noise: float = 0.02
     colour: float = 0.0
@@ -289,8 +289,12 @@ def _shaft(what: Shaft, random: np.random.Generator) -> Found:
     )
     track = track_angle(theta_m, MOTOR.pole_pairs)
     estimate = torque_ripple(block, track=track)[0]
-    truths = {"true_torque_mean": 2.0, "torque_error": 0.05, "true_torque_ripple_pp": OF_THE_ENSEMBLE}
-    yield from picked(true_torque(shaft, block, estimate=estimate, track=track), truths)
+    truths = {
+        "transducer_torque_mean": 2.0,
+        "torque_error": 0.05,
+        "transducer_torque_ripple_pp": OF_THE_ENSEMBLE,
+    }
+    yield from selected(transducer_torque(shaft, block, estimate=estimate, track=track), truths)
 
 
 _FLUX, _SWITCHING, _RESIDUAL = Flux(), Switching(), Residual()
@@ -305,6 +309,9 @@ KINDS: Mapping[str, Kind] = {
     "flux_drift": replace(_FLUX, drift=0.03),
     "flux_breathing": replace(_FLUX, breathing=(0.01, 0.0), revolutions=80.4),
     "flux_breathing_memory": replace(_FLUX, breathing=(0.01, 0.9), revolutions=200.4),
+    "flux_breathing_some_memory": replace(_FLUX, breathing=(0.01, 0.5), revolutions=120.4),
+    "flux_breathing_long": replace(_FLUX, breathing=(0.01, 0.8), revolutions=400.3),
+    "flux_breathing_slow": replace(_FLUX, breathing=(0.01, 0.95), revolutions=400.3),
     "flux_bits_8": replace(_FLUX, bits=8, noise=1e-4),
     "flux_backwards": replace(_FLUX, backwards=True),
     "flux_reversal": replace(_FLUX, reverses=True),
@@ -342,7 +349,7 @@ KINDS: Mapping[str, Kind] = {
 
 
 def trial(what: Kind, random: np.random.Generator) -> Found:
-    """One record, measured."""
+    """Return one record, measured."""
     match what:
         case Flux():
             return _flux(what, random)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import optimize, signal
 
-from benchmarks.coverage.families import Family, picked
+from benchmarks.coverage.families import Family, selected
 from benchmarks.coverage.noise import coloured
 from benchtool.analysis import Measurement, analyze_response, analyze_step
 from benchtool.block import Block
@@ -35,7 +35,7 @@ class Lag:
         return 2.0 * math.pi * self.corner_Hz
 
     def step(self, time_s: Floats) -> Floats:
-        """Answer to a unit step at zero, of unit gain at rest, at times of any sign."""
+        """Return the answer to a unit step at zero, of unit gain at rest, at times of any sign."""
         x = self.omega * np.maximum(time_s, 0.0)
         if self.damping is None:
             return np.asarray(1.0 - np.exp(-x))
@@ -44,7 +44,7 @@ class Lag:
         return np.asarray(1.0 - np.real(both / (z - np.conj(z))))
 
     def ramp(self, time_s: Floats, rise_s: float) -> Floats:
-        """Answer to a unit ramp over `rise_s`."""
+        """Return the answer to a unit ramp over `rise_s`."""
         return (self._integral(time_s) - self._integral(time_s - rise_s)) / rise_s
 
     def _integral(self, time_s: Floats) -> Floats:
@@ -58,7 +58,7 @@ class Lag:
         return np.asarray((x - np.real(both / (z - w))) / self.omega)
 
     def response(self, frequency_Hz: Floats) -> NDArray[np.complex128]:
-        """Frequency response."""
+        """Return the frequency response."""
         s = 1j * np.asarray(frequency_Hz) / self.corner_Hz
         below = 1.0 + s if self.damping is None else 1.0 + 2.0 * self.damping * s + s**2
         return np.asarray(self.gain / below)
@@ -66,9 +66,11 @@ class Lag:
 
 @dataclass(frozen=True)
 class Stepped:
-    """One step response: `noise` is relative to the step, `rise_s` that of the reference, `delay_s` dead.
+    """One step response: `noise` is relative to the step, `rise_s` that of the reference, `delay_s` dead;
+    `drift` is that over a second, relative to the step.
 
-    The step comes `late_samples` before the sample that first shows it.
+    The step comes up to a sample before the one that first shows it or, where a drive holds the reference
+    from tick to tick, with it.
     """
 
     lag: Lag
@@ -79,7 +81,8 @@ class Stepped:
     delay_s: float = 0.0
     height: float = 1.0
     duration_s: float = 0.2
-    late_samples: float = 0.0
+    held: bool = False
+    drift: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -96,9 +99,9 @@ class Excited:
 
 
 def stepped_trial(what: Stepped, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
-    """Numbers of one step response."""
+    """Yield the numbers of one step response."""
     row = np.arange(-round(_BEFORE_S * RATE_HZ), round(what.duration_s * RATE_HZ), dtype=np.float64)
-    time_s: Floats = (row + what.late_samples) / RATE_HZ
+    time_s: Floats = (row + (0.0 if what.held else random.uniform())) / RATE_HZ
 
     def answer(at_s: Floats) -> Floats:
         late = np.asarray(at_s) - what.delay_s
@@ -112,12 +115,13 @@ def stepped_trial(what: Stepped, random: np.random.Generator) -> Iterator[tuple[
     block = Block.from_arrays(
         RATE_HZ,
         {"y": "Nm", "r": "Nm"},
-        y=what.height * (answer(time_s) + noise),
+        y=what.height * (answer(time_s) + noise + what.drift * time_s),
         r=what.height * reference,
     )
     fine_s = np.linspace(0.0, what.duration_s, 400_001)
-    yield from picked(
-        analyze_step(block, "y", "r").measurements, _truths(what, fine_s, answer(fine_s), reference)
+    yield from selected(
+        analyze_step(block, "y", "r", held=what.held).measurements,
+        _truths(what, fine_s, answer(fine_s), reference),
     )
 
 
@@ -128,7 +132,7 @@ def _truths(what: Stepped, time_s: Floats, y: Floats, reference: Floats) -> Mapp
     final = float(reference[-1])
     over = max(0.0, float(y[tops]) - 1.0)
     truths = {
-        "dead_time": _crossing(time_s, y, 0.02) - half_s,
+        "step_latency": _crossing(time_s, y, 0.02) - half_s,
         "overshoot": abs(what.height) * over,
         "overshoot_percent": 100.0 * over,
         "reach_time": _crossing(time_s, y, 0.98) - half_s,
@@ -149,7 +153,7 @@ def _crossing(time_s: Floats, y: Floats, level: float) -> float:
 
 
 def excited_trial(what: Excited, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
-    """Numbers of one frequency response; the system runs in continuous time, its input is held."""
+    """Yield the numbers of one frequency response; the system runs in continuous time, its input is held."""
     count = round(what.duration_s * RATE_HZ)
     period = None
     if what.excitation == "chirp":
@@ -176,11 +180,11 @@ def excited_trial(what: Excited, random: np.random.Generator) -> Iterator[tuple[
     y += what.drift * rms * np.linspace(0.0, 1.0, len(y))
     block = Block.from_arrays(RATE_HZ, {"x": "Nm", "y": "Nm"}, x=x, y=y)
     found = analyze_response(block, "x", "y", begin_row=period or 0, period_rows=period)
-    yield from picked(found.measurements, _response_truths(what, late, found.response.frequency_Hz))
+    yield from selected(found.measurements, _response_truths(what, late, found.response.frequency_Hz))
 
 
 def _held(lag: Lag, x: Floats) -> Floats:
-    """The samples of the answer to an input that is held from sample to sample, from rest."""
+    """Return the samples of the answer to an input that is held from sample to sample, from rest."""
     numerator, denominator = _discrete(lag)
     return np.asarray(signal.lfilter(numerator, denominator, x))
 
@@ -222,7 +226,7 @@ def _response_truths(what: Excited, late: int, used_Hz: Floats) -> Mapping[str, 
 
 
 def _level(value: complex, name: str, gain: float) -> float:
-    """What is zero at the bandwidth."""
+    """Return what is zero at the bandwidth."""
     if name == "bandwidth_3dB":
         return abs(value) / gain - math.sqrt(0.5)
     return math.remainder(float(np.angle(value)) + 0.5 * math.pi, 2 * math.pi)
@@ -246,7 +250,18 @@ STEPPED: Mapping[str, Stepped] = {
     "ramp_lag2": Stepped(_SECOND, 1e-2, rise_s=0.01),
     "ramp_kinked": Stepped(Lag(200.0, 0.9), 1e-3, rise_s=0.03),
     "ramp_noisy": Stepped(_FIRST, 5e-2, rise_s=0.03),
-    "step_between_samples": Stepped(_SECOND, 1e-3, late_samples=0.7),
+    "step_held": Stepped(_SECOND, 1e-3, held=True),
+    "step_held_lag1": Stepped(_FIRST, 1e-2, held=True),
+    "step_held_coloured": Stepped(_SOFT, 3e-3, 0.9, held=True),
+    **{
+        f"step_drifting_{drift:g}": Stepped(lag, 3e-3, colour, drift=drift)
+        for drift, lag, colour in (
+            (0.01, _SECOND, 0.0),
+            (0.3, _SECOND, 0.0),
+            (-0.3, _FIRST, 0.9),
+            (2.0, _FIRST, 0.0),
+        )
+    },
     "step_underdamped": Stepped(Lag(150.0, 0.15), 3e-3, 0.9),
     "step_slow_coloured": Stepped(Lag(20.0), 2e-2, 0.95, pulse_s=0.1),
 }
@@ -256,6 +271,13 @@ EXCITED: Mapping[str, Excited] = {
         for excitation in ("chirp", "prbs", "multisine", "noise")
         for name, lag in (("lag1", Lag(100.0, gain=2.0)), ("lag2", Lag(200.0, 0.35)))
         for noise in (-80, -40, -20)
+    },
+    **{
+        f"multisine_{corner_Hz}Hz_{damping}_{noise}dB": Excited(
+            Lag(corner_Hz, damping), "multisine", 10 ** (noise / 20)
+        )
+        for corner_Hz, damping in ((150.0, 0.5), (120.0, 0.2), (300.0, 0.7), (250.0, 0.3), (350.0, 0.45))
+        for noise in (-25, -60)
     },
     "chirp_coloured": Excited(Lag(100.0), "chirp", 3e-2, colour=0.95),
     "prbs_coloured": Excited(Lag(200.0, 0.35), "prbs", 3e-2, colour=0.95),

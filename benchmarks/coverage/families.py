@@ -1,4 +1,4 @@
-"""What a family of signals is, and how its numbers are scored against the truth."""
+"""Families of signals, and the scoring of their numbers against the truth."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from benchtool.analysis import Measurement
 from benchtool.errors import AnalysisError
 
 OF_THE_ENSEMBLE = math.nan
-"""In place of a truth, of a number that is random itself, such as a peak-to-peak: the ensemble's mean."""
+"""Truth of a number that is random itself, such as a peak-to-peak value: the ensemble's mean."""
 
 Trial = Callable[[np.random.Generator], Iterable[tuple[Measurement, float]]]
 """Measurements of one random record of a family, each with its truth; may raise AnalysisError."""
@@ -25,7 +25,7 @@ _CLEARLY = 2.0  # standard deviations of a share over so many repetitions
 
 @dataclass(frozen=True)
 class Family:
-    """A name, and what makes one record of it and measures it."""
+    """A name, and a function that makes one record and measures it."""
 
     name: str
     trial: Trial
@@ -65,7 +65,7 @@ class Score:
 
 
 def scores(family: Family, repetitions: int, seed: int = 0) -> Iterator[Score]:
-    """Every measurement of a family, over that many random records."""
+    """Yield every measurement of a family, over that many random records."""
     found: dict[str, list[tuple[Measurement, float]]] = {}
     for number in range(repetitions):
         random = np.random.default_rng([seed, number])
@@ -109,8 +109,8 @@ def _score(family: str, name: str, repetitions: int, results: Sequence[tuple[Mea
     )
 
 
-def picked(
+def selected(
     measurements: Iterable[Measurement], truths: Mapping[str, float]
 ) -> Iterator[tuple[Measurement, float]]:
-    """Measurements whose truth is known, with it."""
+    """Return the measurements whose truth is known, with it."""
     return ((each, truths[each.name]) for each in measurements if each.name in truths)

@@ -1,4 +1,4 @@
-"""All families by name: another kind of signal is one file beside this one, and one line here."""
+"""All families by name. To add a kind of signal, add a module in this package and a line here."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Families of foreign records: time stamps that jitter or are coarse, and rows that are missing."""
+"""Families of imported records: time stamps that jitter or are coarse, and rows that are missing."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from benchmarks.coverage.families import Family, picked
+from benchmarks.coverage.families import Family, selected
 from benchtool.analysis import Measurement, Uncertainty, current_spectrum, order_analysis, track_tone
 from benchtool.block import Block, Gap
 from benchtool.errors import AnalysisError
@@ -31,7 +31,7 @@ class Stamps:
 
 
 def trial(what: Stamps, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
-    """One record: the rate by its stamps, and the numbers of what they say is uniform."""
+    """Yield one record: the rate by its stamps, and the numbers of the uniform rows."""
     rate_Hz = RATE_HZ * (1.0 + 1e-4 * random.standard_normal())
     rows = round(what.periods / FREQUENCY_HZ * rate_Hz)
     time_s = np.arange(rows) / rate_Hz
@@ -61,7 +61,7 @@ def trial(what: Stamps, random: np.random.Generator) -> Iterator[tuple[Measureme
     block = replace(whole, gaps=tuple(Gap(each.row, each.missing_rows) for each in missing))
     order = 6 * POLE_PAIRS
     found = order_analysis(block, "torque", pole_pairs=POLE_PAIRS).measurements
-    yield from picked(found, {f"torque_order_{order}": 0.1})
+    yield from selected(found, {f"torque_order_{order}": 0.1})
     if missing:
         return
     track = track_tone(np.ascontiguousarray(block.column("i_a")), "i_a")
@@ -69,10 +69,10 @@ def trial(what: Stamps, random: np.random.Generator) -> Iterator[tuple[Measureme
     truths = {
         "fundamental_frequency": FREQUENCY_HZ,
         "current_fundamental": AMPLITUDE_A,
-        "current_thd": 3.0,
+        "current_thd_f": 3.0,
         "current_noise_floor": AMPLITUDE_A * what.noise * 2.0 / math.sqrt(rows),
     }
-    yield from picked(numbers, truths)
+    yield from selected(numbers, truths)
 
 
 _EVEN = Stamps()

@@ -1,4 +1,4 @@
-"""Families of steady and not so steady records: current, torque and angle, with what disturbs them."""
+"""Families of steady and less steady records: current, torque and angle, with disturbances."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.coverage.families import OF_THE_ENSEMBLE, Family, picked
-from benchmarks.coverage.noise import coloured
+from benchmarks.coverage.families import OF_THE_ENSEMBLE, Family, selected
+from benchmarks.coverage.noise import coloured, converted
 from benchtool.analysis import (
     CoherentSpectrum,
     Measurement,
@@ -35,7 +35,7 @@ THD_PERCENT = 100.0 * math.sqrt(sum(each**2 for each in HARMONICS.values()))
 
 @dataclass(frozen=True)
 class Disturbance:
-    """What one record has besides a current of 5 A, its harmonics, and a torque with ripple.
+    """Disturbances of a record besides a current of 5 A, its harmonics, and a torque with ripple.
 
     Relative quantities are relative to the current's amplitude, or a tenth of that to the mean torque. Lines
     are (order, relative amplitude), swings (relative deviation of the speed, Hz).
@@ -72,7 +72,7 @@ class Disturbance:
 
 @dataclass(frozen=True)
 class Record:
-    """A block with what is true of it."""
+    """A block and its true values."""
 
     block: Block
     frequency_Hz: float
@@ -81,7 +81,7 @@ class Record:
 
 
 def record(what: Disturbance, random: np.random.Generator) -> Record:
-    """One random record: phases of everything are random, and so is the noise."""
+    """Return one random record: phases of everything are random, and so is the noise."""
     count = round(what.periods / what.frequency_Hz * RATE_HZ)
     time_s = (np.arange(count) + what.time_jitter * random.standard_normal(count)) / RATE_HZ
     duration_s = count / RATE_HZ
@@ -129,7 +129,9 @@ def record(what: Disturbance, random: np.random.Generator) -> Record:
     clean_torque = torque
     if what.bits:
         step_A, step_Nm = 2.0 * AMPLITUDE_A / 2**what.bits * 1.02, 2.0 * TORQUE_NM / 2**what.bits
-        current, torque = np.round(current / step_A) * step_A, np.round(torque / step_Nm) * step_Nm
+        current, torque = (
+            converted(each, step, random) for each, step in ((current, step_A), (torque, step_Nm))
+        )
 
     rms_rad, order_of_wobble = what.wobble_rad
     angle = theta_true * (1.0 + what.slip)
@@ -147,7 +149,7 @@ def record(what: Disturbance, random: np.random.Generator) -> Record:
 
 
 def trial(what: Disturbance, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
-    """Everything that has a truth, of one record."""
+    """Yield all measurements of one record with a known truth."""
     made = record(what, random)
     noise_rms = what.noise * (what.amplitude_A or 1.0)
     thd = 100.0 * math.sqrt(sum(each**2 for each in what.harmonics.values()))
@@ -158,19 +160,21 @@ def trial(what: Disturbance, random: np.random.Generator) -> Iterator[tuple[Meas
     truths = {
         "fundamental_frequency": made.frequency_Hz,
         "current_fundamental": what.amplitude_A * 0.5 * (1.0 + what.second_regime),
-        "current_thd": thd,
-        "current_thd_corrected": thd,
+        "current_thd_f": thd,
+        "current_thd_f_noise_corrected": thd,
         "current_thd_r": 100.0 / math.sqrt(1.0 + (100.0 / thd) ** 2) if thd else 0.0,
         "torque_mean": what.torque_Nm,
         "torque_ripple_pp": OF_THE_ENSEMBLE,
-        "torque_ripple_p99": percentile_range(made.clean_torque_Nm) if what.bits else OF_THE_ENSEMBLE,
+        "torque_ripple_percentile_range": percentile_range(made.clean_torque_Nm)
+        if what.bits
+        else OF_THE_ENSEMBLE,
         "torque_ripple_rms": math.sqrt(
             0.5 * RIPPLE_NM**2 * (1.0 + what.ripple_noise[0] ** 2)
             + 0.5 * COGGING_NM**2
             + (TORQUE_NM * what.noise) ** 2
         ),
-        "current_thds": OF_THE_ENSEMBLE,
-        "current_thdg": OF_THE_ENSEMBLE,
+        "current_thd_f_subgroups": OF_THE_ENSEMBLE,
+        "current_thd_f_groups": OF_THE_ENSEMBLE,
     }
     if what.torque_Nm:
         truths["torque_ripple_percent_of_mean"] = OF_THE_ENSEMBLE
@@ -184,7 +188,7 @@ def trial(what: Disturbance, random: np.random.Generator) -> Iterator[tuple[Meas
     if "current_noise_floor" in truths and steady.spectrum is not None:
         density = 2.0 * noise_rms * _share_between(what.colour, steady.spectrum)
         truths["current_noise_floor"] = density / math.sqrt(steady.spectrum.samples)
-    yield from picked(steady.measurements, truths)
+    yield from selected(steady.measurements, truths)
     for table in steady.tables:
         if table.name == "current_harmonics":
             for order, relative in what.harmonics.items():
@@ -205,11 +209,12 @@ def trial(what: Disturbance, random: np.random.Generator) -> Iterator[tuple[Meas
             f"torque_order_{RIPPLE_ORDER}": RIPPLE_NM,
             f"torque_order_{COGGING_ORDER}": COGGING_NM,
         }
-        yield from picked(orders.measurements, listed)
+        yield from selected(orders.measurements, listed)
 
 
 def _share_between(pole: float, spectrum: CoherentSpectrum) -> float:
-    """Root of the mean density in the bins between the harmonics, over that of white noise of equal rms."""
+    """Return the root of the mean density in the bins between the harmonics, over that of white noise of
+    equal rms."""
     bins = np.arange(len(spectrum.amplitude))
     place = bins % spectrum.periods
     guard = 2 if spectrum.periods >= 4 else 1
@@ -219,7 +224,7 @@ def _share_between(pole: float, spectrum: CoherentSpectrum) -> float:
 
 
 def _by_period(noise: tuple[float, float], period: NDArray[np.int64], random: np.random.Generator) -> Floats:
-    """A Gauss-Markov sequence, one value a period, smooth between."""
+    """Return a Gauss-Markov sequence, one value a period, smooth between."""
     rms, memory = noise
     if not rms:
         return np.zeros(len(period))
@@ -296,7 +301,7 @@ DISTURBANCES: Mapping[str, Disturbance] = {
     "jittered_samples": replace(_QUIET, time_jitter=0.05),
     "spikes": replace(_QUIET, spikes=0.3),
     "white_-60dB_long": replace(_QUIET, noise=1e-3, periods=250.6, frequency_Hz=50.0),
-    # what lies above half the rate aliases, and no analysis could tell it from what lies below
+    # components above half the rate alias, which no analysis can detect
     "few_samples_a_period": replace(
         _QUIET, noise=3e-3, periods=500.3, frequency_Hz=811.7, harmonics={5: HARMONICS[5]}
     ),
@@ -316,6 +321,11 @@ DISTURBANCES: Mapping[str, Disturbance] = {
     "bits_8_drift": replace(_DRIFT, bits=8, drift=0.01, noise=1e-3),
     "bits_10_fast": replace(_QUIET, bits=10, noise=1e-4, frequency_Hz=133.3, periods=200.4),
     "bits_16": replace(_QUIET, bits=16, noise=1e-5),
+    **{
+        f"bits_{bits}_{noise:g}": replace(_QUIET, bits=bits, noise=noise, frequency_Hz=21.7, periods=33.3)
+        for bits in (12, 14, 16, 18)
+        for noise in (1e-6, 1e-5, 1e-4)
+    },
     "ripple_noise_some_memory": replace(_QUIET, ripple_noise=(0.1, 0.6), periods=60.0),
 }  # fmt: skip
 

@@ -1,7 +1,7 @@
 """The catalogue: every kind of analysis, in the order in which the numbers are printed.
 
-A new kind of analysis is a module that ends with its declaration (`benchtool.analysis.declaration`), and its
-line here. Those of other packages come from entry points of the group `benchtool.analyses`, one each.
+To add a kind of analysis, write a module that ends with its declaration (`benchtool.analysis.declaration`)
+and add a line here. Analyses of other packages are found by entry points of the group `benchtool.analyses`.
 """
 
 from __future__ import annotations
@@ -22,18 +22,18 @@ from benchtool.analysis.dynamics.step import STEP
 from benchtool.analysis.flux_trajectory import FLUX_RIPPLE, FLUX_TRAJECTORY
 from benchtool.analysis.orders.orders import SPEED_ORDERS, TORQUE_ORDERS
 from benchtool.analysis.plug_ins import GROUP, guarded, load, require_declared, require_distinct
-from benchtool.analysis.residual import RESIDUAL, TRUE_RESIDUAL
+from benchtool.analysis.residual import RESIDUAL, TRANSDUCER_RESIDUAL
 from benchtool.analysis.spectra.current import CURRENT_SPECTRUM
 from benchtool.analysis.spectra.lines import TORQUE_LINES
 from benchtool.analysis.spectra.unbalance import CURRENT_UNBALANCE
 from benchtool.analysis.switching import SWITCHING_FREQUENCY, SWITCHING_STATES
-from benchtool.analysis.torque import TORQUE_ERROR, TORQUE_RIPPLE, TRUE_TORQUE_RIPPLE
+from benchtool.analysis.torque import TORQUE_ERROR, TORQUE_RIPPLE, TRANSDUCER_TORQUE_RIPPLE
 from benchtool.analysis.window import Window
 from benchtool.document import Section
 
 CORE: Final[tuple[Analysis[Any], ...]] = (
     TORQUE_RIPPLE,
-    TRUE_TORQUE_RIPPLE,
+    TRANSDUCER_TORQUE_RIPPLE,
     TORQUE_ERROR,
     FLUX_RIPPLE,
     CURRENT_SPECTRUM,
@@ -46,7 +46,7 @@ BUILT_IN: Final[tuple[Analysis[Any], ...]] = (
     FLUX_TRAJECTORY,
     SWITCHING_STATES,
     RESIDUAL,
-    TRUE_RESIDUAL,
+    TRANSDUCER_RESIDUAL,
     TORQUE_ORDERS,
     SPEED_ORDERS,
     TORQUE_LINES,
@@ -65,36 +65,36 @@ class Catalogue:
 
     @property
     def steady(self) -> tuple[Analysis[Any], ...]:
-        """Those that a steady state is measured by."""
+        """The analyses that measure a steady state."""
         return tuple(each for each in self.analyses if each.of_steady_state)
 
     @property
-    def asked(self) -> tuple[Analysis[Any], ...]:
-        """Those that are made where a plan asks for them."""
+    def on_request(self) -> tuple[Analysis[Any], ...]:
+        """The analyses that are made only if a plan requests them."""
         return tuple(each for each in self.analyses if not each.of_steady_state)
 
     def named(self, name: str) -> Analysis[Any] | None:
-        """The analysis of that name."""
+        """Return the analysis of that name."""
         return next((each for each in self.analyses if each.name == name), None)
 
     def measuring(self, name: str) -> Analysis[Any] | None:
-        """The analysis that gives the measurement of that name."""
+        """Return the analysis that gives the measurement of that name."""
         return next((each for each in self.analyses if each.quantity(name) is not None), None)
 
     def quantity(self, name: str) -> Quantity | None:
-        """What is declared of the measurement of that name."""
+        """Return the declaration of the measurement of that name."""
         found = (each.quantity(name) for each in self.analyses)
         return next((each for each in found if each is not None), None)
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:
-        """All that is declared, in the order of the analyses."""
+        """All declared quantities, in the order of the analyses."""
         return tuple(quantity for each in self.analyses for quantity in each.quantities)
 
     @property
-    def foremost(self) -> tuple[str, ...]:
+    def headline(self) -> tuple[str, ...]:
         """The measurements that a table of many cases shows."""
-        return tuple(name for each in self.quantities if each.foremost for name in each.names)
+        return tuple(name for each in self.quantities if each.headline for name in each.names)
 
     @property
     def comparisons(self) -> dict[str, tuple[Drawing, tuple[Analysis[Any], ...]]]:
@@ -107,7 +107,8 @@ class Catalogue:
         return found
 
     def stated_unit(self, key: str) -> tuple[str, str] | None:
-        """Measurement and unit of a key that ends with a unit: `torque_mean_Nm`; None of any other key.
+        """Return the measurement and unit of a key that ends with a unit: `torque_mean_Nm`; None of any other
+        key.
 
         The unit is as the key has it (`rad_s`), whether or not the measurement is in it.
         """
@@ -119,7 +120,7 @@ class Catalogue:
 
 @cache
 def catalogue() -> Catalogue:
-    """benchtool's own analyses and those of installed packages.
+    """Return the analyses of benchtool and of installed packages.
 
     Raises:
         PlugInError: an entry point of the group cannot be loaded, is no `Analysis`, or takes a name that is
@@ -134,11 +135,11 @@ def catalogue() -> Catalogue:
 
 
 def measure(analysis: Analysis[Any], window: Window, settings: Section) -> Findings:
-    """What an analysis finds; of one of another package, held against what it declares.
+    """Return the findings of an analysis; those of another package's are checked against its declaration.
 
     Raises:
         AnalysisError: the data do not allow it.
-        PlugInError: one of another package fails otherwise, or finds what it does not declare.
+        PlugInError: an analysis of another package fails otherwise, or returns what it does not declare.
     """
     if not analysis.source:
         return analysis.measure(window, settings)

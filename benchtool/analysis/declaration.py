@@ -1,8 +1,9 @@
 """What a kind of analysis declares: its settings, what it needs, what it measures and what it draws.
 
-An `Analysis` stands at the end of the module that computes it and once in `benchtool.analysis.catalogue`, or
-in another package under the entry point group `benchtool.analyses`. Validation of plans,
-assessment, figures, report, live view and the tables of docs/measurements.md come from it.
+An `Analysis` is defined at the end of the module that computes it and listed once in
+`benchtool.analysis.catalogue`, or registered by another package under the entry point group
+`benchtool.analyses`. Validation of plans, assessment, figures, report, live view and the tables of
+docs/reference/measurements.md are derived from it.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ import re
 from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Final, Generic, TypeVar
 
 from benchtool.analysis.measurement import Measurement, Table
 from benchtool.document import Section
@@ -28,14 +29,14 @@ class Measured(StrEnum):
     """When an analysis is made."""
 
     STEADY_STATE = "steady state"
-    """Of every steady state whose channels allow it, unless the plan says `NAME = false`."""
+    """Of every steady state whose channels allow it, unless the plan sets `NAME = false`."""
 
-    ASKED = "asked"
-    """Of the whole capture, where the plan asks for it: `NAME = true`, or a table of settings."""
+    ON_REQUEST = "on request"
+    """Of the whole capture, if the plan requests it by `NAME = true` or a table of settings."""
 
 
 class NoSettings(Section):
-    """Of an analysis that has nothing to set."""
+    """The settings of an analysis that has none."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +51,7 @@ class UnitOf:
         return f"{self.setting}/{self.over}" if self.over else f"of {self.setting}"
 
     def resolve(self, settings: Section, units: Mapping[str, str]) -> str | None:
-        """The unit, by the units of channels; None where one is not known."""
+        """Return the unit, by the units of channels; None where one is not known."""
         of, over = (units.get(str(getattr(settings, key, ""))) for key in (self.setting, self.over))
         if of is None or (self.over and over is None):
             return None
@@ -58,25 +59,29 @@ class UnitOf:
 
 
 def ratio_of_units(above: str, below: str) -> str:
-    """Unit of a quotient; empty for a pure number."""
+    """Return the unit of a quotient; empty for a pure number."""
     if above == below:
         return ""
     return f"{above or '1'}/({below})" if "/" in below else f"{above or '1'}/{below or '1'}"
 
 
+_EMPHASIS: Final = re.compile(r"(?<!\w)\*(\w[^*]*\w)\*(?!\w)")
+
+
 @dataclass(frozen=True)
 class Quantity:
-    """Measurements that share a unit and a definition: a row of docs/measurements.md.
+    """Measurements that share a unit and a definition: a row of docs/reference/measurements.md.
 
     Attributes:
         names: of the measurements.
-        unit: theirs, or whose it is.
-        definition: formula or words from which another person computes the same.
-        uncertainty: what the standard uncertainty is made of; empty where the text beside the table says it.
-        pattern: regular expression of the names, where these depend on the data (`torque_order_24`); `names`
+        unit: of the measurements, or the setting that names the channel whose unit it is.
+        definition: formula or words that suffice to compute the same number.
+        uncertainty: contributions to the standard uncertainty; empty where the page describes them.
+        pattern: regular expression of the names, where a number in them is free (`torque_order_24`); `names`
             is then what the documentation prints.
-        label: a short name, with which a figure's title states the value; empty to leave it out.
-        foremost: whether a table of many cases shows it, unless the plan says what to tabulate.
+        numbers: the setting that lists these numbers, each a group of `pattern`: others are not measured.
+        label: a short name for the value in a figure's title; empty to leave it out.
+        headline: whether a table of many cases shows it by default.
     """
 
     names: tuple[str, ...]
@@ -84,23 +89,35 @@ class Quantity:
     definition: str
     uncertainty: str = ""
     pattern: str = ""
+    numbers: str = ""
     label: str = ""
-    foremost: bool = False
+    headline: bool = False
+
+    @property
+    def text(self) -> str:
+        """The definition without the marks of Markdown that the documentation prints."""
+        return _EMPHASIS.sub(r"\1", self.definition.replace("`", ""))
 
     def covers(self, name: str) -> bool:
-        """Whether a measurement of that name is one of these."""
+        """Return whether a measurement of that name is one of these."""
         return re.fullmatch(self.pattern, name) is not None if self.pattern else name in self.names
+
+    def unlisted(self, name: str, settings: Section) -> str:
+        """Return the number in a name that the settings do not list; empty if they do, or if none is free."""
+        found = re.fullmatch(self.pattern, name) if self.numbers else None
+        listed = {str(number) for number in getattr(settings, self.numbers)} if self.numbers else set()
+        return "" if found is None or found[1] in listed else found[1]
 
     def to_json(self) -> list[dict[str, str]]:
         """As `benchtool analyze --list --json` has it, a measurement each."""
         pattern = {"pattern": self.pattern} if self.pattern else {}
-        shared = {"unit": str(self.unit), "definition": self.definition, **pattern}
+        shared = {"unit": str(self.unit), "definition": self.text, **pattern}
         return [{"name": name, **shared} for name in self.names]
 
 
 @dataclass(frozen=True)
 class Findings:
-    """What an analysis found; `result` is what its figures draw besides the recorded channels."""
+    """Findings of an analysis; `result` holds what its figures draw besides the recorded channels."""
 
     measurements: tuple[Measurement, ...]
     tables: tuple[Table, ...] = ()
@@ -111,8 +128,8 @@ class Findings:
 class Panel:
     """One case as a figure shows it.
 
-    `label` is the case's name with what it comes to. `findings` are by the name of the analysis; `steady` are
-    those of the steady state.
+    `label` is the case's name with its main results. `findings` are by the name of the analysis; `steady`
+    holds those of the steady state. `limits` are the least and the greatest value allowed, by measurement.
     """
 
     label: str
@@ -121,9 +138,10 @@ class Panel:
     name: str = ""
     transducer: Block | None = None
     findings: Mapping[str, Findings] = field(default_factory=dict)
+    limits: Mapping[str, tuple[float | None, float | None]] = field(default_factory=dict)
 
     def result(self, analysis: str) -> Any:
-        """What the figures of an analysis draw; None where it was not made."""
+        """Return what the figures of an analysis draw; None where it was not made."""
         found = self.findings.get(analysis)
         return None if found is None else found.result
 
@@ -134,11 +152,11 @@ class Drawing:
 
     Attributes:
         name: of its file, and what `figure` of a plan calls it.
-        title: above it where no plan has one.
+        title: the default title.
         caption: what it shows, a sentence or two.
-        channels: that it draws besides those that the analysis needs.
+        channels: further channels that it draws besides those that the analysis needs.
         of_recording: whether it draws recorded channels alone, so that the analysis need not be made.
-        replaces: figures of other analyses that say no more beside this one.
+        replaces: figures of other analyses that this one makes redundant.
         draw: draws panels, one or several on the same axes, into an empty figure that has its title; None for
             a figure that `benchtool.report.figures.drawings` sets by hand.
     """
@@ -162,17 +180,17 @@ class Analysis(Generic[Settings]):
     Attributes:
         name: its key under `[analyses]` of a plan, an identifier.
         title: what it measures, in words.
-        measure: makes it of a window; raises AnalysisError where the data do not allow it.
-        quantities: all that it measures.
+        measure: analyses a window; raises AnalysisError where the data do not allow it.
+        quantities: all quantities that it measures.
         settings: model of its table in a plan; every key has a default.
         measured: when it is made.
-        channels: of the capture, all of which it needs.
+        channels: of the capture, all of which are required.
         channel_settings: the settings that each name one more channel that it needs.
         transducer: whether it needs the torque transducer as well.
         every_tick: whether it needs a capture with stride 1.
         figures: of one case.
         comparisons: of several cases side by side: what `figure` of a plan may name.
-        source: the package that it comes from; empty of benchtool's own.
+        source: the package that it comes from; empty for those of benchtool.
     """
 
     name: str
@@ -196,29 +214,29 @@ class Analysis(Generic[Settings]):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The names of its measurements, but of those that depend on the data."""
+        """The names of its measurements, but for those with a number that a setting lists."""
         return tuple(name for each in self.quantities if not each.pattern for name in each.names)
 
     def quantity(self, name: str) -> Quantity | None:
-        """What it declares of the measurement of that name; None if it does not measure that."""
+        """Return the declaration of the measurement of that name; None if it is not measured here."""
         return next((each for each in self.quantities if each.covers(name)), None)
 
     def needs(self, settings: Section) -> tuple[str, ...]:
-        """All channels that it needs with these settings."""
+        """Return all channels that it needs with these settings."""
         return (*self.channels, *(str(getattr(settings, key)) for key in self.channel_settings))
 
     def missing(self, channels: Set[str], settings: Section) -> tuple[str, ...]:
-        """The channels that it needs and that are not among these."""
+        """Return the channels that it needs and that are not among these."""
         return tuple(name for name in self.needs(settings) if name not in channels)
 
     def possible(self, channels: Set[str], settings: Section, *, transducer: bool, stride: int = 1) -> bool:
-        """Whether a capture of these channels, every `stride` ticks, allows it."""
+        """Return whether a capture of these channels, every `stride` ticks, allows it."""
         has_all = not self.missing(channels, settings) and (transducer or not self.transducer)
         return has_all and (stride == 1 or not self.every_tick)
 
     @property
     def conditions(self) -> tuple[str, ...]:
-        """What it needs besides channels, in words."""
+        """Requirements besides channels, in words."""
         words = {
             "the torque transducer": self.transducer,
             "every control tick (stride 1)": self.every_tick,

@@ -25,16 +25,19 @@ from benchtool.analysis.window import Window
 from benchtool.block import Block
 
 _DOF_OF_EXTREMES = 10.0  # of a tail from a few of the largest values
+_SLOW_SHARE = 0.03  # of a mean square, that the radius of whole revolutions makes up
+_BY_CHANCE = 2.0  # standard deviations of a correlation
+_FEWEST_VALUES = 10.0  # that do not depend on each other, of which an rms says something
 _CENTRINGS = 4  # each leaves about a tenth of the error of the one before
 _ENOUGH = 48  # samples of a revolution to find the centre by
 _HEAD = 1 << 16
 _FINE = 1e-5  # of the radius: a smaller step is the last digit of a number
 _CHUNK = 1 << 14  # rows at a time: in the cache
-_ORDERS = (0, 1, -5, 7)  # centre, circle, and what makes a hexagon of it
+_ORDERS = (0, 1, -5, 7)  # centre, circle, and the orders that turn a circle into a hexagon
 
 
 def flux_trajectory(block: Block) -> tuple[Measurement, ...]:
-    """Radius, centre and hexagonality of the stator flux over whole revolutions of it.
+    """Return the radius, centre and hexagonality of the stator flux over whole revolutions of it.
 
     The revolutions come from the flux's own angle about its centre: a quadratic fit to it, so that its ripple
     stays in the numbers. Centre and hexagon are least-squares fits to the samples, in every revolution by
@@ -68,14 +71,14 @@ def flux_trajectory(block: Block) -> tuple[Measurement, ...]:
 
 
 def _forwards(psi: NDArray[np.complex128]) -> NDArray[np.complex128]:
-    """The trajectory, mirrored if it runs backwards."""
+    """Return the trajectory, mirrored if it runs backwards."""
     some = psi[:_HEAD]
     steps = np.angle(some[1:] * np.conj(some[:-1]))
     return psi if np.sum(steps) >= 0.0 else np.conj(psi)
 
 
 def _revolutions(psi: NDArray[np.complex128]) -> tuple[PhaseTrack, list[slice]]:
-    """Track of the angle about the centre, and the rows of its whole revolutions.
+    """Return the track of the angle about the centre, and the rows of its whole revolutions.
 
     An offset makes the angle about zero wobble, and its track with it, so the centre is found by iteration,
     for which a few dozen samples of each revolution are enough.
@@ -92,7 +95,7 @@ def _revolutions(psi: NDArray[np.complex128]) -> tuple[PhaseTrack, list[slice]]:
 
 
 def _thinning(psi: NDArray[np.complex128]) -> int:
-    """Every how many rows of a trajectory are enough to find its centre."""
+    """Return every how many rows of a trajectory are enough to find its centre."""
     if len(psi) <= _HEAD:
         return 1
     head = psi[:_HEAD]
@@ -101,7 +104,7 @@ def _thinning(psi: NDArray[np.complex128]) -> int:
 
 
 def _whole(track: PhaseTrack) -> list[slice]:
-    """Rows of the whole revolutions."""
+    """Return the rows of the whole revolutions."""
     begin = float(track.phase(0))
     marks = begin + 2 * np.pi * np.arange(math.floor(track.periods) + 1, dtype=np.float64)
     edges = [round(float(mark)) for mark in track.sample_numbers(marks)]
@@ -109,7 +112,7 @@ def _whole(track: PhaseTrack) -> list[slice]:
 
 
 def _fits(psi: NDArray[np.complex128], track: PhaseTrack, revolutions: list[slice]) -> NDArray[np.complex128]:
-    """Amplitudes of `_ORDERS` in every revolution, shape (revolutions, 4), by least squares."""
+    """Return the amplitudes of `_ORDERS` in every revolution, shape (revolutions, 4), by least squares."""
     found = []
     per_revolution = (revolutions[-1].stop - revolutions[0].start) // len(revolutions)
     together = max(1, _CHUNK // max(1, per_revolution))
@@ -171,10 +174,13 @@ def _measurements(
     scale = 1.0 / (2.0 * rms) if rms > 0.0 else 0.0
     # steps add a twelfth of their square to the mean square
     added = Contribution("power that the steps add", "B", scale * step**2 / 12.0)
-    of_rms = error_of_root(squares, rms)
+    of_rms, untold = _of_slow_rms(means, error_of_root(squares, rms), rms)
     # about the mean of the record, and not about that of all records, it is less by the former's variance
     own_mean = Contribution("deviation of the mean", "B", scale * of_mean.standard**2)
-    yield measured("flux_radius_rms", text, rms, of_rms, resolved, added, own_mean)
+    if untold and not reason:
+        yield Measurement.undefined("flux_radius_rms", "Wb", text, untold, basis)
+    else:
+        yield measured("flux_radius_rms", text, rms, of_rms, resolved, added, own_mean)
 
     centre = fits[:, 0]
     text = "distance from zero of the mean of psi_alpha + j psi_beta, fitted together with orders 1, -5 and 7"
@@ -195,8 +201,35 @@ def _measurements(
     yield measured("flux_radius_order_6", text, length, _along(sixth), by_scatter, of_two)
 
 
+def _of_slow_rms(means: NDArray[np.float64], by_squares: MeanError, rms: float) -> tuple[MeanError, str]:
+    """Of an rms to which a radius adds that keeps its value for some revolutions, and why there is none.
+
+    By the correlation r of neighbours, less its bias (1 + 3 r) / n (Kendall, Biometrika 41 (1954) 403),
+    (1 + r^2) / (1 - r^2) revolutions count as one of the mean square of a Gauss-Markov sequence. Its own
+    correlations are small and often taken for chance.
+    """
+    count, deviation = len(means), means - np.mean(means)
+    power = float(deviation @ deviation)
+    share = power / (count * rms**2) if rms > 0.0 else 0.0
+    if not share > _SLOW_SHARE or not rms > _FINE * abs(float(np.mean(means))):
+        return by_squares, ""
+    neighbours = float(deviation[1:] @ deviation[:-1]) / power
+    if neighbours * math.sqrt(count) < _BY_CHANCE:
+        return by_squares, ""
+    memory = min(max(0.0, neighbours + (1.0 + 3.0 * neighbours) / count), 1.0 - 1.0 / count)
+    if count * (1.0 - memory) / (1.0 + memory) < _FEWEST_VALUES:
+        return (
+            by_squares,
+            "the radius changes so slowly that the record holds few values of it: record longer",
+        )
+    values = count * (1.0 - memory**2) / (1.0 + memory**2)
+    relative = share * math.sqrt(2.0 / values)
+    slow = MeanError(0.5 * rms * relative * (1.0 + 2.0 * relative), max(1.0, values - 1.0))
+    return (slow if slow.standard > by_squares.standard else by_squares), ""
+
+
 def _length(points: NDArray[np.complex128]) -> tuple[float, float]:
-    """Distance of the mean of points from zero, and how much of it their scatter alone explains."""
+    """Return distance of the mean of points from zero, and the share of it that their scatter explains."""
     length = float(np.abs(np.mean(points)))
     variance = error_of_series(points.real).standard ** 2 + error_of_series(points.imag).standard ** 2
     left = length**2 - variance if math.isfinite(variance) else length**2
@@ -224,7 +257,7 @@ FLUX_RIPPLE: Final = Analysis(
     name="flux_ripple",
     title="flux ripple",
     measure=_measure_ripple,
-    quantities=(Quantity(("flux_ripple_pp",), "Wb", "max - min of psi_s", "as pp", foremost=True),),
+    quantities=(Quantity(("flux_ripple_pp",), "Wb", "max - min of psi_s", "as pp", headline=True),),
     settings=NoSettings,
     channels=("psi_s",),
     figures=(WAVEFORMS,),
@@ -251,7 +284,7 @@ FLUX_TRAJECTORY: Final = Analysis(
         Drawing(
             "flux_trajectory",
             "Flux trajectory",
-            "Stator flux in stator coordinates over the first two electrical periods.",
+            "Stator flux in stator coordinates over the last two electrical periods.",
         ),
     ),
 )

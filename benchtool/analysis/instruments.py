@@ -1,7 +1,7 @@
 """The errors of sensors and clock in the uncertainty of measurements (JCGM 100:2008, 4.3).
 
-They enter here and nowhere else, once the analyses have measured: as contributions of type B, each of which
-names the sensor and its certificate.
+They are added here only, after the analyses: as contributions of type B, each of which names the sensor and
+its certificate.
 """
 
 from __future__ import annotations
@@ -14,14 +14,14 @@ from typing import Final
 import numpy as np
 
 from benchtool.analysis.measurement import Measurement
-from benchtool.analysis.quantisation import COARSE, resolution
+from benchtool.analysis.quantisation import counting_step
 from benchtool.analysis.sensitivity import Declared, Found, Sensitivity, declared
 from benchtool.analysis.uncertainty import Contribution, InstrumentError
 from benchtool.block import Block
 from benchtool.profile import Bench, Instrument, Sensor
 
 UNSTATED: Final = "the sensors' own uncertainty is not stated"
-"""What `Basis.sensors` says of a number none of whose sensors the bench states."""
+"""Text of `Basis.sensors` for a number whose sensors the bench does not state."""
 
 _ROOT_3 = math.sqrt(3.0)
 _BY_TIME: Final[Mapping[str, float]] = {"s": 1.0, "Hz": -1.0, "A/sqrt(Hz)": 0.5}
@@ -29,15 +29,15 @@ _BY_TIME: Final[Mapping[str, float]] = {"s": 1.0, "Hz": -1.0, "A/sqrt(Hz)": 0.5}
 
 
 @dataclass(frozen=True)
-class Altered:
-    """A channel as it would have been read with another error: (1 + gain) x reading + offset."""
+class Perturbed:
+    """A channel with a perturbed sensor error: (1 + gain) x reading + offset."""
 
     channel: str
     gain: float = 0.0
     offset: float = 0.0
 
     def of(self, block: Block) -> Block:
-        """The block with that channel, or as it is if it has none."""
+        """Return the block with that channel, or as it is if it has none."""
         if self.channel not in block.names:
             return block
         data = np.array(block.data)
@@ -50,8 +50,8 @@ class Altered:
         return np.asarray((1.0 + self.gain) * values + self.offset)
 
 
-MeasureAgain = Callable[[Altered], Iterable[Measurement]]
-"""Measures again, with an altered channel, what `sensitivity.DECLARED` does not state."""
+MeasureAgain = Callable[[Perturbed], Iterable[Measurement]]
+"""Repeats, with a perturbed channel, the measurements whose sensitivity is not declared."""
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,8 @@ class Instruments:
         blocks: what was recorded with them, for the resolution that the data show.
         entries: name of a channel in the bench by the name that `sensitivity` has for it, where they differ.
         rests_on: the channels of a measurement that is not declared, by its name.
-        pole_pairs: of the motor, if known.
+        pole_pairs, slots: of the motor, if known.
+        clock_of: whose clock times the samples.
     """
 
     bench: Bench
@@ -71,13 +72,16 @@ class Instruments:
     entries: Mapping[str, str] | None = None
     rests_on: Callable[[str], Sequence[str]] = lambda _: ()
     pole_pairs: int | None = None
+    slots: int | None = None
+    clock_of: str = "the drive"
 
     def applied(
         self, measurements: Sequence[Measurement], again: MeasureAgain | None = None
     ) -> tuple[Measurement, ...]:
-        """The measurements with the errors of their sensors in uncertainty and basis.
+        """Return the measurements with the errors of their sensors in uncertainty and basis.
 
-        Of a measurement whose uncertainty is not known it stays so, since the sensors are only part of it.
+        A measurement without an uncertainty stays without one, since the sensors are only part of it; the
+        basis states that of the sensors alone.
         """
         values = {each.name: each.value for each in measurements}
         moved = {} if again is None else self._moved(measurements, again)
@@ -88,7 +92,7 @@ class Instruments:
     ) -> Measurement:
         if not math.isfinite(each.value):
             return each
-        found = Found(each.name, each.value, values, self.pole_pairs)
+        found = Found(each.name, each.value, values, self.pole_pairs, self.slots)
         stated = declared(each.name)
         lines = [*moved, *self._clock(each)]
         remarks = [self._unstated(each.name, stated)]
@@ -98,10 +102,12 @@ class Instruments:
                 line, remark = self._bandwidth(part.channel, stated, found, each)
                 lines += line
                 remarks.append(remark)
+        lines = [line for line in lines if line.standard != 0.0]
+        if each.uncertainty is None:
+            remarks.append(_of_sensors_alone(lines, each.unit))
         basis = replace(each.basis, sensors="; ".join(filter(None, remarks)))
         if each.uncertainty is None:
             return replace(each, basis=basis)
-        lines = [line for line in lines if line.standard != 0.0]
         if not all(math.isfinite(line.standard) for line in lines):
             return replace(each, basis=basis, uncertainty=None)
         return replace(each, basis=basis, uncertainty=each.uncertainty.with_instruments(lines))
@@ -113,7 +119,7 @@ class Instruments:
         return channel if self.entries is None else self.entries.get(channel, channel)
 
     def _unstated(self, name: str, stated: Declared | None) -> str:
-        """What is to be said of a number not all of whose sensors are stated."""
+        """Return the remark on a number some of whose sensors are not stated."""
         channels = self.rests_on(name) if stated is None else [each.channel for each in stated.sensitivities]
         lacking = [self._entry(each) for each in channels if self._sensor(each) is None]
         if not lacking:
@@ -125,7 +131,7 @@ class Instruments:
         )
 
     def _lines(self, part: Sensitivity, found: Found) -> Iterator[Contribution]:
-        """Gain, offset and resolution of one channel."""
+        """Yield the gain, offset and resolution of one channel."""
         sensor = self._sensor(part.channel)
         if sensor is None:
             return
@@ -143,29 +149,27 @@ class Instruments:
                 yield Contribution(name, "B", part.resolution(found) * rest)
 
     def _resolution(self, channel: str) -> float:
-        """The step that the analyses found in a channel; 0 if none is coarse enough to be one."""
+        """Return the step that the analyses found in a channel; 0 if none is coarse enough to be one."""
         for block in self.blocks:
             if channel in block.names:
-                samples = block.column(channel)
-                step = resolution(samples)
-                return step if step > COARSE * float(np.ptp(samples)) else 0.0
+                return counting_step(block.column(channel))
         return 0.0
 
     def _bandwidth(
         self, channel: str, stated: Declared, found: Found, each: Measurement
     ) -> tuple[list[Contribution], str]:
-        """What a first-order sensor may have taken off a line, 1 - |H(f)| of it, and what is to be said.
+        """Return attenuation of a line by a first-order sensor, 1 - |H(f)|, as a contribution, and a remark.
 
-        Nothing is corrected: u is the whole of that over sqrt(3). Of what holds all up to some frequency it
-        is not known where in that the most is, so that nothing is added, and said where the bandwidth ends
-        below that frequency.
+        Nothing is corrected: u is the whole attenuation over sqrt(3). For a number that contains all
+        components up to some frequency, their distribution is unknown: nothing is added, and a remark states
+        where the bandwidth ends below that frequency.
         """
         sensor = self._sensor(channel)
         if sensor is None or sensor.bandwidth_Hz is None or stated.bandwidth == "level":
             return [], ""
         top_Hz = _top_Hz(stated, found, each)
         of = _of(self._entry(channel), sensor)
-        if stated.bandwidth == "band":
+        if stated.bandwidth != "line":
             if top_Hz <= sensor.bandwidth_Hz or not math.isfinite(top_Hz):
                 return [], ""
             return [], (
@@ -182,16 +186,17 @@ class Instruments:
     def _clock(self, each: Measurement) -> Iterator[Contribution]:
         clock = self.bench.clock
         if clock is not None and (degree := _BY_TIME.get(each.unit, 0.0)):
-            name = f"tolerance of {clock.tolerance_ppm:g} ppm of the drive's clock, rectangular"
+            name = f"tolerance of {clock.tolerance_ppm:g} ppm of {self.clock_of}'s clock, rectangular"
             label = f": {clock.label}" if clock.label else ""
-            error = _error("period", "the drive's clock", clock)
+            error = _error("period", f"{self.clock_of}'s clock", clock)
             yield _signed(f"{name}{label}", degree * each.value * clock.relative_standard, error)
 
     def _moved(
         self, measurements: Sequence[Measurement], again: MeasureAgain
     ) -> dict[str, list[Contribution]]:
-        """Contributions to what is not declared: what it moves by as each error does by one standard
-        uncertainty either way, the larger of the two (JCGM 100:2008, 5.1.3, note 2)."""
+        """Return the contributions to measurements without declared sensitivities: the change for one
+        standard uncertainty of each error either way, the larger of the two (JCGM 100:2008, 5.1.3, note
+        2)."""
         left = {
             each.name: each.value
             for each in measurements
@@ -209,7 +214,7 @@ class Instruments:
                 if u <= 0.0:
                     continue
                 up, down = (
-                    {each.name: each.value for each in again(Altered(channel, **{error: step}))}
+                    {each.name: each.value for each in again(Perturbed(channel, **{error: step}))}
                     for step in (u, -u)
                 )
                 for name, value in left.items():
@@ -219,8 +224,8 @@ class Instruments:
         return found
 
 
-def said_of_sensors(measurements: Iterable[Measurement]) -> tuple[str, ...]:
-    """What `Basis.sensors` says of these, each sentence once with what it says of how many."""
+def sensor_remarks(measurements: Iterable[Measurement]) -> tuple[str, ...]:
+    """Return the remarks on sensors, each once, with the number of measurements that it applies to."""
     found: dict[str, list[str]] = {}
     for each in measurements:
         if each.basis.sensors:
@@ -231,14 +236,22 @@ def said_of_sensors(measurements: Iterable[Measurement]) -> tuple[str, ...]:
     )
 
 
+def _of_sensors_alone(lines: Sequence[Contribution], unit: str) -> str:
+    """Return the remark on a number whose data give no uncertainty; empty where no sensor is stated."""
+    standard = math.hypot(*(line.standard for line in lines))
+    if not lines or not math.isfinite(standard):
+        return ""
+    return f"the data give no uncertainty, that of the sensors alone is u = {standard:.2g} {unit}".rstrip()
+
+
 def _larger(up: float, down: float) -> float:
-    """The change of greater magnitude; nan if neither is known."""
+    """Return the change of greater magnitude; nan if neither is known."""
     known = [each for each in (up, down) if math.isfinite(each)]
     return max(known, key=abs, default=math.nan)
 
 
 def _top_Hz(stated: Declared, found: Found, each: Measurement) -> float:
-    """The highest frequency that counts; nan if it is not known."""
+    """Return the highest frequency that contributes; nan if it is unknown."""
     if stated.line_Hz is not None:
         return abs(stated.line_Hz(found))
     if each.basis.harmonics is not None:

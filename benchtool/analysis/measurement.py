@@ -1,4 +1,4 @@
-"""A number with its unit, its definition and what it rests on; tables of such numbers; their form in JSON."""
+"""A number with its unit, definition, basis and uncertainty; tables of such numbers; their JSON."""
 
 from __future__ import annotations
 
@@ -9,21 +9,30 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
-from benchtool.analysis.uncertainty import Contribution, InstrumentError, Uncertainty
+from benchtool.analysis.numbers import number, with_expanded
+from benchtool.analysis.uncertainty import (
+    Contribution,
+    InstrumentError,
+    Uncertainty,
+    combined,
+    coverage_factor,
+)
 from benchtool.errors import AnalysisError
+from benchtool.notebook import table_html
 
 MeasurementJson = dict[str, Any]
 
 
 @dataclass(frozen=True)
 class Basis:
-    """The samples and the processing behind a number; what does not apply is None or empty.
+    """The samples and the processing behind a number; fields that do not apply are None or empty.
 
     `samples` were used, taken at `sample_rate_Hz` over `duration_s`, with `gaps` places where rows are
     missing; components up to `bandwidth_Hz` could contribute. `window` names the window and what it spans,
-    `harmonics` is the highest harmonic counted, `reference` what a ratio is a ratio to. `sensors` says
-    what is not known of the sensors, or what they do not let through. `alignment_s` is the standard
-    uncertainty with which samples of another clock stand at the drive's ticks.
+    `harmonics` is the highest harmonic counted, `reference` what a ratio is a ratio to. `sensors` states what
+    is unknown about the sensors, or which components they attenuate. `alignment_s` is the standard
+    uncertainty with which samples of another clock stand at the drive's ticks. `line_Hz` is where the one
+    line of a spectrum is that was chosen as the largest.
     """
 
     samples: float | None = None
@@ -36,18 +45,22 @@ class Basis:
     gaps: int | None = None
     sensors: str = ""
     alignment_s: float | None = None
+    line_Hz: float | None = None
 
     def to_json(self) -> dict[str, float | int | str]:
-        """The fields that apply."""
+        """Return the fields that apply."""
         return {key: value for key, value in asdict(self).items() if value is not None and value != ""}
 
 
 @dataclass(frozen=True)
 class Measurement:
-    """One result: `definition` is a line that lets another person compute the same number.
+    """One result: `definition` is a line from which the same number can be computed.
 
     `value` is nan where the quantity is undefined, and `reason` says why. `uncertainty` is None where the
-    data give none.
+    data give none. `repeatability` is by how much the value of another record of the same state differs
+    besides (JCGM 200:2012, 2.21): of a mean over this record alone the uncertainty does not hold it.
+    `in_common_band` is what a number by the drive's estimate is in the band of a slower torque transducer,
+    which ends at its `basis.bandwidth_Hz`.
     """
 
     name: str
@@ -57,13 +70,38 @@ class Measurement:
     basis: Basis = Basis()
     uncertainty: Uncertainty | None = None
     reason: str = ""
+    repeatability: Contribution | None = None
+    in_common_band: Measurement | None = None
+
+    @property
+    def uncertainty_of_state(self) -> Uncertainty | None:
+        """That of the value as one of any record of the same state: with the repeatability."""
+        own, further = self.uncertainty, self.repeatability
+        if own is None or further is None:
+            return own
+        width = own.half_width
+        if width is not None:
+            width = math.hypot(width, coverage_factor(further.dof) * further.standard)
+        return combined((*own.lines, further), own.source, half_width=width)
 
     @classmethod
     def undefined(
         cls, name: str, unit: str, definition: str, reason: str, basis: Basis | None = None
     ) -> Measurement:
-        """A quantity that these samples do not define."""
+        """Return a quantity that these samples do not define."""
         return cls(name, math.nan, unit, definition, basis or Basis(), reason=reason)
+
+    def __str__(self) -> str:
+        """Return the value with its expanded uncertainty for 95 % and its unit, `0.0501 ± 0.0016 Nm`."""
+        text = f"{with_expanded(self.value, self.uncertainty)} {self.unit}".rstrip()
+        return f"{text} ({self.reason})" if self.reason else text
+
+    def _repr_html_(self) -> str:
+        rows = [(self.name, str(self)), ("definition", self.definition)]
+        if self.uncertainty is not None:
+            rows.append(("uncertainty from", self.uncertainty.source))
+        rows += [(key, str(value)) for key, value in self.basis.to_json().items()]
+        return table_html(("measurement", "value ± U (95 %)"), rows)
 
     def to_json(self) -> MeasurementJson:
         """`value`, `unit`, `definition`, and where there are any `reason`, `basis` and `uncertainty`.
@@ -81,6 +119,8 @@ class Measurement:
             document["basis"] = basis
         if self.uncertainty is not None:
             document["uncertainty"] = self.uncertainty.to_json()
+        if self.repeatability is not None:
+            document["repeatability"] = self.repeatability.to_json()
         return document
 
 
@@ -94,6 +134,11 @@ class Table:
     rows: tuple[tuple[float, ...], ...]
     basis: Basis = Basis()
 
+    def _repr_html_(self) -> str:
+        columns = [f">{name} in {unit}" if unit else f">{name}" for name, unit in self.columns]
+        rows = [[number(value) for value in row] for row in self.rows]
+        return table_html(columns, rows, self.name, self.definition)
+
     def to_json(self) -> dict[str, Any]:
         """`definition`, `basis`, `columns` and `rows`; what is not finite is null."""
         return {
@@ -105,29 +150,29 @@ class Table:
 
 
 def measurements_to_json(measurements: Iterable[Measurement]) -> dict[str, MeasurementJson]:
-    """Measurements by name, in their order."""
+    """Return the measurements by name, in their order."""
     return {each.name: each.to_json() for each in measurements}
 
 
 def tables_to_json(tables: Iterable[Table]) -> dict[str, dict[str, Any]]:
-    """Tables by name, in their order."""
+    """Return the tables by name, in their order."""
     return {each.name: each.to_json() for each in tables}
 
 
 def measurements_from_json(document: Mapping[str, Any]) -> tuple[Measurement, ...]:
-    """What `measurements_to_json` wrote.
+    """Return what `measurements_to_json` wrote.
 
     Raises:
-        AnalysisError: an entry has not the keys value, unit and definition, or one is of another type.
+        AnalysisError: an entry lacks one of the keys value, unit and definition, or one is of another type.
     """
     return tuple(_measurement(name, entry) for name, entry in document.items())
 
 
 def tables_from_json(document: Mapping[str, Any]) -> tuple[Table, ...]:
-    """What `tables_to_json` wrote.
+    """Return what `tables_to_json` wrote.
 
     Raises:
-        AnalysisError: an entry is none of a table.
+        AnalysisError: an entry is not a table.
     """
     try:
         return tuple(_Table.model_validate(entry).read(name) for name, entry in document.items())
@@ -198,11 +243,13 @@ def _measurement(name: str, entry: Any) -> Measurement:
                 basis = _BASIS.validate_python(entry.get("basis", {}))
                 found = entry.get("uncertainty")
                 uncertainty = None if found is None else _Uncertainty.model_validate(found).read()
+                further = entry.get("repeatability")
+                repeatability = None if further is None else _Contribution.model_validate(further).read()
             except ValidationError:
                 pass
             else:
                 if isinstance(reason, str):
-                    return Measurement(name, number, unit, text, basis, uncertainty, reason)
+                    return Measurement(name, number, unit, text, basis, uncertainty, reason, repeatability)
     raise AnalysisError(
         f"measurement '{name}' is {entry!r:.80}: expected value (number or null), unit and definition "
         f"(text); analyze the recording again"

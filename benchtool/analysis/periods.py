@@ -25,7 +25,7 @@ _CLEARLY = 4.0  # standard uncertainties by the rest of the signal
 _SINE_FIT_STEPS = 8  # one to find amplitude and phase, then quadratic convergence
 _SINE_FIT_ENOUGH = 1e-9  # rad over half the record
 _NEWTON_STEPS = 6  # quadratic convergence from within 10 %: 1e-1, 1e-2, 1e-4, 1e-8, 1e-16, one to spare
-_NEWTON_ENOUGH = 1e-6  # of a sample: the step after is below rounding
+_NEWTON_ENOUGH = 1e-6  # of a sample: the next step is below rounding
 _REPETITIONS, _MARGIN = 12, 2  # with a convergence of some hundredth each
 _BACKWARDS = 0.02  # of the record: a rotor that runs back for that long has turned around
 _PARTS_OF_THE_WAY = 50
@@ -55,7 +55,7 @@ class PhaseTrack:
     resolution_rad: float = 0.0
 
     def at(self, numbers: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Phase, rad, at fractional sample numbers, shape (m,)."""
+        """Return the phase, rad, at fractional sample numbers, shape (m,)."""
         smooth = np.asarray(self.phase(numbers), dtype=np.float64)
         return smooth if self.departure is None else smooth + self.departure(numbers)
 
@@ -66,7 +66,8 @@ class PhaseTrack:
         return float(end - begin) / (2 * np.pi)
 
     def sample_numbers(self, phase: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Fractional sample numbers, shape (m,), at which the track has these phases (Newton's method).
+        """Return the fractional sample numbers, shape (m,), at which the track has these phases (Newton's
+        method).
 
         With a departure, between rows straight lines are near enough: it is slow beside the phase itself.
         """
@@ -95,14 +96,16 @@ class PhaseTrack:
         return numbers
 
     def period_rows(self) -> NDArray[np.int64]:
-        """Rows that begin whole periods, the first at row 0, and the row after the last, shape (n + 1,)."""
+        """Return the rows that begin whole periods, the first at row 0, and the row after the last, shape (n
+        + 1,)."""
         begin = float(self.at(np.zeros(1))[0])
         phase = begin + 2 * np.pi * np.arange(int(self.periods) + 1, dtype=np.float64)
         return np.ceil(self.sample_numbers(phase) - 1e-6).astype(np.int64)
 
 
 def track_angle(theta_m: NDArray[np.float64], pole_pairs: int) -> PhaseTrack:
-    """Track of the measured rotor angle, rad mechanical, shape (n,), wrapped or not, of either direction.
+    """Return the track of the measured rotor angle, rad mechanical, shape (n,), wrapped or not, of either
+    direction.
 
     Quadratic least-squares fit to `pole_pairs * theta_m`: mean speed and mean acceleration.
 
@@ -130,7 +133,7 @@ def track_angle(theta_m: NDArray[np.float64], pole_pairs: int) -> PhaseTrack:
 
 
 def track_tone(samples: NDArray[np.float64], name: str = "signal") -> PhaseTrack:
-    """Track of the largest sinusoid in uniformly sampled values, shape (n,), at constant frequency.
+    """Return track of the largest sinusoid in uniformly sampled values, shape (n,), at constant frequency.
 
     The largest bin under a Hann window begins a four-parameter sine fit (IEEE Std 1057-2017), weighted
     with the same window so that harmonics do not pull at it; for records without an angle channel. A drift
@@ -158,7 +161,7 @@ def track_tone(samples: NDArray[np.float64], name: str = "signal") -> PhaseTrack
 
 
 def _sine_fit(samples: NDArray[np.float64], about: float = 0.0) -> tuple[float, float, float]:
-    """Frequency, rad per sample, and amplitudes of cosine and sine of the largest sinusoid.
+    """Return the frequency, rad per sample, and amplitudes of cosine and sine of the largest sinusoid.
 
     Phase zero is in the middle of the record. Where a frequency `about` is given, it is sought near that.
     """
@@ -183,8 +186,8 @@ def _sine_fit(samples: NDArray[np.float64], about: float = 0.0) -> tuple[float, 
 def _require_steady(samples: NDArray[np.float64], omega: float, whole: float, name: str) -> None:
     """Refuse a tone whose frequency or amplitude differs between parts of the record by more than 10 %.
 
-    By more than that and what the rest of the signal, taken as noise, makes of each part. Of a signal with
-    less than a tenth of its power in the tone, of amplitude `whole`, parts would tell nothing.
+    The rest of the signal, taken as noise, is allowed for. With less than a tenth of the power in the tone,
+    of amplitude `whole`, parts are not compared.
     """
     if not 0.5 * whole**2 > _LEAST_SHARE * float(np.var(samples)):
         return
@@ -221,9 +224,9 @@ def _sine_fit_step(
     in_phase: float,
     quadrature: float,
 ) -> tuple[float, float, float]:
-    """Amplitudes of cosine and sine, and the step of `omega`, rad per sample, of one linearised fit.
+    """Return amplitudes of cosine and sine, and the step of `omega`, rad per sample, of one linearised fit.
 
-    Samples are numbered from the middle of the record, where the phase hangs least on the frequency; the
+    Samples are numbered from the middle of the record, where the phase depends least on the frequency; the
     slope is scaled to the record's length, so that the normal equations are well conditioned.
     """
     half = len(samples) / 2
@@ -242,7 +245,7 @@ def _sine_fit_step(
 
 
 def _unwrap(angle: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The angle, rad, without its jumps of whole turns; a copy."""
+    """Return the angle, rad, without its jumps of whole turns; a copy."""
     unwrapped = np.empty(len(angle))
     turns = 0.0
     for start in range(0, len(angle), _CHUNK):
@@ -257,7 +260,7 @@ def _unwrap(angle: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _fit_quadratic(values: NDArray[np.float64]) -> tuple[Polynomial, float]:
-    """Least-squares quadratic over sample numbers, shape (n,), n > 2, and the rms deviation from it.
+    """Return least-squares quadratic over sample numbers, shape (n,), n > 2, and the rms deviation from it.
 
     The columns 1, x and x^2 - mean(x^2), x from -1 to 1, are orthogonal: each coefficient is one sum.
     """
@@ -280,7 +283,7 @@ def _fit_quadratic(values: NDArray[np.float64]) -> tuple[Polynomial, float]:
 
 
 def _abscissae(count: int) -> Iterator[tuple[slice, NDArray[np.float64]]]:
-    """Pieces of -1 to 1 in `count` steps."""
+    """Yield the pieces of -1 to 1 in `count` steps."""
     for start in range(0, count, _CHUNK):
         end = min(start + _CHUNK, count)
         yield slice(start, end), np.arange(start, end, dtype=np.float64) * (2.0 / (count - 1)) - 1.0

@@ -1,6 +1,6 @@
 """Analyses of other packages, by entry points of the group `benchtool.analyses`: loaded, checked, guarded.
 
-Their code is not ours: whatever goes wrong in it becomes one error that names the package.
+Any exception of such code is reported as one error that names the package.
 """
 
 from __future__ import annotations
@@ -19,21 +19,21 @@ from benchtool.errors import BenchError, PlugInError
 
 GROUP: Final = "benchtool.analyses"
 
-_RESERVED: Final = frozenset({"steady", "steady_from_s"})  # keys of [analyses] that are no analysis
+_RESERVED: Final = frozenset({"steady", "steady_from_s"})  # keys of [analyses] that are not an analysis
 
 
 def load(entry: EntryPoint) -> Analysis[Any]:
-    """The analysis of an entry point, with the package that it is of as its `source`.
+    """Return the analysis of an entry point, with the package that it is of as its `source`.
 
     Raises:
-        PlugInError: it cannot be loaded, or is no analysis that can be used.
+        PlugInError: it cannot be loaded, or is not a valid analysis.
     """
     source = f"package '{entry.dist.name}' {entry.dist.version}" if entry.dist is not None else "a package"
     where = f"analysis '{entry.name}' of {source} ({entry.value})"
-    remedy = f"mend or uninstall that package (entry point group {GROUP})"
+    remedy = f"repair or uninstall that package (entry point group {GROUP})"
     try:
         found = entry.load()
-    except (Exception, SystemExit) as failed:  # its code is not ours
+    except (Exception, SystemExit) as failed:  # any exception: the code is of another package
         raise PlugInError(f"{where} cannot be loaded: {_told(failed)}; {remedy}") from failed
     if not isinstance(found, Analysis):
         raise PlugInError(
@@ -48,7 +48,8 @@ def load(entry: EntryPoint) -> Analysis[Any]:
 
 
 def _require_sound(analysis: Analysis[Any]) -> None:
-    """Check a declaration in itself; raises TypeError or ValueError, or whatever its settings raise."""
+    """Check that a declaration is consistent; raises TypeError, ValueError or an exception of its
+    settings."""
     if not (isinstance(analysis.name, str) and re.fullmatch(r"[a-z][a-z0-9_]*", analysis.name)):
         raise ValueError(f"its name is {analysis.name!r}, small letters, digits and underscores are expected")
     if analysis.name in _RESERVED:
@@ -94,10 +95,10 @@ def require_distinct(added: Analysis[Any], others: Sequence[Analysis[Any]]) -> N
 
 @contextmanager
 def guarded(analysis: Analysis[Any], doing: str) -> Iterator[None]:
-    """Tell of whatever goes wrong in the code of another package as one error with its name.
+    """Convert any exception of another package's code to one error that names the package.
 
     Raises:
-        PlugInError: it did.
+        PlugInError: an exception was raised.
     """
     try:
         yield
@@ -107,7 +108,7 @@ def guarded(analysis: Analysis[Any], doing: str) -> Iterator[None]:
         if not analysis.source:
             raise
         raise PlugInError(
-            f"analysis '{analysis.name}' of {analysis.source} cannot {doing}: {_told(failed)}; mend or "
+            f"analysis '{analysis.name}' of {analysis.source} cannot {doing}: {_told(failed)}; repair or "
             f"uninstall that package, or set analyses.{analysis.name} = false"
         ) from failed
 
@@ -136,5 +137,5 @@ def _drawings(analysis: Analysis[Any]) -> tuple[Drawing, ...]:
 
 
 def _told(failed: BaseException) -> str:
-    """An exception on one line."""
+    """Return an exception on one line."""
     return " ".join(f"{type(failed).__name__}: {failed}".rstrip(": ").split())

@@ -1,4 +1,4 @@
-"""Whether a record is of one regime, by what it has in each period."""
+"""Whether a record is stationary, by the sizes of its periods."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _LARGEST_CHANGE = 0.1
 
 
 def change_of_regime(sizes: NDArray[np.float64], what: str) -> str:
-    """Why a record is not of one regime, empty if it is.
+    """Return why a record is not stationary; empty if it is.
 
     Its quarters differ in their mean of `sizes`, shape (periods,), by more than 10 % and what noise does.
     `what` names the sizes in the reason.

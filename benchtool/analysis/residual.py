@@ -1,7 +1,7 @@
-"""Torque as a model of the machine predicts it one period ahead, against the torque that came.
+"""Torque residual: torque predicted one period ahead by a model of the machine, minus the measured torque.
 
-What is left tells how well the machine's parameters fit: the mean shows flux linkage and resistance, the
-rms, above the noise of the measured currents, the inductances.
+The residual shows how well the machine's parameters fit: its mean shows flux linkage and resistance, its rms,
+above the noise of the measured currents, the inductances.
 """
 
 from __future__ import annotations
@@ -14,10 +14,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from benchtool.analysis.crop import crop_to
 from benchtool.analysis.declaration import Analysis, Findings, NoSettings, Quantity
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.scatter import MeanError, error_of_record, error_of_root, means_of_parts
-from benchtool.analysis.span import cut_to_span
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
 from benchtool.analysis.validity import require_unbroken
 from benchtool.analysis.window import Window
@@ -37,7 +37,7 @@ Complex = NDArray[np.complex128]
 
 
 def torque_residual(block: Block, motor: Motor, transducer: Block | None = None) -> tuple[Measurement, ...]:
-    """Predicted minus measured torque, row by row.
+    """Return the predicted minus measured torque, row by row.
 
     The stator flux of row k, by the model from the currents and the angle measured there, moves by
     T_s (u - R_s i): u is the voltage asked in row k - 1, which is the one on the motor from row k to k + 1,
@@ -48,13 +48,13 @@ def torque_residual(block: Block, motor: Motor, transducer: Block | None = None)
         psi = (L_d i_d + psi_r) + j L_q i_q,     torque = 3/2 p (psi_d i_q - psi_q i_d)
 
     `torque_residual` compares that with the drive's estimate in row k + 1, which is made of the drive's own
-    parameters. `true_torque_residual` compares the mean of the modelled torque at both ends of the period
-    with the mean of the transducer over the period. Dead time and device drops are not modelled.
+    parameters. `transducer_torque_residual` compares the mean of the modelled torque at both ends of the
+    period with the mean of the transducer over the period. Dead time and device drops are not modelled.
 
     Args:
         block: a capture without gaps, every tick, with the channels `NEEDED`.
-        motor: the parameters that are put to the test.
-        transducer: the true torque, channel torque_transducer, if there is one.
+        motor: the parameters under test.
+        transducer: channel torque_transducer, if there is one.
 
     Raises:
         AnalysisError: a gap, a missing channel, fewer than 20 rows, or ticks were left out between rows.
@@ -86,12 +86,13 @@ def torque_residual(block: Block, motor: Motor, transducer: Block | None = None)
     found = list(_of_estimate(next_Nm - measured_Nm[2:], float(np.std(measured_Nm[2:])), basis))
     if transducer is not None:
         over_period = 0.5 * (now_Nm + next_Nm)
-        found.extend(_of_transducer(over_period, cut_to_span(transducer, block), block, basis))
+        found.extend(_of_transducer(over_period, crop_to(transducer, block), block, basis))
     return tuple(found)
 
 
 def _predict(block: Block, motor: Motor) -> tuple[Floats, Floats]:
-    """Modelled torque in rows 1 to n - 2, and predicted torque one row after each, both of shape (n - 2,)."""
+    """Return the modelled torque in rows 1 to n - 2, and predicted torque one row after each, both of shape
+    (n - 2,)."""
     rows = len(block.data) - 2
     now_Nm, next_Nm = np.empty(rows), np.empty(rows)
     columns = {name: block.column(name) for name in NEEDED}
@@ -123,7 +124,7 @@ def _predict_part(columns: Mapping[str, Floats], motor: Motor, T_s: float) -> tu
 
 
 def _current(psi: Complex, motor: Motor) -> Complex:
-    """d-current as real, q-current as imaginary part, of a flux in the same form."""
+    """Return the d-current as real, q-current as imaginary part, of a flux in the same form."""
     return np.asarray((psi.real - motor.psi_r_Wb) / motor.L_d_H + 1j * psi.imag / motor.L_q_H)
 
 
@@ -157,10 +158,10 @@ def _of_transducer(
     what = "modelled torque, of both ends of a period, minus torque_transducer, of all its rows in the period"
     if each < 1 or not math.isclose(each * block.sample_rate_Hz, transducer.sample_rate_Hz) or rows < 2:
         reason = f"{transducer.sample_rate_Hz:g} Hz is no multiple of {block.sample_rate_Hz:g} Hz"
-        yield Measurement.undefined("true_torque_residual_mean", "Nm", what, reason, basis)
+        yield Measurement.undefined("transducer_torque_residual_mean", "Nm", what, reason, basis)
         return
     true_Nm = np.mean(torque_Nm[each : (rows + 1) * each].reshape(rows, each), axis=1)
-    yield from _mean_and_rms(modelled_Nm[:rows] - true_Nm, "true_torque_residual", what, basis)
+    yield from _mean_and_rms(modelled_Nm[:rows] - true_Nm, "transducer_torque_residual", what, basis)
 
 
 def _mean_and_rms(residual_Nm: Floats, name: str, what: str, basis: Basis) -> Iterator[Measurement]:
@@ -177,18 +178,18 @@ def _uncertain(error: MeanError) -> Uncertainty | None:
 
 
 def _of_window(window: Window) -> tuple[Measurement, ...]:
-    """What a model of the motor leaves of the torque; nothing without a motor."""
+    """Return the torque residual; nothing without a motor."""
     return () if window.motor is None else torque_residual(window.block, window.motor, window.transducer)
 
 
 def _measure(window: Window, _: NoSettings) -> Findings:
-    found = window.once(_of_window)
+    found = window.cached(_of_window)
     return Findings(tuple(each for each in found if RESIDUAL.quantity(each.name)))
 
 
-def _measure_true(window: Window, _: NoSettings) -> Findings:
-    found = window.once(_of_window)
-    return Findings(tuple(each for each in found if TRUE_RESIDUAL.quantity(each.name)))
+def _measure_transducer(window: Window, _: NoSettings) -> Findings:
+    found = window.cached(_of_window)
+    return Findings(tuple(each for each in found if TRANSDUCER_RESIDUAL.quantity(each.name)))
 
 
 RESIDUAL: Final = Analysis(
@@ -212,13 +213,13 @@ RESIDUAL: Final = Analysis(
     channels=NEEDED,
     every_tick=True,
 )
-TRUE_RESIDUAL: Final = Analysis(
-    name="true_torque_residual",
+TRANSDUCER_RESIDUAL: Final = Analysis(
+    name="transducer_torque_residual",
     title="torque residual on the shaft",
-    measure=_measure_true,
+    measure=_measure_transducer,
     quantities=(
         Quantity(
-            ("true_torque_residual_mean", "true_torque_residual_rms"),
+            ("transducer_torque_residual_mean", "transducer_torque_residual_rms"),
             "Nm",
             "of the mean of modelled torque in row k and predicted torque in row k + 1 minus the mean of the "
             "transducer from k to k + 1",

@@ -12,16 +12,16 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.periods import PhaseTrack
-from benchtool.analysis.quantisation import COARSE, resolution
+from benchtool.analysis.quantisation import counting_step
 from benchtool.analysis.scatter import MeanError, error_of_root, error_of_series, scatter_of_largest
 from benchtool.analysis.uncertainty import Contribution, combined
 from benchtool.analysis.validity import clipping, require_signal, require_unbroken
 from benchtool.block import Block, as_samples
 
-_SMALLEST_MEAN = 0.02  # share of the peak-to-peak ripple below which "percent of mean" says nothing
+_SMALLEST_MEAN = 0.02  # share of the peak-to-peak ripple below which "percent of mean" has no meaning
 _SIGNIFICANT = 5.0  # standard uncertainties of the mean, from which a ratio to it is one
 _DOF_OF_EXTREMES = 10.0  # of a tail from a few of the largest values
-_FEWEST_PERIODS = 3  # whose scatter says something
+_FEWEST_PERIODS = 3  # fewest periods whose scatter is used
 _CORRELATED = 2.0  # periods that count as one, from which a tail is made of stretches of them
 _PARTS, _WHOLE_OVER_PARTS = 8, 1.5  # the whole reaches further into the tail than a part, and scatters more
 _LOW, _HIGH = 0.5, 99.5  # per cent
@@ -59,7 +59,7 @@ class _Scatter:
 
 
 def ripple(samples: NDArray[np.float64], unit: str, name: str = "signal") -> Ripple:
-    """Ripple of uniformly sampled values, shape (n,).
+    """Return the ripple of uniformly sampled values, shape (n,).
 
     `peak_to_peak` is maximum minus minimum of all samples, `rms` the root mean square of the deviation from
     the mean (divided by n, not n - 1). Nothing is filtered. `name` stands in the messages.
@@ -78,13 +78,13 @@ def ripple(samples: NDArray[np.float64], unit: str, name: str = "signal") -> Rip
 
 
 def percentile_range(samples: NDArray[np.float64]) -> float:
-    """99.5th minus 0.5th percentile of samples, shape (n,): what 99 % of them span, whatever a spike does."""
+    """Return 99.5th minus the 0.5th percentile of samples, shape (n,), which single spikes do not affect."""
     low, high = np.percentile(samples, (_LOW, _HIGH))
     return float(high - low)
 
 
 def record_basis(block: Block) -> Basis:
-    """All rows of a block without gaps, unfiltered: what folds back from above half the rate is in them."""
+    """Return basis of all rows of a block without gaps: unfiltered, with aliases from above half the rate."""
     samples, rate_Hz = len(block.data), block.sample_rate_Hz
     return Basis(
         samples,
@@ -106,7 +106,8 @@ def ripple_numbers(
     track: PhaseTrack | None = None,
     what: str = "",
 ) -> tuple[Measurement, ...]:
-    """Mean of a channel, and its ripple peak to peak, rms and between percentiles, absolute and relative.
+    """Return the mean of a channel, and its ripple peak to peak, rms and between percentiles, absolute and
+    relative.
 
     Args:
         block: rows without gaps; of any uniform rate.
@@ -158,13 +159,13 @@ def ripple_of_rows(
 def peak_to_peak_number(
     block: Block, channel: str, name: str, *, track: PhaseTrack | None = None, what: str = ""
 ) -> Measurement:
-    """Peak-to-peak ripple alone of a channel, called `name`; arguments and errors of `ripple_numbers`."""
+    """Return the peak-to-peak ripple alone of a channel, called `name`; arguments and errors of
+    `ripple_numbers`."""
     require_unbroken(block)
     samples = np.ascontiguousarray(block.column(channel))
     whole = ripple(samples, block.unit(channel), channel)
     scatter = None if track is None else _scatter(samples, whole, track.period_rows(), percentiles=False)
-    step = resolution(samples)
-    step = step if step > COARSE * whole.peak_to_peak else 0.0
+    step = counting_step(samples)
     basis = record_basis(block)
     return _peak_to_peak(name, what or channel, whole, scatter, step, basis, clipping(samples))
 
@@ -178,9 +179,8 @@ def _numbers(
     rated: float | None,
     basis: Basis,
 ) -> Iterator[Measurement]:
-    unit, step = whole.unit, resolution(samples)
+    unit, step = whole.unit, counting_step(samples)
     clipped = clipping(samples)
-    step = step if step > COARSE * whole.peak_to_peak else 0.0
 
     def measured(
         suffix: str, text: str, value: float, error: MeanError | None, incomplete: float, floor: float
@@ -207,8 +207,9 @@ def _numbers(
     of_mean = step / math.sqrt(12.0) if whole.rms < step else 0.0
     if scatter is not None and step > 0.0:
         of_mean = max(of_mean, _of_repeated_steps(len(samples) / scatter.periods, whole, scatter, step))
-    # it adds step^2 / 12 to the mean square
-    of_rms = max(of_mean, step**2 / (24.0 * whole.rms) if whole.rms > 0.0 else 0.0)
+    # what repeats is weighted with the deviation, of a sine up to sqrt(2) rms; and step^2 / 12 is added to
+    # the mean square
+    of_rms = max(math.sqrt(2.0) * of_mean, step**2 / (24.0 * whole.rms) if whole.rms > 0.0 else 0.0)
     mean = measured(
         "mean",
         f"mean of {what}",
@@ -230,7 +231,7 @@ def _numbers(
     )
     yield rms
     yield measured(
-        "ripple_p99",
+        "ripple_percentile_range",
         f"{_HIGH:g}th minus {_LOW:g}th percentile of {what}",
         percentile_range(samples),
         scatter.percentile_range if scatter else None,
@@ -248,23 +249,26 @@ def _numbers(
 
 
 def _of_repeated_steps(per_period: float, whole: Ripple, scatter: _Scatter, step: float) -> float:
-    """Standard uncertainty of the mean by steps that are the same in every period.
+    """Return the standard uncertainty of the mean by steps that are the same in every period.
 
-    A quarter of those that a period crosses on its way up and down, or of its samples, are independent.
+    A quarter of those that a period crosses on its way up and down are independent, and of its samples a
+    sixth: three phases repeat what they do within it.
     Noise of s rms moves them by chance and leaves exp(-2 pi^2 s^2 / step^2) of that (Widrow and Kollar,
-    Quantization Noise, ch. 4 and 19).
+    Quantization Noise, ch. 4 and 19): what the steps themselves scatter by, as the samples slip along the
+    periods, is no such noise.
     """
-    independent = max(1.0, min(0.25 * per_period, 0.5 * whole.peak_to_peak / step))
-    return step / math.sqrt(12.0 * independent) * math.exp(-2.0 * (math.pi * scatter.noise / step) ** 2)
+    independent = max(1.0, min(per_period / 6.0, 0.5 * whole.peak_to_peak / step))
+    noise2 = max(0.0, scatter.noise**2 - step**2 / 12.0)
+    return step / math.sqrt(12.0 * independent) * math.exp(-2.0 * math.pi**2 * noise2 / step**2)
 
 
 def _no_base(mean: Measurement, whole: Ripple, name: str) -> str:
-    """Why nothing is given in percent of the mean; empty where it is far enough from zero."""
+    """Return why no percentage of the mean is given; empty if the mean is far enough from zero."""
     size = abs(whole.mean)
     if size <= _SMALLEST_MEAN * whole.peak_to_peak:
         return f"the mean {name} is zero, or less than {100 * _SMALLEST_MEAN:g} % of its ripple"
     if mean.uncertainty is not None and size < _SIGNIFICANT * mean.uncertainty.standard:
-        return f"the mean {name} is not told from zero"
+        return f"the mean {name} cannot be distinguished from zero"
     return ""
 
 
@@ -328,7 +332,7 @@ def _scatter(
     *,
     percentiles: bool = True,
 ) -> _Scatter | None:
-    """Numbers of each whole period of the record, and how they scatter; None where that says nothing."""
+    """Return the scatter of the numbers of whole periods; None where there are too few."""
     periods = len(rows) - 1
     if periods < _FEWEST_PERIODS or np.min(np.diff(rows)) < 1:
         return None
@@ -362,7 +366,7 @@ def _scatter(
 def _percentile_scatter(
     samples: NDArray[np.float64], begin: NDArray[np.int64], counts: NDArray[np.int64]
 ) -> MeanError:
-    """Standard uncertainty of the percentile range, by what each period contributes to it.
+    """Return the standard uncertainty of the percentile range, by what each period contributes to it.
 
     A percentile moves by the share of samples beyond it, more than expected, over the density there (Bahadur,
     Ann. Math. Statist. 37 (1966)); the density is that between percentiles a little to either side. Where
@@ -384,6 +388,6 @@ def _percentile_scatter(
 
 
 def _parts(begin: NDArray[np.int64], count: int) -> Iterator[slice]:
-    """Rows of equally many whole periods each."""
+    """Return the rows of equally many whole periods each."""
     edges = [int(each[0]) for each in np.array_split(begin, _PARTS)]
     return (slice(first, last) for first, last in itertools.pairwise([*edges, count]))

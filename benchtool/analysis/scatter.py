@@ -1,4 +1,4 @@
-"""How far a mean is to be trusted, from the record itself."""
+"""Standard uncertainty of means, from the record itself."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _PARTS, _MOST_PARTS = 10, 64
 _FEWEST_VALUES = 3
 _FEWEST_EXTREMES = 4
 _BY_CHANCE = 2.5  # standard deviations of a correlation
-_NEIGHBOURS = 2  # values that chance alone makes count as one
+_NEIGHBOURS = 2  # values that count as one by chance alone
 _LEAST_SPARE = 0.5  # degrees of freedom beyond two: with fewer the deviation has no bound
 _GUMBEL = math.pi / math.sqrt(6.0)
 
@@ -27,12 +27,12 @@ class MeanError:
 
 
 def error_of_series(values: NDArray[np.float64]) -> MeanError:
-    """Of the mean of values, shape (n,), one of each period, whose neighbours may be correlated.
+    """Return the error of the mean of values, shape (n,), one for each period; neighbours may be correlated.
 
     The variance of the mean is tau s^2 / n: tau, from the autocorrelations summed over pairs of lags as long
     as a pair is above zero (initial positive sequence: Geyer, Statistical Science 7 (1992), 3.3), is how many
     values count as one, and n / tau - 1 are the degrees of freedom. Correlation below zero counts only where
-    it is more than chance. Few values say little of their own scatter: the standard uncertainty is the
+    it is more than chance. The scatter of few values is itself uncertain: the standard uncertainty is the
     standard deviation of Student's distribution, sqrt(dof / (dof - 2)) times as much (JCGM 101:2008, 6.4.9).
     """
     count = len(values)
@@ -55,11 +55,16 @@ def error_of_series(values: NDArray[np.float64]) -> MeanError:
     # the deviations are from the mean of these values, and so too small by that mean's own variance
     standard = math.sqrt(covariance[0] * tau / (count - max(tau, 1.0)))
     dof = max(1.0, count / max(tau, 1.0) - 1.0)
-    return MeanError(standard * math.sqrt(dof / max(dof - 2.0, _LEAST_SPARE)), dof)
+    return MeanError(standard * students_deviation(dof), dof)
+
+
+def students_deviation(dof: float) -> float:
+    """Return standard deviation of Student's distribution, sqrt(dof / (dof - 2)), or bounded below 2.5."""
+    return math.sqrt(dof / max(dof - 2.0, _LEAST_SPARE)) if math.isfinite(dof) else 1.0
 
 
 def error_of_root(squares: NDArray[np.float64], root: float) -> MeanError:
-    """Of the root of the mean of squares, shape (n,), one of each period, whose root is `root`.
+    """Return the error of the root mean square `root` of squares, shape (n,), one for each period.
 
     A mean square that is low by chance has squares that scatter little: the uncertainty is that of a mean
     square two standard uncertainties above.
@@ -71,12 +76,12 @@ def error_of_root(squares: NDArray[np.float64], root: float) -> MeanError:
 
 
 def error_of_record(samples: NDArray[np.float64]) -> MeanError:
-    """Of the mean of samples, shape (n,), at equal times: `error_of_series` of means of up to 64 parts."""
+    """Return the error of the mean of samples, shape (n,), at equal times, by the means of up to 64 parts."""
     return error_of_series(means_of_parts(samples))
 
 
 def means_of_parts(samples: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Means of up to 64 equal parts of samples, shape (n,); none of fewer than 20 samples."""
+    """Return the means of up to 64 equal parts of samples, shape (n,); none of fewer than 20 samples."""
     parts = min(_MOST_PARTS, len(samples) // 2)
     if parts < _PARTS:
         return np.empty(0)
@@ -85,7 +90,7 @@ def means_of_parts(samples: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def scatter_of_largest(values: NDArray[np.float64]) -> float:
-    """Standard deviation of the largest of values, shape (n,), over records of as many; nan if n < 4.
+    """Return standard deviation of the largest of values, shape (n,), over records of as many; nan if n < 4.
 
     Beyond a high level the values of most distributions fall off exponentially; the largest then has Gumbel's
     distribution, of the standard deviation pi / sqrt(6) times the mean excess over that level (Embrechts,

@@ -1,8 +1,8 @@
-"""How each measurement answers to the errors of the sensors that it is made from.
+"""Sensitivities of measurements to the errors of the sensors that they are computed from.
 
-Stated here is what follows from a definition: a peak-to-peak grows with the gain and does not know the
-offset, a ratio of two amplitudes of one channel knows neither. What is not stated here hangs on the waveform,
-and is found by measuring again (`benchtool.analysis.instruments.MeasureAgain`).
+Declared here are the sensitivities that follow from a definition: a peak-to-peak value scales with the gain
+and is independent of the offset, a ratio of two amplitudes of one channel is independent of both. Others
+depend on the waveform, and are found by measuring again (`benchtool.analysis.instruments.MeasureAgain`).
 """
 
 from __future__ import annotations
@@ -13,23 +13,34 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final, Literal
 
-Bandwidth = Literal["level", "line", "band"]
-"""What a number holds: a level, which a bandwidth does not touch, one line, or all up to some frequency."""
+from benchtool.analysis.orders.orders import machine_orders
+
+Bandwidth = Literal["level", "line", "band", "power", "extremes"]
+"""What a number holds: a level, which a bandwidth does not touch, one line, every component up to some
+frequency by itself, the power of them together, or their extremes.
+
+Where a signal is sampled too slowly, what is faster folds into the band: power keeps its sum, components do
+not keep their places, and extremes are missed.
+"""
+
+_BESIDE: Final[Mapping[str, Bandwidth]] = {"flux_radius_pp": "extremes", "flux_radius_rms": "power"}
+"""Of numbers whose sensitivities hang on the waveform."""
 
 _ROOT_6, _ROOT_12 = math.sqrt(6.0), math.sqrt(12.0)
 
 
 @dataclass(frozen=True)
 class Found:
-    """A measured value, those of all measurements by name, and the pole pairs where they are known."""
+    """A measured value, those of all measurements by name, and pole pairs and slots where they are known."""
 
     name: str
     value: float
     values: Mapping[str, float]
     pole_pairs: int | None = None
+    slots: int | None = None
 
     def other(self, name: str) -> float:
-        """Value of another measurement; nan if it was not made."""
+        """Return the value of another measurement; nan if it was not made."""
         return self.values.get(name, math.nan)
 
 
@@ -62,7 +73,7 @@ def _minus_one(_: Found) -> float:
 
 @dataclass(frozen=True)
 class Sensitivity:
-    """Of a measurement to one channel.
+    """Sensitivity of a measurement to one channel.
 
     `gain` is its derivative by the relative error of the gain, `offset` that by the offset in the channel's
     unit. `resolution` is the standard uncertainty for each unit of the smallest step that the sensor shows.
@@ -78,8 +89,8 @@ class Sensitivity:
 class Declared:
     """The sensitivities of measurements whose names match `pattern`, a regular expression.
 
-    `line_Hz` is the frequency of a single line. A `bound` is what an error moves at most: a magnitude near
-    zero grows with an error of either sign, which a derivative does not tell.
+    `line_Hz` is the frequency of a single line. A `bound` is the largest change that an error causes: a
+    magnitude near zero grows with an error of either sign, which a derivative does not show.
     """
 
     pattern: str
@@ -90,39 +101,57 @@ class Declared:
 
 
 def declared(name: str) -> Declared | None:
-    """What is stated of a measurement; None of one that has to be measured again."""
+    """Return the declaration for a measurement; None if it has to be measured again."""
     return next((each for each in DECLARED if re.fullmatch(each.pattern, name)), None)
 
 
+def holds(name: str) -> Bandwidth:
+    """Return what a measurement holds; a level, where nothing else is stated."""
+    stated = declared(name)
+    return _BESIDE.get(name, "level") if stated is None else stated.bandwidth
+
+
 def _ripple(name: str, channel: str) -> Iterator[Declared]:
-    """Mean and ripple of a channel, by the names that begin with `name`."""
+    """Yield the mean and ripple of a channel, by the names that begin with `name`."""
     mean, pp, rms = f"{name}_mean", f"{name}_ripple_pp", f"{name}_ripple_rms"
 
     def of_mean(found: Found) -> float:
         return -found.value / found.other(mean)
 
     def of_step(whole: str) -> Derivative:
-        """Of a number in percent, by the steps in the ripple that it is made of."""
+        """Return the derivative of a percentage by the steps in its ripple."""
         return lambda found: abs(found.value / found.other(whole)) / _ROOT_6
 
     yield Declared(mean, (Sensitivity(channel, _own, _one, _of_mean_step),))
     extremes = Sensitivity(channel, _own, resolution=_of_extremes_step)
-    yield Declared(f"{name}_ripple_(pp|p99)", (extremes,), "band")
-    yield Declared(rms, (Sensitivity(channel, _own, resolution=_of_mean_step),), "band")
-    for whole, part in ((pp, ""), (rms, "_rms")):
+    yield Declared(f"{name}_ripple_(pp|percentile_range)", (extremes,), "extremes")
+    yield Declared(rms, (Sensitivity(channel, _own, resolution=_of_mean_step),), "power")
+    parts: tuple[tuple[str, str, Bandwidth], ...] = ((pp, "", "extremes"), (rms, "_rms", "power"))
+    for whole, part, holds in parts:
         step = of_step(whole)
         percent = f"{name}_ripple{part}_percent"
-        yield Declared(f"{percent}_of_mean", (Sensitivity(channel, _none, of_mean, step),), "band")
-        yield Declared(f"{percent}_of_rated", (Sensitivity(channel, _own, resolution=step),), "band")
+        yield Declared(f"{percent}_of_mean", (Sensitivity(channel, _none, of_mean, step),), holds)
+        yield Declared(f"{percent}_of_rated", (Sensitivity(channel, _own, resolution=step),), holds)
+
+
+def _order(found: Found, name: str) -> float:
+    """Return the order that an amplitude is of; nan where it is not known."""
+    key = found.name.removeprefix(f"{name}_order_")
+    if key == "largest_amplitude":
+        return found.other(f"{name}_order_largest")
+    if key.isdecimal():
+        return float(key)
+    order = machine_orders(found.pole_pairs, found.slots).get(key)
+    return math.nan if order is None else float(order)
 
 
 def _orders(name: str, channel: str) -> Iterator[Declared]:
     def turning_Hz(found: Found) -> float:
-        order = float(found.name.rpartition("_")[2])
-        return order * found.other("fundamental_frequency") / (found.pole_pairs or math.nan)
+        return _order(found, name) * found.other("fundamental_frequency") / (found.pole_pairs or math.nan)
 
     yield Declared(f"{name}_order_largest", (Sensitivity(channel),))
-    yield Declared(rf"{name}_order_[1-9]\d*", (Sensitivity(channel, _own),), "line", turning_Hz)
+    names = rf"{name}_order_([1-9]\d*p?|slots|cogging|largest_amplitude)"
+    yield Declared(names, (Sensitivity(channel, _own),), "line", turning_Hz)
     yield Declared(f"{name}_line_frequency", (Sensitivity(channel),))
     by_line = f"{name}_line_frequency"
     yield Declared(
@@ -138,7 +167,7 @@ def _other(name: str, factor: float) -> Derivative:
 
 
 def _sequences() -> Iterator[Declared]:
-    """Each phase is a third of each symmetrical component, whatever its angle to that."""
+    """Yield the sensitivities of symmetrical components: each phase contributes a third, at any angle."""
     components = tuple(f"current_sequence_{each}" for each in ("positive", "negative", "zero"))
 
     def of_phase(found: Found) -> float:
@@ -158,7 +187,7 @@ def _sequences() -> Iterator[Declared]:
 def _all() -> Iterator[Declared]:
     for name, channel in (
         ("torque", "torque"),
-        ("true_torque", "torque_transducer"),
+        ("transducer_torque", "torque_transducer"),
         ("current", "i_a"),
         ("speed", "omega_m"),
     ):
@@ -169,18 +198,22 @@ def _all() -> Iterator[Declared]:
         "torque_error",
         (
             Sensitivity("torque", _other("torque_mean", 1.0), _one, _of_mean_step),
-            Sensitivity("torque_transducer", _other("true_torque_mean", -1.0), _minus_one, _of_mean_step),
+            Sensitivity(
+                "torque_transducer", _other("transducer_torque_mean", -1.0), _minus_one, _of_mean_step
+            ),
         ),
     )
     extremes = Sensitivity("psi_s", _own, resolution=_of_extremes_step)
-    yield Declared("flux_ripple_pp", (extremes,), "band")
+    yield Declared("flux_ripple_pp", (extremes,), "extremes")
     yield Declared("fundamental_frequency|switching_frequency_mean")
     fundamental = Sensitivity("i_a", _own)
     yield Declared(
         "current_fundamental", (fundamental,), "line", lambda found: found.other("fundamental_frequency")
     )
     yield Declared("current_(max_low_harmonic|tdd|noise_floor|noise_density)", (fundamental,), "band")
-    yield Declared(r"current_thd(|_corrected|_r|_n|g|s)", (Sensitivity("i_a"),), "band")
+    yield Declared(
+        r"current_thd_(r|f(_noise_corrected|_plus_noise|_groups|_subgroups)?)", (Sensitivity("i_a"),), "band"
+    )
     yield from _sequences()
     for signal in ("omega_m", "torque", "u_dc"):
         yield Declared(f"{signal}_reached", (Sensitivity(signal, _own, _one, _of_mean_step),))

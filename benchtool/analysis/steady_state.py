@@ -31,7 +31,7 @@ class SteadyState:
 
     @property
     def current_spectrum(self) -> CoherentSpectrum:
-        """`spectrum`, for those who need it.
+        """The spectrum of i_a.
 
         Raises:
             AnalysisError: i_a was not recorded.
@@ -51,7 +51,7 @@ class SteadyState:
         return self.current_spectrum.periods
 
     def __getitem__(self, name: str) -> Measurement:
-        """The measurement of that name.
+        """Return the measurement of that name.
 
         Raises:
             AnalysisError: there is none.
@@ -74,16 +74,16 @@ def analyze_steady_state(
     transducer: Block | None = None,
     current_rated_A_rms: float | None = None,
 ) -> SteadyState:
-    """Torque and flux ripple, current spectrum and switching frequency of a window in steady state.
+    """Return torque and flux ripple, current spectrum and switching frequency of a window in steady state.
 
-    What the channels allow is measured: each analysis of `catalogue.CORE` states which it needs.
+    All analyses of `catalogue.CORE` are made whose channels are there.
 
     Args:
         block: a control-rate capture without gaps. With theta_m the electrical periods come from the rotor,
             without it from i_a; without both, numbers have no uncertainty from the scatter over periods.
         pole_pairs: pole pairs p of the machine.
         torque_rated_Nm: the base of the torque ripple of rated.
-        transducer: the true torque, channel torque_transducer, covering the capture's time.
+        transducer: channel torque_transducer, covering the capture's time.
         current_rated_A_rms: the base of `current_tdd`, which is left out without it.
 
     Raises:
@@ -101,7 +101,7 @@ def analyze_steady_state(
 
 
 def steady_state_of(findings: Mapping[str, Findings]) -> SteadyState:
-    """What analyses of one window, by name, make up together; those of `catalogue.CORE` count."""
+    """Return the findings of analyses of one window, by name, combined; those of `catalogue.CORE` count."""
     core = [findings[each.name] for each in CORE if each.name in findings]
     current = findings.get(CURRENT_SPECTRUM.name)
     return SteadyState(

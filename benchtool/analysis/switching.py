@@ -22,7 +22,7 @@ from benchtool.ticks import TICKS
 _LEGS = 3
 _SCATTER = "scatter over parts of the record, with their correlation"
 _SQRT3 = math.sqrt(3.0)
-_VECTORS = 7  # the zero vectors 0 and 7 count as one: the voltage does not tell them apart
+_VECTORS = 7  # the zero vectors 0 and 7 count as one: the voltage is the same
 _USED = 1e-5  # of a period, above the rounding of single-precision voltages
 
 # Vector 1 ... 6 lies at (k - 1) 60 degrees: 100, 110, 010, 011, 001, 101.
@@ -40,7 +40,7 @@ class SwitchingStates:
 
 
 def mean_switching_frequency_Hz(switching_count: NDArray[np.float64], sample_period_s: float) -> float:
-    """Mean frequency of one switch: turn-ons of the three upper switches / (3 * duration).
+    """Return the mean frequency of one switch: turn-ons of the three upper switches / (3 * duration).
 
     `switching_count`, shape (n,), counts the turn-ons of all three upper switches since power-up and wraps
     around as a u32; the duration is that of the n - 1 intervals between the samples.
@@ -83,7 +83,7 @@ def switching_frequency(block: Block) -> Measurement:
 
 
 def _of_frequency(turn_ons: NDArray[np.float64], rate_Hz: float) -> Uncertainty | None:
-    """Of the mean frequency: the count at both ends, and how irregular the turn-ons are over the record."""
+    """Return the uncertainty of the mean frequency: the count at both ends, and irregular turn-ons."""
     error, per_second = error_of_record(turn_ons), rate_Hz / _LEGS
     by_count = per_second / (len(turn_ons) * _SQRT3)
     budget = [Contribution("a count of one either way, rectangular", "B", by_count)]
@@ -96,7 +96,8 @@ def _of_frequency(turn_ons: NDArray[np.float64], rate_Hz: float) -> Uncertainty 
 def vector_shares(
     u_alpha: NDArray[np.float64], u_beta: NDArray[np.float64], u_dc: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Share of a period that each basic vector takes to make a mean voltage, shape (n, 7), rows of sum 1.
+    """Return the share of a period that each basic vector takes to make a mean voltage, shape (n, 7), rows of
+    sum 1.
 
     Column 0 is the zero vectors, column k vector k at (k - 1) 60 degrees and of length 2/3 u_dc: T_0, T_1 and
     T_2 of space-vector modulation over T_s. With the phase voltages in order, greatest minus middle over
@@ -118,7 +119,8 @@ def vector_shares(
 
 
 def switching_states(block: Block) -> SwitchingStates:
-    """How long, and in how many periods, the inverter takes each of its states to make what is asked of it.
+    """Return how long, and in how many periods, the inverter uses each of its states to make the voltage
+    asked.
 
     Args:
         block: a capture without gaps, with u_alpha and u_beta, the mean voltage of the period after each

@@ -1,4 +1,4 @@
-"""Torque and its ripple: the drive's estimate, and the true torque of a transducer beside it."""
+"""Torque and its ripple: the drive's estimate, and the torque of a transducer."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from typing import Final
 
 from numpy.polynomial import Polynomial
 
+from benchtool.analysis.crop import crop_to
 from benchtool.analysis.declaration import Analysis, Drawing, Findings, NoSettings, Quantity
 from benchtool.analysis.measurement import Measurement
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.ripple import ripple_numbers
-from benchtool.analysis.span import cut_to_span
 from benchtool.analysis.uncertainty import Contribution, combined
 from benchtool.analysis.window import Window
 from benchtool.block import Block
@@ -25,7 +25,7 @@ def torque_ripple(
     track: PhaseTrack | None = None,
     what: str = "",
 ) -> tuple[Measurement, ...]:
-    """Mean torque and torque ripple of one channel, in Nm: `ripple_numbers` under the names torque_*.
+    """Return mean torque and torque ripple of one channel, in Nm: `ripple_numbers` under the names torque_*.
 
     `torque_rated_Nm` is the base of the numbers "of rated", which are left out without it. The other
     arguments and the errors are those of `ripple_numbers`.
@@ -33,7 +33,7 @@ def torque_ripple(
     return ripple_numbers(block, channel, "torque", rated=torque_rated_Nm, track=track, what=what)
 
 
-def true_torque(
+def transducer_torque(
     transducer: Block,
     block: Block,
     *,
@@ -41,9 +41,10 @@ def true_torque(
     torque_rated_Nm: float | None = None,
     track: PhaseTrack | None = None,
 ) -> tuple[Measurement, ...]:
-    """Mean and ripple of the torque that a transducer measured, and the error of the drive's estimate of it.
+    """Return the mean and ripple of the torque that a transducer measured, and the error of the drive's
+    estimate of it.
 
-    The numbers are those of `torque_ripple` under the names true_torque_*.
+    The numbers are those of `torque_ripple` under the names transducer_torque_*.
 
     Args:
         transducer: channel torque_transducer, at any rate, covering the time of `block`.
@@ -55,7 +56,7 @@ def true_torque(
     Raises:
         AnalysisError: a gap, a time that is not covered, or a dead signal.
     """
-    inside = cut_to_span(transducer, block)
+    inside = crop_to(transducer, block)
     rows = None if track is None else _at_rows_of(track, inside, block)
     first = (inside.first_tick - transducer.first_tick) // transducer.stride
     what = (
@@ -63,7 +64,7 @@ def true_torque(
         f"tick_s from the capture's first row to one row past its last"
     )
     numbers = ripple_numbers(
-        inside, "torque_transducer", "true_torque", rated=torque_rated_Nm, track=rows, what=what
+        inside, "torque_transducer", "transducer_torque", rated=torque_rated_Nm, track=rows, what=what
     )
     if estimate is None:
         return numbers
@@ -80,7 +81,7 @@ def true_torque(
 
 
 def _at_rows_of(track: PhaseTrack, fine: Block, coarse: Block) -> PhaseTrack:
-    """The same phase over the rows of a block of another rate."""
+    """Return the same phase over the rows of a block of another rate."""
     step_s, coarse_step_s = fine.stride * fine.tick_s, coarse.stride * coarse.tick_s
     offset_s = fine.first_tick * fine.tick_s - coarse.first_tick * coarse.tick_s
     row = Polynomial([offset_s / coarse_step_s, step_s / coarse_step_s])
@@ -101,7 +102,7 @@ _NUMBERS: Final = (
         "how much the peak-to-peak of another record of this length differs: of maximum and minimum pi / "
         "sqrt(6) times the mean excess of the sqrt(N_p) largest periods' maxima over the next (Gumbel's "
         "distribution); and resolution / sqrt(6). Without periods that alone, or none where the resolution "
-        "is less than a ten-thousandth of the ripple",
+        "is less than a hundred-thousandth of the ripple",
     ),
     (
         ("ripple_rms",),
@@ -110,7 +111,7 @@ _NUMBERS: Final = (
         "s of the periods' mean squares x sqrt(tau / N_p) / (2 rms), and the incomplete last period",
     ),
     (
-        ("ripple_p99",),
+        ("ripple_percentile_range",),
         "Nm",
         "99.5th - 0.5th percentile",
         "s of the periods' shares beyond the percentiles / density there x sqrt(tau / N_p), and resolution / "
@@ -122,11 +123,11 @@ _NUMBERS: Final = (
     (("ripple_rms_percent_of_rated",), "%", "100 rms / T_N", "that of rms"),
 )
 _LABELS: Final = {"torque_ripple_pp": "ripple"}
-_FOREMOST: Final = ("torque_ripple_pp", "true_torque_ripple_pp")
+_HEADLINE: Final = ("torque_ripple_pp", "transducer_torque_ripple_pp")
 
 
 def _quantities(of: str) -> tuple[Quantity, ...]:
-    """Mean and ripple under the names OF_mean, OF_ripple_pp, ..."""
+    """Return the mean and ripple under the names OF_mean, OF_ripple_pp, ..."""
     return tuple(
         Quantity(
             names := tuple(f"{of}_{each}" for each in ends),
@@ -134,48 +135,49 @@ def _quantities(of: str) -> tuple[Quantity, ...]:
             formula,
             uncertainty,
             label=_LABELS.get(names[0], ""),
-            foremost=names[0] in _FOREMOST,
+            headline=names[0] in _HEADLINE,
         )
         for ends, unit, formula, uncertainty in _NUMBERS
     )
 
 
 def _of_estimate(window: Window) -> tuple[Measurement, ...]:
-    """Mean and ripple of the drive's estimate."""
+    """Return the mean and ripple of the drive's estimate."""
     what = "the drive's estimate torque"
     rated = window.torque_rated_Nm
     return torque_ripple(window.block, torque_rated_Nm=rated, track=window.track, what=what)
 
 
 def _of_transducer(window: Window) -> tuple[Measurement, ...]:
-    """Mean and ripple of the transducer's torque and, where there is an estimate, the error of that."""
+    """Return mean and ripple of the transducer's torque and, if there is an estimate, its error."""
     assert window.transducer is not None
-    estimate = window.once(_of_estimate)[0] if "torque" in window.block.names else None
+    estimate = window.cached(_of_estimate)[0] if "torque" in window.block.names else None
     rated = window.torque_rated_Nm
-    return true_torque(
+    return transducer_torque(
         window.transducer, window.block, estimate=estimate, torque_rated_Nm=rated, track=window.track
     )
 
 
 def _measure_ripple(window: Window, _: NoSettings) -> Findings:
-    return Findings(window.once(_of_estimate))
+    return Findings(window.cached(_of_estimate))
 
 
 def _measure_true_ripple(window: Window, _: NoSettings) -> Findings:
-    found = window.once(_of_transducer)
+    found = window.cached(_of_transducer)
     return Findings(tuple(each for each in found if each.name != "torque_error"))
 
 
 def _measure_error(window: Window, _: NoSettings) -> Findings:
-    found = window.once(_of_transducer)
+    found = window.cached(_of_transducer)
     return Findings(tuple(each for each in found if each.name == "torque_error"))
 
 
 WAVEFORMS: Final = Drawing(
     "waveforms",
     "Waveforms",
-    "Torque, phase currents and stator flux over the first two electrical periods of the capture. The shaft "
-    "transducer's torque is the true one; the ripple measured is that of the drive's estimate.",
+    "Torque, phase currents and stator flux: on the left the whole capture by the least and the greatest "
+    "value of each stretch, on the right its last two electrical periods, with the fundamental of "
+    "each current. Orange lines are limits that the plan judges by.",
 )
 TORQUE: Final = Drawing(
     "torque",
@@ -187,8 +189,8 @@ TORQUE: Final = Drawing(
 )
 STEADY: Final = Drawing(
     "steady",
-    "The first 0.2 s of the captures",
-    "Torque, phase current a and stator flux at the beginning of each capture, on the same axes.",
+    "Torque, current and flux of each capture",
+    "Torque, phase current a and stator flux over the whole of each capture, on the same axes.",
     channels=("torque", "i_a", "psi_s"),
     of_recording=True,
 )
@@ -203,11 +205,11 @@ TORQUE_RIPPLE: Final = Analysis(
     figures=(WAVEFORMS,),
     comparisons=(TORQUE, STEADY),
 )
-TRUE_TORQUE_RIPPLE: Final = Analysis(
-    name="true_torque_ripple",
+TRANSDUCER_TORQUE_RIPPLE: Final = Analysis(
+    name="transducer_torque_ripple",
     title="torque ripple on the shaft",
     measure=_measure_true_ripple,
-    quantities=_quantities("true_torque"),
+    quantities=_quantities("transducer_torque"),
     settings=NoSettings,
     transducer=True,
 )

@@ -17,9 +17,9 @@ COVERAGE: Final = 0.95
 class InstrumentError:
     """An error of an instrument that stays the same over all results made with it, such as that of its gain.
 
-    `effect` says of what, `channel` what it measured. Two results have it in common where `effect` and
-    serial number are the same and the certificate is, so that it was not adjusted in between; without serial
-    number, where effect, channel and certificate are; without both it cannot be told, so that they have not.
+    `effect` says of what, `channel` what it measured. Two results have it in common where `effect` and serial
+    number are the same and the certificate is, so that it was not adjusted in between; without serial number,
+    where effect, channel and certificate are; without both it is unknown, and taken as different.
     """
 
     effect: str
@@ -29,7 +29,7 @@ class InstrumentError:
     certificate: str = ""
 
     def is_same(self, other: InstrumentError) -> bool:
-        """Whether the error of both is one and the same."""
+        """Return whether the error of both is one and the same."""
         identified = bool(self.serial_number or self.certificate)
         return identified and self._identity == other._identity
 
@@ -58,12 +58,12 @@ class Contribution:
     sign: Literal[-1, 1] = 1
 
     def scaled(self, factor: float) -> Contribution:
-        """That to the result times a constant."""
+        """Return the contribution to the result times a constant."""
         sign: Literal[-1, 1] = 1 if (factor < 0.0) == (self.sign < 0) else -1
         return replace(self, standard=abs(factor) * self.standard, sign=sign)
 
     def to_json(self) -> dict[str, Any]:
-        """Its fields; infinite degrees of freedom are null."""
+        """Return its fields; infinite degrees of freedom are null."""
         document: dict[str, Any] = {
             "name": self.name,
             "evaluation": self.evaluation,
@@ -79,7 +79,7 @@ class Contribution:
 class Uncertainty:
     """Combined standard uncertainty of a result, in its unit (JCGM 100:2008, 2.3.1 and 2.3.4).
 
-    `source` says what it was estimated from, and with that what it leaves out. `dof` are the effective
+    `source` states what it was estimated from, and thus what it does not contain. `dof` are the effective
     degrees of freedom, `budget` the contributions; a budget of one line may be left out. `half_width` is half
     of the interval that covers 95 % where a derived distribution gives one; it is then the expanded
     uncertainty in place of a multiple from Student's distribution.
@@ -106,8 +106,9 @@ class Uncertainty:
         return coverage_factor(self.dof)
 
     def probability_within(self, least: float, greatest: float) -> float:
-        """Probability that the true value less the result lies from `least` to `greatest`: of a normal
-        distribution, of Student's with finite degrees of freedom, as wide as the expanded uncertainty says.
+        """Return the probability that the true value less the result lies from `least` to `greatest`: of a
+        normal distribution, of Student's with finite degrees of freedom, as wide as the expanded uncertainty
+        says.
         """
         dof, U = max(1.0, self.dof), self.expanded
         if U <= 0.0:
@@ -159,7 +160,7 @@ class Uncertainty:
         return Uncertainty(math.sqrt(square), self.source, dof, budget, width)
 
     def to_json(self) -> dict[str, Any]:
-        """Fields and `k`, `coverage` and `expanded` besides; what is not finite is null."""
+        """Return the fields and `k`, `coverage` and `expanded` besides; what is not finite is null."""
         document: dict[str, Any] = {
             "standard": _finite(self.standard),
             "dof": _finite(self.dof),
@@ -178,7 +179,8 @@ class Uncertainty:
 def combined(
     contributions: Iterable[Contribution], source: str, *, half_width: float | None = None
 ) -> Uncertainty | None:
-    """Root of the sum of squares, with Welch and Satterthwaite's degrees of freedom (JCGM 100:2008, G.4.1).
+    """Return the root of the sum of squares, with Welch and Satterthwaite's degrees of freedom (JCGM
+    100:2008, G.4.1).
 
     None where a contribution is not known (nan): then the whole is not known either.
     """
@@ -192,7 +194,7 @@ def combined(
 
 
 def of_difference(one: Uncertainty, two: Uncertainty) -> Uncertainty:
-    """Uncertainty of the difference of two results (JCGM 100:2008, 5.1.2 and G.4.1).
+    """Return the uncertainty of the difference of two results (JCGM 100:2008, 5.1.2 and G.4.1).
 
     They are independent but for the errors of instruments that they have in common: of those remains what
     each moves one result more than the other (5.2.2, with a correlation of one).
@@ -227,7 +229,8 @@ def of_difference(one: Uncertainty, two: Uncertainty) -> Uncertainty:
 
 
 def coverage_factor(dof: float) -> float:
-    """k of 95 %: the two-sided quantile of Student's distribution (JCGM 100:2008, G.3.2), 1.96 for many."""
+    """Return the k of 95 %: the two-sided quantile of Student's distribution (JCGM 100:2008, G.3.2), 1.96 for
+    many."""
     return float(stdtrit(max(1.0, min(dof, 1e12)), 0.5 + 0.5 * COVERAGE))
 
 

@@ -1,4 +1,4 @@
-"""What every analysis asks of a signal before it answers."""
+"""Validity checks of signals, common to all analyses."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ _LOOKED_AT = 1 << 16  # samples, to count values by
 def require_signal(samples: NDArray[np.float64], name: str) -> None:
     """Refuse samples, shape (n,), from which no number should be made.
 
-    A constant is refused because sampled noise never is one: the channel is dead or the drive is off, and
-    a ripple of zero would look like a success.
+    A constant is refused, because sampled noise is never constant: the channel is dead or the drive is off,
+    and a ripple of zero would look like a success.
 
     Raises:
         AnalysisError: fewer than two samples, one that is not finite, or all of the same value.
@@ -51,7 +51,7 @@ def require_unbroken(block: Block) -> None:
     if "tick" not in block.names:
         return
     steps = np.diff(block.column("tick"))
-    wrong = np.flatnonzero(steps != block.stride)  # and what is left of these is no wrap
+    wrong = np.flatnonzero(steps != block.stride)  # remaining deviations are not wraps
     steps = np.mod(steps[wrong], TICKS)
     wrong, steps = wrong[steps != block.stride], steps[steps != block.stride]
     if len(wrong):
@@ -62,11 +62,11 @@ def require_unbroken(block: Block) -> None:
 
 
 def clipping(samples: NDArray[np.float64]) -> str:
-    """Why a record, shape (n,), of a signal that changes counts as clipped; empty if it does not.
+    """Return why a record, shape (n,), of a signal that changes counts as clipped; empty if it does not.
 
     Clipped is what stays at its greatest or least value, for three samples in a row or more, much oftener
     than at the values beside it: the peak of a sine in steps of q is at most 2.4 times as often in the last
-    step as in the one before. Of less than sixteen different values nothing is said.
+    step as in the one before. Signals with less than sixteen different values are not tested.
     """
     for sign, word in ((1.0, "greatest"), (-1.0, "least")):
         largest = sign * float(np.max(sign * samples))

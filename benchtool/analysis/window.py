@@ -1,4 +1,4 @@
-"""What an analysis is made of: a capture or a part of it, the machine, and what several analyses share."""
+"""The input of an analysis: a capture or a part of it, the machine, and shared intermediate results."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Excitation:
 
 
 class _Shared:
-    """Values computed once, whichever thread asks first."""
+    """Values computed once, by the first thread that requests them."""
 
     def __init__(self) -> None:
         self._lock = Lock()
@@ -48,8 +48,8 @@ class Window:
 
     `torque_rated_Nm` and `current_rated_A_rms` are the bases of numbers "of rated"; without the second there
     is no `current_tdd`. `transducer` has channel torque_transducer and covers the block's time. `motor` is
-    needed by those analyses that put its parameters to the test, its `slots` name orders. `excitation` says
-    where a stimulus plays.
+    needed by analyses that test its parameters; its `slots` name orders. `excitation` says where a stimulus
+    plays.
     """
 
     block: Block
@@ -65,12 +65,12 @@ class Window:
     def of(
         cls, block: Block, motor: Motor, transducer: Block | None = None, excitation: Excitation | None = None
     ) -> Self:
-        """The window of a machine whose rating and parameters are known."""
+        """Return the window of a machine whose rating and parameters are known."""
         rated = motor.T_N_Nm, motor.I_N_A_rms
         return cls(block, motor.pole_pairs, *rated, transducer, motor, excitation or Excitation())
 
-    def once(self, compute: Callable[[Window], Shared]) -> Shared:
-        """`compute(self)`, computed once and kept for every analysis that asks."""
+    def cached(self, compute: Callable[[Window], Shared]) -> Shared:
+        """Return `compute(self)`, computed once and cached for all analyses."""
         value: Shared = self._shared.get(compute, lambda: compute(self))
         return value
 
@@ -81,7 +81,7 @@ class Window:
         Raises:
             AnalysisError: fewer than two electrical periods, or a speed that is not steady.
         """
-        return self.once(_track)
+        return self.cached(_track)
 
 
 def _track(window: Window) -> PhaseTrack | None:

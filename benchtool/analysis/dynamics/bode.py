@@ -39,7 +39,7 @@ from benchtool.errors import AnalysisError
 _HALF_POWER_DB = 20.0 * math.log10(math.sqrt(0.5))
 _QUARTER_TURN = -0.5 * math.pi
 _FEWEST_FOR_A_LINE = 3
-_MOST_OF_THE_LEVEL = 0.3  # of the 3 dB: a gain at rest that is less certain gives no bandwidth
+_MOST_OF_THE_LEVEL = 0.3  # of the 3 dB: with a less certain gain at zero frequency there is no bandwidth
 _STATISTICAL = "random error of H1 from coherence and number of averages"
 
 Floats = NDArray[np.float64]
@@ -69,15 +69,15 @@ def analyze_response(
     end_row: int | None = None,
     period_rows: int | None = None,
 ) -> Bode:
-    """Response of a channel to another, from what any excitation of the input shows.
+    """Return the response of a channel to another, from any excitation of the input.
 
-    Frequencies are used where the input has power (more than -50 dB of its greatest) and the coherence is
-    0.8 or more, or above what chance makes of few averages; the others are in the table and nowhere else.
+    Frequencies are used where the input has power (more than -50 dB of its greatest) and the coherence is 0.8
+    or more, or above the coherence that few averages reach by chance; the others only appear in the table.
 
     Args:
         block: a capture without gaps, with both channels.
-        begin_row, end_row: the rows to use; of a repeated stimulus those after its first period, when what
-            it set off has died away.
+        begin_row, end_row: the rows to use; of a repeated stimulus those after its first period, when the
+            transient has decayed.
         period_rows: after how many rows the input repeats itself, if it does.
 
     Raises:
@@ -118,7 +118,7 @@ def analyze_response(
 
 def _measurements(found: FrequencyResponse, unit: str, basis: Basis) -> Iterator[Measurement]:
     trusted = found.trusted
-    trusted[: found.reference] = False  # below it no gain is known well
+    trusted[: found.reference] = False  # below it no gain is accurate
     frequency_Hz, error = found.frequency_Hz[trusted], found.error_of_many[trusted]
     gain, phase = found.gain[trusted], found.phase_rad[trusted]
 
@@ -149,7 +149,9 @@ def _measurements(found: FrequencyResponse, unit: str, basis: Basis) -> Iterator
     peak_error = Uncertainty(math.hypot(standard_dB, rest_dB), _STATISTICAL)
     yield Measurement("resonance_peak", max(0.0, peak_dB), "dB", text, basis, peak_error)
 
-    limit_Hz = down.frequency_Hz if down is not None and not down.doubt else float(frequency_Hz[-1])
+    limit_Hz = (
+        down.frequency_Hz if down is not None and not down.undefined_because else float(frequency_Hz[-1])
+    )
     yield _delay(frequency_Hz, phase, error, limit_Hz, basis)
 
     inside = found.excited & (found.frequency_Hz >= frequency_Hz[0]) & (found.frequency_Hz <= limit_Hz)
@@ -164,15 +166,15 @@ def _measurements(found: FrequencyResponse, unit: str, basis: Basis) -> Iterator
 def _frequency(name: str, definition: str, found: Point | None, reason: str, basis: Basis) -> Measurement:
     if found is None:
         return Measurement.undefined(name, "Hz", definition, reason, basis)
-    if found.doubt:
-        return Measurement.undefined(name, "Hz", definition, found.doubt, basis)
+    if found.undefined_because:
+        return Measurement.undefined(name, "Hz", definition, found.undefined_because, basis)
     source = f"{_STATISTICAL}, over the slope, and the length of the local fit"
     uncertainty = Uncertainty(found.standard_Hz, source)
     return Measurement(name, found.frequency_Hz, "Hz", definition, basis, uncertainty)
 
 
 def _delay(frequency_Hz: Floats, phase: Floats, error: Floats, limit_Hz: float, basis: Basis) -> Measurement:
-    """Slope of the phase, by a line that need not pass through zero at dc."""
+    """Return the slope of the phase, by a line that need not pass through zero at dc."""
     name = "response_delay"
     text = f"-1/(2 pi) x slope of the least-squares line of phase over frequency, up to {limit_Hz:.4g} Hz"
     inside = frequency_Hz <= limit_Hz
@@ -225,7 +227,9 @@ class ResponseSettings(Section):
     """The channel that is excited and the one that answers."""
 
     input: str = "torque_reference"
+    """Channel that is excited."""
     output: str = "torque"
+    """Channel that answers."""
 
 
 def _measure(window: Window, settings: ResponseSettings) -> Findings:
@@ -294,7 +298,7 @@ FREQUENCY_RESPONSE: Final = Analysis(
         ),
     ),
     settings=ResponseSettings,
-    measured=Measured.ASKED,
+    measured=Measured.ON_REQUEST,
     channel_settings=("input", "output"),
     figures=(_BODE,),
     comparisons=(TORQUE, _BODE),

@@ -1,9 +1,9 @@
 """Response of one DFT to another where both are smooth over neighbouring bins: the local polynomial method.
 
-Over a few bins around f, Y = H X + T, with the response H a parabola of frequency and T, what the two ends
-of the record leave in (the output still moving at its start, cut off at its end), a line or a parabola. Least
-squares tell them apart, and what they leave over is the noise (Pintelon and Schoukens, System Identification:
-A Frequency Domain Approach, 2nd ed., 7.2). Where a resonance is sharper than a parabola follows, and that
+Over a few bins around f, Y = H X + T, with the response H a parabola of frequency and T, what the two ends of
+the record leave in (the output still moving at its start, cut off at its end), a line or a parabola. Least
+squares separate them, and the residual is the noise (Pintelon and Schoukens, System Identification: A
+Frequency Domain Approach, 2nd ed., 7.2). Where a resonance is sharper than a parabola follows, and that
 shows, the response is a parabola over a line, which has a pole (local rational method: McKelvey and Guérin,
 IFAC Proc. 45 (2012) no. 16).
 """
@@ -48,7 +48,7 @@ def local_fit(x: Complex, y: Complex, at: NDArray[np.int64], *, at_rest: bool) -
 
 
 def degrees_of_freedom(*, at_rest: bool) -> int:
-    """Complex equations less unknowns of one fit."""
+    """Return the complex equations less unknowns of one fit."""
     return 2 * REACH + 1 - _CURVED - (0 if at_rest else 2)
 
 
@@ -68,7 +68,7 @@ def _fit(x: Complex, y: Complex, at: NDArray[np.int64], at_rest: bool) -> tuple[
 
 
 def _smooth_or_sharp(near_x: Complex, near_y: Complex, ends: int) -> tuple[Complex, Floats]:
-    """Response at the middle with `ends` terms of T, and its complex variance, both of shape (m,)."""
+    """Return response at the middle with `ends` terms of T, and its complex variance, both of shape (m,)."""
     response, variance = _solve(near_x, near_y, ends, poles=0)
     sharp, variance_sharp = _solve(near_x, near_y, ends, poles=1)
     better = variance > _SHARP * variance_sharp
@@ -76,7 +76,7 @@ def _smooth_or_sharp(near_x: Complex, near_y: Complex, ends: int) -> tuple[Compl
 
 
 def _solve(near_x: Complex, near_y: Complex, ends: int, poles: int) -> tuple[Complex, Floats]:
-    """The same of a response with so many poles."""
+    """Return the fit of a response with `poles` poles."""
     count, width = near_x.shape
     powers = np.linspace(-1.0, 1.0, width)[:, np.newaxis] ** np.arange(_CURVED)
     columns = np.empty((count, width, _CURVED + ends + poles), dtype=np.complex128)

@@ -1,4 +1,4 @@
-"""Stability margins of a loop from the response of what it controls to its reference.
+"""Stability margins of a loop from the response of the controlled quantity to its reference.
 
 With unity feedback the closed loop is T = L / (1 + L), so that the open loop is L = T / (1 - T), and the
 sensitivity S = 1 / (1 + L) = 1 - T (Astroem and Murray, Feedback Systems, 2nd ed., 10.3 and 12.1).
@@ -19,7 +19,7 @@ from benchtool.analysis.uncertainty import Uncertainty
 
 Floats = NDArray[np.float64]
 
-_LEAST = 1e-9  # of 1 - T: a loop that is perfect but for rounding
+_LEAST = 1e-9  # of 1 - T: a loop that is perfect except for rounding
 _SMALL_DB = 1.0
 _SMALL_RAD = 0.1
 _SOURCE = "random error of H1, propagated to the open loop"
@@ -28,7 +28,7 @@ _SOURCE = "random error of H1, propagated to the open loop"
 def margins(
     frequency_Hz: Floats, closed: NDArray[np.complex128], error: Floats, basis: Basis
 ) -> Iterator[Measurement]:
-    """Crossover, phase margin, gain margin and greatest sensitivity of the loop behind a response.
+    """Yield the crossover, phase margin, gain margin and greatest sensitivity of the loop behind a response.
 
     `closed` is the response of the controlled quantity to its reference, shape (n,), a pure number, `error`
     its standard uncertainty relative to it, along it and across it.
@@ -88,7 +88,7 @@ def margins(
 
 
 def _why_not(found: Point | None, frequency_Hz: Floats, otherwise: str) -> str:
-    """Why a crossing has no number; empty if it has."""
+    """Return the reason why a crossing is undefined; empty if it is defined."""
     if found is None:
         return f"{otherwise} up to {frequency_Hz[-1]:.4g} Hz"
-    return found.doubt
+    return found.undefined_because

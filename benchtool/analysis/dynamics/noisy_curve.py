@@ -1,8 +1,8 @@
-"""The smooth curve through a noisy transient, and what the noise does to what is read off it.
+"""The smooth curve through a noisy transient, and the uncertainty of values read off it.
 
-Noise as it was found is smoothed like the samples and added to the curve again and again; the scatter of what
-is then read off it is the uncertainty (parametric bootstrap: Efron and Tibshirani, An Introduction to the
-Bootstrap, 6.5). The random numbers are the same at every call, so that the same samples give the same
+Noise with the measured spectrum is smoothed like the samples and added to the curve repeatedly; the scatter
+of the values then read off is their uncertainty (parametric bootstrap: Efron and Tibshirani, An Introduction
+to the Bootstrap, 6.5). The random numbers are the same at every call, so that the same samples give the same
 numbers.
 """
 
@@ -23,8 +23,8 @@ _DRAWS = 80
 _FEWEST_DRAWS = 20
 _MOST_VALUES = 1 << 24  # of all draws together, 128 MiB
 _SEED = 20_110_301
-_TIED = 3.0  # standard deviations below the greatest value: what may as well be the greatest
-_SURE = 2.0  # standard deviations beyond a level: what is no noise about it
+_TIED = 3.0  # standard deviations below the greatest value that may also be the greatest
+_SURE = 2.0  # standard deviations beyond a level that noise does not reach
 _LEAST_DEFINED = 0.9  # of the draws, for an instant that the noise leaves certain
 _VANDERMONDE = np.vander(np.arange(-1.0, 3.0), increasing=True)
 
@@ -33,7 +33,7 @@ _VANDERMONDE = np.vander(np.arange(-1.0, 3.0), increasing=True)
 class Instant:
     """Place, in samples from the first, at which a curve passes a level, and its standard uncertainty.
 
-    `standard` is infinite where the noise does not let tell whether the level is passed at all.
+    `standard` is infinite where, because of noise, it is unknown whether the level is passed at all.
     """
 
     place: float
@@ -42,7 +42,7 @@ class Instant:
 
 @dataclass(frozen=True)
 class NoisyCurve:
-    """Smooth `values`, shape (n,), and `errors`, shape (draws, n), such as noise leaves in them.
+    """Smooth `values`, shape (n,), and `errors`, shape (draws, n), that noise may cause in them.
 
     Without noise there are no draws.
     """
@@ -52,7 +52,7 @@ class NoisyCurve:
 
     @classmethod
     def through(cls, samples: Floats, noise: Noise) -> NoisyCurve:
-        """The curve through samples, shape (n,), the first of which is where a transient begins."""
+        """Return the curve through samples, shape (n,), the first of which is where a transient begins."""
         count = len(samples)
         smoother, longer = fitted_smoothers(samples, noise)
         if noise.rms == 0.0:
@@ -70,15 +70,15 @@ class NoisyCurve:
         return np.std(self.errors, axis=0) if len(self.errors) else np.zeros(len(self.values))
 
     def since(self, row: int) -> NoisyCurve:
-        """The curve from a row on."""
+        """Return the part of the curve from a row onwards."""
         return NoisyCurve(self.values[row:], self.errors[:, row:])
 
     def greatest(self) -> tuple[float, float]:
-        """Greatest value and its standard uncertainty.
+        """Return the greatest value and its standard uncertainty.
 
-        Of several values that may as well be the greatest the noise raises some, and that is taken off. How
-        much it is lies between what it does to those within three standard deviations of the greatest, as if
-        they were equal (Chernozhukov, Lee and Rosen, Econometrica 81 (2013) no. 2), and what it does to the
+        Noise raises the greatest of several similar values, and this bias is subtracted. How much it is lies
+        between what it does to those within three standard deviations of the greatest, as if they were equal
+        (Chernozhukov, Lee and Rosen, Econometrica 81 (2013) no. 2), and what it does to the
         curve as it is: the mean of the two. What the parabola through the greatest value adds is added.
         """
         top = int(np.argmax(self.values))
@@ -95,22 +95,24 @@ class NoisyCurve:
         return float(self.values[top]) + between - bias, math.hypot(of_noise, between)
 
     def place_of_greatest(self) -> Instant:
-        """Where the greatest value is, to within a sample."""
+        """Return where the greatest value is, to within a sample."""
         top = int(np.argmax(self.values))
         moved = np.argmax(self.values + self.errors, axis=1) - top if len(self.errors) else np.zeros(1)
         return Instant(float(top), math.hypot(float(np.sqrt(np.mean(moved**2))), 1.0 / math.sqrt(12.0)))
 
     def first_above(self, level: float | Floats) -> Instant | None:
-        """Where the curve first rises to a level, or to one that is of shape (n,); None if it does not.
+        """Return where the curve first rises to a level, or to one that is of shape (n,); None if it does
+        not.
 
-        Up to where it is beyond the level for sure, noise may take it there and back: as many samples as are
-        below are before the instant.
+        Until the curve is beyond the level by more than the noise, it may cross repeatedly: the instant is
+        placed after as many samples as lie below the level.
         """
         above, sure = self.values - level, _SURE * self.standard
         return self._instant(_first(above, sure), [_first(above + each, sure) for each in self.errors])
 
     def last_outside(self, level: float, band: float) -> Instant | None:
-        """Where it enters `level` +- `band` for good, 0 if it never leaves it; None if it ends outside."""
+        """Return where the curve enters `level` +- `band` finally, 0 if it never leaves; None if it ends
+        outside."""
         found = _last(self.values, level, band)
         return self._instant(found, [_last(self.values + each, level, band) for each in self.errors])
 
@@ -127,7 +129,7 @@ class NoisyCurve:
 
 @dataclass(frozen=True)
 class _Crossing:
-    """Place of a crossing between two samples, and half the width of where it may be by the samples alone."""
+    """Place of a crossing between two samples, and half the width of the interval that the samples allow."""
 
     place: float
     reach: float
@@ -153,11 +155,11 @@ def _last(values: Floats, level: float, band: float) -> _Crossing | None:
 
 
 def _between(above: Floats, at: int) -> _Crossing:
-    """Crossing of zero between samples `at` - 1, below it, and `at`, not below it.
+    """Return the crossing of zero between samples `at` - 1, below it, and `at`, not below it.
 
     The line through the two before (or rest, before the first) and that through the two after bound it,
-    unless the curve bends more than samples can show: of a smooth curve the cubic through the four says where
-    it is, of a jump nothing does.
+    unless the curve bends more than samples can show: for a smooth curve the cubic through the four locates
+    it, for a jump nothing does.
     """
     below, here = float(above[at - 1]), float(above[at])
     first = last = line = below / (below - here)
@@ -175,7 +177,7 @@ def _between(above: Floats, at: int) -> _Crossing:
 
 
 def _cubic_zero(four: Floats, start: float) -> float:
-    """Zero of the cubic through samples at -1, 0, 1 and 2, by Newton's method from between 0 and 1."""
+    """Return zero of the cubic through samples at -1, 0, 1 and 2, by Newton's method from between 0 and 1."""
     a, b, c, d = np.linalg.solve(_VANDERMONDE, four).tolist()
     place = start
     for _ in range(3):
@@ -187,7 +189,7 @@ def _cubic_zero(four: Floats, start: float) -> float:
 
 
 def _beyond_samples(values: Floats, top: int) -> float:
-    """What the parabola through the greatest value and its neighbours adds to it; 0 beside an edge.
+    """Return the correction of the greatest value by the parabola through its neighbours; 0 beside an edge.
 
     Between samples a curve goes on as it bends only where it bends the same way at both neighbours.
     """

@@ -21,34 +21,35 @@ Floats = NDArray[np.float64]
 
 _FEWEST = 2  # neighbours to either side of a local fit
 _LONGER = 1.5
-_MOST_UNCERTAIN = 0.2  # of a frequency: a greater standard uncertainty tells nothing
-_CLEAR = 3.0  # standard uncertainties of a smooth value by which it is off a level for sure
+_MOST_UNCERTAIN = 0.2  # of a frequency: beyond this standard uncertainty it is undefined
+_CLEAR = 3.0  # standard uncertainties of a smooth value beyond which it is off a level
 _REACH = 0.7  # of the frequency: a local fit goes at most so far to either side
 _FITS = 2.0  # standard deviations of the mean squared residual above 1: a fit that describes its points
 _AT_THE_TOP = 3  # second differences: the greatest value and its neighbours
 _OF_A_PARABOLA, _OF_A_CUSP = 1.0 / 8.0, 1.0 / 3.0  # of the second difference: how much higher the peak is
 _SURE = 0.25  # of the smallest movement that matters: what is left of the error of a smooth curve
 _MOST_SMOOTHED = 8  # a smoothing window is at most this part of the frequencies
+_TERMS_OF_CUBIC = 4
 _DRAWS = 80
 _SEED = 19_870_201
 _MOST_UNEQUAL = 1e4  # ratio of the greatest error to the least, beyond which neither matters
-_LEAST_ERROR = 1e-9  # of the values, that a fit of exact values has weights
+_LEAST_ERROR = 1e-9  # of the values: least error, so that a fit of exact values has weights
 
 
 @dataclass(frozen=True)
 class Point:
-    """A frequency and its standard uncertainty; nan where it is below the frequencies used."""
+    """A frequency and its standard uncertainty; nan if it is below the frequencies used."""
 
     frequency_Hz: float
     standard_Hz: float
 
     @property
-    def doubt(self) -> str:
-        """Why it is no result; empty if it is one."""
+    def undefined_because(self) -> str:
+        """Reason why it is undefined; empty if it is defined."""
         if math.isnan(self.standard_Hz):
             return f"it is passed at {self.frequency_Hz:.4g} Hz already, the lowest frequency used"
         if self.standard_Hz > _MOST_UNCERTAIN * self.frequency_Hz:
-            return f"the errors do not let tell where, about {self.frequency_Hz:.2g} Hz: raise the stimulus"
+            return f"the errors do not determine where, near {self.frequency_Hz:.2g} Hz: raise the stimulus"
         return ""
 
 
@@ -65,7 +66,7 @@ class ResponseCurve:
     movement: float
 
     def falls_to(self, level: float, level_error: float = 0.0) -> Point | None:
-        """Lowest frequency at which the values are down at a level; None if they stay above.
+        """Return the lowest frequency at which the values are down at a level; None if they stay above.
 
         The standard uncertainty is that of the fit and of the level, over the slope, what a longer window
         changes, and how far apart the errors let the first and the last crossing be; nan where the values are
@@ -86,7 +87,8 @@ class ResponseCurve:
         return found if found.frequency_Hz > lowest_Hz else Point(lowest_Hz, math.nan)
 
     def _crossing(self, at: int, level: float, level_error: float) -> Point:
-        """Where the values fall to a level, by a local fit about where the smooth ones do before `at`."""
+        """Return where the values fall to a level, by a local fit about where the smooth ones do before
+        `at`."""
         before, after = self.smooth[at - 1 : at + 1].tolist()
         low_Hz, high_Hz = self.frequency_Hz[at - 1 : at + 1].tolist()
         start_Hz = low_Hz + (before - level) / (before - after) * (high_Hz - low_Hz)
@@ -96,26 +98,29 @@ class ResponseCurve:
         if not math.isfinite(place):
             return Point(start_Hz, math.inf)
         changed = other - place if math.isfinite(other) else 0.0
-        spread = math.hypot(standard, level_error / abs(short.slope_at(place)), changed)
+        slope = abs(short.slope_at(place))
+        bent = float(short.left_out(place)) / slope
+        spread = math.hypot(standard, level_error / slope, changed, bent)
         return Point(start_Hz * (1.0 + place), start_Hz * spread)
 
     def _last_above(self, at: int, level: float) -> int:
-        """Where the smooth values were last above a level before their errors no longer raise them to it."""
+        """Return where the smooth values were last above a level before their errors no longer raise them to
+        it."""
         clear = np.flatnonzero(self.smooth[at:] < level - _CLEAR * self._smooth_error[at:])
         end = at + int(clear[0]) if len(clear) else len(self.smooth) - 1
         return int(np.flatnonzero(self.smooth[:end] > level)[-1])
 
     def at(self, frequency_Hz: float) -> tuple[float, float]:
-        """Value at a frequency and its standard uncertainty."""
+        """Return the value at a frequency and its standard uncertainty."""
         short, long = self._fits(frequency_Hz)
         return short.level, math.hypot(short.standard, long.level - short.level)
 
     def slope_at(self, frequency_Hz: float) -> float:
-        """Change of the values per Hz."""
+        """Return the change of the values per Hz."""
         return self._fits(frequency_Hz)[0].slope_at(0.0) / frequency_Hz
 
     def greatest(self) -> tuple[float, float]:
-        """Greatest value, less what the errors add to it, and its standard uncertainty.
+        """Return the greatest value, less what the errors add to it, and its standard uncertainty.
 
         An eighth of the second difference is part of that: by as much a parabola bends between two
         frequencies. Of a peak that few show, where its neighbours bend the other way, it is a third.
@@ -163,7 +168,8 @@ class ResponseCurve:
         return np.minimum(widths, np.minimum(places, count - 1 - places))
 
     def _fits(self, frequency_Hz: float) -> tuple[_Parabola, _Parabola]:
-        """Local fits about a frequency: the shortened one, and the longest that describes its points."""
+        """Return the local fits about a frequency: the shortened one, and the longest that describes its
+        points."""
         places = self.frequency_Hz / frequency_Hz - np.ones(len(self.frequency_Hz))
         nearest = np.argsort(np.abs(places), kind="stable")
         within = int(np.count_nonzero(np.abs(places) <= _REACH))
@@ -183,11 +189,15 @@ class ResponseCurve:
 
 @dataclass(frozen=True)
 class _Parabola:
-    """Weighted least-squares parabola about 0: coefficients, their covariance, whether it fits its points."""
+    """Weighted least-squares parabola about 0: coefficients, their covariance, whether it fits its points.
+
+    `cubic` are the coefficients of a cubic through the same points.
+    """
 
     coefficients: Floats
     covariance: Floats
     describes: bool
+    cubic: Floats
 
     @classmethod
     def through(cls, places: Floats, values: Floats, weights: Floats) -> _Parabola:
@@ -199,11 +209,22 @@ class _Parabola:
         freedom = max(1, len(places) - terms)
         mean_square = float(left @ left) / freedom
         inverse = np.linalg.pinv((columns * weights[:, np.newaxis]).T @ columns)
-        coefficients, covariance = np.zeros(3), np.zeros((3, 3))
+        coefficients: Floats = np.zeros(3)
+        covariance: Floats = np.zeros((3, 3))
         coefficients[:terms] = solution
         covariance[:terms, :terms] = inverse * max(1.0, mean_square)
         describes = mean_square <= 1.0 + _FITS * math.sqrt(2.0 / freedom)
-        return cls(coefficients, covariance, describes)
+        cubic: Floats = coefficients
+        if len(places) > _TERMS_OF_CUBIC:
+            powers = places[:, np.newaxis] ** np.arange(_TERMS_OF_CUBIC)
+            cubic = np.asarray(np.linalg.lstsq(powers * root[:, np.newaxis], values * root, rcond=None)[0])
+        return cls(coefficients, covariance, describes, cubic)
+
+    def left_out(self, place: float) -> float:
+        """By how much a cubic differs there."""
+        return float(np.polynomial.polynomial.polyval(place, self.cubic)) - float(
+            np.polynomial.polynomial.polyval(place, self.coefficients)
+        )
 
     @property
     def level(self) -> float:
@@ -239,7 +260,7 @@ class GainAtRest:
 
 
 def gain_at_rest(frequency_Hz: Floats, gain: Floats, error: Floats) -> GainAtRest:
-    """Gain continued to zero frequency, from gains of shape (n,) with their relative errors.
+    """Return the gain continued to zero frequency, from gains of shape (n,) with their relative errors.
 
     1 / gain^2 is a polynomial of f^2 wherever the response has no zeros: of a first-order lag a line, of two
     poles a parabola, whatever their damping. Of the fits to the lowest frequencies that describe their

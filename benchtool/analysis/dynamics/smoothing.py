@@ -26,10 +26,10 @@ Floats = NDArray[np.float64]
 
 _GROWTH = (0.1, 0.2, 0.3, 0.45, 0.65)  # half window over samples since the event
 _STEPS = 4  # of the half window, for each time it doubles
-_CONTRADICTS = 6.0  # standard deviations between the values of two windows: more is no noise
+_CONTRADICTS = 6.0  # standard deviations between the values of two windows that noise does not exceed
 _CLEARANCE = 0.5  # of the distance to a contradiction: the most by which a half window is longer than there
 _SHORTER = 1.5  # how much shorter the window is than the one of least risk
-_SLIGHTLY = 1e-9  # of a step: what is less is rounding
+_SLIGHTLY = 1e-9  # of a step: smaller differences are rounding
 _PART = 5  # the greatest half window is at most this part of what follows the event
 _LAGS = 4  # lags of an autocovariance: this part of its samples
 _ROUNDING = 1e-7  # of the level: what is less is rounding of 32-bit numbers, and no noise
@@ -43,11 +43,11 @@ class Noise:
 
     @classmethod
     def of(cls, *pieces: Floats) -> Noise:
-        """What a straight line leaves over of samples at rest; of several pieces the noisiest.
+        """Return the noise of samples at rest about a straight line; of several pieces the noisiest.
 
         The autocovariance is tapered by Bartlett's window, with which its spectrum is nowhere negative
         (Priestley, Spectral Analysis and Time Series, 6.2.3). The line takes the slowest noise with it, which
-        is given back: of the variance of a mean, twice. Pieces of fewer than eight samples say nothing.
+        is given back: of the variance of a mean, twice. Pieces of fewer than eight samples are ignored.
         """
         found = [_autocovariance(piece) for piece in pieces if len(piece) >= 8]
         return cls(max(found, key=lambda each: float(each[0]), default=np.zeros(1)))
@@ -57,7 +57,7 @@ class Noise:
         return math.sqrt(float(self.autocovariance[0]))
 
     def draw(self, random: np.random.Generator, shape: tuple[int, int]) -> Floats:
-        """Gaussian noise of this autocovariance, shape (records, samples)."""
+        """Return Gaussian noise of this autocovariance, shape (records, samples)."""
         records, samples = shape
         lags = len(self.autocovariance)
         size = fft.next_fast_len(samples + lags, real=True)
@@ -73,14 +73,14 @@ class Noise:
 class Smoother:
     """Windows of a smooth curve: the `half` of each in samples, shape (n,), nowhere beyond the first sample.
 
-    The smoother is linear: it makes of signal and noise together what it makes of each.
+    The smoother is linear in signal and noise.
     """
 
     half: NDArray[np.int64]
 
     @classmethod
     def growing(cls, most: Floats, growth: float, longest: float) -> Smoother:
-        """Half windows of `growth` times the samples since the event, up to `longest` and `most`."""
+        """Return half windows of `growth` times the samples since the event, up to `longest` and `most`."""
         return cls(_in_steps(np.minimum(np.minimum(growth * np.arange(len(most)), longest), most)))
 
     @property
@@ -90,11 +90,11 @@ class Smoother:
         return ((begin, end, int(self.half[begin])) for begin, end in pairwise(edges))
 
     def shortened(self) -> Smoother:
-        """With shorter windows, whose bias is small against the noise that they leave."""
+        """Return the smoother with shorter windows, whose bias is small against the remaining noise."""
         return Smoother(_in_steps(self.half / _SHORTER))
 
     def apply(self, records: Floats) -> Floats:
-        """Smooth curves of records, shape (..., n); at the end they are continued as in a mirror."""
+        """Return smooth curves of records, shape (..., n); at the end they are continued as in a mirror."""
         curve = records.astype(np.float64, copy=True)
         for begin, end, half in self.runs:
             if half == 0:
@@ -115,7 +115,7 @@ class _Smoothed:
         self._curves: dict[int, tuple[Floats, float]] = {}
 
     def risk(self, smoother: Smoother) -> float:
-        """Stein's unbiased estimate of the sum of the squared errors that a smoother leaves."""
+        """Return Stein's unbiased estimate of the sum of the squared errors that a smoother leaves."""
         total = -float(self._noise.autocovariance[0]) * len(self._samples)
         for begin, end, half in smoother.runs:
             curve, correlation = self._under(half)
@@ -124,7 +124,7 @@ class _Smoothed:
         return total
 
     def longest(self) -> Floats:
-        """Longest half window at every sample, shape (n,), that contradicts no shorter one."""
+        """Return the longest half window at every sample, shape (n,), that contradicts no shorter one."""
         count = len(self._samples)
         most = _in_steps(np.minimum(_GROWTH[-1] * np.arange(count), count / _PART))
         ladder = np.unique(most)[:: -(_STEPS // 2)][::-1]
@@ -142,7 +142,7 @@ class _Smoothed:
         return np.asarray(np.minimum.accumulate((least + away)[::-1])[::-1] - away)
 
     def _spectra(self, ladder: NDArray[np.int64]) -> tuple[list[Floats], Floats]:
-        """Transfer of each window, and the power of the noise, over the same frequencies."""
+        """Return the transfer of each window, and the power of the noise, over the same frequencies."""
         covariance = self._noise.autocovariance
         size = fft.next_fast_len(2 * max(len(covariance), int(ladder[-1]) + 1), real=True)
         both = np.zeros(size)
@@ -156,7 +156,7 @@ class _Smoothed:
         return spectra, np.maximum(np.asarray(fft.fft(both).real), 0.0)
 
     def _under(self, half: int) -> tuple[Floats, float]:
-        """The samples under one window, and the covariance of what it makes of noise with that noise."""
+        """Return samples under one window, and the covariance of what it makes of noise with that noise."""
         if half not in self._curves:
             weights = _parabola(half)
             ends = np.pad(self._samples, half, mode="reflect") if half else self._samples
@@ -168,9 +168,9 @@ class _Smoothed:
 
 
 def fitted_smoothers(samples: Floats, noise: Noise) -> tuple[Smoother, Smoother]:
-    """Smoothers for the samples since an event, shape (n,): the shortened one and that of least risk.
+    """Return smoothers for the samples since an event, shape (n,): the shortened one and that of least risk.
 
-    What the second makes otherwise than the first is as large as the bias that may be left in the first.
+    The difference of the two is as large as the bias that may remain in the first.
     """
     count = len(samples)
     none = Smoother(np.zeros(count, dtype=np.int64))
@@ -190,13 +190,13 @@ def fitted_smoothers(samples: Floats, noise: Noise) -> tuple[Smoother, Smoother]
 
 
 def _in_steps(half: Floats) -> NDArray[np.int64]:
-    """Half windows, shape (n,), of few different lengths: the next shorter or equal."""
+    """Return half windows, shape (n,), of few different lengths: the next shorter or equal."""
     stepped = np.exp2(np.floor(_STEPS * np.log2(np.maximum(half, 1.0)) + _SLIGHTLY) / _STEPS)
     return np.where(half < 1.0, 0, np.floor(stepped)).astype(np.int64)
 
 
 def _parabola(half: int) -> Floats:
-    """Weights by which 2 `half` + 1 samples give the middle of their least-squares parabola."""
+    """Return the weights by which 2 `half` + 1 samples give the middle of their least-squares parabola."""
     places = np.arange(-half, half + 1, dtype=np.float64)
     if half == 0:
         return np.ones(1)

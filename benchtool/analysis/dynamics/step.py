@@ -8,7 +8,7 @@ because the ripple belongs to them.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import partial
 from typing import Final
@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.declaration import Analysis, Findings, Measured, Quantity, UnitOf
 from benchtool.analysis.dynamics.noisy_curve import Instant, NoisyCurve
+from benchtool.analysis.dynamics.step_drift import drift_before
 from benchtool.analysis.dynamics.step_shape import TAIL, Step, find_step
 from benchtool.analysis.measurement import Measurement, MeasurementJson, measurements_to_json
 from benchtool.analysis.scatter import error_of_record, scatter_of_largest
@@ -30,12 +31,13 @@ from benchtool.document import Section
 Floats = NDArray[np.float64]
 
 _LOW, _HIGH = 0.1, 0.9
-_ARRIVED = 0.02  # of the step: what counts as having arrived, and the least band of having settled
+_ARRIVED = 0.02  # of the step: tolerance of reaching it, and the least settling band
 _SIGMAS = 3.0  # standard uncertainties of the curve: the least that counts as a movement
 _CALM = 5.0  # standard uncertainties of the curve that noise alone hardly ever leaves
 _TO_THE_PARABOLA = 1.5  # standard uncertainties to a start along a parabola
-_EXTREME = 4.0  # standard uncertainties by which the curve exceeds what it must, for a time of its peak
-_ROUNDING = 1e-7  # of the step: what is less is no overshoot but rounding
+_EXTREME = 4.0  # standard uncertainties of an overshoot that has a peak time
+_OF_SAMPLES = "plateau_", "tracking_error_"  # what the samples are, whatever moves them
+_ROUNDING = 1e-7  # of the step: a smaller overshoot is rounding
 
 
 @dataclass(frozen=True)
@@ -49,21 +51,34 @@ class StepResponse:
         return measurements_to_json(self.measurements)
 
 
-def analyze_step(block: Block, signal: str, reference: str) -> StepResponse:
-    """Latency, rise, overshoot, settling and what is left of the error after a step of `reference`.
+def analyze_step(block: Block, signal: str, reference: str, *, held: bool = False) -> StepResponse:
+    """Return latency, rise, overshoot, settling and remaining error after a step of `reference`.
 
-    Where the step is and which references are none says `find_step`. Overshoot and plateau are measured
-    against the greatest value of the reference, undershoot and settling against its final one, the mean of
-    its last tenth.
+    Where the step is, what a `held` reference is and which are none says `find_step`. Overshoot and plateau
+    are measured against the greatest value of the reference, undershoot and settling against its final one,
+    the mean of its last tenth.
 
     A signal counts as settled within 2 % of the step or, where the noise leaves the smooth curve more than a
-    third of that uncertain, within three of its standard uncertainties.
+    third of that uncertain, within three of its standard uncertainties. Where it drifts before the step
+    (`drift_before`), times and excursions are undefined.
 
     Raises:
         AnalysisError: a gap, a missing channel, a dead signal, units that differ, no step or several.
     """
-    step = find_step(block, signal, reference)
-    return StepResponse(tuple(_measurements(step)), step.row)
+    step = find_step(block, signal, reference, held=held)
+    found = tuple(_measurements(step))
+    if drifting := drift_before(step):
+        found = tuple(_without_drift(found, drifting))
+    return StepResponse(found, step.row)
+
+
+def _without_drift(found: Iterable[Measurement], reason: str) -> Iterator[Measurement]:
+    """Yield the numbers; those that a drift would be taken for the answer in are undefined."""
+    for each in found:
+        if each.name.startswith(_OF_SAMPLES):
+            yield each
+        else:
+            yield Measurement.undefined(each.name, each.unit, each.definition, reason, each.basis)
 
 
 def _measurements(step: Step) -> Iterator[Measurement]:
@@ -79,7 +94,7 @@ def _measurements(step: Step) -> Iterator[Measurement]:
 
 
 def _band(step: Step, curve: NoisyCurve) -> float:
-    """Half the width within which the curve counts as settled."""
+    """Return half the width within which the curve counts as settled."""
     tail = max(1, round(TAIL * len(curve.values)))
     return max(_ARRIVED * step.height, _CALM * float(np.median(curve.standard[-tail:])))
 
@@ -101,7 +116,7 @@ def _times(step: Step, curve: NoisyCurve, arrived: Instant | None) -> Iterator[M
     left = _departure(step, curve)
     ahead = left is not None and left.place < step.zero - left.standard
     reason = "it moves before the reference has come half the way" if ahead else "it does not move"
-    yield _time(step, "dead_time", text, None if ahead else left, reason)
+    yield _time(step, "step_latency", text, None if ahead else left, reason)
 
     low, high = (curve.first_above(step.before + share * step.height) for share in (_LOW, _HIGH))
     rise = None
@@ -114,10 +129,11 @@ def _times(step: Step, curve: NoisyCurve, arrived: Instant | None) -> Iterator[M
 
 
 def _departure(step: Step, curve: NoisyCurve) -> Instant | None:
-    """Where the signal leaves its level before the step.
+    """Return where the signal leaves its level before the step.
 
-    What is clear of the noise comes later. From there and from twice as far it goes half the way back along
-    a line; how far it would be along a parabola, as a lag of second order begins, is in the uncertainty.
+    The curve clears the noise later than that: the start is extrapolated, half the way along a line from
+    there and from twice as far; the distance along a parabola, as a second-order lag begins, is in the
+    uncertainty.
     """
     level, least = float(np.mean(step.y_before)), _ARRIVED * step.height
     clear = np.maximum(least, _SIGMAS * curve.standard)
@@ -141,7 +157,7 @@ def _departure(step: Step, curve: NoisyCurve) -> Instant | None:
 
 
 def _time(step: Step, name: str, definition: str, found: Instant | None, reason: str) -> Measurement:
-    """A time from the step to an instant."""
+    """Return a time from the step to an instant."""
     if found is not None:
         since = max(0.0, found.place - step.zero)
         found = Instant(since, math.hypot(found.standard, step.zero_error))
@@ -149,9 +165,9 @@ def _time(step: Step, name: str, definition: str, found: Instant | None, reason:
 
 
 def _interval(step: Step, name: str, definition: str, found: Instant | None, reason: str) -> Measurement:
-    """A time between two instants."""
+    """Return a time between two instants."""
     if found is not None and not math.isfinite(found.standard):
-        found, reason = None, "the noise does not let tell whether it is"
+        found, reason = None, "because of noise this is undecided"
     if found is None:
         return Measurement.undefined(name, "s", definition, reason, step.basis)
     source = "noise of the smoothed signal over its slope, and where between two samples it may be"
@@ -186,7 +202,7 @@ def _excursions(step: Step, curve: NoisyCurve, arrived: Instant | None) -> Itera
 
 
 def _plateau(step: Step, arrived: Instant | None) -> Iterator[Measurement]:
-    """What the signal holds while the reference is at its greatest, once the signal is there too."""
+    """Yield the numbers of the plateau: signal and reference both at their greatest."""
     at_top = step.r >= step.greatest - _ARRIVED * step.height
     begin = int(np.argmax(at_top))
     leaves = np.flatnonzero(~at_top[begin:])
@@ -260,11 +276,13 @@ class StepSettings(Section):
     """The channel that follows and the one that steps; of one unit."""
 
     signal: str = "torque"
+    """Channel that follows."""
     reference: str = "torque_reference"
+    """Channel that steps."""
 
 
 def _measure(window: Window, settings: StepSettings) -> Findings:
-    found = analyze_step(window.block, settings.signal, settings.reference)
+    found = analyze_step(window.block, settings.signal, settings.reference, held=True)
     return Findings(found.measurements, result=found)
 
 
@@ -276,7 +294,7 @@ STEP: Final = Analysis(
     measure=_measure,
     quantities=(
         Quantity(
-            ("dead_time",),
+            ("step_latency",),
             "s",
             "until the curve is 2 % of `height` beyond the signal's mean before the step; where three of its "
             "standard uncertainties are more, from there half the way back along a line through there and "
@@ -327,7 +345,7 @@ STEP: Final = Analysis(
         ),
     ),
     settings=StepSettings,
-    measured=Measured.ASKED,
+    measured=Measured.ON_REQUEST,
     channel_settings=("signal", "reference"),
     figures=(TORQUE,),
     comparisons=(TORQUE,),

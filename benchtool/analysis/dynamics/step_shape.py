@@ -1,4 +1,4 @@
-"""What a step is: where the reference takes it, from which level to which, and what is no step."""
+"""Locating a step of a reference and its levels; refusing references that are not a single step."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ Floats = NDArray[np.float64]
 TAIL = 0.1
 """Part of the window, at its end, where the final value and the noise are read."""
 
-_WAY = 0.1, 0.9  # of the height: between these a step is on its way
+_WAY = 0.1, 0.9  # of the height: between these a step is in transition
 _LANDING = 0.03  # of the height: a band in which it spends little time
 _DWELL = 0.2  # of the way: more than a ramp (0.04) or an exponential (0.12) spends in such a band
 _FEWEST_ON_THE_WAY = 6  # samples; fewer show no landing
 _OPPOSITE = 0.5  # of the height: the most that a step goes the other way
 _QUARTERS = 0.25, 0.75
-_AT_REST = 1e-3  # of the height: what is less is not on its way
+_AT_REST = 1e-3  # of the height: smaller deviations are not a transition
 _SIGMAS = 3.0  # standard deviations of its noise, likewise
 _WITHIN = 0.5  # samples, at most one: how far a step is known from its row
 
@@ -60,13 +60,15 @@ class Step:
         return self.greatest - self.before
 
 
-def find_step(block: Block, signal: str, reference: str) -> Step:
-    """The one step of a reference and the signal that answers it.
+def find_step(block: Block, signal: str, reference: str, *, held: bool = False) -> Step:
+    """Return the one step of a reference and the signal that answers it.
 
     The step is where the reference first leaves its first value by half of its greatest excursion, so that
-    a ramp counts from its middle: between two samples if it is on its way in both, otherwise at its row. When
-    since the row before it a step was made, the record does not tell, and the standard uncertainty of that is
-    half a sample. A reference that falls back after a while is a pulse and allowed.
+    a ramp counts from its middle: between two samples if it is on its way in both, otherwise at its row. The
+    record does not show when between two rows a step was made; the standard uncertainty of that is half a
+    sample. A reference that is `held`, as a drive holds its own from tick to tick, changes at one of
+    the ticks since the row before: at its row exactly where each tick is a row. A reference that falls back
+    after a while is a pulse and allowed.
 
     Raises:
         AnalysisError: a gap, a missing channel, a dead signal, units that differ, no step, or more than one.
@@ -103,7 +105,7 @@ def find_step(block: Block, signal: str, reference: str) -> Step:
         begin=begin,
         row=row,
         zero=zero,
-        zero_error=_WITHIN * float(r[row] - r[row - 1]) / (greatest - before),
+        zero_error=_within(block, held=held) * float(r[row] - r[row - 1]) / (greatest - before),
         before=before,
         greatest=greatest,
         final=float(np.mean(r[-tail:])),
@@ -111,6 +113,11 @@ def find_step(block: Block, signal: str, reference: str) -> Step:
         unit=unit,
         basis=Basis(after, rate_Hz, after / rate_Hz, 0.5 * rate_Hz, reference=against, gaps=0),
     )
+
+
+def _within(block: Block, *, held: bool) -> float:
+    """Return how far a step is known from its row, in rows."""
+    return _WITHIN * (1.0 - 1.0 / block.stride) if held else _WITHIN
 
 
 def _step_row(reference: Floats, name: str) -> int:
@@ -125,7 +132,8 @@ def _step_row(reference: Floats, name: str) -> int:
 
 
 def _begin(r: Floats, row: int, noise: float) -> tuple[int, float]:
-    """Row in which a reference leaves its first level, and the instant of half the way in samples from it."""
+    """Return the row in which a reference leaves its first level, and the instant of half the way in samples
+    from it."""
     height = float(np.max(r) - r[0])
     rest = np.flatnonzero(r[:row] - r[0] <= _AT_REST * height + _SIGMAS * noise)
     begin = int(rest[-1]) + 1
@@ -161,7 +169,7 @@ def _require_one_step(r: Floats, before: float, greatest: float, name: str, unit
 
 
 def _landing(way: Floats) -> float | None:
-    """Level at which most of the way up is spent; None where there is none."""
+    """Return the level at which most of the way up is spent; None where there is none."""
     if len(way) < _FEWEST_ON_THE_WAY:
         return None
     ordered = np.sort(way)

@@ -1,1 +1,5 @@
-"""What repeats per revolution."""
+"""Orders: components that repeat per revolution."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,4 +1,4 @@
-"""What a measured rotor angle covers: travel, revolutions, and how finely they are sampled."""
+"""Coverage of a measured rotor angle: travel, revolutions, and how finely they are sampled."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class AngleCoverage:
         revolution: which revolution each sample is in, shape (n,), from 0.
         revolutions: revolutions travelled between the least and the greatest angle.
         largest_arc_rad: the longest arc of the circle that no sample of any revolution is in.
-        resolution_rad: the step in which the angle counts, or 0 where it is finer than the samples show.
+        resolution_rad: the step of the angle, or 0 where it is finer than the samples show.
     """
 
     angle_rad: NDArray[np.float64]
@@ -43,14 +43,15 @@ class AngleCoverage:
 
 
 def angle_coverage(theta_m: NDArray[np.float64], name: str = "theta_m") -> AngleCoverage:
-    """Coverage of a mechanical angle, rad, shape (n,): wrapped or not, of either direction, at any times.
+    """Return the coverage of a mechanical angle, rad, shape (n,): wrapped or not, of either direction, at any
+    times.
 
     An angle that starts over at 2 pi (or at a whole number of turns) is unwrapped by the shorter way between
     samples; one that counts turns is taken as it is.
 
     Raises:
-        AnalysisError: not finite, constant, starting over at what is no whole turn (degrees, say), less than
-            one revolution travelled, or more than there are samples.
+        AnalysisError: not finite, constant, wrapping at other than a whole turn (degrees, for example), less
+            than one revolution travelled, or more than there are samples.
     """
     angle = unwrapped_angle(theta_m, name)
     low = float(angle.min())
@@ -79,9 +80,10 @@ def angle_coverage(theta_m: NDArray[np.float64], name: str = "theta_m") -> Angle
 
 
 def revolution_rows(angle_rad: NDArray[np.float64], turn_rad: float = TURN) -> NDArray[np.int64]:
-    """Rows at which turns of `turn_rad` are first complete, of an angle without wraps, shape (n,).
+    """Return the rows at which turns of `turn_rad` are first complete, of an angle without wraps, shape (n,).
 
-    The times are any. From row 0, of shape (turns + 1,); a rotor that swings back begins no turn again.
+    The rows may be at any times. Starts at row 0, shape (turns + 1,); a rotor that swings back does not begin
+    a turn again.
     """
     travelled = np.maximum.accumulate((angle_rad - angle_rad[0]) * np.sign(angle_rad[-1] - angle_rad[0]))
     turns = int(min(travelled[-1] / turn_rad, len(angle_rad)))
@@ -89,10 +91,10 @@ def revolution_rows(angle_rad: NDArray[np.float64], turn_rad: float = TURN) -> N
 
 
 def unwrapped_angle(theta_m: NDArray[np.float64], name: str = "theta_m") -> NDArray[np.float64]:
-    """The angle, rad, shape (n,), without its jumps where it starts over: by whole turns, or not at all.
+    """Return angle, rad, shape (n,), without its jumps where it starts over: by whole turns, or not at all.
 
     Raises:
-        AnalysisError: not finite, constant, or starting over at what is no whole turn (degrees, say).
+        AnalysisError: not finite, constant, or wrapping at other than a whole turn (degrees, for example).
     """
     require_signal(theta_m, name)
     steps, span = np.diff(theta_m), float(np.ptp(theta_m))

@@ -1,4 +1,4 @@
-"""Orders of a signal from pairs of angle and value alone: no time, no even steps."""
+"""Orders of a signal from pairs of angle and value alone, without time or even steps."""
 
 from __future__ import annotations
 
@@ -38,18 +38,19 @@ class AngleFit:
 
 
 def fit_orders(coverage: AngleCoverage, values: NDArray[np.float64], highest_order: int) -> AngleFit:
-    """Sines of orders 1 to `highest_order` and a constant, fitted on angle by weighted least squares.
+    """Return sines of orders 1 to `highest_order` and a constant, fitted on angle by weighted least squares.
 
-    As Lomb and Scargle fit one sine to uneven samples, but all orders at once, so that uneven coverage does
-    not leak one order into another. Of each revolution each degree counts the same, however long the rotor
-    stayed there. Fewer orders are fitted where the coverage does not tell more apart: below 0.45 of one
+    As Lomb and Scargle fit one sine to uneven samples, but with all orders at once, so that uneven coverage
+    does not leak one order into another. Every degree of every revolution has the same weight, however long
+    the rotor stayed there. Fewer orders are fitted where the coverage cannot separate more: below 0.45 of one
     over the longest arc (in turns) without a sample, a tenth of the steps in which the angle counts, a
     quarter of the degrees visited in all revolutions, and as long as the least eigenvalue of the normal
-    matrix is above 0.2. Content above the highest order fitted may add to those below: nothing filters it.
+    matrix is above 0.2. Content above the highest fitted order may alias into those below: it is not
+    filtered.
 
-    The uncertainty is the scatter over revolutions (four at least), by the variance that is robust to
-    whatever happens within one (the sandwich formula, clustered by revolution); with fewer it is the noise
-    about the fit, taken as white.
+    The uncertainty is the scatter over revolutions (four at least), by a variance that is robust to
+    correlation within a revolution (the sandwich formula, clustered by revolution); with fewer it is the
+    noise about the fit, taken as white.
 
     Args:
         coverage: the angle.
@@ -57,7 +58,7 @@ def fit_orders(coverage: AngleCoverage, values: NDArray[np.float64], highest_ord
         highest_order: fit no orders above it.
 
     Raises:
-        AnalysisError: not finite, constant, or the samples do not tell even order 1.
+        AnalysisError: not finite, constant, or the samples do not determine even order 1.
     """
     require_signal(values, "values")
     cell = coverage.revolution * _SECTORS
@@ -101,7 +102,8 @@ def fit_orders(coverage: AngleCoverage, values: NDArray[np.float64], highest_ord
 def sector_means(
     coverage: AngleCoverage, values: NDArray[np.float64], sectors: int
 ) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Synchronous average: mean value in equal sectors of the circle, and how many revolutions are in each.
+    """Return the synchronous average: mean value in equal sectors of the circle, and how many revolutions are
+    in each.
 
     Within a sector each revolution counts the same. Sector k, of shape (sectors,), begins at k turns divided
     by `sectors`; a sector without a sample is nan.
@@ -126,7 +128,7 @@ def _resolved(coverage: AngleCoverage) -> int:
 def _sums(
     coverage: AngleCoverage, weights: NDArray[np.float64], values: NDArray[np.float64], order: int
 ) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
-    """The sums of w exp(-1j m angle), m = 0 ... 2 `order`, and of w x exp(-1j m angle), m = 0 ... `order`.
+    """Return sums of w exp(-1j m angle), m = 0 ... 2 `order`, and of w x exp(-1j m angle), m = 0 ... `order`.
 
     A row for each revolution, or for each group of them where they are many.
     """
@@ -163,12 +165,14 @@ def _raise(base: NDArray[np.complex128], powers: NDArray[np.complex128]) -> None
 
 
 def _both_sides(sums: NDArray[np.complex128]) -> NDArray[np.complex128]:
-    """Rows of sums for m = 0 ... n, shape (rows, n + 1), as rows for m = -n ... n: the signals are real."""
+    """Return the rows of sums for m = 0 ... n, shape (rows, n + 1), as rows for m = -n ... n: the signals are
+    real."""
     return np.concatenate([np.conj(sums[:, :0:-1]), sums], axis=1)
 
 
 def _well_conditioned(normal: NDArray[np.complex128]) -> bool:
-    """Whether no eigenvalue is below the limit: what is left of them is positive, so Cholesky succeeds."""
+    """Return whether no eigenvalue is below the limit: what is left of them is positive, so Cholesky
+    succeeds."""
     try:
         np.linalg.cholesky(normal - _WORST_CONDITION * np.eye(len(normal)))
     except np.linalg.LinAlgError:
@@ -177,5 +181,6 @@ def _well_conditioned(normal: NDArray[np.complex128]) -> bool:
 
 
 def _normal(sums: NDArray[np.complex128], order: int) -> NDArray[np.complex128]:
-    """Normal matrix of unknowns -order ... order: row j, column k is the sum of w exp(1j (k - j) angle)."""
+    """Return the normal matrix of unknowns -order ... order: row j, column k is the sum of w exp(1j (k - j)
+    angle)."""
     return np.asarray(toeplitz(sums[: 2 * order + 1], np.conj(sums[: 2 * order + 1])))

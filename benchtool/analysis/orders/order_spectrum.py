@@ -13,7 +13,7 @@ from benchtool.analysis.measurement import Basis
 from benchtool.analysis.orders.angle import TURN, AngleCoverage
 from benchtool.analysis.orders.angle_orders import MOST_GROUPS, fit_orders
 from benchtool.analysis.periods import PhaseTrack, track_angle
-from benchtool.analysis.quantisation import COARSE, resolution
+from benchtool.analysis.quantisation import counting_step, resolution
 from benchtool.analysis.spectra.noise import line_noise, repeated_quantisation
 from benchtool.analysis.spectra.spectrum import coherent_spectrum
 from benchtool.analysis.validity import require_unbroken
@@ -56,10 +56,11 @@ class OrderSpectrum:
 def resampled_orders(
     block: Block, channel: str, angle: str = "theta_m", largest_wobble_rad: float = LARGEST_WOBBLE_RAD
 ) -> OrderSpectrum:
-    """Orders of a uniformly sampled channel: bin k x revolutions of its coherent spectrum is order k.
+    """Return orders of a uniformly sampled channel: bin k x revolutions of its coherent spectrum is order k.
 
     The uncertainty is from the bins beside each order (`line_noise`), and from the wobble of the angle about
-    its smooth track, of which these samples do not tell whether the rotor made it or the encoder.
+    its smooth track, which may be a motion of the rotor or an error of the encoder: the samples do not show
+    which.
 
     Raises:
         AnalysisError: as `track_angle` and `coherent_spectrum`, a gap, or an angle that is off its smooth
@@ -79,10 +80,12 @@ def resampled_orders(
 
 
 def orders_at_speed(block: Block, channel: str, omega_m_rad_s: float) -> OrderSpectrum:
-    """Orders of a uniformly sampled channel at a constant mechanical speed that is stated, not measured.
+    """Return the orders of a uniformly sampled channel at a constant mechanical speed that is stated, not
+    measured.
 
-    What the speed was off the stated one is not in the uncertainty: an order k of a speed that is off by a
-    share x moves by k x of an order, and reads low where that is more than a quarter over the record.
+    The deviation of the speed from the stated one is not in the uncertainty: an order k of a speed that is
+    off by a share x moves by k x of an order, and reads low where that is more than a quarter over the
+    record.
 
     Raises:
         AnalysisError: a gap, a dead signal, a speed of zero, or fewer than two revolutions.
@@ -100,7 +103,7 @@ def orders_at_speed(block: Block, channel: str, omega_m_rad_s: float) -> OrderSp
 
 
 def _orders_on(block: Block, channel: str, track: PhaseTrack, wobble_rad: float | None) -> OrderSpectrum:
-    """Orders along a mechanical phase that was measured with that wobble, or stated (None)."""
+    """Return the orders along a mechanical phase, measured with the given wobble, or stated (None)."""
     samples = np.ascontiguousarray(block.column(channel))
     spectrum = coherent_spectrum(samples, block.sample_rate_Hz, track, channel)
     turns = spectrum.periods
@@ -108,8 +111,14 @@ def _orders_on(block: Block, channel: str, track: PhaseTrack, wobble_rad: float 
     orders = np.arange(1, count + 1)
     amplitude = spectrum.amplitude[orders * turns]
     noise = line_noise(spectrum, orders * turns)
-    step = resolution(samples)
-    by_steps = repeated_quantisation(spectrum, step if step > COARSE * float(np.ptp(samples)) else 0.0)
+    by_steps = repeated_quantisation(spectrum, counting_step(samples))
+    largest = int(np.argmax(amplitude)) if count else 0
+    resampling = np.array(
+        [
+            spectrum.resampling_error(float(each), float(order), (largest + 1.0, float(amplitude[largest])))
+            for each, order in zip(amplitude, orders, strict=True)
+        ]
+    )
     lost = _lost(amplitude, orders, wobble_rad or 0.0)
     about = "the speed as it was stated" if wobble_rad is None else f"{wobble_rad:.2g} rad rms of wobble"
     return OrderSpectrum(
@@ -117,11 +126,11 @@ def _orders_on(block: Block, channel: str, track: PhaseTrack, wobble_rad: float 
         unit=block.unit(channel),
         order=orders,
         amplitude=amplitude,
-        standard=np.sqrt(noise.in_phase**2 + noise.lost**2 + by_steps**2 + lost**2),
+        standard=np.sqrt(noise.in_phase**2 + noise.lost**2 + by_steps**2 + resampling**2 + lost**2),
         mean=float(spectrum.amplitude[0]) * math.copysign(1.0, float(np.mean(samples))),
         revolutions=float(turns),
         method=f"DFT over {turns} whole revolutions, resampled to equal steps of a {track.source}",
-        uncertainty_source=f"noise and leakage beside the order, and {about}",
+        uncertainty_source=f"noise and leakage beside the order, resampling, resolution, and {about}",
         dof=noise.dof,
         basis=Basis(
             samples=spectrum.samples,
@@ -144,7 +153,7 @@ def fitted_orders(
     basis: Basis | None = None,
     wobble_rad: float = 0.0,
 ) -> OrderSpectrum:
-    """Orders of samples taken at any times, by angle alone: see `angle_orders.fit_orders`.
+    """Return the orders of samples taken at any times, by angle alone: see `angle_orders.fit_orders`.
 
     Args:
         coverage: the angle, from `angle_coverage`.
@@ -166,7 +175,7 @@ def fitted_orders(
     if coverage.resolution_rad > 0.0:
         method += f", angle in steps of {math.degrees(coverage.resolution_rad):.3g} degrees"
     order = np.arange(1, count + 1)
-    # values taken anywhere within a step of the angle: their mean over the step, and so low by this much
+    # values are averaged over a step of the angle, which lowers them by this factor
     low = np.sinc(order * coverage.resolution_rad / TURN)
     amplitude = 2.0 * np.abs(fit.coefficient) / low
     return OrderSpectrum(
@@ -189,5 +198,5 @@ def fitted_orders(
 
 
 def _lost(amplitude: NDArray[np.float64], order: NDArray[np.int64], wobble_rad: float) -> NDArray[np.float64]:
-    """What an angle that is off by so many rad rms takes off each amplitude, to second order."""
+    """Return the reduction of each amplitude by an angle error of so many rad rms, to second order."""
     return np.asarray(amplitude * np.minimum(1.0, 0.5 * (order * wobble_rad) ** 2))

@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Annotated, Final
 
 import numpy as np
+from numpy.polynomial import Polynomial
+from numpy.typing import NDArray
+from pydantic import Field
 
-from benchtool.analysis.declaration import Analysis, Findings, NoSettings, Quantity
+from benchtool.analysis.declaration import Analysis, Drawing, Findings, Quantity
 from benchtool.analysis.measurement import Basis, Measurement, Table
 from benchtool.analysis.orders.angle import AngleCoverage, angle_coverage
 from benchtool.analysis.orders.angle_orders import sector_means
 from benchtool.analysis.orders.order_spectrum import (
     FEWEST_REVOLUTIONS,
+    HIGHEST_ORDER,
     LARGEST_WOBBLE_RAD,
     OrderSpectrum,
     fitted_orders,
@@ -24,26 +28,36 @@ from benchtool.analysis.periods import track_angle
 from benchtool.analysis.uncertainty import Uncertainty
 from benchtool.analysis.window import Window
 from benchtool.block import Block
+from benchtool.document import Array, Section
 from benchtool.errors import AnalysisError
 
 _LARGEST_LISTED = 10
 _SECTORS = 72
 _FEWEST_TO_REPEAT = 4  # revolutions
 _STANDS_OUT = 4.5  # standard uncertainties: by chance once in a hundred records of 200 orders (Rayleigh)
-_SMALLEST_MEAN = 1e-3  # of the largest order: below it "percent of mean" says nothing
+_BELOW_THAT = 1.25  # noise alone reads up to 2.45 u in 95 % of records (Rayleigh): U is as much
+MACHINE_ORDERS: Final = ("1p", "2p", "6p", "12p", "slots", "cogging")
+"""The orders that a machine may be expected to have, as the names of measurements call them."""
+_NO_SLOTS = "the number of slots is not known: state motor.slots in the profile"
+_SMALLEST_MEAN = 1e-3  # of the largest order: below it "percent of mean" has no meaning
 
 
 @dataclass(frozen=True)
 class Orders:
-    """Result of `order_analysis`: NAME_order_largest, NAME_order_K, table NAME_orders.
+    """Result of `order_analysis`.
 
-    Measurements are of the largest ten orders that stand out of the noise, by more than 4.5 standard
-    uncertainties; the table has all.
+    Measurements are the largest order and its amplitude, NAME_order_largest and NAME_order_largest_amplitude;
+    the orders of the machine as far as pole pairs and slots are known, such as NAME_order_6p; and
+    NAME_order_K, of the orders that were named or, where none were, of the ten largest that stand out of the
+    noise by more than 4.5 standard uncertainties. The table NAME_orders has all. Pole pairs and slots are
+    those that orders were explained with.
     """
 
     measurements: tuple[Measurement, ...]
     tables: tuple[Table, ...]
     spectrum: OrderSpectrum
+    pole_pairs: int | None = None
+    slots: int | None = None
 
 
 def order_analysis(
@@ -54,8 +68,9 @@ def order_analysis(
     angle: str = "theta_m",
     pole_pairs: int | None = None,
     slots: int | None = None,
+    orders: Sequence[int] | None = None,
 ) -> Orders:
-    """Orders of one channel of a recording with a mechanical angle, over at least two revolutions.
+    """Return the orders of one channel of a recording with a mechanical angle, over at least two revolutions.
 
     In steady state the channel is resampled to equal steps of a smooth track of the angle, and the DFT over
     whole revolutions gives the orders (`resampled_orders`). Where rows are missing, the speed changes or the
@@ -67,17 +82,18 @@ def order_analysis(
         channel: what to analyse.
         name: what the measurements and the table are named after ("torque", "current").
         angle: the channel with the mechanical angle, rad, wrapped or not.
-        pole_pairs: p, to say in the definitions what an order is.
+        pole_pairs: p, to name the cause of an order in the definitions.
         slots: Q of the stator, for the same.
+        orders: those to measure; None for the ten largest.
 
     Raises:
         AnalysisError: no such channel, a dead signal, fewer than two mechanical revolutions.
     """
     try:
         spectrum = resampled_orders(block, channel, angle)
-    except AnalysisError:  # a gap, another speed: no hindrance to what needs no time, which refuses the rest
+    except AnalysisError:  # a gap or a change of speed: orders by angle do not need time, and refuse the rest
         spectrum = _by_angle(block, channel, angle)
-    return describe_orders(spectrum, name, pole_pairs, slots)
+    return describe_orders(spectrum, name, pole_pairs, slots, orders)
 
 
 def _by_angle(block: Block, channel: str, angle: str) -> OrderSpectrum:
@@ -87,29 +103,31 @@ def _by_angle(block: Block, channel: str, angle: str) -> OrderSpectrum:
             f"'{angle}' covers {coverage.revolutions:.2f} mechanical revolutions, at least "
             f"{FEWEST_REVOLUTIONS:g} are needed for orders: record a longer window"
         )
-    if coverage.resolution_rad > LARGEST_WOBBLE_RAD:  # then the steps of the angle are no wobble
+    if coverage.resolution_rad > LARGEST_WOBBLE_RAD:  # then the steps of the angle are not a wobble
         try:
             return resampled_orders(block, channel, angle, coverage.resolution_rad)
         except AnalysisError:
             pass
     basis = Basis(len(block.data), block.sample_rate_Hz, gaps=len(block.gaps))
+    wobble_rad = _wobble_rad(coverage, block.ticks())
     return fitted_orders(
-        coverage, block.column(channel), channel, block.unit(channel), angle, basis, _wobble_rad(coverage)
+        coverage, block.column(channel), channel, block.unit(channel), angle, basis, wobble_rad
     )
 
 
-def _wobble_rad(coverage: AngleCoverage) -> float:
-    """Rms of what repeats in every revolution of the angle's deviation from a smooth track, and of its noise.
+def _wobble_rad(coverage: AngleCoverage, ticks: NDArray[np.int64]) -> float:
+    """Return the rms of the angle's deviation from a smooth track that repeats every revolution, and of its
+    noise.
 
-    The rotor may turn like that, or the encoder err: 0 where time or coverage do not tell.
+    It may be a motion of the rotor or an error of the encoder; 0 where time or coverage do not show it.
+    `ticks` are the times of the rows, shape (n,), with the gaps in them.
     """
     try:
-        track = track_angle(coverage.angle_rad, 1)
-    except AnalysisError:
+        track_angle(coverage.angle_rad, 1)
+    except AnalysisError:  # no steady speed
         return 0.0
-    numbers = np.arange(track.samples, dtype=np.float64)
-    forwards = math.copysign(1.0, float(coverage.angle_rad[-1] - coverage.angle_rad[0]))
-    deviation = forwards * coverage.angle_rad - track.at(numbers)
+    times = ticks.astype(np.float64)
+    deviation = coverage.angle_rad - Polynomial.fit(times, coverage.angle_rad, 2)(times)
     mean, _ = sector_means(coverage, deviation, _SECTORS)
     repeated = max(0.0, float(np.nanvar(mean)) - coverage.resolution_rad**2 / 12.0)
     if coverage.revolutions < _FEWEST_TO_REPEAT:
@@ -120,29 +138,24 @@ def _wobble_rad(coverage: AngleCoverage) -> float:
 
 
 def describe_orders(
-    spectrum: OrderSpectrum, name: str, pole_pairs: int | None = None, slots: int | None = None
+    spectrum: OrderSpectrum,
+    name: str,
+    pole_pairs: int | None = None,
+    slots: int | None = None,
+    orders: Sequence[int] | None = None,
 ) -> Orders:
-    """The spectrum as measurements and a table, named after `name`; see `Orders`."""
+    """Return spectrum as measurements and a table, named after `name`; arguments as of `order_analysis`."""
     highest = int(spectrum.order[-1])
     what = f"{spectrum.signal} per mechanical revolution, by {spectrum.method}"
     shares = f"in percent of |mean| {abs(spectrum.mean):.6g} {spectrum.unit} and of the largest"
-    listed = [order for order in map(int, spectrum.largest) if _stands_out(spectrum, order)]
+    standing_out = [order for order in map(int, spectrum.largest) if _stands_out(spectrum, order)]
+    named = standing_out[:_LARGEST_LISTED] if orders is None else orders
+    machine = {key: order for key, order in machine_orders(pole_pairs, slots).items() if order is not None}
     measurements = [
-        _largest(spectrum, name, f"of orders 1 to {highest} of {what}", listed),
+        *_largest(spectrum, name, f"of orders 1 to {highest} of {what}", standing_out),
         *(
-            Measurement(
-                f"{name}_order_{order}",
-                float(spectrum.amplitude[order - 1]),
-                spectrum.unit,
-                f"peak amplitude of order {order}{_parenthesis(order, pole_pairs, slots)} of {what}",
-                spectrum.basis,
-                Uncertainty(
-                    float(spectrum.standard[order - 1]),
-                    spectrum.uncertainty_source,
-                    float(spectrum.dof[order - 1]),
-                ),
-            )
-            for order in listed[:_LARGEST_LISTED]
+            _amplitude(spectrum, f"{name}_order_{key}", order, what, pole_pairs, slots)
+            for key, order in (*machine.items(), *((str(order), order) for order in dict.fromkeys(named)))
         ),
     ]
     table = Table(
@@ -156,25 +169,65 @@ def describe_orders(
         tuple(_rows(spectrum)),
         spectrum.basis,
     )
-    return Orders(tuple(measurements), (table,), spectrum)
+    return Orders(tuple(measurements), (table,), spectrum, pole_pairs, slots)
+
+
+def machine_orders(pole_pairs: int | None, slots: int | None) -> Mapping[str, int | None]:
+    """Return the order behind each of `MACHINE_ORDERS`; None where pole pairs or slots are not known."""
+    multiples = {key: int(key[:-1]) for key in MACHINE_ORDERS if key.endswith("p")}
+    of_poles = {key: None if pole_pairs is None else k * pole_pairs for key, k in multiples.items()}
+    cogging = None if pole_pairs is None or slots is None else math.lcm(slots, 2 * pole_pairs)
+    return {**of_poles, "slots": slots, "cogging": cogging}
 
 
 def _stands_out(spectrum: OrderSpectrum, order: int) -> bool:
-    """Whether an order is more than the largest that noise makes of some hundred."""
+    """Return whether an order exceeds the largest that noise causes among some hundred."""
     amplitude, standard = spectrum.amplitude[order - 1], spectrum.standard[order - 1]
     return bool(amplitude > _STANDS_OUT * standard)
 
 
-def _largest(spectrum: OrderSpectrum, name: str, which: str, listed: list[int]) -> Measurement:
+def _largest(
+    spectrum: OrderSpectrum, name: str, which: str, standing_out: list[int]
+) -> Iterator[Measurement]:
+    """Yield the order with the largest amplitude, and that amplitude."""
+    number, amplitude = f"{name}_order_largest", f"{name}_order_largest_amplitude"
     text = f"order with the largest peak amplitude above {_STANDS_OUT:g} standard uncertainties, {which}"
-    if listed:
-        return Measurement(f"{name}_order_largest", float(listed[0]), "", text, spectrum.basis)
-    reason = "no order stands out of the noise"
-    return Measurement.undefined(f"{name}_order_largest", "", text, reason, spectrum.basis)
+    of_it = f"peak amplitude of the {text}"
+    if not standing_out:
+        reason = "no order stands out of the noise"
+        yield Measurement.undefined(number, "", text, reason, spectrum.basis)
+        yield Measurement.undefined(amplitude, spectrum.unit, of_it, reason, spectrum.basis)
+        return
+    order = standing_out[0]
+    yield Measurement(number, float(order), "", text, spectrum.basis)
+    value, uncertain = float(spectrum.amplitude[order - 1]), _uncertainty(spectrum, order)
+    yield Measurement(amplitude, value, spectrum.unit, of_it, spectrum.basis, uncertain)
+
+
+def _amplitude(
+    spectrum: OrderSpectrum, name: str, order: int, what: str, pole_pairs: int | None, slots: int | None
+) -> Measurement:
+    """Return the peak amplitude of one order, whether or not it stands out."""
+    text = f"peak amplitude of order {order}{_parenthesis(order, pole_pairs, slots)} of {what}"
+    highest = int(spectrum.order[-1])
+    if order > highest:
+        reason = f"orders end at {highest} here: sample faster or turn slower"
+        return Measurement.undefined(name, spectrum.unit, text, reason, spectrum.basis)
+    value, uncertain = float(spectrum.amplitude[order - 1]), _uncertainty(spectrum, order)
+    return Measurement(name, value, spectrum.unit, text, spectrum.basis, uncertain)
+
+
+def _uncertainty(spectrum: OrderSpectrum, order: int) -> Uncertainty:
+    """Return the standard uncertainty of an amplitude; wider where noise alone may have made it."""
+    standard, dof = float(spectrum.standard[order - 1]), float(spectrum.dof[order - 1])
+    if _stands_out(spectrum, order):
+        return Uncertainty(standard, spectrum.uncertainty_source, dof)
+    source = f"{spectrum.uncertainty_source}, x {_BELOW_THAT:g} as noise alone may read that much"
+    return Uncertainty(_BELOW_THAT * standard, source, dof)
 
 
 def order_meaning(order: int, pole_pairs: int | None = None, slots: int | None = None) -> str:
-    """What a machine with these pole pairs and slots has at that order, or nothing.
+    """Return the cause of an order in a machine with these pole pairs and slots; empty if there is none.
 
     Cogging is at multiples of the least common multiple of slots and poles (Hanselman, Brushless Permanent
     Magnet Motor Design); ripple of the phase harmonics 6m - 1 and 6m + 1 at 6m times the pole pairs.
@@ -215,16 +268,37 @@ def _rows(spectrum: OrderSpectrum) -> Iterator[tuple[float, ...]]:
         yield float(order), value, of_mean * value, of_largest * value, float(standard)
 
 
-def _orders_of(channel: str, name: str, unit: str) -> Analysis[NoSettings]:
-    """The analysis of a channel's orders under the names NAME_order_largest and NAME_order_K."""
+class OrderSettings(Section):
+    """The orders to measure beside the largest and those of the machine: `orders = [1, 24]`."""
 
-    def measure(window: Window, _: NoSettings) -> Findings:
+    orders: Array[Annotated[int, Field(ge=1, le=HIGHEST_ORDER)]] = ()
+    """Orders per mechanical revolution that are measured in any case."""
+
+
+def _orders_of(channel: str, name: str, unit: str) -> Analysis[OrderSettings]:
+    """Return the analysis of a channel's orders, measurements named after `name`."""
+
+    def measure(window: Window, settings: OrderSettings) -> Findings:
         theta_m = np.unwrap(window.block.column("theta_m"))
         if abs(float(theta_m[-1] - theta_m[0])) < FEWEST_REVOLUTIONS * 2.0 * np.pi:
             return Findings(())
         slots = None if window.motor is None else window.motor.slots
-        found = order_analysis(window.block, channel, name, pole_pairs=window.pole_pairs, slots=slots)
-        return Findings(found.measurements, found.tables, found)
+        found = order_analysis(
+            window.block,
+            channel,
+            name,
+            pole_pairs=window.pole_pairs,
+            slots=slots,
+            orders=settings.orders,
+        )
+        unknown = tuple(
+            Measurement.undefined(
+                f"{name}_order_{key}", unit, f"peak amplitude of order {key} of {channel}", _NO_SLOTS
+            )
+            for key, order in machine_orders(window.pole_pairs, slots).items()
+            if order is None
+        )
+        return Findings((*found.measurements, *unknown), found.tables, found)
 
     return Analysis(
         name=f"{name}_orders",
@@ -237,15 +311,30 @@ def _orders_of(channel: str, name: str, unit: str) -> Analysis[NoSettings]:
                 "order with the largest amplitude, of orders 1 to 200 or to where the data end; undefined "
                 "where none stands out",
             ),
+            Quantity((f"{name}_order_largest_amplitude",), unit, "peak amplitude of that order"),
+            Quantity(
+                tuple(f"{name}_order_{key}" for key in MACHINE_ORDERS),
+                unit,
+                "peak amplitude of order p, 2p, 6p, 12p, of the number of slots, of lcm(slots, 2p)",
+            ),
             Quantity(
                 (f"{name}_order_K",),
                 unit,
-                "peak amplitude of order K, for the ten largest that stand out",
-                pattern=rf"{name}_order_[1-9]\d*",
+                f"peak amplitude of order K, of those that `orders` of `[analyses.{name}_orders]` names",
+                pattern=rf"{name}_order_([1-9]\d*)",
+                numbers="orders",
             ),
         ),
-        settings=NoSettings,
+        settings=OrderSettings,
         channels=("theta_m", channel),
+        figures=(
+            Drawing(
+                f"{name}_orders",
+                f"Orders of {name}",
+                f"Peak amplitude of the orders of {name}, per mechanical revolution; grey is twice the "
+                f"standard uncertainty of each, from which a true order stands out.",
+            ),
+        ),
     )
 
 

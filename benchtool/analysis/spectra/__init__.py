@@ -1,1 +1,5 @@
 """Spectra of periodic signals: harmonics, groups, noise, the fundamental, unbalance."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -55,12 +55,15 @@ _LOW_ORDER = 10
 
 @dataclass(frozen=True)
 class CurrentSpectrum:
-    """Result of `current_spectrum`; `spectrum` is in A peak, along `track`, which follows the fundamental."""
+    """Result of `current_spectrum`; `spectrum`, of `coherent`, is in A peak, along `track`, which follows the
+    fundamental.
+    """
 
     measurements: tuple[Measurement, ...]
     tables: tuple[Table, ...]
     spectrum: CoherentSpectrum
     track: PhaseTrack
+    coherent: CoherentSamples
 
 
 def current_spectrum(
@@ -71,7 +74,7 @@ def current_spectrum(
     current_rated_A_rms: float | None = None,
     rate_relative: float | None = None,
 ) -> CurrentSpectrum:
-    """Fundamental, harmonics, distortion and noise of one ac current, in A.
+    """Return the fundamental, harmonics, distortion and noise of one ac current, in A.
 
     Args:
         block: rows without gaps, of any uniform rate.
@@ -109,17 +112,17 @@ def current_spectrum(
         tables = [_without_uncertainty(tables[0], sound.of_amplitudes)]
     if groups is not None:
         tables.append(group_table(groups, "current_groups", unit, _group_basis(coherent, groups, basis)))
-    return CurrentSpectrum(found, tuple(tables), spectrum, track)
+    return CurrentSpectrum(found, tuple(tables), spectrum, track, coherent)
 
 
 def _without_uncertainty(table: Table, reason: str) -> Table:
-    """The harmonics as they were read, but of unknown uncertainty."""
+    """Return the harmonics as measured, but without uncertainty."""
     rows = tuple((*row[:-1], math.nan) for row in table.rows)
     return replace(table, definition=f"{table.definition}; unknown here: {reason}", rows=rows)
 
 
 def _refused(measurements: Iterable[Measurement], reason: str) -> Iterator[Measurement]:
-    """The measurements as they are, or, for a reason, undefined."""
+    """Yield the measurements; if there is a `reason`, as undefined."""
     for each in measurements:
         if reason and math.isfinite(each.value):
             yield Measurement.undefined(each.name, each.unit, each.definition, reason, each.basis)
@@ -158,7 +161,7 @@ def _lines(spectrum: CoherentSpectrum, errors: LineErrors, unit: str, basis: Bas
 
 
 def _of_largest(spectrum: CoherentSpectrum, largest: Component, errors: LineErrors) -> Uncertainty | None:
-    """Of the largest of n bins: noise alone reads the floor times sqrt(ln n) there."""
+    """Return the uncertainty of the largest of n bins, where noise alone reads the floor times sqrt(ln n)."""
     place = round(largest.frequency_Hz / spectrum.frequency_Hz[1])
     order = place / spectrum.periods
     noise = line_noise(spectrum, np.array([place]))
@@ -189,7 +192,7 @@ def _distortions(
     unit: str,
 ) -> Iterator[Measurement]:
     bases = [
-        ("current_thd", Reference.FUNDAMENTAL, 0.0, "fundamental"),
+        ("current_thd_f", Reference.FUNDAMENTAL, 0.0, "fundamental"),
         ("current_thd_r", Reference.TOTAL, 0.0, Reference.TOTAL.value),
     ]
     if current_rated_A_rms is not None:
@@ -221,7 +224,7 @@ def _distortions(
 
 
 def _corrected(distortion: Distortion, last: int, basis: Basis) -> Measurement:
-    name = "current_thd_corrected"
+    name = "current_thd_f_noise_corrected"
     text = (
         f"100 x root of (sum of squares of harmonics 2 to {last} - what the noise floor around them adds to "
         f"it), at least 0, / fundamental"
@@ -239,9 +242,9 @@ def _with_noise(spectrum: CoherentSpectrum, basis: Basis) -> Iterator[Measuremen
     text = "100 x rms of all in the band but dc and the fundamental, noise included / fundamental"
     to_end = replace(basis, reference="fundamental")
     if math.isnan(value):
-        yield Measurement.undefined("current_thd_n", "%", text, "the fundamental is zero", to_end)
+        yield Measurement.undefined("current_thd_f_plus_noise", "%", text, "the fundamental is zero", to_end)
     else:
-        yield Measurement("current_thd_n", value, "%", text, to_end)
+        yield Measurement("current_thd_f_plus_noise", value, "%", text, to_end)
 
 
 def _group_distortions(
@@ -252,9 +255,11 @@ def _group_distortions(
     basis: Basis,
 ) -> Iterator[Measurement]:
     distortion = total_harmonic_distortion(spectrum, HIGHEST_HARMONIC, errors=errors)
-    by_noise = combined((each for each in distortion.budget if each is not distortion.budget[-1]), "")
+    lines = [each for each in distortion.budget[:-1] if each.name != "fundamental"]
+    by_noise = combined(lines, "")
     noise = None if by_noise is None else MeanError(by_noise.standard, by_noise.dof)
-    for name, kind in (("current_thdg", "group"), ("current_thds", "subgroup")):
+    of_order_1 = _relative(errors, spectrum.fundamental)
+    for name, kind in (("current_thd_f_groups", "group"), ("current_thd_f_subgroups", "subgroup")):
         base = f"{kind} of order 1"
         if groups is None:
             text = f"100 x rms of harmonic {kind}s of order 2 and above / {base}, after IEC 61000-4-7"
@@ -262,7 +267,7 @@ def _group_distortions(
             yield Measurement.undefined(name, "%", text, reason, replace(basis, reference=base))
             continue
         squares = groups.group2 if kind == "group" else groups.subgroup2
-        value: GroupDistortion = group_distortion(squares, noise)
+        value: GroupDistortion = group_distortion(squares, noise, of_order_1)
         text = f"100 x rms of harmonic {kind}s of order 2 to {groups.orders} / {base}, after IEC 61000-4-7"
         if groups.periods_per_window < PERIODS_PER_WINDOW:
             text += (
@@ -276,6 +281,12 @@ def _group_distortions(
             scatter = Contribution(source, "A", value.standard, value.dof)
             uncertain = _percent((scatter,), source)
             yield Measurement(name, 100.0 * value.ratio, "%", text, own, uncertain)
+
+
+def _relative(errors: LineErrors, fundamental: float) -> float:
+    """Return the relative standard uncertainty of the fundamental; nan where it is not known."""
+    own = combined(errors.budget(0), "")
+    return own.standard / fundamental if own is not None and fundamental > 0.0 else math.nan
 
 
 def _group_basis(coherent: CoherentSamples, groups: HarmonicGroups, basis: Basis) -> Basis:
@@ -312,7 +323,8 @@ def _noise(floor: NoiseFloor | None, unit: str, basis: Basis) -> Iterator[Measur
 
 
 def _with_bias(distortion: Distortion, source: str) -> Uncertainty | None:
-    """Of a ratio that noise makes high by a known bias: the interval of the rest, and the bias once."""
+    """Return the uncertainty of a ratio that noise biases upwards: the interval of the rest, and the bias
+    once."""
     *rest, bias = distortion.budget
     random = combined(rest, source)
     if random is None or not math.isfinite(bias.standard):
@@ -327,13 +339,13 @@ def _percent(budget: Iterable[Contribution], source: str) -> Uncertainty | None:
 
 
 def current_of(window: Window) -> CurrentSpectrum:
-    """Spectrum of i_a, which other analyses share: `window.once(current_of)`."""
+    """Return the spectrum of i_a, which other analyses share: `window.cached(current_of)`."""
     assert window.track is not None  # i_a alone gives one
     return current_spectrum(window.block, "i_a", window.track, current_rated_A_rms=window.current_rated_A_rms)
 
 
 def _measure(window: Window, _: NoSettings) -> Findings:
-    found = window.once(current_of)
+    found = window.cached(current_of)
     return Findings(found.measurements, found.tables, found.spectrum)
 
 
@@ -364,15 +376,15 @@ CURRENT_SPECTRUM: Final = Analysis(
             "likewise, and what the largest of n bins of noise reads, A_n sqrt(ln n)",
         ),
         Quantity(
-            ("current_thd",),
+            ("current_thd_f",),
             "%",
             "100 sqrt(A_2^2 + ... + A_H^2) / A_1: THD_F, after IEC 61000-4-7:2002+A1:2008",
             "of each A_k, propagated to first order, and beside it (root of the sum of squares) what noise "
-            "and repeated quantisation add: `current_thd` - `current_thd_corrected`",
-            foremost=True,
+            "and repeated quantisation add: `current_thd_f` - `current_thd_f_noise_corrected`",
+            headline=True,
         ),
         Quantity(
-            ("current_thd_corrected",),
+            ("current_thd_f_noise_corrected",),
             "%",
             "100 sqrt(max(0, A_2^2 + ... + A_H^2 - N^2)) / A_1, with N^2 the sum of A_n^2 around harmonics "
             "2 to H",
@@ -393,20 +405,23 @@ CURRENT_SPECTRUM: Final = Analysis(
             "likewise",
         ),
         Quantity(
-            ("current_thd_n",),
+            ("current_thd_f_plus_noise",),
             "%",
             "100 sqrt(sum of the squares of all bins but dc and fundamental) / A_1, up to the bandwidth",
             "none",
         ),
         Quantity(
-            ("current_thdg",),
+            ("current_thd_f_groups",),
             "%",
             "100 sqrt(G_2^2 + ... + G_H^2) / G_1, after IEC 61000-4-7:2002+A1:2008",
             "scatter over the windows of the ratio, or of each order, or the noise beside the lines, "
             "whichever is largest",
         ),
         Quantity(
-            ("current_thds",), "%", "100 sqrt(S_2^2 + ... + S_H^2) / S_1, after IEC 61000-4-7", "likewise"
+            ("current_thd_f_subgroups",),
+            "%",
+            "100 sqrt(S_2^2 + ... + S_H^2) / S_1, after IEC 61000-4-7",
+            "likewise",
         ),
         Quantity(
             ("current_noise_floor",),

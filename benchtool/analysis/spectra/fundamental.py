@@ -1,4 +1,4 @@
-"""Frequency of the fundamental, and whether there is one that the rest can be compared with."""
+"""Frequency of the fundamental, and whether it is suitable as a reference."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.regimes import STANDS_OUT, change_of_regime
+from benchtool.analysis.repeatability import wander_of_difference
 from benchtool.analysis.scatter import MeanError, error_of_series
 from benchtool.analysis.spectra.noise import harmonic_noise, line_noise
 from benchtool.analysis.spectra.phase_following import Wander
@@ -28,19 +29,21 @@ _ABOVE_FLOOR = 4.0  # of the rms amplitude of a bin of noise: by chance once in 
 _BLOCKS = 64
 _FEWEST_AT_END = 12  # samples of an angle for a cubic
 _FEWEST_BLOCKS = 8
+_LEFT_OF_ROUNDS = 1.0 / 8.0  # of a phase that is followed in three rounds, each of which leaves a half
 _LARGEST_WANDER_RAD = 0.1  # at which harmonic 5 reads an eighth low
 
 
 @dataclass(frozen=True)
 class Soundness:
-    """Why amplitudes, or ratios to the fundamental, are not told; empty where they are."""
+    """Reasons why amplitudes, or ratios to the fundamental, are undefined; empty where they are defined."""
 
     of_amplitudes: str
     of_ratios: str
 
 
 def soundness(spectrum: CoherentSpectrum, seen: Wander, clipped: str, name: str) -> Soundness:
-    """Whether the record is unclipped, of one regime and on a phase, and the fundamental out of the noise."""
+    """Return whether the record is unclipped, of one regime and on a phase, and the fundamental out of the
+    noise."""
     reason = (
         clipped
         or change_of_regime(seen.amplitude, f"the amplitude of {name}")
@@ -66,7 +69,8 @@ def frequency(
     rate_relative: float | None,
     reason: str,
 ) -> Measurement:
-    """Mean electrical frequency over the window; undefined for a `reason` where the signal itself gave it."""
+    """Return the mean electrical frequency over the window; undefined for a `reason` where the signal itself
+    gave it."""
     name, text = "fundamental_frequency", "mean electrical frequency of the window"
     by_tone = track.residual_rad is None or (track.departure is not None and "itself" in track.source)
     if by_tone and track.residual_rad is not None:
@@ -84,7 +88,7 @@ def frequency(
         random, source = _random(spectrum, track, seen, by_tone)
         budget = [Contribution(source, "A", random.standard, random.dof)]
     clock = "; the clock is left out" if rate_relative is None else ", and of the rate by the time stamps"
-    # what is left of a phase by Newton's method and rounding
+    # residue of Newton's method and rounding in a phase
     rounding_rad = 1e-9 + np.finfo(float).eps * 2.0 * math.pi * spectrum.periods
     budget.append(Contribution("rounding", "B", rounding_rad / (2.0 * math.pi * spectrum.duration_s)))
     if rate_relative is not None:
@@ -93,13 +97,30 @@ def frequency(
     uncertain = combined(budget, f"{source}{clock}")
     value_Hz = per_rad_Hz * turned_rad
     whole = replace(basis, samples=track.samples, duration_s=track.samples / rate_Hz)
-    return Measurement(name, value_Hz, "Hz", text, whole, uncertain)
+    return Measurement(
+        name, value_Hz, "Hz", text, whole, uncertain, repeatability=_between_records(spectrum, track, seen)
+    )
+
+
+def _between_records(spectrum: CoherentSpectrum, track: PhaseTrack, seen: Wander) -> Contribution | None:
+    """Return how much the mean frequency of another record differs because the speed wanders."""
+    if track.measured_rad is not None:
+        phase_rad, duration_s = track.measured_rad, spectrum.duration_s * track.samples / spectrum.samples
+    else:
+        per_period = spectrum.samples / spectrum.periods
+        middle = FIRST_ROW + per_period * (np.arange(spectrum.periods, dtype=np.float64) + 0.5)
+        phase_rad, duration_s = track.at(middle) + seen.phase_rad, spectrum.duration_s
+    wander = wander_of_difference(phase_rad)
+    if not math.isfinite(wander.standard):
+        return None
+    name = "wander of the speed, by that of the phase within the record"
+    return Contribution(name, "A", wander.standard / (2.0 * math.pi * duration_s), wander.dof)
 
 
 def _random(
     spectrum: CoherentSpectrum, track: PhaseTrack, seen: Wander, by_tone: bool
 ) -> tuple[MeanError, str]:
-    """Standard uncertainty of the frequency by noise, and what it is from."""
+    """Return the standard uncertainty of the frequency by noise, and what it is from."""
     turns = 2.0 * math.pi * spectrum.duration_s
     if not by_tone:
         return _of_angle(track, spectrum), "deviation of the angle from its fit, by parts of the record"
@@ -119,7 +140,7 @@ def _random(
 
 
 def _of_angle(track: PhaseTrack, spectrum: CoherentSpectrum) -> MeanError:
-    """Of the slope of an angle's fit: scatter of what parts of the record contribute to it.
+    """Return the uncertainty of the slope of an angle's fit, by the scatter over parts of the record.
 
     The slope is the sum of (t - mean t) times deviation over the sum of (t - mean t)^2.
     """
@@ -140,19 +161,23 @@ def _of_angle(track: PhaseTrack, spectrum: CoherentSpectrum) -> MeanError:
 
 
 def _beyond_rad(track: PhaseTrack, spectrum: CoherentSpectrum) -> float:
-    """What a followed phase may bend beyond the middle of the last period, where none shows it."""
+    """Return the possible bend of a followed phase beyond the middle of the last period."""
     per_period = spectrum.samples / spectrum.periods
     marks = np.arange(FIRST_ROW + 0.5 * per_period, FIRST_ROW + spectrum.samples, per_period)
     bend = np.diff(track.at(marks), n=2)
     left = (track.samples - FIRST_ROW - spectrum.samples) / per_period + 0.5
-    return 0.5 * left**2 * float(np.sqrt(np.mean(bend**2))) if len(bend) else 0.0
+    if not len(bend):
+        return 0.0
+    # a steady drift goes on, but for what the rounds have left of it
+    not_steady = math.hypot(float(np.std(bend)), _LEFT_OF_ROUNDS * float(np.mean(bend)))
+    return 0.5 * left**2 * not_steady
 
 
 def _by_ends(track: PhaseTrack, measured_rad: NDArray[np.float64]) -> tuple[float, tuple[Contribution, ...]]:
-    """The phase from the first to the last row by the measured angle, and what is known of it.
+    """Return the phase from the first to the last row by the measured angle, and its uncertainty.
 
     At either end the angle's deviation from the smooth track by a parabola through an eighth of a period; a
-    cubic in its place tells what the parabola leaves out.
+    cubic in its place estimates the error of the parabola.
     """
     size = max(_FEWEST_AT_END, round(track.samples / (8.0 * track.periods)))
     values, random, left_out = [], [], []

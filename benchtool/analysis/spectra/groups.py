@@ -8,16 +8,18 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
+from scipy.special import fdtri
 
 from benchtool.analysis.measurement import Basis, Table
-from benchtool.analysis.scatter import MeanError, error_of_series
+from benchtool.analysis.scatter import MeanError, error_of_series, students_deviation
 from benchtool.analysis.spectra.spectrum import CoherentSamples
 
 PERIODS_PER_WINDOW = 10
 """The standard's window at 50 Hz: 200 ms there, ten periods of the machine here, however long they are."""
 
-_FEWEST_PERIODS = 4  # with fewer, subgroups overlap and nothing is between them
+_FEWEST_PERIODS = 4  # with fewer, subgroups overlap and there are no bins between them
 _FEWEST_WINDOWS = 3
+_BY_CHANCE = 0.1
 _BATCH = 1 << 18  # samples transformed at a time
 
 
@@ -57,7 +59,8 @@ class GroupDistortion:
 def harmonic_groups(
     coherent: CoherentSamples, highest_harmonic: int, periods_per_window: int = PERIODS_PER_WINDOW
 ) -> HarmonicGroups | None:
-    """Groups of successive windows without overlap, rectangular; None if there is no order or no window.
+    """Return the groups of successive windows without overlap, rectangular; None if there is no order or no
+    window.
 
     With fewer periods than `periods_per_window` one window takes them all, and four are the fewest; periods
     after the last whole window are left out. The highest order is the last one whose interharmonics are in
@@ -91,12 +94,17 @@ def harmonic_groups(
     return HarmonicGroups(group2, total(-1, 1), total(2, periods - 2), periods)
 
 
-def group_distortion(squares: NDArray[np.float64], by_noise: MeanError | None = None) -> GroupDistortion:
-    """sqrt(sum over h = 2 ... H of Y_h^2) / Y_1 of squares of rms, shape (windows, orders): THDG or THDS.
+def group_distortion(
+    squares: NDArray[np.float64], by_noise: MeanError | None = None, of_order_1: float = 0.0
+) -> GroupDistortion:
+    """Return sqrt(sum over h = 2 ... H of Y_h^2) / Y_1 of squares of rms, shape (windows, orders): THDG or
+    THDS.
 
-    Each Y_h^2 is the mean over the windows. The uncertainty is from the scatter of the ratio over them, or,
-    if that is larger, of the squares of the orders each by itself, taken as independent, or `by_noise`, what
-    the noise beside the lines makes of their ratio: few windows have few degrees of freedom.
+    Each Y_h^2 is the mean over the windows. The uncertainty is the larger of `by_noise`, what the noise
+    beside the lines makes of the ratio, with `of_order_1`, the relative uncertainty of Y_1, and of the
+    scatter of the squares of the orders over the windows, each taken as independent. The ratio of each window
+    scatters with what the orders have in common, but of few windows by few degrees of freedom: that counts
+    where it is more than the others explain (F-test, one in ten by chance).
     """
     mean = np.mean(squares, axis=0)
     if squares.shape[1] < 2 or not mean[0] > 0.0:
@@ -104,6 +112,7 @@ def group_distortion(squares: NDArray[np.float64], by_noise: MeanError | None = 
     ratio = math.sqrt(float(np.sum(mean[1:]) / mean[0]))
     windows = len(squares)
     noise = by_noise or MeanError(math.nan, math.nan)
+    noise = MeanError(math.hypot(noise.standard, ratio * of_order_1), noise.dof)
     if windows < 2 or not np.all(squares[:, 0] > 0.0) or not ratio > 0.0:
         return GroupDistortion(ratio, noise.standard, noise.dof)
     each = np.sqrt(np.sum(squares[:, 1:], axis=1) / squares[:, 0])
@@ -113,15 +122,25 @@ def group_distortion(squares: NDArray[np.float64], by_noise: MeanError | None = 
     apart = math.sqrt(float(np.sum(variance))) / (2.0 * ratio)
     fourth = float(np.sum(variance**2))
     dof = (windows - 1) * float(np.sum(variance)) ** 2 / fourth if fourth > 0.0 else math.inf
-    candidates = (MeanError(apart, dof), together, noise)
-    largest = max(
-        (each for each in candidates if math.isfinite(each.standard)), key=lambda each: each.standard
-    )
-    return GroupDistortion(ratio, largest.standard, max(1.0, largest.dof))
+    dof = max(1.0, dof)
+    if math.isfinite(noise.standard):
+        # the larger of two needs no Student's deviation on top
+        found = max(MeanError(apart, dof), noise, key=lambda each: each.standard)
+    else:
+        found = MeanError(apart * students_deviation(dof), dof)
+    if math.isfinite(together.standard) and _exceeds(together, found):
+        found = together
+    return GroupDistortion(ratio, found.standard, max(1.0, found.dof))
+
+
+def _exceeds(one: MeanError, other: MeanError) -> bool:
+    """Return whether a standard uncertainty is more than another by more than chance."""
+    quantile = fdtri(one.dof, min(other.dof, 1e9), 1.0 - _BY_CHANCE)
+    return bool(one.standard**2 > quantile * other.standard**2)
 
 
 def group_table(groups: HarmonicGroups, name: str, unit: str, basis: Basis) -> Table:
-    """One order a row: rms over the windows of group, subgroup and interharmonic centred subgroup."""
+    """Return one order a row: rms over the windows of group, subgroup and interharmonic centred subgroup."""
     rms = [
         np.sqrt(np.mean(squares, axis=0))
         for squares in (groups.group2, groups.subgroup2, groups.interharmonic2)

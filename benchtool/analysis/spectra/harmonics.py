@@ -19,7 +19,7 @@ HIGHEST_HARMONIC = 50
 
 
 class Reference(Enum):
-    """What the rms of the harmonics is divided by."""
+    """The reference of a distortion: the divisor of the rms of the harmonics."""
 
     FUNDAMENTAL = "fundamental"
     """THD_F, the THD of IEC 61000-4-7."""
@@ -54,7 +54,7 @@ class LineErrors:
         return np.asarray(np.sqrt(squares))
 
     def budget(self, index: int) -> tuple[Contribution, ...]:
-        """Contributions to the amplitude of harmonic `index` + 1; those of nothing are left out."""
+        """Return the contributions to the amplitude of harmonic `index` + 1, without those that are zero."""
         lines = (
             Contribution("noise and leakage beside the line", "A", self.noise[index], self.dof[index]),
             Contribution("resampling", "B", self.resampling[index]),
@@ -97,13 +97,13 @@ class Distortion:
 
     @property
     def is_upper_bound(self) -> bool:
-        """Whether the ratio is less than twice what noise alone reads, and thus says "at most"."""
+        """Whether the ratio is less than twice what noise alone reads, and thus only an upper bound."""
         return self.ratio < 2.0 * self.noise
 
 
 @dataclass(frozen=True)
 class _Content:
-    """Root of the sum of squares of the harmonics, in the signal's unit, and what noise does to it.
+    """Root of the sum of squares of the harmonics, in the signal's unit, and the effect of noise on it.
 
     `budget` is without the bias of the noise, `alone` is the root of the noise's expected sum of squares.
     """
@@ -135,12 +135,12 @@ def line_errors(
 
 
 def harmonics(spectrum: CoherentSpectrum) -> NDArray[np.float64]:
-    """Peak amplitudes of harmonics 1, 2, 3 ... up to the end of the band, shape (harmonics,)."""
+    """Return the peak amplitudes of harmonics 1, 2, 3 ... up to the end of the band, shape (harmonics,)."""
     return spectrum.amplitude[spectrum.periods :: spectrum.periods]
 
 
 def relative_phase_rad(spectrum: CoherentSpectrum) -> NDArray[np.float64]:
-    """Phase of each harmonic when the fundamental, a cosine, is at its maximum, in -pi to pi.
+    """Return the phase of each harmonic when the fundamental, a cosine, is at its maximum, in -pi to pi.
 
     It does not depend on where the record begins; 0 for the fundamental itself.
     """
@@ -156,14 +156,15 @@ def total_harmonic_distortion(
     stated_amplitude: float | None = None,
     errors: LineErrors | None = None,
 ) -> Distortion:
-    """THD_F, THD_R or TDD: root of the sum of squares of harmonics 2 to `highest_harmonic` over a reference.
+    """Return the THD_F, THD_R or TDD: root of the sum of squares of harmonics 2 to `highest_harmonic` over a
+    reference.
 
     Harmonics beyond the spectrum's band do not count. The ratio is nan where the reference is zero. The
     standard uncertainty is that of each amplitude, by `errors` (`line_errors` of the spectrum alone),
     propagated to first order (JCGM 100:2008, 5.1.2), and the bias of the noise. THD_F is that of IEC
     61000-4-7:2002+A1:2008; TDD as here, of one record and with the rated current of the machine as its base,
-    is our own, after IEEE Std 519-2022, whose base is the maximum demand load current at the point of common
-    coupling.
+    is a definition of this project, after IEEE Std 519-2022, whose base is the maximum demand load current at
+    the point of common coupling.
 
     Raises:
         ValueError: `Reference.STATED` without `stated_amplitude`.
@@ -175,7 +176,7 @@ def total_harmonic_distortion(
     fundamental, content = float(amplitude[0]), _content(spectrum, amplitude, errors)
 
     def over(value: float) -> tuple[float, float, float]:
-        """Ratio of a content to the reference, and its derivatives by content and fundamental."""
+        """Return the ratio of a content to the reference, and its derivatives by content and fundamental."""
         match reference:
             case Reference.STATED:
                 return _ratio(value, stated_amplitude or 0.0), _ratio(1.0, stated_amplitude or 0.0), 0.0
@@ -212,7 +213,7 @@ def total_harmonic_distortion(
 
 
 def _content(spectrum: CoherentSpectrum, amplitude: NDArray[np.float64], errors: LineErrors) -> _Content:
-    """Of harmonics 2 and above.
+    """Return the content of harmonics 2 and above.
 
     With a line a and noise of mean square n^2 in a bin, its square has the mean a^2 + n^2 and the variance
     2 a^2 n^2 + n^4 (noncentral chi-square of two degrees of freedom: Kendall and Stuart, vol. 2, 24.5).
@@ -235,7 +236,7 @@ def _content(spectrum: CoherentSpectrum, amplitude: NDArray[np.float64], errors:
     below = corrected - math.sqrt(max(0.0, left - 2.0 * deviation)) if math.isfinite(deviation) else math.nan
 
     def weighted(standard: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Share of each harmonic in an uncertainty of the content."""
+        """Return the share of each harmonic in an uncertainty of the content."""
         if measured > 0.0:
             return amplitude[1:] * standard[1:] / measured
         return standard[1:] / math.sqrt(max(1, len(standard) - 1))
@@ -260,7 +261,7 @@ def _content(spectrum: CoherentSpectrum, amplitude: NDArray[np.float64], errors:
 
 
 def distortion_and_noise(spectrum: CoherentSpectrum) -> float:
-    """THD+N: rms of all bins but dc and the fundamental, over the fundamental; nan if that is zero."""
+    """Return THD+N: rms of all bins but dc and the fundamental, over the fundamental; nan if that is zero."""
     others = float(np.sum(np.square(spectrum.amplitude[1:])))
     fundamental = float(spectrum.amplitude[spectrum.periods])
     return _ratio(math.sqrt(max(0.0, others - fundamental**2)), fundamental)
@@ -274,7 +275,7 @@ def harmonic_table(
     highest_harmonic: int = HIGHEST_HARMONIC,
     errors: LineErrors | None = None,
 ) -> Table:
-    """Harmonics 1 to `highest_harmonic` or the end of the band, one a row, with their uncertainty."""
+    """Return harmonics 1 to `highest_harmonic` or the end of the band, one a row, with their uncertainty."""
     amplitude = harmonics(spectrum)[:highest_harmonic]
     order = np.arange(1, len(amplitude) + 1)
     percent = 100.0 * amplitude / amplitude[0] if amplitude[0] > 0.0 else np.full(len(amplitude), math.nan)

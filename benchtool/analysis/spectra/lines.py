@@ -1,9 +1,9 @@
-"""Lines of a spectrum where no angle says what repeats: sinusoids of a signal in Hz, the largest first."""
+"""Lines of a spectrum without an angle: sinusoids of a signal in Hz, the largest first."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -14,7 +14,7 @@ from scipy.signal import get_window
 
 from benchtool.analysis.declaration import Analysis, Findings, NoSettings, Quantity
 from benchtool.analysis.measurement import Basis, Measurement, Table
-from benchtool.analysis.quantisation import COARSE, resolution
+from benchtool.analysis.quantisation import counting_step
 from benchtool.analysis.uncertainty import Uncertainty
 from benchtool.analysis.validity import require_signal, require_unbroken
 from benchtool.analysis.window import Window
@@ -28,6 +28,7 @@ _LOWEST_BIN = 3  # below it the window spreads the mean
 _MAIN_LOBE = 3  # bins on either side of a line that belong to it, under a Hann window
 _LEAST_RESPONSE = 8.0 / (3.0 * math.pi)  # of a Hann window, halfway between two bins
 _BESIDE = 30  # further bins on either side, whose median is the noise
+_NEAR = 6  # of these the nearest, which a narrow band of noise fills on both sides, another line on one
 _STANDS_OUT = 5.0  # of the noise's rms amplitude: by chance once in 1e11 bins
 _APART = 2.0  # standard uncertainties of a difference
 _RAYLEIGH = math.sqrt(math.log(2.0))  # median over rms of the amplitude of noise
@@ -53,7 +54,7 @@ class _Line:
 
 
 def spectral_lines(block: Block, channel: str, name: str = "torque") -> SpectralLines:
-    """The largest sinusoids of a uniformly sampled channel, up to half the rate; no angle is needed.
+    """Return the largest sinusoids of a uniformly sampled channel, up to half the rate; no angle is needed.
 
     A DFT of the whole record under a Hann window; frequency and amplitude of each local maximum are
     interpolated between its two greatest bins (Jain, Collins, Davis, IEEE Trans. Instrum. Meas. 28 (1979)
@@ -73,8 +74,7 @@ def spectral_lines(block: Block, channel: str, name: str = "torque") -> Spectral
     weights = get_window("hann", count)
     bins = np.abs(fft.rfft((samples - np.mean(samples)) * weights)) * (2.0 / float(np.sum(weights)))
     width_Hz = rate_Hz / count
-    step = resolution(samples)
-    step = step if step > COARSE * float(np.ptp(samples)) else 0.0
+    step = counting_step(samples)
     rows = [_line(bins, place, step) for place in (_candidates(bins) if count >= _FEWEST else ())]
     rows = [each for each in rows if each.amplitude > _STANDS_OUT * each.noise]
     rows.sort(key=lambda each: -each.amplitude)
@@ -107,9 +107,10 @@ def spectral_lines(block: Block, channel: str, name: str = "torque") -> Spectral
     )
     reason = "" if len(rows) < 2 else _not_apart(rows[0], rows[1])
     source = "noise around the line and resolution; another line within three bins is left out"
+    of_line = replace(basis, line_Hz=listed[0][0])
     frequency, amplitude = (
         Measurement(
-            f"{name}_line_{key}", listed[0][at], of, text, basis, Uncertainty(listed[0][2 + at], source)
+            f"{name}_line_{key}", listed[0][at], of, text, of_line, Uncertainty(listed[0][2 + at], source)
         )
         for at, (key, of, text) in enumerate(texts)
     )
@@ -119,7 +120,7 @@ def spectral_lines(block: Block, channel: str, name: str = "torque") -> Spectral
 
 
 def _not_apart(largest: _Line, second: _Line) -> str:
-    """Why it is not told which line is the largest; empty if it is."""
+    """Return why the largest line is ambiguous; empty if it is not."""
     both = math.hypot(largest.of_amplitude, second.of_amplitude)
     if largest.amplitude - second.amplitude > _APART * both:
         return ""
@@ -130,14 +131,14 @@ def _not_apart(largest: _Line, second: _Line) -> str:
 
 
 def _peaks(bins: Floats) -> NDArray[np.int64]:
-    """Local maxima, away from both ends."""
+    """Return the local maxima, away from both ends."""
     inner = bins[1:-1]
     places = np.flatnonzero((inner > bins[:-2]) & (inner >= bins[2:])) + 1
     return places[(places >= _LOWEST_BIN) & (places < len(bins) - _LOWEST_BIN)]
 
 
 def _candidates(bins: Floats) -> NDArray[np.int64]:
-    """The local maxima that may stand out: all that do, and few others.
+    """Return candidates for local maxima that stand out: all that do, and few others.
 
     Where the median around a maximum is below a level, a third of the bins are below it in at least one of
     the blocks, of a quarter of the bins to one side, that these bins lie in. That leaves out most maxima of a
@@ -164,7 +165,7 @@ def _candidates(bins: Floats) -> NDArray[np.int64]:
 
 
 def _line(bins: Floats, place: int, step: float) -> _Line:
-    """A sinusoid by the two greatest bins of its maximum, and what noise does to it.
+    """Return a sinusoid by the two greatest bins of its maximum, with its uncertainty by noise.
 
     Under a Hann window neighbouring bins have noise with the correlation -2/3, and a sinusoid in them the
     opposite sign: ratio r = A_2 / A_1, offset (2 r - 1) / (1 + r), and so u(offset) =
@@ -178,6 +179,9 @@ def _line(bins: Floats, place: int, step: float) -> _Line:
     first, last = place - _MAIN_LOBE, place + _MAIN_LOBE + 1
     around = np.concatenate([bins[max(1, first - _BESIDE) : max(1, first)], bins[last : last + _BESIDE]])
     noise = float(np.median(around)) / _RAYLEIGH if len(around) else math.nan
+    below, above = bins[max(1, first - _NEAR) : max(1, first)], bins[last : last + _NEAR]
+    if len(below) == len(above) == _NEAR:
+        noise = max(noise, min(float(np.median(below)), float(np.median(above))) / _RAYLEIGH)
     component = noise / math.sqrt(2.0)
     spread = 3.0 / (1.0 + ratio) ** 2 * math.sqrt(1.0 + ratio**2 - 4.0 * ratio / 3.0)
     amplitude = own / response

@@ -1,4 +1,4 @@
-"""What a spectrum reads where nothing periodic is: the noise floor, and what it does to an amplitude."""
+"""Noise floor of a spectrum, and its effect on amplitudes."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ class NoiseFloor:
 
 @dataclass(frozen=True)
 class LineNoise:
-    """What noise and leakage do to lines of a spectrum, all of shape (lines,).
+    """Effect of noise and leakage on lines of a spectrum, all of shape (lines,).
 
     `in_phase` is the standard uncertainty of a line's amplitude, `quadrature` that of amplitude times phase,
     each of `dof` degrees of freedom; nan where too few bins are near. `lost` is what a line's own wander of
@@ -79,7 +79,7 @@ class LineNoise:
 def noise_floor(
     spectrum: CoherentSpectrum, first_order: float = 0.0, last_order: float = math.inf
 ) -> NoiseFloor | None:
-    """Noise floor from the bins between two orders that are no harmonic; None if they are fewer than eight.
+    """Return noise floor from the bins between two orders that are not harmonics; None if fewer than eight.
 
     Where there are four periods or more, the bins next to dc and to a harmonic are left out too: a harmonic
     that is not quite steady spreads there. In bands of 16 bins or more, each a tenth wider than the one
@@ -119,7 +119,7 @@ def noise_floor(
 
 
 def _additive(spectrum: CoherentSpectrum) -> tuple[NDArray[np.float64], float]:
-    """Squares of the amplitudes of all bins, those around harmonics without what moves their phase.
+    """Return squares of the amplitudes of all bins, those around harmonics without what moves their phase.
 
     What is left of a phase that was followed, or does not close, spreads as sidebands in quadrature. Where
     these are clearly more than those in phase, twice the latter stand for both. Beyond, nearer to other
@@ -148,7 +148,8 @@ def _additive(spectrum: CoherentSpectrum) -> tuple[NDArray[np.float64], float]:
 
 
 def _slopes(square: NDArray[np.float64], bins: NDArray[np.int64], bands: list[slice]) -> list[float]:
-    """Exponent of frequency with which the density changes in each band, by the medians of those around."""
+    """Return the exponent of frequency with which the density changes in each band, by the medians of those
+    around."""
     centre = np.log([math.sqrt(float(bins[each.start]) * float(bins[each.stop - 1])) for each in bands])
     with np.errstate(divide="ignore"):
         level = np.log([float(np.median(square[each])) for each in bands])
@@ -163,7 +164,8 @@ def _slopes(square: NDArray[np.float64], bins: NDArray[np.int64], bands: list[sl
 
 
 def _power_without_lines(square: NDArray[np.float64]) -> float:
-    """Mean of exponentially distributed squares, shape (n,), by the median of those that are no line."""
+    """Return the mean of exponentially distributed squares, shape (n,), by the median of those that are no
+    line."""
     power = float(np.median(square)) / _median_of_exponentials(len(square))
     lines = int(np.count_nonzero(square > _LINE * power))
     if lines <= _LINES_BY_CHANCE * len(square):
@@ -173,7 +175,8 @@ def _power_without_lines(square: NDArray[np.float64]) -> float:
 
 
 def harmonic_noise(spectrum: CoherentSpectrum, orders: int) -> NDArray[np.float64]:
-    """Standard uncertainty of amplitudes of harmonics 1 to `orders` by the floor, shape (orders,), or nan.
+    """Return the standard uncertainty of amplitudes of harmonics 1 to `orders` by the floor, shape (orders,),
+    or nan.
 
     Each from the floor around it, because the noise of a drive is not white: from as many orders to either
     side as hold twenty bins.
@@ -185,11 +188,12 @@ def harmonic_noise(spectrum: CoherentSpectrum, orders: int) -> NDArray[np.float6
 
 
 def line_noise(spectrum: CoherentSpectrum, lines: NDArray[np.int64]) -> LineNoise:
-    """Noise of lines, in bins of shape (lines,), from the pairs of bins at equal distances around each.
+    """Return the noise of lines, in bins of shape (lines,), from the pairs of bins at equal distances around
+    each.
 
     The lower bin of a pair, conjugated, and the upper one, both turned to the line's phase, add up to what
     changes the amplitude of the line and subtract to what changes its phase, as sidebands do. So noise that
-    is coloured, or shares its phase with the line, and leakage of what is no harmonic are seen as they act on
+    is coloured, or shares its phase with the line, and leakage from interharmonics are seen as they act on
     the line. Of the pairs without a harmonic the nearest three count by their mean square, the nearest eight
     by their median, which lines do not disturb, and the larger of both is taken.
     """
@@ -212,7 +216,8 @@ def line_noise(spectrum: CoherentSpectrum, lines: NDArray[np.int64]) -> LineNois
 
 
 def repeated_quantisation(spectrum: CoherentSpectrum, step: float) -> float:
-    """Standard uncertainty of each line by the steps of a quantised signal, as far as they repeat with it.
+    """Return the standard uncertainty of each line by the steps of a quantised signal, as far as they repeat
+    with it.
 
     Quantisation has the mean square step^2 / 12 (JCGM 100:2008, F.2.2.1). What of that is not in the bins
     between the lines is in these: evenly over as many as those below the step are worth, a hundred at most.
@@ -252,7 +257,8 @@ def _lost(
     inside: NDArray[np.bool_],
     amplitude: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    """Half of the phase's variance times the amplitude: sidebands in quadrature, less those of noise."""
+    """Return half of the phase's variance times the amplitude: sidebands in quadrature, less those of
+    noise."""
     of_phase = np.sum(np.where(inside, np.abs(quadrature) ** 2, 0.0), axis=1)
     of_amplitude = np.sum(np.where(inside, np.abs(in_phase) ** 2, 0.0), axis=1)
     excess = np.where(of_phase > _CLEARLY * of_amplitude, of_phase - of_amplitude, 0.0)
@@ -261,7 +267,8 @@ def _lost(
 
 
 def _of_pairs(sums: NDArray[np.complex128], inside: NDArray[np.bool_]) -> NDArray[np.float64]:
-    """Standard uncertainty of one component, shape (orders,), from sums of pairs, shape (orders, pairs)."""
+    """Return the standard uncertainty of one component, shape (orders,), from sums of pairs, shape (orders,
+    pairs)."""
     square = np.where(inside, 0.25 * (sums.real**2 + sums.imag**2), np.nan)
     found = np.full(len(square), np.nan)
     for row, (values, usable) in enumerate(zip(square, inside, strict=True)):
@@ -273,7 +280,7 @@ def _of_pairs(sums: NDArray[np.complex128], inside: NDArray[np.bool_]) -> NDArra
 
 
 def _bands(count: int) -> list[slice]:
-    """Successive parts of `count` bins: 16 or a tenth of those before, whichever is more."""
+    """Return the successive parts of `count` bins: 16 or a tenth of those before, whichever is more."""
     edges = [0]
     while edges[-1] < count:
         edges.append(edges[-1] + max(_BAND_BINS, edges[-1] // 10))
@@ -285,7 +292,7 @@ def _bands(count: int) -> list[slice]:
 
 @cache
 def _median_of_exponentials(count: int) -> float:
-    """Mean of the median of `count` independent ones of mean 1: sum of 1 / i above the middle."""
+    """Return the mean of the median of `count` independent ones of mean 1: sum of 1 / i above the middle."""
     if count > _LARGE:
         return math.log(2.0)
     upper = sum(1.0 / each for each in range(count // 2 + 1, count + 1))
@@ -300,12 +307,12 @@ def _local_floor(spectrum: CoherentSpectrum, first_order: float, last_order: flo
 
 
 def _guard(spectrum: CoherentSpectrum) -> int:
-    """Bins from a harmonic to the nearest that counts as being between harmonics."""
+    """Return the bins from a harmonic to the nearest that counts as being between harmonics."""
     return 2 if spectrum.periods >= 4 else 1
 
 
 def _between(spectrum: CoherentSpectrum, first_order: float, last_order: float) -> NDArray[np.int64]:
-    """Bins between two orders that are no harmonic nor next to one."""
+    """Return the bins between two orders that are no harmonic nor next to one."""
     periods, count = spectrum.periods, len(spectrum.amplitude)
     first = max(0, math.floor(first_order))
     last = math.ceil(min(last_order, count / periods))

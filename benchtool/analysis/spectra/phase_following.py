@@ -1,7 +1,7 @@
-"""The phase of a tone held against a track of it, and a track that follows where the two part.
+"""The phase of a tone compared with a track, and a track that follows the tone where they differ.
 
-A spectrum over whole periods is right only as far as its phase is: a harmonic k of a phase that is off by x
-rad rms reads low by k^2 x^2 / 2. The fundamental itself shows how far it is off, period by period.
+A spectrum over whole periods is only as accurate as its phase: a harmonic k of a phase that is off by x rad
+rms reads low by k^2 x^2 / 2. The fundamental itself shows how far it is off, period by period.
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ _BY_CHANCE = 1e-4
 _FEWEST_PERIODS = 4  # and so many phases, from which a wander is told from noise
 _FEWEST_KNOTS = 5  # of a smoothing spline
 _ROUNDS = 3
-_ASIDE = 10  # the part of the periods at either end which alone is no reason to follow
+_ASIDE = 10  # share of the periods at either end that alone does not justify following
 _MEDIAN_DEVIATION = 0.6745  # median of the magnitude of a normal deviate
 _FAR = 8.0  # standard deviations; the largest step of a swing or of a drift is within two
-_LEAST_JUMP_RAD = 0.1  # as the largest wander with which harmonics are told
+_LEAST_JUMP_RAD = 0.1  # largest wander with which harmonics are still defined
 _PER_PERIOD = 16  # places at which an angle is followed, in each electrical period
-_LONGEST_TURN = 0.45  # of a turn between periods, by which a phase may move and still be told
+_LONGEST_TURN = 0.45  # of a turn between periods: largest unambiguous change of phase
 
 
 @dataclass(frozen=True)
@@ -50,12 +50,12 @@ class Wander:
 
 
 def wander(coherent: CoherentSamples) -> Wander:
-    """Phase and amplitude of the fundamental in each period."""
+    """Return the phase and amplitude of the fundamental in each period."""
     table = coherent.values.reshape(coherent.periods, coherent.per_period)
     turn = np.exp(-2j * np.pi / coherent.per_period * np.arange(coherent.per_period))
     phasor = (table @ turn.real + 1j * (table @ turn.imag)) * (2.0 / coherent.per_period)
     if coherent.periods > 2:
-        # a ramp of d a period under the signal, as of a decaying dc, reads j d / pi
+        # a ramp of d per period under the signal, as of a decaying dc, reads j d / pi
         phasor -= 1j / np.pi * np.gradient(np.mean(table, axis=1))
     amplitude = np.abs(phasor)
     steps = np.angle(phasor[1:] * np.conj(phasor[:-1]))
@@ -72,7 +72,7 @@ def wander(coherent: CoherentSamples) -> Wander:
 
 
 def _jump_rad(steps: NDArray[np.float64]) -> float:
-    """The largest step of the phase, less the usual one, if it is far beyond the scatter of the others."""
+    """Return the largest step of the phase less the median step, if far beyond the scatter of the others."""
     if len(steps) + 1 < _FEWEST_PERIODS:
         return 0.0
     away = np.abs(steps - np.median(steps))
@@ -83,7 +83,7 @@ def _jump_rad(steps: NDArray[np.float64]) -> float:
 def follow(
     samples: NDArray[np.float64], sample_rate_Hz: float, track: PhaseTrack, name: str = "signal"
 ) -> tuple[CoherentSamples, PhaseTrack, Wander]:
-    """The signal at equal steps of phase, and the track: the one given, while the fundamental stays on it.
+    """Return signal at equal steps of phase, and the track: the one given, while the fundamental stays on it.
 
     Where it does not, by more than 2 mrad rms and more than noise explains, the track follows the measured
     angle, if the fundamental then stays closer, and after that the phase of the fundamental itself, by a
@@ -120,7 +120,7 @@ def _off(seen: Wander) -> float:
 
 
 def _by_angle(track: PhaseTrack, samples_per_period: float) -> PhaseTrack | None:
-    """The track along the angle, averaged over a sixteenth of a period; None if that makes no change."""
+    """Return track along the angle, averaged over a sixteenth of a period; None if that makes no change."""
     if track.measured_rad is None or not (track.residual_rad or 0.0) > _OFF_RAD:
         return None
     size = max(1, round(samples_per_period / _PER_PERIOD))
@@ -138,11 +138,11 @@ def _by_angle(track: PhaseTrack, samples_per_period: float) -> PhaseTrack | None
 def _by_tone(
     coherent: CoherentSamples, track: PhaseTrack, seen: Wander, name: str, least_rad: float
 ) -> PhaseTrack | None:
-    """The track along the fundamental's own phase; None where that stays on it, or is lost in noise."""
+    """Return track along the fundamental's own phase; None if it does not deviate, or is lost in noise."""
     largest_step = float(np.max(np.abs(np.diff(seen.phase_rad)), initial=0.0))
     if not least_rad < seen.excess_rad < math.inf or largest_step > 2 * np.pi * _LONGEST_TURN:
         return None
-    # what dies away soon after the beginning moves the phase there, and no further
+    # a transient that decays soon after the beginning moves the phase only there
     aside = coherent.periods // _ASIDE
     inner = seen.phase_rad[aside : len(seen.phase_rad) - aside]
     if coherent.periods < _FEWEST_KNOTS or not float(np.std(inner)) > least_rad:
@@ -150,7 +150,7 @@ def _by_tone(
     begin = float(track.at(np.array([float(FIRST_ROW)]))[0])
     middle = begin + 2 * np.pi * (np.arange(coherent.periods, dtype=np.float64) + 0.5)
     numbers = track.sample_numbers(middle)
-    # a drift is the polynomial's, because the spline is straight at its ends
+    # the polynomial takes a drift, because the spline is straight at its ends
     drift = Polynomial.fit(numbers, seen.phase_rad - np.mean(seen.phase_rad), 2)
     spline = make_smoothing_spline(numbers, seen.phase_rad - np.mean(seen.phase_rad) - drift(numbers))
     before = track.departure

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Literal
 
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 from scipy import fft
 from scipy.signal import get_window
 
-from benchtool.analysis.orders.resampling import HALF_WIDTH, USABLE_BAND, interpolate
+from benchtool.analysis.orders.resampling import HALF_WIDTH, USABLE_BAND, interpolate_all
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.validity import require_signal
 from benchtool.block import as_samples, read_only, require_rate
@@ -99,15 +100,19 @@ class CoherentSpectrum(Spectrum):
         """Phase of harmonics 1, 2, 3 ... as cosines at the first sample of the periods."""
         return np.angle(self.phasor[self.periods :: self.periods])
 
-    def resampling_error(self, amplitude: float, order: float) -> float:
-        """Standard uncertainty that the resampling leaves in an amplitude of that order.
+    def resampling_error(
+        self, amplitude: float, order: float, largest: tuple[float, float] | None = None
+    ) -> float:
+        """Return the standard uncertainty that the resampling leaves in an amplitude of that order.
 
-        Its bound of 1.5e-5 of the amplitude and 5e-6 of the fundamental, as the square of the frequency below
-        a hundredth of the sample rate, evenly distributed (JCGM 100:2008, 4.3.7).
+        Its bound of 1.5e-5 of the amplitude and 5e-6 of the `largest` line, an order and its amplitude, by
+        default the fundamental, as the square of the frequency below a hundredth of the sample rate, evenly
+        distributed (JCGM 100:2008, 4.3.7).
         """
+        largest_order, largest_amplitude = largest or (1.0, self.fundamental)
         cycles = self.periods / self.samples  # of the fundamental, a sample
-        own, largest = min(1.0, 100.0 * order * cycles) ** 2, min(1.0, 100.0 * cycles) ** 2
-        return (1.5e-5 * own * amplitude + 5e-6 * largest * self.fundamental) / math.sqrt(3.0)
+        own, other = (min(1.0, 100.0 * each * cycles) ** 2 for each in (order, largest_order))
+        return (1.5e-5 * own * amplitude + 5e-6 * other * largest_amplitude) / math.sqrt(3.0)
 
 
 @dataclass(frozen=True)
@@ -121,7 +126,7 @@ class Component:
 def amplitude_spectrum(
     samples: NDArray[np.float64], sample_rate_Hz: float, window: Literal["hann", "flattop"] = "hann"
 ) -> Spectrum:
-    """One-sided amplitude spectrum of the whole record, shape (n,), under an amplitude-correct window.
+    """Return one-sided amplitude spectrum of the whole record, shape (n,), under an amplitude-correct window.
 
     A sinusoid on a bin reads its peak amplitude; between bins a Hann window reads up to 15 % low
     (1.42 dB), a flat-top window 0.1 % (0.01 dB); side lobes of the Hann window begin at -31.5 dB (Harris,
@@ -144,25 +149,37 @@ def amplitude_spectrum(
 def coherent_samples(
     samples: NDArray[np.float64], sample_rate_Hz: float, track: PhaseTrack, name: str = "signal"
 ) -> CoherentSamples:
-    """The signal at equal steps of the phase of `track`, over the most whole periods that fit.
+    """Return the signal at equal steps of the phase of `track`, over the most whole periods that fit.
 
     `samples`, shape (n,), are interpolated band-limited; 32 at either end only feed the interpolation.
     Beyond 100 periods their number is the next lower one without prime factors above 11, at most 5 % less,
     because a long transform of a large prime takes twenty times as long.
+
+    Raises: as `coherent_samples_of_all`.
+    """
+    return coherent_samples_of_all({name: samples}, sample_rate_Hz, track)[0]
+
+
+def coherent_samples_of_all(
+    signals: Mapping[str, NDArray[np.float64]], sample_rate_Hz: float, track: PhaseTrack
+) -> tuple[CoherentSamples, ...]:
+    """`coherent_samples` of signals that were sampled together, by name, for little more than one takes.
 
     Raises:
         AnalysisError: too short (fewer than two periods), not finite, constant, not of shape (n,), a rate
             that is not positive, or the fundamental is beyond the usable band.
     """
     require_rate(sample_rate_Hz)
-    samples = as_samples(samples, name)
-    require_signal(samples, name)
-    first, last = FIRST_ROW, len(samples) - 1 - HALF_WIDTH
+    columns = [as_samples(samples, name) for name, samples in signals.items()]
+    for name, samples in zip(signals, columns, strict=True):
+        require_signal(samples, name)
+    name, count = ", ".join(signals), len(columns[0])
+    first, last = FIRST_ROW, count - 1 - HALF_WIDTH
     begin, end = (float(each) for each in track.at(np.array([first, last], dtype=np.float64)))
     periods = math.floor((end - begin) / (2 * np.pi)) if last > first else 0
     if periods < _FEWEST_PERIODS:
         raise AnalysisError(
-            f"'{name}' has {track.periods:.2f} electrical periods in {len(samples)} samples, at least "
+            f"'{name}' has {track.periods:.2f} electrical periods in {count} samples, at least "
             f"{_FEWEST_PERIODS} and {2 * HALF_WIDTH} samples are needed: record a longer window"
         )
     if periods > _ANY_PERIODS:
@@ -174,19 +191,20 @@ def coherent_samples(
             f"{1 / USABLE_BAND:.2f} are needed: record at a higher rate"
         )
     per_period = fft.next_fast_len(math.ceil(covered / periods), real=True)
-    values = np.empty(per_period * periods)
-    for start in range(0, len(values), _CHUNK):
-        part = values[start : start + _CHUNK]
-        phase = begin + 2 * np.pi / per_period * np.arange(start, start + len(part), dtype=np.float64)
+    values = np.empty((len(columns), per_period * periods))
+    for start in range(0, values.shape[1], _CHUNK):
+        part = values[:, start : start + _CHUNK]
+        phase = begin + 2 * np.pi / per_period * np.arange(start, start + part.shape[1], dtype=np.float64)
         # the clip only takes up the rounding of Newton's method at the first sample
-        part[:] = interpolate(samples, np.maximum(track.sample_numbers(phase), first))
-    return CoherentSamples(values, periods, covered, sample_rate_Hz)
+        part[:] = interpolate_all(columns, np.maximum(track.sample_numbers(phase), first))
+    return tuple(CoherentSamples(each, periods, covered, sample_rate_Hz) for each in values)
 
 
 def coherent_spectrum(
     samples: NDArray[np.float64], sample_rate_Hz: float, track: PhaseTrack, name: str = "signal"
 ) -> CoherentSpectrum:
-    """DFT over whole periods of `track`, at equal steps of its phase: `spectrum_of` `coherent_samples`.
+    """Return the DFT over whole periods of `track`, at equal steps of its phase: `spectrum_of`
+    `coherent_samples`.
 
     Neither a drift of the speed nor a period of a fractional number of samples leaks the fundamental into
     other bins; the window is rectangular. Frequencies are orders times the mean fundamental. Error of an
@@ -200,7 +218,7 @@ def coherent_spectrum(
 
 
 def spectrum_of(coherent: CoherentSamples) -> CoherentSpectrum:
-    """DFT of samples over whole periods."""
+    """Return the DFT of samples over whole periods."""
     periods = coherent.periods
     bins = fft.rfft(coherent.values)[: math.floor(coherent.usable_order * periods) + 1]
     bins *= 2.0 / len(coherent.values)
@@ -212,7 +230,7 @@ def spectrum_of(coherent: CoherentSamples) -> CoherentSpectrum:
 
 
 def largest_low_component(spectrum: CoherentSpectrum, below_order: int = 10) -> Component:
-    """Largest bin below `below_order` times the fundamental, other than dc and the fundamental itself.
+    """Return largest bin below `below_order` times the fundamental, other than dc and the fundamental itself.
 
     Every bin counts, so sidebands and other interharmonics are caught as well; one that falls halfway between
     two bins reads 0.64 of its amplitude.

@@ -1,4 +1,4 @@
-"""Symmetrical components of three phase currents at the fundamental, and the unbalance that they state.
+"""Symmetrical components of three phase currents at the fundamental, and their unbalance factors.
 
 Fortescue's positive-, negative- and zero-sequence components (IEC 60034-26, IEC 61000-4-30:2015, 5.7.1):
 I_1 = (I_a + a I_b + a^2 I_c) / 3, I_2 = (I_a + a^2 I_b + a I_c) / 3, I_0 = (I_a + I_b + I_c) / 3 with
@@ -8,7 +8,7 @@ a = exp(j 2 pi / 3), of the phasors of the fundamental.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -21,7 +21,7 @@ from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.regimes import change_of_regime
 from benchtool.analysis.scatter import MeanError, error_of_series
 from benchtool.analysis.spectra.current import current_of
-from benchtool.analysis.spectra.spectrum import FIRST_ROW, coherent_samples
+from benchtool.analysis.spectra.spectrum import FIRST_ROW, CoherentSamples, coherent_samples_of_all
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
 from benchtool.analysis.validity import clipping, require_unbroken
 from benchtool.analysis.window import Window
@@ -35,7 +35,7 @@ _SOURCE = "scatter of the components over periods, and what it adds to a magnitu
 
 @dataclass(frozen=True)
 class _Component:
-    """Magnitude of the mean of one phasor per period, and what is known of it."""
+    """Magnitude of the mean of one phasor per period, with its uncertainty."""
 
     magnitude: float
     budget: tuple[Contribution, ...]
@@ -46,27 +46,33 @@ class _Component:
 
 
 def current_unbalance(
-    block: Block, track: PhaseTrack, channels: Sequence[str] = ("i_a", "i_b", "i_c")
+    block: Block,
+    track: PhaseTrack,
+    channels: Sequence[str] = ("i_a", "i_b", "i_c"),
+    known: Mapping[str, CoherentSamples] | None = None,
 ) -> tuple[Measurement, ...]:
-    """Sequence components of the fundamental, A peak, and the unbalance factors, %.
+    """Return the sequence components of the fundamental, A peak, and the unbalance factors, %.
 
     Of negative and positive sequence the positive is the larger, whichever way the machine turns.
 
     Args:
         block: rows without gaps.
         track: electrical phase over the rows, as `CurrentSpectrum.track` has it.
-        channels: the currents of phases a, b and c; a zero sequence of a current that was computed from the
-            other two is zero by that.
+        channels: the currents of phases a, b and c; if one current was computed from the other two, the zero
+            sequence is zero by definition.
+        known: those of the channels that are sampled along the track already.
 
     Raises:
         AnalysisError: a gap, a missing channel, a dead signal, or fewer than two electrical periods.
     """
     require_unbroken(block)
     columns = [np.ascontiguousarray(block.column(name)) for name in channels]
-    parts = [
-        coherent_samples(each, block.sample_rate_Hz, track, name)
-        for each, name in zip(columns, channels, strict=True)
-    ]
+    known = dict(known or {})
+    others = {name: each for name, each in zip(channels, columns, strict=True) if name not in known}
+    if others:
+        sampled = coherent_samples_of_all(others, block.sample_rate_Hz, track)
+        known |= zip(others, sampled, strict=True)
+    parts = [known[name] for name in channels]
     first = parts[0]
     turn = np.exp(-2j * np.pi / first.per_period * np.arange(first.per_period))
     phases = np.array(
@@ -87,7 +93,7 @@ def current_unbalance(
     )
     larger = np.abs(sequences[0] if one.magnitude >= other.magnitude else sequences[1])
     reason = next(filter(None, map(clipping, columns)), "")
-    # of a rotor that turns back positive and negative sequence change places
+    # in reverse rotation positive and negative sequence change places
     reason = reason or change_of_regime(larger, "the positive-sequence current")
     return tuple(_numbers((positive, negative, zero), channels, block.unit(channels[0]), basis, reason))
 
@@ -99,7 +105,7 @@ def _component(phasors: Phasors) -> _Component:
     magnitude = abs(mean)
     # noise across the phasor makes its magnitude larger (Rice distribution)
     bias = magnitude - math.sqrt(max(0.0, magnitude**2 - across.standard**2))
-    # noise is alike in both directions, and of few periods both together say more of it than one
+    # noise is isotropic: both components together give a better estimate from few periods
     both = MeanError(math.sqrt(0.5 * (along.standard**2 + across.standard**2)), along.dof + across.dof)
     if not along.standard > both.standard:
         along = both
@@ -150,7 +156,8 @@ def _numbers(
 
 
 def _measure(window: Window, _: NoSettings) -> Findings:
-    return Findings(current_unbalance(window.block, window.once(current_of).track))
+    of_a = window.cached(current_of)
+    return Findings(current_unbalance(window.block, of_a.track, known={"i_a": of_a.coherent}))
 
 
 CURRENT_UNBALANCE: Final = Analysis(

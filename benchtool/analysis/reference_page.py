@@ -1,7 +1,7 @@
-"""Fills the tables of docs/measurements.md from the catalogue; what stands between is written by hand.
+"""Fill the tables of docs/reference/measurements.md from the catalogue; the text between is written by hand.
 
-python -m benchtool.analysis.page            fill them
-python -m benchtool.analysis.page --check    write nothing; exit 1 if the page is stale
+python -m benchtool.analysis.reference_page            fill them
+python -m benchtool.analysis.reference_page --check    write nothing; exit 1 if the page is stale
 
 A table stands between `<!-- analyses: NAME NAME -->` and `<!-- end -->`. What no such line names stands where
 `<!-- analyses: others -->` does, and `<!-- catalogue -->` has the list of all. The same catalogue gives the
@@ -11,6 +11,7 @@ same page.
 from __future__ import annotations
 
 import argparse
+import json
 import re
 import sys
 from collections.abc import Iterator, Sequence
@@ -21,14 +22,14 @@ from benchtool.analysis.catalogue import BUILT_IN
 from benchtool.analysis.declaration import Analysis, Quantity
 from benchtool.errors import UsageError
 
-PAGE: Final = Path(__file__).resolve().parents[2] / "docs" / "measurements.md"
+PAGE: Final = Path(__file__).resolve().parents[2] / "docs" / "reference" / "measurements.md"
 
 _OTHERS: Final = "others"
 _TABLE: Final = re.compile(r"(<!-- (catalogue|analyses: ([\w ]+)) -->\n)(.*?)(<!-- end -->)", re.DOTALL)
 
 
 def filled(page: str, analyses: Sequence[Analysis[Any]] = BUILT_IN) -> str:
-    """The page with every table as the catalogue has it.
+    """Return the page with every table as the catalogue has it.
 
     Raises:
         UsageError: a table names an analysis that there is not, or one stands in two.
@@ -55,7 +56,7 @@ def filled(page: str, analyses: Sequence[Analysis[Any]] = BUILT_IN) -> str:
 
 def main(arguments: Sequence[str] | None = None, page: Path = PAGE) -> int:
     """Fill or check the page; the process's exit code."""
-    parser = argparse.ArgumentParser(prog="python -m benchtool.analysis.page", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python -m benchtool.analysis.reference_page", description=__doc__)
     parser.add_argument("--check", action="store_true", help="write nothing, exit 1 if the page is stale")
     check = parser.parse_args(arguments).check
     text = page.read_text(encoding="utf-8")
@@ -63,7 +64,7 @@ def main(arguments: Sequence[str] | None = None, page: Path = PAGE) -> int:
     if fresh == text:
         return 0
     if check:
-        sys.stderr.write(f"{page.name} is stale: run python -m benchtool.analysis.page\n")
+        sys.stderr.write(f"{page.name} is stale: run python -m benchtool.analysis.reference_page\n")
         return 1
     page.write_text(fresh, encoding="utf-8")
     return 0
@@ -76,7 +77,7 @@ def _kinds(analyses: Sequence[Analysis[Any]]) -> Iterator[str]:
         asked = not each.of_steady_state
         made = "`= true`, or a table" if asked else "in steady state"
         if settings:
-            made += ": " + ", ".join(f'`{key} = "{value}"`' for key, value in settings.items())
+            made += ": " + ", ".join(f"`{key} = {json.dumps(value)}`" for key, value in settings.items())
         named = (f"the channel `{key}`" for key in each.channel_settings)
         needs = ", ".join((*(f"`{name}`" for name in each.channels), *named, *each.conditions))
         figures = dict.fromkeys(f"`{one.name}`" for one in (*each.figures, *each.comparisons))
@@ -84,13 +85,13 @@ def _kinds(analyses: Sequence[Analysis[Any]]) -> Iterator[str]:
 
 
 def _others(analyses: Sequence[Analysis[Any]]) -> Iterator[str]:
-    """Each with its title, since nothing is written about it."""
+    """Yield each with its title, since nothing is written about it."""
     for each in analyses:
         yield from ("", f"**{each.title.capitalize()}** (`{each.name}`)", "", *_measurements([each]), "")
 
 
 def _measurements(analyses: Sequence[Analysis[Any]]) -> Iterator[str]:
-    """A row for each quantity; those of one unit, definition and uncertainty share it."""
+    """Yield a row for each quantity; those of one unit, definition and uncertainty share it."""
     rows: dict[tuple[str, str, str], list[str]] = {}
     for quantity in (quantity for each in analyses for quantity in each.quantities):
         rows.setdefault(_cells(quantity), []).extend(quantity.names)

@@ -1,4 +1,4 @@
-"""One block cut to the time that another one spans."""
+"""Crop one block to the time span of another."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from benchtool.block import Block
 from benchtool.errors import AnalysisError
 
 
-def cut_to_span(block: Block, reference: Block) -> Block:
-    """The rows of `block` inside the span of `reference`: from its first row to one row past its last.
+def crop_to(block: Block, reference: Block) -> Block:
+    """Return the rows of `block` inside the span of `reference`: from its first row to one row past its last.
 
     Both count ticks from the same origin, each in its own `tick_s` (a 200 kHz transducer beside a 10 kHz
     capture), so a row stands at `tick * tick_s`. An end may be missing up to one row of the reference.

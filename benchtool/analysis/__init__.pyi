@@ -1,0 +1,159 @@
+from .catalogue import (
+    Catalogue as Catalogue,
+    catalogue as catalogue,
+    measure as measure,
+)
+from .crop import crop_to as crop_to
+from .declaration import (
+    Analysis as Analysis,
+    Drawing as Drawing,
+    Findings as Findings,
+    NoSettings as NoSettings,
+    Panel as Panel,
+    Quantity as Quantity,
+)
+from .dynamics.bode import (
+    Bode as Bode,
+    analyze_response as analyze_response,
+)
+from .dynamics.frequency_response import (
+    FrequencyResponse as FrequencyResponse,
+    frequency_response as frequency_response,
+)
+from .dynamics.step import (
+    StepResponse as StepResponse,
+    analyze_step as analyze_step,
+)
+from .flux_trajectory import flux_trajectory as flux_trajectory
+from .instruments import (
+    Instruments as Instruments,
+    Perturbed as Perturbed,
+    sensor_remarks as sensor_remarks,
+)
+from .measurement import (
+    Basis as Basis,
+    Measurement as Measurement,
+    Table as Table,
+    measurements_from_json as measurements_from_json,
+    measurements_to_json as measurements_to_json,
+    tables_from_json as tables_from_json,
+    tables_to_json as tables_to_json,
+)
+from .numbers import (
+    NOTHING as NOTHING,
+    number as number,
+    placed as placed,
+    raw as raw,
+    signed as signed,
+    stated as stated,
+    with_expanded as with_expanded,
+)
+from .orders.angle import (
+    AngleCoverage as AngleCoverage,
+    angle_coverage as angle_coverage,
+)
+from .orders.order_spectrum import (
+    OrderSpectrum as OrderSpectrum,
+    fitted_orders as fitted_orders,
+    orders_at_speed as orders_at_speed,
+)
+from .orders.orders import (
+    Orders as Orders,
+    order_analysis as order_analysis,
+)
+from .periods import (
+    PhaseTrack as PhaseTrack,
+    track_angle as track_angle,
+    track_tone as track_tone,
+)
+from .plug_ins import guarded as guarded
+from .quantisation import resolution as resolution
+from .regimes import change_of_regime as change_of_regime
+from .residual import torque_residual as torque_residual
+from .ripple import (
+    Ripple as Ripple,
+    peak_to_peak_number as peak_to_peak_number,
+    percentile_range as percentile_range,
+    record_basis as record_basis,
+    ripple as ripple,
+    ripple_numbers as ripple_numbers,
+    ripple_of_rows as ripple_of_rows,
+)
+from .scatter import error_of_record as error_of_record
+from .sensitivity import (
+    declared as declared,
+    holds as holds,
+)
+from .spectra.current import (
+    CurrentSpectrum as CurrentSpectrum,
+    current_spectrum as current_spectrum,
+)
+from .spectra.groups import (
+    GroupDistortion as GroupDistortion,
+    HarmonicGroups as HarmonicGroups,
+    group_distortion as group_distortion,
+    group_table as group_table,
+    harmonic_groups as harmonic_groups,
+)
+from .spectra.harmonics import (
+    Distortion as Distortion,
+    Reference as Reference,
+    distortion_and_noise as distortion_and_noise,
+    harmonic_table as harmonic_table,
+    harmonics as harmonics,
+    relative_phase_rad as relative_phase_rad,
+    total_harmonic_distortion as total_harmonic_distortion,
+)
+from .spectra.lines import (
+    SpectralLines as SpectralLines,
+    spectral_lines as spectral_lines,
+)
+from .spectra.noise import (
+    NoiseFloor as NoiseFloor,
+    harmonic_noise as harmonic_noise,
+    noise_floor as noise_floor,
+)
+from .spectra.spectrum import (
+    CoherentSamples as CoherentSamples,
+    CoherentSpectrum as CoherentSpectrum,
+    Component as Component,
+    Spectrum as Spectrum,
+    amplitude_spectrum as amplitude_spectrum,
+    coherent_samples as coherent_samples,
+    coherent_spectrum as coherent_spectrum,
+    largest_low_component as largest_low_component,
+    spectrum_of as spectrum_of,
+)
+from .spectra.unbalance import current_unbalance as current_unbalance
+from .steady_state import (
+    SteadyState as SteadyState,
+    analyze_steady_state as analyze_steady_state,
+    steady_state_of as steady_state_of,
+)
+from .switching import (
+    SWITCHING_STATES as SWITCHING_STATES,
+    SwitchingStates as SwitchingStates,
+    mean_switching_frequency_Hz as mean_switching_frequency_Hz,
+    switching_frequency as switching_frequency,
+    switching_states as switching_states,
+)
+from .torque import (
+    torque_ripple as torque_ripple,
+    transducer_torque as transducer_torque,
+)
+from .uncertainty import (
+    COVERAGE as COVERAGE,
+    Contribution as Contribution,
+    InstrumentError as InstrumentError,
+    Uncertainty as Uncertainty,
+    of_difference as of_difference,
+)
+from .validity import (
+    clipping as clipping,
+    require_signal as require_signal,
+    require_unbroken as require_unbroken,
+)
+from .window import (
+    Excitation as Excitation,
+    Window as Window,
+)

@@ -1,0 +1,4 @@
+from .bode import (
+    FREQUENCY_RESPONSE as FREQUENCY_RESPONSE,
+    Bode as Bode,
+)

@@ -1,0 +1,82 @@
+"""Numbers in a report, with significant digits by their uncertainty."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from benchtool.analysis.uncertainty import Uncertainty
+
+NOTHING: Final = "–"
+_MINUS: Final = "−"
+_SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+_DIGITS = 4
+_MOST_DIGITS = 10
+_SMALLEST, _LARGEST = 1e-3, 1e6  # outside, powers of ten are set apart
+
+
+def number(value: float, digits: int = _DIGITS) -> str:
+    """Return a number to so many significant digits, whole numbers in full; a dash for what has no value."""
+    if not math.isfinite(value):
+        return NOTHING
+    if value == 0.0:
+        return "0"
+    if float(value).is_integer() and abs(value) < 1e9:
+        return _signed(f"{value:.0f}")
+    exponent = _exponent(value, digits)
+    if not _SMALLEST <= abs(value) < _LARGEST:
+        return _signed(f"{value / 10.0**exponent:.{digits - 1}f} × {_power(exponent)}")
+    return _signed(f"{value:.{max(0, digits - 1 - exponent)}f}")
+
+
+def stated(value: float, uncertainty: float | None) -> str:
+    """Return a value with its uncertainty, standard or expanded as the heading says: the uncertainty to two
+    digits and the value to the same place (JCGM 100:2008, 7.2.6); without one, four significant digits."""
+    if uncertainty is None or not (math.isfinite(value) and math.isfinite(uncertainty)) or uncertainty <= 0.0:
+        return number(value)
+    largest = max(abs(value), uncertainty)
+    scaled = 0 if _SMALLEST <= largest < _LARGEST else _exponent(largest, 2)
+    value, uncertainty = value / 10.0**scaled, uncertainty / 10.0**scaled
+    place = _exponent(uncertainty, 2) - 1
+    most = _MOST_DIGITS - 1 - _exponent(max(abs(value), uncertainty), 2)
+    decimals = max(0, min(-place, most))
+    if place > 0:
+        value, uncertainty = round(value, -place), round(uncertainty, -place)
+    text = f"{_signed(f'{value:.{decimals}f}')} ± {uncertainty:.{decimals}f}"
+    return f"({text}) × {_power(scaled)}" if scaled else text
+
+
+def with_expanded(value: float, uncertainty: Uncertainty | None) -> str:
+    """Return a value ± its expanded uncertainty for 95 %, which is the default meaning of ±."""
+    return stated(value, None if uncertainty is None else uncertainty.expanded)
+
+
+def placed(value: float, uncertainty: float | None) -> str:
+    """Return a value alone, to the place of its uncertainty as `stated` has it."""
+    text, sign, rest = stated(value, uncertainty).partition(" ± ")
+    return text.removeprefix("(") + rest.partition(")")[2] if sign else text
+
+
+def signed(value: float, digits: int = 3) -> str:
+    """Return a difference, with its sign."""
+    return f"+{number(value, digits)}" if value > 0 else number(value, digits)
+
+
+def raw(value: object) -> str:
+    """Return a number or a setting as it was given, without further digits."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    return _signed(f"{value:.7g}") if isinstance(value, float) else str(value)
+
+
+def _exponent(value: float, digits: int) -> int:
+    """Return the power of ten of the first digit, once rounded to `digits`."""
+    return int(f"{abs(value):.{digits - 1}e}".partition("e")[2])
+
+
+def _signed(text: str) -> str:
+    return text.replace("-", _MINUS)
+
+
+def _power(exponent: int) -> str:
+    return "10" + str(exponent).translate(_SUPERSCRIPT)
