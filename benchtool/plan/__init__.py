@@ -1,1 +1,5 @@
-"""Test plans: what to set, where to run, what to record, what to measure and which limits to hold."""
+"""Test plans: settings, operating points, recording, analyses and limits."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

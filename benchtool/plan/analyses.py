@@ -28,10 +28,11 @@ from pydantic import (
 from pydantic_core import InitErrorDetails
 
 from benchtool.document import Path_, Section, closest
-from benchtool.plan.known import catalogue
+from benchtool.plan.former_names import present_name
+from benchtool.plan.lazy_catalogue import catalogue
 
 if TYPE_CHECKING:
-    from benchtool.analysis.declaration import Analysis
+    from benchtool.analysis import Analysis
 
 _OLDER: Final = {
     ("step", "signal"): "step_signal",
@@ -39,23 +40,26 @@ _OLDER: Final = {
     ("frequency_response", "input"): "response_input",
     ("frequency_response", "output"): "response_output",
 }
-"""Settings of an analysis that older plans have beside its name."""
+"""Former keys of settings of an analysis."""
 
 
 class Analyses(Section):
-    """What is measured: the steady state from `steady_from_s` of the capture on, and what is asked for.
+    """Analyses of a plan: the steady state from `steady_from_s` of the capture on, and requested analyses.
 
     `kinds` has the settings of every analysis that the plan names, None where it is switched off.
     """
 
     steady: bool = True
+    """Measure the steady state by every analysis that the channels allow."""
     steady_from_s: Annotated[float, Field(ge=0)] = 0.0
+    """Time of the capture from which it is steady."""
     kinds: dict[str, Section | None] = Field(default_factory=dict)
+    """Settings of the analyses that the plan names."""
 
     def settings(self, analysis: Analysis[Any]) -> Section | None:
-        """The settings with which an analysis is made; None if it is not.
+        """Return the settings with which an analysis is made; None if it is not.
 
-        Of a steady state's, whether the channels allow it is another question.
+        For an analysis of a steady state, the channels are not considered here.
         """
         if analysis.name in self.kinds:
             return self.kinds[analysis.name]
@@ -64,14 +68,14 @@ class Analyses(Section):
         return settings
 
     def demanded(self) -> Iterator[tuple[Analysis[Any], Section]]:
-        """The analyses that the plan itself asks for, whose channels it then has to record."""
+        """Yield the analyses that the plan requests explicitly, whose channels it must record."""
         for each in catalogue().analyses:
             settings = self.kinds.get(each.name)
             if settings is not None:
                 yield each, settings
 
     def made(self, analysis: Analysis[Any]) -> bool:
-        """Whether an analysis is made, as far as the plan says."""
+        """Return whether the plan includes an analysis."""
         allowed = self.steady or not analysis.of_steady_state
         return allowed and self.settings(analysis) is not None
 
@@ -128,7 +132,7 @@ class Analyses(Section):
 
 
 def spelled(table: Mapping[str, Any], analysis: str, key: str) -> tuple[Path_, str]:
-    """Where `[analyses]`, as it was read, has a setting, and what it calls it there."""
+    """Return where `[analyses]`, as it was read, has a setting, and what it calls it there."""
     older = _OLDER.get((analysis, key), "")
     if older in table:
         return ("analyses", older), older
@@ -136,7 +140,7 @@ def spelled(table: Mapping[str, Any], analysis: str, key: str) -> tuple[Path_, s
 
 
 def _settings(analysis: Analysis[Any], given: Any, beside: Mapping[str, Any]) -> Section | None:
-    """The settings that a plan gives; None where it switches the analysis off, or does not ask for it."""
+    """Return settings that a plan gives; None where it switches the analysis off, or does not ask for it."""
     if isinstance(given, Mapping):
         settings: Section = analysis.settings.model_validate({**beside, **given})
         return settings
@@ -150,7 +154,7 @@ def _settings(analysis: Analysis[Any], given: Any, beside: Mapping[str, Any]) ->
 def _located(
     failed: ValidationError, analysis: Analysis[Any], beside: Mapping[str, Any]
 ) -> Iterator[InitErrorDetails]:
-    """The errors of an analysis' settings, by the keys of the document."""
+    """Yield the errors of an analysis' settings, by the keys of the document."""
     for each in failed.errors():
         key = each["loc"][:1]
         older = _OLDER.get((analysis.name, str(key[0])), "") if key and key[0] in beside else ""
@@ -164,6 +168,8 @@ def _located(
 
 
 def _unknown(key: str, known: Sequence[str]) -> str:
+    if (present := present_name(key)) in known:
+        return f"unknown key: it is called '{present}' now, write that"
     return f"unknown key: {closest(key, known)}" if known else "unknown key: there is nothing to set"
 
 

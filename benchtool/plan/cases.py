@@ -11,13 +11,15 @@ from typing import Any
 from benchtool.errors import AnalysisError
 from benchtool.plan.model import OperatingPoint, Plan, Setting, Variant, part
 
+_AROUND, _READING_S = 1.25, 0.1  # the settling time with the ramp of the load; readings before the record
+
 
 @dataclass(frozen=True)
 class Coordinates:
-    """Where a case stands in its plan.
+    """Coordinates of a case in its plan.
 
     `group` is the name that all of its repetitions share, `variant` that of its variant, empty without one,
-    `point` what of a sweep it has, by key. Repetitions count from 1.
+    `point` its values of the sweep, by key. Repetitions count from 1.
     """
 
     group: str
@@ -26,7 +28,8 @@ class Coordinates:
     repetition: int = 1
 
     def apart_from(self, *keys: str) -> str:
-        """What tells it from others that differ in these keys of the sweep and in the repetition alone."""
+        """Return a label that distinguishes it from cases that only differ in these keys of the sweep and in
+        the repetition."""
         return _name(self.variant, {key: value for key, value in self.point.items() if key not in keys})
 
     def to_json(self) -> dict[str, Any]:
@@ -67,12 +70,12 @@ class Case:
 
     @property
     def folder(self) -> str:
-        """The name as a folder is called."""
+        """Folder name of the case."""
         return re.sub(r"[^\w.,=+-]", "_", self.name)
 
 
 def cases(plan: Plan) -> tuple[Case, ...]:
-    """Every case of `plan`, in the order in which they run."""
+    """Return every case of `plan`, in the order in which they run."""
     return tuple(
         _case(plan, variant, point, repetition)
         for variant in plan.variants or (None,)
@@ -82,10 +85,10 @@ def cases(plan: Plan) -> tuple[Case, ...]:
 
 
 def case_named(plan: Plan, name: str) -> Case:
-    """The case of that name; the only case of a plan goes by any.
+    """Return the case of that name; if the plan has only one case, return that.
 
     Raises:
-        AnalysisError: the plan has several, and none is called so.
+        AnalysisError: the plan has several cases, and none has that name.
     """
     todo = cases(plan)
     if len(todo) == 1:
@@ -135,7 +138,14 @@ def _case(
 
 
 def _name(variant: str, point: Mapping[str, Setting]) -> str:
-    """A variant and a point of a sweep as the name of a case has them."""
+    """Return the part of a case's name for a variant and a point of a sweep."""
     shown = ((value, f"{key}={part(value)}") for key, value in point.items())
     parts = (value if isinstance(value, str) else number for value, number in shown)
     return ",".join((*((variant,) if variant else ()), *parts))
+
+
+def drive_time_s(plan: Plan) -> float:
+    """Return the about how long a plan takes in the drive's time: ramping a load, settling, reading and
+    recording."""
+    points = [case.operating_point for case in cases(plan)]
+    return sum(_AROUND * point.settle_s + _READING_S + plan.record.duration_s for point in points)

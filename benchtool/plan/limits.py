@@ -20,11 +20,11 @@ if TYPE_CHECKING:
 
 
 SIMPLE: Final = "simple acceptance"
-"""The decision rule without a margin: the value alone is held against the bounds (JCGM 106:2012, 8.2)."""
+"""The decision rule without a margin: the value alone is compared with the bounds (JCGM 106:2012, 8.2)."""
 
 
 class Verdict(StrEnum):
-    """Outcome of a case or of a run, from best to worst; `NONE` where no limit was asked for."""
+    """Verdict on a case or a run, from best to worst; `NONE` without limits."""
 
     NONE = "none"
     PASS = "pass"
@@ -34,7 +34,7 @@ class Verdict(StrEnum):
 
     @property
     def met(self) -> bool:
-        """Whether nothing that was asked for is missed or left open: what a command ends with 0 for."""
+        """Whether no limit is missed or undecided, so that a command exits with 0."""
         return self not in (Verdict.UNDECIDED, Verdict.FAIL)
 
 
@@ -49,9 +49,13 @@ class Limit(Section):
     """
 
     min: float | None = None
+    """Least value; `min_Nm` states the unit."""
     max: float | None = None
+    """Greatest value; `max_Nm` states the unit."""
     margin: float | Literal["U"] = 0.0
+    """Within this distance of a bound a value is marginal; `"U"` guards with the expanded uncertainty."""
     unit: str | None = None
+    """Unit of the bounds, which is checked; nothing is converted."""
 
     @model_validator(mode="before")
     @classmethod
@@ -88,11 +92,11 @@ class Limit(Section):
         return self
 
     def judge(self, value: float | None, uncertainty: Uncertainty | None = None) -> Verdict:
-        """Verdict on a value; one that is missing or not finite fails, with `margin = "U"` also an expanded
-        uncertainty that is."""
+        """Return the verdict on a value; one that is missing or not finite fails, with `margin = "U"` also an
+        expanded uncertainty that is."""
         if value is None or not math.isfinite(value):
             return Verdict.FAIL
-        room = self.room(value)
+        room = self.headroom(value)
         if self.margin == "U":
             U = math.nan if uncertainty is None else uncertainty.expanded
             if not math.isfinite(U) or room < -U:
@@ -103,8 +107,8 @@ class Limit(Section):
         return Verdict.MARGINAL if room < self.margin else Verdict.PASS
 
     def conformance(self, value: float | None, uncertainty: Uncertainty | None) -> float | None:
-        """Probability that the true value lies within the bounds (JCGM 106:2012, 7), by the measurement
-        alone; None where value or uncertainty is not known."""
+        """Return the probability that the true value lies within the bounds (JCGM 106:2012, 7), by the
+        measurement alone; None where value or uncertainty is not known."""
         if value is None or uncertainty is None:
             return None
         if not (math.isfinite(value) and math.isfinite(uncertainty.expanded)):
@@ -113,14 +117,14 @@ class Limit(Section):
         greatest = math.inf if self.max is None else self.max - value
         return uncertainty.probability_within(least, greatest)
 
-    def room(self, value: float) -> float:
-        """How far inside the nearer bound a value lies; negative outside."""
+    def headroom(self, value: float) -> float:
+        """Return how far inside the nearer bound a value lies; negative outside."""
         below = math.inf if self.min is None else value - self.min
         above = math.inf if self.max is None else self.max - value
         return min(below, above)
 
     def shortfall(self, value: float) -> str:
-        """The bound that a value fails by and how far beyond that it is; empty of one that does not."""
+        """Return the bound that a value violates and by how much; empty if it violates none."""
         if self.min is not None and value < self.min:
             return f"at least {self.min:g} is asked for: {self.min - value:.3g} too little"
         if self.max is not None and value > self.max:
@@ -128,8 +132,8 @@ class Limit(Section):
         return ""
 
     def to_json(self, measured: Measurement | None) -> dict[str, Any]:
-        """The bounds, the rule in words, the verdict on a measurement, and the probability of conformance
-        where that has an uncertainty."""
+        """Return the bounds, the rule in words, the verdict on a measurement, and the probability of
+        conformance where that has an uncertainty."""
         value, uncertainty = (None, None) if measured is None else (measured.value, measured.uncertainty)
         document = self.model_dump(exclude_none=True)
         document |= {"rule": self.rule, "verdict": str(self.judge(value, uncertainty))}
@@ -152,7 +156,7 @@ class Limit(Section):
 
 @dataclass(frozen=True)
 class Missed:
-    """A limit that was not met, within its margin only, or not decidedly, in words."""
+    """A limit that was missed, met within its margin only, or undecided, in words."""
 
     name: str
     verdict: Verdict
@@ -163,7 +167,7 @@ class Missed:
 
 
 def missed(name: str, limit: Limit, measured: Measurement | None) -> Missed | None:
-    """What is to be said of a limit and the measurement that it holds for; None where it was met."""
+    """Return a limit that was missed, with its measurement; None if it was met."""
     if measured is None:
         return Missed(name, Verdict.FAIL, f"was not measured, {limit.bounds} is asked for")
     verdict = limit.judge(measured.value, measured.uncertainty)
@@ -181,17 +185,17 @@ def missed(name: str, limit: Limit, measured: Measurement | None) -> Missed | No
 
 
 def _guarded(limit: Limit, measured: Measurement) -> str:
-    """Why a finite value does not pass a limit with a guard band."""
+    """Return why a finite value does not pass a limit with a guard band."""
     uncertainty = measured.uncertainty
     if uncertainty is None or not math.isfinite(uncertainty.expanded):
         return f'its uncertainty is not known, which margin = "U" of its limit {limit.bounds} needs'
     beyond = limit.shortfall(measured.value)
-    place = beyond or f"{limit.room(measured.value):.3g} inside its limit {limit.bounds}"
+    place = beyond or f"{limit.headroom(measured.value):.3g} inside its limit {limit.bounds}"
     U = f"U = {uncertainty.expanded:.2g} (k = {uncertainty.k:.3g})"
     return f"{place}, {U}, probability of conformance {limit.conformance(measured.value, uncertainty):.3f}"
 
 
 def worst(verdicts: Iterable[Verdict]) -> Verdict:
-    """The worst of several verdicts; `NONE` of none."""
+    """Return the worst of several verdicts; `NONE` of none."""
     order = list(Verdict)
     return max(verdicts, key=order.index, default=Verdict.NONE)

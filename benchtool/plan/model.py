@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -10,12 +10,14 @@ from pydantic import AfterValidator, Field, ValidationError, field_validator, mo
 from pydantic_core import InitErrorDetails
 
 from benchtool.document import Array, Section, closest, document_path, load_document
-from benchtool.drive import Mode, Stimulus
+from benchtool.drive import Stimulus
 from benchtool.errors import PlanError
 from benchtool.plan.analyses import Analyses
-from benchtool.plan.known import catalogue
+from benchtool.plan.former_names import upgraded
+from benchtool.plan.lazy_catalogue import catalogue
 from benchtool.plan.limits import Limit
 from benchtool.plan.stated_units import with_units, without_units
+from benchtool.protocol import Mode
 from benchtool.shipped import shipped
 
 Seconds = Annotated[float, Field(gt=0, le=3600)]
@@ -23,16 +25,16 @@ Setting = float | str
 
 
 def _distinct(values: Sequence[Setting]) -> Sequence[Setting]:
-    """Refuse an array in which a value comes twice: as a channel's name, or in that of a case."""
+    """Refuse an array with a repeated value."""
     shown = [part(value) for value in values]
     for position, text in enumerate(shown):
         if text in shown[:position]:
-            raise ValueError(f"{text} comes twice, once is expected: leave one out")
+            raise ValueError(f"{text} appears twice, once is expected: leave one out")
     return values
 
 
 def part(value: Setting) -> str:
-    """A swept value in the name of its case: text as it is, a number to six digits."""
+    """Return a swept value as part of a case's name: text unchanged, a number to six digits."""
     return value if isinstance(value, str) else f"{value:g}"
 
 
@@ -43,7 +45,7 @@ _OF_MODE = {
 }
 
 
-_ALWAYS = ("none", "sweep")  # what `figure` may be besides the figures of analyses
+_ALWAYS = ("none", "sweep")  # values of `figure` besides the figures of analyses
 
 
 class OperatingPoint(Section):
@@ -55,12 +57,19 @@ class OperatingPoint(Section):
     """
 
     mode: Literal["velocity", "torque"] = "velocity"
+    """What the drive holds: the speed, or the torque."""
     omega_m_rad_s: float = 0.0
+    """Mechanical speed that the drive holds; velocity mode needs it."""
     load_torque_Nm: float = 0.0
+    """Torque of the load, against positive rotation."""
     torque_Nm: float = 0.0
+    """Torque that the drive makes; torque mode only."""
     hold_speed_rad_s: float | None = None
+    """Speed that the load machine holds; torque mode only."""
     u_dc_V: Annotated[float, Field(gt=0)] | None = None
+    """Voltage of the dc link that the point takes; by default that of the emulated bench."""
     settle_s: Seconds = 1.0
+    """Time at the operating point before the capture, in drive time."""
 
     @model_validator(mode="after")
     def _keys_are_of_the_mode(self) -> OperatingPoint:
@@ -83,25 +92,33 @@ class Record(Section):
     """What the drive captures, `stride` control ticks per row, from `pretrigger_s` before a stimulus on."""
 
     duration_s: Seconds
+    """Length of the capture."""
     channels: Annotated[Array[str], Field(min_length=1, max_length=16), AfterValidator(_distinct)]
+    """Signals of the drive's dictionary that are captured."""
     stride: Annotated[int, Field(ge=1, le=10000)] = 1
+    """Control periods per row; 1 captures at the control rate."""
     pretrigger_s: Annotated[float, Field(ge=0)] = 0.01
+    """Time before a stimulus that the capture holds."""
 
 
 class Sweep(Section):
-    """Values to go through: every combination (`grid`), or the first of each, then the second (`list`).
+    """Values of a sweep: every combination (`grid`), or the first of each, then the second (`list`).
 
     `emulator` names what differs on an emulated bench (`inverter.dead_time_s`).
     """
 
     order: Literal["grid", "list"] = "grid"
+    """Every combination, or the first value of each list, then the second, and so on."""
     setup: dict[str, Annotated[Array[Setting], Field(min_length=1), AfterValidator(_distinct)]] = Field(
         default_factory=dict
     )
+    """Values of drive parameters, by name."""
     emulator: dict[str, Swept] = Field(default_factory=dict)
+    """Values of the emulated bench, such as `inverter.dead_time_s`."""
     operating_point: dict[
         Literal["omega_m_rad_s", "load_torque_Nm", "torque_Nm", "hold_speed_rad_s"], Swept
     ] = Field(default_factory=dict)
+    """Values of the operating point."""
 
     @model_validator(mode="after")
     def _lists_are_equally_long(self) -> Sweep:
@@ -114,11 +131,14 @@ class Sweep(Section):
 
 class Variant(Section):
     """A departure from the plan: other drive parameters, or another emulated bench; without a name, the plan
-    as it is."""
+    unchanged."""
 
     name: str = ""
+    """Part of the case's name."""
     setup: dict[str, Setting] = Field(default_factory=dict)
+    """Drive parameters that differ from the plan's."""
     emulator: dict[str, float] = Field(default_factory=dict)
+    """Keys of the emulated bench that differ."""
 
 
 class Plan(Section):
@@ -128,32 +148,52 @@ class Plan(Section):
     drive playing it. `limits` hold for every case, `case_limits` for the case that they name, or for all of
     its repetitions. `judge` says what of these the limits hold for: each, their mean with its uncertainty, or
     the worst; data quality, the operating point reached and limits of a single repetition hold for each
-    anyway. `published` has the figures of a publication to print beside ours, by case, `readings`
-    what that publication leaves open and how it is read here. `figure` sets the cases side by side: one that
-    an analysis declares, or `sweep` for `figure_of` against the operating point that is swept; `tabulate`
-    names the measurements of a table with a row for each case.
+    anyway. `published` holds the figures of a publication for comparison, by case, `readings` its open points
+    and how they are read here. `figure` sets the cases side by side: one that an analysis declares, or
+    `sweep` for `figure_of` against the operating point that is swept; `tabulate` names the measurements of a
+    table with a row for each case.
     """
 
     title: str
+    """One line that names the test in reports."""
     profile: str
+    """Name or file of the profile; `--profile` overrides it."""
     case: str = ""
+    """Name of the case where there is one only."""
     repetitions: Annotated[int, Field(ge=1, le=1000)] = 1
+    """How often every case is run."""
     setup: dict[str, Setting] = Field(default_factory=dict)
+    """Drive parameters that are set before the run and restored afterwards."""
     operating_point: OperatingPoint
+    """Where the machine runs."""
     variants: Array[Variant] = ()
+    """Departures from the plan, each of which is a case."""
     sweep: Sweep = Sweep()
+    """Values that are gone through; each combination is a case."""
     record: Record
+    """What the drive captures."""
     stimulus: Stimulus | None = None
+    """What the drive plays during the capture."""
     analyses: Analyses = Analyses()
+    """What is measured of the capture."""
     limits: dict[str, Limit] = Field(default_factory=dict)
+    """Limits of measurements by name, for every case; a name may end in the unit."""
     case_limits: dict[str, dict[str, Limit]] = Field(default_factory=dict)
+    """Limits for one case, by its name."""
     judge: Literal["each", "mean", "worst"] = "each"
+    """What the limits hold for: each repetition, their mean with its uncertainty, or the worst."""
     published: dict[str, dict[str, float]] = Field(default_factory=dict)
+    """Figures of a publication to print beside the measured ones, by case."""
     readings: Array[str] = ()
+    """What that publication leaves open, and how it is read here."""
     figure: str = "none"
+    """Figure that sets the cases side by side: `sweep`, or one that an analysis declares."""
     figure_of: str = "torque_ripple_pp"
+    """Measurement that `figure = "sweep"` draws."""
     tabulate: Array[str] = ()
+    """Measurements of a table with a row for each case."""
     emulator: dict[str, float] = Field(default_factory=dict)
+    """Keys of the emulated bench that the plan alters, such as `inverter.u_dc_V`."""
 
     @field_validator("limits", mode="before")
     @classmethod
@@ -178,7 +218,7 @@ class Plan(Section):
     @classmethod
     def _figure_is_known(cls, figure: str) -> str:
         if figure not in _ALWAYS and figure not in (known := (*_ALWAYS, *catalogue().comparisons)):
-            raise ValueError(f"no figure is called so: {closest(figure, known)}")
+            raise ValueError(f"there is no such figure: {closest(figure, known)}")
         return figure
 
     @model_validator(mode="after")
@@ -219,18 +259,18 @@ class Plan(Section):
 
 
 def plan_path(name: str) -> Path:
-    """File of a shipped plan's name (`zhu2011/ripple`), or of a path.
+    """Return the file of a shipped plan's name (`zhu2011/ripple`), or of a path.
 
     Raises:
         PlanError: neither exists.
     """
     path = shipped("profiles") / f"{name}.toml"
     place = path if path.name != "profile.toml" else None
-    return document_path(name, place, "plan", _names, PlanError)
+    return document_path(name, place, "plan", shipped_plans, PlanError)
 
 
 def plan_names(name: str) -> tuple[str, ...]:
-    """The plans of a folder, a shipped profile's (`zhu2011`) or another; a single plan's name as it is."""
+    """Return plans of a folder, a shipped profile's (`zhu2011`) or another; a single plan's name as it is."""
     for folder, prefix in ((shipped("profiles") / name, name), (Path(name), "")):
         if folder.is_dir() and folder != shipped("profiles"):
             files = sorted(path for path in folder.glob("*.toml") if path.name != "profile.toml")
@@ -238,16 +278,37 @@ def plan_names(name: str) -> tuple[str, ...]:
     return (name,)
 
 
-def load_plan(name: str) -> Plan:
-    """The plan of a name or of a file.
+def recorded_plan(document: Mapping[str, Any]) -> Plan:
+    """Return the plan that a recording carries, of this version or an earlier one.
+
+    Raises:
+        ValidationError: this version does not understand it.
+    """
+    return Plan.model_validate(upgraded(document))
+
+
+Change = Callable[[Mapping[str, Any]], Mapping[str, Any]]
+
+
+def load_plan(name: str, change: Change = lambda content: content) -> Plan:
+    """Return the plan of a name or of a file; `change` may alter what the file has before that is checked.
 
     Raises:
         PlanError: unknown, unreadable, or a key is wrong.
     """
-    return load_document(plan_path(name), Plan, PlanError)
+    return load_document(plan_path(name), Plan, PlanError, change)
 
 
-def _names() -> list[str]:
+def profile_of(name: str, plan: Plan) -> str:
+    """Return the profile that the plan of that name asks for: a shipped one's name, or a file beside the
+    plan's."""
+    if not plan.profile.endswith(".toml"):
+        return plan.profile
+    return str(plan_path(name).parent / plan.profile)
+
+
+def shipped_plans() -> list[str]:
+    """Return the names of the plans that ship."""
     root = shipped("profiles")
     plans = (path for path in root.glob("*/*.toml") if path.name != "profile.toml")
     return sorted(str(path.relative_to(root).with_suffix("")) for path in plans)

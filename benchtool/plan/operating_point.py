@@ -1,29 +1,27 @@
-"""Whether the machine ran where the plan asked for it: what was reached as measurements, each with a limit.
+"""The operating point reached: measurements of it, each with a default limit.
 
 Speed, torque, load and dc link are means over the rows that are measured, or, with a stimulus, over those
-before it. What the capture does not hold is read from the drive just before the capture; what neither tells
-is undefined, and fails.
+before it. Signals that are not captured are read from the drive just before the capture; without either a
+measurement is undefined, and fails.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
-from dataclasses import replace as copied
+from dataclasses import dataclass, field, replace as copied
 from typing import Any, Final
 
 import numpy as np
 
-from benchtool.analysis import Basis, Measurement, Uncertainty, cut_to_span
-from benchtool.analysis.ripple import record_basis
-from benchtool.analysis.scatter import error_of_record
+from benchtool.analysis import Basis, Measurement, Uncertainty, crop_to, error_of_record, record_basis
 from benchtool.block import Block
-from benchtool.drive import Mode, RemoteDrive
+from benchtool.drive import RemoteDrive
 from benchtool.errors import AnalysisError
 from benchtool.plan.limits import Limit
 from benchtool.plan.model import OperatingPoint, Plan
 from benchtool.profile import Motor
+from benchtool.protocol import Mode
 
 SIGNALS: Final = ("omega_m", "torque", "u_dc")
 READINGS, READING_EVERY_S = 20, 5e-3
@@ -34,11 +32,11 @@ _TRANSDUCER = "torque_transducer"
 
 
 @dataclass(frozen=True)
-class Seen:
-    """What is known of a case besides its capture.
+class CaseReadings:
+    """Readings of a case besides its capture.
 
     `readings` are of the drive just before it, by signal, `u_dc_V` is the dc link of the bench that the
-    profile describes, `parameter_check` is what `ParameterCheck.to_json` tells of the drive.
+    profile describes, `parameter_check` is the result of `ParameterCheck.to_json`.
     """
 
     readings: Mapping[str, Sequence[float]] = field(default_factory=dict)
@@ -46,21 +44,21 @@ class Seen:
     parameter_check: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, details: Mapping[str, Any]) -> Seen:
-        """As `to_json` put it into a manifest."""
+    def of(cls, details: Mapping[str, Any]) -> CaseReadings:
+        """Return the readings from the details of a manifest."""
         return cls(details.get("readings", {}), details.get("u_dc_V"), details.get("parameter_check", {}))
 
     def to_json(self) -> dict[str, Any]:
-        """As a manifest keeps it."""
+        """Return the fields for the manifest."""
         readings = {name: list(values) for name, values in self.readings.items()}
         return {"readings": readings, "u_dc_V": self.u_dc_V, "parameter_check": dict(self.parameter_check)}
 
 
 @dataclass(frozen=True)
-class Asked:
-    """A quantity of the operating point: where it is to be, and by how much it may miss that.
+class Target:
+    """Target of a quantity of the operating point, with its tolerance.
 
-    `tolerance` is None where nothing says where it is to be.
+    `tolerance` is None if there is no target value.
     """
 
     name: str
@@ -76,53 +74,53 @@ class Asked:
         return Limit(min=self.value - self.tolerance, max=self.value + self.tolerance)
 
 
-def asked(point: OperatingPoint, motor: Motor, u_dc_V: float | None) -> tuple[Asked, ...]:
-    """What an operating point asks for.
+def targets(point: OperatingPoint, motor: Motor, u_dc_V: float | None) -> tuple[Target, ...]:
+    """Return the targets of an operating point.
 
-    The tolerances, of what is asked and of the motor's rating, the greater of the two: speed 2 % and 0.5 %,
-    torque 5 % and 1 %, load 10 % and 2 %, dc link 10 %. That of the rating is at most half of what is asked,
-    so that a load that was never there is missed; without load friction may take 5 % of the rated torque.
+    The tolerance is the greater of a share of the setpoint and a share of the motor's rating: speed 2 % and
+    0.5 %, torque 5 % and 1 %, load 10 % and 2 %, dc link 10 %. That of the rating is at most half of the
+    setpoint, so that a missing load is detected; without load, friction may take 5 % of the rated torque.
     """
-    return tuple(_asked(point, motor, point.u_dc_V or u_dc_V))
+    return tuple(_targets(point, motor, point.u_dc_V or u_dc_V))
 
 
-def _asked(point: OperatingPoint, motor: Motor, u_dc_V: float | None) -> Iterator[Asked]:
+def _targets(point: OperatingPoint, motor: Motor, u_dc_V: float | None) -> Iterator[Target]:
     speed, rated_Nm = motor.omega_m_N_rad_s, motor.T_N_Nm
     velocity = point.mode_of_operation is Mode.VELOCITY
     omega_m = point.omega_m_rad_s if velocity else point.hold_speed_rad_s
     if omega_m is not None:
-        yield Asked("omega_m_reached", omega_m, "rad/s", _tolerance(omega_m, 0.02, 0.005 * speed))
+        yield Target("omega_m_reached", omega_m, "rad/s", _tolerance(omega_m, 0.02, 0.005 * speed))
     if not velocity:
         torque = point.torque_Nm
-        yield Asked("torque_reached", torque, "Nm", _tolerance(torque, 0.05, 0.01 * rated_Nm))
+        yield Target("torque_reached", torque, "Nm", _tolerance(torque, 0.05, 0.01 * rated_Nm))
     load = point.load_torque_Nm
     if velocity or load:
         least = 0.02 * rated_Nm if load else 0.05 * rated_Nm
-        yield Asked("load_torque_reached", load, "Nm", _tolerance(load, 0.1, least))
+        yield Target("load_torque_reached", load, "Nm", _tolerance(load, 0.1, least))
     if u_dc_V is None:
-        yield Asked("u_dc_reached", math.nan, "V", None)
+        yield Target("u_dc_reached", math.nan, "V", None)
     else:
-        yield Asked("u_dc_reached", u_dc_V, "V", 0.1 * u_dc_V)
+        yield Target("u_dc_reached", u_dc_V, "V", 0.1 * u_dc_V)
 
 
 def _tolerance(value: float, share: float, least: float) -> float:
     return max(share * abs(value), min(least, 0.5 * abs(value)) if value else least)
 
 
-def default_limits(wanted: Iterable[Asked]) -> dict[str, Limit]:
-    """The limits by the names of their measurements."""
+def default_limits(wanted: Iterable[Target]) -> dict[str, Limit]:
+    """Return the limits by the names of their measurements."""
     return {each.name: each.limit for each in wanted if each.limit is not None}
 
 
-def to_read(plan: Plan, control_period_s: float) -> tuple[str, ...]:
-    """The signals of the operating point that the capture will not tell."""
+def signals_to_read(plan: Plan, control_period_s: float) -> tuple[str, ...]:
+    """Return the signals of the operating point that are not captured."""
     before = round(plan.record.pretrigger_s / (control_period_s * plan.record.stride))
     told = plan.stimulus is None or before >= _FEWEST_ROWS
     return tuple(name for name in SIGNALS if not (told and name in plan.record.channels))
 
 
 def read(drive: RemoteDrive, names: Sequence[str]) -> dict[str, tuple[float, ...]]:
-    """Readings of these signals over a tenth of a second, as far as the drive has them."""
+    """Return the readings of these signals over a tenth of a second, as far as the drive has them."""
     known = [name for name in names if name in drive.dictionary]
     found: dict[str, list[float]] = {name: [] for name in known}
     for _ in range(READINGS if known else 0):
@@ -134,31 +132,45 @@ def read(drive: RemoteDrive, names: Sequence[str]) -> dict[str, tuple[float, ...
 
 
 def measure_reached(
-    wanted: Sequence[Asked],
+    wanted: Sequence[Target],
     plan: Plan,
     point: OperatingPoint,
     motor: Motor,
     capture: Block,
     transducer: Block | None,
-    seen: Seen,
+    seen: CaseReadings,
 ) -> tuple[Measurement, ...]:
-    """What was reached of each quantity that is asked for.
+    """Return the measured value of each target.
 
     Args:
-        wanted: as `asked` gives it.
+        wanted: as `targets` returns them.
         plan: what was captured and played.
         point: the operating point of the case.
-        motor: its inertia tells load from acceleration in torque mode.
+        motor: its inertia separates load from acceleration in torque mode.
         capture: rows that are measured.
         transducer: torque on the shaft over the same time, if there is one.
-        seen: what was read from the drive.
+        seen: readings of the drive.
     """
     signals = _Signals(_rows(plan, capture), transducer, seen)
     return tuple(_measured(each, point, motor, signals) for each in wanted)
 
 
+def measure_held(rows: Block) -> Iterator[Measurement]:
+    """Yield where the machine ran while these rows were taken, of which nothing was asked.
+
+    Speed and dc link, as far as they were recorded; the mean torque is that of its own analysis.
+    """
+    for name in SIGNALS:
+        if name in rows.names and name != "torque":
+            mean = _mean_of(rows, name, f"{name} in the rows")
+            text = f"mean of {mean.source}; nothing was asked for"
+            yield Measurement(
+                f"{name}_reached", mean.value, rows.unit(name), text, mean.basis, _scatter_of(mean)
+            )
+
+
 def _rows(plan: Plan, capture: Block) -> Block | None:
-    """The rows at the operating point: all, or those before the stimulus; None if these are too few."""
+    """Return rows at the operating point: all, or those before the stimulus; None if these are too few."""
     if capture.gaps:
         return None
     begin, end = 0, len(capture.data)
@@ -174,7 +186,7 @@ def _rows(plan: Plan, capture: Block) -> Block | None:
 
 @dataclass(frozen=True)
 class _Mean:
-    """Mean of a signal, what it rests on, and where it comes from in words."""
+    """Mean of a signal, its basis, and its source in words."""
 
     value: float
     standard: float
@@ -184,14 +196,14 @@ class _Mean:
 
 @dataclass(frozen=True)
 class _Signals:
-    """Where the signals of an operating point are found."""
+    """Sources of the signals of an operating point."""
 
     rows: Block | None
     transducer: Block | None
-    seen: Seen
+    seen: CaseReadings
 
     def mean(self, name: str) -> _Mean | None:
-        """Mean over the rows, or else of the readings; None without both."""
+        """Return the mean over the rows, or else of the readings; None without both."""
         if self.rows is not None and name in self.rows.names:
             return _mean_of(self.rows, name, f"{name} in the capture")
         readings = np.array(self.seen.readings.get(name, ()), dtype=np.float64)
@@ -202,17 +214,17 @@ class _Signals:
         return _Mean(float(np.mean(readings)), spread, basis, f"{name} read just before the capture")
 
     def on_shaft(self) -> _Mean | None:
-        """Mean of the transducer over the rows, or else of the drive's estimate."""
+        """Return the mean of the transducer over the rows, or else of the drive's estimate."""
         if self.transducer is not None and self.rows is not None:
             try:
-                inside = cut_to_span(self.transducer, self.rows)
-            except AnalysisError:  # it covers the stimulus, and not all of what is before
+                inside = crop_to(self.transducer, self.rows)
+            except AnalysisError:  # it covers the stimulus, but not all rows before it
                 return self.mean("torque")
             return _mean_of(inside, _TRANSDUCER, f"{_TRANSDUCER} over the same time")
         return self.mean("torque")
 
     def acceleration_rad_s2(self) -> float | None:
-        """Slope of the speed over the rows, or else over the readings."""
+        """Return the slope of the speed over the rows, or else over the readings."""
         if self.rows is not None and "omega_m" in self.rows.names:
             omega_m, period_s = self.rows.column("omega_m"), 1.0 / self.rows.sample_rate_Hz
         else:
@@ -228,7 +240,7 @@ def _mean_of(block: Block, name: str, source: str) -> _Mean:
     return _Mean(float(np.mean(samples)), error_of_record(samples).standard, record_basis(block), source)
 
 
-def _measured(each: Asked, point: OperatingPoint, motor: Motor, signals: _Signals) -> Measurement:
+def _measured(each: Target, point: OperatingPoint, motor: Motor, signals: _Signals) -> Measurement:
     text = (
         f"asked for: {each.value:g} {each.unit}" if each.tolerance is not None else "nothing says where to be"
     )
@@ -247,11 +259,14 @@ def _measured(each: Asked, point: OperatingPoint, motor: Motor, signals: _Signal
             mean = signals.mean(name.removesuffix("_reached"))
     if mean is None:
         return Measurement.undefined(
-            each.name, each.unit, f"mean; {text}", "neither the capture nor the drive tells it"
+            each.name, each.unit, f"mean; {text}", "neither the capture nor the drive provides it"
         )
-    # samples that are all the same, but for rounding, are below the resolution and tell no scatter
+    definition = f"mean of {mean.source}; {text}"
+    return Measurement(each.name, mean.value, each.unit, definition, mean.basis, _scatter_of(mean))
+
+
+def _scatter_of(mean: _Mean) -> Uncertainty | None:
+    """Return its uncertainty; None of samples that are all the same, but for rounding: they are below the
+    resolution and tell no scatter."""
     known = math.isfinite(mean.standard) and mean.standard > 1e-9 * abs(mean.value)
-    uncertain = Uncertainty(mean.standard, "scatter over parts of the record") if known else None
-    return Measurement(
-        each.name, mean.value, each.unit, f"mean of {mean.source}; {text}", mean.basis, uncertain
-    )
+    return Uncertainty(mean.standard, "scatter over parts of the record") if known else None

@@ -1,13 +1,14 @@
-"""What a plan asks of the motor, against the rating that the profile states."""
+"""Check of setpoints and stimuli against the motor's rating."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from benchtool.drive import Mode, Stimulus
+from benchtool.drive import Stimulus
 from benchtool.errors import ValueRefused
 from benchtool.plan.model import OperatingPoint, Setting
 from benchtool.profile import Motor
+from benchtool.protocol import Mode
 
 _ONE_SIDED = frozenset({"constant", "step", "staircase", "ramp"})
 
@@ -18,11 +19,11 @@ def beyond_rating(
     motor: Motor,
     parameters: Mapping[str, Setting],
 ) -> Iterator[tuple[str, str]]:
-    """What the motor may not have: the key of the operating point or of the stimulus, and why.
+    """Yield setpoints beyond the rating: the key of the operating point or of the stimulus, and the reason.
 
     Args:
-        point: where the machine is to run.
-        stimulus: what the drive plays there, if anything.
+        point: the operating point.
+        stimulus: played by the drive, if any.
         motor: whose rated torque and speed hold.
         parameters: of the drive by TOML key, as the profile and the plan set them.
     """
@@ -60,17 +61,17 @@ def beyond_rating(
 def require_rated(
     point: OperatingPoint, stimulus: Stimulus | None, motor: Motor, parameters: Mapping[str, Setting]
 ) -> None:
-    """Refuse what `beyond_rating` finds.
+    """Refuse setpoints that `beyond_rating` finds.
 
     Raises:
-        ValueRefused: the motor may not have it; nothing was sent.
+        ValueRefused: a setpoint is beyond the rating; nothing was sent.
     """
     for _, reason in beyond_rating(point, stimulus, motor, parameters):
         raise ValueRefused(reason)
 
 
 def speed_rad_s(point: OperatingPoint, stimulus: Stimulus | None = None) -> float | None:
-    """Speed at which the steady state of a case is measured; None where the plan does not tell."""
+    """Return speed at which the steady state of a case is measured; None if the plan does not define it."""
     if stimulus is not None and stimulus.quantity == "speed":
         if stimulus.shape != "constant":
             return None

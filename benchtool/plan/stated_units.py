@@ -1,4 +1,4 @@
-"""Units that the keys of a plan carry: `torque_mean_Nm = { max = 1.0 }`, by measurement and stated unit."""
+"""Units in the keys of a plan: `torque_mean_Nm = { max = 1.0 }`, by measurement and stated unit."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from pydantic import ValidationError
 from pydantic_core import InitErrorDetails
 
 from benchtool.document import unit_suffix
-from benchtool.plan.known import catalogue
+from benchtool.plan.lazy_catalogue import catalogue
 from benchtool.plan.limits import Limit
 
 _MAY_END_WITH_A_UNIT: Final = re.compile(r"\w*_(percent|deg|rad|m?s|us|rpm|ppm|\w*[A-Z]\w*)")
 
 
 def with_units(limits: Any, *place: str) -> Any:
-    """Limits by measurement, the unit that a key ends with as that of its limit.
+    """Return the limits by measurement, the unit that a key ends with as that of its limit.
 
-    A unit that the measurement does not have stays in the key, and what checks the names of a plan says so.
-    `place` is where the table is, for messages.
+    A wrong unit stays in the key, and is reported by the check of names. `place` is where the table is, for
+    messages.
     """
     if not isinstance(limits, Mapping):
         return limits
@@ -28,20 +28,22 @@ def with_units(limits: Any, *place: str) -> Any:
     for key, limit in limits.items():
         name, unit = _split(key)
         if name in found or (unit and name in limits):
-            raise ValueError(f"the limit of {name} stands twice, once is expected: leave one out")
+            raise ValueError(f"the limit of {name} appears twice, once is expected: leave one out")
         found[name] = _in_unit(limit, unit, (*place, str(key))) if unit else limit
     return found
 
 
 def without_units(numbers: Any) -> Any:
-    """Published numbers by measurement; a unit that a key ends with, the measurement's, is left out."""
+    """Return the published numbers by measurement; a unit that a key ends with, the measurement's, is left
+    out."""
     if not isinstance(numbers, Mapping):
         return numbers
     return {_split(key)[0]: value for key, value in numbers.items()}
 
 
 def _split(key: Any) -> tuple[Any, str]:
-    """Measurement and unit of a key; the key and no unit where it does not end with its measurement's."""
+    """Return the measurement and unit of a key; the key and no unit where it does not end with its
+    measurement's."""
     may = isinstance(key, str) and _MAY_END_WITH_A_UNIT.fullmatch(key)
     stated = catalogue().stated_unit(key) if may else None
     if stated is None:
@@ -54,7 +56,7 @@ def _split(key: Any) -> tuple[Any, str]:
 
 
 def _in_unit(limit: Any, unit: str, place: tuple[str, ...]) -> Any:
-    """A limit with the unit that its key states; what is wrong is told by the key as it is written."""
+    """Return a limit with the unit that its key states; errors refer to the key as it is written."""
     if isinstance(limit, Limit):
         return limit if limit.unit is not None else limit.model_copy(update={"unit": unit})
     if not isinstance(limit, Mapping):

@@ -1,28 +1,28 @@
-"""A plan against profile, dictionary and bench, before anything is opened or sent."""
+"""Validation of a plan against profile, dictionary and bench, before anything is opened or sent."""
 
 from __future__ import annotations
 
+import itertools
 import math
-import tomllib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, Final
 
-from benchtool.analysis.dynamics.bode import FREQUENCY_RESPONSE
+from benchtool.analysis.dynamics import FREQUENCY_RESPONSE
 from benchtool.document import Path_, closest, line_of
 from benchtool.errors import PlanError, ProfileError, ValueRefused
 from benchtool.plan.analyses import spelled
 from benchtool.plan.cases import Case, cases
 from benchtool.plan.model import Plan, Setting
-from benchtool.plan.naming import Naming
+from benchtool.plan.name_check import NameCheck
 from benchtool.plan.rating import beyond_rating, speed_rad_s
+from benchtool.plan.source import Source
 from benchtool.profile import Profile, altered
-from benchtool.protocol.capture_data import MOST_VALUES
-from benchtool.protocol.dictionary import Dictionary
-from benchtool.protocol.dictionary.keys import setting_of
+from benchtool.protocol import MOST_VALUES
+from benchtool.protocol.dictionary import Dictionary, setting_of
 
 TRANSDUCER: Final = "torque_transducer"
-"""Channel of a torque transducer, which no dictionary knows."""
+"""Channel of a torque transducer, which is not in the dictionary."""
 
 _FEWEST_PERIODS = 2
 _ROWS_AT_THE_ENDS = 63  # of a current, which only feed the interpolation
@@ -35,44 +35,40 @@ Faults = Iterator[tuple[Path_, str]]
 
 def require_known(
     plan: Plan,
-    path: Path,
+    path: Path | None,
     profile: Profile,
     dictionary: Dictionary,
     *,
     transducer: bool,
     profile_file: Path | None = None,
 ) -> None:
-    """Check all that the plan at `path` names and asks for.
+    """Check all names and values of a plan.
 
     Args:
         plan: as it was read.
-        path: of its file, for messages.
+        path: of its file, for messages; None of a plan that was made in Python.
         profile: of the motor and the bench that it will run on.
         dictionary: of the drive.
         transducer: whether that bench has a torque transducer.
         profile_file: of the profile, for messages; without it they have the profile's title.
 
     Raises:
-        ProfileError: the profile sets a parameter that there is not, or to what it cannot be; or it states a
-            sensor of no channel.
+        ProfileError: the profile sets an unknown parameter or an invalid value, or states a sensor of an
+            unknown channel.
         PlanError: something is unknown, out of its limits or cannot be measured; the message names file, line
-            and key of the first such thing.
+            and key of each such thing, a line for each.
     """
-    for key, value in profile.drive.parameters.items():
-        try:
-            setting_of(dictionary, key, value)
-        except ValueRefused as refused:
-            place = _in_profile(profile, profile_file, ("drive", "parameters", key))
-            raise ProfileError(f"{place}, [drive.parameters]: {refused}") from None
-    for name, reason in _sensor_faults(profile, dictionary):
-        place = _in_profile(profile, profile_file, ("bench", "channels", name))
-        raise ProfileError(f"{place}, [bench.channels]: {reason}")
-    text = path.read_text(encoding="utf-8")
-    written = tomllib.loads(text)
+    wrong = [
+        f"{_in_profile(profile, profile_file, location)}, [{table}]: {reason}"
+        for location, table, reason in _profile_faults(profile, dictionary)
+    ]
+    if wrong:
+        raise ProfileError.of_all(wrong)
+    source = Source.of(plan, path)
     stream = "stream_sequence" in dictionary
     units = {variable.name: variable.unit for variable in dictionary if variable.role == "signal"}
-    naming = Naming(plan, profile.motor, transducer, stream, units)
-    for faults in (
+    naming = NameCheck(plan, profile.motor, transducer, stream, units)
+    found = itertools.chain(
         _setting_faults(plan, dictionary),
         _channel_faults(plan, dictionary),
         _case_faults(plan),
@@ -80,21 +76,33 @@ def require_known(
         _rating_faults(plan, profile),
         _record_faults(plan, dictionary),
         _window_faults(plan, profile, dictionary),
-        _as_written(naming.faults(), written),
-    ):
-        for location, reason in faults:
-            raise PlanError(f"{path}{line_of(text, location)}: {reason}")
+        _as_written(naming.faults(), source.document),
+    )
+    if reasons := dict.fromkeys(f"{source.place(location)}: {reason}" for location, reason in found):
+        raise PlanError.of_all(list(reasons))
+
+
+def _profile_faults(profile: Profile, dictionary: Dictionary) -> Iterator[tuple[Path_, str, str]]:
+    """Yield the parameters and sensors that a profile states and that cannot be: where, in which table, and
+    why."""
+    for key, value in profile.drive.parameters.items():
+        try:
+            setting_of(dictionary, key, value)
+        except ValueRefused as refused:
+            yield ("drive", "parameters", key), "drive.parameters", str(refused)
+    for name, reason in _sensor_faults(profile, dictionary):
+        yield ("bench", "channels", name), "bench.channels", reason
 
 
 def _in_profile(profile: Profile, file: Path | None, location: Path_) -> str:
-    """Where a key of the profile stands: file and line, or the profile by its title."""
+    """Return the place of a key of the profile: file and line, or the profile by its title."""
     if file is None:
         return f"profile '{profile.title}'"
     return f"{file}{line_of(file.read_text(encoding='utf-8'), location)}"
 
 
 def _sensor_faults(profile: Profile, dictionary: Dictionary) -> Iterator[tuple[str, str]]:
-    """Sensors of channels that there are not, and what is stated of them in another unit."""
+    """Yield the sensors of unknown channels, and errors stated in a wrong unit."""
     units = {each.name: each.unit for each in dictionary if each.role == "signal"} | {TRANSDUCER: "Nm"}
     for name, sensor in profile.bench.channels.items():
         if name not in units:
@@ -110,7 +118,7 @@ def _sensor_faults(profile: Profile, dictionary: Dictionary) -> Iterator[tuple[s
 
 
 def _as_written(faults: Faults, document: Mapping[str, Any]) -> Faults:
-    """Faults of names by the keys of the file: with the unit that ends one, or in an older form."""
+    """Yield the faults of names by the keys as written, with units and in older forms."""
     for location, reason in faults:
         match location:
             case ("analyses", str(analysis), str(key)):
@@ -127,7 +135,7 @@ def _as_written(faults: Faults, document: Mapping[str, Any]) -> Faults:
 
 
 def _setting_faults(plan: Plan, dictionary: Dictionary) -> Faults:
-    """Parameters that there are not, and values that they cannot have."""
+    """Yield the unknown parameters and invalid values."""
     for location, key, value in _settings(plan):
         try:
             variable = setting_of(dictionary, key, value)
@@ -139,7 +147,7 @@ def _setting_faults(plan: Plan, dictionary: Dictionary) -> Faults:
 
 
 def _channel_faults(plan: Plan, dictionary: Dictionary) -> Faults:
-    """Signals that there are not."""
+    """Yield the unknown signals."""
     known = [variable.name for variable in dictionary if variable.role == "signal"]
     for channel in plan.record.channels:
         if channel not in known:
@@ -147,13 +155,13 @@ def _channel_faults(plan: Plan, dictionary: Dictionary) -> Faults:
 
 
 def _case_faults(plan: Plan) -> Faults:
-    """Cases that would share a name or a folder, and names that no folder can have."""
+    """Yield the cases that would share a name or a folder, and names that are invalid for a folder."""
     todo = cases(plan)
     if len(todo) == 1:
-        return  # its folder is the run's
+        return  # its folder is that of the run
     seen: dict[str, str] = {}
     for case in todo:
-        place = _origin(plan, case)
+        place = _stated_at(plan, case)
         folder = case.folder.casefold()
         if folder in seen:
             other = f"'{seen[folder]}'" if seen[folder] != case.name else "another"
@@ -168,8 +176,8 @@ def _case_faults(plan: Plan) -> Faults:
             yield place, f"case '{case.name[:40]}...' has {len(folder)} characters: give it a shorter name"
 
 
-def _origin(plan: Plan, case: Case) -> Path_:
-    """Where the name of a case comes from, as far as that can be told."""
+def _stated_at(plan: Plan, case: Case) -> Path_:
+    """Return the key that determines the name of a case, if it is unique."""
     for number, variant in enumerate(plan.variants):
         if variant.name and case.variant == variant.name:
             return "variants", number, "name"
@@ -179,7 +187,7 @@ def _origin(plan: Plan, case: Case) -> Path_:
 
 
 def _bench_faults(plan: Plan, profile: Profile) -> Faults:
-    """Alterations of the emulated bench that it cannot have."""
+    """Yield the invalid alterations of the emulated bench."""
     sections: list[tuple[Path_, dict[str, float]]] = [(("emulator",), plan.emulator)]
     sections += [
         (("variants", number, "emulator"), variant.emulator) for number, variant in enumerate(plan.variants)
@@ -198,7 +206,7 @@ def _bench_faults(plan: Plan, profile: Profile) -> Faults:
 
 
 def _rating_faults(plan: Plan, profile: Profile) -> Faults:
-    """Setpoints and stimuli beyond the motor's rating, in any case."""
+    """Yield the setpoints and stimuli beyond the motor's rating, in any case."""
     for case in cases(plan):
         parameters = {**profile.drive.parameters, **plan.setup, **case.setup}
         for key, reason in beyond_rating(case.operating_point, plan.stimulus, profile.motor, parameters):
@@ -211,7 +219,7 @@ def _rating_faults(plan: Plan, profile: Profile) -> Faults:
 
 
 def _record_faults(plan: Plan, dictionary: Dictionary) -> Faults:
-    """More rows than the drive records, and a stimulus that its control period cannot play."""
+    """Yield captures longer than the drive records, and stimuli that do not fit its control period."""
     record = plan.record
     period_s = _control_period_s(dictionary)
     if period_s is None:
@@ -245,13 +253,13 @@ def _record_faults(plan: Plan, dictionary: Dictionary) -> Faults:
 
 
 def _control_period_s(dictionary: Dictionary) -> float | None:
-    """Of the drive, as its dictionary states it; None if it does not."""
+    """Return the control period of the drive by its dictionary; None if it is not stated."""
     period_s = dictionary["control_period"].default if "control_period" in dictionary else None
     return period_s if isinstance(period_s, int | float) else None
 
 
 def _window_faults(plan: Plan, profile: Profile, dictionary: Dictionary) -> Faults:
-    """Windows that are too short for what is to be measured in them."""
+    """Yield the windows that are too short for their analyses."""
     record, analyses = plan.record, plan.analyses
     if analyses.steady and analyses.steady_from_s >= record.duration_s:
         yield (
@@ -277,7 +285,7 @@ def _window_faults(plan: Plan, profile: Profile, dictionary: Dictionary) -> Faul
 
 
 def _period_faults(plan: Plan, profile: Profile, period_s: float) -> Faults:
-    """Fewer than two electrical periods in the steady state of a case."""
+    """Yield the cases with fewer than two electrical periods in steady state."""
     record = plan.record
     window_s = record.duration_s - plan.analyses.steady_from_s
     lost_s = _ROWS_AT_THE_ENDS * period_s * record.stride if "i_a" in record.channels else 0.0

@@ -1,1 +1,5 @@
-"""What recorded cases come to: measurements, verdicts, repetitions together, and how runs differ."""
+"""Results of recorded cases: measurements, verdicts, repetitions, comparison of runs."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

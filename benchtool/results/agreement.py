@@ -1,4 +1,4 @@
-"""Where the shaft does not agree with the drive: numbers of its estimate that a transducer contradicts."""
+"""Disagreements: numbers by the drive's estimate that a torque transducer contradicts."""
 
 from __future__ import annotations
 
@@ -7,18 +7,18 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from benchtool.analysis import Measurement, Uncertainty
-from benchtool.analysis.uncertainty import of_difference
-from benchtool.plan.limits import Limit, Verdict
+from benchtool.analysis import Measurement, Uncertainty, of_difference, with_expanded
+from benchtool.plan import Limit, Verdict
 
-_TRUE = "true_"
+_TRANSDUCER = "transducer_"
 
 
 @dataclass(frozen=True)
 class Disagreement:
     """A number by the drive's estimate, and by the transducer, further apart than their uncertainties.
 
-    `verdict` is what the plan's limit says of the transducer's number; None without a limit.
+    Where the transducer is slower than the capture, the estimate was compared in the band that it shows.
+    `verdict` is that of the transducer's number under the plan's limit; None without a limit.
     """
 
     estimate: Measurement
@@ -27,41 +27,69 @@ class Disagreement:
 
     @property
     def name(self) -> str:
-        """Of the number by the estimate."""
+        """Name of the number by the estimate."""
         return self.estimate.name
 
+    @property
+    def compared(self) -> Measurement:
+        """The number by the estimate that is held against the transducer's."""
+        return in_common_band(self.estimate)
+
+    @property
+    def band_text(self) -> str:
+        """What the estimate is in the transducer's band, in brackets; empty where the whole was compared."""
+        if self.compared is self.estimate:
+            return ""
+        value = with_expanded(self.compared.value, self.compared.uncertainty)
+        return f" ({value} {self.compared.unit} in the transducer's band, up to {self._band_Hz:.4g} Hz)"
+
+    @property
+    def _band_Hz(self) -> float:
+        band_Hz = None if self.compared is self.estimate else self.compared.basis.bandwidth_Hz
+        return math.nan if band_Hz is None else band_Hz
+
     def to_json(self) -> dict[str, Any]:
-        """Both values, and what the limit says of the transducer's."""
-        return {
+        """Return both values, and the verdict on the transducer's."""
+        document: dict[str, Any] = {
             "estimate": self.estimate.value,
             "transducer": self.true.value,
             "unit": self.estimate.unit,
-            "standard_uncertainty": _of_difference(self.estimate, self.true).standard,
+            "standard_uncertainty": _of_difference(self.compared, self.true).standard,
             "verdict_by_transducer": None if self.verdict is None else str(self.verdict),
         }
+        if self.compared is not self.estimate:
+            document |= {"estimate_in_band": self.compared.value, "band_Hz": self._band_Hz}
+        return document
 
 
-def true_name(name: str) -> str:
-    """The name by the transducer of what NAME is by the drive's estimate."""
-    return f"{_TRUE}{name}"
+def transducer_name(name: str) -> str:
+    """Return the name of the transducer's number for a number by the drive's estimate."""
+    return f"{_TRANSDUCER}{name}"
+
+
+def in_common_band(estimate: Measurement) -> Measurement:
+    """Return a number by the estimate in the band of a slower transducer; itself where there is none."""
+    return estimate.in_common_band or estimate
 
 
 def disagreements(
     measurements: Sequence[Measurement], limits: Mapping[str, Limit]
 ) -> tuple[Disagreement, ...]:
-    """Every number NAME that differs from true_NAME by more than the expanded uncertainty of the difference.
+    """Return every number NAME that differs from transducer_NAME by more than the expanded uncertainty of
+    both, in the transducer's band where that ends below the capture's.
 
-    An uncertainty that is not known counts as zero, so that a difference is rather told once too often.
+    An unknown uncertainty counts as zero, so that no disagreement is missed.
     """
     return tuple(_disagreements({each.name: each for each in measurements}, limits))
 
 
 def _disagreements(found: Mapping[str, Measurement], limits: Mapping[str, Limit]) -> Iterator[Disagreement]:
     for name, estimate in found.items():
-        true = found.get(true_name(name))
-        if true is None or not (math.isfinite(true.value) and math.isfinite(estimate.value)):
+        true = found.get(transducer_name(name))
+        seen = in_common_band(estimate)
+        if true is None or not (math.isfinite(true.value) and math.isfinite(seen.value)):
             continue
-        if abs(estimate.value - true.value) > _of_difference(estimate, true).expanded:
+        if abs(seen.value - true.value) > _of_difference(seen, true).expanded:
             verdict = limits[name].judge(true.value, true.uncertainty) if name in limits else None
             yield Disagreement(estimate, true, verdict)
 

@@ -1,32 +1,39 @@
-"""What a plan has measured of a recording: the analyses that it leaves on or asks for, as the data allow."""
+"""The analyses of a plan applied to a recording, as far as the data allow."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from itertools import groupby
 from typing import Any
 
-from benchtool.analysis.catalogue import catalogue, measure
-from benchtool.analysis.declaration import Analysis, Findings
-from benchtool.analysis.validity import require_unbroken
-from benchtool.analysis.window import Excitation, Window
+from benchtool.analysis import (
+    Analysis,
+    Basis,
+    Excitation,
+    Findings,
+    Measurement,
+    Window,
+    catalogue,
+    measure,
+    require_unbroken,
+)
 from benchtool.block import Block
 from benchtool.document import Section
 from benchtool.errors import AnalysisError
-from benchtool.plan.analyses import Analyses
-from benchtool.plan.model import Plan
+from benchtool.plan import Analyses, Plan
 from benchtool.profile import Motor
 
 
 @dataclass(frozen=True)
 class Planned:
-    """An analysis with its settings, and the window that it is made of."""
+    """An analysis with its settings, the window that it is made of, and why it cannot be, if it cannot."""
 
     analysis: Analysis[Any]
     settings: Section
     window: Window
+    refusal: str = ""
 
     @property
     def missing(self) -> tuple[str, ...]:
@@ -34,8 +41,13 @@ class Planned:
         return self.analysis.missing(frozenset(self.window.block.names), self.settings)
 
     @property
+    def lacking(self) -> bool:
+        """Whether a channel or the transducer is not there, so that there is nothing to be measured."""
+        return bool(self.missing) or (self.analysis.transducer and self.window.transducer is None)
+
+    @property
     def possible(self) -> bool:
-        """Whether the window allows it; one that the plan asks for says itself why not."""
+        """Whether the window allows it; requested analyses raise an error otherwise."""
         block, transducer = self.window.block, self.window.transducer is not None
         channels = frozenset(block.names)
         return not self.analysis.of_steady_state or self.analysis.possible(
@@ -44,11 +56,11 @@ class Planned:
 
 
 def planned(analyses: Analyses, steady: Window | None, whole: Window | None) -> Iterator[Planned]:
-    """The analyses of a plan, in the order of the catalogue.
+    """Yield the analyses of a plan, in the order of the catalogue.
 
     Args:
         steady: the part in steady state, if there is one.
-        whole: the whole capture, of which the analyses are made that a plan asks for; None for none of these.
+        whole: the whole capture, for the requested analyses; None to leave them out.
     """
     for analysis in catalogue().analyses:
         window = steady if analysis.of_steady_state else whole
@@ -58,7 +70,7 @@ def planned(analyses: Analyses, steady: Window | None, whole: Window | None) -> 
 
 
 def measure_all(todo: Sequence[Planned]) -> dict[str, Findings]:
-    """What every analysis finds that its window allows, by name, side by side in threads.
+    """Return the findings of every possible analysis, by name; made in parallel threads.
 
     Raises:
         AnalysisError: as the analyses: a gap, a dead signal, a speed that is not steady.
@@ -68,15 +80,65 @@ def measure_all(todo: Sequence[Planned]) -> dict[str, Findings]:
         if each.analysis.of_steady_state:
             require_unbroken(each.window.block)
             break  # they have one window
+    return _in_threads([each for each in todo if each.possible], _found)
+
+
+def measure_each(todo: Sequence[Planned]) -> dict[str, Findings]:
+    """As `measure_all`, each analysis for itself: the numbers of one that is refused are undefined, with the
+    reason.
+
+    Raises:
+        PlugInError: an analysis of another package fails.
+    """
+    return _in_threads([each for each in todo if not each.lacking], _found_or_undefined)
+
+
+def _in_threads(todo: Sequence[Planned], find: Callable[[Planned], Findings]) -> dict[str, Findings]:
     # analyses of the same channels share what the window computes once
     groups = [tuple(group) for _, group in groupby(todo, key=lambda each: each.analysis.channels)]
     with ThreadPoolExecutor(thread_name_prefix="benchtool-analysis") as pool:
-        tasks = [pool.submit(_measure, group) for group in groups]
+        tasks = [
+            pool.submit(lambda group: {each.analysis.name: find(each) for each in group}, group)
+            for group in groups
+        ]
         return {name: found for task in tasks for name, found in task.result().items()}
 
 
+def _found(each: Planned) -> Findings:
+    return measure(each.analysis, each.window, each.settings)
+
+
+def _found_or_undefined(each: Planned) -> Findings:
+    try:
+        if each.refusal:
+            raise AnalysisError(each.refusal)
+        if not each.possible:
+            raise AnalysisError(
+                f"every control tick is needed, these rows are {each.window.block.stride} ticks apart"
+            )
+        if each.analysis.of_steady_state:
+            require_unbroken(each.window.block)
+        return _found(each)
+    except AnalysisError as refused:
+        return Findings(tuple(_undefined(each, str(refused))))
+
+
+def _undefined(each: Planned, reason: str) -> Iterator[Measurement]:
+    """Yield the numbers that an analysis declares by name, without values."""
+    block = each.window.block
+    units = {channel.name: channel.unit for channel in block.channels}
+    rate_Hz = block.sample_rate_Hz
+    basis = Basis(len(block.data), rate_Hz, len(block.data) / rate_Hz, gaps=len(block.gaps))
+    for quantity in each.analysis.quantities:
+        unit = (
+            quantity.unit if isinstance(quantity.unit, str) else quantity.unit.resolve(each.settings, units)
+        )
+        for name in () if quantity.pattern else quantity.names:
+            yield Measurement.undefined(name, unit or "", quantity.text, reason, basis)
+
+
 def without_channels(todo: Iterable[Planned]) -> dict[str, tuple[str, ...]]:
-    """The titles of the analyses of a steady state that lack channels, each with these."""
+    """Return the titles of the analyses of a steady state that lack channels, each with these."""
     return {
         each.analysis.title: each.missing
         for each in todo
@@ -86,16 +148,8 @@ def without_channels(todo: Iterable[Planned]) -> dict[str, tuple[str, ...]]:
     }
 
 
-def _measure(group: Iterable[Planned]) -> dict[str, Findings]:
-    return {
-        each.analysis.name: measure(each.analysis, each.window, each.settings)
-        for each in group
-        if each.possible
-    }
-
-
 def of_plan(plan: Plan, motor: Motor, capture: Block, transducer: Block | None) -> tuple[Planned, ...]:
-    """The analyses of a plan, each with the part of the capture that it is made of.
+    """Return the analyses of a plan, each with the part of the capture that it is made of.
 
     Raises:
         AnalysisError: the capture ends before the steady state was to begin.
@@ -108,7 +162,7 @@ def of_plan(plan: Plan, motor: Motor, capture: Block, transducer: Block | None) 
 
 
 def _excitation(plan: Plan, capture: Block) -> Excitation:
-    """Where the stimulus plays; of a repeated one after its first period, a transient."""
+    """Return where the stimulus plays; of a repeated one after its first period, a transient."""
     if plan.stimulus is None:
         return Excitation(0, len(capture.data))
     begin, period = round(plan.record.pretrigger_s * capture.sample_rate_Hz), None
@@ -121,7 +175,7 @@ def _excitation(plan: Plan, capture: Block) -> Excitation:
 
 
 def _from(block: Block, start_s: float) -> Block:
-    """What a block holds from `start_s` on."""
+    """Return the part of a block from `start_s` on."""
     if start_s == 0.0:
         return block
     block.require_uniform()

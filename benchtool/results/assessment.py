@@ -1,4 +1,4 @@
-"""From recorded blocks to measurements and verdicts: the same for a fresh run and for a bundle read back."""
+"""Assessment of recorded blocks: measurements and verdicts, for a new run or a bundle read back."""
 
 from __future__ import annotations
 
@@ -12,43 +12,114 @@ from typing import Any
 from pydantic import ValidationError
 
 from benchtool.analysis import (
+    Findings,
+    Instruments,
     Measurement,
+    Perturbed,
     SteadyState,
     Table,
     measurements_from_json,
     measurements_to_json,
+    sensor_remarks,
+    steady_state_of,
     tables_to_json,
 )
-from benchtool.analysis.declaration import Findings
-from benchtool.analysis.instruments import Altered, Instruments, said_of_sensors
-from benchtool.analysis.steady_state import steady_state_of
 from benchtool.block import Block
 from benchtool.document import explain
 from benchtool.errors import AnalysisError
-from benchtool.plan.cases import Coordinates, case_named
-from benchtool.plan.limits import Limit, Missed, Verdict, missed, worst
-from benchtool.plan.model import Plan
-from benchtool.plan.operating_point import Seen, asked, default_limits, measure_reached
+from benchtool.plan import (
+    CaseReadings,
+    Coordinates,
+    Limit,
+    Missed,
+    Plan,
+    Verdict,
+    case_named,
+    default_limits,
+    measure_reached,
+    missed,
+    present_name,
+    recorded_plan,
+    targets,
+    worst,
+)
 from benchtool.profile import Motor
 from benchtool.recording import Bundle
 from benchtool.results.agreement import Disagreement, disagreements
 from benchtool.results.analyses import measure_all, of_plan, without_channels
 from benchtool.results.calibration import Calibration, Overdue, stated_overdue
-from benchtool.results.measuring_again import altered_readings, measured_again, rests_on
+from benchtool.results.common_band import with_common_band
+from benchtool.results.regimes import Regime
+from benchtool.results.remeasurement import perturbed_readings, remeasured, rests_on
 from benchtool.results.repetitions import Repeated, limits_alone
 
 
 @dataclass(frozen=True)
+class Recorded:
+    """Which rows of a recording without a plan were measured.
+
+    Attributes:
+        stream: its name in the bundle.
+        block: all of its rows.
+        sha256: of its file, which is that of the whole stream whatever was measured of it; None of a
+            recording that was cut short.
+        regimes: those that were found; empty where a window was chosen.
+        rows: the regime or the window; of these, the longest stretch without a missing row was measured.
+    """
+
+    stream: str
+    block: Block
+    sha256: str | None
+    regimes: tuple[Regime, ...] = ()
+    rows: Block | None = None
+
+    def source(self, measured: Block) -> dict[str, Any]:
+        """Of which rows the numbers are, such that another program can take the same ones."""
+        rows = measured if self.rows is None else self.rows
+        first = self.block.first_tick
+        ticks = measured.ticks()
+        return {
+            "stream": self.stream,
+            "sha256": self.sha256,
+            "rate_Hz": self.block.sample_rate_Hz,
+            "stride": self.block.stride,
+            "first_tick": int(ticks[0]),
+            "last_tick": int(ticks[-1]),
+            "from_s": (int(ticks[0]) - first) * self.block.tick_s,
+            "to_s": (int(ticks[-1]) - first + self.block.stride) * self.block.tick_s,
+            "rows": len(measured.data),
+            "rows_of_window": len(rows.data),
+            "missing_rows": sum(gap.missing_rows for gap in rows.gaps),
+            "gaps": len(rows.gaps),
+            "regimes": [each.to_json() for each in self.regimes],
+        }
+
+    def remarks(self, measured: Block) -> Iterator[str]:
+        """Yield which rows were measured, and what was left out."""
+        source = self.source(measured)
+        if len(self.regimes) > 1 or not self.regimes or source["gaps"]:
+            yield (
+                f"measured is {source['from_s']:.6g} s to {source['to_s']:.6g} s of stream {self.stream}, "
+                f"{source['rows']} rows at {source['rate_Hz']:.6g} Hz"
+            )
+        if source["gaps"]:
+            yield (
+                f"{source['missing_rows']} rows are missing in {source['gaps']} gaps there: the longest "
+                f"stretch without one was taken, {source['rows']} of {source['rows_of_window']} rows"
+            )
+
+
+@dataclass(frozen=True)
 class Assessment:
-    """What a case measured, how each limit was met, and what a publication has for it.
+    """Measurements of a case, verdicts on its limits, and published figures.
 
     `quality` is what the recording's certificate measured; limits hold for it as well. `limits` are the
-    plan's for each case and, where it sets none, those of the operating point. `without` names what could not
-    be measured for want of channels, with these. `parameter_check` is what `ParameterCheck.to_json` tells of
-    the drive. `refusal` is why nothing but the operating point was measured, where the machine ran elsewhere.
-    `overdue` are the instruments whose calibration was due before the run.
-    `findings` are what each analysis found, by its name, and `coordinates` say where the case stands in its
-    plan.
+    plan's for each case and, where it sets none, those of the operating point. `without` names analyses that
+    lack channels, with these. `parameter_check` is the result of `ParameterCheck.to_json`. `refusal` is the
+    reason why only the operating point was measured, if that was not reached. `overdue` are the instruments
+    whose calibration was due before the run. `findings` are those of each analysis, by its name, and
+    `coordinates` those of the case in its plan. `recorded` says which rows of a recording without a plan
+    these are.
     """
 
     case: str
@@ -67,11 +138,17 @@ class Assessment:
     refusal: str = ""
     overdue: tuple[Overdue, ...] = ()
     coordinates: Coordinates = field(default_factory=partial(Coordinates, ""))
+    recorded: Recorded | None = None
+
+    @property
+    def stream(self) -> str:
+        """The stream of the bundle that was measured."""
+        return "capture" if self.recorded is None else self.recorded.stream
 
     @property
     def of_sensors(self) -> tuple[str, ...]:
-        """What is to be said of the sensors, each once, the general before the particular."""
-        return said_of_sensors(self.measurements)
+        """Remarks on the sensors, each once, general ones first."""
+        return sensor_remarks(self.measurements)
 
     @property
     def found(self) -> Mapping[str, Measurement]:
@@ -104,7 +181,7 @@ class Assessment:
 
     @property
     def disagreements(self) -> tuple[Disagreement, ...]:
-        """Numbers of the drive's estimate that the transducer contradicts."""
+        """Numbers by the drive's estimate that the transducer contradicts."""
         return disagreements(self.measurements, self.limits)
 
     @property
@@ -120,7 +197,7 @@ class Assessment:
         return worst({**self.verdicts, **shaft}.values())
 
     def to_json(self) -> dict[str, Any]:
-        """The case as the JSON document of a run lists it."""
+        """Return the case as the JSON document of a run lists it."""
         document: dict[str, Any] = {
             "bundle": str(self.bundle),
             "coordinates": self.coordinates.to_json(),
@@ -135,6 +212,8 @@ class Assessment:
             "unstated_parameters": dict(self.parameter_check.get("unstated", {})),
             "measurements": measurements_to_json(self.measurements),
         }
+        if self.recorded is not None:
+            document["source"] = self.recorded.source(self.capture)
         document |= stated_overdue(self.overdue)
         return document | ({"tables": tables_to_json(self.tables)} if self.tables else {})
 
@@ -145,7 +224,7 @@ def _verdict(limit: Limit, measured: Measurement | None) -> Verdict:
 
 @dataclass(frozen=True)
 class RunResult:
-    """What every case of a plan came to and, by the name of each case, its repetitions together."""
+    """Results of every case of a plan and, by the name of each case, of its repetitions together."""
 
     assessments: tuple[Assessment, ...]
     repeated: Mapping[str, tuple[Repeated, ...]] = field(default_factory=dict)
@@ -178,7 +257,7 @@ class RunResult:
         return worst((*known, *together)) if known else None
 
     def to_json(self) -> dict[str, Any]:
-        """The document that `--json` prints."""
+        """Return the document that `--json` prints."""
         document: dict[str, Any] = {
             "verdict": str(self.verdict),
             "verdict_by_transducer": self.verdict_by_transducer,
@@ -200,7 +279,7 @@ def assess(
     capture: Block,
     transducer: Block | None,
     quality: tuple[Measurement, ...] = (),
-    seen: Seen | None = None,
+    seen: CaseReadings | None = None,
     calibration: Calibration | None = None,
 ) -> Assessment:
     """Analyse what one case recorded.
@@ -208,15 +287,15 @@ def assess(
     Args:
         case: its name.
         quality: what the recording's certificate measured.
-        seen: what was read from drive and bench beside the capture.
-        calibration: what is known of the sensors.
+        seen: readings of drive and bench besides the capture.
+        calibration: of the sensors.
 
     Raises:
         AnalysisError: the data cannot answer what the plan asks, though the operating point was reached.
     """
-    this, seen, calibration = case_named(plan, case), seen or Seen(), calibration or Calibration()
+    this, seen, calibration = case_named(plan, case), seen or CaseReadings(), calibration or Calibration()
     point = this.operating_point
-    wanted = asked(point, motor, seen.u_dc_V)
+    wanted = targets(point, motor, seen.u_dc_V)
     reached = measure_reached(wanted, plan, point, motor, capture, transducer, seen)
     own = limits_alone(plan, this)
     limits = {**own, **{name: each for name, each in default_limits(wanted).items() if name not in own}}
@@ -225,7 +304,7 @@ def assess(
     except AnalysisError as refused:
         if not any(missed(each.name, limits[each.name], each) for each in reached if each.name in limits):
             raise
-        # the machine ran elsewhere: that is the result, and no wonder that nothing else can be told
+        # the operating point was not reached: that is the result, and nothing else is measured
         answers, refusal = _Answers(), str(refused)
     blocks = [capture] if transducer is None else [capture, transducer]
     instruments = Instruments(
@@ -233,21 +312,34 @@ def assess(
         blocks,
         rests_on=partial(rests_on, plan, transducer is not None),
         pole_pairs=motor.pole_pairs,
+        slots=motor.slots,
     )
 
-    def again(altered: Altered) -> Iterator[Measurement]:
-        """What hangs on the waveform of an altered channel."""
+    def again(altered: Perturbed) -> Iterator[Measurement]:
+        """Yield the measurements that depend on the waveform, with a perturbed channel."""
         other = altered.of(capture)
         shaft = None if transducer is None else altered.of(transducer)
-        yield from measure_reached(wanted, plan, point, motor, other, shaft, altered_readings(seen, altered))
+        yield from measure_reached(
+            wanted, plan, point, motor, other, shaft, perturbed_readings(seen, altered)
+        )
         if not refusal:
-            with suppress(AnalysisError):  # what is not found again has an unknown uncertainty
-                yield from measured_again(plan, motor, other, shaft, altered.channel)
+            with suppress(AnalysisError):  # a measurement that is not found again has an unknown uncertainty
+                todo = of_plan(plan, motor, other, shaft)
+                yield from remeasured(plan.analyses, todo, altered.channel)
 
+    measurements = instruments.applied((*answers.measurements, *reached), again)
+    if not refusal:
+        measurements = with_common_band(
+            measurements,
+            capture,
+            transducer,
+            lambda narrow: of_plan(plan, motor, narrow, transducer),
+            instruments,
+        )
     return Assessment(
         case,
         bundle,
-        instruments.applied((*answers.measurements, *reached), again),
+        measurements,
         quality,
         limits,
         {**plan.published.get(this.group, {}), **plan.published.get(case, {})},
@@ -266,7 +358,7 @@ def assess(
 
 @dataclass(frozen=True)
 class _Answers:
-    """What the analyses that a plan asks for find, by name, and what lacked channels."""
+    """Findings of the analyses of a plan, by name, and analyses that lack channels."""
 
     findings: Mapping[str, Findings] = field(default_factory=dict)
     without: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
@@ -281,7 +373,7 @@ class _Answers:
 
 
 def _answer(plan: Plan, motor: Motor, capture: Block, transducer: Block | None) -> _Answers:
-    """Every analysis that a plan asks for."""
+    """Make every analysis of a plan."""
     todo = of_plan(plan, motor, capture, transducer)
     return _Answers(measure_all(todo), without_channels(todo))
 
@@ -290,13 +382,13 @@ def assess_bundle(bundle: Bundle) -> Assessment:
     """Analyse a bundle again, by the plan and the motor that it carries.
 
     Raises:
-        RecordingError: a file of it is not what was recorded, or cannot be read.
+        RecordingError: a file was changed since it was recorded, or cannot be read.
         AnalysisError: it is not of a plan, or its data cannot answer what the plan asks.
     """
     bundle.require_intact()
     details = bundle.manifest.details
     try:
-        plan, motor = Plan.model_validate(details["plan"]), Motor.model_validate(details["motor"])
+        plan, motor = recorded_plan(details["plan"]), Motor.model_validate(details["motor"])
         case = str(details["case"])
     except (KeyError, ValidationError) as failed:
         why = f" ({explain(Plan, failed)})" if isinstance(failed, ValidationError) else ""
@@ -309,7 +401,8 @@ def assess_bundle(bundle: Bundle) -> Assessment:
         raise AnalysisError(f"{bundle.directory} holds no capture ({failure}): run the plan again")
     transducer = bundle.block("transducer") if "transducer" in bundle.streams else None
     certificate = bundle.certificate or {}
-    quality = measurements_from_json(certificate.get("measurements", {}))
-    capture, seen = bundle.block("capture"), Seen.of(details)
+    certified = certificate.get("measurements", {})
+    quality = measurements_from_json({present_name(name): value for name, value in certified.items()})
+    capture, seen = bundle.block("capture"), CaseReadings.of(details)
     calibration = Calibration.of(bundle.manifest)
     return assess(plan, case, motor, bundle.directory, capture, transducer, quality, seen, calibration)

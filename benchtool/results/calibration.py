@@ -1,4 +1,4 @@
-"""The instruments of a recording on the day of it: what is stated of them, and whose calibration was due."""
+"""Calibration of the instruments of a recording on its day."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ CLOCK = "the drive's clock"
 
 @dataclass(frozen=True)
 class Overdue:
-    """An instrument that was used after its next calibration was due."""
+    """An instrument that was used after its calibration was due."""
 
     channel: str
     instrument: Instrument
@@ -35,7 +35,7 @@ class Overdue:
         return f"calibration of {self.channel}{label} was due on {due}, {late} before this run"
 
     def to_json(self) -> dict[str, Any]:
-        """Channel, what tells the instrument, and both days."""
+        """Return the channel, the instrument and both days in words."""
         one = self.instrument
         return {
             "channel": self.channel,
@@ -56,7 +56,7 @@ class Calibration:
 
     @classmethod
     def at(cls, bench: Bench, when: str) -> Calibration:
-        """On the day of a wall time as a manifest has it."""
+        """Return the calibration on the day of a wall time as a manifest has it."""
         try:
             return cls(bench, date.fromisoformat(when[:10]))
         except ValueError:
@@ -64,10 +64,10 @@ class Calibration:
 
     @classmethod
     def of(cls, manifest: Manifest) -> Calibration:
-        """Of the profile that a bundle carries; none of a bundle without one.
+        """Return the calibration of the profile in a bundle; empty without a profile.
 
         Raises:
-            AnalysisError: its section [bench] is none that this version understands.
+            AnalysisError: this version does not understand its section [bench].
         """
         try:
             content = tomllib.loads(manifest.profile_toml)
@@ -82,7 +82,7 @@ class Calibration:
             ) from None
 
     def overdue(self, channels: Iterable[str]) -> tuple[Overdue, ...]:
-        """The instruments of these channels, and the clock, whose calibration was due before."""
+        """Return the instruments of these channels, and the clock, whose calibration was due before."""
         return () if self.on is None else tuple(self._overdue(self.on, frozenset(channels)))
 
     def _overdue(self, on: date, channels: frozenset[str]) -> Iterator[Overdue]:
@@ -94,7 +94,7 @@ class Calibration:
 
 
 def overdue_text(overdue: Sequence[Overdue]) -> str:
-    """Half a sentence that names the channels; empty of none."""
+    """Return half a sentence that names the channels; empty without any."""
     if not overdue:
         return ""
     return f"calibration overdue: {', '.join(dict.fromkeys(each.channel for each in overdue))}"

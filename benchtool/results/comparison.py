@@ -1,18 +1,18 @@
-"""How the measurements of one run differ from those of another, and whether the difference means anything."""
+"""Comparison of the measurements of runs, and the significance of differences."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, Self
+from typing import Any, Literal, Protocol, Self
 
-from benchtool.analysis import Measurement, Uncertainty
-from benchtool.analysis.uncertainty import COVERAGE, of_difference
-from benchtool.plan.limits import Limit
+from benchtool.analysis import COVERAGE, Measurement, Uncertainty, of_difference
+from benchtool.plan import Limit
 from benchtool.results.assessment import Assessment
 from benchtool.results.calibration import Overdue
 
+_SAME_LINE = 2.0  # bins of both spectra: half the main lobe of a Hann window
 _SAME_LENGTH = 0.01  # of the longer record: whole periods differ by less
 
 
@@ -20,11 +20,12 @@ _SAME_LENGTH = 0.01  # of the longer record: whole periods differ by less
 class Delta:
     """One measurement of a run against that of the reference, both in `unit`.
 
-    `absolute` is the value less the reference, `percent` of the reference's magnitude. `uncertainty` is
-    that of the difference, in which errors of instruments that both have in common cancel; None where one of
-    them has none. `exceeds` tells whether the difference is more than the expanded uncertainty, with k from
-    the effective degrees of freedom of both; None where there is none. `judgement` is empty where no limit
-    tells which direction is good, or where the difference is not known to exceed its uncertainty.
+    `absolute` is the value less the reference, `percent` of the reference's magnitude. `uncertainty` is that
+    of the difference, with the repeatability of both; errors of instruments that both have in common cancel.
+    It is None where one of them has none. `exceeds` tells whether the difference is more than the expanded
+    uncertainty, with k from the effective degrees of freedom of both; None where there is none. `judgement`
+    is empty where no limit defines which direction is better, or where the difference does not exceed its
+    uncertainty. `reason` says why two values are not of one quantity, so that nothing is decided.
     """
 
     name: str
@@ -36,6 +37,7 @@ class Delta:
     uncertainty: Uncertainty | None
     exceeds: bool | None
     judgement: Literal["", "better", "worse"]
+    reason: str = ""
 
     @property
     def standard(self) -> float:
@@ -43,7 +45,7 @@ class Delta:
         return math.nan if self.uncertainty is None else self.uncertainty.standard
 
     def to_json(self) -> dict[str, Any]:
-        """JSON has no nan, so that it becomes null; so does a judgement that is not made."""
+        """Return the fields; nan, and a judgement that is not made, become null."""
         return {
             "unit": self.unit,
             "reference": _finite(self.reference),
@@ -56,12 +58,13 @@ class Delta:
             "expanded_uncertainty": None if self.uncertainty is None else _finite(self.uncertainty.expanded),
             "exceeds_uncertainty": self.exceeds,
             "judgement": self.judgement or None,
-        }
+        } | ({"reason": self.reason} if self.reason else {})
 
 
 @dataclass(frozen=True)
 class Chance:
-    """Of `decided` differences, how many exceed their uncertainty; nothing is corrected for their number."""
+    """Number of `decided` differences that exceed their uncertainty, without a correction for their
+    number."""
 
     decided: int
     exceeding: int
@@ -74,21 +77,20 @@ class Chance:
 
     @property
     def expected(self) -> float:
-        """Mean number of false alarms if nothing differed; it holds for differences that depend on each other
-        too, which then come together or not at all."""
+        """Expected number of false alarms if nothing differed; it also holds for dependent differences."""
         return self.decided * (1.0 - COVERAGE)
 
     def __str__(self) -> str:
-        """A sentence; empty where none or one is decided."""
+        """Return a sentence; empty where none or one is decided."""
         if self.decided < 2:
             return ""
         return (
             f"{self.exceeding} of {self.decided} differences exceed their uncertainty; if nothing differed, "
-            f"chance would make {self.expected:.2g} of them do so on average."
+            f"{self.expected:.2g} of them would do so by chance on average."
         )
 
     def to_json(self) -> dict[str, Any]:
-        """The counts and the number expected by chance."""
+        """Return the counts and the number expected by chance."""
         return {
             "decided": self.decided,
             "exceeding": self.exceeding,
@@ -123,8 +125,14 @@ class Comparison:
 
     @property
     def chance(self) -> Chance:
-        """How the differences of all runs to the first compare with what chance makes of as many."""
+        """Number of significant differences of all runs, compared with the number expected by chance."""
         return Chance.of([each for found in self.deltas.values() for each in found])
+
+    @property
+    def not_compared(self) -> tuple[str, ...]:
+        """A sentence for each difference of two quantities."""
+        deltas = (each for found in self.deltas.values() for each in found)
+        return tuple(f"{each.name}: {each.reason}." for each in deltas if each.reason)
 
     @property
     def lengths(self) -> str:
@@ -146,10 +154,10 @@ class Comparison:
 
 
 def compare_cases(runs: Mapping[str, Sequence[Assessment]]) -> tuple[tuple[Comparison, ...], tuple[str, ...]]:
-    """The cases of several runs matched by their names, and what has no counterpart in the first run.
+    """Return the cases of several runs matched by name, and those without a counterpart in the first run.
 
-    Runs of one case each are compared whatever their cases are called; of one run alone, its cases are
-    compared with its first.
+    Runs of one case each are compared regardless of names; of a single run, its cases are compared with the
+    first.
     """
     if len(runs) == 1:
         ((_, found),) = runs.items()
@@ -172,12 +180,22 @@ def compare_cases(runs: Mapping[str, Sequence[Assessment]]) -> tuple[tuple[Compa
     return tuple(comparisons), tuple(alone)
 
 
-def deltas(reference: Assessment, other: Assessment) -> tuple[Delta, ...]:
-    """Differences of every measurement that both have in the same unit."""
+class Measured(Protocol):
+    """What was measured, with the limits that say which direction is good."""
+
+    @property
+    def measurements(self) -> tuple[Measurement, ...]: ...
+
+    @property
+    def limits(self) -> Mapping[str, Limit]: ...
+
+
+def deltas(reference: Measured, other: Measured) -> tuple[Delta, ...]:
+    """Return the differences of every measurement that both have in the same unit."""
     return tuple(_deltas(reference, other))
 
 
-def _deltas(reference: Assessment, other: Assessment) -> Iterator[Delta]:
+def _deltas(reference: Measured, other: Measured) -> Iterator[Delta]:
     found = {each.name: each for each in other.measurements}
     for one in reference.measurements:
         two = found.get(one.name)
@@ -185,30 +203,52 @@ def _deltas(reference: Assessment, other: Assessment) -> Iterator[Delta]:
             continue
         absolute = two.value - one.value
         percent = 100.0 * absolute / abs(one.value) if one.value else math.nan
-        uncertainty = _combined(one, two)
+        reason = _other_line(one, two)
+        uncertainty = None if reason else _combined(one, two)
         # where either is missing, nothing is decided
         U = math.nan if uncertainty is None else uncertainty.expanded
         exceeds = bool(abs(absolute) > U) if math.isfinite(absolute) and math.isfinite(U) else None
         limits = [each.limits[one.name] for each in (reference, other) if one.name in each.limits]
         judgement = _judge(absolute, exceeds, limits)
         yield Delta(
-            one.name, one.unit, one.value, two.value, absolute, percent, uncertainty, exceeds, judgement
+            one.name,
+            one.unit,
+            one.value,
+            two.value,
+            absolute,
+            percent,
+            uncertainty,
+            exceeds,
+            judgement,
+            reason,
         )
 
 
 def _duration_s(result: Assessment) -> float:
-    """Of the longest basis of all measurements; 0 if none says."""
+    """Return the longest duration of all measurements; 0 if unknown."""
     return max((each.basis.duration_s or 0.0 for each in result.measurements), default=0.0)
 
 
+def _other_line(one: Measurement, two: Measurement) -> str:
+    """Return why the largest lines of two spectra may be two lines of each; empty if they are one."""
+    here, there = one.basis, two.basis
+    if here.line_Hz is None or there.line_Hz is None or not here.duration_s or not there.duration_s:
+        return ""
+    if abs(there.line_Hz - here.line_Hz) <= _SAME_LINE * (1.0 / here.duration_s + 1.0 / there.duration_s):
+        return ""
+    return (
+        f"the largest line is at {here.line_Hz:.6g} Hz in the reference and at {there.line_Hz:.6g} Hz here: "
+        f"two lines, whose numbers are not compared"
+    )
+
+
 def _combined(one: Measurement, two: Measurement) -> Uncertainty | None:
-    if one.uncertainty is None or two.uncertainty is None:
-        return None
-    return of_difference(one.uncertainty, two.uncertainty)
+    first, second = one.uncertainty_of_state, two.uncertainty_of_state
+    return None if first is None or second is None else of_difference(first, second)
 
 
 def _judge(absolute: float, exceeds: bool | None, limits: Sequence[Limit]) -> Literal["", "better", "worse"]:
-    """Less is better under limits from above, more under limits from below; between two bounds neither is."""
+    """Return judgement: less is better under upper limits, more under lower ones; with two bounds neither."""
     signs = {(-1 if each.max is not None else 0) + (1 if each.min is not None else 0) for each in limits}
     if len(signs) != 1 or not exceeds:
         return ""

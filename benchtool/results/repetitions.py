@@ -1,5 +1,4 @@
-"""What the repetitions of a case come to together: the mean of each measurement, what it is worth, and how it
-meets a limit that holds for all of them."""
+"""Results over the repetitions of a case: mean of each measurement, its uncertainty, and verdicts."""
 
 from __future__ import annotations
 
@@ -10,14 +9,10 @@ from typing import Any, Literal
 
 import numpy as np
 
-from benchtool.analysis import Contribution, Measurement, Uncertainty
-from benchtool.analysis.uncertainty import InstrumentError
-from benchtool.plan.cases import Case, cases
-from benchtool.plan.limits import Limit, Missed, Verdict, missed
-from benchtool.plan.model import Plan
-from benchtool.plan.operating_point import NAMES as REACHED
-from benchtool.results.agreement import Disagreement, disagreements, true_name
-from benchtool.telemetry.certificate import certificate_units
+from benchtool.analysis import Contribution, InstrumentError, Measurement, Uncertainty
+from benchtool.plan import NAMES as REACHED, Case, Limit, Missed, Plan, Verdict, cases, missed
+from benchtool.results.agreement import Disagreement, disagreements, transducer_name
+from benchtool.telemetry import certificate_units
 
 
 @dataclass(frozen=True)
@@ -25,11 +20,11 @@ class Repeated:
     """One measurement over `n` repetitions in which it was defined.
 
     `standard_uncertainty` is that of the mean, the standard deviation over sqrt(n) with n - 1 degrees of
-    freedom (JCGM 100:2008, 4.2.3), and nan of fewer than two. It knows nothing of what all repetitions share;
-    of that, `instruments` are the errors of sensors and clock, which `uncertainty` contains besides.
-    `limit` is the one that holds for them together and `judged` what it is put to: by `judge` of the plan the
-    mean, or the worst repetition; None where the plan judges each, or where nothing was measured.
-    `disagreement` is there where a transducer contradicts what is judged.
+    freedom (JCGM 100:2008, 4.2.3), and nan of fewer than two. It does not contain errors that all repetitions
+    share; `instruments` are those of sensors and clock, which `uncertainty` adds. `limit` is the one that
+    holds for them together and `judged` the value it applies to: by `judge` of the plan the mean, or the
+    worst repetition; None where the plan judges each, or where nothing was measured. `disagreement` is set
+    where a transducer contradicts the judged value.
     """
 
     name: str
@@ -74,11 +69,11 @@ class Repeated:
 
     @property
     def missed(self) -> Missed | None:
-        """What is to be said of the limit; None where it is met or where there is none."""
+        """The missed limit; None if it is met or there is none."""
         return None if self.limit is None else missed(self.name, self.limit, self.judged)
 
     def to_json(self) -> dict[str, Any]:
-        """JSON has no nan, so that it becomes null."""
+        """Return the fields; nan becomes null."""
         document: dict[str, Any] = {
             "mean": _finite(self.mean),
             "standard_uncertainty": _finite(self.standard_uncertainty),
@@ -97,11 +92,11 @@ class Repeated:
 def over_repetitions(
     plan: Plan, measured: Mapping[str, Sequence[Measurement]]
 ) -> dict[str, tuple[Repeated, ...]]:
-    """Every measurement of every case over its repetitions, by the case's name without their number.
+    """Return every measurement of every case over its repetitions, by the case's name without their number.
 
     Args:
-        plan: if it has one repetition only, there is nothing to say.
-        measured: the measurements of its cases by name; a case that is missing has measured nothing.
+        plan: with one repetition only, the result is empty.
+        measured: the measurements of its cases by name; a missing case has no measurements.
     """
     if plan.repetitions < 2:
         return {}
@@ -115,7 +110,7 @@ def over_repetitions(
 
 
 def limits_together(plan: Plan, group: str) -> dict[str, Limit]:
-    """The limits of a case that hold for all of its repetitions together, by `judge` of the plan."""
+    """Return the limits of a case that hold for all of its repetitions together, by `judge` of the plan."""
     if plan.judge == "each":
         return {}
     each = {*REACHED, *certificate_units(stream=True)}
@@ -124,7 +119,7 @@ def limits_together(plan: Plan, group: str) -> dict[str, Limit]:
 
 
 def limits_alone(plan: Plan, case: Case) -> dict[str, Limit]:
-    """The limits that a plan sets for one case by itself: for every case, for its group, for itself."""
+    """Return limits that a plan sets for one case by itself: for every case, for its group, for itself."""
     together = limits_together(plan, case.group)
     shared = {**plan.limits, **plan.case_limits.get(case.group, {})}
     alone = {name: limit for name, limit in shared.items() if name not in together}
@@ -140,19 +135,13 @@ def _together(
     done: dict[str, Repeated] = {}
     for name in dict.fromkeys((*units, *limits)):
         found = [each for measurements in group for each in measurements if each.name == name]
-        values = [each.value for each in found if math.isfinite(each.value)]
-        mean = float(np.mean(values)) if values else math.nan
-        spread = float(np.std(values, ddof=1)) / math.sqrt(len(values)) if len(values) > 1 else math.nan
         limit = limits.get(name)
-        shared = tuple(_shared(found))
-        together = Repeated(
-            name, units.get(name, ""), mean, spread, len(values), limit, judge=judge, instruments=shared
-        )
+        together = replace(_mean_of(name, units.get(name, ""), found), limit=limit, judge=judge)
         if limit is not None and found:
             together = replace(together, judged=_judged(together, found, len(group), judge == "mean"))
         done[name] = together
     for name, together in done.items():
-        limit, true = together.limit, done.get(true_name(name))
+        limit, true = together.limit, done.get(transducer_name(name))
         if limit is not None and together.judged is not None and true is not None:
             on_shaft = [each for measurements in group for each in measurements if each.name == true.name]
             shaft = _judged(replace(true, limit=limit), on_shaft, len(group), judge == "mean")
@@ -163,7 +152,7 @@ def _together(
 
 
 def _shared(found: Sequence[Measurement]) -> Iterator[Contribution]:
-    """The errors of instruments, each of which moves the mean as it moves the repetitions on average."""
+    """Yield errors of instruments, each of which moves the mean as it moves the repetitions on average."""
     lines: dict[InstrumentError, list[Contribution]] = {}
     count = sum(math.isfinite(each.value) for each in found)
     for each in found:
@@ -177,7 +166,7 @@ def _shared(found: Sequence[Measurement]) -> Iterator[Contribution]:
 
 
 def _judged(together: Repeated, found: Sequence[Measurement], count: int, of_mean: bool) -> Measurement:
-    """What a limit over `count` repetitions is put to; undefined where one of them has no value."""
+    """Return value that a limit over `count` repetitions applies to; undefined if one of them has none."""
     limit, name, unit = together.limit, together.name, together.unit
     assert limit is not None
     definition = f"{'mean' if of_mean else 'worst'} of {count} repetitions"
@@ -185,14 +174,36 @@ def _judged(together: Repeated, found: Sequence[Measurement], count: int, of_mea
         reason = f"{count - together.n} of {count} repetitions have no value"
         return Measurement.undefined(name, unit, definition, reason)
     if of_mean:
-        return Measurement(name, together.mean, unit, definition, uncertainty=together.uncertainty)
+        judged = Measurement(name, together.mean, unit, definition, uncertainty=together.uncertainty)
+        return replace(judged, in_common_band=_mean_in_band(found, judged))
     order = list(Verdict)
 
     def merit(each: Measurement) -> tuple[int, float]:
-        """Verdict before distance: with guard bands, the widest uncertainty may be what misses."""
-        return -order.index(limit.judge(each.value, each.uncertainty)), limit.room(each.value)
+        """Return the sort key of the worst repetition: verdict before distance, as with guard bands the
+        widest uncertainty may fail."""
+        return -order.index(limit.judge(each.value, each.uncertainty)), limit.headroom(each.value)
 
     return replace(min(found, key=merit), definition=definition)
+
+
+def _mean_in_band(found: Sequence[Measurement], judged: Measurement) -> Measurement | None:
+    """Return the mean of the repetitions in the band of a slower transducer; None where one has none."""
+    narrow = [each.in_common_band for each in found if each.in_common_band is not None]
+    if len(narrow) < len(found):
+        return None
+    together = _mean_of(judged.name, judged.unit, narrow)
+    basis = narrow[0].basis
+    return Measurement(
+        judged.name, together.mean, judged.unit, judged.definition, basis, together.uncertainty
+    )
+
+
+def _mean_of(name: str, unit: str, found: Sequence[Measurement]) -> Repeated:
+    """Return mean and standard deviation of the mean of repetitions."""
+    values = [each.value for each in found if math.isfinite(each.value)]
+    mean = float(np.mean(values)) if values else math.nan
+    spread = float(np.std(values, ddof=1)) / math.sqrt(len(values)) if len(values) > 1 else math.nan
+    return Repeated(name, unit, mean, spread, len(values), instruments=tuple(_shared(found)))
 
 
 def _finite(value: float) -> float | None:

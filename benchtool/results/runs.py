@@ -1,31 +1,33 @@
-"""Recorded runs on disk: which bundles belong together, and what each comes to when it is measured again."""
+"""Recorded runs on disk: grouping of bundles, each measured again."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
 from pydantic import ValidationError
 
-from benchtool.errors import AnalysisError, BenchError, PlugInError, RecordingError
-from benchtool.plan.cases import cases
-from benchtool.plan.limits import Verdict, worst
-from benchtool.plan.model import Plan
+from benchtool.errors import AnalysisError, BenchError, PlugInError, RecordingError, UsageError
+from benchtool.plan import Verdict, cases, recorded_plan, worst
 from benchtool.recording import Bundle
 from benchtool.results.assessment import Assessment, assess_bundle
+from benchtool.results.recordings import Selection, assess_recording
 from benchtool.results.repetitions import Repeated, over_repetitions
 
 _MANIFEST = "manifest.json"
-_PUT_ASIDE = re.compile(r"\.cut-\d+$")  # half-done cases that a resumed run has done again
+_PUT_ASIDE = re.compile(r"\.cut-\d+$")  # incomplete cases that a resumed run has repeated
 
 
 @dataclass(frozen=True)
 class RecordedCase:
-    """One bundle; without an assessment, `failure` says why there is none, and `error` if that was one."""
+    """One bundle, or one steady regime of a recording.
+
+    Without an assessment, `failure` says why there is none, and `error` if that was one.
+    """
 
     name: str
     bundle: Bundle
@@ -38,9 +40,13 @@ class RecordedCase:
         """The assessment's; a run that failed or was cut short fails, a recording without a plan has none."""
         if self.assessment is not None and self.bundle.complete:
             return self.assessment.verdict
-        return (
-            Verdict.NONE if "plan" not in self.bundle.manifest.details and not self.failure else Verdict.FAIL
-        )
+        told = self.bundle.complete and (self.error is None or isinstance(self.error, AnalysisError))
+        return Verdict.FAIL if self.planned or not told else Verdict.NONE
+
+    @property
+    def planned(self) -> bool:
+        """Whether it is of a plan."""
+        return is_planned(self.bundle)
 
 
 @dataclass(frozen=True)
@@ -53,13 +59,15 @@ class RecordedRun:
 
     @cached_property
     def repeated(self) -> Mapping[str, tuple[Repeated, ...]]:
-        """The repetitions of each case together. A run of which cases are missing has only the limits that
-        hold over repetitions to tell of, which it does not meet."""
+        """The repetitions of each case together. For a run with missing cases only the limits over
+        repetitions are listed, as missed."""
         measured = {case.name: case.assessment.measurements for case in self.cases if case.assessment}
         if not measured:
             return {}
         carrier = next(case.bundle for case in self.cases if case.assessment)
-        plan = Plan.model_validate(carrier.manifest.details["plan"])
+        if not is_planned(carrier):
+            return {}
+        plan = recorded_plan(carrier.manifest.details["plan"])
         if plan.judge == "each" and any(case.name not in measured for case in cases(plan)):
             return {}
         return over_repetitions(plan, measured)
@@ -70,19 +78,27 @@ class RecordedRun:
         return worst((*(case.verdict for case in self.cases), *together))
 
 
-def recorded_runs(folder: Path) -> tuple[RecordedRun, ...]:
-    """What `folder` holds: a bundle, the bundles of one plan, or a folder of these for each plan.
+def recorded_runs(folder: Path, selection: Selection | None = None) -> tuple[RecordedRun, ...]:
+    """Return what `folder` holds: a bundle, the bundles of one plan, or a folder of these for each plan.
+
+    A recording without a plan has a case for each steady regime. With a `selection`, which needs one bundle,
+    a run is measured as a recording too, without the limits of its plan.
 
     Raises:
+        UsageError: a selection of several bundles.
         RecordingError: it holds none, or one cannot be read.
         PlugInError: an analysis of another package cannot be used.
     """
     if folder.exists() and not folder.is_dir():
         raise RecordingError(f"{folder} is a file: give the folder of a run")
     if not folder.exists():
-        raise RecordingError(f"there is no {folder}: give the folder of a run")
+        raise RecordingError(f"{folder} does not exist: give the folder of a run")
     if (folder / _MANIFEST).is_file():
-        return (RecordedRun("", folder, (_case(Bundle.open(folder)),)),)
+        return (RecordedRun("", folder, tuple(_cases(Bundle.open(folder), selection))),)
+    if selection is not None and not selection.everything:
+        raise UsageError(
+            f"{folder} is no single bundle, of which a part can be measured: give one of those in it"
+        )
     groups: dict[Path, list[Bundle]] = {}
     for path in sorted((*folder.glob(f"*/{_MANIFEST}"), *folder.glob(f"*/*/{_MANIFEST}"))):
         place = path.parent
@@ -94,21 +110,27 @@ def recorded_runs(folder: Path) -> tuple[RecordedRun, ...]:
     return tuple(runs) if len(runs) > 1 else (RecordedRun("", runs[0].folder, runs[0].cases),)
 
 
-def complete_cases(folder: Path) -> list[Assessment]:
-    """Every case of a run that was finished, measured again.
+def complete_cases(folder: Path, selection: Selection | None = None) -> list[Assessment]:
+    """Return every case of a run that was finished, measured again; of a recording, what came of it.
 
     Raises:
         RecordingError: there is none, or a file of one is not what was recorded.
         AnalysisError: the data cannot answer what the plan asks.
     """
-    found = [case for run in recorded_runs(folder) for case in run.cases if case.bundle.complete]
+    recorded = [case for run in recorded_runs(folder, selection) for case in run.cases]
+    found = [case for case in recorded if case.bundle.complete or (case.assessment and not case.planned)]
     if not found:
         raise RecordingError(f"{folder} holds no complete run bundle: give the folder of a run")
     return [case.assessment or _refuse(case) for case in found]
 
 
+def is_planned(bundle: Bundle) -> bool:
+    """Return whether a plan was run, whose limits hold."""
+    return "plan" in bundle.manifest.details
+
+
 def _of_one_plan(root: Path, place: Path, bundles: list[Bundle]) -> list[RecordedRun]:
-    """The bundles of a folder by their plan; a plan of one case stands beside those of several."""
+    """Return the bundles of a folder by their plan; a plan of one case stands beside those of several."""
     by_plan: dict[str, list[Bundle]] = {}
     for bundle in bundles:
         by_plan.setdefault(bundle.manifest.what, []).append(bundle)
@@ -117,15 +139,16 @@ def _of_one_plan(root: Path, place: Path, bundles: list[Bundle]) -> list[Recorde
         alone = len(members) == 1 and (place == root or len(by_plan) > 1)
         folder = members[0].directory if alone else place
         name = folder.name
-        runs.append(RecordedRun(name, folder, _in_order([_case(bundle) for bundle in members])))
+        found = [case for bundle in members for case in _cases(bundle, several=len(members) > 1)]
+        runs.append(RecordedRun(name, folder, _in_order(found)))
     return sorted(runs, key=lambda run: run.name)
 
 
 def _in_order(found: list[RecordedCase]) -> tuple[RecordedCase, ...]:
-    """Cases in the order in which they ran, and of equal times in that of their plan."""
+    """Return the cases in the order in which they ran, and of equal times in that of their plan."""
     names: list[str] = []
     with suppress(KeyError, ValidationError):
-        plan = Plan.model_validate(found[0].bundle.manifest.details["plan"])
+        plan = recorded_plan(found[0].bundle.manifest.details["plan"])
         names = [case.name for case in cases(plan)]
     places = {name: place for place, name in enumerate(names)}
     return tuple(
@@ -135,20 +158,38 @@ def _in_order(found: list[RecordedCase]) -> tuple[RecordedCase, ...]:
     )
 
 
-def _case(bundle: Bundle) -> RecordedCase:
+def _cases(
+    bundle: Bundle, selection: Selection | None = None, *, several: bool = False
+) -> list[RecordedCase]:
+    """Return the case of a bundle, or the regimes of a recording as one each, of `several` by the bundle's
+    name."""
     details = bundle.manifest.details
     name = str(details.get("case", bundle.directory.name))
     failure = str(details.get("failure", ""))
     if not failure and not bundle.complete:
         failure = "the run was cut short before it ended"
     try:
-        bundle.require_intact()
-        result = assess_bundle(bundle) if "plan" in details else None
-        return RecordedCase(name, bundle, result, failure)
+        found = _assessments(bundle, selection)
+        if several:
+            found = tuple(
+                replace(each, case=f"{name} {each.case}") if each.recorded else each for each in found
+            )
+        return [
+            RecordedCase(each.case if each.recorded else name, bundle, each, failure) for each in found
+        ] or [RecordedCase(name, bundle, None, failure)]
     except PlugInError:
-        raise  # it is of this installation and not of the recording
+        raise  # an error of this installation, not of the recording
     except BenchError as error:
-        return RecordedCase(name, bundle, None, failure or str(error), error)
+        return [RecordedCase(name, bundle, None, failure or str(error), error)]
+
+
+def _assessments(bundle: Bundle, selection: Selection | None) -> tuple[Assessment, ...]:
+    """By the plan, or as a recording; none of a table of another tool, which carries no motor."""
+    chosen = selection is not None and not selection.everything
+    if is_planned(bundle) and not chosen:
+        return (assess_bundle(bundle),)
+    bundle.require_intact()
+    return assess_recording(bundle, selection) if bundle.manifest.profile_toml or chosen else ()
 
 
 def _refuse(case: RecordedCase) -> Assessment:

@@ -1,6 +1,5 @@
-"""Numbers of a table that another tool recorded: what its columns and its time stamps allow, and no more."""
+"""Analysis of imported tables (CSV), as far as their columns and time stamps allow."""
 
-from benchtool.tables.answer import TableAnswer, analyze_table
-from benchtool.tables.columns import TableQuestion
+import lazy_loader
 
-__all__ = ["TableAnswer", "TableQuestion", "analyze_table"]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,4 +1,4 @@
-"""What is measured of a record: ripple of its columns, spectrum of a phase current, orders by its angle."""
+"""Measurements of a record: ripple of its columns, spectrum of a phase current, orders by its angle."""
 
 from __future__ import annotations
 
@@ -8,13 +8,16 @@ from typing import TypeVar
 
 import numpy as np
 
-from benchtool.analysis import Measurement, Table
-from benchtool.analysis.orders.angle import angle_coverage
-from benchtool.analysis.orders.order_spectrum import fitted_orders, orders_at_speed
-from benchtool.analysis.orders.orders import Orders, describe_orders, order_analysis
-from benchtool.analysis.ripple import record_basis, ripple_of_rows
-from benchtool.analysis.spectra.current import CurrentSpectrum, current_spectrum
-from benchtool.analysis.spectra.lines import spectral_lines
+from benchtool.analysis import Measurement, Table, record_basis, ripple_of_rows
+from benchtool.analysis.orders import (
+    Orders,
+    angle_coverage,
+    describe_orders,
+    fitted_orders,
+    order_analysis,
+    orders_at_speed,
+)
+from benchtool.analysis.spectra import CurrentSpectrum, current_spectrum, spectral_lines
 from benchtool.errors import AnalysisError
 from benchtool.tables.periods import Periods
 from benchtool.tables.record import Record
@@ -24,14 +27,14 @@ _MEASURED = ("torque", "current", "speed")
 _AC_NUMBERS = (
     ("fundamental_frequency", "Hz", "frequency of the largest sinusoid"),
     ("current_fundamental", "A", "peak amplitude of the largest sinusoid"),
-    ("current_thd", "%", "harmonics in percent of the fundamental"),
+    ("current_thd_f", "%", "harmonics in percent of the fundamental"),
 )
 
 _Result = TypeVar("_Result", Measurement, Table)
 
 
 def results(record: Record) -> Iterator[Measurement | Table]:
-    """All numbers of a record, column by column; what it cannot answer is undefined, with the reason."""
+    """Yield all numbers of a record, column by column; impossible ones are undefined, with the reason."""
     periods = Periods(record)
     for what in _MEASURED:
         if what not in record.channels:
@@ -87,7 +90,7 @@ def _ripple(record: Record, periods: Periods, what: str) -> Iterator[Measurement
 
 
 def _limited(record: Record, number: Measurement, held: int) -> Measurement:
-    """The number with a basis that claims no more than the rows hold."""
+    """Return the number with a basis limited to the rows."""
     if held == 1 or number.basis.bandwidth_Hz is None:
         return number
     definition = f"{number.definition}, each value held for {held} rows"
@@ -109,7 +112,7 @@ def _current(record: Record, periods: Periods) -> Iterator[Measurement | Table]:
 
 
 def _current_spectrum(record: Record, periods: Periods, name: str) -> CurrentSpectrum:
-    """Raises AnalysisError with the reason why there is none."""
+    """Return the spectrum; raises AnalysisError with the reason if there is none."""
     base = record.base
     if record.uniform is None:
         raise AnalysisError(record.uneven)
@@ -161,5 +164,5 @@ def _found_orders(record: Record, what: str) -> Orders:
 
 
 def _without_gaps(number: _Result) -> _Result:
-    """With a basis that does not say how many gaps there are: the stamps do not tell."""
+    """Return the number with an unknown number of gaps in its basis."""
     return replace(number, basis=replace(number.basis, gaps=None))

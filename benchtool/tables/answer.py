@@ -1,33 +1,33 @@
-"""From the question that is asked of a table to its answer, which says what was read and how."""
+"""From a question on a table to its answer, with the interpretation of the file."""
 
 from __future__ import annotations
 
 import math
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
-from benchtool.analysis import Measurement, Table, measurements_to_json, tables_to_json
-from benchtool.analysis.instruments import Instruments
+from benchtool.analysis import Instruments, Measurement, Table, measurements_to_json, tables_to_json
+from benchtool.block import Block
 from benchtool.errors import AnalysisError
 from benchtool.profile import Bench
 from benchtool.tables.analyses import results
 from benchtool.tables.columns import TableColumns, TableQuestion, read_columns
 from benchtool.tables.layout import BLANKS
 from benchtool.tables.record import Record
-from benchtool.tables.remarks import Remark, remarks
+from benchtool.tables.remarks import Remark, overdue, remarks
 from benchtool.tables.time_base import time_base
 
-_SENSED: Mapping[str, str] = {"current": "i_a", "speed": "omega_m"}
-"""Channel of a drive by what a column is, where they are called otherwise."""
+_SENSED: Mapping[str, str] = {"current": "i_a", "speed": "omega_m", "angle": "theta_m"}
+"""Channel of a drive by the kind of a column, where the names differ."""
 
 
 @dataclass(frozen=True)
 class TableAnswer:
-    """What a table measured; `source` says what was read of it and how its time stamps were understood.
+    """Measurements of a table; `source` describes what was read and how its time stamps were interpreted.
 
-    `record` has the rows that were used, `remarks` tell what is odd about them.
+    `record` has the rows that were used, `remarks` describe oddities.
     """
 
     measurements: tuple[Measurement, ...]
@@ -37,7 +37,7 @@ class TableAnswer:
     remarks: tuple[Remark, ...] = ()
 
     def to_json(self) -> dict[str, Any]:
-        """The case as the JSON document of a run lists one, with its source."""
+        """Return the case as the JSON document of a run lists one, with its source."""
         return {
             "source": dict(self.source),
             "remarks": [each.to_json() for each in self.remarks],
@@ -47,9 +47,10 @@ class TableAnswer:
 
 
 def analyze_table(question: TableQuestion) -> TableAnswer:
-    """Mean and ripple of every column; the spectrum of a phase current; orders where there is an angle.
+    """Return the mean and ripple of every column; the spectrum of a phase current; orders where there is an
+    angle.
 
-    Ripple and orders by angle need no even time steps. What does, a spectrum, is undefined with the reason
+    Ripple and orders by angle need no even time steps. A spectrum does, and is undefined with the reason
     where the time stamps are uneven or rows are missing. A current whose mean is above half of its largest
     sinusoid, in which no sinusoid has a tenth of the power, or whose name is that of a d- or q-current, is
     not taken as that of a phase: fundamental and distortion are undefined, its ripple is given. The
@@ -65,12 +66,37 @@ def analyze_table(question: TableQuestion) -> TableAnswer:
     found = list(results(record))
     tables = tuple(each for each in found if isinstance(each, Table))
     measured = tuple(each for each in found if isinstance(each, Measurement))
-    measurements = _instruments(record).applied(measured)
-    return TableAnswer(measurements, tables, _source(columns, record), record, tuple(remarks(record)))
+    instruments = _instruments(record)
+    measurements = instruments.applied(measured)
+    odd = (*remarks(record), *overdue(instruments.bench, question.day))
+    return TableAnswer(measurements, tables, _source(columns, record), record, odd)
+
+
+def table_block(question: TableQuestion) -> Block:
+    """Return the columns of a table as a block, called as a drive calls them: i_a, torque, theta_m, omega_m.
+
+    Whatever measures captures and streams measures it too; rows that are missing by the time stamps are gaps.
+
+    Raises:
+        RecordingError: the file cannot be read as a table.
+        AnalysisError: a column is missing, no rows are left, or the time stamps are not even.
+    """
+    columns = read_columns(question)
+    base = time_base(columns.data[:, 0], columns.data[:, 1:])
+    block = Record(columns.data, base, columns.channels, question).block
+    if block is None:
+        raise AnalysisError(
+            f"the rows of {question.file} are not evenly spaced ({base.refusal}), and a block is: measure "
+            f"them with 'benchtool analyze --csv', which needs no even steps for ripple and orders"
+        )
+    named = tuple(
+        replace(channel, name=_SENSED.get(what, what)) for what, channel in columns.channels.items()
+    )
+    return replace(block, channels=named)
 
 
 def _instruments(record: Record) -> Instruments:
-    """The sensors of the columns. When they were read is not known, nor by which clock: neither is judged."""
+    """Return the sensors of the columns, and the clock that timed them."""
     stated, sensors, entries = record.question.bench.channels, {}, {}
     for what, channel in record.channels.items():
         entries[_SENSED.get(what, what)] = channel.name
@@ -91,12 +117,17 @@ def _instruments(record: Record) -> Instruments:
         )
     blocks = () if record.block is None else (record.block,)
     return Instruments(
-        Bench(channels=sensors), blocks, entries=entries, pole_pairs=record.question.pole_pairs
+        Bench(channels=sensors, clock=record.question.bench.clock),
+        blocks,
+        entries=entries,
+        pole_pairs=record.question.pole_pairs,
+        slots=record.question.slots,
+        clock_of="the record",
     )
 
 
 def _names(column: str) -> tuple[str, str]:
-    """Of a column in its head, with the unit behind it and without."""
+    """Return the names of a column, with the unit behind it and without."""
     return column, re.sub(r"\s*[\[(][^\])]*[\])]\s*$", "", column)
 
 
@@ -115,6 +146,8 @@ def _source(columns: TableColumns, record: Record) -> dict[str, Any]:
     delimiter = table.layout.delimiter
     return {
         "file": str(table.path),
+        "recorded_on": str(record.question.day),
+        "recorded_on_from": "stated" if record.question.recorded_on else "the file's last change",
         "encoding": table.encoding,
         "delimiter": "blanks" if delimiter == BLANKS else delimiter,
         "decimal": table.layout.decimal,

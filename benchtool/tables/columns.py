@@ -1,4 +1,4 @@
-"""Which columns of a table are what, and the rows that hold a number in each of them."""
+"""Assignment of the columns of a table, and the rows with a number in each of them."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import math
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from datetime import date
 from pathlib import Path
 
 import numpy as np
@@ -17,17 +18,19 @@ from benchtool.profile import Bench
 from benchtool.tables.text import Rows, Selection, TextTable
 
 QUANTITIES: Mapping[str, str] = {"current": "A", "torque": "Nm", "angle": "rad", "speed": "rad/s"}
-"""What a column may be, and the SI unit that its values become."""
+"""Kinds of columns, with their SI units."""
 
 
 @dataclass(frozen=True)
 class TableQuestion:
-    """Which columns of a file are what.
+    """A question on a table: the assignment of its columns.
 
     `time`, and `columns` by names of `QUANTITIES`, are as `TextTable.select` takes them; `from_s` and `to_s`
     are on the file's own time axis. Without `time` the rows are `rate_Hz` apart, the first at 0 s.
     `omega_m_rad_s` is a constant mechanical speed, which stands in for an angle; torque in percent is that of
-    `torque_rated_Nm`. `bench` states the sensors of columns by the names of these, or by what they are.
+    `torque_rated_Nm`. `bench` states the sensors of columns by the names of these, or by what they are, and
+    the clock that timed the rows. `recorded_on` is the day of that, without which it is that of the file's
+    last change.
     """
 
     file: Path
@@ -41,11 +44,21 @@ class TableQuestion:
     rate_Hz: float | None = None
     omega_m_rad_s: float | None = None
     bench: Bench = field(default_factory=Bench)
+    recorded_on: date | None = None
+
+    @property
+    def day(self) -> date:
+        """The day on which the table was recorded, as far as is known.
+
+        Raises:
+            OSError: it is that of a file that is not there.
+        """
+        return self.recorded_on or date.fromtimestamp(self.file.stat().st_mtime)
 
 
 @dataclass(frozen=True)
 class TableColumns:
-    """The columns that a question names, as the table has them.
+    """The columns that a question names.
 
     `chosen` has the time first, if that is a column; `data`, shape (n, 1 + columns) and in SI units, has the
     time and then the columns in that order, and of the rows that were read those in the span that the
@@ -59,7 +72,7 @@ class TableColumns:
 
     @property
     def channels(self) -> dict[str, Channel]:
-        """One for each column but the time, by its name in the file, or its number where that is none."""
+        """One for each column but the time, by its name in the file, or by its number if it has no name."""
         names = [each.name for each in self.chosen.values()]
         return {
             what: Channel(
@@ -72,7 +85,7 @@ class TableColumns:
 
 
 def read_columns(question: TableQuestion) -> TableColumns:
-    """The columns asked for, in the rows that have a number in each and are in the span.
+    """Return the columns asked for, in the rows that have a number in each and are in the span.
 
     Raises:
         RecordingError: the file cannot be read as a table.
@@ -86,7 +99,7 @@ def read_columns(question: TableQuestion) -> TableColumns:
         if "wrong number of cells" in rows.dropped:
             raise AnalysisError(
                 f"{question.file} has {rows.dropped['wrong number of cells']} rows with a wrong number of "
-                f"cells, which a stated rate leaves without a time: name the column of the time, or mend them"
+                f"cells, which a stated rate leaves without a time: name the column of the time, or fix them"
             )
         data = np.column_stack([rows.place / question.rate_Hz, data])
     time_s = data[:, 0]
@@ -100,7 +113,7 @@ def read_columns(question: TableQuestion) -> TableColumns:
 
 
 def _choose(table: TextTable, question: TableQuestion) -> dict[str, Selection]:
-    """The time and the columns asked for, no two of them the same."""
+    """Return the time and the columns asked for, no two of them the same."""
     chosen = {} if question.time is None else {"time": table.select(question.time, "s")}
     rated = {"torque": question.torque_rated_Nm}
     chosen |= {
@@ -116,7 +129,7 @@ def _choose(table: TextTable, question: TableQuestion) -> dict[str, Selection]:
 
 
 def _rows(table: TextTable, selections: list[Selection]) -> Rows:
-    """The rows with a number in each of the columns; one at least."""
+    """Return the rows with a number in each of the columns; one at least."""
     rows = table.rows(selections)
     if len(rows.data):
         return rows

@@ -1,4 +1,4 @@
-"""How a table of numbers in a text file is laid out: encoding, delimiter, decimal sign, head and names."""
+"""Layout of a table in a text file: delimiter, decimal sign, header and names."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from benchtool.errors import RecordingError
 from benchtool.tables.units import is_scale, is_unit
 
 BLANKS = " "
-"""The delimiter that stands for any run of blanks and tabs."""
+"""The delimiter for any run of blanks and tabs."""
 
 _HEAD_BYTES = 256 * 1024
 _SAMPLE_BYTES = 32 * 1024
 _MOST_COLUMNS = 4096
-# where several fit, the first; numbers with commas between commas stand in quotation marks
+# the first that fits; numbers with decimal commas between commas are in quotation marks
 _LAYOUTS = (
     (",", "."),
     (";", "."),
@@ -50,7 +50,7 @@ class Column:
 
     @property
     def bare_name(self) -> str:
-        """The name without what stands in brackets behind it."""
+        """The name without the brackets behind it."""
         return _BRACKETS.sub("", self.name).strip() or self.name
 
 
@@ -66,7 +66,7 @@ class Layout:
 
 
 def find_layout(text: bytes, source: str) -> Layout:
-    """Layout of a table in UTF-8, lines ended by newlines; `source` stands in the messages.
+    """Return the layout of a table in UTF-8, lines ended by newlines; `source` stands in the messages.
 
     The delimiter and decimal sign are those by which most cells of most lines, sampled from the beginning,
     the middle and the end, are numbers. What comes before the first such line is the head: the line of it
@@ -118,7 +118,7 @@ def is_comment(line: bytes) -> bool:
 
 
 def split(line: str, delimiter: str) -> list[str]:
-    """The cells of a line, without the blanks about them."""
+    """Return the cells of a line, without the blanks about them."""
     if delimiter == BLANKS:
         return line.split()
     if '"' in line:
@@ -130,7 +130,7 @@ def split(line: str, delimiter: str) -> list[str]:
 
 
 def _almost_a_number(sample: Sequence[bytes]) -> str:
-    """A cell of the lines that begins like a number and is none, such as a date; empty without one."""
+    """Return a cell of the lines that only begins like a number, such as a date; empty if there is none."""
     for line in sample[1:]:
         for delimiter in (",", ";", "\t", BLANKS):
             cells = split(line.decode(errors="replace"), delimiter)
@@ -149,7 +149,7 @@ def _sampled(text: bytes, head: Sequence[bytes]) -> Iterator[bytes]:
 
 
 def _best(sample: Sequence[bytes]) -> tuple[str, str, int, tuple[bool, ...]] | None:
-    """Delimiter, decimal sign, width, and which columns hold numbers; None where fewer than two do."""
+    """Return delimiter, decimal sign, width, and which columns hold numbers; None where fewer than two do."""
     best, best_score = None, 0.0
     for delimiter, decimal in _LAYOUTS:
         by_width: dict[int, list[list[str]]] = defaultdict(list)
@@ -165,7 +165,7 @@ def _best(sample: Sequence[bytes]) -> tuple[str, str, int, tuple[bool, ...]] | N
                 count > 0 and count >= some / 2 for count, some in zip(counts, filled, strict=True)
             )
             numbers = sum(count for count, kept in zip(counts, numeric, strict=True) if kept)
-            score = numbers * numbers / max(1, sum(filled))  # many numbers, and few cells that are none
+            score = numbers * numbers / max(1, sum(filled))  # many numbers, and few cells that are not
             if sum(numeric) >= 2 and score > best_score:
                 best, best_score = (delimiter, decimal, width, numeric), score
     return best
@@ -187,7 +187,7 @@ def _is_row(cells: Sequence[str], decimal: str, width: int, numeric: Sequence[bo
 
 
 def _empty_columns(sample: Sequence[bytes], delimiter: str, width: int) -> int:
-    """How many columns at the end are empty in every line: delimiters that end a line."""
+    """Return how many columns at the end are empty in every line: delimiters that end a line."""
     last = Counter[int]()
     for line in sample:
         cells = split(line.decode(errors="replace"), delimiter)
@@ -197,7 +197,7 @@ def _empty_columns(sample: Sequence[bytes], delimiter: str, width: int) -> int:
 
 
 def _columns(preamble: Sequence[str], delimiter: str, width: int) -> tuple[Column, ...]:
-    """Names and units from the lines before the numbers; none where no line fits."""
+    """Return the names and units from the lines before the numbers; none where no line fits."""
     fitting: list[list[str]] = []
     for line in reversed(preamble):
         if not line.strip():
@@ -221,7 +221,7 @@ def _columns(preamble: Sequence[str], delimiter: str, width: int) -> tuple[Colum
 def _below_names(
     texts: Sequence[str], rows: Sequence[bool], delimiter: str, numeric: Sequence[bool]
 ) -> int | None:
-    """Where the rows begin below a line of names that has but a few rows of numbers above it."""
+    """Return where the rows begin below a line of names with only a few rows of numbers above it."""
     for place, text in enumerate(texts):
         if rows[place] or not any(rows[:place]) or not any(rows[place:]):
             continue
@@ -238,7 +238,7 @@ def _has_number(cell: str) -> bool:
 
 
 def _fitted(line: str, delimiter: str, width: int) -> list[str] | None:
-    """The cells of a head line, one for each column, or None; its delimiter may not be the body's."""
+    """Return the cells of a head line, one for each column, or None; its delimiter may not be the body's."""
     ways = (split(line, delimiter), *(split(line, other) for other in ",;\t"), re.split(r"\s{2,}|\t", line))
     for cells in ways:
         while len(cells) > width and not cells[-1]:
@@ -249,7 +249,7 @@ def _fitted(line: str, delimiter: str, width: int) -> list[str] | None:
 
 
 def _are_units(cells: Sequence[str]) -> bool:
-    """Whether most of what is there are units, perhaps with one that nobody knows, or all is in brackets."""
+    """Return whether most cells are units, perhaps with unknown ones, or all are in brackets."""
     filled = [cell for cell in cells if cell]
     bare = [cell.strip("()[] ") for cell in filled]
     units = sum(is_unit(cell) for cell in bare)
@@ -259,7 +259,8 @@ def _are_units(cells: Sequence[str]) -> bool:
 
 
 def _unit_in(name: str) -> str:
-    """The last of what stands in brackets that is a unit, else the last that is another scale, or nothing."""
+    """Return the last of what stands in brackets that is a unit, else the last that is another scale, or
+    nothing."""
     found = [str(match["round"] or match["square"] or "").strip() for match in _BRACKETS.finditer(name)]
     for is_one in (is_unit, is_scale):
         for text in reversed(found):

@@ -1,4 +1,4 @@
-"""What repeats in a record: the electrical periods of its angle or of its phase current, and revolutions."""
+"""Periods of a record: electrical periods of its angle or phase current, and revolutions."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis.orders.angle import angle_coverage, revolution_rows, unwrapped_angle
-from benchtool.analysis.periods import PhaseTrack, track_angle, track_tone
+from benchtool.analysis import PhaseTrack, track_angle, track_tone
+from benchtool.analysis.orders import angle_coverage, revolution_rows, unwrapped_angle
 from benchtool.errors import AnalysisError
 from benchtool.tables.record import Record
 
@@ -26,11 +26,10 @@ class Periods:
     record: Record
 
     def of_phase_current(self) -> PhaseTrack:
-        """Those of the current, by the angle where it tells them, else by the current's own sinusoid.
+        """Return the periods of the current, by the angle if possible, else by the current's own sinusoid.
 
         Raises:
-            AnalysisError: with the reason why the current is not that of a phase, or why angle or current
-                tells no periods.
+            AnalysisError: the current is not a phase current, or neither angle nor current defines periods.
         """
         name = self.record.channels["current"].name
         if _ROTATING_FRAME.search(name):
@@ -47,7 +46,7 @@ class Periods:
         return track
 
     def repetition(self) -> tuple[NDArray[np.int64] | None, str]:
-        """The rows at which what repeats begins, and what that is: electrical periods, else revolutions."""
+        """Return the rows at which periods begin, and their kind: electrical periods, else revolutions."""
         track = self._for_scatter() if self.record.uniform is not None else None
         if track is not None:
             return track.period_rows(), "electrical periods"
@@ -61,7 +60,7 @@ class Periods:
         return revolution_rows(coverage.angle_rad), f"revolutions of {angle}"
 
     def _of_angle(self) -> PhaseTrack | None:
-        """Electrical periods from angle and pole pairs, where both are there.
+        """Return the electrical periods from angle and pole pairs, where both are there.
 
         Raises:
             AnalysisError: the angle is in another unit, the speed is not steady, or the record too short or
@@ -81,7 +80,7 @@ class Periods:
         return track
 
     def _for_scatter(self) -> PhaseTrack | None:
-        """Electrical periods for uncertainties: of the angle, else of an ac current, else none."""
+        """Return the electrical periods for uncertainties: of the angle, else of an ac current, else none."""
         try:
             track = self._of_angle()
         except AnalysisError:
@@ -102,7 +101,7 @@ class Periods:
         return None if self._not_ac(track) else track
 
     def _contradiction(self, track: PhaseTrack) -> str:
-        """What speaks against a track by the angle: a current whose sinusoid is elsewhere; or nothing."""
+        """Return contradiction of a track by the angle, a current with another frequency; empty if none."""
         channels = self.record.channels
         if "current" not in channels or self._share(track) >= _LEAST_SHARE or self._tone is None:
             return ""
@@ -115,7 +114,7 @@ class Periods:
         )
 
     def _not_ac(self, track: PhaseTrack) -> str:
-        """Why this is no current of a phase, or nothing."""
+        """Return why this is not a phase current; empty if it is."""
         mean, amplitude = float(np.mean(self.record.column("current"))), self._amplitude(track)
         if abs(mean) > _LARGEST_MEAN * amplitude:
             return (
@@ -128,12 +127,14 @@ class Periods:
         return ""
 
     def _share(self, track: PhaseTrack) -> float:
-        """How much of the power of the current's ripple is in its sinusoid at the track's frequency."""
+        """Return how much of the power of the current's ripple is in its sinusoid at the track's
+        frequency."""
         deviation = float(np.std(self.record.column("current")))
         return 0.5 * (self._amplitude(track) / deviation) ** 2 if deviation > 0.0 else 0.0
 
     def _amplitude(self, track: PhaseTrack) -> float:
-        """Of the current's sinusoid at the track's frequency, by correlation under a Hann window."""
+        """Return the amplitude of the current's sinusoid at the track's frequency, by correlation under a
+        Hann window."""
         samples = self.record.column("current")
         window = np.hanning(len(samples))
         carrier = np.exp(-1j * track.at(np.arange(len(samples), dtype=np.float64)))

@@ -1,4 +1,4 @@
-"""The rows of a table in SI units, and what their time stamps allow to be made of them."""
+"""The rows of a table in SI units, and their time base."""
 
 from __future__ import annotations
 
@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis import Basis
-from benchtool.analysis.validity import require_signal
+from benchtool.analysis import Basis, require_signal
 from benchtool.block import Block, Channel
 from benchtool.errors import AnalysisError
 from benchtool.tables.columns import TableQuestion
@@ -18,7 +17,7 @@ from benchtool.tables.time_base import TimeBase
 
 @dataclass(frozen=True)
 class Record:
-    """Rows in SI units, the time first; `channels` are the other columns, by what they are."""
+    """Rows in SI units, the time first; `channels` are the other columns, by kind."""
 
     data: NDArray[np.float64]
     base: TimeBase
@@ -40,7 +39,7 @@ class Record:
 
     @property
     def basis(self) -> Basis:
-        """What the rows are, whatever is made of them."""
+        """Basis of the rows."""
         duration_s = float(np.ptp(self.data[:, 0]))
         rate_Hz = None if self.base.refusal else self.base.rate_Hz
         gaps = None if self.base.refusal or not self.base.gaps_known else len(self.base.gaps)
@@ -48,23 +47,23 @@ class Record:
 
     @property
     def rate_relative(self) -> float | None:
-        """Standard uncertainty of the rate, relative to it, by the stamps; None of a rate that was stated."""
+        """Standard uncertainty of the rate, relative to it, by the stamps; None for a stated rate."""
         return self.base.rate_relative if self.question.rate_Hz is None else None
 
     @property
     def uneven(self) -> str:
-        """Why nothing that needs even steps can be said."""
+        """Reason why analyses with even steps are impossible."""
         return self.base.refusal or (
             f"{self.base.missing_rows} rows are missing in {len(self.base.gaps)} gaps, the first before row "
             f"{self.base.gaps[0].row + 1}"
         )
 
     def column(self, what: str) -> NDArray[np.float64]:
-        """Values of what is one of `channels`, shape (n,)."""
+        """Return the values of one of `channels`, shape (n,)."""
         return self.data[:, 1 + list(self.channels).index(what)]
 
     def dead(self, what: str) -> str:
-        """Why a column says nothing at all, or nothing."""
+        """Return why a column is dead; empty if it is not."""
         try:
             require_signal(self.column(what), self.channels[what].name)
         except AnalysisError as refused:

@@ -1,16 +1,17 @@
-"""What is odd about the columns of a table, and does not keep them from being measured."""
+"""Remarks on oddities of the columns of a table that do not prevent measurements."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from datetime import date
 from enum import StrEnum
 
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis.quantisation import resolution
-from benchtool.analysis.validity import clipping
+from benchtool.analysis import clipping, resolution
+from benchtool.profile import Bench, Instrument
 from benchtool.tables.record import Record
 
 _PARTS = 64
@@ -22,16 +23,17 @@ _FINE = 10.0
 
 
 class RemarkKind(StrEnum):
-    """What a remark is about."""
+    """Kind of a remark."""
 
     CLIPPED = "clipped"
     REPEATED_ROWS = "repeated_rows"
     TWO_REGIMES = "two_regimes"
+    CALIBRATION_OVERDUE = "calibration_overdue"
 
 
 @dataclass(frozen=True)
 class Remark:
-    """One oddity: `column` is what the column is ("current"), or empty where it is of all rows."""
+    """One oddity: `column` is the kind of the column ("current"), or empty for all rows."""
 
     kind: RemarkKind
     column: str
@@ -41,8 +43,21 @@ class Remark:
         return {"kind": str(self.kind), "column": self.column, "text": self.text}
 
 
+def overdue(bench: Bench, on: date) -> Iterator[Remark]:
+    """Yield the instruments of a bench, by their columns, and its clock, whose calibration was due before a
+    day."""
+    instruments: dict[str, Instrument] = {**bench.channels}
+    if bench.clock is not None:
+        instruments["the clock"] = bench.clock
+    for column, each in instruments.items():
+        if each.overdue(on):
+            label = f" ({each.label})" if each.label else ""
+            text = f"calibration of {column}{label} was due on {each.due}, before this record of {on}"
+            yield Remark(RemarkKind.CALIBRATION_OVERDUE, column, text)
+
+
 def remarks(record: Record) -> Iterator[Remark]:
-    """Clipping, rows that repeat the one before, and two regimes that one number would average."""
+    """Yield the clipping, rows that repeat the one before, and two regimes that one number would average."""
     if text := _repeated(record.data[:, 1:]):
         yield Remark(RemarkKind.REPEATED_ROWS, "", text)
     for what, channel in record.channels.items():
@@ -74,7 +89,8 @@ def _repeated(values: NDArray[np.float64]) -> str:
 
 
 def _is_fine(samples: NDArray[np.float64], steps: NDArray[np.float64]) -> bool:
-    """Whether a column changes by many of its least steps, so that equal neighbours are no chance."""
+    """Return whether a column changes by many of its least steps, so that equal neighbours are not by
+    chance."""
     moved = steps[steps != 0.0]
     least = resolution(samples)
     return bool(len(moved)) and (least == 0.0 or float(np.median(np.abs(moved))) > _FINE * least)
@@ -94,10 +110,10 @@ def _parts(samples: NDArray[np.float64]) -> list[NDArray[np.float64]]:
 
 
 def _two_levels(values: NDArray[np.float64], greatest: float, unit: str, of: str) -> str:
-    """That parts of the record have either of two levels, each for a while, and hardly any one between.
+    """Yield a remark if parts of the record have either of two levels, with hardly any between.
 
-    The best split in two of the sorted values, by the share of their variance that the two means explain
-    (Otsu, IEEE Trans. Syst. Man Cybern. 9 (1979) 62).
+    Return the best split in two of the sorted values, by the share of their variance that the two means
+    explain (Otsu, IEEE Trans. Syst. Man Cybern. 9 (1979) 62).
     """
     count = len(values)
     if not count or not float(np.var(values)) > 0.0:
@@ -114,7 +130,7 @@ def _two_levels(values: NDArray[np.float64], greatest: float, unit: str, of: str
     if explained[best] < _EXPLAINED or fewest < 0.05 * count or change < _LARGEST_CHANGE * greatest:
         return ""
     is_low = values <= ordered[best]
-    if np.count_nonzero(np.diff(is_low)) > count // 4:  # it swings, and has no regimes
+    if np.count_nonzero(np.diff(is_low)) > count // 4:  # it oscillates, and has no regimes
         return ""
     return (
         f"two regimes: {100 * share[best]:.0f} % of the record {of} {lower[best]:.3g} {unit}, the rest "

@@ -1,4 +1,4 @@
-"""What is stated of a column's values behind its name: unit, gain and offset, as `Iq:mA`, `CH1:A*10-0.2`."""
+"""Unit, gain and offset of a column's values, stated behind its name: `Iq:mA`, `CH1:A*10-0.2`."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ class Scaling:
 
 
 def scaling(text: str, si_unit: str) -> Scaling:
-    """What stands behind the colon of a column: `mA`, `A*10`, `mA*0.5+0.1`, `*-1`, `A-0.2`.
+    """Parse the scaling behind the colon of a column: `mA`, `A*10`, `mA*0.5+0.1`, `*-1`, `A-0.2`.
 
-    What is a unit as a whole (min-1) is taken as that.
+    Text that is a unit as a whole (min-1) is taken as a unit.
 
     Raises:
         AnalysisError: the gain is zero or not finite, or the offset not finite.
@@ -47,7 +47,7 @@ def scaling(text: str, si_unit: str) -> Scaling:
 
 
 def quantity(text: str, si_unit: str) -> float | None:
-    """A number with its unit, as `1500rpm`, in `si_unit`; None where it is not one."""
+    """Return a number with its unit, as `1500rpm`, in `si_unit`; None where it is not one."""
     match = _VALUE.fullmatch(text.strip())
     factor = None if match is None else unit_factor(match["unit"], si_unit)
     return None if match is None or factor is None else float(match["number"]) * factor

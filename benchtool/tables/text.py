@@ -31,7 +31,7 @@ _COMMENT = re.compile(rb"^[ \t]*[#%].*$", re.MULTILINE)
 _BLANKS = re.compile(rb"[ \t]+")
 _LINE_ENDS = re.compile(rb"^ | $", re.MULTILINE)
 _NUMBER = r"^[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?$"
-# one byte for one: what is not ASCII is no number, and a zero byte must not join what stands beside it
+# one byte for one: a non-ASCII byte is not part of a number, and a zero byte must not join its neighbours
 _ASCII_ONLY = bytes(byte if 0 < byte < 128 else (ord("?") if byte else ord(" ")) for byte in range(256))
 
 
@@ -78,7 +78,7 @@ class TextTable:
 
     @classmethod
     def open(cls, path: Path) -> TextTable:
-        """Read a file and find out how it is laid out: see `find_layout`.
+        """Read a file and determine its layout: see `find_layout`.
 
         UTF-8 and UTF-16, each with a byte order mark or without, else Windows-1252 (Latin-1); lines end by
         newline, carriage return or both.
@@ -107,12 +107,12 @@ class TextTable:
         return cls(path, encoding, find_layout(text, str(path)), text)
 
     def select(self, wanted: str, si_unit: str, rated: float | None = None) -> Selection:
-        """The column that `wanted` names, in a unit of the kind of `si_unit`.
+        """Return the column that `wanted` names, in a unit of the kind of `si_unit`.
 
         `wanted` is a name, or a number counted from 1; behind a colon may stand the unit of its values, a
         gain and an offset, see `scaling`. A name is looked for as it is written, then without what it has in
-        brackets, then in another case; only what is no name is taken as a number, and only what is neither is
-        split at its last colon. A unit of percent is that of `rated`, in `si_unit`.
+        brackets, then in another case; text that is not a name is taken as a number, and text that is neither
+        is split at its last colon. A unit of percent is that of `rated`, in `si_unit`.
 
         Raises:
             AnalysisError: no such column, several of that name, or what the option or else the head states
@@ -147,13 +147,14 @@ class TextTable:
         )
 
     def rows(self, selections: Sequence[Selection]) -> Rows:
-        """The numbers of some columns, in SI units.
+        """Return the numbers of some columns, in SI units.
 
         A row with another number of cells than the table has columns, or with a cell of these columns that is
-        empty, no number or 9.9e37 and more, is left out and counted; blank lines and comments do not count.
+        empty, not a number, or 9.9e37 and more, is left out and counted; blank lines and comments do not
+        count.
 
         Raises:
-            RecordingError: what is there cannot be split into rows and cells.
+            RecordingError: the text cannot be split into rows and cells.
         """
         wanted = [each.number - 1 for each in selections]
         table, wrong_width = self._parse(list(dict.fromkeys(wanted)))
@@ -161,7 +162,7 @@ class TextTable:
         for place, (column, selection) in enumerate(zip(wanted, selections, strict=True)):
             row = 0
             for chunk in table[str(column)].chunks:
-                # not to_numpy, which imports pandas where that is installed: a second
+                # not to_numpy, which imports pandas if installed, which takes a second
                 values = np.from_dlpack(chunk.fill_null(np.nan) if chunk.null_count else chunk)
                 target = data[row : row + len(values), place]
                 np.multiply(values, selection.gain * selection.factor, out=target)
@@ -177,7 +178,7 @@ class TextTable:
         return Rows(data, table.num_rows + wrong_width, dropped, np.flatnonzero(kept))
 
     def unreadable_cell(self, selections: Sequence[Selection]) -> str:
-        """The first cell of these columns that is no number, as it stands in the file; empty without one."""
+        """Return first cell of these columns that is not a number, as in the file; empty if there is none."""
         wanted = list(dict.fromkeys(each.number - 1 for each in selections))
         with suppress(pa.ArrowException):
             table, _ = self._read(self._body(), wanted, pa.string())
@@ -195,13 +196,13 @@ class TextTable:
         try:
             return self._read(body, wanted, pa.float64())
         except pa.ArrowException:
-            pass  # a cell is no number: read text, and see which
+            pass  # a cell is not a number: read as text to find it
         try:
             table, wrong_width = self._read(body, wanted, pa.string())
             return pa.table({name: self._numbers(table[name]) for name in table.column_names}), wrong_width
         except pa.ArrowException as reason:
             raise RecordingError(
-                f"{self.path}: rows cannot be told apart ({str(reason).splitlines()[0]:.100}), a line for "
+                f"{self.path}: rows cannot be separated ({str(reason).splitlines()[0]:.100}), a line for "
                 f"each row is expected: export it again"
             ) from None
 
@@ -242,7 +243,7 @@ class TextTable:
         return table, wrong_width
 
     def _numbers(self, cells: pa.ChunkedArray) -> pa.ChunkedArray:
-        """Cells of text as numbers, null where they are none."""
+        """Return the cells of text as numbers, null where they are not numbers."""
         cells = pc.ascii_trim_whitespace(cells)
         if self.layout.decimal == ",":
             cells = pc.replace_substring(cells, ",", ".")
@@ -250,7 +251,7 @@ class TextTable:
         return pc.cast(pc.ascii_ltrim(cells, "+"), pa.float64())
 
     def _find(self, wanted: str) -> int | None:
-        """Place of the column of that name or number, None where there is none."""
+        """Return the place of the column of that name or number, None where there is none."""
         wanted = wanted.strip()
         names = [column.name for column in self.layout.columns]
         bare = [column.bare_name for column in self.layout.columns]
@@ -279,7 +280,7 @@ class TextTable:
 
 
 def _to_utf_8(content: bytes) -> tuple[bytes, str]:
-    """The content as UTF-8 without a byte order mark, and the encoding that it had."""
+    """Return the content as UTF-8 without a byte order mark, and the encoding that it had."""
     if content.startswith(b"\xef\xbb\xbf"):
         return content[3:], "utf-8-sig"
     if content.startswith((b"\xff\xfe", b"\xfe\xff")):

@@ -1,4 +1,4 @@
-"""From the time stamps of foreign data to one sample rate, or to the reason why there is none."""
+"""Time base of imported data: one sample rate from the time stamps, or the reason why there is none."""
 
 from __future__ import annotations
 
@@ -25,15 +25,15 @@ _MOST_DECIMALS = 9
 
 @dataclass(frozen=True)
 class TimeBase:
-    """What a column of time stamps comes to.
+    """The time base of a column of time stamps.
 
-    `refusal` says why the rows are not taken at equal steps, and is empty where they are; then row k was
-    taken at `begin_s + step_s * (k + rows missing before it)`, with the missing rows in `gaps`; with
-    `gaps_known` false the stamps do not tell whether any are missing. `jitter_s` is the rms deviation of the
-    stamps from that line, `resolution_s` the step in which stamps count (nan if there is none to be seen),
-    `rate_relative` the standard uncertainty of the rate, relative to it (JCGM 100:2008, F.2.2.1): that of the
-    stamps at both ends, by resolution or jitter, over the duration. Where the stamps are refused, `step_s` is
-    the median step between different ones.
+    `refusal` is the reason why the rows have no even time base, empty if they have; then row k was taken at
+    `begin_s + step_s * (k + rows missing before it)`, with the missing rows in `gaps`; with `gaps_known`
+    false it is unknown whether rows are missing. `jitter_s` is the rms deviation of the stamps from that
+    line, `resolution_s` the step in which stamps count (nan if there is none to be seen), `rate_relative` the
+    standard uncertainty of the rate, relative to it (JCGM 100:2008, F.2.2.1): that of the stamps at both
+    ends, by resolution or jitter, over the duration. Where the stamps are refused, `step_s` is the median
+    step between different ones.
     """
 
     begin_s: float
@@ -55,7 +55,7 @@ class TimeBase:
 
 
 def time_base(time_s: NDArray[np.float64], values: NDArray[np.float64] | None = None) -> TimeBase:
-    """The time base behind stamps, shape (n,), in the order of the rows and finite.
+    """Return the time base behind stamps, shape (n,), in the order of the rows and finite.
 
     With `values`, shape (n, columns), rows that repeat these with the stamp are refused.
 
@@ -64,9 +64,9 @@ def time_base(time_s: NDArray[np.float64], values: NDArray[np.float64] | None = 
     many are equal; the rows are uniform if the stamps follow the line within their resolution. Where all
     stamps but one stand for the same number of rows, or but a few at unequal distances, rows are missing
     where there are fewer; else none is, if an even rate explains every stamp. If none does, or if two or
-    three stamps of fewer rows may as well be those of another rate, it cannot be told. Stamps that deviate by
-    more than their resolution and a tenth of a step, peak to peak, that go back or that repeat are refused:
-    nothing is interpolated.
+    three stamps of fewer rows may be those of another rate, it is unknown. Stamps that deviate by more than
+    their resolution and a tenth of a step, peak to peak, that go back or that repeat are refused: nothing is
+    interpolated.
     """
     if len(time_s) < _FEWEST_STAMPS:
         return _refused(time_s, f"{len(time_s)} rows, at least {_FEWEST_STAMPS} are needed")
@@ -102,7 +102,7 @@ def time_base(time_s: NDArray[np.float64], values: NDArray[np.float64] | None = 
 
 
 def _coarse(time_s: NDArray[np.float64], steps: NDArray[np.float64], resolution_s: float) -> TimeBase:
-    """Stamps that several rows have."""
+    """Return the stamps that several rows have."""
     advance = np.ones(len(steps), dtype=np.int64)
     if not math.isfinite(resolution_s):
         return replace(_on_a_line(time_s, _ticks(advance), advance, resolution_s), gaps_known=False)
@@ -123,7 +123,8 @@ def _ticks(advance: NDArray[np.int64]) -> NDArray[np.int64]:
 
 
 def _missing_of_equal_counts(stamp: NDArray[np.float64]) -> NDArray[np.int64] | None:
-    """Rows missing before each row but the first, where all stamps but few stand for the same number of rows.
+    """Return the rows missing before each row but the first, where all stamps but few stand for the same
+    number of rows.
 
     The first and the last stamp may stand for fewer. None where numbers differ more often, as those of a rate
     that is no whole multiple do, where any is greater, or where none is missing.
@@ -145,7 +146,7 @@ def _missing_of_equal_counts(stamp: NDArray[np.float64]) -> NDArray[np.int64] | 
 
 
 def _least_spread(stamp: NDArray[np.float64]) -> float:
-    """Least peak-to-peak deviation of stamps from a line through row numbers, over all slopes.
+    """Return the least peak-to-peak deviation of stamps from a line through row numbers, over all slopes.
 
     Up to one count, rows at an even rate explain stamps in whole counts. The deviation is convex in the
     slope, and each slope's extremes give a line below it; where two such lines meet is the next slope.
@@ -178,7 +179,8 @@ def _number(value: float) -> float:
 
 
 def _resolution_of_the_last(time_s: NDArray[np.float64]) -> float:
-    """The resolution of the stamps with most digits before the point: of five digits in all it is coarser."""
+    """Return the resolution of the stamps with most digits before the point: of five digits in all it is
+    coarser."""
     largest = float(np.abs(time_s).max())
     if not 0.0 < largest < math.inf:
         return math.nan
@@ -190,7 +192,7 @@ def _resolution_of_the_last(time_s: NDArray[np.float64]) -> float:
 def _on_a_line(
     time_s: NDArray[np.float64], tick: NDArray[np.int64], advance: NDArray[np.int64], resolution_s: float
 ) -> TimeBase:
-    # about the middle, where offset and slope do not hang on each other
+    # about the middle, where offset and slope are independent
     number = tick - tick.mean()
     about = time_s - time_s.mean()
     step_s = float(number @ about) / float(number @ number)
@@ -221,7 +223,7 @@ def _on_a_line(
 
 
 def _advance(steps: NDArray[np.float64]) -> NDArray[np.int64]:
-    """How many sample steps lie between rows, for steps above zero."""
+    """Return how many sample steps lie between rows, for steps above zero."""
     step = float(np.median(steps))
     short = steps[steps < 2.5 * step]  # of stamps in coarse counts the median may be far off the mean
     step = float(np.mean(short))
@@ -233,7 +235,8 @@ def _advance(steps: NDArray[np.float64]) -> NDArray[np.int64]:
 
 
 def _resolution(time_s: NDArray[np.float64], steps: NDArray[np.float64]) -> float:
-    """The step in which stamps count: the smallest between two, if all are multiples, or a decimal place."""
+    """Return the step in which stamps count: the smallest between two, if all are multiples, or a decimal
+    place."""
     positive = steps[steps > 0.0]
     rounding_s = 4 * float(np.spacing(np.abs(time_s).max()))
     candidates = [float(positive.min()), *(10.0**-places for places in range(_MOST_DECIMALS + 1))]
@@ -245,7 +248,8 @@ def _resolution(time_s: NDArray[np.float64], steps: NDArray[np.float64]) -> floa
 
 
 def repeated_rows(time_s: NDArray[np.float64], values: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Rows that repeat both stamp and values, shape (n, columns), of the row before; none if by coarseness.
+    """Return the rows that repeat both stamp and values, shape (n, columns), of the row before; none if by
+    coarseness.
 
     Of rows under a coarse stamp some may be equal by chance, as may rows under different stamps.
     """
@@ -257,7 +261,8 @@ def repeated_rows(time_s: NDArray[np.float64], values: NDArray[np.float64]) -> N
 
 
 def held_rows(values: NDArray[np.float64]) -> int:
-    """For how many rows, shape (n,), each value is held at regular times, by a slower converter say, or 1."""
+    """Return for how many rows each of the values, shape (n,), is held, by a slower converter for example; 1
+    if not."""
     changes = np.flatnonzero(np.diff(values))
     runs = np.diff(changes)
     if len(runs) < _FEWEST_RUNS:

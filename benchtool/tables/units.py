@@ -1,4 +1,4 @@
-"""Units as instruments and people write them in the head of a table: `(mA)`, `[N·m]`, `second`, `°`, `µs`."""
+"""Units as written in the header of a table: `(mA)`, `[N·m]`, `second`, `°`, `µs`."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping
 from functools import cache
 
-from benchtool.protocol.dictionary.quantity import spellings
+from benchtool.protocol.dictionary import spellings
 
 KNOWN = ("s", "A", "Nm", "rad", "rad/s", "V", "W", "Wb", "ohm", "Hz", "H", "F", "N", "kgm2")
 """Units that a head may state, each with its prefixes and synonyms."""
@@ -59,7 +59,7 @@ _WORDS = {
     "kgf·cm": ("kgfcm", "kgcm"),
 }
 PERCENT = ("%", "percent")
-"""Of a rated value, which the table does not tell."""
+"""Percent of a rated value, which the table does not contain."""
 
 _SCALES = frozenset(
     (
@@ -102,10 +102,11 @@ _WORD_UNITS = {word: unit for unit, words in _WORDS.items() for word in words}
 
 
 def unit_factor(text: str, unit: str) -> float | None:
-    """How many of the SI unit `unit` one of the unit `text` is, or None where it is not a unit of that kind.
+    """Return how many of the SI unit `unit` one of the unit `text` is, or None where it is not a unit of that
+    kind.
 
-    `text` is as `protocol.quantity` reads it (mA, uNm, deg, rpm), in words (`second`, `milliamps`), or one of
-    those that instruments have besides (min, h, Ncm, lbf·ft, lb-ft, ozf·in).
+    `text` is as `protocol.quantity` reads it (mA, uNm, deg, rpm), in words (`second`, `milliamps`), or a
+    further unit of instruments (min, h, Ncm, lbf·ft, lb-ft, ozf·in).
     """
     symbol = _symbol(text)
     factor = spellings(unit).get(symbol, _ELSEWHERE.get(unit, {}).get(symbol))
@@ -114,18 +115,19 @@ def unit_factor(text: str, unit: str) -> float | None:
 
 @cache
 def is_unit(text: str) -> bool:
-    """Whether `text` is any unit that a head may state."""
+    """Return whether `text` is any unit that a head may state."""
     return any(unit_factor(text, unit) is not None for unit in KNOWN)
 
 
 @cache
 def is_scale(text: str) -> bool:
-    """Whether `text` is a scale that no column here may be in as it stands: counts, percent, another kind."""
+    """Return whether `text` is a scale that no column here may be in as it stands: counts, percent, another
+    kind."""
     return text.strip().translate(_CHARACTERS).lower() in _SCALES
 
 
 def units_of(unit: str) -> str:
-    """The unit and some others that stand for it, for a message."""
+    """Return the unit and some others that stand for it, for a message."""
     names = list(spellings(unit))
     prefixed = [f"{prefix}{unit}" for prefix in "mu" if f"{prefix}{unit}" in names]
     others: list[str] = [name for name in ("deg", "rev", "rpm", "deg/s", "rev/s") if name in names]

@@ -1,27 +1,27 @@
-"""What a plan names, cases, measurements, units, figures, against what it will run, measure and draw."""
+"""Check of the names in a plan (cases, measurements, units, figures) against what it will run, measure and
+draw."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
-from benchtool.analysis.catalogue import catalogue
-from benchtool.analysis.declaration import Analysis
+from benchtool.analysis import Analysis, catalogue
 from benchtool.document import Path_, Section, closest, unit_suffix
 from benchtool.plan.cases import cases
+from benchtool.plan.former_names import present_name
 from benchtool.plan.limits import Limit
 from benchtool.plan.model import Plan
-from benchtool.plan.operating_point import NAMES as REACHED
-from benchtool.plan.operating_point import asked
+from benchtool.plan.operating_point import NAMES as REACHED, targets
 from benchtool.profile import Motor
-from benchtool.telemetry.certificate import certificate_units
+from benchtool.telemetry import certificate_units
 
 Faults = Iterator[tuple[Path_, str]]
 
 
 @dataclass(frozen=True)
-class Naming:
-    """What a plan will measure.
+class NameCheck:
+    """The measurements that a plan will make.
 
     Args:
         plan: the plan.
@@ -38,7 +38,7 @@ class Naming:
     units: Mapping[str, str] = field(default_factory=dict)
 
     def faults(self) -> Faults:
-        """Every name that matches nothing and every unit that is another, with its place in the plan."""
+        """Yield every unknown name and every wrong unit, with its place in the plan."""
         plan = self.plan
         yield from self._analysis_faults()
         for name, limit in plan.limits.items():
@@ -56,7 +56,7 @@ class Naming:
         yield from self._figure_faults()
 
     def _analysis_faults(self) -> Faults:
-        """Analyses that the plan asks for and that its record does not allow."""
+        """Yield the requested analyses that the recorded channels do not allow."""
         for analysis, settings in self.plan.analyses.demanded():
             for key in analysis.channel_settings:
                 if (channel := getattr(settings, key)) not in self._channels:
@@ -100,7 +100,7 @@ class Naming:
         todo = cases(self.plan)
         names = list(dict.fromkeys((*(each.group for each in todo), *(each.name for each in todo))))
         if case not in names:
-            yield (key, case), f"{key} names case '{case}', which the plan has not: {closest(case, names)}"
+            yield (key, case), f"{key} names case '{case}', which the plan lacks: {closest(case, names)}"
 
     def _limit_fault(self, place: Path_, name: str, limit: Limit) -> Faults:
         if reason := self.why_not(name, quality=True):
@@ -118,7 +118,7 @@ class Naming:
             yield place, reason
 
     def unit_of(self, name: str) -> str | None:
-        """The unit of a measurement that the plan makes; None where it is not known before the run."""
+        """Return the unit of a measurement that the plan makes; None where it is not known before the run."""
         if name in self._reached:
             return self._reached[name]
         certified = certificate_units(stream=self.stream)
@@ -134,7 +134,7 @@ class Naming:
         return None if settings is None else quantity.unit.resolve(settings, self.units)
 
     def why_not(self, name: str, *, quality: bool = False) -> str:
-        """Why no measurement of that name will be made; empty if one will.
+        """Return why no measurement of that name will be made; empty if one will.
 
         `quality` allows those of the recording's certificate, which limits may hold for.
         """
@@ -144,10 +144,12 @@ class Naming:
         analysis = catalogue().measuring(name)
         if analysis is not None:
             return self._why_not_made(analysis, name)
+        if (present := present_name(name)) != name:
+            return f"no measurement is called '{name}' any more: it is called '{present}' now, write that"
         if name in REACHED:
-            return f"'{name}' is nothing that this operating point asks for: leave it out"
+            return f"'{name}' is no target of this operating point: leave it out"
         if name in certified:
-            return f"'{name}' is of the quality of the data, which limits alone may name: leave it out"
+            return f"'{name}' is of the data-quality certificate, which only limits may name: leave it out"
         if stated := catalogue().stated_unit(name):
             unit = self.unit_of(stated[0])
             correct = "" if not unit else f" or {stated[0]}_{unit_suffix(unit)}"
@@ -163,7 +165,7 @@ class Naming:
         return f"no measurement is called '{name}': {closest(name, known)}"
 
     def _why_not_made(self, analysis: Analysis[Section], name: str) -> str:
-        """Why the analysis that gives a measurement is not made; empty if it is."""
+        """Return why the analysis that gives a measurement is not made; empty if it is."""
         analyses = self.plan.analyses
         if not analyses.made(analysis):
             off = analysis.of_steady_state and not analyses.steady
@@ -171,7 +173,14 @@ class Naming:
             return f"'{name}' is measured with analyses.{key} = true, which is false: change it"
         settings = analyses.settings(analysis)
         assert settings is not None  # it is made
-        return "" if self._possible(analysis, settings) else f"'{name}' {self._lacks(analysis, settings)}"
+        if not self._possible(analysis, settings):
+            return f"'{name}' {self._lacks(analysis, settings)}"
+        quantity = analysis.quantity(name)
+        assert quantity is not None  # the analysis was found by the name
+        if number := quantity.unlisted(name, settings):
+            key = f"analyses.{analysis.name}.{quantity.numbers}"
+            return f"'{name}' is measured where {key} lists {number}: add it, {key} = [{number}]"
+        return ""
 
     @property
     def _made(self) -> tuple[Analysis[Section], ...]:
@@ -184,7 +193,7 @@ class Naming:
     @property
     def _reached(self) -> Mapping[str, str]:
         """Units of the measurements of the operating point."""
-        wanted = (asked(case.operating_point, self.motor, None) for case in cases(self.plan))
+        wanted = (targets(case.operating_point, self.motor, None) for case in cases(self.plan))
         return {each.name: each.unit for point in wanted for each in point}
 
     def _possible(self, analysis: Analysis[Section], settings: Section) -> bool:
@@ -192,9 +201,9 @@ class Naming:
         return analysis.possible(self._channels, settings, transducer=self.transducer, stride=stride)
 
     def _lacks(self, analysis: Analysis[Section], settings: Section) -> str:
-        """What keeps an analysis from being made."""
+        """Return what keeps an analysis from being made."""
         if lacking := analysis.missing(self._channels, settings):
             return f"needs {', '.join(lacking)}, which record.channels does not have: add what is missing"
         if analysis.transducer and not self.transducer:
-            return "needs a torque transducer, which the bench at this link has not: leave it out"
+            return "needs a torque transducer, which the bench at this link does not have: leave it out"
         return f"needs every tick, record.stride is {self.plan.record.stride}: make it 1"

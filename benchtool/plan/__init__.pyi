@@ -1,0 +1,48 @@
+from . import model as model
+from .analyses import Analyses as Analyses
+from .cases import (
+    Case as Case,
+    Coordinates as Coordinates,
+    case_named as case_named,
+    cases as cases,
+    drive_time_s as drive_time_s,
+)
+from .changes import (
+    Changes as Changes,
+    places_of as places_of,
+)
+from .former_names import present_name as present_name
+from .lazy_catalogue import catalogue as catalogue
+from .limits import (
+    Limit as Limit,
+    Missed as Missed,
+    Verdict as Verdict,
+    missed as missed,
+    worst as worst,
+)
+from .model import (
+    OperatingPoint as OperatingPoint,
+    Plan as Plan,
+    Record as Record,
+    Setting as Setting,
+    load_plan as load_plan,
+    plan_names as plan_names,
+    plan_path as plan_path,
+    profile_of as profile_of,
+    recorded_plan as recorded_plan,
+    shipped_plans as shipped_plans,
+)
+from .operating_point import (
+    NAMES as NAMES,
+    CaseReadings as CaseReadings,
+    default_limits as default_limits,
+    measure_held as measure_held,
+    measure_reached as measure_reached,
+    read as read,
+    signals_to_read as signals_to_read,
+    targets as targets,
+)
+from .rating import require_rated as require_rated
+from .sensor_ranges import require_protected as require_protected
+from .template import plan_text as plan_text
+from .validation import require_known as require_known

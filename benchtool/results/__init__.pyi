@@ -1,0 +1,46 @@
+from .assessment import (
+    Assessment as Assessment,
+    Recorded as Recorded,
+    RunResult as RunResult,
+    assess as assess,
+    assess_bundle as assess_bundle,
+)
+from .block_result import (
+    EVERYTHING as EVERYTHING,
+    analyses_of as analyses_of,
+    analyze as analyze,
+    undefined as undefined,
+)
+from .calibration import (
+    Calibration as Calibration,
+    Overdue as Overdue,
+    overdue_text as overdue_text,
+    stated_overdue as stated_overdue,
+)
+from .comparison import (
+    Chance as Chance,
+    Comparison as Comparison,
+    Delta as Delta,
+    compare_cases as compare_cases,
+    deltas as deltas,
+)
+from .differences import (
+    Differences as Differences,
+    Kind as Kind,
+    valued as valued,
+)
+from .recordings import (
+    Selection as Selection,
+    assess_recording as assess_recording,
+)
+from .repetitions import (
+    Repeated as Repeated,
+    over_repetitions as over_repetitions,
+)
+from .runs import (
+    RecordedCase as RecordedCase,
+    RecordedRun as RecordedRun,
+    complete_cases as complete_cases,
+    is_planned as is_planned,
+    recorded_runs as recorded_runs,
+)

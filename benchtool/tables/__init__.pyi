@@ -1,0 +1,13 @@
+from .answer import (
+    TableAnswer as TableAnswer,
+    analyze_table as analyze_table,
+    table_block as table_block,
+)
+from .columns import TableQuestion as TableQuestion
+from .record import Record as Record
+from .scaling import quantity as quantity
+from .units import (
+    KNOWN as KNOWN,
+    unit_factor as unit_factor,
+    units_of as units_of,
+)
