@@ -1,4 +1,4 @@
-"""Frames of instruments on a CAN bus: received, checked against their DBC message, counted."""
+"""Frames of instruments on a CAN bus: reception, checks against the DBC message, counters."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ import can
 
 from benchtool.clock import Clock
 from benchtool.errors import LinkClosed, NoAnswer
-from benchtool.link.canopen.reception import receive_frames
-from benchtool.link.interface import Frame, FrameReceiver
-from benchtool.protocol.dbc import DbcMessage
+from benchtool.link import Frame, FrameReceiver
+from benchtool.link.canopen import receive_frames
+from benchtool.protocol import DbcMessage
 
 _SILENT_FRAMES = 5
 _SILENT_S = 0.1
 _POLL_S = 0.02
 _MOST_FRAMES = 1_000_000
-_BEFORE_S = 0.1  # what is kept before a recording starts, so that it covers its first moment
+_BEFORE_S = 0.1  # kept before a recording starts, so that it covers its first moment
 
 
-class Arrived(NamedTuple):
-    """A frame that is sound: its stamp on the host's clock, and the values of its signals."""
+class ReceivedFrame(NamedTuple):
+    """A valid frame: its timestamp on the host's clock, and the values of its signals."""
 
     arrival_s: float
     values: Mapping[str, float]
@@ -32,10 +32,10 @@ class Arrived(NamedTuple):
 
 @dataclass(frozen=True)
 class FrameCounters:
-    """Frames of one message since it is listened to, and what became of them.
+    """Counters of the frames of one message since reception began.
 
     `malformed` could not be decoded, `out_of_range` had a signal beyond the range of the DBC file or not a
-    number, `overflow` came when a recording was full: none of these was kept.
+    number, `overflow` came when a recording was full: all of these were dropped.
     """
 
     received: int = 0
@@ -45,7 +45,7 @@ class FrameCounters:
 
     @property
     def dropped(self) -> int:
-        """All that was not kept."""
+        """Number of dropped frames."""
         return self.malformed + self.out_of_range + self.overflow
 
 
@@ -56,7 +56,7 @@ class MessageListener:
         message: what is listened to.
         rate_Hz: how often it is to come.
         clock: the host's, on which frames are stamped.
-        check: raises what has ended reception, if something has.
+        check: raises the exception that ended reception, if there is one.
         most: frames that a recording may hold.
     """
 
@@ -77,8 +77,8 @@ class MessageListener:
         self._most = most
         self._lock = threading.Lock()
         self._counts = dict.fromkeys(("received", "malformed", "out_of_range", "overflow"), 0)
-        self._recent: deque[Arrived] = deque(maxlen=max(2, round(_BEFORE_S * rate_Hz)))
-        self._kept: list[Arrived] | None = None
+        self._recent: deque[ReceivedFrame] = deque(maxlen=max(2, round(_BEFORE_S * rate_Hz)))
+        self._kept: list[ReceivedFrame] | None = None
         self._last_s: float | None = None
 
     @property
@@ -87,7 +87,7 @@ class MessageListener:
         with self._lock:
             return FrameCounters(**self._counts)
 
-    def take(self, frame: Frame) -> None:
+    def on_frame(self, frame: Frame) -> None:
         """Take a frame of this message; called in a receive thread. Never raises."""
         values = self.message.decode(frame.data)
         with self._lock:
@@ -95,11 +95,11 @@ class MessageListener:
             if values is None:
                 self._counts["malformed"] += 1
                 return
-            self._last_s = frame.arrival_s  # what is out of range is no silence
+            self._last_s = frame.arrival_s  # a frame out of range still shows that the instrument is alive
             if not all(self.message.ranges[name].holds(value) for name, value in values.items()):
                 self._counts["out_of_range"] += 1
                 return
-            arrived = Arrived(frame.arrival_s, values)
+            arrived = ReceivedFrame(frame.arrival_s, values)
             self._recent.append(arrived)
             if self._kept is not None:
                 if len(self._kept) < self._most:
@@ -112,8 +112,8 @@ class MessageListener:
         with self._lock:
             self._kept = list(self._recent)
 
-    def stop(self) -> list[Arrived]:
-        """The frames kept since `start`, which are given away."""
+    def stop(self) -> list[ReceivedFrame]:
+        """Return the frames kept since `start` and clear them."""
         with self._lock:
             kept, self._kept = self._kept or [], None
             return kept
@@ -141,15 +141,15 @@ class MessageListener:
             raise self._silent()
 
     def silent_for_s(self) -> float:
-        """Seconds since the last frame; infinite before the first."""
+        """Return the seconds since the last frame; infinite before the first."""
         with self._lock:
             return float("inf") if self._last_s is None else self._clock.now_s() - self._last_s
 
     def latest(self) -> Mapping[str, float]:
-        """Values of the last sound frame.
+        """Return the values of the last valid frame.
 
         Raises:
-            NoAnswer: none came lately.
+            NoAnswer: no recent frame.
         """
         self.require_alive()
         with self._lock:
@@ -169,7 +169,7 @@ class MessageListener:
 
 
 class BusListener:
-    """A receive thread on a bus of instruments, which nothing is sent on.
+    """A receive thread on a bus of instruments; it never sends.
 
     Args:
         bus: open bus, owned from now on.
@@ -196,7 +196,7 @@ class BusListener:
         self._bus.shutdown()
 
     def check(self) -> None:
-        """Raise what ended reception.
+        """Raise the exception that ended reception.
 
         Raises:
             LinkClosed: the adapter stopped working.

@@ -12,22 +12,22 @@ from benchtool.bench.can_frames import MessageListener
 from benchtool.bench.equipment import Temperatures
 from benchtool.block import Block, Channel
 from benchtool.errors import EnvironmentFailure, NoAnswer, ProfileError, ValueRefused
-from benchtool.profile.equipment import CanSupply, CanTemperature, CanTransducer
-from benchtool.protocol.dbc import DbcMessage, SignalRange
-from benchtool.tables.units import unit_factor, units_of
-from benchtool.telemetry import ClockFit
-from benchtool.telemetry.alignment import Alignment, Sampling, align, frame_numbers
+from benchtool.profile import CanSupply, CanTemperature, CanTransducer
+from benchtool.protocol import DbcMessage, SignalRange
+from benchtool.tables import unit_factor, units_of
+from benchtool.telemetry import Alignment, ClockFit, Sampling, align, frame_numbers
 
 _CHANNEL: Final = Channel("torque_transducer", "Nm")
 _CELSIUS: Final = ("degC", "°C", "C", "deg C", "")
 _PERIODS: Final = 2.0
 
 Listen = Callable[[DbcMessage, float], MessageListener]
-"""Begins to listen to a message that comes so many times a second."""
+"""Subscribes to a message that comes at a rate in Hz."""
 
 
 def factor_of(signal: SignalRange, unit: str) -> float:
-    """How many of the SI unit `unit` one of a signal's own unit is; a signal without a unit is in `unit`.
+    """Return how many of the SI unit `unit` one of a signal's own unit is; a signal without a unit is in
+    `unit`.
 
     Raises:
         ProfileError: its unit is of another kind.
@@ -38,7 +38,7 @@ def factor_of(signal: SignalRange, unit: str) -> float:
     if factor is None:
         raise ProfileError(
             f"signal '{signal.name}' is in '{signal.unit}' by its DBC file, {units_of(unit)} can be read: "
-            f"choose the signal of that quantity, or mend its unit in the file"
+            f"choose the signal of that quantity, or correct its unit in the file"
         )
     return factor
 
@@ -54,7 +54,7 @@ class DbcTransducer:
         listen: begins to listen.
 
     Raises:
-        ProfileError: its signals are no torque.
+        ProfileError: its signals are not a torque.
     """
 
     def __init__(self, stated: CanTransducer, message: DbcMessage, listen: Listen) -> None:
@@ -97,7 +97,7 @@ class DbcTransducer:
             )
         if not kept:
             raise NoAnswer(
-                f"no sound frame of '{self._stated.message}' came while it was recorded "
+                f"no valid frame of '{self._stated.message}' came while it was recorded "
                 f"({self._listener.counters.dropped} damaged or out of range so far): check the instrument"
             )
         arrivals_s = np.array([each.arrival_s for each in kept])
@@ -135,7 +135,7 @@ class DbcTransducer:
 
 
 def _wrap_of(counter: SignalRange) -> int:
-    """How many values a counter has, by the range of its signal.
+    """Return how many values a counter has, by the range of its signal.
 
     Raises:
         ProfileError: the DBC file states no range.
@@ -150,7 +150,7 @@ def _wrap_of(counter: SignalRange) -> int:
 
 
 class DbcSupply:
-    """A power analyser that tells voltage and current of the dc link; a `Supply` that only measures."""
+    """A power analyser that measures voltage and current of the dc link; a `Supply` that only measures."""
 
     def __init__(self, stated: CanSupply, message: DbcMessage, listen: Listen) -> None:
         self._stated = stated
@@ -187,7 +187,7 @@ class DbcThermometer:
             if each.unit not in _CELSIUS:
                 raise ProfileError(
                     f"signal '{each.name}' is in '{each.unit}' by its DBC file, degC is expected: choose "
-                    f"another signal, or mend its unit in the file"
+                    f"another signal, or correct its unit in the file"
                 )
         self._listener = listen(message, stated.rate_Hz)
 

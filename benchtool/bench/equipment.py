@@ -1,24 +1,27 @@
-"""The equipment of a bench: what a session may ask of it, and what a profile and a link say there is."""
+"""The equipment of a bench: interfaces for a session, and its declaration by profile and link."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import Any, Protocol
 
+from benchtool.bench.wires import registry
+from benchtool.bench.wires.canopen import require_interface
 from benchtool.bench.wires.wire import FarEnd
 from benchtool.block import Block
-from benchtool.errors import ProfileError
-from benchtool.profile import Bench, Profile
-from benchtool.profile.equipment import (
+from benchtool.errors import ProfileError, UsageError
+from benchtool.profile import (
     DRIVES_BUS,
     Absent,
+    Bench,
     CanFrames,
     CanSupply,
     CanTemperature,
     CanTransducer,
     Emulated,
     EmulatedTemperature,
-    Person,
+    Operator,
+    Profile,
 )
 from benchtool.telemetry import ClockFit
 
@@ -27,14 +30,14 @@ class LoadMachine(Protocol):
     """Equipment on the shaft that loads the motor."""
 
     def apply(self, torque_Nm: float) -> None:
-        """Load the shaft; positive torque opposes positive speed. It may turn as it likes again."""
+        """Load the shaft; positive torque opposes positive speed. Its speed is free again."""
 
     def hold(self, omega_m_rad_s: float) -> None:
-        """Turn the shaft at this speed, whatever torque that takes."""
+        """Hold the shaft at this speed at any torque."""
 
 
 class Transducer(Protocol):
-    """A torque transducer on the shaft, with a sampling of its own."""
+    """A torque transducer on the shaft with its own sampling."""
 
     @property
     def longest_s(self) -> float:
@@ -42,30 +45,31 @@ class Transducer(Protocol):
 
     @property
     def late_s(self) -> float:
-        """How long after a moment the host has its sample for certain."""
+        """Longest delay between a moment and its sample at the host."""
 
     def require_alive(self) -> None:
         """Check that it measures.
 
         Raises:
-            NoAnswer: it is silent.
+            NoAnswer: no samples arrive.
         """
 
     def start(self, duration_s: float) -> None:
         """Record for `duration_s` from now."""
 
     def block(self, clock: ClockFit | None = None) -> Block:
-        """What was recorded, as channel `torque_transducer`, in drive time.
+        """Return what was recorded, as channel `torque_transducer`, in drive time.
 
         `clock` is that of the drive's records, which a transducer with a clock of its own needs.
 
         Raises:
-            NoAnswer: it is or fell silent.
-            EnvironmentFailure: it does not sample as the profile states, or has no clock to be aligned with.
+            NoAnswer: no samples arrive, or they stopped.
+            EnvironmentFailure: it does not sample as the profile states, or there is no clock to align it
+            with.
         """
 
     def facts(self) -> dict[str, Any]:
-        """What is to be kept of the last recording beside its samples: counters, resolution, alignment."""
+        """Return facts on the last recording for the manifest: counters, resolution, alignment."""
 
 
 class Supply(Protocol):
@@ -97,17 +101,17 @@ class Supply(Protocol):
 
 @dataclass(frozen=True)
 class Temperatures:
-    """Temperatures of winding and surroundings; None where no thermometer is."""
+    """Temperatures of winding and surroundings; None where there is no thermometer."""
 
     winding_degC: float | None
     ambient_degC: float | None
 
 
 class Thermometer(Protocol):
-    """What tells temperatures of the machine and its surroundings."""
+    """A thermometer of the machine and its surroundings."""
 
     def temperatures(self) -> Temperatures:
-        """Those of now.
+        """Return the present temperatures.
 
         Raises:
             NoAnswer: the instrument is silent.
@@ -121,15 +125,15 @@ class ConstantTemperatures:
     stated: EmulatedTemperature
 
     def temperatures(self) -> Temperatures:
-        """See `Thermometer.temperatures`; always the same."""
+        """See `Thermometer.temperatures`; constant."""
         return Temperatures(self.stated.winding_degC, self.stated.ambient_degC)
 
 
 @dataclass(frozen=True)
 class Declared:
-    """What stands on a bench by its profile and the link of its drive."""
+    """Equipment of a bench as its profile and the link of its drive declare it."""
 
-    load: Emulated | Person
+    load: Emulated | Operator
     transducer: Emulated | CanTransducer | Absent
     supply: Emulated | CanSupply | Absent
     temperature: EmulatedTemperature | CanTemperature | Absent
@@ -140,7 +144,7 @@ class Declared:
         return not isinstance(self.transducer, Absent)
 
     def without_instruments(self) -> Declared:
-        """The same bench without what has frames of its own."""
+        """Return the same bench without instruments on CAN."""
         absent = Absent(kind="none")
         return Declared(
             self.load,
@@ -150,7 +154,7 @@ class Declared:
         )
 
     def lines(self) -> dict[str, str]:
-        """Each piece of equipment in words, by the name of its table."""
+        """Return each piece of equipment in words, by the name of its table."""
         temperature = self.temperature
         if isinstance(temperature, EmulatedTemperature):
             winding_degC, ambient_degC = temperature.winding_degC, temperature.ambient_degC
@@ -158,7 +162,7 @@ class Declared:
         else:
             told = _frames(temperature)
         return {
-            "load": "emulated load machine" if isinstance(self.load, Emulated) else "none: a person does it",
+            "load": "emulated load machine" if isinstance(self.load, Emulated) else "none: by the operator",
             "transducer": (
                 "emulated, on the drive's time base"
                 if isinstance(self.transducer, Emulated)
@@ -177,14 +181,15 @@ def _frames(stated: CanFrames | Absent) -> str:
 
 
 def declared(profile: Profile, far_end: FarEnd) -> Declared:
-    """What stands on the bench of a profile, by what is at the other end of the link.
+    """Return the equipment on the bench of a profile, by what is at the other end of the link.
 
     What the profile leaves out is emulated on an emulated bench, and not there on any other.
 
     Raises:
-        ProfileError: it names emulated equipment, and the drive is a real one.
+        ProfileError: it names emulated equipment, and the drive is a real one; or a bus that cannot be.
     """
-    stated = profile.bench
+    stated = Bench() if far_end is FarEnd.RECORDING else profile.bench
+    _require_buses(stated, profile.title)
     if far_end is FarEnd.EMULATED_DRIVE:
         return Declared(
             load=stated.load or Emulated(),
@@ -192,8 +197,6 @@ def declared(profile: Profile, far_end: FarEnd) -> Declared:
             supply=stated.supply or Emulated(),
             temperature=stated.temperature or EmulatedTemperature(),
         )
-    if far_end is FarEnd.RECORDING:
-        stated = Bench()
     for name in ("load", "transducer", "supply", "temperature"):
         if isinstance(getattr(stated, name), Emulated):
             raise ProfileError(
@@ -202,8 +205,20 @@ def declared(profile: Profile, far_end: FarEnd) -> Declared:
             )
     load, transducer, supply = stated.load, stated.transducer, stated.supply
     return Declared(
-        load=load or Person(kind="person"),
+        load=load or Operator(kind="operator"),
         transducer=transducer or Absent(kind="none"),
         supply=supply or Absent(kind="none"),
         temperature=stated.temperature or Absent(kind="none"),
     )
+
+
+def _require_buses(stated: Bench, title: str) -> None:
+    """Refuse the address of an instrument's bus that cannot be; on an emulated bench too."""
+    for name in ("transducer", "supply", "temperature"):
+        table = getattr(stated, name)
+        if not isinstance(table, CanFrames) or table.bus == DRIVES_BUS:
+            continue
+        try:
+            require_interface(registry.parse(table.bus))
+        except UsageError as refused:
+            raise ProfileError(f"bench.{name}.bus of profile '{title}': {refused}") from None

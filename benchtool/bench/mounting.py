@@ -1,8 +1,10 @@
-"""Puts the equipment that a profile declares on a bench: real instruments, or emulated ones behind frames."""
+"""Connect the equipment that a profile declares: real instruments, or emulated ones behind frames."""
 
 from __future__ import annotations
 
-from contextlib import ExitStack
+import re
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -22,10 +24,9 @@ from benchtool.bench.wires import registry
 from benchtool.bench.wires.canopen import bus_at
 from benchtool.clock import Clock
 from benchtool.errors import ProfileError
-from benchtool.link import FrameLink, Link
-from benchtool.link.canopen.stamps import AdapterStamps, timestamp
-from benchtool.link.interface import Frame, FrameReceiver
-from benchtool.profile.equipment import (
+from benchtool.link import Frame, FrameLink, FrameReceiver, Link
+from benchtool.link.canopen import AdapterTimestamps, timestamp
+from benchtool.profile import (
     DRIVES_BUS,
     Absent,
     CanFrames,
@@ -35,11 +36,11 @@ from benchtool.profile.equipment import (
     Emulated,
     EmulatedTemperature,
 )
+from benchtool.protocol import DbcMessage
 from benchtool.protocol.canopen import cob_id
-from benchtool.protocol.dbc import DbcMessage
 
 if TYPE_CHECKING:
-    from benchtool.emulator.bench import EmulatedBench
+    from benchtool.emulator import EmulatedBench
 
 _OF_ALL_NODES = (0x000, 0x080, 0x100)  # NMT, SYNC, TIME
 _OF_A_NODE = (
@@ -51,7 +52,7 @@ _HOST_HEARTBEAT = cob_id.HEARTBEAT + cob_id.HOST_NODE
 
 @dataclass(frozen=True)
 class Equipment:
-    """What stands on a bench, ready for use; None for what it has not."""
+    """Equipment of a bench, ready for use; None for what is missing."""
 
     load: LoadMachine | None = None
     transducer: Transducer | None = None
@@ -67,7 +68,7 @@ def mount(
     clock: Clock,
     emulated: EmulatedBench | None = None,
 ) -> Equipment:
-    """The equipment of a bench whose drive is connected; `stack` closes it.
+    """Return the equipment of a bench whose drive is connected; `stack` closes it.
 
     Args:
         what: as `declared` has it.
@@ -81,12 +82,35 @@ def mount(
         LinkError: the bus of an instrument cannot be opened.
     """
     mounting = _Mounting(stack, source, link, clock, emulated)
-    return Equipment(
-        load=emulated.load if emulated is not None and isinstance(what.load, Emulated) else None,
-        transducer=mounting.transducer(what.transducer),
-        supply=mounting.supply(what.supply),
-        thermometer=mounting.thermometer(what.temperature),
-    )
+    load = emulated.load if emulated is not None and isinstance(what.load, Emulated) else None
+    with _stated(source, "transducer"):
+        transducer = mounting.transducer(what.transducer)
+    with _stated(source, "supply"):
+        supply = mounting.supply(what.supply)
+    with _stated(source, "temperature"):
+        thermometer = mounting.thermometer(what.temperature)
+    return Equipment(load, transducer, supply, thermometer)
+
+
+@contextmanager
+def _stated(source: Path, table: str) -> Iterator[None]:
+    """Have an error of what `[bench.TABLE]` states name the profile and the line of that table."""
+    try:
+        yield
+    except ProfileError as wrong:
+        line = _line(source, table)
+        place = source if line is None else f"{source}, line {line}"
+        raise ProfileError(f"{place}: [bench.{table}]: {wrong}") from None
+
+
+def _line(source: Path, table: str) -> int | None:
+    """Return where a profile's file has `[bench.TABLE]`, or TABLE as a key of `[bench]`, counted from 1."""
+    wanted = re.compile(rf"\s*(\[\s*bench\s*\.\s*{table}\s*\]|(bench\s*\.\s*)?{table}(\s*\.\s*\w+)?\s*=)")
+    try:
+        lines = source.read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeDecodeError):
+        return None
+    return next((number for number, line in enumerate(lines, 1) if wanted.match(line)), None)
 
 
 class _Mounting:
@@ -176,11 +200,11 @@ class _Mounting:
         listener = MessageListener(message, rate_Hz, self._clock, check=check)
         key = (stated.bus, message.can_id, message.extended)
         name, takers = self._takers.setdefault(key, (message.name, []))
-        takers.append(listener.take)
+        takers.append(listener.on_frame)
         if name != message.name:
             raise ProfileError(
                 f"messages '{name}' and '{message.name}' have the same identifier 0x{message.can_id:X} on "
-                f"one bus: an identifier is one message's, mend the DBC file or name the bus of each"
+                f"one bus: an identifier is one message's, correct the DBC file or name the bus of each"
             )
         if len(takers) > 1:
             if self._emulated is not None:
@@ -212,18 +236,18 @@ class _Mounting:
         self._stack.callback(link.unsubscribe, (message.can_id,))
 
     def _other(self, url: str) -> BusListener:
-        """The bus at an address, which several instruments may share."""
+        """Return the bus at an address, which several instruments may share."""
         if url not in self._others:
             if self._emulated is not None:
                 bus = self._emulated.host_bus(f"{self._emulated.channel}/{url}")
                 listener = BusListener(bus, timestamp)
             else:
-                listener = BusListener(bus_at(registry.parse(url)), AdapterStamps(self._clock))
+                listener = BusListener(bus_at(registry.parse(url)), AdapterTimestamps(self._clock))
             self._stack.callback(listener.close)
             self._others[url] = listener
         return self._others[url]
 
     def _channel(self, stated: CanFrames) -> str:
-        """The virtual channel of an instrument of the emulated bench; empty for the drive's own."""
+        """Return the virtual channel of an instrument of the emulated bench; empty for the drive's own."""
         assert self._emulated is not None
         return "" if stated.bus == DRIVES_BUS else f"{self._emulated.channel}/{stated.bus}"

@@ -1,4 +1,4 @@
-"""The emulated drive as a device of its own: in real time, on wires that other programs open.
+"""The emulated drive as a device: in real time, on wires that other programs open.
 
 Beside `benchtool.bench.session` this is what knows both the emulated drive and how a host addresses it.
 """
@@ -14,19 +14,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from benchtool.bench.wires import registry
+from benchtool.bench.wires.failures import naming_wires
 from benchtool.errors import EnvironmentFailure, LinkError, UsageError
 from benchtool.profile import load_profile
 
 if TYPE_CHECKING:
-    from benchtool.emulator.bench import DriveStatus, EmulatedBench
-    from benchtool.emulator.ports.client import Traffic
-    from benchtool.emulator.ports.pty import PtyPort
-    from benchtool.emulator.ports.tcp import TcpPort
+    from benchtool.emulator import DriveStatus, EmulatedBench
+    from benchtool.emulator.ports import PtyPort, TcpPort, Traffic
 
 STEP_S = 0.002
 """Wall-clock seconds for which a frame may wait for the drive's time to go on."""
 
-_CATCH_UP_S = 0.1  # a drive that hurries on for longer could take its haste for the silence of its host
+_CATCH_UP_S = 0.1  # a drive that catches up for longer could take that for a lost host
 _EVERYWHERE = ("0.0.0.0", "::")
 _TERMINALS = ("/dev/pts/", "/dev/ttys")  # of Linux, of macOS
 
@@ -56,7 +55,7 @@ class ServedWire:
 
 @dataclass(frozen=True)
 class ServedDrive:
-    """A powered drive; its time passes in `run` only."""
+    """A powered drive; its time only passes in `run`."""
 
     node_id: int
     speed: float
@@ -65,7 +64,7 @@ class ServedDrive:
     _wait: Callable[[float], None]
 
     def run(self, duration_s: float) -> None:
-        """Live for so many seconds of the wall clock."""
+        """Run for so many seconds of the wall clock."""
         self._wait(duration_s * self.speed)
 
 
@@ -88,20 +87,21 @@ def serve(
         speed: drive seconds in a second of the wall clock.
         load_torque_Nm: of the load machine, against positive rotation, while the drive is enabled.
         hold_omega_m_rad_s: speed at which the load machine turns the shaft instead.
-        note: takes a line when a wire is lost.
+        note: called with a message when a wire is lost.
 
     Raises:
         ProfileError: the profile cannot be read, or describes no emulated bench.
         UsageError: `speed` is not positive, or there is no such wire.
         LinkError: a wire cannot be offered.
         EnvironmentFailure: this system has no pseudo-terminals.
+        PlugInError: the wire of another package fails.
     """
-    from benchtool.emulator.bench import EmulatedBench
+    from benchtool.emulator import EmulatedBench
 
     if not speed > 0.0:
         raise UsageError(f"a speed of {speed:g} cannot be: 1 is that of the wall clock, choose one above 0")
     profile = load_profile(profile_name)
-    with ExitStack() as stack:
+    with naming_wires(), ExitStack() as stack:
         bench = EmulatedBench(
             profile,
             seed=seed,
@@ -136,9 +136,9 @@ def _offer(
 
 
 def _open(stack: ExitStack, endpoint: Endpoint) -> tuple[PtyPort | TcpPort, str]:
-    """A port, and where its clients find it."""
+    """Return a port, and where its clients find it."""
     if endpoint.tcp is not None:
-        from benchtool.emulator.ports.tcp import TcpPort
+        from benchtool.emulator.ports import TcpPort
 
         host, number = endpoint.tcp
         try:
@@ -152,7 +152,7 @@ def _open(stack: ExitStack, endpoint: Endpoint) -> tuple[PtyPort | TcpPort, str]
         shown = f"[{shown}]" if ":" in shown else shown
         return listening, f"socket://{shown}:{listening.address[1]}"
     try:
-        from benchtool.emulator.ports.pty import PtyPort
+        from benchtool.emulator.ports import PtyPort
     except ImportError:
         raise EnvironmentFailure("this system has no pseudo-terminals: offer TCP ports instead") from None
     terminal = PtyPort()

@@ -17,14 +17,14 @@ from benchtool.bench.equipment import Declared, LoadMachine, Supply, Thermometer
 from benchtool.bench.mounting import mount
 from benchtool.bench.wires import registry
 from benchtool.bench.wires.address import Address
+from benchtool.bench.wires.failures import naming_wires
 from benchtool.bench.wires.wire import Connection, FarEnd, Opening
 from benchtool.clock import Clock
 from benchtool.drive import RemoteDrive
 from benchtool.errors import UsageError
 from benchtool.link import Link
 from benchtool.profile import Profile, altered, load_profile, profile_path
-from benchtool.protocol.dictionary import Dictionary
-from benchtool.protocol.dictionary.profiled import profiled_dictionary
+from benchtool.protocol.dictionary import Dictionary, profiled_dictionary
 
 if TYPE_CHECKING:
     from benchtool.telemetry import FrameLog
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Session:
-    """One connected bench; equipment that it has not is None."""
+    """One connected bench; missing equipment is None."""
 
     profile_name: str
     profile: Profile
@@ -58,23 +58,24 @@ def open_session(
     first_tick: int = 0,
     instruments: bool = True,
 ) -> Iterator[Session]:
-    """A session whose drive is not yet checked; on the way out it is disabled and what was opened is closed.
+    """Open a session whose drive is not yet checked; on exit it is disabled and everything opened is closed.
 
     Args:
         profile_name: a shipped profile's name or a TOML file.
         link: address of a link; or an open one, which stays open, and whose session cannot reconnect.
         seed: of the emulated bench's noise.
         real_time: pace an emulated bench by the wall clock.
-        note: takes a line where something takes its time.
+        note: called with a message where something takes time.
         alter: what differs on an emulated bench, as `profile.altered` takes it.
         frames: takes every frame of the session.
         first_tick: the tick at which an emulated drive is powered up.
-        instruments: listen to those on CAN that the profile names; a session without them has no such
-            equipment, and does not hang on their adapters.
+        instruments: use those on CAN that the profile names; a session without them does not need their
+            adapters.
 
     Raises:
         ProfileError, DictionaryError, UsageError: what was asked for cannot be.
         LinkError: the adapter or the port cannot be opened.
+        PlugInError: the wire of another package fails; also later, out of the `with` block.
     """
     source = profile_path(profile_name)
     profile = altered(load_profile(profile_name), alter)
@@ -87,7 +88,7 @@ def open_session(
     if not instruments:
         what = what.without_instruments()
     opening = Opening(profile, node_id, seed, real_time, first_tick, frames, note)
-    with ExitStack() as stack:
+    with naming_wires(), ExitStack() as stack:
         if isinstance(address, Address):
             connection = _connect(stack, address, opening, alter)
         else:
@@ -112,7 +113,7 @@ def open_session(
 
 
 def _connect(stack: ExitStack, address: Address, opening: Opening, alter: Mapping[str, float]) -> Connection:
-    """The way to the drive at an address."""
+    """Return the way to the drive at an address."""
     wire = registry.wire_of(address)
     if wire.far_end is not FarEnd.EMULATED_DRIVE:
         _require_unaltered(alter, f"'{address.url}'")
@@ -120,12 +121,12 @@ def _connect(stack: ExitStack, address: Address, opening: Opening, alter: Mappin
         raise UsageError(
             f"frames are those of CAN and the link is '{address.url}': record without --frames, or over CAN"
         )
-    assert wire.connect is not None  # it has a form
+    assert wire.connect is not None  # it has addresses
     return wire.connect(stack, address, opening)
 
 
 def _lent(link: Link, opening: Opening, alter: Mapping[str, float]) -> Connection:
-    """The way to a drive whose link is open already."""
+    """Return the way to a drive whose link is open already."""
     _require_unaltered(alter, "an open link")
     if opening.frames is not None:
         raise UsageError("frames are kept from the opening of a link on: give its address instead")
@@ -141,7 +142,7 @@ def _require_unaltered(alter: Mapping[str, float], link: str) -> None:
 
 
 def dictionary_of(profile_name: str) -> Dictionary:
-    """The dictionary of the drive that a profile describes.
+    """Return the dictionary of the drive that a profile describes.
 
     Raises:
         ProfileError, DictionaryError: the profile or its EDS cannot be read.
@@ -151,7 +152,7 @@ def dictionary_of(profile_name: str) -> Dictionary:
 
 
 def equipment_of(profile_name: str, url: str) -> Declared:
-    """What stands on the bench of a profile whose drive is at a link address; nothing is opened.
+    """Return what stands on the bench of a profile whose drive is at a link address; nothing is opened.
 
     Raises:
         ProfileError, UsageError: the profile or the address is wrong, or they do not fit each other.
@@ -159,8 +160,13 @@ def equipment_of(profile_name: str, url: str) -> Declared:
     return declared(load_profile(profile_name), registry.far_end(url))
 
 
-def emulator_is_compiled() -> bool:
-    """Whether this machine holds the compiled emulator, or its first run will compile it."""
-    from benchtool.emulator.core.kernel import kernel_is_cached
+def emulator_is_compiled(profile_name: str) -> bool:
+    """Return whether this machine holds the emulator compiled for a profile's bench, or its first run
+    compiles it.
 
-    return kernel_is_cached()
+    Raises:
+        ProfileError: the profile cannot be read, or describes no emulated bench.
+    """
+    from benchtool.emulator import is_compiled
+
+    return is_compiled(load_profile(profile_name))

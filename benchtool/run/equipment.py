@@ -1,4 +1,4 @@
-"""What the equipment of a bench tells in a case beside samples, for the manifest and the log of the case."""
+"""Readings and facts of the equipment for the manifest and the log of a case."""
 
 from __future__ import annotations
 
@@ -6,8 +6,7 @@ from collections.abc import Iterator
 from dataclasses import asdict
 from typing import Any
 
-from benchtool.bench.person import Done
-from benchtool.bench.session import Session
+from benchtool.bench import Done, Session
 
 _DROPPED = {
     "malformed": "could not be decoded",
@@ -18,9 +17,9 @@ _DROPPED = {
 
 
 def readings(session: Session) -> dict[str, Any]:
-    """Voltage and current of the dc supply and temperatures, now, as far as the bench measures them.
+    """Return voltage and current of the dc supply and temperatures, now, as far as the bench measures them.
 
-    The torque transducer sends as well, or this refuses.
+    Also checks that the torque transducer sends.
 
     Raises:
         NoAnswer: an instrument is silent.
@@ -36,7 +35,8 @@ def readings(session: Session) -> dict[str, Any]:
 
 
 def facts(session: Session, before: dict[str, Any], by_hand: Done | None) -> dict[str, Any]:
-    """What a manifest keeps: readings before the drive was enabled, of the transducer, what a person did."""
+    """Return the facts for the manifest: readings before enabling, facts of the transducer, actions of the
+    operator."""
     told: dict[str, Any] = {"before": before} if before else {}
     if session.transducer is not None and (kept := session.transducer.facts()):
         told["transducer"] = kept
@@ -46,7 +46,7 @@ def facts(session: Session, before: dict[str, Any], by_hand: Done | None) -> dic
 
 
 def remarks(session: Session) -> Iterator[str]:
-    """Lines on what of the transducer was not kept, and on how its samples are aligned."""
+    """Yield remarks on dropped frames of the transducer, and on the alignment of its samples."""
     kept = {} if session.transducer is None else session.transducer.facts()
     for name, text in _DROPPED.items():
         if count := kept.get("frames", {}).get(name, 0):

@@ -1,4 +1,4 @@
-"""How a bundle says that its recording was cut short: the reason, and what is known until then."""
+"""Closing a bundle whose recording was cut short, with the reason."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 
 from benchtool.errors import BenchError
 from benchtool.link import LinkCounters
-from benchtool.plan.limits import Verdict
+from benchtool.plan import Verdict
 from benchtool.recording import BundleWriter
 from benchtool.telemetry import TelemetryStream, certify_recording
 
@@ -25,10 +25,10 @@ def fail_bundle(
 ) -> str:
     """Close a bundle that `failure` has cut short, and return the reason as the bundle states it.
 
-    What cannot be written becomes a note of `failure`, which stays the one that is reported.
+    Errors while writing become notes of `failure`, which stays the reported exception.
 
     Args:
-        stream: the slow stream as far as it came; None where there was none.
+        stream: the slow stream so far; None if there was none.
         counters: of the link.
         verdict: of a run; None where nothing is judged.
         details: what the manifest is to say besides.

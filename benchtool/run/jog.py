@@ -1,7 +1,7 @@
-"""Setpoints paced by the host: for moving a shaft by hand or by a script, never for an experiment.
+"""Setpoints timed by the host, for moving a shaft by hand or by a script, not for experiments.
 
-An experiment's setpoints are played by the drive (`benchtool.drive.play`); a host's timer is only as even as
-`Pacing` says it was.
+An experiment's setpoints are played by the drive (`benchtool.drive.play`); `Pacing` states how even the
+host's timer was.
 """
 
 from __future__ import annotations
@@ -12,22 +12,22 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 
 from benchtool.clock import Clock
-from benchtool.drive import Mode, RemoteDrive
-from benchtool.drive.capabilities import Capability
-from benchtool.drive.quantities import (
+from benchtool.drive import (
     SPEED,
     SPEED_SETPOINT,
     TORQUE,
     TORQUE_SETPOINT,
+    Capability,
     Quantity,
+    RemoteDrive,
     in_si,
     is_own,
 )
 from benchtool.errors import BenchError, CapabilityMissing, ValueRefused
 from benchtool.profile import Motor
-from benchtool.protocol.dictionary.roles import Role
-from benchtool.protocol.dictionary.variable import Variable
-from benchtool.telemetry.setpoints import Setpoints
+from benchtool.protocol import Mode
+from benchtool.protocol.dictionary import Role, Variable
+from benchtool.telemetry import Setpoints
 
 HIGHEST_RATE_HZ = 1000.0
 _LATE = 1.5  # periods
@@ -38,7 +38,7 @@ class Pacing:
     """How evenly frames were sent, by the host's clock.
 
     `period_rms_s` is the rms deviation of the periods from the one asked for; a period is late from one and a
-    half of that on. What is missed is left out, never made up for by a burst.
+    half of that on. Missed frames are skipped, never sent in a burst.
     """
 
     sent: int
@@ -51,9 +51,9 @@ class Pacing:
 
 @dataclass(frozen=True)
 class Jog:
-    """What came of it: the pacing, and the drive's measurements at the end, before it was disabled.
+    """Result of a jog: the pacing, and the drive's measurements at the end, before it was disabled.
 
-    None stands for a measurement that the drive has not in SI units.
+    A measurement that the drive lacks in SI units is None.
     """
 
     pacing: Pacing
@@ -70,9 +70,9 @@ def jog(
     duration_s: float,
     rate_Hz: float = 100.0,
 ) -> Jog:
-    """Enable the drive, send it setpoints for `duration_s`, and disable it again, on every way out.
+    """Enable the drive, send it setpoints for `duration_s`, and disable it on every exit.
 
-    What can be found out before is checked before it is enabled, and the PDO of the setpoints is put back.
+    Everything that can be checked is checked before enabling, and the PDO of the setpoints is restored.
 
     Args:
         drive: connected.
@@ -84,8 +84,8 @@ def jog(
     Raises:
         CapabilityMissing: the drive has no such mode, target or supervision, or not in SI units.
         ValueRefused: a setpoint is beyond the rating or the limits of the drive, the rate or the mode is
-            none, or the drive takes no such setpoints; it was not sent.
-        DriveFault, LinkError: as they come; the drive is disabled or will stop by itself.
+            invalid, or the drive takes no such setpoints; nothing was sent.
+        DriveFault, LinkError: the drive is disabled or will stop by itself.
     """
     if not 0.0 < rate_Hz <= HIGHEST_RATE_HZ:
         raise ValueRefused(
@@ -97,15 +97,15 @@ def jog(
     drive.capabilities.require(
         Capability.VELOCITY if mode is Mode.VELOCITY else Capability.TORQUE, purpose="a jog"
     )
-    first = _within_rating(setpoint(0.0), mode, motor)
-    _require_mode(drive, mode)
+    first = within_rating(setpoint(0.0), mode, motor)
+    require_mode(drive, mode)
     measured = [_measured(drive, quantity) for quantity in (SPEED, TORQUE)]
     with _setpoints(drive, mode) as setpoints:
         setpoints.check(**{name: first})
         with drive.enabled(mode):
 
             def send(time_s: float) -> None:
-                setpoints.send(**{name: _within_rating(setpoint(time_s), mode, motor)})
+                setpoints.send(**{name: within_rating(setpoint(time_s), mode, motor)})
                 drive.raise_emergencies()
 
             pacing = pace(drive.clock, send, duration_s=duration_s, period_s=1.0 / rate_Hz)
@@ -113,7 +113,7 @@ def jog(
 
 
 def _measured(drive: RemoteDrive, quantity: Quantity) -> Variable | None:
-    """The object of a measurement; None of a drive that has none, or does not say what its numbers are."""
+    """Return the object of a measurement; None if the drive has none, or its scale is unknown."""
     try:
         return in_si(drive, quantity)
     except CapabilityMissing:
@@ -121,7 +121,8 @@ def _measured(drive: RemoteDrive, quantity: Quantity) -> Variable | None:
 
 
 def pace(clock: Clock, action: Callable[[float], None], *, duration_s: float, period_s: float) -> Pacing:
-    """Call `action` with the seconds since the start, every `period_s` for `duration_s`; say how evenly."""
+    """Call `action` with the seconds since the start, every `period_s` for `duration_s`; return the
+    pacing."""
     start_s = clock.now_s()
     slots = max(1, round(duration_s / period_s))
     slot, last_s, sent, late = 0, start_s, 0, 0
@@ -143,8 +144,12 @@ def pace(clock: Clock, action: Callable[[float], None], *, duration_s: float, pe
     return Pacing(sent, period_s, total_s / periods, math.sqrt(squares_s2 / periods), longest_s, late)
 
 
-def _require_mode(drive: RemoteDrive, mode: Mode) -> None:
-    """Check the mode against the drive's supported drive modes (CiA 402-2, 0x6502), where it has them."""
+def require_mode(drive: RemoteDrive, mode: Mode) -> None:
+    """Check the mode against the drive's supported drive modes (CiA 402-2, 0x6502), where it has them.
+
+    Raises:
+        ValueRefused: it has not this one; nothing was sent.
+    """
     supported = drive.optional_number(Role.SUPPORTED_MODES)
     if supported is not None and mode.supported_code(supported) is None:
         known = [each.name.lower() for each in Mode if each.supported_code(supported) is not None]
@@ -155,7 +160,12 @@ def _require_mode(drive: RemoteDrive, mode: Mode) -> None:
         )
 
 
-def _within_rating(value: float, mode: Mode, motor: Motor) -> float:
+def within_rating(value: float, mode: Mode, motor: Motor) -> float:
+    """Return a setpoint of velocity mode in rad/s, or of torque mode in Nm, that the motor is rated for.
+
+    Raises:
+        ValueRefused: it is beyond the rating, or no number.
+    """
     limit, unit = (motor.omega_m_N_rad_s, "rad/s") if mode is Mode.VELOCITY else (motor.T_N_Nm, "Nm")
     if not abs(value) <= limit:
         raise ValueRefused(
@@ -167,7 +177,7 @@ def _within_rating(value: float, mode: Mode, motor: Motor) -> float:
 
 @contextmanager
 def _setpoints(drive: RemoteDrive, mode: Mode) -> Iterator[Setpoints]:
-    """The setpoint frame in use for the length of a `with` block."""
+    """Set the setpoint frame up for the length of a `with` block."""
     if all(is_own(drive.dictionary, each) for each in (TORQUE_SETPOINT, SPEED_SETPOINT)):
         setpoints = Setpoints(drive)
     elif mode is Mode.TORQUE:

@@ -1,49 +1,50 @@
-"""Whoever looks at a run while it goes on."""
+"""Observers of a run."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import Protocol
 
-from benchtool.bench.session import Session
+from benchtool.bench import Session
 from benchtool.block import Block
-from benchtool.plan.cases import Case
+from benchtool.plan import Case
 from benchtool.recording import Event, Manifest
-from benchtool.results.assessment import Assessment
+from benchtool.results import Assessment
 from benchtool.telemetry import Sink
 
 
-class Watcher(Protocol):
-    """Told of every case: `opened`, `captured` if it came to that, `closed`; must not raise or wait long."""
+class RunObserver(Protocol):
+    """Observer of every case: `opened`, `captured` unless it failed before, `closed`; must not raise or
+    block."""
 
     def opened(self, session: Session, case: Case, manifest: Manifest) -> Sequence[Sink]:
-        """A case begins, set up but with nothing enabled yet; further sinks for its slow stream.
+        """Handle the beginning of a case, before enabling; return further sinks for its slow stream.
 
-        `manifest` is that of its bundle. Nothing may be asked of the drive: that would take its time.
+        `manifest` is that of its bundle. The drive must not be accessed, as that would take time.
         """
 
     def happened(self, event: Event) -> None:
-        """A step of the case, a state of the drive, a fault."""
+        """Handle a step of the case, a state of the drive or a fault."""
 
     def captured(self, capture: Block, transducer: Block | None, trigger_row: int | None) -> None:
-        """What the drive and the transducer recorded; the drive is disabled again."""
+        """Handle the captures of the drive and the transducer; the drive is disabled again."""
 
     def closed(self, result: Assessment | None, failure: str) -> None:
-        """A case has ended, with a result or with a failure."""
+        """Handle the end of a case, with a result or a failure."""
 
 
-class Unwatched:
-    """Nobody looks."""
+class NullRunObserver:
+    """Ignores every notification."""
 
     def opened(self, session: Session, case: Case, manifest: Manifest) -> Sequence[Sink]:
-        """No sinks."""
+        """Return no sinks."""
         return ()
 
     def happened(self, event: Event) -> None:
-        """Nothing."""
+        """Does nothing."""
 
     def captured(self, capture: Block, transducer: Block | None, trigger_row: int | None) -> None:
-        """Nothing."""
+        """Does nothing."""
 
     def closed(self, result: Assessment | None, failure: str) -> None:
-        """Nothing."""
+        """Does nothing."""

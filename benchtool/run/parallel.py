@@ -1,4 +1,4 @@
-"""Cases of a plan in processes of their own: emulated benches share nothing, a sweep may use every core."""
+"""Cases of a plan in parallel processes, each with its own emulated bench."""
 
 from __future__ import annotations
 
@@ -8,22 +8,20 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
 
-from benchtool.bench.session import Session, open_session
+from benchtool.bench import Session, open_session
 from benchtool.errors import BenchError
-from benchtool.plan.cases import Case, cases
-from benchtool.plan.model import Plan
+from benchtool.plan import Case, Plan, cases
 from benchtool.recording import Bundle
-from benchtool.report.assembly.figures import draw_cases
-from benchtool.results.assessment import RunResult, assess_bundle
-from benchtool.results.repetitions import over_repetitions
-from benchtool.run.conduct import Progress
-from benchtool.run.resumption import Origin, case_folder, require_same_origin
+from benchtool.report.assembly import draw_cases
+from benchtool.results import RunResult, assess_bundle, over_repetitions
+from benchtool.run.case import Progress
+from benchtool.run.resumption import Provenance, case_folder, require_same_provenance
 from benchtool.run.runner import RunInfo, run_cases
 
 
 @dataclass(frozen=True)
 class _Task:
-    """What a process needs to run one case."""
+    """Task of a process: one case."""
 
     plan: Plan
     case: Case
@@ -34,13 +32,13 @@ class _Task:
 
 
 class _Silent:
-    """Nobody watches a process; its parent tells of the cases that are done."""
+    """Ignores progress in a worker process; the parent reports finished cases."""
 
     def begin(self, case: str, number: int, count: int) -> None:
-        """Nothing."""
+        """Does nothing."""
 
     def note(self, text: str) -> None:
-        """Nothing."""
+        """Does nothing."""
 
 
 def run_in_processes(
@@ -55,14 +53,14 @@ def run_in_processes(
 ) -> RunResult:
     """Run every case of `plan` on an emulated bench of its own, `jobs` at a time.
 
-    The recordings are those that one process after the other would make.
+    The recordings are the same as those of a sequential run.
 
     Raises:
-        BenchError: of the first case that failed; the others are brought to their end.
+        BenchError: of the first case that failed; the others are completed.
     """
     todo = cases(plan)
     if resume:
-        require_same_origin(folder, Origin(plan, info.link, info.seed, info.profile_toml))
+        require_same_provenance(folder, Provenance(plan, info.link, info.seed, info.profile_toml))
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(max_workers=min(jobs, len(todo)), mp_context=context) as pool:
         tasks = [pool.submit(_run, _Task(plan, case, profile_name, folder, info, resume)) for case in todo]

@@ -1,4 +1,4 @@
-"""The parameters that a drive holds, against those that the profile states, before it is enabled."""
+"""Check of the drive's parameters against the profile, before it is enabled."""
 
 from __future__ import annotations
 
@@ -6,13 +6,10 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 
 from benchtool.drive import RemoteDrive
-from benchtool.drive.parameters.settings import Difference
-from benchtool.drive.parameters.transaction import default_of
+from benchtool.drive.parameters import Difference, default_of
 from benchtool.errors import ParameterMismatch, ProfileError, ValueRefused
 from benchtool.profile import Profile
-from benchtool.protocol.dictionary import Dictionary
-from benchtool.protocol.dictionary.keys import setting_of, toml_key
-from benchtool.protocol.dictionary.variable import Value, Variable
+from benchtool.protocol.dictionary import Dictionary, Value, Variable, setting_of, toml_key, variable_of
 
 _SHOWN = 6
 
@@ -21,35 +18,48 @@ _SHOWN = 6
 class ParameterCheck:
     """Differences between profile (`a`) and drive (`b`) in what the plan does not set.
 
-    `contradicted` are parameters that the profile states otherwise. `unstated` it does not state, and the
-    drive does not hold their defaults either; a run goes on with these.
+    `contradicted` are parameters that differ from the profile. `unstated` are parameters that the profile
+    does not state and that differ from their defaults; a run continues with these. `absent` are keys of
+    `[drive.parameters]` that the drive does not have, with what to do about each.
     """
 
     contradicted: tuple[Difference, ...]
     unstated: tuple[Difference, ...]
+    absent: Mapping[str, str]
+
+    def require_known(self) -> None:
+        """Refuse a profile that states parameters which the drive does not have.
+
+        Raises:
+            ProfileError: there is such a parameter.
+        """
+        if self.absent:
+            raise ProfileError(f"[drive.parameters]: {'; '.join(self.absent.values())}")
 
     def require_equal(self) -> None:
         """Refuse a drive that contradicts the profile.
 
         Raises:
-            ParameterMismatch: it does.
+            ParameterMismatch: a parameter differs.
         """
         if self.contradicted:
             raise ParameterMismatch(
                 f"the drive holds {_listed(self.contradicted, 'the profile states')}: set these on the drive "
-                f"('benchtool params set'), in the profile or in the plan's [setup], or give "
-                f"--allow-different; the drive was not enabled"
+                f"('benchtool params set'), in the profile or in a plan's [setup], name the drive's profile, "
+                f"or give --allow-different; the drive was not enabled"
             )
 
     def lines(self) -> Iterator[str]:
-        """What a person should know, if anything."""
+        """Yield warnings for the user, if there are any."""
+        if self.absent:
+            yield f"stated by the profile, not in the drive: {', '.join(self.absent)}"
         if self.contradicted:
             yield f"different from the profile: {_listed(self.contradicted, 'the profile states')}"
         if self.unstated:
             yield f"set on the drive, not stated by the profile: {_listed(self.unstated, 'default')}"
 
     def to_json(self) -> dict[str, dict[str, dict[str, Value | None]]]:
-        """As a manifest keeps it."""
+        """Return the fields for the manifest."""
         return {
             "contradicted": {each.key: {"profile": each.a, "drive": each.b} for each in self.contradicted},
             "unstated": {each.key: {"default": each.a, "drive": each.b} for each in self.unstated},
@@ -66,7 +76,7 @@ def check_parameters(drive: RemoteDrive, profile: Profile, set_by_plan: Collecti
         set_by_plan: TOML keys that the plan sets, whatever the drive holds.
 
     Raises:
-        ProfileError: the profile states a parameter that the drive has not, or a value that it cannot have.
+        ProfileError: the profile states a value that the drive's parameter cannot have.
     """
     stated = _stated(profile, drive.dictionary)
     contradicted = [
@@ -80,22 +90,32 @@ def check_parameters(drive: RemoteDrive, profile: Profile, set_by_plan: Collecti
         for key, (variable, held) in expected.items()
         if key not in set_by_plan and key not in stated and (now := _read(drive, variable)) != held
     ]
-    return ParameterCheck(tuple(contradicted), tuple(unstated))
+    return ParameterCheck(tuple(contradicted), tuple(unstated), _absent(profile, drive.dictionary))
 
 
 def _stated(profile: Profile, dictionary: Dictionary) -> dict[str, tuple[Variable, int | float | str]]:
-    """What the profile states of the parameters that the drive has."""
+    """Return what the profile states of the parameters that the drive has."""
     found = {}
     for key, value in profile.stated_parameters.items():
+        if not _has(dictionary, key):
+            continue  # a drive of another vendor has its own names of the motor's parameters
         try:
             variable = setting_of(dictionary, key, value)
             held = variable.decode(variable.encode(value))
         except ValueRefused as refused:
-            if key not in profile.drive.parameters and not _has(dictionary, key):
-                continue  # another maker's drive may call the motor's parameters as it likes
             raise ProfileError(f"profile '{profile.title}': {refused}") from None
         if variable.readable and not isinstance(held, bytes):
             found[toml_key(variable)] = variable, held
+    return found
+
+
+def _absent(profile: Profile, dictionary: Dictionary) -> dict[str, str]:
+    found = {}
+    for key in profile.drive.parameters:
+        try:
+            variable_of(dictionary, key)
+        except ValueRefused as refused:
+            found[key] = str(refused)
     return found
 
 
@@ -104,7 +124,7 @@ def _has(dictionary: Dictionary, key: str) -> bool:
 
 
 def _expected(profile: Profile, dictionary: Dictionary) -> Mapping[str, tuple[Variable, int | float | str]]:
-    """What parameters are unless somebody has set them: defaults, and the encoder of the emulated bench."""
+    """Return the values of parameters that were not set: defaults, and the encoder of the emulated bench."""
     sensors = {} if profile.emulator is None else profile.emulator.sensors.model_dump()
     found = {}
     for variable in dictionary:

@@ -1,24 +1,23 @@
-"""What a plan takes of a drive, before anything is sent to it."""
+"""Capabilities that a plan needs of a drive, checked before anything is sent."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
-from benchtool.drive import Mode
-from benchtool.drive.capabilities import Capabilities, Capability
-from benchtool.plan.cases import Case
-from benchtool.plan.model import Plan
+from benchtool.drive import Capabilities, Capability
+from benchtool.plan import Case, Plan
+from benchtool.protocol import Mode
 
 _OF_MODES = {Mode.TORQUE: Capability.TORQUE, Mode.VELOCITY: Capability.VELOCITY}
 
 
 def require_capable(capabilities: Capabilities, plan: Plan, case: Case) -> None:
-    """Check that a drive can do what a case of a plan takes.
+    """Check that a drive has the capabilities that a plan needs.
 
-    Whether it can be supervised is found out when it is connected: a profile may let it run without.
+    Link supervision is checked at connection, as a profile may allow a drive without.
 
     Raises:
-        CapabilityMissing: it cannot.
+        CapabilityMissing: one is missing.
     """
     capabilities.require(*_needed(plan, case), purpose=f"case '{case.name}' of the plan")
 

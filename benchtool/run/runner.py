@@ -1,4 +1,4 @@
-"""Runs a plan on a session: every case in turn, each kept as a bundle of its own."""
+"""Run a plan on a session: every case in turn, each with its own bundle."""
 
 from __future__ import annotations
 
@@ -11,18 +11,12 @@ from pathlib import Path
 from typing import Any
 
 from benchtool.analysis import measurements_to_json, tables_to_json
-from benchtool.bench.person import UNLOAD, Done, Prompt, ask, instruction, unasked
-from benchtool.bench.session import Session
+from benchtool.bench import UNLOAD, Done, Prompt, Session, ask, instruction, no_operator
 from benchtool.block import Block
-from benchtool.drive import Identity
-from benchtool.drive.capabilities import Capability
-from benchtool.drive.parameters.transaction import snapshot, temporary
+from benchtool.drive import Capability, Identity
+from benchtool.drive.parameters import snapshot, temporary
 from benchtool.errors import ValueRefused
-from benchtool.plan.cases import Case, cases
-from benchtool.plan.limits import Verdict
-from benchtool.plan.model import Plan, Setting
-from benchtool.plan.operating_point import Seen
-from benchtool.plan.rating import require_rated
+from benchtool.plan import Case, CaseReadings, Plan, Setting, Verdict, cases, require_rated
 from benchtool.recording import (
     Bundle,
     BundleWriter,
@@ -31,18 +25,24 @@ from benchtool.recording import (
     Level,
     Manifest,
 )
-from benchtool.report.assembly.figures import draw_case, draw_cases
-from benchtool.results.assessment import Assessment, RunResult, assess, assess_bundle
-from benchtool.results.calibration import Calibration, stated_overdue
-from benchtool.results.repetitions import over_repetitions
-from benchtool.run.conduct import Progress, conduct
+from benchtool.report.assembly import draw_case, draw_cases
+from benchtool.results import (
+    Assessment,
+    Calibration,
+    RunResult,
+    assess,
+    assess_bundle,
+    over_repetitions,
+    stated_overdue,
+)
+from benchtool.run.case import Progress, run_case
 from benchtool.run.equipment import facts, readings, remarks
 from benchtool.run.failure import fail_bundle
-from benchtool.run.observers import Unwatched, Watcher
+from benchtool.run.observers import NullRunObserver, RunObserver
 from benchtool.run.parameter_check import ParameterCheck, check_parameters
 from benchtool.run.recording import manifest_of
 from benchtool.run.requirements import require_capable
-from benchtool.run.resumption import Origin, case_folder, require_same_origin
+from benchtool.run.resumption import Provenance, case_folder, require_same_provenance
 from benchtool.telemetry import (
     ClockFit,
     FanOut,
@@ -57,12 +57,12 @@ from benchtool.telemetry import (
 
 @dataclass(frozen=True)
 class RunInfo:
-    """What only the caller knows of a run.
+    """Information on a run from the caller.
 
-    `when` is wall time in ISO 8601, `wall_s` tells that of now. `allow_different` lets a drive run whose
-    parameters contradict the profile. `profile_toml` is the text of the profile, None if it is not known
-    before the bench is open. `note` and `conditions` go into the manifest as they are. `prompt` asks a person
-    to do what the bench has no equipment for, None where there is no person to ask.
+    `when` is wall time in ISO 8601, `wall_s` returns the present time. `allow_different` permits a drive
+    whose parameters contradict the profile. `profile_toml` is the text of the profile, None if it is not
+    known before the bench is open. `note` and `conditions` go into the manifest unchanged. `prompt` asks the
+    operator for actions without equipment, None where there is no operator to ask.
     """
 
     when: str
@@ -88,23 +88,23 @@ def run_plan(
     progress: Progress,
     *,
     resume: bool = False,
-    watcher: Watcher | None = None,
+    observer: RunObserver | None = None,
 ) -> RunResult:
     """Run every case of `plan`; a plan of one case has its bundle in `folder`, others in folders within it.
 
-    When this returns or raises, the drive is disabled and its parameters are what they were.
+    When this returns or raises, the drive is disabled and its parameters are restored.
 
     Args:
         opener: opens the session of a case; on an emulated bench as the case alters it, with the seed given.
-        resume: take the cases that `folder` already holds complete from there.
-        watcher: looks on.
+        resume: skip the cases that `folder` already holds complete.
+        observer: is notified of every case.
 
     Raises:
-        UsageError: those cases were recorded with something else than what is there now.
-        BenchError: whatever went wrong; a bundle that was begun says where, and holds what came till then.
+        UsageError: those cases have another provenance.
+        BenchError: any failure; a bundle that was begun states it, and holds the data until then.
     """
     todo = cases(plan)
-    results = run_cases(opener, plan, todo, folder, info, progress, resume=resume, watcher=watcher)
+    results = run_cases(opener, plan, todo, folder, info, progress, resume=resume, observer=observer)
     draw_cases(plan, results, folder)
     measured = {each.case: each.measurements for each in results}
     return RunResult(tuple(results), over_repetitions(plan, measured))
@@ -119,14 +119,14 @@ def run_cases(
     progress: Progress,
     *,
     resume: bool = False,
-    watcher: Watcher | None = None,
+    observer: RunObserver | None = None,
 ) -> list[Assessment]:
     """Run some of a plan's cases, each in a session of its own, so that none depends on those before it."""
     results: list[Assessment] = []
     put_on = ""
-    origin = Origin(plan, info.link, info.seed, info.profile_toml)
+    provenance = Provenance(plan, info.link, info.seed, info.profile_toml)
     if resume:
-        require_same_origin(folder, origin)
+        require_same_provenance(folder, provenance)
     for number, case in enumerate(todo, start=1):
         progress.begin(case.name, number, len(todo))
         place = case_folder(plan, case, folder)
@@ -143,12 +143,12 @@ def run_cases(
                 progress.note(f"without link supervision, as the profile allows: {unsupervised}")
             if resume:
                 here = replace(
-                    origin,
+                    provenance,
                     profile_toml=session.profile_toml,
                     identity=identity,
                     parameters=snapshot(session.drive),
                 )
-                require_same_origin(folder, here)
+                require_same_provenance(folder, here)
             _require_rated(session, plan, case)
             _require_person(session, todo, info)
             setup = {**plan.setup, **case.setup}
@@ -156,23 +156,23 @@ def run_cases(
             todo_by_hand = "" if session.load is not None else instruction(case.operating_point)
             done_by_hand = ask(info.prompt, todo_by_hand or (UNLOAD if put_on else ""))
             put_on = todo_by_hand
-            looking = watcher or Unwatched()
+            observing = observer or NullRunObserver()
             with _freed(todo_by_hand, progress), temporary(session.drive, setup):
                 results.append(
-                    _run_case(
-                        session, plan, case, place, info, identity, check, done_by_hand, progress, looking
+                    _record_case(
+                        session, plan, case, place, info, identity, check, done_by_hand, progress, observing
                     )
                 )
     return results
 
 
 def _seed(info: RunInfo, case: Case) -> int:
-    """Repetitions differ in the noise of an emulated bench, and in nothing else."""
+    """Return the seed of a case: repetitions differ in the noise of an emulated bench only."""
     return info.seed + case.repetition - 1
 
 
 def _finished(place: Path) -> Bundle | None:
-    """The complete bundle at `place`; a half-done one is put aside under a name of its own."""
+    """Return the complete bundle at `place`; an incomplete one is renamed."""
     if not place.exists():
         return None
     bundle = Bundle.open(place)
@@ -188,7 +188,7 @@ def _finished(place: Path) -> Bundle | None:
 
 
 def _require_rated(session: Session, plan: Plan, case: Case) -> None:
-    """Refuse what the motor may not have, or the bench cannot record, before anything is set up."""
+    """Refuse cases beyond the motor's rating, or that the bench cannot record, before anything is set up."""
     parameters = {**session.profile.drive.parameters, **plan.setup, **case.setup}
     require_rated(case.operating_point, plan.stimulus, session.profile.motor, parameters)
     transducer = session.transducer
@@ -201,27 +201,29 @@ def _require_rated(session: Session, plan: Plan, case: Case) -> None:
 
 @contextmanager
 def _freed(by_hand: str, progress: Progress) -> Iterator[None]:
-    """Tell the person at the end, whatever the end is, to undo what was done by hand."""
+    """Ask the operator at every exit to undo the manual actions."""
     try:
         yield
     finally:
         if by_hand:
-            progress.note(f"to the person at the bench: {UNLOAD}")
+            progress.note(f"to the operator: {UNLOAD}")
 
 
 def _require_person(session: Session, todo: Sequence[Case], info: RunInfo) -> None:
-    """Refuse a run that needs a person and has none to ask, before the drive is enabled for any case."""
+    """Refuse a run that needs an operator without a prompt, before the drive is enabled for any case."""
     if session.load is None and info.prompt is None:
         for case in todo:
             if what := instruction(case.operating_point):
-                raise unasked(what)
+                raise no_operator(what)
 
 
 def _checked(
     session: Session, setup: Mapping[str, Setting], info: RunInfo, progress: Progress
 ) -> ParameterCheck:
-    """The drive's parameters against the profile's; what differs is told, or refused if not allowed."""
+    """Return the drive's parameters against the profile's; differences are reported, or refused if not
+    allowed."""
     check = check_parameters(session.drive, session.profile, setup)
+    check.require_known()
     if not info.allow_different:
         check.require_equal()
     for line in check.lines():
@@ -229,7 +231,7 @@ def _checked(
     return check
 
 
-def _run_case(
+def _record_case(
     session: Session,
     plan: Plan,
     case: Case,
@@ -239,34 +241,34 @@ def _run_case(
     check: ParameterCheck,
     by_hand: Done | None,
     progress: Progress,
-    watcher: Watcher,
+    observer: RunObserver,
 ) -> Assessment:
     link = session.drive.link
     before = readings(session)
     manifest = _manifest(session, plan, case, info, identity, facts(session, before, by_hand))
     with BundleWriter(place, manifest) as writer:
         stream = None
-        takers = (EventFile(place).append, watcher.happened)
+        takers = (EventFile(place).append, observer.happened)
         try:
-            sinks = watcher.opened(session, case, manifest)
+            sinks = observer.opened(session, case, manifest)
             with keep_journal(session.drive, takers) as journal:
                 if by_hand is not None:
                     journal.note(str(by_hand))
                 with _telemetry(session, writer, sinks) as stream:
                     clock = partial(_drive_clock, stream)
-                    conducted = conduct(session, plan, case, _Steps(progress, journal), clock)
+                    recorded = run_case(session, plan, case, _Steps(progress, journal), clock)
                 for line in remarks(session):
                     progress.note(line)
                     journal.note(line, Level.WARN)
-                capture, transducer = conducted.capture, conducted.transducer
+                capture, transducer = recorded.capture, recorded.transducer
                 writer.append("capture", capture)
                 if transducer is not None:
                     writer.append("transducer", transducer)
-                watcher.captured(capture, transducer, _trigger_row(plan, capture))
+                observer.captured(capture, transducer, _trigger_row(plan, capture))
                 progress.note("analysing")
                 certificate, stated = certify_recording(stream, {"capture": capture}, link.counters)
                 motor, quality = session.profile.motor, certificate.measurements
-                seen = Seen(conducted.readings, _dc_link_V(session), check.to_json())
+                seen = CaseReadings(recorded.readings, _dc_link_V(session), check.to_json())
                 calibration = Calibration.at(session.profile.bench, info.when)
                 result = assess(
                     plan, case.name, motor, place, capture, transducer, quality, seen, calibration
@@ -276,7 +278,7 @@ def _run_case(
             reason = fail_bundle(
                 writer, failure, stream, link.counters, verdict=Verdict.FAIL, details=details
             )
-            watcher.closed(None, reason)
+            observer.closed(None, reason)
             raise
         progress.note(certificate.summary)
         writer.finish(
@@ -290,31 +292,31 @@ def _run_case(
             | {"verdicts": {name: str(verdict) for name, verdict in result.verdicts.items()}},
             certificate=certificate.to_json() | stated_overdue(result.overdue),
         )
-    watcher.closed(result, "")
+    observer.closed(result, "")
     progress.note("drawing")
     draw_case(plan, result)
     return result
 
 
 def _supervision(session: Session) -> dict[str, Mapping[str, bool | str]]:
-    """How a drive was supervised that the profile lets run unsupervised; nothing of any other."""
+    """Return the supervision of a drive whose profile allows it to run unsupervised; empty for others."""
     stated = session.drive.supervision.to_json()
     return {"supervision": stated} if stated else {}
 
 
 def _drive_clock(stream: TelemetryStream | None) -> ClockFit | None:
-    """The drive's time on the host's clock; None of a drive without a stream."""
+    """Return the fit of the drive's time on the host's clock; None without a stream."""
     return None if stream is None else stream.report().clock
 
 
 def _dc_link_V(session: Session) -> float | None:
-    """Of the bench that the profile describes."""
+    """Return the voltage of the dc link of the bench that the profile describes."""
     emulator = session.profile.emulator
     return None if emulator is None else emulator.inverter.u_dc_V
 
 
 class _Steps:
-    """Steps of a case, to whoever watches and into the case's log."""
+    """Pass the steps of a case to the observer and into the case's log."""
 
     def __init__(self, progress: Progress, journal: Journal) -> None:
         self._progress = progress
@@ -331,7 +333,7 @@ class _Steps:
 
 
 def _trigger_row(plan: Plan, capture: Block) -> int | None:
-    """Row at which the drive began to play; None without a stimulus."""
+    """Return the row at which the drive began to play; None without a stimulus."""
     return round(plan.record.pretrigger_s * capture.sample_rate_Hz) if plan.stimulus else None
 
 
@@ -339,7 +341,7 @@ def _trigger_row(plan: Plan, capture: Block) -> int | None:
 def _telemetry(
     session: Session, writer: BundleWriter, others: Sequence[Sink]
 ) -> Iterator[TelemetryStream | None]:
-    """The slow stream into the bundle, if the drive has one; what goes wrong with it ends the run."""
+    """Record the slow stream into the bundle, if the drive has one; its failure ends the run."""
     if Capability.STREAM not in session.drive.capabilities:
         FanOut(others).close()
         yield None

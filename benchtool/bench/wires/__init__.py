@@ -2,3 +2,7 @@
 
 A declaration imports nothing that is heavy until it is used: the command line reads the spellings of all.
 """
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

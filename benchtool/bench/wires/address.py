@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from urllib.parse import parse_qsl
@@ -9,26 +10,32 @@ from urllib.parse import parse_qsl
 from benchtool.errors import UsageError
 
 Check = Callable[[str, str], str]
-"""What is wrong with an option, given its name and its value; empty if nothing is."""
+"""Checks an option by its name and its value; returns a complaint, or an empty string."""
 
 
 def whole_number(option: str, value: str) -> str:
-    """A `Check` of numbers without sign."""
+    """Return a `Check` of numbers without sign."""
     return "" if value.isdecimal() else f"option '{option}' is '{value}', a whole number is expected"
 
 
 def any_text(_option: str, _value: str) -> str:
-    """A `Check` that lets everything pass."""
+    """Return a `Check` that accepts everything."""
     return ""
 
 
+def did_you_mean(name: str, names: Sequence[str]) -> str:
+    """`; did you mean 'x'?` where one of the names is like `name`; empty if none is."""
+    close = difflib.get_close_matches(name, names, n=1)
+    return f"; did you mean '{close[0]}'?" if close else ""
+
+
 def one_of(choices: Sequence[str]) -> str:
-    """Choices as a sentence lists them."""
+    """Return the choices as an enumeration in words."""
     return " or ".join([", ".join(choices[:-1]), choices[-1]] if len(choices) > 1 else choices)
 
 
 @dataclass(frozen=True)
-class Form:
+class AddressSyntax:
     """How the addresses of one wire are spelled.
 
     `places` are the parts after the scheme, separated by colons, the first of which must not be empty;
@@ -50,7 +57,7 @@ class Form:
 
 @dataclass(frozen=True)
 class Address:
-    """An address that its form has been checked against."""
+    """An address whose syntax has been checked."""
 
     url: str
     scheme: str
@@ -58,26 +65,28 @@ class Address:
     options: Mapping[str, str]
 
     @classmethod
-    def parse(cls, url: str, forms: Sequence[Form]) -> Address:
-        """Address that `url` spells.
+    def parse(cls, url: str, syntaxes: Sequence[AddressSyntax]) -> Address:
+        """Return the address that `url` spells.
 
         Raises:
-            UsageError: it is of none of these forms, or an option is unknown or wrong.
+            UsageError: it is of none of these syntaxes, or an option is unknown or wrong.
         """
         # The URL of a port may have options of its own before ours.
         head, _, query = url.rpartition("?") if "?" in url else (url, "", "")
         scheme, colon, rest = head.partition(":")
-        form = next((each for each in forms if each.scheme == scheme), None)
-        place = tuple(rest.split(":", max(0, len(form.places) - 1))) if form and colon else ()
-        if form is None or len(place) != len(form.places) or (place and not place[0]):
-            known = one_of([f"{each.spelling}{each.remark}" for each in forms])
-            raise UsageError(f"link '{url}' is not known: use {known}")
+        syntax = next((each for each in syntaxes if each.scheme == scheme), None)
+        place = tuple(rest.split(":", max(0, len(syntax.places) - 1))) if syntax and colon else ()
+        if syntax is None or len(place) != len(syntax.places) or (place and not place[0]):
+            known = one_of([f"{each.spelling}{each.remark}" for each in syntaxes])
+            meant = did_you_mean(scheme, [each.scheme for each in syntaxes]) if syntax is None else ""
+            raise UsageError(f"link '{url}' is not known: use {known}{meant}")
         options = dict(parse_qsl(query, keep_blank_values=True))
         for key, value in options.items():
-            if key not in form.options:
-                names = ", ".join(sorted(form.options))
-                raise UsageError(f"link '{url}': unknown option '{key}', known are {names}")
-            if complaint := form.options[key](key, value):
+            if key not in syntax.options:
+                names = ", ".join(sorted(syntax.options))
+                meant = did_you_mean(key, list(syntax.options))
+                raise UsageError(f"link '{url}': unknown option '{key}', known are {names}{meant}")
+            if complaint := syntax.options[key](key, value):
                 raise UsageError(f"link '{url}': {complaint}")
         return cls(url, scheme, place, options)
 
@@ -87,11 +96,11 @@ class Address:
         return ":".join((self.scheme, *self.place))
 
     def number(self, option: str) -> int | None:
-        """Value of an option that is a whole number; None if it is not given."""
+        """Return the value of an option that is a whole number; None if it is not given."""
         return int(self.options[option]) if option in self.options else None
 
     def node_id(self, default: int) -> int:
-        """The node that the address names, else `default`.
+        """Return the node that the address names, else `default`.
 
         Raises:
             UsageError: it is not 1 to 126; 127 is the host itself.

@@ -6,45 +6,61 @@ from collections.abc import Callable
 from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
-from benchtool.bench.wires.address import Address, Form, whole_number
+from benchtool.bench.wires.address import Address, AddressSyntax, whole_number
 from benchtool.bench.wires.wire import Connection, Offered, Opening, StreamLimits, Wire
+from benchtool.errors import UsageError
 
 if TYPE_CHECKING:
     import can
 
-    from benchtool.emulator.bench import EmulatedBench
-    from benchtool.emulator.servers.drive_node import OnGone
-    from benchtool.link import Link
-    from benchtool.link.discovery import Found
-    from benchtool.link.port import Port
+    from benchtool.emulator import EmulatedBench
+    from benchtool.emulator.servers import OnGone
+    from benchtool.link import Found, Link, Port
 
 _SCHEME = "can"
 _OFFERED_BITRATE = 500_000
 
 
 def bus_at(address: Address) -> can.BusABC:
-    """The bus that an address of this wire names.
+    """Return the bus that an address of this wire names.
 
     Raises:
         LinkError: it cannot be opened.
     """
-    from benchtool.link.canopen.bus import open_bus
+    from benchtool.link.canopen import open_bus
 
     interface, channel = address.place
     return open_bus(interface, channel, address.number("bitrate"))
 
 
+def require_interface(address: Address) -> None:
+    """Refuse an address whose interface python-can has not.
+
+    Raises:
+        UsageError: it has none of that name.
+    """
+    from can.interfaces import VALID_INTERFACES
+
+    from benchtool.document import closest
+
+    interface = address.place[0]
+    if interface not in VALID_INTERFACES:
+        raise UsageError(
+            f"link '{address.url}': no interface '{interface}' of python-can: "
+            f"{closest(interface, sorted(VALID_INTERFACES))}"
+        )
+
+
 def _connect(_stack: ExitStack, address: Address, opening: Opening) -> Connection:
     from benchtool.clock import RealClock
-    from benchtool.link.canopen.link import CanopenLink
-    from benchtool.link.canopen.stamps import AdapterStamps, timestamp
+    from benchtool.link.canopen import AdapterTimestamps, CanopenLink, timestamp
 
     clock = RealClock()
 
     def open_link() -> Link:
         bus = bus_at(address)
         if opening.frames is None:
-            return CanopenLink(bus, opening.node_id, clock, arrival_s=AdapterStamps(clock))
+            return CanopenLink(bus, opening.node_id, clock, arrival_s=AdapterTimestamps(clock))
         tapped = opening.frames.tap(bus, clock, stamp=True)
         return CanopenLink(tapped, opening.node_id, clock, arrival_s=timestamp)
 
@@ -52,8 +68,7 @@ def _connect(_stack: ExitStack, address: Address, opening: Opening) -> Connectio
 
 
 def _host_link(bench: EmulatedBench, opening: Opening) -> Callable[[], Link]:
-    from benchtool.link.canopen.link import CanopenLink
-    from benchtool.link.canopen.stamps import timestamp
+    from benchtool.link.canopen import CanopenLink, timestamp
 
     def open_link() -> Link:
         bus: can.BusABC = bench.host_bus()
@@ -65,7 +80,7 @@ def _host_link(bench: EmulatedBench, opening: Opening) -> Callable[[], Link]:
 
 
 def _offer_slcan(bench: EmulatedBench, port: Port, place: str, node_id: int, on_gone: OnGone) -> Offered:
-    from benchtool.emulator.servers.slcan import SlcanAdapter
+    from benchtool.emulator.servers import SlcanAdapter
 
     adapter = SlcanAdapter(port, name=place)
     bench.add_can(adapter, on_gone)
@@ -76,10 +91,10 @@ def _offer_slcan(bench: EmulatedBench, port: Port, place: str, node_id: int, on_
 def _discover(address: Address, timeout_s: float) -> list[Found]:
     from benchtool.clock import RealClock
     from benchtool.errors import NoAnswer
-    from benchtool.link.canopen.discovery import ask_bus
+    from benchtool.link.canopen import scan_bus
 
     bus, bitrate = bus_at(address), address.number("bitrate")
-    found = ask_bus(address.without_options, bus, bitrate, timeout_s, RealClock())
+    found = scan_bus(address.without_options, bus, bitrate, timeout_s, RealClock())
     if not found:
         raise NoAnswer("no node answered or was heard; check the bit rate and the wiring")
     return found
@@ -87,7 +102,7 @@ def _discover(address: Address, timeout_s: float) -> list[Found]:
 
 WIRE = Wire(
     "can",
-    Form(
+    AddressSyntax(
         _SCHEME,
         ("INTERFACE", "CHANNEL"),
         {"bitrate": whole_number, "node": whole_number},

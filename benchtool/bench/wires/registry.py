@@ -1,4 +1,4 @@
-"""The wires that there are: the only place that lists them.
+"""The registry of wires.
 
 A package that is installed beside this one adds wires of its own by an entry point of the group
 `benchtool.wires`, whose object is a `Wire`. Wires of this package are found first.
@@ -6,20 +6,24 @@ A package that is installed beside this one adds wires of its own by an entry po
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING
 
 from benchtool.bench.wires import canopen, replay, serial
-from benchtool.bench.wires.address import Address, Form, one_of
+from benchtool.bench.wires.address import Address, AddressSyntax, did_you_mean, one_of
 from benchtool.bench.wires.emulated import emulated
 from benchtool.bench.wires.wire import FarEnd, Offer, Wire
 from benchtool.errors import EnvironmentFailure, UsageError
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
 
 GROUP = "benchtool.wires"
 _DEFAULT_CARRIER = "can"
 
 
 def wires() -> Iterator[Wire]:
-    """All of them. Installed ones are looked for only if the iteration gets so far.
+    """Yield all of them. Installed ones are looked for only if the iteration gets so far.
 
     Raises:
         EnvironmentFailure: an installed one cannot be loaded.
@@ -29,23 +33,23 @@ def wires() -> Iterator[Wire]:
 
 
 def parse(url: str) -> Address:
-    """The address that a URL spells.
+    """Return the address that a URL spells.
 
     Raises:
-        UsageError: it is of no known form, or an option is unknown or wrong.
+        UsageError: it is of no known syntax, or an option is unknown or wrong.
     """
     scheme = url.partition("?")[0].partition(":")[0]
-    form = next((wire.form for wire in wires() if wire.form and wire.form.scheme == scheme), None)
-    return Address.parse(url, [form] if form else _forms(wires()))
+    syntax = next((wire.syntax for wire in wires() if wire.syntax and wire.syntax.scheme == scheme), None)
+    return Address.parse(url, [syntax] if syntax else _syntaxes(wires()))
 
 
 def wire_of(address: Address) -> Wire:
-    """The wire whose form an address has."""
-    return next(wire for wire in wires() if wire.form and wire.form.scheme == address.scheme)
+    """Return the wire whose syntax an address has."""
+    return next(wire for wire in wires() if wire.syntax and wire.syntax.scheme == address.scheme)
 
 
 def carrier(address: Address) -> Wire:
-    """What the messages of the drive go over: of an emulated bench the wire that its address names."""
+    """Return wire that carries the messages of the drive; of an emulated bench the one its address names."""
     wire = wire_of(address)
     if wire.far_end is not FarEnd.EMULATED_DRIVE:
         return wire
@@ -54,16 +58,16 @@ def carrier(address: Address) -> Wire:
 
 
 def far_end(url: str) -> FarEnd:
-    """What is at the other end of a link.
+    """Return what is at the other end of a link.
 
     Raises:
-        UsageError: it is of no known form.
+        UsageError: it is of no known syntax.
     """
     return wire_of(parse(url)).far_end
 
 
 def offer_named(name: str) -> Offer:
-    """A way to offer an emulated drive to other programs.
+    """Return a way to offer an emulated drive to other programs.
 
     Raises:
         UsageError: there is none of this name.
@@ -73,22 +77,24 @@ def offer_named(name: str) -> Offer:
         if name in wire.offers:
             return wire.offers[name]
         known += wire.offers
-    raise UsageError(f"an emulated drive offers no '{name}': choose {one_of(known)}")
+    raise UsageError(
+        f"an emulated drive offers no '{name}': choose {one_of(known)}{did_you_mean(name, known)}"
+    )
 
 
 def links_help() -> str:
-    """How links are spelled, those of this package."""
-    return f"{one_of([form.spelling for form in _forms(_BUILT_IN)])}."
+    """Return how links are spelled, those of this package."""
+    return f"{one_of([syntax.spelling for syntax in _syntaxes(_BUILT_IN)])}."
 
 
 def channels_help() -> str:
-    """How many signals a stream may have, over the wires of this package."""
+    """Return how many signals a stream may have, over the wires of this package."""
     limits = [f"{wire.stream.signals} at most over {wire.stream.over}" for wire in _BUILT_IN if wire.stream]
     return f"Signals: {', '.join(limits)}."
 
 
 def rate_help() -> str:
-    """How fast a stream may be, over the wires of this package."""
+    """Return how fast a stream may be, over the wires of this package."""
     limits = [f"{wire.stream.rate} at most over {wire.stream.over}" for wire in _BUILT_IN if wire.stream]
     return f"Records per second: {', '.join(limits)}."
 
@@ -98,23 +104,28 @@ def _carriers() -> Iterator[Wire]:
 
 
 def _no_carrier(option: str, name: str) -> str:
-    """A `Check`."""
+    """Return a `Check`."""
     known = []
     for wire in _carriers():
         if wire.name == name:
             return ""
         known.append(wire.name)
-    return f"{option} '{name}' is not known, known are {', '.join(known)}"
+    return f"{option} '{name}' is not known, known are {', '.join(known)}{did_you_mean(name, known)}"
 
 
-def _forms(among: Iterator[Wire] | tuple[Wire, ...]) -> list[Form]:
-    return [wire.form for wire in among if wire.form is not None]
+def _syntaxes(among: Iterator[Wire] | tuple[Wire, ...]) -> list[AddressSyntax]:
+    return [wire.syntax for wire in among if wire.syntax is not None]
+
+
+def installed_entries() -> Iterable[EntryPoint]:
+    """Return the entry points of other packages' wires."""
+    from importlib.metadata import entry_points  # takes a third of what a command line has to start
+
+    return entry_points(group=GROUP)
 
 
 def _installed() -> Iterator[Wire]:
-    from importlib.metadata import entry_points  # takes a third of what a command line has to start
-
-    for entry in entry_points(group=GROUP):
+    for entry in installed_entries():
         try:
             wire = entry.load()
         except (Exception, SystemExit) as reason:  # another package raises anything

@@ -5,15 +5,14 @@ from __future__ import annotations
 from contextlib import ExitStack
 from pathlib import Path
 
-from benchtool.bench.wires.address import Address, Form, whole_number
+from benchtool.bench.wires.address import Address, AddressSyntax, whole_number
 from benchtool.bench.wires.wire import Connection, FarEnd, Opening, Wire
 
 
 def _connect(stack: ExitStack, address: Address, opening: Opening) -> Connection:
     from benchtool.clock import VirtualClock
-    from benchtool.link.replay import ReplayLink
-    from benchtool.recording import Bundle
-    from benchtool.recording.manifest import MANIFEST
+    from benchtool.link import ReplayLink
+    from benchtool.recording import MANIFEST, Bundle
 
     clock = VirtualClock(paced=opening.real_time)
     folder = Path(address.place[0])
@@ -26,7 +25,7 @@ def _connect(stack: ExitStack, address: Address, opening: Opening) -> Connection
 
 WIRE = Wire(
     "replay",
-    Form(
+    AddressSyntax(
         "replay",
         ("DIR",),
         {"node": whole_number},

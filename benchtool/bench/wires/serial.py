@@ -6,22 +6,20 @@ from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
-from benchtool.bench.wires.address import Address, Form, whole_number
+from benchtool.bench.wires.address import Address, AddressSyntax, whole_number
 from benchtool.bench.wires.wire import Connection, Offered, Opening, StreamLimits, Wire
 
 if TYPE_CHECKING:
-    from benchtool.emulator.bench import EmulatedBench
-    from benchtool.emulator.servers.drive_node import OnGone
-    from benchtool.link import Link
-    from benchtool.link.discovery import Found
-    from benchtool.link.port import Port
+    from benchtool.emulator import EmulatedBench
+    from benchtool.emulator.servers import OnGone
+    from benchtool.link import Found, Link, Port
 
 _SCHEME = "serial"
 
 
 def _open_port(address: Address) -> tuple[Port, int]:
-    """The port of an address, and its baud rate in bit/s."""
-    from benchtool.link.port import DEFAULT_BAUDRATE, open_port
+    """Return the port of an address, and its baud rate in bit/s."""
+    from benchtool.link import DEFAULT_BAUDRATE, open_port
 
     baudrate = address.number("baudrate") or DEFAULT_BAUDRATE
     return open_port(address.place[0], baudrate), baudrate
@@ -29,14 +27,14 @@ def _open_port(address: Address) -> tuple[Port, int]:
 
 def _connect(_stack: ExitStack, address: Address, opening: Opening) -> Connection:
     from benchtool.clock import RealClock
-    from benchtool.link.serial.link import SerialLink
+    from benchtool.link.serial import SerialLink
 
     clock = RealClock()
     return Connection(clock, lambda: SerialLink(_open_port(address)[0], opening.node_id, clock))
 
 
 def _host_link(bench: EmulatedBench, opening: Opening) -> Callable[[], Link]:
-    from benchtool.link.serial.link import SerialLink
+    from benchtool.link.serial import SerialLink
 
     return lambda: SerialLink(bench.host_port(), opening.node_id, bench.clock)
 
@@ -54,15 +52,15 @@ def _own_places() -> Sequence[str]:
 
 def _discover(address: Address, timeout_s: float) -> list[Found]:
     from benchtool.clock import RealClock
-    from benchtool.link.serial.discovery import ask_port
+    from benchtool.link.serial import scan_port
 
     port, baudrate = _open_port(address)
-    return [ask_port(address.place[0], port, baudrate, timeout_s, RealClock())]
+    return [scan_port(address.place[0], port, baudrate, timeout_s, RealClock())]
 
 
 WIRE = Wire(
     "serial",
-    Form(
+    AddressSyntax(
         _SCHEME, ("PORT",), {"baudrate": whole_number, "node": whole_number}, example="baudrate=921600&node=1"
     ),
     _connect,

@@ -8,16 +8,14 @@ from dataclasses import dataclass, field
 from enum import Enum, auto
 from typing import TYPE_CHECKING
 
-from benchtool.bench.wires.address import Address, Form
+from benchtool.bench.wires.address import Address, AddressSyntax
 
 if TYPE_CHECKING:
     from benchtool.clock import Clock
-    from benchtool.emulator.bench import EmulatedBench
-    from benchtool.emulator.ports.client import Traffic
-    from benchtool.emulator.servers.drive_node import OnGone
-    from benchtool.link import Link
-    from benchtool.link.discovery import Found
-    from benchtool.link.port import Port
+    from benchtool.emulator import EmulatedBench
+    from benchtool.emulator.ports import Traffic
+    from benchtool.emulator.servers import OnGone
+    from benchtool.link import Found, Link, Port
     from benchtool.profile import Profile
     from benchtool.telemetry import FrameLog
 
@@ -27,17 +25,17 @@ class FarEnd(Enum):
 
     DRIVE = auto()
     EMULATED_DRIVE = auto()
-    """In this process: it begins anew with every session, and its bench can be altered."""
+    """In this process: it is powered up with every session, and its bench can be altered."""
 
     RECORDING = auto()
 
 
 @dataclass(frozen=True)
 class Opening:
-    """What a session asks of the wire that it is opened over.
+    """Options of a session for the wire that it is opened over.
 
-    `seed`, `real_time` and `first_tick` are of an emulated bench, as `open_session` takes them; `frames`
-    takes the frames of a wire that carries such.
+    `seed`, `real_time` and `first_tick` are of an emulated bench, as `open_session` takes them; `frames` logs
+    the frames of a wire that carries frames.
     """
 
     profile: Profile
@@ -53,9 +51,9 @@ class Opening:
 class Connection:
     """The way to a drive.
 
-    If it `reopens`, each call of `open_link` opens a link, which the session closes and opens anew if it was
-    lost; else there is the one, which is closed where it was opened. `bench` is what the drive stands on, if
-    that is emulated in this process.
+    If it `reopens`, each call of `open_link` opens a link, which the session closes and opens again if it was
+    lost; otherwise there is one link, which is closed where it was opened. `bench` is what the drive stands
+    on, if that is emulated in this process.
     """
 
     clock: Clock
@@ -106,11 +104,11 @@ class Wire:
     How it carries streams and setpoints is for the links to say that `connect` and `host_link` open.
 
     Raises:
-        ValueError: it has addresses and cannot open them, or the other way about.
+        ValueError: it has addresses and cannot open them, or the reverse.
 
     Attributes:
         name: what `emulated?wire=` calls it.
-        form, connect: of its own addresses, which lead to `far_end`; both, or neither.
+        syntax, connect: of its own addresses, which lead to `far_end`; both, or neither.
         carries_frames: what travels are CAN frames: they can be kept, and others can listen.
         stream: what a stream over it may be.
         host_link: makes what opens a link to an emulated drive in this process.
@@ -120,7 +118,7 @@ class Wire:
     """
 
     name: str
-    form: Form | None = None
+    syntax: AddressSyntax | None = None
     connect: Connect | None = None
     far_end: FarEnd = FarEnd.DRIVE
     carries_frames: bool = False
@@ -131,5 +129,7 @@ class Wire:
     discover: Discover | None = None
 
     def __post_init__(self) -> None:
-        if (self.form is None) != (self.connect is None):
-            raise ValueError(f"wire '{self.name}' has one of form and connect, both or neither are expected")
+        if (self.syntax is None) != (self.connect is None):
+            raise ValueError(
+                f"wire '{self.name}' has one of syntax and connect, both or neither are expected"
+            )

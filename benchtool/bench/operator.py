@@ -1,4 +1,4 @@
-"""A person at the bench, who does what no equipment does."""
+"""The operator at the bench, who does by hand what no equipment does."""
 
 from __future__ import annotations
 
@@ -7,48 +7,48 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from benchtool.errors import UsageError
-from benchtool.plan.model import OperatingPoint
+from benchtool.plan import OperatingPoint
 
 
-class Confirmed(StrEnum):
-    """How it is known that a person has done something; a manifest keeps it."""
+class Confirmation(StrEnum):
+    """How an action of the operator was confirmed; stored in the manifest."""
 
-    BY_THE_PERSON = "confirmed by the person"
+    BY_OPERATOR = "confirmed by the operator"
     BEFOREHAND = "taken as done beforehand"
 
 
-Prompt = Callable[[str], Confirmed]
-"""Says what a person has to do and returns once it is done; raises UsageError where the person has gone."""
+Prompt = Callable[[str], Confirmation]
+"""Asks the operator for an action and returns once it is confirmed; raises UsageError at the end of input."""
 
 UNLOAD = "free the shaft: take off the load, or stop what turns it"
 
 
 @dataclass(frozen=True)
 class Done:
-    """What a person was asked to do, and how it is known to be done."""
+    """An action that the operator was asked for, and how it was confirmed."""
 
     what: str
-    confirmed: Confirmed
+    confirmed: Confirmation
 
     def __str__(self) -> str:
-        return f"a person was to {self.what}: {self.confirmed}"
+        return f"operator was to {self.what}: {self.confirmed}"
 
 
-def unasked(what: str) -> UsageError:
-    """The refusal where there is no person to ask."""
+def no_operator(what: str) -> UsageError:
+    """Return the error for a bench without an operator to ask."""
     return UsageError(
-        f"this bench has no load machine: a person has to {what}, and there is none to ask; run it on a "
+        f"this bench has no load machine: the operator has to {what}, and there is no prompt; run it on a "
         f"terminal, without --json and --jobs, or give --yes once that is done; the drive was not enabled"
     )
 
 
-def beforehand(what: str) -> Confirmed:
-    """A prompt that takes everything as done."""
-    return Confirmed.BEFOREHAND
+def confirmed_beforehand(what: str) -> Confirmation:
+    """Confirm every action as done (`--yes`)."""
+    return Confirmation.BEFOREHAND
 
 
 def instruction(point: OperatingPoint) -> str:
-    """What a person has to do for an operating point where no load machine does it; empty for nothing."""
+    """Return the action of the operator for an operating point without a load machine; empty if none."""
     if point.hold_speed_rad_s is not None:
         return (
             f"turn the shaft at {abs(point.hold_speed_rad_s):g} rad/s in {_rotation(point.hold_speed_rad_s)}"
@@ -60,15 +60,15 @@ def instruction(point: OperatingPoint) -> str:
 
 
 def ask(prompt: Prompt | None, what: str) -> Done | None:
-    """Ask for something; None if there is nothing to do. Without a prompt there is no person to ask.
+    """Ask the operator for an action; None if there is none to do.
 
     Raises:
-        UsageError: there is no person to ask.
+        UsageError: there is no prompt, and so no operator to ask.
     """
     if not what:
         return None
     if prompt is None:
-        raise unasked(what)
+        raise no_operator(what)
     return Done(what, prompt(what))
 
 
