@@ -15,7 +15,7 @@ from benchtool.live.panels.spectrum import chosen
 _MARKERS = (names.ERROR, names.WARNING, names.TRIGGER)
 _FOLLOWED_S = 20.0
 _TOGETHER = rrb.TimeAxis(link=rrb.components.LinkAxis.LinkToGlobal)  # to zoom one plot is to zoom all
-_UNNAMED = rrb.PlotLegend(visible=False)  # bars have no names but their paths
+_COLLAPSED = rrb.PlotLegend(visible=False)  # it would cover the data; the key and the pointer tell names
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class Layout:
     states: bool = False
 
     def with_source(self, source: str, channels: tuple[Channel, ...]) -> Layout:
-        """The layout with the channels of one source."""
+        """Return the layout with the channels of one source."""
         match source:
             case names.STREAM:
                 return replace(self, stream=channels)
@@ -43,7 +43,7 @@ class Layout:
         return replace(self, transducer=channels)
 
     def sources(self) -> dict[str, tuple[Channel, ...]]:
-        """Channels by source, of the sources that there are."""
+        """Return the channels by source, of the sources that there are."""
         every = {names.STREAM: self.stream, names.CAPTURE: self.capture, names.TRANSDUCER: self.transducer}
         return {source: channels for source, channels in every.items() if channels}
 
@@ -59,8 +59,10 @@ class Layout:
 
 
 def blueprint(layout: Layout) -> rrb.Blueprint:
-    """The layout as Rerun's blueprint: signals on the left, shapes and spectra in the middle, words right."""
-    left = [
+    """Return the layout as Rerun's blueprint: signals on the left, shapes and spectra in the middle, words
+    right."""
+    left: list[rrb.View | rrb.Container | None] = [
+        rrb.TextDocumentView(origin=names.KEY, name="key", titlebar=False),
         _plot(layout, {"torque": "torque (Nm)"}, (names.TORQUE_BAND, names.CAPTURE_BAND, *_MARKERS)),
         _plot(layout, {"current": "phase currents (A)", "current_vector": "current vector (A)"}),
         _beside(
@@ -69,9 +71,9 @@ def blueprint(layout: Layout) -> rrb.Blueprint:
         ),
         _plot(layout, {"voltage": "voltage (V)"}) if not layout.flux_plane else None,
     ]
-    middle = [
+    middle: list[rrb.View | rrb.Container | None] = [
         _flux_plane(layout) if layout.flux_plane else None,
-        _spectrum() if layout.spectrum else None,
+        rrb.Tabs(_spectrum(), _waterfall()) if layout.spectrum else None,
         _harmonics() if layout.spectrum else None,
     ]
     right: list[rrb.View | rrb.Container | None] = [
@@ -79,7 +81,6 @@ def blueprint(layout: Layout) -> rrb.Blueprint:
             rrb.TextDocumentView(origin=names.RESULTS, name="results"),
             rrb.TextDocumentView(origin=names.PARAMETERS, name="parameters"),
         ),
-        _waterfall() if layout.spectrum else None,
         rrb.TextLogView(
             origin=names.EVENTS,
             name="state, faults and events",
@@ -94,7 +95,7 @@ def blueprint(layout: Layout) -> rrb.Blueprint:
             rrb.TimeSeriesView(
                 origin=names.QUALITY,
                 name="data quality over time",
-                plot_legend=rrb.PlotLegend(rrb.Corner2D.LeftTop),
+                plot_legend=_COLLAPSED,
                 axis_x=_TOGETHER,
                 time_ranges=_range(layout),
             ),
@@ -102,10 +103,10 @@ def blueprint(layout: Layout) -> rrb.Blueprint:
     ]
     return rrb.Blueprint(
         rrb.Horizontal(
-            _column(left, [3.0, 3.0, 2.0, 2.0]),
+            _column(left, [0.9, 3.0, 3.0, 2.0, 2.0]),
             _column(middle, [4.0, 2.5, 2.5]),
-            _column(right, [4.0, 2.5, 3.0, 1.5, 2.0]),
-            column_shares=[4.7, 3.3, 4.0],
+            _column(right, [5.0, 3.5, 1.5, 2.5]),
+            column_shares=[4.8, 3.2, 4.0],
         ),
         rrb.TimePanel(state="collapsed", timeline=names.DRIVE_TIME, play_state="following"),
         rrb.SelectionPanel(state="collapsed"),
@@ -132,7 +133,8 @@ def _beside(*parts: rrb.View | None) -> rrb.Horizontal | None:
 def _plot(
     layout: Layout, titles: Mapping[str, str], extra: tuple[str, ...] = ()
 ) -> rrb.TimeSeriesView | None:
-    """A plot, from every source, of the first of these quantities that one has; None if none has any."""
+    """Return a plot, from every source, of the first of these quantities that one has; None if none has
+    any."""
     for quantity, title in titles.items():
         entities = [
             f"{source}/{quantity}"
@@ -145,7 +147,7 @@ def _plot(
                 contents=[*entities, *extra],
                 name=title,
                 axis_x=_TOGETHER,
-                plot_legend=rrb.PlotLegend(rrb.Corner2D.LeftTop),
+                plot_legend=_COLLAPSED,
                 time_ranges=_range(layout),
             )
     return None
@@ -167,7 +169,7 @@ def _flux_plane(layout: Layout) -> rrb.Spatial2DView:
     reach = 1.6 * layout.psi_Wb
     return rrb.Spatial2DView(
         origin=names.LOCUS,
-        name="flux vector (Wb), alpha to the right, beta up",
+        name="flux vector (Wb), beta up",
         visual_bounds=rrb.VisualBounds2D(x_range=[-reach, reach], y_range=[-reach, reach]),
     )
 
@@ -175,16 +177,16 @@ def _flux_plane(layout: Layout) -> rrb.Spatial2DView:
 def _spectrum() -> rrb.BarChartView:
     return rrb.BarChartView(
         origin=f"{names.SPECTRUM}/lines",
-        name="spectrum (dB re 1 mA) over Hz, fundamental red",
-        plot_legend=_UNNAMED,
+        name="spectrum (dB re 1 mA), Hz",
+        plot_legend=_COLLAPSED,
     )
 
 
 def _harmonics() -> rrb.BarChartView:
     return rrb.BarChartView(
         origin=f"{names.SPECTRUM}/harmonics",
-        name="harmonics (% of fundamental) by order",
-        plot_legend=_UNNAMED,
+        name="harmonics (%) by order",
+        plot_legend=_COLLAPSED,
     )
 
 

@@ -9,12 +9,12 @@ from typing import Any
 
 from benchtool.analysis import measurements_from_json
 from benchtool.block import Block
-from benchtool.link.ticks import WallMark
+from benchtool.link import ClockAnchor
 from benchtool.live import names
+from benchtool.live.messages import parts
 from benchtool.live.panels.band import Limits
 from benchtool.live.panels.documents import certificate_document, results_document
-from benchtool.live.sending import parts
-from benchtool.live.sinks.outlet import Destination
+from benchtool.live.sinks.sink import Destination
 from benchtool.live.view import LiveView, Setup
 from benchtool.recording import Bundle, Event, Level, Manifest
 
@@ -26,7 +26,7 @@ _PATIENCE_S = 60.0  # nothing waits for it
 
 
 def setup_of(manifest: Manifest, name: str, psi_r_Wb: float) -> Setup:
-    """What the view of a run is told by its manifest.
+    """Return the setup of a run's view from its manifest.
 
     Args:
         manifest: as it was begun, or finished.
@@ -40,7 +40,7 @@ def setup_of(manifest: Manifest, name: str, psi_r_Wb: float) -> Setup:
         psi_Wb=float(details.get("motor", {}).get("psi_r_Wb", psi_r_Wb)),
         limits=limits_of(details.get("plan", {}), str(details.get("case", "")), _group(details)),
         parameters=manifest.parameters,
-        mark=None if mark is None else WallMark(**mark),
+        mark=None if mark is None else ClockAnchor(**mark),
     )
 
 
@@ -53,7 +53,7 @@ def limits_of(plan: Mapping[str, Any], case: str, group: str = "") -> Limits:
 
 
 def _group(details: Mapping[str, Any]) -> str:
-    """Of the case, as its coordinates state it; older bundles have none, and one repetition mostly."""
+    """Return the group of the case from its coordinates; older bundles have none."""
     return str(details.get("coordinates", {}).get("group", ""))
 
 
@@ -76,7 +76,7 @@ def show_bundle(
         for part in parts(slow, max(1, round(_PART_S * slow.sample_rate_Hz))):
             while events and (events[0].tick is None or events[0].tick <= part.ticks()[-1]):
                 view.event(events.popleft())
-            view.take(part)
+            view.add_block(part)
     for event in events:
         view.event(event)
     if _CAPTURE in blocks:
@@ -99,7 +99,7 @@ def show_bundle(
 
 
 def _trigger_row(plan: Mapping[str, Any], capture: Block) -> int | None:
-    """Row at which the drive began to play a plan's stimulus; None of a capture without one."""
+    """Return the row at which the drive began to play a plan's stimulus; None of a capture without one."""
     if not plan.get("stimulus"):
         return None
     row = round(float(plan.get("record", {}).get("pretrigger_s", 0.0)) * capture.sample_rate_Hz)

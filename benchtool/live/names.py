@@ -37,10 +37,12 @@ TRIGGER: Final = "/drive/markers/trigger"
 STATE: Final = "/drive/state"
 QUALITY: Final = "/quality/losses"
 RECEPTION: Final = "/quality/received"
-"""Counters of what came are far larger than those of what did not, and would flatten them in one plot."""
+"""Counters of received rows are far larger than those of lost ones, and would flatten them in one plot."""
 COUNTERS: Final = "/documents/quality"
 RESULTS: Final = "/documents/results"
 PARAMETERS: Final = "/documents/parameters"
+KEY: Final = "/documents/key"
+"""What the colours of the plots mean, in place of legends, which would cover the data."""
 
 _QUANTITIES: Final = {
     "Nm": "torque",
@@ -69,17 +71,27 @@ _COLOURS: Final = {  # Okabe and Ito (Color Universal Design, 2008), on the dark
     "omega_m": (0, 158, 115),
 }
 _CYCLE: Final = ((86, 180, 233), (230, 159, 0), (0, 158, 115), (204, 121, 167), (213, 94, 0), (240, 228, 66))
+_WORDS: Final = {
+    (86, 180, 233): "blue",
+    (230, 159, 0): "orange",
+    (0, 158, 115): "green",
+    (240, 228, 66): "yellow",
+    (120, 120, 120): "grey",
+    (204, 121, 167): "pink",
+    (213, 94, 0): "red",
+    (204, 204, 204): "white",
+}
 
 Colour = tuple[int, int, int]
 
 
 def quantity(channel: Channel) -> str:
-    """The last part of the entity that holds a channel."""
+    """Return the last part of the entity that holds a channel."""
     return _VECTORS.get(channel.name) or _QUANTITIES.get(channel.unit, _OTHER)
 
 
 def columns_by_quantity(channels: Sequence[Channel]) -> dict[str, tuple[int, ...]]:
-    """Columns of a Block by quantity, in their order."""
+    """Return the columns of a Block by quantity, in their order."""
     groups: dict[str, list[int]] = {}
     for column, channel in enumerate(channels):
         groups.setdefault(quantity(channel), []).append(column)
@@ -87,14 +99,24 @@ def columns_by_quantity(channels: Sequence[Channel]) -> dict[str, tuple[int, ...
 
 
 def label(channel: Channel, source: str) -> str:
-    """Name of a series: `torque (Nm)`, with what it was taken by if that is not the slow stream."""
+    """Return name of a series: `torque (Nm)`, with its source if that is not the slow stream."""
     unit = f" ({channel.unit})" if channel.unit else ""
     return f"{channel.name}{unit}{_SOURCES[source]}"
 
 
 def colour(channel: Channel, place: int, source: str) -> Colour:
-    """Colour of a series; that of a slow stream is lighter than the same channel's in a capture."""
-    red, green, blue = _COLOURS.get(channel.name, _CYCLE[place % len(_CYCLE)])
+    """Return colour of a series; that of a slow stream is lighter than the same channel's in a capture."""
+    red, green, blue = base_colour(channel, place)
     if source != STREAM:
         return red, green, blue
     return (red + 255) // 2, (green + 255) // 2, (blue + 255) // 2
+
+
+def base_colour(channel: Channel, place: int) -> Colour:
+    """Return the colour of a series in a capture; `place` is its own among those of its quantity."""
+    return _COLOURS.get(channel.name, _CYCLE[place % len(_CYCLE)])
+
+
+def in_words(colour_: Colour) -> str:
+    """Return a colour of a series, as the key of the plots calls it."""
+    return _WORDS[colour_]

@@ -16,26 +16,27 @@ import rerun as rr
 
 from benchtool.block import Block
 from benchtool.errors import EnvironmentFailure
-from benchtool.link.ticks import WallMark
+from benchtool.link import ClockAnchor
 from benchtool.live import names
 from benchtool.live.blueprint import Layout, blueprint
-from benchtool.live.panels import locus
-from benchtool.live.panels.band import Limits, TorqueBand
-from benchtool.live.panels.documents import parameters_document, results_document
-from benchtool.live.panels.events import EventLog, markers
-from benchtool.live.panels.quality import Counters, Quality
-from benchtool.live.panels.spectra import capture_spectra, running_spectra
-from benchtool.live.panels.spectrum import RunningSpectrum, chosen
-from benchtool.live.sending import (
-    Arrangement,
+from benchtool.live.messages import (
+    LayoutMessage,
     Message,
-    Still,
+    StaticContent,
     TimeAxis,
     block_columns,
     parts,
     series,
 )
-from benchtool.live.sinks.outlet import PATIENCE_S, Destination, Outlet
+from benchtool.live.panels import locus
+from benchtool.live.panels.band import Limits, TorqueBand
+from benchtool.live.panels.documents import parameters_document, results_document
+from benchtool.live.panels.events import EventLog, markers
+from benchtool.live.panels.key import key_document
+from benchtool.live.panels.quality import Counters, Quality
+from benchtool.live.panels.spectra import capture_spectra, running_spectra
+from benchtool.live.panels.spectrum import RunningSpectrum, chosen
+from benchtool.live.sinks.sink import PATIENCE_S, Destination, RecordingSink
 from benchtool.recording import Event, Level
 
 _WATERFALL_S = 1.0  # between two pictures, each of which is kept in the recording
@@ -45,7 +46,7 @@ _ROWS = 20_000  # in a batch, so that a long record needs no more memory than it
 
 @dataclass(frozen=True)
 class Setup:
-    """What a view is told before the first block.
+    """Setup of a view before the first block.
 
     `psi_Wb` is the flux of the motor's magnets, and the radius of the flux plane's circle where the drive
     tells no reference; its hexagon is that of `u_dc`.
@@ -58,15 +59,16 @@ class Setup:
     psi_Wb: float
     limits: Limits = field(default_factory=dict)
     parameters: Mapping[str, object] = field(default_factory=dict)
-    mark: WallMark | None = None
+    mark: ClockAnchor | None = None
     followed: bool = True
 
 
 class LiveView:
-    """A recording that is looked at while it grows; nothing that it does or fails to do disturbs the drive.
+    """A live recording; none of its failures disturbs the drive.
 
-    `take` is called in a thread of its own with a bounded queue (`telemetry.Sink`, lossless False); `event`
-    may be called from any thread and only leaves a note; the other methods are for when nothing is measured.
+    `add_block` is called in a thread of its own with a bounded queue (`telemetry.Sink`, lossless False);
+    `event` may be called from any thread and only leaves a note; the other methods are for when nothing is
+    measured.
 
     Args:
         setup: see `Setup`.
@@ -100,16 +102,18 @@ class LiveView:
         self._waterfall_tick = 0
         self._queue_dropped: Callable[[], int] = lambda: 0
         recording, title = str(uuid.uuid4()), setup.title
-        self.outlets: list[Outlet] = []
+        self.sinks: list[RecordingSink] = []
         for destination in destinations:
             try:
-                self.outlets.append(Outlet(destination, recording, title, note, patience_s=patience_s))
+                self.sinks.append(RecordingSink(destination, recording, title, note, patience_s=patience_s))
             except EnvironmentFailure as failure:
                 note(f"not shown by {destination.name}: {failure}")
         still: list[Message] = [
             locus.axes(setup.psi_Wb),
-            Still(names.RESULTS, results_document(setup.title, (), remarks=["nothing is measured yet"])),
-            Still(names.PARAMETERS, parameters_document(setup.title, setup.parameters)),
+            StaticContent(
+                names.RESULTS, results_document(setup.title, (), remarks=["nothing is measured yet"])
+            ),
+            StaticContent(names.PARAMETERS, parameters_document(setup.title, setup.parameters)),
             *markers(),
         ]
         self._send(still)
@@ -130,7 +134,7 @@ class LiveView:
     @property
     def rows_dropped(self) -> dict[str, int]:
         """Rows that a destination did not take, by its name."""
-        return {outlet.name: outlet.rows_dropped for outlet in self.outlets}
+        return {sink.name: sink.rows_dropped for sink in self.sinks}
 
     def count_drops(self, dropped: Callable[[], int]) -> None:
         """Have the rows that were dropped on the way here shown as well."""
@@ -142,10 +146,10 @@ class LiveView:
 
     # ---- while it is measured ---------------------------------------------------------------------------
 
-    def take(self, block: Block) -> None:
+    def add_block(self, block: Block) -> None:
         """Show the next rows of the slow stream."""
         if len(block.data):
-            self._harmlessly(partial(self._take, block), len(block.data))
+            self._without_raising(partial(self._take, block), len(block.data))
 
     def event(self, event: Event) -> None:
         """Leave a line for the log, at its tick or at that of the last row."""
@@ -159,40 +163,40 @@ class LiveView:
         `trigger_row` is where in it the drive was triggered.
         """
         if len(block.data):
-            self._harmlessly(partial(self._captured, block, source, trigger_row), len(block.data))
+            self._without_raising(partial(self._captured, block, source, trigger_row), len(block.data))
 
     def results(self, document: rr.TextDocument) -> None:
         """Show what was measured."""
-        self._harmlessly(lambda: self._send([Still(names.RESULTS, document)]))
+        self._without_raising(lambda: self._send([StaticContent(names.RESULTS, document)]))
 
     def quality(self, document: rr.TextDocument) -> None:
         """Show how good the data are, in place of the counters."""
-        self._harmlessly(lambda: self._send([Still(names.COUNTERS, document)]))
+        self._without_raising(lambda: self._send([StaticContent(names.COUNTERS, document)]))
 
     def close(self) -> None:
         """Send what waits and end the recording."""
-        self._harmlessly(self._tell)
-        with ExitStack() as stack:  # each is closed, whatever another one raises
-            for outlet in self.outlets:
-                stack.callback(outlet.close)
+        self._without_raising(self._tell)
+        with ExitStack() as stack:  # each is closed, even if another one raises
+            for sink in self.sinks:
+                stack.callback(sink.close)
 
     # ---- inside -----------------------------------------------------------------------------------------
 
-    def _harmlessly(self, show: Callable[[], None], rows: int = 0) -> None:
-        """Show something, of so many rows; or say once that the view has failed, and end nothing else."""
+    def _without_raising(self, show: Callable[[], None], rows: int = 0) -> None:
+        """Send messages of so many rows; report a failure of the view once, and never raise it."""
         if not self._failed:
             try:
                 with self._lock:
                     show()
                 return
-            except Exception as failure:  # noqa: BLE001 # whatever it is, it may end no measurement
+            except Exception as failure:  # noqa: BLE001  no failure of the view may end a measurement
                 self._failed = True
                 self._note(
-                    f"the live view has failed and shows no more ({type(failure).__name__}: {failure}): "
+                    f"the live view has failed and stopped ({type(failure).__name__}: {failure}): "
                     f"the measurement goes on without it"
                 )
-        for outlet in self.outlets:
-            outlet.discard(rows)
+        for sink in self.sinks:
+            sink.discard(rows)
 
     def _take(self, block: Block) -> None:
         axis = self._axis_of(block)
@@ -270,7 +274,12 @@ class LiveView:
         name = chosen(block.names)
         if source == names.STREAM and name is not None and self._spectrum is None:
             self._spectrum = RunningSpectrum(name, block.unit(name), block.sample_rate_Hz)
-        self._send([Arrangement(blueprint(self._layout))])
+        self._send(
+            [
+                StaticContent(names.KEY, key_document(self._layout.sources())),
+                LayoutMessage(blueprint(self._layout)),
+            ]
+        )
 
     def _draw_hexagon(self, block: Block) -> None:
         """The hexagon of the dc link, where that is another than before."""
@@ -285,5 +294,5 @@ class LiveView:
 
     def _send(self, messages: Iterable[Message], rows: int = 0) -> None:
         batch = tuple(messages)
-        for outlet in self.outlets:
-            outlet.send(batch, rows)
+        for sink in self.sinks:
+            sink.send(batch, rows)

@@ -1,7 +1,7 @@
-"""What a publication claims, held against measured numbers: in its own words, and as it is run here.
+"""Claims of a publication compared with measured numbers, in the literal and in the chosen reading.
 
-A plan runs the publication by the letter in a variant called `literal`; its other cases are as the profile
-has it. A case that is the same in both readings has no such variant.
+A plan runs the publication literally in a variant called `literal`; its other cases follow the choices of the
+profile. A case that is the same in both readings has no such variant.
 """
 
 from __future__ import annotations
@@ -21,20 +21,20 @@ Figures = Mapping[str, Mapping[str, Sequence[Measurement]]]  # by plan, then by 
 
 @dataclass(frozen=True)
 class Finding:
-    """Whether a claim holds in one reading, and the numbers that say so; None where one was not measured."""
+    """Whether a claim holds in one reading, and its numbers; None where one was not measured."""
 
     holds: bool | None
     numbers: tuple[str, ...]
 
 
 def literal(case: str) -> str:
-    """Name of a case read by the letter."""
+    """Return the name of a case in the literal reading."""
     return f"{LITERAL},{case}"
 
 
 def claims_table(claims: Sequence[Claim], figures: Figures) -> Iterator[str]:
-    """Rows of Markdown: each claim, its verdict, and the numbers of both readings."""
-    yield from ("| claim | where | verdict | as run here | by the letter |", "|---|---|---|---|---|")
+    """Yield the rows of Markdown: each claim, its verdict, and the numbers of both readings."""
+    yield from ("| claim | where | verdict | as run here | literally |", "|---|---|---|---|---|")
     for claim in claims:
         here = finding(claim, figures, by_the_letter=False)
         letter = finding(claim, figures, by_the_letter=True)
@@ -53,12 +53,12 @@ def verdict(here: Finding, letter: Finding) -> str:
         case True, False:
             return "only if improved as here"
         case False, True:
-            return "only if read by the letter"
+            return "only if read literally"
     return "no"
 
 
 def finding(claim: Claim, figures: Figures, *, by_the_letter: bool) -> Finding:
-    """A claim in one reading: it holds where all of its comparisons do."""
+    """Return a claim in one reading: it holds where all of its comparisons do."""
     results = [_compared(each, figures, by_the_letter) for each in claim.comparisons]
     states = [state for state, _ in results]
     return Finding(None if None in states else all(states), tuple(text for _, text in results))

@@ -1,4 +1,4 @@
-"""What a report says, free of how it is set: the one content of the HTML page and of the PDF."""
+"""The content of a report, independent of its layout as HTML or PDF."""
 
 from __future__ import annotations
 
@@ -26,7 +26,11 @@ SYMBOLS: Final[dict[Mark, str]] = {
 
 @dataclass(frozen=True)
 class Cell:
-    """One cell of a grid; `mark` says what it means beside its words, `notes` unfold beneath it."""
+    """One cell of a grid; `mark` says what it means beside its words.
+
+    `notes` unfold beneath it on a screen, a definition first. On paper they stand at the end: the definition,
+    and all of them where the row has a mark.
+    """
 
     text: str
     mark: Mark = ""
@@ -34,21 +38,24 @@ class Cell:
 
     @property
     def shown(self) -> str:
-        """The text with the symbol of its mark before it, so that no meaning hangs on colour."""
+        """The text after the symbol of its mark, so that the meaning does not depend on colour."""
         return f"{SYMBOLS[self.mark]}\N{NO-BREAK SPACE}{self.text}" if self.mark else self.text
 
 
 @dataclass(frozen=True)
 class Column:
-    """Heading of a column; numbers are set flush right."""
+    """Heading of a column; numbers are set flush right, and what is not on `paper` stands on the page
+    alone."""
 
     heading: str
     numeric: bool = False
+    paper: bool = True
 
 
 @dataclass(frozen=True)
 class Grid:
-    """A table whose first column names its rows; on a screen, rows beyond the first `shown` fold away."""
+    """A table whose first column names its rows; on a screen, rows beyond the first `shown` fold away, and on
+    paper they are left out."""
 
     columns: tuple[Column, ...]
     rows: tuple[tuple[Cell, ...], ...]
@@ -63,7 +70,7 @@ class Grid:
         caption: str = "",
         shown: int | None = None,
     ) -> Grid:
-        """Grid of plain texts and cells; headings that begin with `>` are those of numbers."""
+        """Return the grid of plain texts and cells; headings that begin with `>` are those of numbers."""
         columns = tuple(Column(heading.removeprefix(">"), heading.startswith(">")) for heading in headings)
         cells = tuple(tuple(Cell(each) if isinstance(each, str) else each for each in row) for row in rows)
         return cls(columns, cells, caption, shown)
@@ -71,7 +78,7 @@ class Grid:
 
 @dataclass(frozen=True)
 class Facts:
-    """Names and what they are."""
+    """A list of names and values."""
 
     pairs: tuple[tuple[str, str], ...]
 
@@ -86,7 +93,7 @@ class Text:
 
 @dataclass(frozen=True)
 class Verdict:
-    """The outcome, with a line that says what it rests on."""
+    """A verdict, with a line on its basis."""
 
     mark: Mark
     text: str
@@ -95,7 +102,7 @@ class Verdict:
 
 @dataclass(frozen=True)
 class Picture:
-    """A figure; the caption says what is shown, `alternative` describes it to those who cannot see it."""
+    """A figure; the caption says what is shown, `alternative` is the text alternative."""
 
     figure: Figure
     caption: str
@@ -103,29 +110,49 @@ class Picture:
 
 
 @dataclass(frozen=True)
+class Signatures:
+    """Lines to be signed, one for each role, each with a name and a date."""
+
+    roles: tuple[str, ...]
+
+
+@dataclass(frozen=True)
 class Section:
-    """A heading with what belongs to it; `listed` puts it into the table of contents."""
+    """A heading with what belongs to it; `listed` puts it into the table of contents.
+
+    A `folded` one is closed on a screen until it is asked for; what is not on `paper` stands on the page
+    alone."""
 
     title: str
     items: tuple[Item, ...]
     listed: bool = False
+    folded: bool = False
+    paper: bool = True
 
 
-Item: TypeAlias = Grid | Facts | Text | Verdict | Picture | Section
+Item: TypeAlias = Grid | Facts | Text | Verdict | Picture | Signatures | Section
 
 
 @dataclass(frozen=True)
 class Report:
-    """A whole report; `when` is the ISO 8601 time of the run that it is about."""
+    """A whole report: the page that is signed, then figures and numbers, and what one looks up as an
+    appendix.
+
+    `when` is the ISO 8601 time of the run that it is about, `front` what stands on the first page, and
+    `fingerprint` the SHA-256 of what was recorded, empty of a report that has none.
+    """
 
     title: str
     subtitle: str
     when: str
     items: tuple[Item, ...]
+    front: tuple[Item, ...] = ()
+    appendix: tuple[Item, ...] = ()
+    fingerprint: str = ""
 
 
 def contents(items: Sequence[Item]) -> tuple[tuple[str, str], ...]:
-    """Titles and anchors of the listed sections, in their order."""
+    """Return the titles and anchors of the listed sections, in their order."""
     found: list[tuple[str, str]] = []
     for each in items:
         if isinstance(each, Section):
@@ -136,13 +163,13 @@ def contents(items: Sequence[Item]) -> tuple[tuple[str, str], ...]:
 
 
 def anchor(title: str) -> str:
-    """A section's title as an HTML id; the same title always gives the same one."""
+    """Return a section's title as an HTML id; the same title always gives the same one."""
     plain = unicodedata.normalize("NFKD", title)
     return "s-" + re.sub(r"[^A-Za-z0-9.=]+", "-", plain).strip("-").lower()
 
 
 def describe_figure(figure: Figure) -> str:
-    """What the axes of a figure show, in words: its title, then each panel."""
+    """Return a description of a figure: its title, then the axes of each panel."""
     heading = " ".join(figure.get_suptitle().split())
     panels: dict[str, None] = {}
     x_label = next((each.get_xlabel() for each in reversed(figure.axes) if each.get_xlabel()), "")
@@ -154,5 +181,5 @@ def describe_figure(figure: Figure) -> str:
 
 
 def _plain(text: str) -> str:
-    """Text without the marks of mathematical type."""
+    """Return the text without the marks of mathematical type."""
     return re.sub(r"[$\\{}]", "", text)

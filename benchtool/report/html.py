@@ -1,4 +1,4 @@
-"""A report as one HTML page that needs nothing else: no script, no file beside it, no network."""
+"""A report as one self-contained HTML page, without scripts, further files or network access."""
 
 from __future__ import annotations
 
@@ -6,11 +6,23 @@ from pathlib import Path
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-from benchtool.report.content import Facts, Grid, Picture, Report, Section, Text, Verdict, anchor, contents
+from benchtool.report.content import (
+    Facts,
+    Grid,
+    Picture,
+    Report,
+    Section,
+    Signatures,
+    Text,
+    Verdict,
+    anchor,
+    contents,
+)
+from benchtool.report.figures.style import WIDTH_IN
 from benchtool.report.images import data_uri
 
 MARK = b'<meta name="generator" content="benchtool">'
-"""What every page has, whatever the report."""
+"""Text that identifies every page."""
 
 _TEMPLATES = Path(__file__).parent / "templates"
 _KINDS = {
@@ -18,13 +30,14 @@ _KINDS = {
     Grid: "grid",
     Picture: "picture",
     Section: "section",
+    Signatures: "signatures",
     Text: "text",
     Verdict: "verdict",
 }
 
 
 def html_page(report: Report) -> str:
-    """The page; the same report gives the same text. Whatever stands in the report is shown as text."""
+    """Return the page; the same report gives the same text. All content is escaped as text."""
     environment = Environment(
         loader=FileSystemLoader(_TEMPLATES),
         autoescape=True,
@@ -35,5 +48,6 @@ def html_page(report: Report) -> str:
     environment.filters["kind"] = lambda item: _KINDS[type(item)]
     environment.filters["uri"] = data_uri
     environment.filters["anchor"] = anchor
-    listed = contents(report.items)
-    return environment.get_template("report.html").render(report=report, contents=listed) + "\n"
+    listed = contents((*report.front, *report.items))
+    page = environment.get_template("report.html").render(report=report, contents=listed, full_in=WIDTH_IN)
+    return page + "\n"

@@ -1,4 +1,4 @@
-"""Figures as data that a page carries within itself: SVG, or PNG where the drawing is dense."""
+"""Figures embedded in a page: SVG, or PNG where the drawing is dense."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ _NO_METADATA: Final = {"Date": None, "Creator": None}
 
 
 def settle(figure: Figure) -> None:
-    """Lay the figure out, once for all the ways in which it will be drawn."""
+    """Lay the figure out once for all output formats."""
     if isinstance(figure.get_layout_engine(), ConstrainedLayoutEngine):
         figure.draw_without_rendering()
         figure.set_layout_engine("none")
 
 
 def data_uri(figure: Figure) -> str:
-    """The figure as a `data:` address: an SVG of at most `MOST_SVG_BYTES`, else a PNG at `PNG_DPI`.
+    """Return the figure as a `data:` address: an SVG of at most `MOST_SVG_BYTES`, else a PNG at `PNG_DPI`.
 
     As the source of an image an SVG runs no script and loads nothing, whatever its texts say.
     """

@@ -1,4 +1,4 @@
-"""The part of a report that says what was measured: limits, measurements and tables, whatever their names."""
+"""Results in a report: limits, measurements and tables."""
 
 from __future__ import annotations
 
@@ -6,10 +6,17 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from benchtool.analysis import Measurement, Table, Uncertainty
-from benchtool.analysis.measurement import Basis
+from benchtool.analysis import (
+    NOTHING,
+    Basis,
+    Measurement,
+    Table,
+    Uncertainty,
+    number,
+    raw,
+    with_expanded,
+)
 from benchtool.report.content import Cell, Grid, Item, Mark, Section, Text
-from benchtool.report.numbers import NOTHING, number, raw, with_expanded
 
 _SHOWN_ROWS = 10
 _GAPS = {0: "no gaps", 1: "1 gap"}
@@ -34,23 +41,22 @@ class Bounds:
             f"{sign}\N{NO-BREAK SPACE}{raw(bound)}" for sign, bound in signs if bound is not None
         )
 
-    def room(self, value: float) -> tuple[float, float]:
-        """How far a value is from the nearer bound, negative beyond it, and that bound."""
+    def headroom(self, value: float) -> tuple[float, float]:
+        """Return how far a value is from the nearer bound, negative beyond it, and that bound."""
         sides = [(value - self.least, self.least)] if self.least is not None else []
         sides += [(self.greatest - value, self.greatest)] if self.greatest is not None else []
         return min(sides)
 
 
 def limits_section(measured: Sequence[Measurement], limits: Mapping[str, Bounds]) -> Section:
-    """Every limit with the value that it holds for, the rule, the margin left, the probability of conformance
-    and the verdict."""
+    """Return every limit with its value, rule, headroom, probability of conformance and verdict."""
     if not limits:
         return Section("Limits and verdicts", (Text("The plan sets no limits.", "note"),))
     found = {each.name: each for each in measured}
     rows = [_limit_row(name, bounds, found.get(name)) for name, bounds in limits.items()]
     headings = (
         "measurement",
-        ">value",
+        ">value ± U (k)",
         "unit",
         "limit",
         "decision rule",
@@ -67,12 +73,19 @@ def _limit_row(name: str, bounds: Bounds, measured: Measurement | None) -> tuple
     unit = measured.unit if measured else ""
     left = NOTHING
     if math.isfinite(value):
-        room, bound = bounds.room(value)
+        room, bound = bounds.headroom(value)
         share = f" ({100 * room / abs(bound):.2g} %)".replace("-", "−") if bound else ""
         left = number(room, 3) + share
-    shown = _value(measured) if measured else "not measured"
+    shown = f"{_value(measured)}{_coverage(measured)}" if measured else "not measured"
     conformance = NOTHING if bounds.conformance is None else number(bounds.conformance, 3)
     return name, shown, unit, bounds.text, bounds.rule, left, conformance, verdict
+
+
+def _coverage(measured: Measurement) -> str:
+    """Return the factor k of an expanded uncertainty that is known."""
+    uncertainty = measured.uncertainty
+    known = uncertainty is not None and math.isfinite(uncertainty.expanded) and uncertainty.expanded > 0.0
+    return f" ({uncertainty.k:.3g})" if known and uncertainty is not None else ""
 
 
 def measurements_section(
@@ -81,7 +94,8 @@ def measurements_section(
     limits: Mapping[str, Bounds],
     published: Mapping[str, float],
 ) -> Section:
-    """Every measurement with its uncertainty; definition, basis and source of the uncertainty unfold."""
+    """Return every measurement with its uncertainty; definition, basis and source of the uncertainty
+    unfold."""
     shown_published = any(each.name in published for each in measurements)
     limited = any(each.name in limits for each in measurements)
     uncertain = any(each.uncertainty is not None for each in measurements)
@@ -104,10 +118,11 @@ def measurements_section(
 
 
 def tables_section(tables: Sequence[Table]) -> Section | None:
-    """Every table of numbers with its definition and basis; what does not apply is left out."""
+    """Return every table of numbers with its definition and basis; fields that do not apply are left out."""
     if not tables:
         return None
-    return Section("Tables", tuple(Section(each.name, tuple(_table(each))) for each in tables))
+    parts = (Section(each.name, tuple(_table(each)), paper=bool(each.rows)) for each in tables)
+    return Section("Tables", tuple(parts))
 
 
 def _table(table: Table) -> Iterator[Item]:
@@ -126,7 +141,7 @@ def _value(measured: Measurement) -> str:
 
 
 def measurement_notes(measured: Measurement) -> Iterator[str]:
-    """Definition, basis and source of the uncertainty, a sentence each; what there is not is left out."""
+    """Definition, basis and source of the uncertainty, a sentence each, as far as they exist."""
     yield _sentence(measured.definition)
     if basis := basis_text(measured.basis):
         yield basis
@@ -134,10 +149,16 @@ def measurement_notes(measured: Measurement) -> Iterator[str]:
         yield f"Undefined here: {measured.reason.rstrip('.')}."
     if measured.uncertainty is not None:
         yield from _uncertainty_notes(measured.uncertainty, f" {measured.unit}" if measured.unit else "")
+    if (further := measured.repeatability) is not None:
+        yield (
+            f"Of another record of this state, besides, u = {number(further.standard, 2)} {measured.unit}: "
+            f"{further.name.rstrip('.')}."
+        )
 
 
 def _uncertainty_notes(uncertainty: Uncertainty, unit: str) -> Iterator[str]:
-    """Expanded and standard uncertainty with k and degrees of freedom, and the budget, one line each."""
+    """Yield the expanded and standard uncertainty with k and degrees of freedom, and the budget, one line
+    each."""
     U, u = number(uncertainty.expanded, 2), number(uncertainty.standard, 2)
     dof = f", {uncertainty.dof:.3g} degrees of freedom" if math.isfinite(uncertainty.dof) else ""
     source = uncertainty.source.rstrip(".")
@@ -147,7 +168,7 @@ def _uncertainty_notes(uncertainty: Uncertainty, unit: str) -> Iterator[str]:
 
 
 def basis_text(basis: Basis) -> str:
-    """What a number rests on, in words; empty if nothing is known of it."""
+    """Return the basis of a number in words; empty if it is unknown."""
     parts = []
     if basis.samples is not None:
         rate = f" at {raw(basis.sample_rate_Hz)} Hz" if basis.sample_rate_Hz is not None else ""
@@ -172,7 +193,7 @@ def basis_text(basis: Basis) -> str:
 
 
 def _sentence(text: str) -> str:
-    """A definition as a sentence: a capital where a word begins it, and a full stop."""
+    """Return a definition as a sentence: a capital where a word begins it, and a full stop."""
     if not text:
         return ""
     first = text.split(maxsplit=1)[0].rstrip(",;:") if text.strip() else ""

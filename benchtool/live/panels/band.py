@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from benchtool.block import Block
 from benchtool.live import names
-from benchtool.live.sending import Message, TimeAxis, lines, scalars
+from benchtool.live.messages import Message, TimeAxis, lines, scalars
 
 Limits = Mapping[str, tuple[float | None, float | None]]
 """(min, max) by name of a measurement, in its unit."""
@@ -22,22 +22,28 @@ _SEEN = ((204, 204, 204), 1.0)
 _RIPPLE = ((213, 94, 0), 1.0)
 _MEAN = ((204, 121, 167), 1.0)
 
+BAND_KEY = {
+    "least and greatest": names.in_words(_SEEN[0]),
+    "limits of the ripple": names.in_words(_RIPPLE[0]),
+}
+"""What the lines of the band are called in the key of the plots, and their colours."""
+
 
 class TorqueBand:
     """Lowest and highest torque, the limit of `torque_ripple_pp` about its mean, those of `torque_mean`."""
 
     def __init__(self, limits: Limits) -> None:
         self.mean_Nm = 0.0
-        """Mean torque of what was seen last."""
+        """Mean torque of the last window."""
         self._limits = limits
         self._named: set[str] = set()
         self._torque = np.empty(0)
         self._ticks = np.empty(0, dtype=np.int64)
 
     def running(self, block: Block, axis: TimeAxis, *, broken: bool) -> list[Message]:
-        """Band of a stream, half a second wide, a quarter of a second behind the block.
+        """Return the band of a stream, half a second wide, a quarter of a second behind the block.
 
-        `broken` if rows are missing before it; a gap begins anew.
+        `broken` if rows are missing before it; a gap starts afresh.
         """
         if "torque" not in block.names:
             return []
@@ -52,12 +58,12 @@ class TorqueBand:
         places = np.arange(half, len(self._torque) - half, step)
         windows += [self._torque[place - half : place + half + 1] for place in places]
         ticks = np.concatenate((ticks, self._ticks[places]))
-        done = len(places) * step  # what no window needs any more
+        done = len(places) * step  # rows that no window needs any more
         self._torque, self._ticks = self._torque[done:], self._ticks[done:]
         return self._messages(names.TORQUE_BAND, axis, ticks, windows) if windows else []
 
     def whole(self, block: Block, axis: TimeAxis) -> list[Message]:
-        """Band of a whole capture, from its first to its last row."""
+        """Return the band of a whole capture, from its first to its last row."""
         if "torque" not in block.names:
             return []
         torque = block.column("torque")

@@ -8,14 +8,13 @@ from contextlib import suppress
 
 import rerun as rr
 
-from benchtool.analysis import Measurement
-from benchtool.analysis.catalogue import catalogue
+from benchtool.analysis import Measurement, catalogue
 from benchtool.errors import PlugInError
 from benchtool.live.panels.band import Limits
 
 
 def parameters_document(title: str, parameters: Mapping[str, object]) -> rr.TextDocument:
-    """What the drive was set to, by name with its unit."""
+    """Return the parameters of the drive, by name with their units."""
     rows = [f"| {_cell(name)} | {_cell(_text(value))} |" for name, value in parameters.items()]
     body = ["| parameter | value |", "|---|---:|", *rows] if rows else ["no parameters were read"]
     return _markdown([f"**{title}**", "", *body])
@@ -28,27 +27,33 @@ def results_document(
     verdicts: Mapping[str, str] | None = None,
     remarks: Sequence[str] = (),
 ) -> rr.TextDocument:
-    """What was measured: what has a limit, with the verdict on it, then the rest by analysis."""
+    """Return the measurements: first those with a limit and its verdict, then the rest by analysis."""
     bounds, verdicts = limits or {}, verdicts or {}
-    rows = [_row(each, bounds, verdicts) for each in measurements if each.name in bounds]
-    last = ""
+    judged = [_row(each, bounds, verdicts) for each in measurements if each.name in bounds]
+    rows, last = [], ""
     for each in measurements:
         if each.name in bounds:
             continue
         if (heading := _analysis(each.name)) not in ("", last):
             last = heading
-            rows.append(f"| *{_cell(last)}* | | | | |")
-        rows.append(_row(each, bounds, verdicts))
-    table = ["| measurement | value | unit | limit | verdict |", "|---|---:|---|---|---|", *rows]
+            rows.append(f"| *{_cell(last)}* | | |")
+        rows.append(f"| {_cell(each.name)} | {_text(each.value)} | {_cell(each.unit)} |")
+    # two tables, as one is as wide as its longest name: the verdicts would be out of sight
+    table = (
+        ["| judged | value | unit | limit | verdict |", "|---|---:|---|---|---|", *judged, ""]
+        if judged
+        else []
+    )
+    table += ["| measurement | value | unit |", "|---|---:|---|", *rows] if rows else []
     undefined = [f"{_cell(each.name)}: {each.reason}" for each in measurements if each.reason]
     told = ["", "undefined:", "", *(f"- {line}" for line in undefined)] if undefined else []
     heads = [f"**{title}**", "", *(f"{remark}\n" for remark in remarks)]
-    return _markdown([*heads, *(table if rows else []), *told])
+    return _markdown([*heads, *table, *told])
 
 
 def _analysis(name: str) -> str:
-    """Title of the analysis that measures it; empty of what none does. A view ends no recording: a package
-    that cannot be loaded costs it the titles."""
+    """Return the title of the analysis that measures it; empty if there is none, or if a package cannot be
+    loaded."""
     with suppress(PlugInError):
         found = catalogue().measuring(name)
         return "" if found is None else found.title
@@ -64,7 +69,7 @@ def _row(measured: Measurement, bounds: Limits, verdicts: Mapping[str, str]) -> 
 
 
 def certificate_document(measurements: Sequence[tuple[str, float, str]]) -> rr.TextDocument:
-    """How good the data are: (name, value, unit) each, missing rows first, then what is not zero."""
+    """Return how good the data are: (name, value, unit) each, missing rows first, then what is not zero."""
     ordered = sorted(measurements, key=lambda each: (not each[0].endswith("_rows_missing"), each[1] == 0.0))
     rows = [f"| {_cell(name)} | {_text(value)} | {_cell(unit)} |" for name, value, unit in ordered]
     return _markdown(["| data quality | value | unit |", "|---|---:|---|", *rows])

@@ -1,4 +1,4 @@
-"""States, faults, triggers and what else happened: a log on the timeline, with a marker where it matters."""
+"""States, faults, triggers and other events: a log on the timeline, with markers for the important ones."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ import rerun as rr
 
 from benchtool.block import Block
 from benchtool.live import names
-from benchtool.live.sending import Message, Still, TimeAxis, at, scalars
-from benchtool.protocol.telemetry import COUNTING_SIGNALS
+from benchtool.live.messages import Message, StaticContent, TimeAxis, at, scalars
+from benchtool.protocol import COUNTING_SIGNALS
 from benchtool.recording import Event, Level
 
 _MOST = 1000
@@ -63,7 +63,7 @@ class EventLog:
                 self._counted[name] = last
 
     def messages(self, axis: TimeAxis, last_tick: int, marker_Nm: float) -> list[Message]:
-        """What waits, as of `last_tick` if it has no tick; its markers at `marker_Nm`."""
+        """Return what waits, as of `last_tick` if it has no tick; its markers at `marker_Nm`."""
         messages: list[Message] = []
         with suppress(IndexError):
             while True:
@@ -80,9 +80,11 @@ class EventLog:
         return messages
 
 
-def markers() -> list[Still]:
-    """Names and shapes of the markers."""
+def markers() -> list[StaticContent]:
+    """Return the names and shapes of the markers."""
     return [
-        Still(entity, rr.SeriesPoints(names=[name], colors=[colour], markers=[shape], marker_sizes=[size]))
+        StaticContent(
+            entity, rr.SeriesPoints(names=[name], colors=[colour], markers=[shape], marker_sizes=[size])
+        )
         for entity, (name, colour, shape, size) in _MARKERS.items()
     ]

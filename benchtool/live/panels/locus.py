@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from benchtool.block import Block
 from benchtool.live import names
-from benchtool.live.sending import Columns, Still, TimeAxis, at
+from benchtool.live.messages import Columns, StaticContent, TimeAxis, at
 
 NEEDED = ("psi_alpha", "psi_beta")
 _MOST_POINTS = 4000
@@ -28,29 +28,29 @@ _LINE, _POINT = rr.Radius.ui_points(1.0), rr.Radius.ui_points(1.2)
 
 
 def circle(radius: float) -> NDArray[np.float64]:
-    """A closed circle about the origin, shape (points, 2), as it is drawn."""
+    """Return a closed circle about the origin, shape (points, 2), as it is drawn."""
     angle = np.linspace(0.0, 2.0 * math.pi, 181)
     return radius * np.column_stack((np.cos(angle), -np.sin(angle)))
 
 
 def hexagon(radius: float) -> NDArray[np.float64]:
-    """The closed hexagon of the six active voltage vectors, (points, 2), its first vertex on alpha."""
+    """Return the closed hexagon of the six active voltage vectors, (points, 2), its first vertex on alpha."""
     angle = np.arange(7) * math.pi / 3.0
     return radius * np.column_stack((np.cos(angle), -np.sin(angle)))
 
 
-def axes(psi_Wb: float) -> Still:
-    """The axes of a plane for vectors of about this magnitude."""
+def axes(psi_Wb: float) -> StaticContent:
+    """Return the axes of a plane for vectors of about this magnitude."""
     reach = _REACH * psi_Wb
     lines = [[[-reach, 0.0], [reach, 0.0]], [[0.0, reach], [0.0, -reach]]]
-    return Still(
+    return StaticContent(
         f"{names.LOCUS}/axes",
         rr.LineStrips2D(lines, colors=_GREY, radii=_LINE, labels=["alpha", "beta"], show_labels=False),
     )
 
 
 class ReferenceCircle:
-    """The circle of the flux that is asked for; of the motor's own flux where a drive does not tell.
+    """The circle of the flux reference; of the motor's own flux if the drive does not report one.
 
     Args:
         psi_Wb: the motor's own, of its magnets.
@@ -61,7 +61,7 @@ class ReferenceCircle:
         self._drawn_Wb: float | None = None
 
     def messages(self, block: Block, axis: TimeAxis) -> list[Columns]:
-        """The circle as of the block's first row, where it is another than before."""
+        """Return the circle as of the block's first row, where it is another than before."""
         asked_Wb = self._own_Wb
         if "psi_s_reference" in block.names:
             told = block.column("psi_s_reference")
@@ -80,8 +80,8 @@ class ReferenceCircle:
         return [at(f"{names.LOCUS}/reference", axis, axis.tick(block, 0), columns)]
 
 
-def voltages(psi_Wb: float, u_dc_V: float) -> list[Still]:
-    """The hexagon of a dc link, whose vertices are 2/3 u_dc.
+def voltages(psi_Wb: float, u_dc_V: float) -> list[StaticContent]:
+    """Return the hexagon of a dc link, whose vertices are 2/3 u_dc.
 
     Volts and webers share the plane by a scale that puts the vertices at 1.25 times the circle; its label
     says what it is.
@@ -90,11 +90,11 @@ def voltages(psi_Wb: float, u_dc_V: float) -> list[Still]:
     scale = f"{u_dc_V:.4g} V dc: vertices {2.0 / 3.0 * u_dc_V:.4g} V, 1 mWb is {V_per_mWb:.3g} V"
     place = [[0.0, _REACH * psi_Wb]]
     return [
-        Still(
+        StaticContent(
             f"{names.LOCUS}/hexagon",
             rr.LineStrips2D([hexagon(_HEXAGON * psi_Wb)], colors=_AMBER, radii=_LINE),
         ),
-        Still(
+        StaticContent(
             f"{names.LOCUS}/scale",
             rr.Points2D(place, colors=_AMBER, radii=_LINE, labels=[scale], show_labels=True),
         ),
@@ -102,12 +102,12 @@ def voltages(psi_Wb: float, u_dc_V: float) -> list[Still]:
 
 
 def hexagon_V_per_mWb(psi_Wb: float, u_dc_V: float) -> float:
-    """Scale of the hexagon: volts that a milliweber of the plane stands for."""
+    """Return the scale of the hexagon: volts that a milliweber of the plane stands for."""
     return 2.0 / 3.0 * u_dc_V / (_HEXAGON * psi_Wb * 1e3)
 
 
 def trace(block: Block, axis: TimeAxis, source: str) -> list[Columns]:
-    """The flux vectors of a block, as of its last row; of a long one every n-th, 4000 at most."""
+    """Return the flux vectors of a block, as of its last row; of a long one every n-th, 4000 at most."""
     if not len(block.data) or not set(NEEDED) <= set(block.names):
         return []
     each = -(-len(block.data) // _MOST_POINTS)

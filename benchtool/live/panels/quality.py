@@ -10,7 +10,7 @@ import numpy as np
 import rerun as rr
 
 from benchtool.live import names
-from benchtool.live.sending import Message, TimeAxis, at, lines, scalars
+from benchtool.live.messages import Message, TimeAxis, at, lines, scalars
 
 Counters = Callable[[], Mapping[str, int]]
 """Counts by name, from any thread."""
@@ -46,7 +46,7 @@ class Quality:
         self._missing += missing
 
     def messages(self, axis: TimeAxis, tick: int, *, last: bool = False) -> list[Message]:
-        """The counters now; as text once a second of drive time, and at the end."""
+        """Return the counters now; as text once a second of drive time, and at the end."""
         counts = {"telemetry_rows_received": self._received, "telemetry_rows_missing": self._missing}
         counts |= {f"rows_not_shown ({place})": count for place, count in self._not_shown().items()}
         counts |= {} if self._others is None else self._others()
@@ -67,12 +67,12 @@ class Quality:
 
 
 def _entities(counts: Mapping[str, int]) -> dict[str, tuple[str, ...]]:
-    """Names of counters by the entity that they are a series of."""
+    """Return the names of counters by the entity that they are a series of."""
     arrived = tuple(name for name in counts if name.endswith("_received"))
     return {names.RECEPTION: arrived, names.QUALITY: tuple(name for name in counts if name not in arrived)}
 
 
 def _text(counts: Mapping[str, int]) -> str:
-    """Every counter, those that are not zero in bold."""
+    """Return every counter, those that are not zero in bold."""
     told = {name.replace("_", " "): count for name, count in counts.items()}
     return " · ".join(f"**{name} {count}**" if count else f"{name} {count}" for name, count in told.items())

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from benchtool.block import Block
 from benchtool.live import names
+from benchtool.live.messages import Message, TimeAxis, at
 from benchtool.live.panels.spectrum import Bars, RunningSpectrum, bars, chosen, decibels, spectrogram
-from benchtool.live.sending import Message, TimeAxis, at
 
 _BLUE, _RED = (86, 180, 233), (213, 94, 0)
 _LINES = f"{names.SPECTRUM}/lines"
@@ -18,7 +18,7 @@ _WATERFALL = f"{names.SPECTRUM}/waterfall"
 
 
 def running_spectra(running: RunningSpectrum, axis: TimeAxis, tick: int, *, waterfall: bool) -> list[Message]:
-    """Spectrum of the stream's last seconds, and the waterfall so far where that is asked for."""
+    """Return the spectrum of the stream's last seconds, and the waterfall so far where that is asked for."""
     found = running.bars()
     if found is None:
         return []
@@ -29,7 +29,7 @@ def running_spectra(running: RunningSpectrum, axis: TimeAxis, tick: int, *, wate
 
 
 def capture_spectra(block: Block, axis: TimeAxis, tick: int) -> list[Message]:
-    """Spectrum and waterfall of a capture, nothing of one with a gap.
+    """Return the spectrum and waterfall of a capture, nothing of one with a gap.
 
     `tick` is that of the newest row of all: of the spectra the last is shown, and that of a capture is finer
     than those of a slow stream that ran beside it.

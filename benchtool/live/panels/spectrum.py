@@ -51,17 +51,17 @@ class Bars:
 
 
 def chosen(names: tuple[str, ...]) -> str | None:
-    """The channel whose spectrum is shown; None if there is none."""
+    """Return the channel whose spectrum is shown; None if there is none."""
     return next((name for name in CANDIDATES if name in names), None)
 
 
 def decibels(amplitude: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Amplitudes relative to a thousandth of their unit, in dB, and not below 0."""
+    """Return the amplitudes relative to a thousandth of their unit, in dB, and not below 0."""
     return np.asarray(20.0 * np.log10(np.maximum(amplitude, 1e-3) / 1e-3), dtype=np.float64)
 
 
 def bars(samples: NDArray[np.float64], sample_rate_Hz: float, channel: str, unit: str) -> Bars | None:
-    """Spectrum of uniform samples under a Hann window; None where they define none."""
+    """Return the spectrum of uniform samples under a Hann window; None where they define none."""
     if len(samples) < _FEWEST:
         return None
     try:
@@ -90,7 +90,8 @@ def bars(samples: NDArray[np.float64], sample_rate_Hz: float, channel: str, unit
 
 
 def spectrogram(samples: NDArray[np.float64], sample_rate_Hz: float) -> tuple[NDArray[np.uint8], float]:
-    """A waterfall of uniform samples, shape (times, frequencies), in dB as `Bars`; and its seconds a row."""
+    """Return a waterfall of uniform samples, shape (times, frequencies), in dB as `Bars`; and its seconds a
+    row."""
     length = min(len(samples), max(_FEWEST, len(samples) // 4))
     step = max(1, (len(samples) - length) // (_HISTORY - 1))
     starts = range(0, len(samples) - length + 1, step)
@@ -120,7 +121,7 @@ class RunningSpectrum:
         self._samples.extend(block.column(self.channel)[begin:].tolist())
 
     def bars(self) -> Bars | None:
-        """The spectrum now; None while there are too few rows."""
+        """Return the spectrum now; None while there are too few rows."""
         samples = np.array(self._samples)
         found = bars(samples, self.sample_rate_Hz, self.channel, self._unit)
         if found is not None:
@@ -128,7 +129,7 @@ class RunningSpectrum:
         return found
 
     def waterfall(self) -> NDArray[np.uint8]:
-        """Spectra so far, newest last, shape (times, frequencies), in dB as `Bars`."""
+        """Return the spectra so far, newest last, shape (times, frequencies), in dB as `Bars`."""
         return np.array(self._history, dtype=np.uint8)
 
 
@@ -144,7 +145,7 @@ def _line(samples: NDArray[np.float64], sample_rate_Hz: float) -> NDArray[np.uin
 
 
 def _between(amplitude: NDArray[np.float64], peak: int) -> float:
-    """Place of a peak between bins, from its neighbours under a Hann window.
+    """Return the place of a peak between bins, from its neighbours under a Hann window.
 
     A sinusoid d bins beyond a bin, 0 <= d <= 0.5, reads (1 + d) / (2 - d) as much in the next bin as in that
     one: the main lobe of the window is sinc(d) / (1 - d^2).
@@ -159,7 +160,7 @@ def _between(amplitude: NDArray[np.float64], peak: int) -> float:
 def _fewer(
     frequency_Hz: NDArray[np.float64], amplitude: NDArray[np.float64], most: int
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """At most so many bars, each the largest of its neighbours."""
+    """Return the at most so many bars, each the largest of its neighbours."""
     each = -(-len(amplitude) // most)
     if each == 1:
         return frequency_Hz, amplitude

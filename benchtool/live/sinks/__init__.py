@@ -1,1 +1,5 @@
-"""Where the live view goes: viewers and files."""
+"""Destinations of the live view: viewers and files."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -14,7 +14,7 @@ from benchtool.errors import EnvironmentFailure
 
 _LOOKING_S: Final = 1.0
 _ROOM_B: Final = 32 << 20
-"""What is left free: the SDK may never return from writing to a disk that is full."""
+"""Free space to leave: the SDK may never return from writing to a full disk."""
 
 
 class FileDestination:
@@ -37,18 +37,18 @@ class FileDestination:
         return str(self.path)
 
     @property
-    def closing_s(self) -> float:
-        """A slow disk gets its time."""
+    def closing_timeout_s(self) -> float:
+        """Time for a slow disk."""
         return 60.0
 
     @property
-    def taking_s(self) -> float:
-        """As `closing_s`."""
+    def batch_timeout_s(self) -> float:
+        """As `closing_timeout_s`."""
         return 60.0
 
     @property
     def replaceable(self) -> bool:
-        """To begin it anew would cut off what it holds."""
+        """No: a new file would truncate the recording."""
         return False
 
     def connect(self, stream: rr.RecordingStream) -> None:
@@ -64,7 +64,7 @@ class FileDestination:
             raise self._unwritable(str(reason)) from None
 
     def check(self) -> None:
-        """Try whether it can be written, and leave things as they are, but for its folder.
+        """Check that it can be written; only its folder is created.
 
         Raises:
             EnvironmentFailure: it cannot.
@@ -89,7 +89,7 @@ class FileDestination:
         )
 
     def alive(self) -> bool:
-        """Whether there is room for more, which is looked for once a second."""
+        """Return whether there is room for more, which is looked for once a second."""
         if time.monotonic() >= self._look_s:
             self._look_s = time.monotonic() + _LOOKING_S
             try:
@@ -98,9 +98,9 @@ class FileDestination:
                 self._room = False
         return self._room
 
-    def farewell(self) -> str:
-        """Why, if it is for want of room."""
+    def closing_note(self) -> str:
+        """Return a note if the disk is full."""
         return "" if self._room else f"less than {_ROOM_B >> 20} MiB are free on its disk"
 
     def give_up(self) -> None:
-        """Nothing to let go of."""
+        """Does nothing: there is no connection to cut."""

@@ -1,8 +1,8 @@
-"""The web viewer's page, with a policy that lets it talk to nobody but this viewer.
+"""The web viewer's page, with a policy that allows connections to this viewer only.
 
-The page that Rerun serves reports usage to its makers and loads fonts from elsewhere, and no option of it
-prevents that. So the page is passed on from here with a Content-Security-Policy (W3C CSP Level 3), which the
-browser enforces.
+The page that Rerun serves reports usage to its vendor and loads fonts from elsewhere, and no option of it
+prevents that. So the page is forwarded with a Content-Security-Policy (W3C CSP Level 3), which the browser
+enforces.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ _PASSED_ON = ("Content-Type", "Content-Encoding", "rerun-final-length")
 
 
 def policy(sources: str) -> str:
-    """What the page may load and whom it may connect to: itself and `sources`, as CSP names them."""
+    """Return what the page may load and whom it may connect to: itself and `sources`, as CSP names them."""
     return (
         f"default-src 'self' 'unsafe-inline' 'unsafe-eval' data: blob:; "
         f"connect-src 'self' {sources} data: blob:; form-action 'none'; frame-ancestors 'self'"
@@ -52,7 +52,7 @@ class Page:
                 _pass_on(self, host, viewer_port, policy(sources))
 
             def log_message(self, format: str, *args: object) -> None:
-                """Nobody reads it."""
+                """Drop the log of requests."""
 
         class Server(ThreadingHTTPServer):
             address_family = socket.AF_INET6 if ":" in bind else socket.AF_INET
@@ -65,7 +65,7 @@ class Page:
             ) from None
         self._server.daemon_threads = True
         self._data_port = data_port
-        # The name of this machine is the best guess at what others call it.
+        # Other machines are assumed to reach this one by its host name.
         self._host = socket.gethostname() if everybody else host
         self._thread = threading.Thread(
             target=self._server.serve_forever, args=(0.05,), name="benchtool-page", daemon=True

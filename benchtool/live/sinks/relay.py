@@ -1,4 +1,4 @@
-"""A way to a viewer that can be cut from here.
+"""A relay to a viewer, whose connections this process can cut.
 
 The SDK waits without end for a viewer that takes nothing, even on the way out of the program, and offers no
 way to give up: only the loss of the connection ends that.
@@ -17,7 +17,7 @@ _STARTING_S: Final = 10.0
 
 
 class Relay:
-    """Passes on what comes to a port of this machine, and what comes back, until it is closed.
+    """Forwards connections to a port of this machine in both directions until it is closed.
 
     Args:
         host, port: where it goes.
@@ -60,7 +60,7 @@ class Relay:
         passing.add_done_callback(self._passing.discard)
 
     async def _both_ways(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        """Until either end has gone, or all is over."""
+        """Forward data until either end closes, or the relay does."""
         try:
             there_reader, there_writer = await asyncio.open_connection(*self._there)
         except OSError:
@@ -76,7 +76,7 @@ class Relay:
 
 
 async def _pass_on(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-    """What is not taken is not read."""
+    """Read only as fast as the other side takes the data."""
     with contextlib.suppress(OSError):
         while data := await reader.read(_AT_ONCE):
             writer.write(data)

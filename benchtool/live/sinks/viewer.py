@@ -39,7 +39,7 @@ _QUIET: Final = {
 
 
 def viewer_program() -> Path:
-    """The viewer that comes with the SDK's wheel.
+    """Return the viewer that comes with the SDK's wheel.
 
     Raises:
         EnvironmentFailure: the wheel holds none.
@@ -80,7 +80,7 @@ class Viewer:
         self._look_s = 0.0
         self._replaced = False
         self._relay: Relay | None = None
-        # Not Rerun's own choice, 9876: whoever is looked for there later may be anybody's viewer.
+        # Not Rerun's default port, 9876, at which the viewer of another program may listen.
         ports = ["--port", str(port or _free_port(self._bind))]
         mode = (
             ["--serve-web", "--web-viewer-port", "0", "--server-memory-limit", "512MiB"]
@@ -121,8 +121,8 @@ class Viewer:
         return "the web viewer" if self.web else "the viewer"
 
     @property
-    def closing_s(self) -> float:
-        """Long enough for what waits to be taken by whoever works."""
+    def closing_timeout_s(self) -> float:
+        """Time for a working viewer to take what is queued."""
         return _CLOSING_S
 
     @property
@@ -149,21 +149,22 @@ class Viewer:
         stream.connect_grpc(f"rerun+http://{LOOPBACK}:{self._relay.port}/proxy")
 
     @property
-    def taking_s(self) -> float:
-        """Without end: what ends the waiting is the end of the connection."""
+    def batch_timeout_s(self) -> float:
+        """Unlimited: the end of the connection ends the wait."""
         return 1e6
 
     @property
     def replaceable(self) -> bool:
-        """By another one at the same port."""
+        """Whether another viewer may take its place at the same port."""
         return True
 
-    def farewell(self) -> str:
-        """The command that starts another viewer where this one was."""
+    def closing_note(self) -> str:
+        """Return the command that starts another viewer where this one was."""
         return f"'rerun --bind {self._bind} --port {self.port}' shows the rest"
 
     def alive(self) -> bool:
-        """Whether the process runs, or another listens in its place, which is looked for once a second."""
+        """Return whether the process runs, or another listens in its place, which is checked once a
+        second."""
         if self.process.poll() is None:
             return True
         if time.monotonic() >= self._look_s:
@@ -177,7 +178,7 @@ class Viewer:
             self._relay.close()
 
     def close(self) -> None:
-        """End the web viewer; leave the native one to whoever looks at it."""
+        """End the web viewer; leave the native viewer open."""
         self.give_up()
         if self._page is not None:
             self._page.close()
@@ -185,7 +186,7 @@ class Viewer:
         self._log.close()
 
     def end(self) -> None:
-        """End the process, kindly at first."""
+        """Terminate the process; kill it if it does not end."""
         if self.process.poll() is None:
             self.process.terminate()
             try:
@@ -195,7 +196,7 @@ class Viewer:
         self.process.wait()
 
     def _answers(self) -> bool:
-        """Whether somebody listens where the data go."""
+        """Return whether a viewer listens at the address."""
         try:
             with socket.create_connection((self.host.strip("[]"), self.port), _ANSWERING_S):
                 return True
@@ -207,7 +208,7 @@ class Viewer:
         return Page(self._bind, port, self.host, behind, self.port)
 
     def _announced(self, pattern: re.Pattern[str], what: str, port: int) -> int:
-        """The port that the viewer's log names."""
+        """Return the port that the viewer's log names."""
         deadline_s = time.monotonic() + _STARTING_S
         while time.monotonic() < deadline_s:
             ended = self.process.poll() is not None
@@ -231,7 +232,7 @@ class Viewer:
 
 
 def viewer_environment() -> dict[str, str]:
-    """Environment of a viewer, which has it collect no usage data."""
+    """Return the environment of a viewer, which has it collect no usage data."""
     return {**os.environ, **_QUIET}
 
 
@@ -261,7 +262,7 @@ def _display() -> bool:
 
 
 def _reason(log: str) -> str:
-    """The line that says most, of what a viewer wrote before it ended."""
+    """Return the most informative line of a viewer's log."""
     lines = [line.strip() for line in log.splitlines() if line.strip()]
     telling = [line for line in lines if re.search(r"error|in use|fail|panic", line, re.IGNORECASE)]
     return (telling or lines or ["it said nothing"])[-1][:200]

@@ -1,87 +1,106 @@
-"""One recorded case in a report: what it measured and shows, and the circumstances it was recorded in."""
+"""One recorded case in a report: results, figures and provenance."""
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 
-from pydantic import ValidationError
-
-from benchtool.analysis import measurements_from_json
+from benchtool.analysis import measurements_from_json, number, raw, with_expanded
 from benchtool.errors import BenchError
-from benchtool.plan.model import Plan
 from benchtool.profile import Choice, Profile
-from benchtool.protocol.dictionary import Dictionary
-from benchtool.protocol.dictionary.keys import toml_key
+from benchtool.protocol.dictionary import Dictionary, toml_key
 from benchtool.recording import Bundle, Manifest
 from benchtool.report import content
-from benchtool.report.assembly.figures import case_figures
+from benchtool.report.assembly.figures import case_figures, panel_of
 from benchtool.report.assembly.marks import mark, picture
+from benchtool.report.assembly.recording import plan_of, recording_items
 from benchtool.report.content import Item, Picture, Section, Text
+from benchtool.report.figures.drawings import figure_names
 from benchtool.report.figures.overview import draw_channels
-from benchtool.report.numbers import number, raw, with_expanded
-from benchtool.report.origin import (
+from benchtool.report.provenance import (
     choices_section,
     events_section,
     parameters_section,
     plan_section,
+    profile_of,
     quality_section,
     run_facts,
 )
 from benchtool.report.results import Bounds, limits_section, measurements_section, tables_section
-from benchtool.results.assessment import Assessment
-from benchtool.results.runs import RecordedCase
+from benchtool.results import Assessment, RecordedCase
 from benchtool.shipped import shipped
 
 
-def case_items(case: RecordedCase, *, alone: bool = True) -> Iterator[Item]:
-    """What one case measured and shows; with the drive, the plan and the profile, if it stands `alone`."""
+def case_bounds(result: Assessment) -> dict[str, Bounds]:
+    """Return the limits of a case as they are printed."""
+    return {
+        name: Bounds(
+            limit.min, limit.max, limit.rule, mark(result.verdicts[name]), result.conformances.get(name)
+        )
+        for name, limit in result.limits.items()
+    }
+
+
+def case_items(case: RecordedCase, *, alone: bool = True, brief: bool = False) -> Iterator[Item]:
+    """Yield what one case shows and measured; with its limits and remarks, unless it stands `alone` and the
+    first page has these. A `brief` one has the first of its figures and no tables, which lie in its
+    bundle."""
     result = case.assessment
-    limits: dict[str, Bounds] = {}
-    if result is not None:
-        limits = {
-            name: Bounds(
-                limit.min, limit.max, limit.rule, mark(result.verdicts[name]), result.conformances.get(name)
-            )
-            for name, limit in result.limits.items()
-        }
-        yield limits_section((*result.measurements, *result.quality), limits)
+    limits = {} if result is None else case_bounds(result)
+    if result is not None and not alone:
+        if result.recorded is None:  # a recording has no plan that could set any
+            yield limits_section((*result.measurements, *result.quality), limits)
         yield from remarks(result)
+        yield from (Text(f"{text}.", "note") for text in unmeasured(case))
+        yield from recording_items(result)
+    if figures := _figures(case, 1 if brief else None):
+        yield Section("Figures", tuple(figures))
+    if result is not None:
         yield measurements_section("Measurements", result.measurements, limits, result.published)
         yield from (Text(f"{text[0].upper()}{text[1:]}.", "note") for text in result.of_sensors)
-        if (tables := tables_section(result.tables)) is not None:
+        if not brief and (tables := tables_section(result.tables)) is not None:
             yield tables
     elif case.error is None and case.bundle.measurements:  # of a table of another tool
         yield measurements_section("Measurements", measurements_from_json(case.bundle.measurements), {}, {})
-    if figures := _figures(case):
-        yield Section("Figures", tuple(figures))
-    if (events := events_section(case.bundle.events)) is not None:
-        yield events
+
+
+def case_appendix(case: RecordedCase, *, alone: bool = True, brief: bool = False) -> Iterator[Item]:
+    """Yield what is looked up: every channel, quality of the data, events; with the drive, the plan and the
+    profile, if the case stands `alone`."""
+    limits = {} if case.assessment is None else case_bounds(case.assessment)
     yield quality_section(case.bundle, limits)
+    if brief:
+        return
     if alone:
         yield from circumstances(case.bundle)
+    if (events := events_section(case.bundle.events)) is not None:
+        yield events
+    if case.assessment is not None and figure_names(panel_of(case.assessment)):
+        channels = tuple(_every_channel(case))
+        yield Section("Every channel", channels, paper=False)
 
 
 def remarks(result: Assessment) -> Iterator[Item]:
-    """What a verdict does not say: limits missed, by how much; where the shaft does not agree; what is not
-    measured; where the drive contradicts the profile."""
+    """Yield what a verdict does not say: limits missed, by how much; where the shaft does not agree; where
+    the drive contradicts the profile."""
     for late in result.overdue:
         yield Text(f"Overdue: {late}.", "warning")
     for missed in result.missed:
         yield Text(f"{str(missed.verdict).capitalize()}: {missed}.", "warning")
-    for each in result.disagreements:
+    apart = [each for each in result.disagreements if each.verdict is not result.verdicts.get(each.name)]
+    for each in apart:
         verdict = f": {each.verdict} there" if each.verdict is not None else ""
         own, true = (with_expanded(one.value, one.uncertainty) for one in (each.estimate, each.true))
         yield Text(
             f"The transducer disagrees: {each.name} is {own} {each.estimate.unit} by the drive's own "
-            f"estimate, {true} {each.true.unit} on the shaft{verdict}.",
-            "note" if each.verdict is None or each.verdict is result.verdicts.get(each.name) else "warning",
+            f"estimate{each.band_text}, {true} {each.true.unit} on the shaft{verdict}.",
+            "warning",
         )
-    if result.refusal:
-        yield Text(f"Nothing else was measured: {result.refusal}.", "warning")
-    if result.without:
-        lacking = (f"{title} ({', '.join(channels)})" for title, channels in result.without.items())
-        yield Text(f"Not measured for want of channels: {', '.join(lacking)}.", "note")
+    if others := [each for each in result.disagreements if each not in apart]:
+        yield Text(
+            f"The transducer disagrees with the drive's own estimate, without another verdict: "
+            f"{', '.join(f'{each.name}{each.band_text}' for each in others)}.",
+            "note",
+        )
     for kind, other in (("contradicted", "profile"), ("unstated", "default")):
         for key, values in result.parameter_check.get(kind, {}).items():
             yield Text(
@@ -90,20 +109,34 @@ def remarks(result: Assessment) -> Iterator[Item]:
             )
 
 
+def unmeasured(case: RecordedCase) -> Iterator[str]:
+    """Yield what a case has no number for, and why; a sentence each without its full stop."""
+    result = case.assessment
+    if result is None:
+        return
+    if result.refusal:
+        yield f"Nothing but the operating point was measured: {result.refusal}"
+    for title, channels in result.without.items():
+        yield f"Not measured for lack of channels: {title} ({', '.join(channels)})"
+    for name in result.limits:
+        if name not in result.found:
+            yield f"Not measured though it has a limit: {name}"
+
+
 def failure(case: RecordedCase) -> Iterator[Item]:
-    """Why a case was not measured, or not to its end, where that is so."""
+    """Yield the reason if a case was not measured completely."""
     if case.failure and case.bundle.complete:
         yield Text(f"This recording could not be measured: {case.failure}", "warning")
     elif case.failure:
         yield Text(
-            f"This case did not come to its end: {case.failure}. What follows came till then.", "warning"
+            f"This case was cut short: {case.failure}. The data below were recorded until then.", "warning"
         )
     elif case.assessment is None and not case.bundle.measurements:
         yield Text("A recording without a plan: nothing is measured or judged.", "note")
 
 
 def case_facts(case: RecordedCase) -> content.Facts:
-    """What was run, when and with what, and how much was recorded."""
+    """Return facts of the run: what, when, with what, and how much was recorded."""
     facts = run_facts(case.bundle.manifest)
     streams = [
         f"{name} {number(info.rows)} rows" + (f", {info.missing_rows} missing" if info.missing_rows else "")
@@ -114,26 +147,26 @@ def case_facts(case: RecordedCase) -> content.Facts:
         length_s = len(capture.data) * capture.stride * capture.tick_s
         streams.append(f"captured {raw(length_s)} s at {raw(capture.sample_rate_Hz)} Hz")
     recorded = (("recorded", "; ".join(streams)),) if streams else ()
-    return content.Facts((("case", case.name), *_coordinates(case), *facts.pairs, *recorded))
+    return content.Facts((("case", case.name), *coordinates(case), *facts.pairs, *recorded))
 
 
-def _coordinates(case: RecordedCase) -> Iterator[tuple[str, str]]:
-    """Variant, point of the sweep and repetition, as far as the plan has any."""
+def coordinates(case: RecordedCase) -> Iterator[tuple[str, str]]:
+    """Yield the variant, point of the sweep and repetition, as far as the plan has any."""
     if case.assessment is None:
         return
     at = case.assessment.coordinates
     if at.variant:
         yield "variant", at.variant
     yield from ((key, raw(value)) for key, value in at.point.items())
-    repetitions = Plan.model_validate(case.bundle.manifest.details["plan"]).repetitions
-    if repetitions > 1:
-        yield "repetition", f"{at.repetition} of {repetitions}"
+    plan = plan_of(case.bundle)
+    if plan is not None and plan.repetitions > 1:
+        yield "repetition", f"{at.repetition} of {plan.repetitions}"
 
 
 def circumstances(bundle: Bundle) -> Iterator[Item]:
-    """The drive's parameters, the plan and the choices of the profile, as a bundle carries them."""
+    """Yield the drive's parameters, the plan and the choices of the profile, as a bundle carries them."""
     manifest = bundle.manifest
-    profile = _profile(manifest)
+    profile = profile_of(manifest)
     yield parameters_section(manifest.parameters, _described(manifest, profile))
     if "plan" in manifest.details:
         yield plan_section(manifest.details["plan"])
@@ -142,34 +175,35 @@ def circumstances(bundle: Bundle) -> Iterator[Item]:
         yield section
 
 
-def _figures(case: RecordedCase) -> list[Item]:
-    figures: list[Item] = []
+def _figures(case: RecordedCase, most: int | None) -> list[Item]:
+    """Return the figures of the analyses, or the first few; every channel of what was recorded, where there
+    are none."""
+    if case.assessment is None or not figure_names(panel_of(case.assessment)):
+        return list(_every_channel(case))
+    plan = plan_of(case.bundle)
+    drawn = case_figures(case.name if plan is None else plan.title, case.assessment, most)
+    return [picture(name, figure) for name, figure in drawn.items()]
+
+
+def _every_channel(case: RecordedCase) -> Iterator[Item]:
+    """Yield every channel of the capture or, without one, of the first stream, as far as that can be read."""
     result = case.assessment
-    if result is not None:
-        plan = Plan.model_validate(case.bundle.manifest.details["plan"])
-        figures += [picture(name, figure) for name, figure in case_figures(plan, result).items()]
-    stream = "capture" if result is not None else next(iter(case.bundle.streams), None)
+    stream = next(iter(case.bundle.streams), None) if result is None else result.stream
     try:
         block = result.capture if result is not None else case.bundle.block(stream) if stream else None
     except BenchError as unreadable:
-        return [*figures, Text(f"Stream {stream} cannot be read: {unreadable}", "warning")]
+        yield Text(f"Stream {stream} cannot be read: {unreadable}", "warning")
+        return
     if block is None or not len(block.data):
-        return figures
+        return
     figure = draw_channels(block, f"{case.name}: every channel of stream {stream}")
+    part = "its whole length" if result is None or result.recorded is None else "the rows measured"
     caption = (
-        f"Every channel of stream {stream} over its whole length, {number(len(block.data))} rows at "
+        f"Every channel of stream {stream} over {part}, {number(len(block.data))} rows at "
         f"{raw(block.sample_rate_Hz)} Hz. Long traces are drawn by the least and the greatest value of each "
         f"stretch, so that no peak is lost; a gap in a line is a gap in the data."
     )
-    return [*figures, Picture(figure, caption, content.describe_figure(figure))]
-
-
-def _profile(manifest: Manifest) -> Profile | None:
-    """The profile that the bundle carries; None if this version does not understand it."""
-    try:
-        return Profile.model_validate(tomllib.loads(manifest.profile_toml))
-    except (tomllib.TOMLDecodeError, RecursionError, ValidationError):
-        return None
+    yield Picture(figure, caption, content.describe_figure(figure))
 
 
 def _described(manifest: Manifest, profile: Profile | None) -> Mapping[str, tuple[str, str, object]]:

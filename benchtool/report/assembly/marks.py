@@ -1,4 +1,4 @@
-"""What the report of runs and that of a comparison share: marks, captions, and streams already in memory."""
+"""Shared parts of reports of runs and comparisons: marks, captions, and loaded streams."""
 
 from __future__ import annotations
 
@@ -8,17 +8,17 @@ from typing import Final
 from matplotlib.figure import Figure
 
 from benchtool.block import Block
-from benchtool.plan.limits import Verdict
+from benchtool.plan import Verdict
 from benchtool.report import content
 from benchtool.report.content import Mark, Picture
 from benchtool.report.figures.drawings import captions
-from benchtool.results.assessment import Assessment
+from benchtool.results import Assessment
 
 _OF_ALL_CASES: Final = {"cases": "All cases of the plan side by side, on the same axes."}
 
 
 def mark(verdict: Verdict) -> Mark:
-    """A verdict as the report marks it."""
+    """Return a verdict as the report marks it."""
     marks: dict[Verdict, Mark] = {
         Verdict.NONE: "none",
         Verdict.PASS: "pass",
@@ -30,14 +30,15 @@ def mark(verdict: Verdict) -> Mark:
 
 
 def picture(name: str, figure: Figure) -> Picture:
-    """A figure with its caption; one that is not known by name is described by its axes."""
+    """Return a figure with its caption; one that is not known by name is described by its axes."""
     described = content.describe_figure(figure)
     return Picture(figure, {**captions(), **_OF_ALL_CASES}.get(name, described), described)
 
 
 def read_already(result: Assessment | None) -> Mapping[str, Block]:
-    """The streams that measuring has read."""
+    """Return the streams that were loaded for the measurement."""
     if result is None:
         return {}
     transducer = {} if result.transducer is None else {"transducer": result.transducer}
-    return {"capture": result.capture, **transducer}
+    whole = result.capture if result.recorded is None else result.recorded.block
+    return {result.stream: whole, **transducer}

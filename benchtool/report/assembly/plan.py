@@ -1,77 +1,100 @@
-"""A plan of several cases in a report: all of them side by side, then each for itself."""
+"""A plan of several cases in a report: all side by side, then each case."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterator, Sequence
 
-from benchtool.analysis.catalogue import catalogue
-from benchtool.plan.model import Plan
-from benchtool.report.assembly.case import case_facts, case_items, circumstances, failure
+from benchtool.analysis import NOTHING, catalogue, raw, with_expanded
+from benchtool.plan import Plan, Verdict
+from benchtool.report.assembly.case import case_appendix, case_facts, case_items, circumstances, failure
 from benchtool.report.assembly.figures import run_figures
 from benchtool.report.assembly.marks import mark, picture
+from benchtool.report.assembly.recording import plan_of
 from benchtool.report.content import Cell, Grid, Item, Section, Text
-from benchtool.report.numbers import NOTHING, raw, with_expanded
-from benchtool.results.repetitions import Repeated
-from benchtool.results.runs import RecordedCase, RecordedRun
+from benchtool.results import RecordedCase, RecordedRun, Repeated
 
 _MOST_FOREMOST = 5
+_FEW_CASES = 4
+_REPEATED = ("measurement", ">mean ± U (95 %)", "unit", ">repetitions", "limit", "verdict")
+_WELL = (Verdict.NONE, Verdict.PASS)
 
 
 def plan_items(run: RecordedRun, *, listed: bool) -> Iterator[Item]:
-    """One plan of several cases: all of them in one table and one figure, then each for itself."""
-    first = run.cases[0].bundle
-    yield Section("Overview" if listed else "All cases", tuple(_overview(run)), listed=listed)
-    yield Section("The run" if listed else "Run", (case_facts(run.cases[0]), *_differences(run)))
-    yield from circumstances(first)
+    """Yield one plan of several cases: all of them in figures and one table, then each for itself.
+
+    Of many cases each is closed until it is asked for, and on paper stand those alone that missed a limit.
+    """
+    yield Section("All cases", tuple(_overview(run)), listed=listed)
+    many = len(run.cases) > _FEW_CASES
     for case in run.cases:
-        title = f"Case {case_label(run, case)}"
-        yield Section(title, (*failure(case), *case_items(case, alone=False)), listed=True)
+        items = (*failure(case), *case_items(case, alone=False, brief=many and case.verdict in _WELL))
+        paper = not many or case.verdict not in _WELL
+        yield Section(f"Case {case_label(run, case)}", items, listed=True, folded=many, paper=paper)
+
+
+def plan_appendix(run: RecordedRun) -> Iterator[Item]:
+    """Yield what is looked up: the run, the drive and the plan, and of each case the quality of its data."""
+    yield Section("The run", (case_facts(run.cases[0]), *_differences(run)))
+    yield from circumstances(run.cases[0].bundle)
+    many = len(run.cases) > _FEW_CASES
+    for case in run.cases:
+        items = tuple(case_appendix(case, alone=False, brief=many and case.verdict in _WELL))
+        yield Section(f"Data of case {case_label(run, case)}", items, folded=True, paper=False)
 
 
 def case_label(run: RecordedRun, case: RecordedCase) -> str:
-    """A case's name, with its plan's where there are several."""
+    """Return a case's name, with its plan's where there are several."""
     return f"{run.name}/{case.name}" if run.name else case.name
 
 
 def _overview(run: RecordedRun) -> Iterator[Item]:
     results = [case.assessment for case in run.cases if case.assessment is not None]
-    plan = Plan.model_validate(run.cases[0].bundle.manifest.details["plan"]) if results else None
+    plan = plan_of(run.cases[0].bundle) if results else None
     names = _foremost(run, plan)
     units = {each.name: each.unit for result in results for each in result.measurements}
+    several = len({case.bundle.manifest.link for case in run.cases}) > 1
     rows: list[tuple[str | Cell, ...]] = [
         (
             case.name,
             *(_overview_cell(case, name) for name in names),
-            case.bundle.manifest.link,
-            Cell(str(case.verdict), mark(case.verdict), _reasons(case)),
+            *((case.bundle.manifest.link,) if several else ()),
+            Cell(str(case.verdict), mark(case.verdict)),
         )
         for case in run.cases
     ]
+    if plan is not None:
+        yield from (picture(name, figure) for name, figure in run_figures(plan, results).items())
     headings = [f">{name} ({units[name]})" if units[name] else f">{name}" for name in names]
-    yield Grid.of(("case", *headings, "link", "verdict"), rows)
+    yield Grid.of(("case", *headings, *(("link",) if several else ()), "verdict"), rows)
     if any(result.published for result in results):
         yield Text("Published figures stand in brackets.", "note")
     if plan is None:
         return
+    yield from _over_repetitions(run, names)
+
+
+def _over_repetitions(run: RecordedRun, names: Sequence[str]) -> Iterator[Item]:
+    """Yield what all cases come to over their repetitions: the headline in one table, and of each case
+    everything."""
+    if not run.repeated:
+        return
+    rows: list[tuple[str | Cell, ...]] = [
+        (case, *_repeated_row(each))
+        for case, together in run.repeated.items()
+        for each in together
+        if each.name in names or each.limit is not None
+    ]
+    yield Section("Over the repetitions", (Grid.of(("case", *_REPEATED), rows),))
     for case, together in run.repeated.items():
-        repeated = [_repeated_row(each) for each in together]
-        headings_ = (
-            "measurement",
-            ">mean ± U (95 %)",
-            "unit",
-            ">repetitions",
-            "limit",
-            "verdict",
-        )
+        grid = Grid.of(_REPEATED, [_repeated_row(each) for each in together])
         missed = (each.missed for each in together)
         told = (Text(f"{str(each.verdict).capitalize()}: {each}.", "warning") for each in missed if each)
-        yield Section(f"{case} over its repetitions", (Grid.of(headings_, repeated), *told))
-    for name, figure in run_figures(plan, results).items():
-        yield picture(name, figure)
+        yield Section(f"{case} over its repetitions", (grid, *told), folded=True, paper=False)
 
 
 def _repeated_row(each: Repeated) -> tuple[str | Cell, ...]:
-    """A measurement over its repetitions, and how it meets the limit that holds for these together."""
+    """Return a measurement over its repetitions, and the verdict on their common limit."""
     row = (each.name, with_expanded(each.mean, each.uncertainty), each.unit, str(each.n))
     if each.limit is None:
         return (*row, "", "")
@@ -79,23 +102,21 @@ def _repeated_row(each: Repeated) -> tuple[str | Cell, ...]:
     return (*row, f"{each.limit.bounds}{what}", Cell(str(each.verdict), mark(each.verdict)))
 
 
-def _reasons(case: RecordedCase) -> tuple[str, ...]:
-    """Why a case has its verdict: what cut it short, which limits it missed and by how much."""
-    missed = case.assessment.missed if case.assessment is not None else ()
-    return (*((case.failure,) if case.failure else ()), *(str(each) for each in missed))
-
-
 def _foremost(run: RecordedRun, plan: Plan | None) -> list[str]:
-    """What an overview shows: what the plan tabulates, else what it limits and what is asked first."""
+    """Return measurements of an overview: those that the plan tabulates, else limited and headline ones."""
     found = dict.fromkeys(
-        each.name for case in run.cases if case.assessment for each in case.assessment.measurements
+        each.name
+        for case in run.cases
+        if case.assessment
+        for each in case.assessment.measurements
+        if plan is not None or math.isfinite(each.value)  # a recording has asked for none of them
     )
     if plan is not None and plan.tabulate:
         return [name for name in plan.tabulate if name in found]
-    limited = [name for case in run.cases if case.assessment for name in case.assessment.limits]
-    return list(dict.fromkeys(name for name in (*limited, *catalogue().foremost, *found) if name in found))[
-        :_MOST_FOREMOST
-    ]
+    stated = () if plan is None else (plan.limits, *plan.case_limits.values())
+    limited = [name for limits in stated for name in limits]
+    asked = [name for name in dict.fromkeys((*limited, *catalogue().headline)) if name in found]
+    return (asked or list(found))[:_MOST_FOREMOST]
 
 
 def _overview_cell(case: RecordedCase, name: str) -> Cell:
@@ -110,7 +131,7 @@ def _overview_cell(case: RecordedCase, name: str) -> Cell:
 
 
 def _differences(run: RecordedRun) -> Iterator[Item]:
-    """Parameters of the drive that are not the same in all cases."""
+    """Yield the parameters of the drive that are not the same in all cases."""
     held = [case.bundle.manifest.parameters for case in run.cases]
     keys = dict.fromkeys(key for parameters in held for key in parameters)
     differing = [key for key in keys if len({parameters.get(key) for parameters in held}) > 1]

@@ -1,33 +1,30 @@
-"""The report of recorded runs: every case measured again, and all that its bundle says of its origin."""
+"""The report of recorded runs: every case measured again, with its provenance."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
-from benchtool.plan.limits import Verdict, worst
-from benchtool.report import content
-from benchtool.report.assembly.case import case_facts, case_items, failure
+from benchtool.report.assembly.case import case_appendix, case_facts, case_items
+from benchtool.report.assembly.front import fingerprint, front_items
 from benchtool.report.assembly.marks import mark, read_already
-from benchtool.report.assembly.plan import plan_items
+from benchtool.report.assembly.plan import plan_appendix, plan_items
 from benchtool.report.assembly.table import is_table, table_report
-from benchtool.report.content import Cell, Grid, Item, Mark, Report, Section
-from benchtool.report.origin import files_section, supervision_notes
-from benchtool.results.calibration import overdue_text
-from benchtool.results.runs import RecordedCase, RecordedRun
+from benchtool.report.content import Cell, Facts, Grid, Item, Report, Section
+from benchtool.report.provenance import files_section
+from benchtool.results import RecordedCase, RecordedRun
 
-_WORDS: Final[dict[Verdict, str]] = {
-    Verdict.NONE: "No limits",
-    Verdict.PASS: "Pass",
-    Verdict.MARGINAL: "Marginal",
-    Verdict.UNDECIDED: "Undecided",
-    Verdict.FAIL: "Fail",
+_TOGETHER: Final = {
+    "drive's numbers": "drive",
+    "hardware": "hardware, firmware",
+    "firmware": "hardware, firmware",
 }
+"""Facts that the first page states with others, by their names there."""
 
 
 def run_report(folder: Path, runs: Sequence[RecordedRun]) -> Report:
-    """The report of what `folder` holds; the same bundles give the same report.
+    """Return the report of what `folder` holds; the same bundles give the same report.
 
     Raises:
         RecordingError: a file of a bundle cannot be read.
@@ -36,58 +33,51 @@ def run_report(folder: Path, runs: Sequence[RecordedRun]) -> Report:
     if len(cases) == 1 and is_table(cases[0].bundle) and cases[0].error is None:
         return table_report(cases[0].bundle)
     manifest = cases[0].bundle.manifest
-    title = manifest.what if len(runs) == 1 else f"{len(runs)} plans: {folder.resolve().name}"
+    title = _title(folder, runs[0]) if len(runs) == 1 else f"{len(runs)} plans: {folder.resolve().name}"
     subtitle = f"Test report · {manifest.when} · profile {manifest.profile_name or 'unknown'}"
-    together = [each.verdict for run in runs for group in run.repeated.values() for each in group]
-    items: list[Item] = [
-        _banner(worst(run.verdict for run in runs), cases, together),
-        *supervision_notes(case.bundle.manifest for case in cases),
-    ]
+    front = tuple(front_items(runs))
+    items: list[Item] = []
     if len(cases) == 1:
         (case,) = cases
-        items += [
-            *failure(case),
-            Section("The run", (case_facts(case),)),
-            *case_items(case),
-            *_own_files(folder, case),
+        items += case_items(case)
+        appendix = [
+            *case_appendix(case),
+            Section("The run", (_beyond(front, case_facts(case)),)),
+            _own_files(folder, case),
         ]
     elif len(runs) == 1:
-        items += [*plan_items(runs[0], listed=True), _common_files(folder, runs)]
+        items += plan_items(runs[0], listed=True)
+        appendix = [*plan_appendix(runs[0]), _common_files(folder, runs)]
     else:
         plans = [_plan_row(run) for run in runs]
         items.append(Section("Plans", (Grid.of(("plan", "cases", "verdict", "title"), plans),)))
         items += [
             Section(f"Plan {run.name}", tuple(plan_items(run, listed=False)), listed=True) for run in runs
         ]
-        items.append(_common_files(folder, runs))
-    return Report(title, subtitle, manifest.when, tuple(items))
+        appendix = [Section(f"Of plan {run.name}", tuple(plan_appendix(run))) for run in runs]
+        appendix.append(_common_files(folder, runs))
+    return Report(
+        title,
+        subtitle,
+        manifest.when,
+        tuple(items),
+        front=front,
+        appendix=tuple(appendix),
+        fingerprint=fingerprint([case.bundle for case in cases]),
+    )
 
 
-def _banner(verdict: Verdict, cases: Sequence[RecordedCase], together: Sequence[Verdict]) -> content.Verdict:
-    """The outcome of all limits, those of each case and those of repetitions `together`."""
-    limits = [each for case in cases if case.assessment for each in case.assessment.verdicts.values()]
-    limits += [each for each in together if each is not Verdict.NONE]
-    failures = [case for case in cases if case.failure]
-    parts = []
-    if limits:
-        met = sum(each.met for each in limits)
-        parts.append(f"{met} of {len(limits)} limits met")
-        if undecided := sum(each is Verdict.UNDECIDED for each in limits):
-            parts.append(f"{undecided} undecided")
-        if tight := sum(each is Verdict.MARGINAL for each in limits):
-            parts.append(f"{tight} of them marginally")
-    else:
-        parts.append("no limits were set")
-    if failures:
-        parts.append(f"{len(failures)} of {len(cases)} cases failed or were cut short")
-    elif len(cases) > 1:
-        parts.append(f"{len(cases)} cases")
-    overdue = [each for case in cases if case.assessment for each in case.assessment.overdue]
-    parts += [overdue_text(overdue)] if overdue else []
-    mark_: Mark = mark(verdict)
-    text = f"{content.SYMBOLS[mark_]} {_WORDS[verdict]}"
-    summary = ", ".join(parts)
-    return content.Verdict(mark_, text, f"{summary[0].upper()}{summary[1:]}.")
+def _beyond(front: Sequence[Item], facts: Facts) -> Facts:
+    """Return the facts that the first page does not state already."""
+    sections = (section for section in front if isinstance(section, Section))
+    stated = {
+        name
+        for section in sections
+        for part in section.items
+        if isinstance(part, Facts)
+        for name, _ in part.pairs
+    }
+    return Facts(tuple((name, what) for name, what in facts.pairs if _TOGETHER.get(name, name) not in stated))
 
 
 def _plan_row(run: RecordedRun) -> tuple[str | Cell, ...]:
@@ -95,25 +85,37 @@ def _plan_row(run: RecordedRun) -> tuple[str | Cell, ...]:
     return run.name, str(len(run.cases)), verdict, run.cases[0].bundle.manifest.what
 
 
-def _own_files(folder: Path, case: RecordedCase) -> Iterator[Item]:
+def _own_files(folder: Path, case: RecordedCase) -> Section:
     name = folder.resolve().name
-    yield files_section(
+    return files_section(
         [("", case.bundle, read_already(case.assessment))],
         [f"benchtool analyze {name}", f"benchtool export {name} --format csv"],
+        by=_by([case]),
     )
 
 
 def _common_files(folder: Path, runs: Sequence[RecordedRun]) -> Section:
     name = folder.resolve().name
+    cases = {case.bundle.directory: case for run in runs for case in run.cases}  # a recording has several
     bundles = [
         (
-            f"{case.bundle.directory.relative_to(folder).as_posix()}/",
+            "" if directory == folder else f"{directory.relative_to(folder).as_posix()}/",
             case.bundle,
             read_already(case.assessment),
         )
-        for run in runs
-        for case in run.cases
+        for directory, case in cases.items()
     ]
-    commands = [f"benchtool compare {name}", f"benchtool analyze {name}/{bundles[0][0].rstrip('/')}"]
-    section = files_section(bundles, commands)
-    return Section(section.title, section.items, listed=True)
+    commands = [f"benchtool compare {name}", f"benchtool analyze {name}/{bundles[0][0]}".rstrip("/")]
+    return files_section(bundles, commands, by=_by([case for run in runs for case in run.cases]))
+
+
+def _title(folder: Path, run: RecordedRun) -> str:
+    """Return the title of the plan; a recording has none but its folder's name."""
+    first = run.cases[0]
+    recorded = first.assessment is not None and first.assessment.recorded is not None
+    return f"Recording {folder.resolve().name}" if recorded else first.bundle.manifest.what
+
+
+def _by(cases: Sequence[RecordedCase]) -> str:
+    recorded = any(case.assessment is not None and case.assessment.recorded is not None for case in cases)
+    return "the analyses that its channels allow" if recorded else "the plan that the bundle carries"

@@ -1,22 +1,28 @@
-"""A measured table as a run bundle, and as a report: data, numbers and what was understood of the file."""
+"""A measured table as a run bundle, and as a report: data, numbers and the interpretation of the file."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from benchtool.analysis import measurements_from_json, measurements_to_json, tables_from_json, tables_to_json
-from benchtool.analysis.instruments import said_of_sensors
+from benchtool.analysis import (
+    measurements_from_json,
+    measurements_to_json,
+    sensor_remarks,
+    tables_from_json,
+    tables_to_json,
+)
 from benchtool.block import Block, Channel
-from benchtool.recording import Bundle, BundleWriter, Manifest, software_versions
-from benchtool.recording.seal import hash_of
+from benchtool.recording import Bundle, BundleWriter, Manifest, hash_of, software_versions
 from benchtool.report import content
-from benchtool.report.content import Item, Report, Section, Text
-from benchtool.report.origin import files_section, run_facts
+from benchtool.report.assembly.front import ROLES, fingerprint
+from benchtool.report.content import Item, Picture, Report, Section, Signatures, Text
+from benchtool.report.figures.overview import draw_channels
+from benchtool.report.provenance import files_section, run_facts
 from benchtool.report.results import measurements_section, tables_section
-from benchtool.tables.answer import TableAnswer
-from benchtool.tables.record import Record
+from benchtool.tables import Record, TableAnswer
 
 STREAM = "table"
 
@@ -52,15 +58,15 @@ def keep(answer: TableAnswer, folder: Path, when: str, command_line: Sequence[st
 
 
 def is_table(bundle: Bundle) -> bool:
-    """Whether `keep` wrote a bundle, to its end."""
+    """Return whether `keep` wrote a bundle, to its end."""
     return bundle.complete and isinstance(bundle.manifest.details.get("source"), dict)
 
 
 def table_report(bundle: Bundle) -> Report:
-    """The report of a table that `keep` has written, with what was measured when it was.
+    """Return the report of a table that `keep` has written, with the measurements of that time.
 
     Raises:
-        RecordingError, AnalysisError: a file of the bundle cannot be read, or was not written by `keep`.
+        RecordingError, AnalysisError: the bundle cannot be read, or was not written by `keep`.
     """
     manifest = bundle.manifest
     measurements = measurements_from_json(bundle.measurements)
@@ -68,27 +74,52 @@ def table_report(bundle: Bundle) -> Report:
     for each in measurements:
         if each.reason:
             undefined.setdefault(each.reason, []).append(each.name)
-    items: list[Item] = [
+    front: list[Item] = [
         content.Verdict("none", f"{content.SYMBOLS['none']} No limits", "A table of another tool, measured.")
     ]
-    items += [Text(f"{each['text']}.", "warning") for each in manifest.details.get("remarks", ())]
-    items += [
+    front += [Text(f"{each['text']}.", "warning") for each in manifest.details.get("remarks", ())]
+    front += [
         Text(f"Undefined: {', '.join(names)}: {reason}.", "note") for reason, names in undefined.items()
     ]
-    items += [Text(f"{text[0].upper()}{text[1:]}.", "note") for text in said_of_sensors(measurements)]
-    items += [
-        Section("The table", (_facts(manifest.details["source"]), run_facts(manifest))),
+    front += [Text(f"{text[0].upper()}{text[1:]}.", "note") for text in sensor_remarks(measurements)]
+    source = manifest.details["source"]
+    front += [Section("The table", (_facts(source), run_facts(manifest))), Signatures(ROLES)]
+    items: list[Item] = [
+        *_figures(bundle, source),
         measurements_section("Measurements", measurements, {}, {}),
     ]
     if (tables := tables_section(tables_from_json(bundle.tables))) is not None:
         items.append(tables)
     command = f"benchtool {' '.join(manifest.command_line)}"
-    items.append(files_section([("", bundle, {})], [command], by="the command"))
-    return Report(manifest.what, f"Measured table · {manifest.when}", manifest.when, tuple(items))
+    files = files_section([("", bundle, {})], [command], by="the command")
+    return Report(
+        manifest.what,
+        f"Measured table · {manifest.when}",
+        manifest.when,
+        tuple(items),
+        front=tuple(front),
+        appendix=(files,),
+        fingerprint=fingerprint([bundle]),
+    )
+
+
+def _figures(bundle: Bundle, source: Mapping[str, Any]) -> Iterator[Item]:
+    """Yield every column against time, where its steps are even."""
+    block = bundle.block(STREAM)
+    columns = block.channels[1:]
+    if not source["time"]["uniform"] or not columns or not len(block.data):
+        return
+    measured = replace(block, channels=columns, data=block.data[:, 1:])
+    figure = draw_channels(measured, f"{bundle.manifest.what}: every column that was measured")
+    caption = (
+        f"Every column that was measured, {len(block.data)} rows at {block.sample_rate_Hz:.7g} Hz. "
+        f"Long traces are drawn by the least and the greatest value of each stretch, so that no peak is lost."
+    )
+    yield Section("Figures", (Picture(figure, caption, content.describe_figure(figure)),))
 
 
 def _block(record: Record) -> Block:
-    """The rows as a block, whose first channel is their time."""
+    """Return the rows as a block, whose first channel is their time."""
     channels = (Channel("time_s", "s"), *record.channels.values())
     gaps = () if record.base.refusal else record.base.gaps
     step_s = record.base.step_s if record.base.step_s > 0.0 else 1.0
@@ -96,7 +127,7 @@ def _block(record: Record) -> Block:
 
 
 def _facts(source: Mapping[str, Any]) -> content.Facts:
-    """What was read, and how."""
+    """Return what was read, and how."""
     time = source["time"]
     dropped = "".join(f", {count} left out ({why})" for why, count in source["rows_dropped"].items())
     pairs = {

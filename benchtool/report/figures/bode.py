@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
-from benchtool.analysis.dynamics.bode import Bode
+from benchtool.analysis.dynamics import Bode
 from benchtool.report.figures.style import (
     DASHES,
     GREY,
@@ -28,7 +28,7 @@ _NEPER_DB = 20.0 / np.log(10.0)
 
 
 def draw_bode(responses: Mapping[str, Bode], title: str) -> Figure:
-    """Gain in dB, phase in degrees and coherence of each named response over frequency.
+    """Return the gain in dB, phase in degrees and coherence of each named response over frequency.
 
     Gain and phase are drawn where they can be trusted, with a band of two standard uncertainties; coherence
     wherever the input has power.
@@ -51,7 +51,7 @@ def draw_bode(responses: Mapping[str, Bode], title: str) -> Figure:
     dress(gain, "", f"gain (dB{unit})")
     dress(phase, "", "phase (°)")
     phase.yaxis.set_major_locator(MultipleLocator(90.0))
-    dress(coherence, "frequency (Hz)", "coherence")
+    dress(coherence, "frequency $f$ (Hz)", "coherence")
     add_legend(gain)
     return figure
 

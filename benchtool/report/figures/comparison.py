@@ -1,26 +1,24 @@
-"""Figures that set the cases of one plan side by side, laid out as the papers of the field do."""
+"""Figures of the cases of one plan side by side, in the layout usual in publications."""
 
 from __future__ import annotations
 
-import itertools
 import math
 import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from benchtool.analysis.declaration import Panel
+from benchtool.analysis import Panel
 from benchtool.report.figures.envelope import envelope, trace
+from benchtool.report.figures.labels import channel_label
 from benchtool.report.figures.style import (
     BLUE,
-    DASHES,
     GREEN,
     ORANGE,
     REFERENCE,
-    SERIES,
     add_legend,
     dress,
     literal,
@@ -29,15 +27,18 @@ from benchtool.report.figures.style import (
 
 _LOW_ORDER = 10
 _FLOOR = 1e-5  # of the fundamental: where the logarithmic axis of a spectrum begins
-_TALLEST_IN = 9.0  # of what a page of A4 takes
+_TALLEST_IN = 9.0  # of the height of an A4 page
 _PANEL_IN = 2.1
 _STACKED = 4  # panels one below the other; more stand in columns
+_COLUMNS = 2000  # of dots across the figure
 _BESIDE = 3  # columns of steady traces beside each other
+_ACROSS = 96  # characters of a name above a panel as wide as the figure
+_BESIDE_LEGEND = 66
 
 
 def draw_torque_traces(panels: Sequence[Panel], title: str) -> Figure:
-    """Torque and its reference against time, one case below the other on the same axes, many cases in
-    columns; speed beside it where it was recorded and moves.
+    """Return the torque and its reference against time, one case below the other on the same axes, many cases
+    in columns; speed beside it where it was recorded and moves.
 
     Raises:
         AnalysisError: a capture has no torque.
@@ -46,8 +47,9 @@ def draw_torque_traces(panels: Sequence[Panel], title: str) -> Figure:
     for axes, panel in zip(used, panels, strict=True):
         _torque(axes, panel)
         _speed(axes, panel)
-        _name(axes, panel.label, columns=rows.shape[1])
-    _label_outside(rows, used, "torque (Nm)", "time (s)")
+        beside = axes is used[0] and rows.shape[1] == 1
+        _name(axes, panel.label, columns=rows.shape[1], across=_BESIDE_LEGEND if beside else _ACROSS)
+    _label_outside(rows, used, channel_label("torque", "Nm"), "time $t$ (s)")
     if rows.shape[1] == 1:
         add_legend(used[0])
     else:  # the names above the panels take the room
@@ -57,9 +59,9 @@ def draw_torque_traces(panels: Sequence[Panel], title: str) -> Figure:
     return figure
 
 
-def draw_steady_traces(panels: Sequence[Panel], title: str, shown_s: float) -> Figure:
-    """Torque, phase current a and stator flux over the first `shown_s`, one case a column; of many cases,
-    some columns below others.
+def draw_steady_traces(panels: Sequence[Panel], title: str) -> Figure:
+    """Return the torque, phase current a and stator flux over the whole of each capture, one case a column;
+    of many cases, some columns below others.
 
     Raises:
         AnalysisError: a capture lacks one of the three.
@@ -70,9 +72,9 @@ def draw_steady_traces(panels: Sequence[Panel], title: str, shown_s: float) -> F
     figure = new_figure(height_in, title, "")
     grid = figure.subplots(3 * down, across, sharex=True, squeeze=False)
     signals = (
-        ("torque", "torque (Nm)", BLUE),
-        ("i_a", "phase current a (A)" if down == 1 else "$i_a$ (A)", ORANGE),
-        ("psi_s", "stator flux, peak (Wb)" if down == 1 else r"$\psi_s$, peak (Wb)", GREEN),
+        ("torque", channel_label("torque", "Nm"), BLUE),
+        ("i_a", "phase current $i_a$ (A)" if down == 1 else "$i_a$ (A)", ORANGE),
+        ("psi_s", r"stator flux $\psi_s$ (Wb)" if down == 1 else r"$\psi_s$ (Wb)", GREEN),
     )
     for row in range(len(signals)):
         for axes in list(grid[row::3].flat)[1 : len(panels)]:
@@ -81,14 +83,13 @@ def draw_steady_traces(panels: Sequence[Panel], title: str, shown_s: float) -> F
     for number, panel in enumerate(panels):
         below, beside = divmod(number, across)
         column = grid[3 * below : 3 * below + 3, beside]
-        rows = round(shown_s * panel.capture.sample_rate_Hz)
         for axes, (name, text, color) in zip(column, signals, strict=True):
-            axes.plot(*trace(panel.capture, name, rows), color=color, linewidth=0.7)
+            axes.plot(*trace(panel.capture, name, columns=_COLUMNS // across), color=color, linewidth=0.5)
             dress(axes, "", text if beside == 0 else "")
             axes.locator_params(axis="x", nbins=5)
         _name(column[0], panel.label, columns=across)
         if number + across >= len(panels):
-            column[-1].set_xlabel("time (s)", fontsize=9)
+            column[-1].set_xlabel("time $t$ (s)", fontsize=9)
             column[-1].tick_params(labelbottom=True)
     for axes in grid[-3:, len(panels) - across * (down - 1) :].flat:
         axes.set_axis_off()
@@ -96,7 +97,8 @@ def draw_steady_traces(panels: Sequence[Panel], title: str, shown_s: float) -> F
 
 
 def draw_spectra(panels: Sequence[Panel], title: str) -> Figure:
-    """Amplitude of phase current a up to ten times the fundamental, one case below the other, dc left out.
+    """Return the amplitude of phase current a up to ten times the fundamental, one case below the other, dc
+    left out.
 
     Panels without a steady-state analysis, or without i_a in it, are left out.
     """
@@ -118,37 +120,13 @@ def draw_spectra(panels: Sequence[Panel], title: str) -> Figure:
         case = panel.name or panel.label
         text = f"{case}: fundamental {fundamental:.4g} A, largest other {largest:.2g} A"
         _name(axes, text, columns=rows.shape[1])
-    _label_outside(rows, used, "$i_a$, peak (A)", "frequency (Hz)")
-    return figure
-
-
-def draw_against(
-    series: Mapping[str, Sequence[tuple[float, float]]], title: str, x_label: str, y_label: str
-) -> Figure:
-    """One line for each named series of points (x, y), on a logarithmic scale of y."""
-    figure = new_figure(4.2, title, "")
-    axes = figure.subplots()
-    markers, dashes = itertools.cycle("os^vDPX"), itertools.cycle(DASHES)
-    for (name, points), color in zip(series.items(), itertools.cycle(SERIES)):
-        x, y = zip(*sorted(points), strict=True)
-        axes.plot(
-            x,
-            y,
-            marker=next(markers),
-            markersize=4,
-            color=color,
-            linewidth=1.0,
-            linestyle=next(dashes),
-            label=literal(name),
-        )
-    axes.set_yscale("log")
-    dress(axes, x_label, y_label)
-    add_legend(axes)
+    _label_outside(rows, used, "$i_a$, peak (A)", "frequency $f$ (Hz)")
     return figure
 
 
 def _stack(count: int, title: str) -> tuple[Figure, NDArray[np.object_], list[Axes]]:
-    """A figure with `count` panels on shared axes that fits a page: the grid of axes, and those in use."""
+    """Return a figure with `count` panels on shared axes that fits a page: the grid of axes, and those in
+    use."""
     across = 1 if count <= _STACKED else 2 if count <= 2 * _STACKED else 3
     down = math.ceil(count / across)
     figure = new_figure(min(_PANEL_IN * down + 0.5, _TALLEST_IN), title, "")
@@ -184,13 +162,12 @@ def _speed(axes: Axes, panel: Panel) -> None:
         return
     beside = axes.twinx()
     beside.plot(*trace(block, "omega_m"), color=GREEN, linewidth=0.8)
-    beside.set_ylabel("speed (rad/s)", color=GREEN, fontsize=9)
+    beside.set_ylabel(channel_label("omega_m", "rad/s"), color=GREEN, fontsize=9)
     beside.tick_params(labelsize=8, labelcolor=GREEN)
     for side in ("top", "left"):
         beside.spines[side].set_visible(False)
 
 
-def _name(axes: Axes, label: str, columns: int = 1) -> None:
-    axes.set_title(
-        literal("\n".join(textwrap.wrap(label, 96 // columns))), loc="left", fontsize=9 if columns == 1 else 8
-    )
+def _name(axes: Axes, label: str, columns: int = 1, across: int = _ACROSS) -> None:
+    lines = textwrap.wrap(label, across // columns)
+    axes.set_title(literal("\n".join(lines)), loc="left", fontsize=9 if columns == 1 else 8)

@@ -1,4 +1,4 @@
-"""Figure of orders: what a signal repeats per mechanical revolution."""
+"""Figure of orders: components of a signal that repeat per mechanical revolution."""
 
 from __future__ import annotations
 
@@ -11,9 +11,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from benchtool.analysis.orders.order_spectrum import OrderSpectrum
-from benchtool.analysis.orders.orders import order_meaning
-from benchtool.report.figures.style import BLUE, LIGHT, ORANGE, add_legend, dress, new_figure
+from benchtool.analysis import Panel
+from benchtool.analysis.orders import Orders, OrderSpectrum, machine_orders, order_meaning
+from benchtool.report.figures.labels import channel_label, with_unit
+from benchtool.report.figures.style import BLUE, LIGHT, LIMIT, ORANGE, add_legend, dress, new_figure
 
 _LISTED = 5
 _SHOWN_BEYOND = 1.25  # of the highest order listed
@@ -22,14 +23,18 @@ _FONT_PT = 8
 _APART = 0.02  # of the axis, between numbers above stems
 
 
-def draw_orders(
-    spectrum: OrderSpectrum, title: str, *, pole_pairs: int | None = None, slots: int | None = None
-) -> Figure:
-    """Stems of peak amplitude over order; the largest five are numbered, and listed below.
+def draw_orders(panel: Panel, analysis: str, title: str) -> Figure:
+    """Return the stems of peak amplitude over order; the largest five are numbered, and listed below.
 
-    Grey steps are twice the standard uncertainty of each order: what does not stand out of them may be noise.
-    Orders far above the largest five are left out. With pole pairs and slots the list says what each is.
+    Grey steps are twice the standard uncertainty of each order: amplitudes below them may be noise. Orders
+    far above the largest five are left out. With pole pairs and slots the list states the cause of each.
+    Orders that the plan judges have a line at their limit.
+
+    Args:
+        analysis: name of the analysis that found the orders.
     """
+    found: Orders = panel.result(analysis)
+    spectrum = found.spectrum
     largest = [int(order) for order in spectrum.largest[:_LISTED]]
     last = min(len(spectrum.order), max(_FEWEST_SHOWN, math.ceil(_SHOWN_BEYOND * max(largest))))
     order, amplitude, standard = spectrum.order[:last], spectrum.amplitude[:last], spectrum.standard[:last]
@@ -42,16 +47,39 @@ def draw_orders(
     chosen = np.array(largest) - 1
     mark: dict[str, Any] = {"linestyle": "", "color": ORANGE, "capsize": 3, "linewidth": 1.0}
     axes.errorbar(order[chosen], amplitude[chosen], standard[chosen], label="standard uncertainty", **mark)
+    limits = _limits(panel, found)
+    if limits:
+        at, level = zip(*limits.items(), strict=True)
+        axes.hlines(
+            level, np.array(at) - 0.5, np.array(at) + 0.5, label="limit", **LIMIT | {"linestyle": "-"}
+        )
     axes.set_xlim(0.0, last + 1.0)
-    axes.set_ylim(0.0, 1.12 * float(np.max(amplitude + standard)))
+    axes.set_ylim(0.0, 1.12 * max(float(np.max(amplitude + standard)), *limits.values(), 0.0))
     _number(axes, spectrum, largest)
-    listed = [_listed(spectrum, each, order_meaning(each, pole_pairs, slots)) for each in largest]
+    meanings = (order_meaning(each, found.pole_pairs, found.slots) for each in largest)
+    listed = [_listed(spectrum, each, meaning) for each, meaning in zip(largest, meanings, strict=True)]
     below.set_axis_off()
     below.text(0.0, 1.0, "\n".join(listed), verticalalignment="top", fontsize=_FONT_PT)
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
-    dress(axes, "order (per mechanical revolution)", f"{spectrum.signal}, peak ({spectrum.unit})")
+    amplitude_of = with_unit(f"{channel_label(spectrum.signal, '')}, peak", spectrum.unit)
+    dress(axes, "order $k$ (per mechanical revolution)", amplitude_of)
     add_legend(axes)
     return figure
+
+
+def _limits(panel: Panel, found: Orders) -> dict[int, float]:
+    """Return the greatest amplitude allowed, by order: of those that are named by their number or by what the
+    machine has there, and of the largest."""
+    numbers = machine_orders(found.pole_pairs, found.slots)
+    largest = {"largest_amplitude": int(found.spectrum.largest[0])}
+    limits: dict[int, float] = {}
+    for each in found.measurements:
+        _, _, key = each.name.partition("_order_")
+        _, greatest = panel.limits.get(each.name, (None, None))
+        order = int(key) if key.isdigit() else {**numbers, **largest}.get(key)
+        if order is not None and greatest is not None:
+            limits[order] = min(greatest, limits.get(order, greatest))
+    return limits
 
 
 def _number(axes: Axes, spectrum: OrderSpectrum, largest: Sequence[int]) -> None:

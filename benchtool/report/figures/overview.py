@@ -1,4 +1,4 @@
-"""The whole of a recording at a glance: every channel over its entire length."""
+"""Overview of a recording: every channel over its entire length."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from matplotlib.figure import Figure
 
 from benchtool.block import Block
 from benchtool.report.figures.envelope import trace
-from benchtool.report.figures.style import BLUE, dress, literal, new_figure
+from benchtool.report.figures.labels import channel_label
+from benchtool.report.figures.style import BLUE, dress, new_figure
 
 _PANEL_IN = 1.05
 _FEW_CHANNELS = 4
@@ -16,7 +17,8 @@ _STRETCHES = 700  # across a panel of half the width
 
 
 def draw_channels(block: Block, title: str) -> Figure:
-    """Every channel against time, each in a panel of its own; of a long trace, least and greatest values."""
+    """Return every channel against time, each in a panel of its own; of a long trace, least and greatest
+    values."""
     columns = 1 if len(block.channels) <= _FEW_CHANNELS else 2
     rows = math.ceil(len(block.channels) / columns)
     figure = new_figure(_PANEL_IN * rows + 0.6, title, "")
@@ -27,7 +29,7 @@ def draw_channels(block: Block, title: str) -> Figure:
         axes.margins(x=0.0)
         axes.locator_params(axis="y", nbins=4)
         axes.set_title(
-            literal(f"{channel.name} ({channel.unit})" if channel.unit else channel.name),
+            channel_label(channel.name, channel.unit),
             loc="left",
             fontsize=8,
         )
@@ -35,6 +37,6 @@ def draw_channels(block: Block, title: str) -> Figure:
         axes.set_axis_off()
     for column in panels.T:
         last = [axes for axes in column if axes.axison][-1]
-        last.set_xlabel("time (s)", fontsize=9)
+        last.set_xlabel("time $t$ (s)", fontsize=9)
         last.tick_params(labelbottom=True)
     return figure

@@ -1,62 +1,38 @@
-"""Figures of a steady-state run, as matplotlib figures without pyplot."""
+"""Spectrum of the current and trajectory of the flux in steady state; and figures as files."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import replace
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from benchtool.analysis import SteadyState, cut_to_span, largest_low_component
-from benchtool.block import Block
-from benchtool.recording.failures import writing
-from benchtool.recording.files import replacing
-from benchtool.report.figures.envelope import envelope, trace
+from benchtool.analysis import Panel, largest_low_component
+from benchtool.recording import replacing, writing
+from benchtool.report.figures.envelope import envelope
+from benchtool.report.figures.labels import channel_label
+from benchtool.report.figures.limits import draw_limits, stated_with_limit
 from benchtool.report.figures.style import (
     BLACK,
     BLUE,
     GREY,
-    LIGHT,
+    LIMIT,
     ORANGE,
-    PHASES,
     REFERENCE,
     add_legend,
     annotate_point,
     dress,
     new_figure,
 )
+from benchtool.report.figures.waveforms import last_periods
 
-_SHOWN_PERIODS = 2.0
-_SHOWN_S = 0.2  # where no current tells the periods
 _LOW_ORDER = 10
+_FLUX_IN = 3.3
+_PASSES = 3
 _FLOOR = 1e-5  # of the fundamental: where the logarithmic axis of a spectrum begins
-
-
-def draw_steady_state(
-    block: Block, steady: SteadyState, transducer: Block | None = None, *, title: str
-) -> dict[str, Figure]:
-    """Figures of a capture and its analysis, by name, as far as its channels go.
-
-    "waveforms": torque, phase currents and stator flux over the first two electrical periods, or the first
-    fifth of a second without i_a; "current_spectrum": phase current a up to ten times the fundamental and
-    over the whole band; "flux_trajectory": stator flux in the plane. Channels i_b, i_c, torque_reference and
-    psi_s_reference are drawn where they were recorded.
-
-    Raises:
-        AnalysisError: the transducer does not cover the capture.
-    """
-    names = set(block.names)
-    figures = {}
-    if names & {"torque", *PHASES, "psi_s"}:
-        figures["waveforms"] = draw_waveforms(block, steady, transducer, title)
-    if steady.spectrum is not None:
-        figures["current_spectrum"] = draw_current_spectrum(steady, title)
-    if {"psi_alpha", "psi_beta"} <= names:
-        figures["flux_trajectory"] = draw_flux_trajectory(block, steady, title)
-    return figures
 
 
 def save_figures(figures: Mapping[str, Figure], folder: Path) -> tuple[Path, ...]:
@@ -76,86 +52,19 @@ def save_figures(figures: Mapping[str, Figure], folder: Path) -> tuple[Path, ...
     return tuple(paths)
 
 
-def draw_waveforms(block: Block, steady: SteadyState, transducer: Block | None, title: str) -> Figure:
-    """Torque, phase currents and stator flux over the first two electrical periods, as far as recorded.
-
-    Raises:
-        AnalysisError: the transducer does not cover the capture.
-    """
-    shown = replace(block, data=block.data[: _shown_rows(block, steady)])
-    figure = new_figure(6.0, title, _torque_in_words(steady))
-    drawn: dict[str, Callable[[Axes], None]] = {
-        "torque": lambda axes: _draw_torque(axes, shown, steady, transducer),
-        "currents": lambda axes: _draw_currents(axes, shown),
-        "psi_s": lambda axes: _draw_flux(axes, shown),
-    }
-    recorded = {*block.names, *(["currents"] if set(PHASES) & set(block.names) else [])}
-    panels = [draw for name, draw in drawn.items() if name in recorded]
-    column = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
-    for axes, draw in zip(column, panels, strict=True):
-        draw(axes)
-        add_legend(axes)
-    column[-1].set_xlabel("time (s)", fontsize=9)
-    column[-1].set_xlim(0.0, (len(shown.data) - 1) / shown.sample_rate_Hz)
-    return figure
-
-
-def _torque_in_words(steady: SteadyState) -> str:
-    if "torque_mean" not in steady.names:
-        return ""
-    mean_Nm, peak_to_peak_Nm = steady["torque_mean"].value, steady["torque_ripple_pp"].value
-    return f"torque {mean_Nm:.4g} Nm, ripple of its estimate {peak_to_peak_Nm:.3g} Nm peak to peak"
-
-
-def _draw_torque(axes: Axes, shown: Block, steady: SteadyState, transducer: Block | None) -> None:
-    if transducer is not None:
-        _draw_true_torque(axes, cut_to_span(transducer, shown), shown)
-    mean_Nm, rms_Nm = steady["torque_mean"].value, steady["torque_ripple_rms"].value
-    axes.plot(*trace(shown, "torque"), color=BLUE, linewidth=0.8, zorder=2.4, label="estimate")
-    # over the trace, which would hide it: a band of light with an edge
-    axes.axhspan(
-        mean_Nm - rms_Nm,
-        mean_Nm + rms_Nm,
-        label="mean ± rms ripple",
-        facecolor=(1.0, 1.0, 1.0, 0.35),
-        edgecolor=ORANGE,
-        linewidth=1.0,
-        zorder=2.5,
-    )
-    if "torque_reference" in shown.names:
-        axes.plot(*trace(shown, "torque_reference"), zorder=2.6, label="reference", **REFERENCE)
-    dress(axes, "", "torque (Nm)")
-
-
-def _draw_currents(axes: Axes, shown: Block) -> None:
-    for name, color in PHASES.items():
-        if name in shown.names:
-            # thin and not quite opaque: a law that switches at every sample fills the area of its ripple
-            axes.plot(*trace(shown, name), color=color, linewidth=0.5, alpha=0.6, label=f"${name}$")
-    dress(axes, "", "phase current (A)")
-
-
-def _draw_flux(axes: Axes, shown: Block) -> None:
-    axes.plot(*trace(shown, "psi_s"), color=BLUE, linewidth=0.8, label="estimate")
-    if "psi_s_reference" in shown.names:
-        axes.plot(*trace(shown, "psi_s_reference"), label="reference", **REFERENCE)
-    dress(axes, "", "stator flux, peak (Wb)")
-
-
-def _draw_true_torque(axes: Axes, transducer: Block, shown: Block) -> None:
-    begin_s = transducer.first_tick * transducer.tick_s - shown.first_tick * shown.tick_s
-    time_s, torque_Nm = trace(transducer, "torque_transducer")
-    axes.plot(begin_s + time_s, torque_Nm, color=LIGHT, linewidth=0.7, label="shaft transducer")
-
-
-def draw_current_spectrum(steady: SteadyState, title: str) -> Figure:
-    """Amplitude of phase current a up to ten times the fundamental, and over the whole band."""
+def draw_current_spectrum(panel: Panel, title: str) -> Figure:
+    """Return the amplitude of phase current a up to ten times the fundamental, and over the whole band; the
+    largest other component's limit where it has one."""
+    steady = panel.steady
+    assert steady is not None  # one of its analyses was made
     spectrum, f_1 = steady.current_spectrum, steady.fundamental_Hz
-    fundamental_A = steady["current_fundamental"].value
+    fundamental_A = spectrum.fundamental  # also where the measurement is undefined
     floor_A = _FLOOR * fundamental_A
     frequency_Hz, amplitude_A = spectrum.frequency_Hz[1:], np.maximum(spectrum.amplitude[1:], floor_A)
     summary = f"fundamental {fundamental_A:.4g} A peak at {f_1:.5g} Hz, {steady.periods} periods"
-    figure = new_figure(4.4, title, summary)
+    judged = [name for name in panel.limits if name.startswith("current_") and name in steady.names]
+    stated = [f"{name} {stated_with_limit(steady[name], panel)}" for name in judged[:2]]
+    figure = new_figure(3.4, title, ", ".join([summary, *stated]))
     low, full = figure.subplots(2, 1, sharey=True)
 
     bins = slice(_LOW_ORDER * steady.periods - 1)
@@ -166,6 +75,10 @@ def draw_current_spectrum(steady: SteadyState, title: str) -> Figure:
     largest = largest_low_component(spectrum, _LOW_ORDER)
     text = f"largest other {largest.amplitude:.3g} A at {largest.frequency_Hz:.4g} Hz"
     annotate_point(low, text, largest.frequency_Hz, max(largest.amplitude, floor_A), ORANGE)
+    _, greatest = panel.limits.get("current_max_low_harmonic", (None, None))
+    if greatest is not None:
+        draw_limits(low, [(greatest, "limit of the largest other component")])
+        add_legend(low)
     low.set_yscale("log")
     low.set_ylim(floor_A, 4.0 * fundamental_A)
     dress(low, "", "$i_a$, peak (A)")
@@ -173,33 +86,48 @@ def draw_current_spectrum(steady: SteadyState, title: str) -> Figure:
     full.plot(*envelope(frequency_Hz, amplitude_A), color=BLUE, linewidth=0.6)
     full.axvline(_LOW_ORDER * f_1, color=GREY, linewidth=0.8, linestyle=(0, (2, 2)))
     full.set_xlim(0.0, float(frequency_Hz[-1]))
-    dress(full, "frequency (Hz)", "$i_a$, peak (A)")
+    dress(full, "frequency $f$ (Hz)", "$i_a$, peak (A)")
     return figure
 
 
-def draw_flux_trajectory(block: Block, steady: SteadyState, title: str) -> Figure:
-    """Stator flux in the plane over the first two electrical periods, and the circle that it is to keep."""
-    rows = _shown_rows(block, steady)
-    summary = ""
-    if "flux_ripple_pp" in steady.names:
-        summary = f"ripple {steady['flux_ripple_pp'].value:.3g} Wb peak to peak"
-    figure = new_figure(4.2, title, summary, width_in=4.2)
+def draw_flux_trajectory(panel: Panel, title: str) -> Figure:
+    """Return the stator flux in the plane over the last two electrical periods, the circle that it is to
+    keep, and the limits of its ripple where it has any."""
+    steady, whole = panel.steady, panel.capture
+    assert steady is not None  # one of its analyses was made
+    judged = "flux_ripple_pp" in steady.names
+    told = f"ripple {stated_with_limit(steady['flux_ripple_pp'], panel)} peak to peak" if judged else ""
+    figure = new_figure(_FLUX_IN + 0.4, title, told, width_in=_FLUX_IN)
     axes = figure.subplots()
-    psi_alpha, psi_beta = block.column("psi_alpha")[:rows], block.column("psi_beta")[:rows]
-    axes.plot(psi_alpha, psi_beta, color=BLUE, linewidth=2.0, alpha=0.7, label="estimate")
-    if "psi_s_reference" in block.names:
-        radius, label = float(np.mean(block.column("psi_s_reference"))), "reference"
+    block = last_periods(whole, None if steady.spectrum is None else steady.fundamental_Hz)
+    axes.plot(
+        block.column("psi_alpha"),
+        block.column("psi_beta"),
+        color=BLUE,
+        linewidth=1.0,
+        alpha=0.8,
+        label="estimate",
+    )
+    length = np.hypot(whole.column("psi_alpha"), whole.column("psi_beta"))
+    if "psi_s_reference" in whole.names:
+        radius, label = float(np.mean(whole.column("psi_s_reference"))), "reference"
     else:
-        length = np.hypot(block.column("psi_alpha"), block.column("psi_beta"))
         radius, label = float(np.mean(length)), "mean"
-    angle = np.linspace(0.0, 2 * np.pi, 361)
-    axes.plot(radius * np.cos(angle), radius * np.sin(angle), label=label, **REFERENCE)
+    _circle(axes, radius, label, REFERENCE)
+    _, greatest = panel.limits.get("flux_ripple_pp", (None, None))
+    if greatest is not None:
+        middle = 0.5 * float(np.max(length) + np.min(length))
+        for radius, label in ((middle - 0.5 * greatest, "limit"), (middle + 0.5 * greatest, "_nolegend_")):
+            _circle(axes, radius, label, LIMIT)
     axes.set_aspect("equal")
-    dress(axes, r"$\psi_\alpha$, peak (Wb)", r"$\psi_\beta$, peak (Wb)")
+    dress(axes, channel_label("psi_alpha", "Wb"), channel_label("psi_beta", "Wb"))
+    axes.locator_params(nbins=5)
     add_legend(axes)
+    for _ in range(_PASSES):  # a layout of equal scales settles by and by
+        figure.draw_without_rendering()
     return figure
 
 
-def _shown_rows(block: Block, steady: SteadyState) -> int:
-    shown_s = _SHOWN_S if steady.spectrum is None else _SHOWN_PERIODS / steady.fundamental_Hz
-    return int(np.ceil(shown_s * block.sample_rate_Hz)) + 1
+def _circle(axes: Axes, radius: float, label: str, look: Mapping[str, Any]) -> None:
+    angle = np.linspace(0.0, 2 * np.pi, 361)
+    axes.plot(radius * np.cos(angle), radius * np.sin(angle), label=label, **look)

@@ -1,4 +1,4 @@
-"""The one look of every figure: colours, sizes and axes, without pyplot or any other global state.
+"""Style of all figures: colours, sizes and axes, without pyplot or other global state.
 
 Colours are those of Okabe and Ito (Color Universal Design, 2008), distinct to the colour-blind. In print
 without colour the phases differ in darkness, series by their markers and dashes.
@@ -7,11 +7,13 @@ without colour the phases differ in darkness, series by their markers and dashes
 from __future__ import annotations
 
 import textwrap
+from collections.abc import Sequence
 from typing import Any, Final
 
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.textpath import TextPath
 
 BLACK: Final = "#1a1a1a"
 BLUE: Final = "#0072b2"
@@ -25,21 +27,29 @@ PHASES: Final = {"i_a": "#003d66", "i_b": ORANGE, "i_c": "#56b4e9"}  # dark, mid
 DASHES: Final = ((0, ()), (0, (5, 2)), (0, (1, 1.5)), (0, (5, 2, 1, 2)))
 REFERENCE: Final[dict[str, Any]] = {"color": BLACK, "linewidth": 0.9, "linestyle": (0, (5, 3))}
 
+LIMIT: Final[dict[str, Any]] = {"color": "#b34700", "linewidth": 1.2, "linestyle": (0, (6, 2, 1.5, 2))}
+
 WIDTH_IN: Final = 7.0
 DPI: Final = 220
 _FONT_PT: Final = 9
-_LINE_IN: Final = 0.25
+_LINE_IN: Final = 0.2
+_BESIDE: Final = 6  # entries of a legend that begins on the left
+_ON_THE_RIGHT: Final = 4
+_HANDLE_EM, _APART_EM = 1.8, 1.4  # of an entry of a legend
+_AXIS_IN: Final = 0.8  # for the numbers and the label beside axes
 _CHARACTERS_PER_IN: Final = 13  # of a title, on average
 
 
 def new_figure(height_in: float, title: str, summary: str, width_in: float = WIDTH_IN) -> Figure:
-    """An empty figure with its own Agg canvas; on the left above it the title and a line with its numbers."""
-    lines = textwrap.wrap(title, round(width_in * _CHARACTERS_PER_IN))
-    size = (width_in, height_in + _LINE_IN * (len(lines) - 1))
+    """Return an empty figure with its own Agg canvas; on the left above it the title and a line with its
+    numbers."""
+    across = round(width_in * _CHARACTERS_PER_IN)
+    lines, told = textwrap.wrap(title, across), textwrap.wrap(summary, across)
+    size = (width_in, height_in + _LINE_IN * (len(lines) + max(0, len(told) - 1) - 1))
     figure = Figure(figsize=size, dpi=DPI, layout="constrained", facecolor="white")
     FigureCanvasAgg(figure)
     figure.suptitle(
-        literal("\n".join([*lines, summary]).rstrip()),
+        literal("\n".join([*lines, *told])),
         x=0.01,
         horizontalalignment="left",
         fontsize=_FONT_PT + 1,
@@ -49,12 +59,12 @@ def new_figure(height_in: float, title: str, summary: str, width_in: float = WID
 
 
 def literal(text: str) -> str:
-    """Text from outside, in which matplotlib is to find no formula."""
+    """Return external text with the characters escaped that matplotlib takes for a formula."""
     return text.replace("$", r"\$")
 
 
 def dress(axes: Axes, x_label: str, y_label: str) -> None:
-    """Labels with units, a light grid, no frame where there is no scale."""
+    """Set labels with units, a light grid, and no frame on sides without a scale."""
     axes.set_xlabel(x_label, fontsize=_FONT_PT, color=BLACK)
     axes.set_ylabel(y_label, fontsize=_FONT_PT, color=BLACK)
     axes.tick_params(labelsize=_FONT_PT - 1, color=GREY, labelcolor=BLACK)
@@ -66,18 +76,41 @@ def dress(axes: Axes, x_label: str, y_label: str) -> None:
         axes.spines[side].set_color(GREY)
 
 
-def add_legend(axes: Axes) -> None:
-    """A legend above the axes, on the right, where it covers no curve."""
+def add_legend(axes: Axes, *, at_left: bool = False) -> int:
+    """Set a legend above the axes, where it covers no curve: on the right, or from the left edge on, over the
+    axes beside it. Return its rows: as many as it takes not to be wider than its room."""
+    _, labels = axes.get_legend_handles_labels()
+    columns = _legend_columns(axes, labels, at_left=at_left)
     axes.legend(
-        loc="lower right",
-        bbox_to_anchor=(1.0, 1.0),
-        ncols=4,
+        loc="lower left" if at_left else "lower right",
+        bbox_to_anchor=(0.0 if at_left else 1.0, 1.0),
+        ncols=columns,
         frameon=False,
         fontsize=_FONT_PT - 1,
         borderaxespad=0.1,
-        handlelength=1.8,
-        columnspacing=1.4,
+        handlelength=_HANDLE_EM,
+        columnspacing=_APART_EM,
     )
+    return -(-len(labels) // columns)
+
+
+def _legend_columns(axes: Axes, labels: Sequence[str], *, at_left: bool) -> int:
+    """Return the most columns of a legend that have room above the axes."""
+    figure, place = axes.get_figure(root=True), axes.get_subplotspec()
+    across = 1 if at_left or place is None else place.get_gridspec().ncols
+    size = _FONT_PT - 1
+    assert figure is not None
+    room_pt = (float(figure.get_figwidth()) - _AXIS_IN * across) * 72.0 / across
+    wide = [
+        float(TextPath((0.0, 0.0), label, size=size).get_extents().width)
+        + (_HANDLE_EM + _APART_EM + 0.8) * size
+        for label in labels
+    ]
+    for columns in range(min(_BESIDE if at_left else _ON_THE_RIGHT, len(wide)), 1, -1):
+        rows = -(-len(wide) // columns)
+        if sum(max(wide[begin : begin + rows]) for begin in range(0, len(wide), rows)) <= room_pt:
+            return columns
+    return 1
 
 
 def annotate_point(axes: Axes, text: str, x: float, y: float, color: str) -> None:

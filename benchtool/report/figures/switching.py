@@ -1,4 +1,4 @@
-"""Figure of the inverter's states: how much of the time each of its vectors takes."""
+"""Figure of the inverter's states: share of the time of each vector."""
 
 from __future__ import annotations
 
@@ -10,15 +10,19 @@ from matplotlib.figure import Figure
 from benchtool.analysis import Table
 from benchtool.report.figures.style import BLUE, ORANGE, add_legend, dress, new_figure
 
+_WIDTH_IN = 3.6
+_HEIGHT_IN = 3.5
+
 
 def draw_switching_states(table: Table, *, title: str) -> Figure:
-    """A bar for each vector: share of the time, and beside it share of the periods that use it.
+    """Return a bar for each vector: share of the time, and beside it share of the periods that use it.
 
     Args:
         table: `switching_states` of `benchtool.analysis.switching`.
     """
     vector, angle_deg, time_share, period_share = np.array(table.rows).T
-    figure = new_figure(3.2, title, f"without voltage {time_share[0]:.3g} % of the time")
+    summary = f"without voltage {time_share[0]:.3g} % of the time"
+    figure = new_figure(_HEIGHT_IN, title, summary, width_in=_WIDTH_IN)
     axes = figure.subplots()
     place = np.arange(len(vector))
     axes.bar(place - 0.2, time_share, 0.4, color=BLUE, label="of the time")
@@ -33,10 +37,10 @@ def draw_switching_states(table: Table, *, title: str) -> Figure:
         label="of the periods",
     )
     names = [
-        "zero (0, 7)" if math.isnan(angle) else f"{number:.0f}: {angle:.0f}°"
+        "0, 7" if math.isnan(angle) else f"{number:.0f}\n{angle:.0f}°"
         for number, angle in zip(vector, angle_deg, strict=True)
     ]
-    dress(axes, "voltage vector and its angle", "share (%)")
+    dress(axes, "voltage vector (0, 7: zero) and its angle", "share (%)")
     axes.set_xticks(place, names)
     axes.grid(visible=False, axis="x")
     add_legend(axes)

@@ -126,7 +126,7 @@ class _Renderer(RendererBase):
 
 
 def _cubic(begin: tuple[float, float], points: Any) -> tuple[float, ...]:
-    """A quadratic Bézier curve as a cubic one, which is all that PDF has."""
+    """Return a quadratic Bézier curve as a cubic one, which is all that PDF has."""
     (x_0, y_0), (x_1, y_1, x_2, y_2) = begin, points
     return (
         *((x_0 + 2 * x_1) / 3, (y_0 + 2 * y_1) / 3),

@@ -13,14 +13,14 @@ from reportlab.platypus import BaseDocTemplate, Frame, PageTemplate
 
 from benchtool.report.content import Report
 from benchtool.report.pdf.flow import story
-from benchtool.report.pdf.style import BOTTOM, HEIGHT, LEFT, SANS, SOFT, WIDTH, register_fonts
+from benchtool.report.pdf.style import BOTTOM, HEIGHT, LEFT, MONO, SANS, SOFT, WIDTH, register_fonts
 
 MARK = b"(benchtool)"
-"""What every document has, as its producer."""
+"""Producer of every document."""
 
 
 def pdf_document(report: Report) -> bytes:
-    """The document; the same report gives the same bytes, for its only date is the run's."""
+    """Return the document; the same report gives the same bytes, for its only date is the run's."""
     register_fonts()
     file = io.BytesIO()
     document = _Document(file, report)
@@ -29,7 +29,7 @@ def pdf_document(report: Report) -> bytes:
 
 
 class _Document(BaseDocTemplate):  # type: ignore[misc]
-    """A4 pages with a running title, and headings as bookmarks."""
+    """A4 pages with a running title, the fingerprint of the data, and headings as bookmarks."""
 
     def __init__(self, file: io.BytesIO, report: Report) -> None:
         super().__init__(
@@ -55,7 +55,10 @@ class _Document(BaseDocTemplate):  # type: ignore[misc]
         canvas.setFillColor(SOFT)
         title = self._report.title
         shown = title if len(title) <= 100 else f"{title[:99]}…"
-        canvas.drawString(LEFT, 10 * mm, shown)
+        canvas.drawString(LEFT, 11 * mm, shown)
+        if self._report.fingerprint:
+            canvas.setFont(MONO, 5.5)
+            canvas.drawString(LEFT, 7.5 * mm, f"recorded data: SHA-256 {self._report.fingerprint}")
         canvas.restoreState()
 
     def beforeDocument(self) -> None:
@@ -88,13 +91,13 @@ class _Numbered(Canvas):  # type: ignore[misc]
             self.__dict__.update(state)
             self.setFont(SANS, 7)
             self.setFillColor(SOFT)
-            self.drawRightString(A4[0] - LEFT, 10 * mm, f"{self._pageNumber} / {len(self._pages)}")
+            self.drawRightString(A4[0] - LEFT, 11 * mm, f"{self._pageNumber} / {len(self._pages)}")
             super().showPage()
         super().save()
 
 
 def _pdf_date(when: str) -> str:
-    """The run's time as PDF writes dates; empty if it is none."""
+    """Return the run's time as PDF writes dates; empty if it is none."""
     try:
         stamp = datetime.fromisoformat(when)
     except ValueError:

@@ -1,4 +1,4 @@
-"""How the PDF looks: the page's measures, its fonts, colours, and the lines of its tables."""
+"""Style of the PDF: page size, fonts, colours, and lines of tables."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ FONT: Final = ("FONTNAME", (0, 0), (-1, -1), SANS)  # else a table names one tha
 
 
 def register_fonts() -> None:
-    """Make the fonts known that text is measured and set with."""
+    """Register the fonts."""
     for name in (SANS, BOLD, MONO):
         if name not in pdfmetrics.getRegisteredFontNames():
             pdfmetrics.registerFont(TTFont(name, Path(mpl.get_data_path(), "fonts", "ttf", f"{name}.ttf")))
@@ -40,7 +40,7 @@ def register_fonts() -> None:
 def text_style(
     size: float, *, font: str = SANS, color: Any = INK, before: float = 0, after: float = 0, align: int = 0
 ) -> ParagraphStyle:
-    """How text of `size` pt is set; `align` is 0 for left and 2 for right."""
+    """Return the style of text of `size` pt; `align` is 0 for left and 2 for right."""
     return ParagraphStyle(
         "",
         fontName=font,
@@ -55,7 +55,7 @@ def text_style(
 
 
 def ruled(*, head: bool = False) -> list[tuple[Any, ...]]:
-    """The style of a table with a line below each row, a stronger one below its head if it has one."""
+    """Return the style of a table with a line below each row, a stronger one below its head if it has one."""
     style: list[tuple[Any, ...]] = [
         FONT,
         ("VALIGN", (0, 0), (-1, -1), "TOP"),
@@ -63,9 +63,10 @@ def ruled(*, head: bool = False) -> list[tuple[Any, ...]]:
         ("LEFTPADDING", (0, 0), (-1, -1), 0),
         ("RIGHTPADDING", (0, 0), (-1, -1), 6),
         ("RIGHTPADDING", (-1, 0), (-1, -1), 0),
-        ("TOPPADDING", (0, 0), (-1, -1), 1.6),
-        ("BOTTOMPADDING", (0, 0), (-1, -1), 2.6),
+        ("TOPPADDING", (0, 0), (-1, -1), 0.8),
+        ("BOTTOMPADDING", (0, 0), (-1, -1), 1.4),
     ]
     if head:
         style += [("LINEBELOW", (0, 0), (-1, 0), 0.8, INK), ("VALIGN", (0, 0), (-1, 0), "BOTTOM")]
+        style += [("TOPPADDING", (0, 1), (-1, 1), 1.8)]  # off the stronger line
     return style

@@ -1,4 +1,4 @@
-"""From Blocks to columns of a recording: what is sent, without sending it."""
+"""Conversion of Blocks to messages of a recording."""
 
 from __future__ import annotations
 
@@ -24,30 +24,30 @@ class Columns:
     columns: tuple[rr.ComponentColumn, ...]
 
     def send(self, stream: rr.RecordingStream) -> None:
-        """Into one recording, all rows at a time."""
+        """Send all rows into one recording."""
         stream.send_columns(self.entity, self.indexes, self.columns, strict=True)
 
 
 @dataclass(frozen=True)
-class Still:
-    """What holds at every time, such as the names of series; a later one replaces it."""
+class StaticContent:
+    """Static content, valid at every time, such as the names of series; a later one replaces it."""
 
     entity: str
     content: rr.AsComponents
 
     @property
     def place(self) -> str:
-        """What a later one replaces this one by."""
+        """Key by which a later message replaces this one."""
         return f"{self.entity}:{type(self.content).__name__}"
 
     def send(self, stream: rr.RecordingStream) -> None:
-        """Into one recording."""
+        """Send it into one recording."""
         stream.log(self.entity, self.content, static=True, strict=True)
 
 
 @dataclass(frozen=True)
-class Arrangement:
-    """How the viewer is laid out from now on."""
+class LayoutMessage:
+    """The layout of the viewer from now on."""
 
     blueprint: rrb.Blueprint
 
@@ -57,11 +57,11 @@ class Arrangement:
         return ""
 
     def send(self, stream: rr.RecordingStream) -> None:
-        """Into one recording."""
+        """Send it into one recording."""
         stream.send_blueprint(self.blueprint)
 
 
-Message = Columns | Still | Arrangement
+Message = Columns | StaticContent | LayoutMessage
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,7 @@ class TimeAxis:
     wall_s: float
 
     def indexes(self, ticks: NDArray[np.int64], tick_s: float | None = None) -> tuple[rr.TimeColumn, ...]:
-        """Time columns of ticks, shape (n,); times are whole nanoseconds.
+        """Return the time columns of ticks, shape (n,); times are whole nanoseconds.
 
         `tick_s` is for what counts faster than the drive from the same moment: several of its rows are then
         of one drive tick.
@@ -92,7 +92,7 @@ class TimeAxis:
         )
 
     def of(self, drive_s: NDArray[np.float64]) -> NDArray[np.int64]:
-        """Ticks that moments of drive time fall into."""
+        """Return the ticks that moments of drive time fall into."""
         return np.floor(drive_s / self.tick_s + 1e-6).astype(np.int64)
 
     def ticks(self, block: Block) -> NDArray[np.int64]:
@@ -112,17 +112,17 @@ def scalars(
     values: NDArray[np.float64],
     tick_s: float | None = None,
 ) -> Columns:
-    """Values of shape (n, series) at ticks of shape (n,); `tick_s` as of `TimeAxis.indexes`."""
+    """Return the values of shape (n, series) at ticks of shape (n,); `tick_s` as of `TimeAxis.indexes`."""
     widths = np.full(len(values), values.shape[1])
     batch = rr.Scalars.columns(scalars=np.ascontiguousarray(values).ravel()).partition(widths)
     return Columns(entity, axis.indexes(ticks, tick_s), tuple(batch))
 
 
 def block_columns(block: Block, axis: TimeAxis, source: str, next_tick: int | None = None) -> list[Columns]:
-    """Every sample of a Block, one message for each quantity.
+    """Return every sample of a Block, one message for each quantity.
 
     Where rows are missing, within the block or since `next_tick`, a row of nan at the first tick that is
-    missing breaks the line: a plot would else draw a straight one over the gap.
+    missing breaks the line: a plot would otherwise draw a straight line over the gap.
     """
     ticks, data = block.ticks(), block.data
     rows = [gap.row for gap in block.gaps]
@@ -140,7 +140,8 @@ def block_columns(block: Block, axis: TimeAxis, source: str, next_tick: int | No
 
 
 def parts(block: Block, rows: int) -> list[Block]:
-    """A block cut into blocks of so many rows, each with its own gaps; a gap at a cut stays between two."""
+    """Return a block cut into blocks of so many rows, each with its own gaps; a gap at a cut stays between
+    two."""
     ticks = block.ticks()
     cut = []
     for begin in range(0, len(block.data), rows):
@@ -150,15 +151,15 @@ def parts(block: Block, rows: int) -> list[Block]:
     return cut
 
 
-def series(channels: tuple[Channel, ...], source: str) -> list[Still]:
-    """Names with units and colours of a Block's series.
+def series(channels: tuple[Channel, ...], source: str) -> list[StaticContent]:
+    """Return the names with units and colours of a Block's series.
 
     Where a plot has less pixels than samples, the viewer draws their minimum and maximum; every sample is in
     the recording.
     """
     width = 1.5 if source == names.STREAM else 1.0
     return [
-        Still(
+        StaticContent(
             f"{source}/{name}",
             rr.SeriesLines(
                 names=[names.label(channels[column], source) for column in columns],
@@ -173,9 +174,9 @@ def series(channels: tuple[Channel, ...], source: str) -> list[Still]:
     ]
 
 
-def lines(entity: str, styles: Mapping[str, tuple[names.Colour, float]]) -> Still:
+def lines(entity: str, styles: Mapping[str, tuple[names.Colour, float]]) -> StaticContent:
     """Names, colours and widths of series that are not channels."""
-    return Still(
+    return StaticContent(
         entity,
         rr.SeriesLines(
             names=list(styles),
@@ -186,5 +187,5 @@ def lines(entity: str, styles: Mapping[str, tuple[names.Colour, float]]) -> Stil
 
 
 def at(entity: str, axis: TimeAxis, tick: int, columns: Any) -> Columns:
-    """One row of any archetype, `columns` being what its `columns` method gave."""
+    """Return one row of any archetype, `columns` being what its `columns` method gave."""
     return Columns(entity, axis.indexes(np.array([tick], dtype=np.int64)), tuple(columns))

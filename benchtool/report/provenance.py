@@ -1,35 +1,32 @@
-"""The part of a report that says where the numbers come from: the run, the drive, the data and the files."""
+"""Provenance in a report: the run, the drive, the data and the files."""
 
 from __future__ import annotations
 
 import hashlib
 import itertools
+import tomllib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from benchtool.analysis.measurement import measurements_from_json
+from pydantic import ValidationError
+
+from benchtool.analysis import measurements_from_json, number, raw
 from benchtool.block import Block
 from benchtool.errors import BenchError
-from benchtool.profile import Choice
-from benchtool.recording import Bundle, Event, Level, Manifest
-from benchtool.recording.failures import reading
+from benchtool.profile import Choice, Profile
+from benchtool.recording import MANIFEST, Bundle, Event, Level, Manifest, reading
 from benchtool.report.content import Cell, Facts, Grid, Item, Section, Text
-from benchtool.report.numbers import number, raw
 from benchtool.report.results import Bounds, measurements_section
 
-_RESULTS = ("manifest.json", "measurements.json", "tables.json", "certificate.json")
+_RESULTS = (MANIFEST, "measurements.json", "tables.json", "certificate.json")
 _SHOWN_EVENTS = 30
 
 
 def run_facts(manifest: Manifest, plan_name: str = "") -> Facts:
-    """What was run, when and with what; what the manifest does not know is left out."""
+    """Return facts of the run from the manifest; missing entries are left out."""
     identity, versions = manifest.identity, dict(manifest.versions)
-    numbers = [
-        f"{name.replace('_', ' ')} {identity[name]}"
-        for name in ("vendor_id", "product_code", "revision_number", "serial_number")
-        if identity.get(name) is not None
-    ]
     commit = versions.pop("commit", "")
     conditions = manifest.conditions
     temperature_degC = conditions.temperature_degC
@@ -39,12 +36,10 @@ def run_facts(manifest: Manifest, plan_name: str = "") -> Facts:
         "plan": plan_name,
         "begun": manifest.when,
         "profile": manifest.profile_name,
-        "operating point": _settings_line(point) if isinstance(point, dict) else "",
-        "link": manifest.link
-        or _option(words, "--link")
-        or "emulated" * (identity.get("hardware_version") == "emulated"),
+        "operating point": settings_line(point) if isinstance(point, dict) else "",
+        "link": link_of(manifest),
         "drive": str(identity.get("device_name", "")),
-        "drive's numbers": ", ".join(numbers),
+        "drive's numbers": drive_numbers(identity),
         "hardware": str(identity.get("hardware_version", "")),
         "firmware": str(identity.get("firmware_version", "")),
         "dictionary": "" if manifest.dictionary_hash is None else f"0x{manifest.dictionary_hash:08X}",
@@ -61,8 +56,29 @@ def run_facts(manifest: Manifest, plan_name: str = "") -> Facts:
     return Facts(tuple((name, what) for name, what in pairs.items() if what))
 
 
+def profile_of(manifest: Manifest) -> Profile | None:
+    """Return the profile that a bundle carries; None if this version does not understand it."""
+    try:
+        return Profile.model_validate(tomllib.loads(manifest.profile_toml))
+    except (tomllib.TOMLDecodeError, RecursionError, ValidationError):
+        return None
+
+
+def link_of(manifest: Manifest) -> str:
+    """Return the address of the drive; as far as an older manifest tells."""
+    emulated = manifest.identity.get("hardware_version") == "emulated"
+    return manifest.link or _option(manifest.command_line, "--link") or "emulated" * emulated
+
+
+def drive_numbers(identity: Mapping[str, object]) -> str:
+    """Return the numbers of a drive's identity object, as far as they are known."""
+    names = ("vendor_id", "product_code", "revision_number", "serial_number")
+    known = (name for name in names if identity.get(name) is not None)
+    return ", ".join(f"{name.replace('_', ' ')} {identity[name]}" for name in known)
+
+
 def supervision_notes(manifests: Iterable[Manifest]) -> Iterator[Text]:
-    """How drives were supervised whose profile lets them run without; each sentence once."""
+    """Yield the supervision of drives whose profile allows running without; each sentence once."""
     told: dict[str, bool] = {}
     for manifest in manifests:
         stated = manifest.details.get("supervision")
@@ -89,7 +105,7 @@ def _option(words: Sequence[str], name: str) -> str:
 
 
 def quality_section(bundle: Bundle, limits: Mapping[str, Bounds]) -> Section:
-    """The data-quality certificate: whether the data are complete, and each of its numbers."""
+    """Return the data-quality certificate: whether the data are complete, and each of its numbers."""
     certificate = bundle.certificate
     title = "Data quality"
     if certificate is None:
@@ -102,11 +118,12 @@ def quality_section(bundle: Bundle, limits: Mapping[str, Bounds]) -> Section:
         else Text("Incomplete: rows are missing. Nothing was interpolated in their place.", "warning")
     )
     numbers = measurements_section("The certificate's numbers", measured, limits, {})
-    return Section(title, (verdict, *numbers.items))
+    return Section(title, (verdict, replace(numbers, paper=False)))
 
 
 def events_section(events: Sequence[Event]) -> Section | None:
-    """The log of a run: its steps, the drive's states and faults, at the drive's ticks; None without any."""
+    """Return the log of a run: its steps, the drive's states and faults, at the drive's ticks; None without
+    any."""
     if not events:
         return None
     rows = [
@@ -118,14 +135,16 @@ def events_section(events: Sequence[Event]) -> Section | None:
         for event in events
     ]
     return Section(
-        "What happened", (Grid.of(("event", "level", ">tick of the drive"), rows, shown=_SHOWN_EVENTS),)
+        "What happened",
+        (Grid.of(("event", "level", ">tick of the drive"), rows, shown=_SHOWN_EVENTS),),
+        paper=False,
     )
 
 
 def parameters_section(
     parameters: Mapping[str, object], described: Mapping[str, tuple[str, str, object]], caption: str = ""
 ) -> Section:
-    """Parameters of the drive during the run.
+    """Return the parameters of the drive during the run.
 
     Args:
         parameters: as the manifest keeps them.
@@ -138,9 +157,11 @@ def parameters_section(
         shown = "" if default is None else raw(default)
         rows.append((name, Cell(raw(value)), unit, shown, "differs" if differs else ""))
     if not rows:
-        return Section("Drive parameters", (Text("The manifest keeps none.", "note"),))
+        return Section("Drive parameters", (Text("The manifest contains none.", "note"),))
     if described:
         grid = Grid.of(("parameter", ">value", "unit", ">default", "from default"), rows, caption)
+        *columns, told = grid.columns
+        grid = replace(grid, columns=(*columns, replace(told, paper=False)))
     else:
         grid = Grid.of(("parameter, with its unit", ">value"), [row[:2] for row in rows], caption)
     return Section("Drive parameters", (grid,))
@@ -153,11 +174,11 @@ def _same(one: object, other: object) -> bool:
 
 
 def plan_section(plan: Mapping[str, Any]) -> Section:
-    """Every setting of a plan by its TOML key; what was left empty is left out."""
+    """Return every setting of a plan by its TOML key, without empty ones."""
     rows = [row for row in _settings(plan) if row[0] not in ("title", "readings")]
     items: list[Item] = [Grid.of(("key", "setting"), rows)]
     items += [Text(str(reading), "note") for reading in plan.get("readings", ())]
-    return Section("Plan", tuple(items))
+    return Section("Plan", tuple(items), paper=False)
 
 
 def _settings(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, str]]:
@@ -178,16 +199,19 @@ def _inline(value: Any) -> str:
     return raw(value)
 
 
-def _settings_line(table: Mapping[str, Any]) -> str:
+def settings_line(table: Mapping[str, Any]) -> str:
+    """Return the settings in one line, those that are zero left out."""
     return ", ".join(f"{key} = {value}" for key, value in _settings(table) if value != "0")
 
 
 def choices_section(choices: Sequence[Choice]) -> Section | None:
-    """What the profile's sources leave open, and what was chosen and why."""
+    """Return the open points of the profile's sources, with the choices and reasons."""
     if not choices:
         return None
     rows = [(each.about, each.choice, each.reason, each.effect) for each in choices]
-    return Section("Choices of the profile", (Grid.of(("about", "choice", "reason", "effect"), rows),))
+    return Section(
+        "Choices of the profile", (Grid.of(("about", "choice", "reason", "effect"), rows),), paper=False
+    )
 
 
 def files_section(
@@ -195,7 +219,7 @@ def files_section(
     commands: Sequence[str],
     by: str = "the plan that the bundle carries",
 ) -> Section:
-    """How to compute everything again: commands, files with their SHA-256, and columns of the streams.
+    """Return how to compute everything again: commands, files with their SHA-256, and columns of the streams.
 
     Args:
         bundles: with a prefix for the names of their files, and those of their streams that were read.
@@ -214,16 +238,36 @@ def files_section(
             files.append((f"{prefix}{relative}", size, _sha256(path)))
         for name in bundle.streams:
             streams[f"{prefix}data/{name}", _columns(bundle, name, read)] = None
+    several = sum(row[0].endswith(MANIFEST) for row in files) > 1
     lines = [Text(line, "code") for line in commands]
     return Section(
         "How to compute this again",
         (
             Text(f"Every number above is computed from the recorded data by {by}:"),
             *lines,
-            Grid.of(("stream", "rate, rows: columns"), list(streams), "What the data files hold."),
-            Grid.of(("file", ">bytes", "SHA-256"), files, "The files that this report was made from."),
+            Section(
+                "What the data files hold",
+                (Grid.of(("stream", "rate, rows: columns"), list(streams)),),
+                paper=False,
+            ),
+            *_hashes(files, several),
         ),
     )
+
+
+def _hashes(files: Sequence[tuple[str, ...]], several: bool) -> Iterator[Item]:
+    """Yield the files by their SHA-256; of `several` bundles on paper the manifests alone, which have those
+    of the others."""
+    headings = ("file", ">bytes", "SHA-256")
+    every = Grid.of(headings, files, "The files that this report was made from.")
+    if not several:
+        yield every
+        return
+    manifests = [row for row in files if row[0].endswith(MANIFEST)]
+    yield Grid.of(
+        headings, manifests, "The manifests, each with the SHA-256 of the other files of its bundle."
+    )
+    yield Section("All files", (every,), paper=False)
 
 
 def _columns(bundle: Bundle, name: str, read: Mapping[str, Block]) -> str:

@@ -1,4 +1,4 @@
-"""A page that sets a publication's figures beside those of a run, as Markdown."""
+"""A Markdown page that compares the figures of a publication with those of a run."""
 
 from __future__ import annotations
 
@@ -14,7 +14,8 @@ from benchtool.report.claims import claims_table, literal
 
 @dataclass(frozen=True)
 class PlanFigures:
-    """One plan of the run: its cases' measurements and published figures, and what its source leaves open."""
+    """One plan of the run: its cases' measurements and published figures, and the open points of its
+    source."""
 
     name: str
     title: str
@@ -24,12 +25,12 @@ class PlanFigures:
     published: Mapping[str, Mapping[str, float]]
 
 
-MARK = b"Written by `benchtool run"
-"""What every page has, whatever the run."""
+PAGE_MARK = b"Written by `benchtool run"
+"""Text that identifies every page."""
 
 
 def reproduction_page(profile: Profile, plans: Sequence[PlanFigures], command: str) -> str:
-    """Every published figure with ours and the ratio, every claim, other measurement, choice made.
+    """Return every published figure with ours and the ratio, every claim, other measurement, choice made.
 
     A number is one that the run measured, or the publication's.
     """
@@ -44,7 +45,7 @@ def reproduction_page(profile: Profile, plans: Sequence[PlanFigures], command: s
 
 
 def _both_readings(plans: Sequence[PlanFigures]) -> Iterator[str]:
-    """Every published figure beside that of the plan's two readings."""
+    """Yield every published figure beside that of the plan's two readings."""
     rows = [
         (plan, case, name, value)
         for plan in plans
@@ -57,7 +58,7 @@ def _both_readings(plans: Sequence[PlanFigures]) -> Iterator[str]:
     yield from (
         "## Published figures in both readings",
         "",
-        "| plan | case | measurement | published | by the letter | ratio | as run here | ratio |",
+        "| plan | case | measurement | published | literally | ratio | as run here | ratio |",
         "|---|---|---|---|---|---|---|---|",
     )
     for plan, case, name, value in rows:
@@ -76,7 +77,7 @@ def _claims(profile: Profile, plans: Sequence[PlanFigures]) -> Iterator[str]:
 
 
 def _short(plan: PlanFigures) -> str:
-    """Name of a plan without that of its folder."""
+    """Return the name of a plan without that of its folder."""
     return PurePath(plan.name).stem
 
 
@@ -105,7 +106,7 @@ def _published(plan: PlanFigures) -> Iterator[str]:
 
 
 def _table(plan: PlanFigures) -> Iterator[str]:
-    """A column for each case or, where the plan chooses measurements, a row for each."""
+    """Yield a column for each case or, where the plan chooses measurements, a row for each."""
     if plan.tabulate:
         yield f"| case | {' | '.join(plan.tabulate)} |"
         yield f"|---|{'---|' * len(plan.tabulate)}"

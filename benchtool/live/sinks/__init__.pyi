@@ -1,0 +1,1 @@
+from .picture import take_picture as take_picture

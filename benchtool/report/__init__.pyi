@@ -1,0 +1,7 @@
+from .content import Report as Report
+from .reproduction_page import (
+    PAGE_MARK as PAGE_MARK,
+    PlanFigures as PlanFigures,
+    reproduction_page as reproduction_page,
+)
+from .writing import write_report as write_report

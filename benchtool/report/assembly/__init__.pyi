@@ -1,0 +1,12 @@
+from .comparison import comparison_report as comparison_report
+from .comparison_front import difference as difference
+from .figures import (
+    draw_case as draw_case,
+    draw_cases as draw_cases,
+)
+from .plan import case_label as case_label
+from .run import run_report as run_report
+from .table import (
+    keep as keep,
+    table_report as table_report,
+)

@@ -1,0 +1,314 @@
+"""The page that is signed: what was tested, on what and by whom, the verdicts with their limits, what was not
+run, and what casts doubt on any of it."""
+
+from __future__ import annotations
+
+import hashlib
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from typing import Final
+
+from pydantic import ValidationError
+
+from benchtool.analysis import NOTHING, number, raw, with_expanded
+from benchtool.block import Block
+from benchtool.plan import Verdict, cases, recorded_plan, worst
+from benchtool.profile import Bench, Profile
+from benchtool.recording import MANIFEST, Bundle, Manifest, hash_of
+from benchtool.report import content
+from benchtool.report.assembly.case import case_bounds, coordinates, failure, remarks, unmeasured
+from benchtool.report.assembly.marks import mark
+from benchtool.report.assembly.recording import recording_items
+from benchtool.report.content import Cell, Facts, Grid, Item, Mark, Section, Signatures, Text
+from benchtool.report.provenance import drive_numbers, link_of, profile_of, settings_line, supervision_notes
+from benchtool.report.results import Bounds, limits_section
+from benchtool.results import Assessment, RecordedCase, RecordedRun, overdue_text
+
+_WORDS: Final[dict[Verdict, str]] = {
+    Verdict.NONE: "No limits",
+    Verdict.PASS: "Pass",
+    Verdict.MARGINAL: "Marginal",
+    Verdict.UNDECIDED: "Undecided",
+    Verdict.FAIL: "Fail",
+}
+_UNSTATED: Final = "not stated"
+ROLES: Final = ("Tested by", "Checked by")
+_MOST_TOLD = 6  # cases whose remarks stand on the first page
+
+
+def front_items(runs: Sequence[RecordedRun]) -> Iterator[Item]:
+    """Yield what stands on the first page of the report of these runs."""
+    found = [case for run in runs for case in run.cases]
+    together = [each.verdict for run in runs for group in run.repeated.values() for each in group]
+    yield banner(worst(run.verdict for run in runs), found, together)
+    yield from supervision_notes(case.bundle.manifest for case in found)
+    if len(found) == 1:
+        yield from failure(found[0])
+    yield from _warnings(runs, found)
+    yield Section("What was tested", (tested(runs, found),))
+    if len(found) == 1 and found[0].assessment is not None:
+        yield from recording_items(found[0].assessment)
+    if len(found) == 1:
+        result = found[0].assessment
+        if result is not None and result.recorded is None:  # a recording has no plan that could set any
+            yield limits_section((*result.measurements, *result.quality), case_bounds(result))
+    elif not all(case.assessment and case.assessment.recorded for case in found):
+        yield _judged_together(runs)
+    yield Section("Not run or not measured", tuple(_not_run(runs, found)))
+    yield Signatures(ROLES)
+
+
+def banner(verdict: Verdict, found: Sequence[RecordedCase], together: Sequence[Verdict]) -> content.Verdict:
+    """Return the outcome of all limits, those of each case and those of repetitions `together`."""
+    limits = [each for case in found if case.assessment for each in case.assessment.verdicts.values()]
+    limits += [each for each in together if each is not Verdict.NONE]
+    failures = [case for case in found if case.failure]
+    parts = []
+    if limits:
+        met = sum(each.met for each in limits)
+        parts.append(f"{met} of {len(limits)} limits met")
+        if undecided := sum(each is Verdict.UNDECIDED for each in limits):
+            parts.append(f"{undecided} undecided")
+        if tight := sum(each is Verdict.MARGINAL for each in limits):
+            parts.append(f"{tight} of them marginally")
+    else:
+        parts.append("no limits were set")
+    if failures:
+        parts.append(f"{len(failures)} of {len(found)} cases failed or were cut short")
+    elif len(found) > 1:
+        parts.append(f"{len(found)} cases")
+    overdue = [each for case in found if case.assessment for each in case.assessment.overdue]
+    parts += [overdue_text(overdue)] if overdue else []
+    mark_: Mark = mark(verdict)
+    text = f"{content.SYMBOLS[mark_]} {_WORDS[verdict]}"
+    summary = ", ".join(parts)
+    shaft = worst(by for case in found if case.assessment and (by := case.assessment.verdict_by_transducer))
+    other = f" By the transducer on the shaft: {shaft}." if shaft not in (Verdict.NONE, verdict) else ""
+    return content.Verdict(mark_, text, f"{summary[0].upper()}{summary[1:]}.{other}")
+
+
+def tested(runs: Sequence[RecordedRun], found: Sequence[RecordedCase]) -> Facts:
+    """Return the test object, operating point, drive, bench, operator and day; what is not known of those one
+    signs for is said to be so."""
+    manifest, alone = found[0].bundle.manifest, len(found) == 1
+    identity, conditions, profile = manifest.identity, manifest.conditions, profile_of(manifest)
+    point = manifest.details.get("operating_point")
+    result = found[0].assessment
+    case = ", ".join((found[0].name, *(f"{key} {what}" for key, what in coordinates(found[0]))))
+    last = max(each.bundle.manifest.when for each in found)
+    several = "" if last == manifest.when else f" to {last}"
+    capture = None if result is None else result.capture
+    pairs = {
+        "test object": f"serial number {conditions.test_object_serial_number or _UNSTATED}",
+        "motor": "" if profile is None else motor_rating(profile),
+        "case" if alone else "cases": case if alone else _case_count(runs),
+        "operating point": settings_line(point) if alone and isinstance(point, dict) else "",
+        "profile": manifest.profile_name,
+        "drive": ", ".join(filter(None, (str(identity.get("device_name", "")), drive_numbers(identity)))),
+        "hardware, firmware": ", ".join(
+            str(identity[key]) for key in ("hardware_version", "firmware_version") if identity.get(key)
+        ),
+        "link": link_of(manifest),
+        "bench": "" if profile is None else ", ".join(equipment(profile, link_of(manifest))),
+        "instruments": "; ".join(
+            (*conditions.instruments, *([] if profile is None else _sensors(profile.bench)))
+        ),
+        "temperature": ", ".join(_temperatures(manifest)),
+        "begun": f"{manifest.when}{several}",
+        "captured": _captured(capture) if capture is not None and alone else "",
+        "operator": conditions.operator or _UNSTATED,
+        "note": manifest.note,
+    }
+    return Facts(tuple((name, what) for name, what in pairs.items() if what))
+
+
+def _captured(capture: Block) -> str:
+    length_s = len(capture.data) * capture.stride * capture.tick_s
+    return f"{raw(length_s)} s at {raw(capture.sample_rate_Hz)} Hz"
+
+
+def fingerprint(bundles: Sequence[Bundle]) -> str:
+    """Return SHA-256 of the manifest, which has that of each file; of several bundles, of theirs in order.
+
+    Raises:
+        RecordingError: a manifest cannot be read.
+    """
+    hashes = [hash_of(bundle.directory / MANIFEST).sha256 for bundle in bundles]
+    return hashes[0] if len(hashes) == 1 else hashlib.sha256("".join(hashes).encode("ascii")).hexdigest()
+
+
+def _case_count(runs: Sequence[RecordedRun]) -> str:
+    count = sum(len(run.cases) for run in runs)
+    names = [run.name for run in runs if run.name]
+    return f"{count}" + (f" of the plans {', '.join(names)}" if len(names) > 1 else "")
+
+
+def motor_rating(profile: Profile) -> str:
+    motor = profile.motor
+    return (
+        f"rated {raw(motor.T_N_Nm)} Nm, {raw(motor.omega_m_N_rad_s)} rad/s, {raw(motor.I_N_A_rms)} A rms, "
+        f"{motor.pole_pairs} pole pairs"
+    )
+
+
+def equipment(profile: Profile, link: str) -> Iterator[str]:
+    """Yield the kinds of equipment beside the drive; what the profile leaves out is the emulated bench's, or
+    not there."""
+    emulated = link.startswith("emulated")
+    for name in ("load", "transducer", "supply", "temperature"):
+        stated = getattr(profile.bench, name)
+        kind = stated.kind if stated is not None else "emulated" if emulated else "none stated"
+        yield f"{name} {kind}"
+
+
+def _sensors(bench: Bench) -> Iterator[str]:
+    """Yield sensors that the profile states, with their certificates and the day of the next calibration."""
+    for channel, sensor in bench.channels.items():
+        if sensor.label:
+            due = f", calibration due {sensor.due}" if sensor.due else ""
+            yield f"{channel}: {sensor.label}{due}"
+
+
+def _temperatures(manifest: Manifest) -> Iterator[str]:
+    stated = manifest.conditions.temperature_degC
+    if stated is not None:
+        yield f"{raw(stated)} °C stated"
+    before = manifest.details.get("equipment", {}).get("before", {})
+    for key, what in (("winding_degC", "winding"), ("ambient_degC", "surroundings")):
+        if isinstance(before.get(key), float):
+            yield f"{what} {raw(before[key])} °C before"
+
+
+def _warnings(runs: Sequence[RecordedRun], found: Sequence[RecordedCase]) -> Iterator[Item]:
+    """Yield what a verdict does not say, of a run of several cases for the worst of these."""
+    if len(found) == 1:
+        yield from remarks(found[0].assessment) if found[0].assessment else ()
+        return
+    overdue = dict.fromkeys(late for case in found if case.assessment for late in case.assessment.overdue)
+    yield from (Text(f"Overdue: {late}.", "warning") for late in overdue)
+    told = [f"{case.name}: {why}" for case in found for why in _reasons(case)]
+    told += [
+        f"{group} over its repetitions: {each.missed}"
+        for run in runs
+        for group, all_of_it in run.repeated.items()
+        for each in all_of_it
+        if each.missed
+    ]
+    yield from (Text(f"{text[0].upper()}{text[1:]}.", "warning") for text in told[:_MOST_TOLD])
+    if len(told) > _MOST_TOLD:
+        yield Text(f"{len(told) - _MOST_TOLD} more of these stand with their cases.", "warning")
+    against = Counter(
+        each.name for case in found if case.assessment for each in case.assessment.disagreements
+    )
+    judged = {
+        each.name
+        for case in found
+        if case.assessment
+        for each in case.assessment.disagreements
+        if each.verdict is not None and each.verdict is not case.assessment.verdicts.get(each.name)
+    }
+    if against:
+        cases_of = ", ".join(f"{name} ({count} of {len(found)} cases)" for name, count in against.items())
+        text = f"The transducer disagrees with the drive's own estimate: {cases_of}."
+        if judged:
+            text += f" By it the verdict on {', '.join(sorted(judged))} would be another."
+        yield Text(text, "warning" if judged else "note")
+
+
+def _reasons(case: RecordedCase) -> tuple[str, ...]:
+    """Return the reasons of a case's verdict: its failure, or missed limits and by how much."""
+    missed = case.assessment.missed if case.assessment is not None else ()
+    return (*((case.failure,) if case.failure else ()), *(str(each) for each in missed))
+
+
+def _not_run(runs: Sequence[RecordedRun], found: Sequence[RecordedCase]) -> Iterator[Item]:
+    """Yield the cases of the plans that have no recording, and what cases could not be measured for."""
+    told = [f"{run.name or 'plan'}: {', '.join(missing)}" for run in runs if (missing := _missing(run))]
+    if told:
+        yield Text(f"Cases of the plan without a recording: {'; '.join(told)}.", "warning")
+    for text, count in Counter(text for case in found for text in _open(case)).items():
+        yield Text(f"{text}{'' if len(found) == 1 else f' ({count} of {len(found)} cases)'}.")
+    judged = any(case.assessment and case.assessment.limits for case in found)
+    if not told and not any(True for case in found for _ in _open(case)):
+        whole = "Every case of the plan was run, and every limit was put to a number."
+        yield Text(whole if judged else "Nothing was left out.", "note")
+
+
+def _open(case: RecordedCase) -> Iterator[str]:
+    """Yield what a case has no number for; all of it, where it could not be measured."""
+    if case.assessment is None:
+        yield f"Not measured: {case.failure or 'a recording without a plan'}"
+    yield from unmeasured(case)
+
+
+def _missing(run: RecordedRun) -> list[str]:
+    carrier = next((case.bundle for case in run.cases if "plan" in case.bundle.manifest.details), None)
+    if carrier is None:
+        return []
+    try:
+        planned = cases(recorded_plan(carrier.manifest.details["plan"]))
+    except ValidationError:
+        return []
+    there = {case.name for case in run.cases}
+    return [] if len(planned) == 1 else [case.name for case in planned if case.name not in there]
+
+
+def _judged_together(runs: Sequence[RecordedRun]) -> Section:
+    """Return each limit with the value that meets it worst, over all cases."""
+    rows = [row for run in runs for row in _rows_of(run, f"{run.name}: " if len(runs) > 1 else "")]
+    headings = (
+        "measurement",
+        "limit",
+        "decision rule",
+        ">worst value ± U (k)",
+        "in case",
+        ">margin left",
+        "verdicts",
+    )
+    if not rows:
+        return Section("Limits and verdicts", (Text("The plan sets no limits.", "note"),))
+    return Section("Limits and verdicts", (Grid.of(headings, rows),))
+
+
+def _rows_of(run: RecordedRun, prefix: str) -> Iterator[tuple[str | Cell, ...]]:
+    judged: dict[tuple[str, str], list[tuple[Assessment, str, Bounds]]] = {}
+    for case in run.cases:
+        if case.assessment is not None:
+            for name, bounds in case_bounds(case.assessment).items():
+                judged.setdefault((name, bounds.rule), []).append((case.assessment, name, bounds))
+    for (name, rule), found in judged.items():
+        result, _, bounds = max(found, key=_badness)
+        measured = result.found.get(name)
+        value = "not measured" if measured is None else _with_k(result, name)
+        left = NOTHING if measured is None else number(bounds.headroom(measured.value)[0], 3)
+        limits = {each.text for _, _, each in found}
+        verdict = worst(each.verdicts[name] for each, _, _ in found)
+        count = Counter(str(each.verdicts[name]) for each, _, _ in found)
+        text = ", ".join(f"{number_of} {verdict_of}" for verdict_of, number_of in count.items())
+        limit = next(iter(limits)) if len(limits) == 1 else f"{bounds.text}, and others"
+        yield f"{prefix}{name}", limit, rule, value, result.case, left, Cell(text, mark(verdict))
+    for group, together in run.repeated.items():
+        for each in together:
+            if each.limit is not None:
+                value = with_expanded(each.mean, each.uncertainty)
+                what = "" if each.judged is None else f" ({each.judged.definition})"
+                verdict_ = Cell(str(each.verdict), mark(each.verdict))
+                left = NOTHING if each.judged is None else number(each.limit.headroom(each.judged.value), 3)
+                yield (
+                    *(f"{prefix}{each.name}", f"{each.limit.bounds}{what}", each.limit.rule),
+                    *(f"{value} {each.unit}".rstrip(), group, left, verdict_),
+                )
+
+
+def _badness(judged: tuple[Assessment, str, Bounds]) -> tuple[int, float]:
+    """Return the verdict, then how little room is left."""
+    result, name, bounds = judged
+    measured = result.found.get(name)
+    room = -float("inf") if measured is None else bounds.headroom(measured.value)[0]
+    return list(Verdict).index(result.verdicts[name]), -room
+
+
+def _with_k(result: Assessment, name: str) -> str:
+    measured = result.found[name]
+    k = "" if measured.uncertainty is None else f" ({measured.uncertainty.k:.3g})"
+    return f"{with_expanded(measured.value, measured.uncertainty)}{k} {measured.unit}".rstrip()
