@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import sys
 from types import FrameType
 from typing import Annotated
 
 import typer
+from typer.completion import completion_init  # type: ignore[attr-defined] # typer imports it there
 
 from benchtool import __version__
-from benchtool.cli.ending import run_to_the_end
-from benchtool.cli.verbs import PARAMETER_VERBS, VERBS, group
+from benchtool.cli.exit_codes import run_to_the_end
+from benchtool.cli.verbs import COMPLETION_VERBS, PARAMETER_VERBS, PLAN_VERBS, PROFILE_VERBS, VERBS, group
 
 app = group(
     VERBS,
@@ -22,9 +24,17 @@ app = group(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-app.add_typer(
-    group(PARAMETER_VERBS, help="List, read, write, file and keep parameters of a drive."), name="params"
-)
+for _name, _verbs, _help in (
+    ("params", PARAMETER_VERBS, "List, read, write, file and keep parameters of a drive."),
+    ("profile", PROFILE_VERBS, "Write a profile for a motor of one's own."),
+    ("completion", COMPLETION_VERBS, "Tab completion of verbs, options and their values in your shell."),
+    ("plan", PLAN_VERBS, "Write a test plan of one's own."),
+):
+    app.add_typer(group(_verbs, help=_help), name=_name)
+
+
+COMPLETING = "_BENCHTOOL_COMPLETE"
+"""Environment of a shell that asks for completion, see `benchtool.cli.completion`."""
 
 
 def _version(show: bool) -> None:
@@ -43,13 +53,15 @@ def _options(
 
 def main() -> None:
     """Run the command line and end the process with its exit code."""
+    if COMPLETING in os.environ:
+        completion_init()
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, _interrupt)
     run_to_the_end(app)
 
 
 def _interrupt(_number: int, _frame: FrameType | None) -> None:
-    """The first signal interrupts; further ones must not cut short what disables the drive."""
+    """The first signal interrupts; further ones must not interrupt the disabling of the drive."""
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.SIG_IGN)
     raise KeyboardInterrupt

@@ -6,26 +6,32 @@ import json
 import math
 import sys
 from collections.abc import Mapping
+from datetime import datetime
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from benchtool.analysis.catalogue import catalogue
-from benchtool.analysis.instruments import said_of_sensors
-from benchtool.cli import options
-from benchtool.cli.bundles import bundle_folder
-from benchtool.cli.output import Output, tell_unsealed
+from benchtool.analysis import catalogue, sensor_remarks
+from benchtool.cli import options, selection as chosen
+from benchtool.cli.output import Output, warn_unsealed
 from benchtool.cli.report import write_report
 from benchtool.cli.results import measured, show_run
 from benchtool.errors import UsageError
 from benchtool.profile import Bench, load_bench
 from benchtool.recording import Bundle, enlist
-from benchtool.report.assembly.table import keep, table_report
-from benchtool.results.assessment import RunResult, assess_bundle
-from benchtool.results.runs import complete_cases, recorded_runs
-from benchtool.tables import TableAnswer, TableQuestion, analyze_table
-from benchtool.tables.scaling import quantity
+from benchtool.report.assembly import keep, table_report
+from benchtool.results import (
+    RunResult,
+    Selection,
+    assess_bundle,
+    assess_recording,
+    complete_cases,
+    is_planned,
+    recorded_runs,
+)
+from benchtool.run import bundle_folder
+from benchtool.tables import TableAnswer, TableQuestion, analyze_table, quantity
 
 
 def _column(what: str) -> Any:
@@ -71,17 +77,24 @@ def analyze(
     rated_torque: Annotated[
         float | None, typer.Option(metavar="NM", help="With --csv: base of the ripple in percent.")
     ] = None,
-    from_: Annotated[
-        float | None, typer.Option("--from", metavar="S", help="With --csv: leave out what is earlier.")
-    ] = None,
-    to: Annotated[
-        float | None, typer.Option("--to", metavar="S", help="With --csv: leave out what is later.")
-    ] = None,
+    from_: chosen.From = None,
+    to: chosen.To = None,
+    stream: chosen.Stream = "",
+    analysis: chosen.Asked = None,
     bench: Annotated[
         str | None,
         typer.Option(
             metavar="NAME|FILE",
             help="With --csv: profile, or TOML file, whose [bench] states the sensors of the columns.",
+        ),
+    ] = None,
+    recorded_on: Annotated[
+        datetime | None,
+        typer.Option(
+            "--date",
+            formats=["%Y-%m-%d"],
+            metavar="YYYY-MM-DD",
+            help="With --csv: day of the recording, by which calibrations are due, instead of the file's.",
         ),
     ] = None,
     out: Annotated[
@@ -96,7 +109,11 @@ def analyze(
     ] = False,
     as_json: options.Json = False,
 ) -> int:
-    """Measure a recorded run again, by the plan that it carries; or data from elsewhere, with --csv.
+    """Measure a recorded run again, by the plan that it carries; a recording; or data from elsewhere, --csv.
+
+    A recording without a plan is measured in each of its steady regimes, by every analysis that its channels
+    allow, or in the window of --from and --to. With one of these, --stream or --analysis, so is a run of a
+    plan, without its limits.
 
     COLUMN is a name in the head of the table, or a number counted from 1. Its unit is SI (s, A, Nm, rad,
     rad/s) unless the head states another in brackets, as "Iq [mA]", or the option does behind a colon:
@@ -116,12 +133,14 @@ def analyze(
             pole_pairs,
             slots,
             rated_torque,
-            from_,
-            to,
             bench,
+            recorded_on,
             out,
         )
-        return _analyze_run(run, as_json, report or any(each is not None for each in given))
+        of_table = report or any(each is not None for each in given)
+        return _analyze_run(run, chosen.selection(stream, from_, to, analysis), as_json, of_table)
+    if stream or analysis:
+        raise UsageError("--csv with --stream or --analysis: these choose of a recording, leave them out")
 
     if run is not None:
         raise UsageError(f"both {run} and --csv {csv}: give the folder of a run or a table, one of the two")
@@ -158,6 +177,7 @@ def analyze(
             rate_Hz=rate,
             omega_m_rad_s=None if angle is not None else omega_m_rad_s,
             bench=Bench() if bench is None else load_bench(bench),
+            recorded_on=None if recorded_on is None else recorded_on.date(),
         )
     )
     output = Output(as_json=as_json)
@@ -170,24 +190,23 @@ def analyze(
 
 
 def _list(run: Path | None, csv: Path | None, *, as_json: bool) -> int:
-    """The catalogue: kinds of analysis with channels, settings and measurements."""
+    """Return the catalogue: kinds of analysis with channels, settings and measurements."""
 
     if run is not None or csv is not None:
         raise UsageError(f"--list with {run or csv}: the catalogue is of no run, leave one of them out")
     output = Output(as_json=as_json)
     for each in catalogue().analyses:
         rows = [
-            (", ".join(quantity.names), str(quantity.unit), quantity.definition)
-            for quantity in each.quantities
+            (", ".join(quantity.names), str(quantity.unit), quantity.text) for quantity in each.quantities
         ]
         source = f" ({each.source})" if each.source else ""
         output.table(f"{each.name}: {each.title}{source}", ("measurement", "unit", "definition"), rows)
         needs = [*each.needs(each.settings()), *each.conditions]
-        output.line(f"{each.measured}; needs {', '.join(needs) or 'nothing else'}", "dim")
+        output.sentence(f"{each.measured}; needs {', '.join(needs) or 'nothing else'}", "dim")
         settings = each.settings().model_dump(mode="json")
         if settings:
             stated = ", ".join(f"{key} = {json.dumps(value)}" for key, value in settings.items())
-            output.line(f"[analyses.{each.name}] {stated}", "dim")
+            output.sentence(f"[analyses.{each.name}] {stated}", "dim")
         if figures := list(dict.fromkeys(one.name for one in (*each.figures, *each.comparisons))):
             output.line(f"figures {', '.join(figures)}", "dim")
         output.line("")
@@ -205,7 +224,7 @@ def _require_time(csv: Path, time: str | None, rate: float | None) -> None:
 
 
 def _keep(output: Output, answer: TableAnswer, out: Path | None, *, with_report: bool) -> dict[str, str]:
-    """Write the bundle, and the report in it; where they are."""
+    """Write the bundle, and the report in it; return their paths."""
     when = options.wall_time()
     with bundle_folder(out, when, f"table-{answer.record.question.file.stem}") as folder:
         bundle = keep(answer, folder, when.isoformat(timespec="seconds"), sys.argv[1:])
@@ -217,30 +236,35 @@ def _keep(output: Output, answer: TableAnswer, out: Path | None, *, with_report:
         return {"bundle": str(folder), "report": str(page)}
 
 
-def _analyze_run(run: Path | None, as_json: bool, has_csv_options: bool) -> int:
+def _analyze_run(run: Path | None, selection: Selection, as_json: bool, has_csv_options: bool) -> int:
     if run is None:
         raise UsageError("neither RUN nor --csv FILE: give the folder of a run, or a table of another tool")
     if has_csv_options:
         raise UsageError(
-            f"{run} is measured by the plan that it carries, columns and motor go with --csv: leave them out"
+            f"{run} is measured by the plan or the profile that it carries, columns and motor go with --csv: "
+            f"leave them out"
         )
     output = Output(as_json=as_json)
-    cut_short: list[str] = []
     if (run / "manifest.json").is_file() or not run.is_dir():
         bundle = Bundle.open(run)
-        tell_unsealed(output, [bundle])
-        result = RunResult((assess_bundle(bundle),))
-        what = bundle.manifest.what
-    else:
-        runs = recorded_runs(run)
-        if len(runs) > 1:
-            raise UsageError(
-                f"{run} holds {len(runs)} plans: give the folder of one, such as {runs[0].folder}"
-            )
-        tell_unsealed(output, [case.bundle for case in runs[0].cases])
-        cut_short = [case.name for case in runs[0].cases if not case.bundle.complete]
-        result, what = RunResult(tuple(complete_cases(run)), runs[0].repeated), str(run)
-    show_run(output, what, result)
+        warn_unsealed(output, [bundle])
+        found = (assess_bundle(bundle),) if is_planned(bundle) and selection.everything else None
+        result = RunResult(found or assess_recording(bundle, selection))
+        show_run(output, bundle.manifest.what, result)
+        document = result.to_json()
+        if not bundle.complete:
+            failure = str(bundle.manifest.details.get("failure", "its process ended"))
+            output.warning(f"{run} was cut short ({failure}): what came until then was measured")
+            document |= {"complete": False, "failure": failure}
+        output.document(document)
+        return 0 if result.verdict.met else 1
+    runs = recorded_runs(run, selection)
+    if len(runs) > 1:
+        raise UsageError(f"{run} holds {len(runs)} plans: give the folder of one, such as {runs[0].folder}")
+    warn_unsealed(output, [case.bundle for case in runs[0].cases])
+    cut_short = [case.name for case in runs[0].cases if not case.bundle.complete]
+    result = RunResult(tuple(complete_cases(run, selection)), runs[0].repeated)
+    show_run(output, str(run), result)
     if cut_short:
         output.line(f"left out, cut short: {', '.join(cut_short)}")
     output.document(result.to_json())
@@ -248,7 +272,7 @@ def _analyze_run(run: Path | None, as_json: bool, has_csv_options: bool) -> int:
 
 
 def _show(output: Output, answer: TableAnswer) -> None:
-    """The measurements, why some are undefined, and what was read, for people."""
+    """Print measurements, reasons for undefined ones, and what was read."""
 
     rows = [(each.name, measured(each), each.unit) for each in answer.measurements]
     output.table(str(answer.source["file"]), ("measurement", ">value ± U (95 %)", "unit"), rows)
@@ -257,9 +281,9 @@ def _show(output: Output, answer: TableAnswer) -> None:
         if not math.isfinite(each.value):
             undefined.setdefault(each.reason, []).append(each.name)
     for reason, names in undefined.items():
-        output.line(f"undefined: {', '.join(names)}: {reason}")
-    for text in said_of_sensors(answer.measurements):
-        output.line(text, "dim")
+        output.sentence(f"undefined: {', '.join(names)}: {reason}")
+    for text in sensor_remarks(answer.measurements):
+        output.sentence(text, "dim")
     for remark in answer.remarks:
         output.line(f"warning: {remark.text}", "yellow")
     output.line(_read(answer.source))
@@ -282,6 +306,6 @@ def _column_read(what: str, column: Mapping[str, Any]) -> str:
 
 def _timed(time: Mapping[str, Any]) -> str:
     if time["uniform"]:
-        untold = "" if time["gaps"] is not None else "; whether rows are missing cannot be told"
+        untold = "" if time["gaps"] is not None else "; whether rows are missing is unknown"
         return f"time: even, {time['rate_Hz']:.7g} Hz, jitter {time['jitter_s']:.2g} s rms{untold}"
     return f"time: not even, {time['why_not']}"

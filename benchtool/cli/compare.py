@@ -10,18 +10,17 @@ from typing import Annotated
 import typer
 from rich.text import Text
 
-from benchtool.analysis.catalogue import catalogue
-from benchtool.cli import options
-from benchtool.cli.output import Output, tell_overdue
+from benchtool.analysis import NOTHING, catalogue, placed, signed
+from benchtool.cli import options, selection as chosen
+from benchtool.cli.differences import show_differences
+from benchtool.cli.output import Output, warn_overdue
 from benchtool.cli.report import write_report
 from benchtool.errors import UsageError
-from benchtool.report.assembly.comparison import comparison_report, difference
-from benchtool.report.numbers import NOTHING, placed, signed
-from benchtool.results.comparison import Chance, Comparison, Delta, compare_cases
-from benchtool.results.runs import complete_cases
+from benchtool.report.assembly import comparison_report, difference
+from benchtool.results import Chance, Comparison, Delta, Differences, compare_cases, complete_cases, valued
 
 _LEAST_PLACE = 1e-6  # of a value without uncertainty: smaller differences do not show in it
-_MOST_COLUMNS = 3  # runs beside each other in a terminal; more stand one below the other
+_MOST_COLUMNS = 3  # runs side by side in a terminal; more are listed below each other
 
 
 def compare(
@@ -29,23 +28,35 @@ def compare(
         list[Path],
         typer.Argument(metavar="RUN...", help="Run bundles, or folders of a run of several cases."),
     ],
+    stream: chosen.Stream = "",
+    from_: chosen.From = None,
+    to: chosen.To = None,
+    analysis: chosen.Asked = None,
     html: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Write the comparison as an HTML page.")
     ] = None,
     pdf: Annotated[bool, typer.Option("--pdf", help="Write a PDF too, beside the page.")] = False,
     as_json: options.Json = False,
 ) -> int:
-    """Measure recorded runs again and set them side by side; differences are against the first."""
+    """Measure recorded runs again and set them side by side; differences are against the first.
+
+    What else differs stands before the numbers: operating points, parameters, limits, firmware, profile and
+    options of the analyses, and what cannot be compared. --stream, --from, --to and --analysis choose of
+    every run, as with analyze.
+    """
     if pdf and html is None:
         raise UsageError("--pdf writes a PDF beside the page of --html, which was not given: add --html FILE")
     output = Output(as_json=as_json)
-    found = dict(zip(_labels(runs), map(complete_cases, runs), strict=True))
+    selection = chosen.selection(stream, from_, to, analysis)
+    found = {label: complete_cases(run, selection) for label, run in zip(_labels(runs), runs, strict=True)}
     comparisons, alone = compare_cases(found)
     if len(found) == 1 and not any(comparison.deltas for comparison in comparisons):
         raise UsageError(f"{runs[0]} is one run of one case, two are compared: name another run beside it")
-    for comparison in comparisons:
+    differences = [Differences.of(comparison) for comparison in comparisons]
+    for comparison, circumstances in zip(comparisons, differences, strict=True):
+        show_differences(output, comparison.case, circumstances)
         _show(output, comparison)
-        tell_overdue(output, comparison.overdue)
+        warn_overdue(output, comparison.overdue)
     if alone:
         output.line(f"without a counterpart: {', '.join(alone)}")
     written = {}
@@ -62,6 +73,11 @@ def compare(
                 for label, results in found.items()
                 for each in results
             },
+            "circumstances": {
+                comparison.case or "comparison": each.to_json()
+                for comparison, each in zip(comparisons, differences, strict=True)
+            },
+            "without_counterpart": list(alone),
             "deltas": _deltas(comparisons, alone_run=len(found) == 1),
             **written,
         }
@@ -70,7 +86,7 @@ def compare(
 
 
 def _labels(runs: Sequence[Path]) -> list[str]:
-    """The folders' names; where two are called the same, their paths."""
+    """Return the folders' names; where two are called the same, their paths."""
     names = [run.resolve().name for run in runs]
     labels = [str(run) if names.count(name) > 1 else name for run, name in zip(runs, names, strict=True)]
     return [
@@ -80,7 +96,7 @@ def _labels(runs: Sequence[Path]) -> list[str]:
 
 
 def _deltas(comparisons: Sequence[Comparison], *, alone_run: bool) -> dict[str, object]:
-    """Every difference by case (as `cases` lists it), with what it is a difference to."""
+    """Return every difference by case (as `cases` lists it), with what it is a difference to."""
     document: dict[str, object] = {}
     for comparison in comparisons:
         keys = {
@@ -106,13 +122,18 @@ def _show(output: Output, comparison: Comparison) -> None:
         _show_many(output, title, comparison, letters)
     else:
         _show_columns(output, title, comparison, letters)
-    output.line("* beyond its expanded uncertainty (95 %), ~ within it; ✓ better, ✗ worse by a limit", "dim")
+    output.sentence(
+        "* beyond its expanded uncertainty (95 %), ~ within it; ✓ better, ✗ worse by a limit", "dim"
+    )
     if chance := str(comparison.chance):
-        output.line(chance, "dim")
+        output.sentence(chance, "dim")
+    for reason in dict.fromkeys(comparison.not_compared):
+        output.sentence(reason, "dim")
     if comparison.lengths:
-        output.line(comparison.lengths, "yellow")
+        output.sentence(comparison.lengths, "yellow")
     for label, result in results.items():
-        output.line(f"{letters[label]}  {label}: {result.bundle}")
+        place = "" if label == str(result.bundle) else f": {result.bundle}"
+        output.line(f"{letters[label]}  {label}{place}")
 
 
 def _show_columns(output: Output, title: str, comparison: Comparison, letters: Mapping[str, str]) -> None:
@@ -122,7 +143,7 @@ def _show_columns(output: Output, title: str, comparison: Comparison, letters: M
     two = len(others) == 1
     differences = (f">{letters[others[0]]}−A", ">%") if two else ()
     rows = []
-    for name in comparison.names:
+    for name in valued(comparison):
         cells: list[str | Text] = [name, _value(comparison, first, name)]
         for label in others:
             if two:
@@ -136,10 +157,10 @@ def _show_columns(output: Output, title: str, comparison: Comparison, letters: M
 
 
 def _show_many(output: Output, title: str, comparison: Comparison, letters: Mapping[str, str]) -> None:
-    """A row for each run, with what is asked first; the whole is in the documents."""
+    """Print a row for each run with the headline measurements; the documents contain all."""
 
     known = comparison.names
-    names: list[str] = [name for name in catalogue().foremost if name in known] or list(known[:4])
+    names: list[str] = [name for name in catalogue().headline if name in known] or list(known[:4])
     rows: list[tuple[str | Text, ...]] = [
         (f"{letters[label]} {label}", *(_together(comparison, label, name) for name in names))
         for label in comparison.results
@@ -148,7 +169,7 @@ def _show_many(output: Output, title: str, comparison: Comparison, letters: Mapp
 
 
 def _value(comparison: Comparison, label: str, name: str) -> str:
-    """The value to the place of its uncertainty; where it has none, to that of the difference."""
+    """Return the value to the place of its uncertainty; where it has none, to that of the difference."""
     found = next((each for each in comparison.results[label].measurements if each.name == name), None)
     if found is None:
         return NOTHING
@@ -162,7 +183,7 @@ def _value(comparison: Comparison, label: str, name: str) -> str:
 
 
 def _deltas_of(comparison: Comparison, label: str, name: str) -> list[Delta]:
-    """The differences of a run to the reference, or of all runs to it if it is the reference."""
+    """Return the differences of a run to the reference, or of all runs to it if it is the reference."""
     labels = [label] if label in comparison.deltas else list(comparison.deltas)
     return [delta for each in labels if (delta := _delta(comparison, each, name)) is not None]
 
@@ -172,14 +193,14 @@ def _delta(comparison: Comparison, label: str, name: str) -> Delta | None:
 
 
 def _apart(comparison: Comparison, label: str, name: str) -> list[str | Text]:
-    """Value, difference with its uncertainty, and percent."""
+    """Return the value, difference with its uncertainty, and percent."""
     delta = _delta(comparison, label, name)
     absolute = difference(delta) if delta is not None and math.isfinite(delta.absolute) else NOTHING
     return [_value(comparison, label, name), absolute, _percent(delta)]
 
 
 def _together(comparison: Comparison, label: str, name: str) -> Text:
-    """Value and percent in one cell."""
+    """Return the value and percent in one cell."""
     value = _value(comparison, label, name)
     delta = _delta(comparison, label, name)
     if delta is None:

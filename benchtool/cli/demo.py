@@ -11,11 +11,13 @@ PLAN = "zhu2011/ripple"
 def demo(
     out: options.Out = None,
     live: options.Live = None,
+    web: options.Web = False,
     seed: options.Seed = 0,
     real_time: options.RealTime = False,
     as_json: options.Json = False,
 ) -> int:
     """A torque-ripple test on the emulated drive, over CANopen frames: needs no hardware."""
     return run_named(
-        PLAN, RunOptions(out=out, seed=seed, real_time=real_time, as_json=as_json, live=tuple(live or ()))
+        PLAN,
+        RunOptions(out=out, seed=seed, real_time=real_time, as_json=as_json, live=tuple(live or ()), web=web),
     )

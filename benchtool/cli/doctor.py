@@ -9,14 +9,13 @@ import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
-from benchtool.bench.session import emulator_is_compiled, equipment_of, open_session
+from benchtool.bench import emulator_is_compiled, equipment_of, open_session
 from benchtool.cli import options
 from benchtool.cli.output import Output
 from benchtool.errors import BenchError, EnvironmentFailure
-from benchtool.protocol.dictionary import Dictionary
-from benchtool.protocol.dictionary.objects import load_table
+from benchtool.protocol.dictionary import Dictionary, load_table
 from benchtool.recording import software_versions
-from benchtool.run.equipment import readings
+from benchtool.run import readings
 from benchtool.shipped import shipped
 
 _LEAST_FREE_BYTES = 1_000_000_000
@@ -34,7 +33,7 @@ def doctor(
         ("packages", _packages),
         ("dictionary", _dictionary),
         ("folder", _folder),
-        ("emulator", _emulator),
+        ("emulator", lambda: _emulator(profile)),
         ("equipment", lambda: _equipment(profile, link)),
         ("drive", lambda: _drive(profile, link, output)),
     ]
@@ -89,12 +88,12 @@ def _folder() -> str:
     return f"{here} is writable, {free / 1e9:.0f} GB free"
 
 
-def _emulator() -> str:
-    return "compiled" if emulator_is_compiled() else "will be compiled at its first run, a few seconds"
+def _emulator(profile: str) -> str:
+    return "compiled" if emulator_is_compiled(profile) else "will be compiled at its first run, a few seconds"
 
 
 def _equipment(profile: str, link: str) -> str:
-    """What the profile's bench has, and whether it sends."""
+    """Return what the profile's bench has, and whether it sends."""
 
     told = "; ".join(f"{name}: {text}" for name, text in equipment_of(profile, link).lines().items())
     with open_session(profile, link) as session:

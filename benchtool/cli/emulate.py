@@ -15,8 +15,7 @@ from rich.live import Live
 from rich.table import Table
 from rich.text import Text
 
-from benchtool.bench.serving import Endpoint, ServedDrive, serve
-from benchtool.bench.session import emulator_is_compiled
+from benchtool.bench import Endpoint, ServedDrive, emulator_is_compiled, serve
 from benchtool.cli import options
 from benchtool.cli.output import Output
 from benchtool.errors import UsageError
@@ -79,7 +78,7 @@ def emulate(
     ] = 0.0,
     hold_speed: Annotated[
         float | None,
-        typer.Option(metavar="RAD_S", help="Turn the shaft at this speed, whatever torque that takes."),
+        typer.Option(metavar="RAD_S", help="Hold the shaft at this speed at any torque."),
     ] = None,
     as_json: options.Json = False,
 ) -> int:
@@ -100,7 +99,7 @@ def emulate(
         *(Endpoint(each) for each in offer or ()),
     ]
     try:
-        if not emulator_is_compiled():
+        if not emulator_is_compiled(profile):
             output.note("compiling the emulated drive, once on this machine: a few seconds")
         with serve(
             profile,
@@ -114,13 +113,13 @@ def emulate(
             _announce(drive, profile, as_json=as_json)
             output.note("Ctrl-C ends it")
             _live(drive, output)
-    except KeyboardInterrupt:  # how a server is meant to end
+    except KeyboardInterrupt:  # the regular end of a server
         output.note("the emulated drive was switched off")
     return 0
 
 
 def _announce(drive: ServedDrive, profile: str, *, as_json: bool) -> None:
-    """Tell where the drive is, at once even into a pipe."""
+    """Print the drive's addresses, without buffering."""
     if as_json:
         wires = [{"wire": each.wire, "place": each.place, "link": each.link} for each in drive.wires]
         document: dict[str, Any] = {"profile": profile, "node_id": drive.node_id, "wires": wires}
@@ -133,7 +132,7 @@ def _announce(drive: ServedDrive, profile: str, *, as_json: bool) -> None:
 
 
 def _live(drive: ServedDrive, output: Output) -> None:
-    """Let the drive live, and show on a terminal what it does, until something is raised."""
+    """Run the drive, and show its state on a terminal, until an exception is raised."""
     with ExitStack() as stack:
         show = None
         if output.progress.is_terminal:

@@ -9,10 +9,8 @@ from typing import Annotated
 import typer
 
 from benchtool.cli import options
-from benchtool.cli.output import Output, tell_unsealed
-from benchtool.recording import Bundle
-from benchtool.recording.export import Format
-from benchtool.recording.export import export as write
+from benchtool.cli.output import Output, warn_unsealed
+from benchtool.recording import Bundle, Format, export as write
 
 
 class _Format(StrEnum):
@@ -27,7 +25,7 @@ def export(
     run: Annotated[Path, typer.Argument(metavar="RUN", help="Folder of a run bundle.")],
     format_: Annotated[_Format, typer.Option("--format", help="What to write.")] = _Format.csv,
     stream: Annotated[
-        str, typer.Option(metavar="NAME", help="Which data.", show_default="capture, else telemetry")
+        str, typer.Option(metavar="NAME", help="Which data.", show_default="capture, else the first")
     ] = "",
     out: Annotated[
         Path | None, typer.Option(metavar="FILE", help="File to write.", show_default="<RUN>-<stream>")
@@ -38,9 +36,11 @@ def export(
     output = Output(as_json=as_json)
     bundle = Bundle.open(run)
     bundle.require_intact()
-    tell_unsealed(output, [bundle])
+    warn_unsealed(output, [bundle])
     wanted = Format(format_.value)
-    name = stream or ("capture" if "capture" in bundle.streams else "telemetry")
+    name = stream or next(
+        (each for each in ("capture", *bundle.streams) if each in bundle.streams), "telemetry"
+    )
     path = out or Path(f"{run.resolve().name}-{name}{wanted.suffix}")
     block = write(bundle, name, wanted, path)
     missing = sum(gap.missing_rows for gap in block.gaps)

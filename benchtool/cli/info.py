@@ -8,14 +8,12 @@ from typing import Annotated, Any
 
 import typer
 
-from benchtool.bench.session import equipment_of, open_session
+from benchtool.bench import equipment_of, open_session
 from benchtool.cli import options
 from benchtool.cli.output import Output
-from benchtool.drive import RemoteDrive
-from benchtool.drive.capabilities import Capabilities, cost
+from benchtool.drive import Capabilities, RemoteDrive, cost
 from benchtool.errors import DictionaryMismatch, SdoAbort, UsageError, ValueRefused
-from benchtool.protocol.dictionary import Dictionary
-from benchtool.protocol.dictionary.roles import Role
+from benchtool.protocol.dictionary import Dictionary, Role
 
 _HEX = ("vendor_id", "product_code", "revision_number", "revision", "dictionary_hash")
 _SHOWN = 3
@@ -72,11 +70,15 @@ def _info_of_file(eds: Path, output: Output) -> int:
 
 
 def _state(drive: RemoteDrive) -> str | None:
-    """State of a drive that tells one as CiA 402 has it."""
+    """Return the state of a drive that tells one as CiA 402 has it."""
 
     try:
         return drive.state().value if Role.STATUSWORD in drive.dictionary else None
-    except (SdoAbort, DictionaryMismatch, ValueRefused):  # by its EDS it is no number, or of another length
+    except (
+        SdoAbort,
+        DictionaryMismatch,
+        ValueRefused,
+    ):  # by its EDS it is not a number, or of another length
         return None
 
 

@@ -7,31 +7,44 @@ from typing import Annotated
 
 import typer
 
-from benchtool.bench.session import open_session
+from benchtool.bench import open_session
 from benchtool.cli import options
 from benchtool.cli.output import Output, significant
-from benchtool.drive import Mode
 from benchtool.errors import UsageError
-from benchtool.run.jog import jog as run
+from benchtool.protocol import Mode
+from benchtool.protocol.dictionary import parse_quantity
+from benchtool.run import check_parameters, jog as run
+
+_SHORTEST_S = 0.01
 
 
 def jog(
-    duration: Annotated[float, typer.Option(metavar="S", min=0.01, help="Seconds to run.")],
-    speed: Annotated[float | None, typer.Option(metavar="RAD_S", help="Hold this mechanical speed.")] = None,
-    torque: Annotated[float | None, typer.Option(metavar="NM", help="Make this torque.")] = None,
+    duration: Annotated[str, typer.Option(metavar="S", help="Time to run: 2, 2s or 500ms.")],
+    speed: Annotated[
+        str, typer.Option(metavar="RAD_S", help="Hold this mechanical speed: 15.7 or 150rpm.")
+    ] = "",
+    torque: Annotated[str, typer.Option(metavar="NM", help="Make this torque: 0.5 or 500mNm.")] = "",
     rate: Annotated[float, typer.Option(metavar="HZ", help="Setpoints per second, 1000 at most.")] = 100.0,
     profile: options.Profile = "zhu2011",
     link: options.Link = "emulated",
+    allow_different: Annotated[
+        bool,
+        typer.Option("--allow-different", help="Turn a drive whose parameters contradict the profile."),
+    ] = False,
     seed: options.Seed = 0,
     real_time: options.RealTime = False,
     as_json: options.Json = False,
 ) -> int:
     """Turn the shaft: setpoints from this computer, at a rate; Ctrl-C or the end disables the drive."""
-    if (speed is None) == (torque is None):
-        raise UsageError(
-            f"{'neither' if speed is None else 'both'} of --speed and --torque: give one of the two"
-        )
-    mode, value = (Mode.VELOCITY, speed) if torque is None else (Mode.TORQUE, torque)
+    if bool(speed) == bool(torque):
+        raise UsageError(f"{'both' if speed else 'neither'} of --speed and --torque: give one of the two")
+    if speed:
+        mode, value = Mode.VELOCITY, parse_quantity(speed, "rad/s", "--speed")
+    else:
+        mode, value = Mode.TORQUE, parse_quantity(torque, "Nm", "--torque")
+    duration_s = parse_quantity(duration, "s", "--duration")
+    if duration_s < _SHORTEST_S:
+        raise UsageError(f"--duration {duration}: {_SHORTEST_S:g} s at least are expected")
     output = Output(as_json=as_json)
     with open_session(
         profile, link, seed=seed, real_time=real_time, note=output.note, instruments=False
@@ -39,13 +52,18 @@ def jog(
         session.drive.connect()
         if unsupervised := session.drive.supervision.unsupervised:
             output.note(f"without link supervision, as the profile allows: {unsupervised}")
-        output.note(f"{'speed' if torque is None else 'torque'} for {duration:g} s; Ctrl-C stops")
+        check = check_parameters(session.drive, session.profile, ())
+        if not allow_different:
+            check.require_equal()
+        for line in check.lines():
+            output.note(line)
+        output.note(f"{'speed' if speed else 'torque'} for {duration_s:g} s; Ctrl-C stops")
         result = run(
             session.drive,
             session.profile.motor,
             mode,
-            lambda _: value or 0.0,
-            duration_s=duration,
+            lambda _: value,
+            duration_s=duration_s,
             rate_Hz=rate,
         )
         supervision = session.drive.supervision.to_json()

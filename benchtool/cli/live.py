@@ -3,22 +3,23 @@
 from __future__ import annotations
 
 import math
+import tempfile
 from contextlib import suppress
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
-from benchtool.bench.session import Session, open_session
-from benchtool.cli import options, viewing
-from benchtool.cli.output import Output, tell_unsealed
-from benchtool.drive.capabilities import Capability
-from benchtool.drive.parameters.transaction import snapshot
+from benchtool.bench import Session, open_session
+from benchtool.cli import live_views, options, proposals
+from benchtool.cli.output import Output, warn_unsealed
+from benchtool.drive import Capability
+from benchtool.drive.parameters import snapshot
 from benchtool.errors import UsageError
 from benchtool.live import setup_of, show_bundle
 from benchtool.profile import load_profile
 from benchtool.recording import Manifest
-from benchtool.results.runs import recorded_runs
+from benchtool.results import recorded_runs
 from benchtool.telemetry import TelemetryStream, keep_journal
 
 _STEP_S = 0.05
@@ -45,13 +46,26 @@ def live(
     save: Annotated[
         Path | None, typer.Option(metavar="FILE.rrd", help="Write a recording, for 'rerun FILE.rrd'.")
     ] = None,
+    png: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE.png",
+            help="Draw it, without a display; a drive at the end of --duration. Needs Vulkan drivers.",
+        ),
+    ] = None,
     bind: Annotated[
         str, typer.Option(metavar="ADDRESS", help="Where viewers listen; 0.0.0.0 lets others look.")
     ] = "127.0.0.1",
     profile: options.Profile = "zhu2011",
     link: options.Link = "emulated",
     channels: Annotated[
-        str, typer.Option(metavar="A,B,C", help="Signals to show.", show_default="torque,omega_m,i_a,...")
+        str,
+        typer.Option(
+            metavar="A,B,C",
+            help="Signals to show.",
+            show_default="torque,omega_m,i_a,...",
+            autocompletion=proposals.channels,
+        ),
     ] = "",
     rate: Annotated[float, typer.Option(metavar="HZ", help="Records per second, as of 'record'.")] = _RATE_HZ,
     seed: options.Seed = 0,
@@ -61,6 +75,10 @@ def live(
     output = Output(as_json=as_json)
     if save is not None and save.suffix != ".rrd":
         raise UsageError(f"--save {save}: a file that ends in .rrd is expected")
+    if png is not None and png.suffix != ".png":
+        raise UsageError(f"--png {png}: a file that ends in .png is expected")
+    if png is not None and run is None and duration is None:
+        raise UsageError(f"--png {png} is drawn at the end, which there is none without --duration: add it")
     if run is not None and (channels, rate, link, seed) != ("", _RATE_HZ, "emulated", 0):
         raise UsageError(
             f"--channels, --rate, --link and --seed are for a drive, and {run} is a recorded run: "
@@ -68,10 +86,18 @@ def live(
         )
     asked = [name for name, wanted in (("viewer", viewer), ("web", web)) if wanted]
     asked += [] if save is None else [str(save)]
-    with viewing.places(asked or ["viewer"], output, bind) as where:
-        if run is not None:
-            return _show_run(run, profile, where, output, duration)
-        return _show_drive(profile, link, channels, rate, seed, duration, where, output)
+    with tempfile.TemporaryDirectory() as drawn:
+        asked += [] if png is None else [str(Path(drawn) / "view.rrd")]
+        with live_views.open_destinations(asked or ["viewer"], output, bind) as where:
+            if run is not None:
+                shown = _show_run(run, profile, where, output)
+            else:
+                shown = _show_drive(profile, link, channels, rate, seed, duration, where, output)
+            pictures = [] if png is None else live_views.draw(Path(drawn), png, output)
+            output.document(shown | ({"pictures": [str(each) for each in pictures]} if pictures else {}))
+            if run is not None:
+                where.keep_open(output, duration)
+    return 0
 
 
 def _show_drive(
@@ -81,10 +107,10 @@ def _show_drive(
     rate_Hz: float,
     seed: int,
     duration_s: float | None,
-    where: viewing.Places,
+    where: live_views.LiveDestinations,
     output: Output,
-) -> int:
-    # An emulated drive is looked at in the time that it would take.
+) -> dict[str, Any]:
+    # An emulated drive is shown in real time.
     with open_session(
         profile, link, seed=seed, real_time=True, note=output.note, instruments=False
     ) as session:
@@ -98,11 +124,11 @@ def _show_drive(
             what="live",
             when=now.isoformat(timespec="seconds"),
             parameters=snapshot(drive),
-            details={"wall": drive.wall_mark(now.timestamp())},
+            details={"wall": drive.clock_anchor(now.timestamp())},
         )
-        with viewing.stream_view(where, session, profile, manifest, output) as view:
+        with live_views.stream_view(where, session, profile, manifest, output) as view:
             assert view is not None  # there is a destination in any case
-            sink = viewing.live_sink(view)
+            sink = live_views.live_view_sink(view)
             with (
                 keep_journal(drive, [view.event]),
                 TelemetryStream(drive, [sink], names, rate_Hz) as stream,
@@ -117,30 +143,29 @@ def _show_drive(
         dropped = {"queue": sink.rows_dropped, **view.rows_dropped}
     received = report.counters.received
     output.line(f"{received} rows, {sum(dropped.values())} of them not shown")
-    output.document({"rows": received, "rows_lost": report.counters.lost, "rows_not_shown": dropped})
-    return 0
+    return {"rows": received, "rows_lost": report.counters.lost, "rows_not_shown": dropped}
 
 
 def _watch(session: Session, stream: TelemetryStream, duration_s: float) -> None:
-    """Wait, and ask for the drive's state and its emergencies, which the view is told of."""
+    """Wait, and poll the drive's state and emergencies for the view."""
     drive, clock = session.drive, session.clock
     start_s = clock.now_s()
-    drive.look()
+    drive.poll()
     while (left_s := start_s + duration_s - clock.now_s()) > _ROUNDING_S:
         clock.wait(min(_STEP_S, left_s))
         stream.check()
         drive.emergencies()
-        drive.look()
+        drive.poll()
 
 
 def _show_run(
-    folder: Path, profile: str, where: viewing.Places, output: Output, duration_s: float | None
-) -> int:
-    """Send every bundle of a run, each as a recording of its own."""
+    folder: Path, profile: str, where: live_views.LiveDestinations, output: Output
+) -> dict[str, Any]:
+    """Send every bundle of a run as a recording."""
     cases = [case for each in recorded_runs(folder) for case in each.cases]
     for case in cases:
         case.bundle.require_intact()
-    tell_unsealed(output, [case.bundle for case in cases])
+    warn_unsealed(output, [case.bundle for case in cases])
     psi_r_Wb = load_profile(profile).motor.psi_r_Wb
     shown = []
     for number, case in enumerate(cases, start=1):
@@ -148,9 +173,7 @@ def _show_run(
         setup = setup_of(case.bundle.manifest, case.bundle.directory.name, psi_r_Wb)
         view = show_bundle(case.bundle, setup, where.of(name), output.note)
         view.close()
-        viewing.tell_drops(view, output)
+        live_views.warn_dropped(view, output)
         shown.append({"bundle": str(case.bundle.directory), "rows_not_shown": view.rows_dropped})
         output.line(f"shown: {case.bundle.directory}")
-    output.document({"shown": shown})
-    where.linger(output, duration_s)
-    return 0
+    return {"shown": shown}

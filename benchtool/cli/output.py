@@ -1,5 +1,5 @@
-"""What a command prints: JSON alone on standard output, everything for people on standard error or, without
-`--json`, on standard output."""
+"""Output of a command: with `--json` the JSON on standard output and text on standard error, else text on
+standard output."""
 
 from __future__ import annotations
 
@@ -14,13 +14,14 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from benchtool.cli.ending import printable
+from benchtool.cli.exit_codes import printable
+from benchtool.cli.fitting import broken, hanging, widest_name
 
 if TYPE_CHECKING:
     from benchtool.recording import Bundle
-    from benchtool.results.calibration import Overdue
+    from benchtool.results import Overdue
 
-_WIDTH_OF_A_PIPE = 120
+_WIDTH_OF_A_PIPE = 140
 VERDICT_COLOURS = {
     "pass": "green",
     "marginal": "yellow",
@@ -31,7 +32,8 @@ VERDICT_COLOURS = {
 
 
 class Output:
-    """The two streams of one command. Text is shown as it is: brackets are no markup, controls no commands.
+    """The two output streams of one command. Text is printed literally: no markup, control characters
+    escaped.
 
     Args:
         as_json: keep standard output for one JSON document.
@@ -43,7 +45,7 @@ class Output:
         self.progress = _console(stderr=True)
 
     def note(self, text: str) -> None:
-        """Print a line of progress; a run does not end because its terminal has gone."""
+        """Print a line of progress; a closed terminal does not end a run."""
         with suppress(OSError):
             self.progress.print(Text(printable(text), style="dim"))
 
@@ -53,18 +55,27 @@ class Output:
             self.progress.print(Text(printable(f"warning: {text}"), style="yellow"), soft_wrap=True)
 
     def line(self, text: str, style: str = "") -> None:
-        """A line of the result, for people; never broken, so that it can be copied."""
+        """Print a line of the result; never wrapped, so that it can be copied."""
         self._show(Text(printable(text), style=style), soft_wrap=True)
 
+    def sentence(self, text: str, style: str = "", *, lead: str = "") -> None:
+        """Print a sentence of the result after its lead: on a terminal broken between words, else on one
+        line."""
+        said = f"{lead}{text}"
+        if self._people.is_terminal:
+            said = hanging(lead, text, self._people.width)
+        for line in said.splitlines():
+            self.line(line, style)
+
     def verdict(self, verdict: str, by_transducer: str | None = None, remark: str = "") -> None:
-        """The verdict, in its colour; that by the transducer beside it, where it is another, and a remark."""
+        """Print the verdict in its colour, with that by the transducer, if it differs, and a remark."""
         beside = f" by the drive's own estimate, {by_transducer} by the transducer on the shaft"
         differs = by_transducer is not None and by_transducer != verdict
         text = f"verdict: {verdict}{beside if differs else ''}{f' ({remark})' if remark else ''}"
         self._show(Text(text, style=VERDICT_COLOURS[verdict]))
 
     def table(self, title: str, columns: tuple[str, ...], rows: Sequence[tuple[str | Text, ...]]) -> None:
-        """A table of the result; columns whose heading begins with `>` are right-aligned."""
+        """Print a table of the result; columns whose heading begins with `>` are right-aligned."""
         table = Table(
             title=printable(title),
             title_justify="left",
@@ -72,26 +83,37 @@ class Output:
             show_edge=False,
             pad_edge=False,
         )
-        for column in columns:
+        plain = [[str(cell) for cell in row] for row in rows]
+        widest = widest_name(columns, plain, self._people.width)
+        for number, column in enumerate(columns):
             side: Literal["left", "right"] = "right" if column.startswith(">") else "left"
-            table.add_column(printable(column.removeprefix(">")), justify=side, overflow="fold")
+            table.add_column(
+                printable(column.removeprefix(">")),
+                justify=side,
+                overflow="fold",
+                no_wrap=widest is None and number == 0,
+                max_width=widest if number == 0 else None,
+            )
         for row in rows:
-            table.add_row(*(Text(printable(cell)) if isinstance(cell, str) else cell for cell in row))
+            first, *others = (Text(printable(cell)) if isinstance(cell, str) else cell for cell in row)
+            if widest is not None and isinstance(row[0], str):
+                first = Text(broken(printable(row[0]), widest))
+            table.add_row(first, *others)
         self._show(table)
 
     def _show(self, what: Text | Table, *, soft_wrap: bool = False) -> None:
-        """Print for people; beside a document for a program, a terminal that has gone is no loss."""
+        """Print text; with `--json`, a closed terminal is ignored."""
         with suppress(OSError) if self._as_json else nullcontext():
             self._people.print(what, soft_wrap=soft_wrap)
 
     def document(self, content: Mapping[str, Any]) -> None:
-        """The JSON document, if one was asked for."""
+        """Print the JSON document, if requested."""
         if self._as_json:
             json.dump(content, sys.stdout, indent=2, allow_nan=False)
             sys.stdout.write("\n")
 
 
-def tell_unsealed(output: Output, bundles: Sequence[Bundle]) -> None:
+def warn_unsealed(output: Output, bundles: Sequence[Bundle]) -> None:
     """Print which bundles an earlier version recorded, without hashes."""
     without = [bundle for bundle in bundles if not bundle.integrity.sealed]
     if without:
@@ -101,14 +123,15 @@ def tell_unsealed(output: Output, bundles: Sequence[Bundle]) -> None:
         )
 
 
-def tell_overdue(output: Output, overdue: Iterable[Overdue]) -> None:
+def warn_overdue(output: Output, overdue: Iterable[Overdue]) -> None:
     """Print on standard error which instruments were used after their calibration was due, each once."""
     for text in dict.fromkeys(str(each) for each in overdue):
         output.warning(text)
 
 
 def _console(*, stderr: bool) -> Console:
-    """A console as wide as its terminal; a file or a pipe takes what a table needs. No text is markup."""
+    """Return a console as wide as its terminal; a file or a pipe takes what a table needs. No text is
+    markup."""
     console = Console(stderr=stderr, highlight=False, markup=False, emoji=False)
     if not console.is_terminal:
         console.width = _WIDTH_OF_A_PIPE
@@ -116,5 +139,5 @@ def _console(*, stderr: bool) -> Console:
 
 
 def significant(value: float) -> str:
-    """Four significant digits, or a dash for what has no value."""
+    """Return four significant digits, or a dash for what has no value."""
     return f"{value:.4g}" if math.isfinite(value) else "–"

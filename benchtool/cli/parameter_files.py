@@ -12,12 +12,25 @@ from rich.text import Text
 
 from benchtool.cli import options
 from benchtool.cli.output import Output
-from benchtool.cli.params import advise, connected, plain, shown
-from benchtool.drive.parameters.file import describe, read_parameter_file, render, write_parameter_file
-from benchtool.drive.parameters.migration import shipped_migrations
-from benchtool.drive.parameters.settings import Difference, aligned, as_held, compare, settings
-from benchtool.drive.parameters.transaction import parameters, require_disabled, snapshot, write_all
+from benchtool.cli.params import advise, connected
+from benchtool.drive.parameters import (
+    Difference,
+    aligned,
+    as_held,
+    compare,
+    describe,
+    parameters,
+    read_parameter_file,
+    render,
+    require_disabled,
+    settings,
+    shipped_migrations,
+    snapshot,
+    write_all,
+    write_parameter_file,
+)
 from benchtool.errors import ParameterFileError
+from benchtool.protocol.dictionary import plain, shown
 
 File = Annotated[Path, typer.Argument(metavar="FILE", help="Parameter file, as dump writes it.")]
 

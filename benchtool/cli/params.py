@@ -2,42 +2,55 @@
 
 from __future__ import annotations
 
-import fnmatch
-import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
-from benchtool.bench.session import open_session
-from benchtool.cli import options
+from benchtool.bench import open_session
+from benchtool.cli import options, proposals
 from benchtool.cli.output import Output
 from benchtool.drive import Identity, RemoteDrive
-from benchtool.drive.parameters.file import about
-from benchtool.drive.parameters.storage import restore_defaults, store
-from benchtool.drive.parameters.transaction import (
-    default_of,
-    named,
+from benchtool.drive.parameters import (
+    Parameter,
+    overview,
     parameter,
-    parameters,
+    readable,
+    restore_defaults,
     snapshot,
+    store,
     write_all,
 )
 from benchtool.errors import ValueRefused
-from benchtool.protocol.dictionary.quantity import parse_value
-from benchtool.protocol.dictionary.variable import Value, Variable
+from benchtool.profile import load_profile
+from benchtool.protocol.dictionary import (
+    Dictionary,
+    Value,
+    parse_value,
+    plain,
+    setting_of,
+    shown,
+    variable_of,
+)
 
-Names = Annotated[list[str], typer.Argument(metavar="NAME", help="Name, TOML key or 0xINDEX:SUB.")]
+Names = Annotated[
+    list[str],
+    typer.Argument(metavar="NAME", help="Name, TOML key or 0xINDEX:SUB.", autocompletion=proposals.objects),
+]
 Assignments = Annotated[
     list[str],
-    typer.Argument(metavar="NAME=VALUE", help="'R_s=123mohm', or 'R_s 123 mohm' for a single one."),
+    typer.Argument(
+        metavar="NAME=VALUE",
+        help="'R_s=123mohm', or 'R_s 123 mohm' for a single one.",
+        autocompletion=proposals.assignments,
+    ),
 ]
 
 
 @contextmanager
 def connected(profile: str, link: str, output: Output) -> Iterator[tuple[RemoteDrive, Identity]]:
-    """The drive of a profile, known to speak its dictionary; nothing is written to it."""
+    """The drive of a profile, checked against its dictionary; nothing is written to it."""
     with open_session(profile, link, note=output.note, instruments=False) as session:
         identity = session.drive.identify()
         identity.require(session.drive.dictionary, session.drive.dictionary.source)
@@ -46,7 +59,12 @@ def connected(profile: str, link: str, output: Output) -> Iterator[tuple[RemoteD
 
 def list_(
     pattern: Annotated[
-        str, typer.Argument(metavar="[PATTERN]", help="Part of a name, or a pattern with * and ?.")
+        str,
+        typer.Argument(
+            metavar="[PATTERN]",
+            help="Part of a name, or a pattern with * and ?.",
+            autocompletion=proposals.parameters,
+        ),
     ] = "",
     profile: options.Profile = "zhu2011",
     link: options.Link = "emulated",
@@ -59,19 +77,16 @@ def list_(
 
     output = Output(as_json=as_json)
     with connected(profile, link, output) as (drive, _):
-        chosen = [each for each in parameters(drive.dictionary) if _matches(each.name, pattern)]
-        if not chosen:
-            raise ValueRefused(f"no parameter matches '{pattern}': see benchtool params list")
-        facts = [_facts(variable, drive.read(variable.name)) for variable in chosen]
+        found = overview(drive, pattern)
         source, warnings = drive.dictionary.source, drive.dictionary.warnings
     for warning in warnings:
         output.note(f"{source}: {warning}")
-    for variable, each in zip(chosen, facts, strict=True):
-        output.line(_headline(each), "bold" if each["differs"] else "")
-        output.line(f"    {about(variable)}", "dim")
-    differing = sum(each["differs"] for each in facts)
-    output.line(f"{len(facts)} parameters; the {differing} with * differ from their default")
-    output.document({"parameters": facts, "warnings": list(warnings)})
+    for each in found:
+        output.line(_headline(each), "bold" if each.differs else "")
+        output.sentence(each.about, "dim", lead="    ")
+    differing = sum(each.differs for each in found)
+    output.line(f"{len(found)} parameters; the {differing} with * differ from their default")
+    output.document({"parameters": [each.to_json() for each in found], "warnings": list(warnings)})
     return 0
 
 
@@ -84,7 +99,7 @@ def get(
     """Read objects of any kind by name."""
     output = Output(as_json=as_json)
     with connected(profile, link, output) as (drive, _):
-        variables = [_readable(drive, name) for name in names]
+        variables = [readable(drive.dictionary, name) for name in names]
         values = {variable.name: drive.read(variable.name) for variable in variables}
     units = {variable.name: variable.unit for variable in variables}
     for name, value in values.items():
@@ -143,18 +158,36 @@ def save(
 
 
 def restore(
-    profile: options.Profile = "zhu2011", link: options.Link = "emulated", as_json: options.Json = False
+    from_profile: Annotated[
+        bool, typer.Option("--from-profile", help="Then write what the profile states: motor and parameters.")
+    ] = False,
+    profile: options.Profile = "zhu2011",
+    link: options.Link = "emulated",
+    as_json: options.Json = False,
 ) -> int:
-    """Set every parameter to its default: the drive forgets what it stored (object 0x1011) and is reset.
+    """Set every parameter to its default: stored values are cleared (object 0x1011) and the drive is reset.
 
-    The defaults are those of the dictionary and fit no motor: load or set the motor's before enabling.
+    The defaults are those of the dictionary and fit no motor: --from-profile writes those of the profile.
     """
 
     output = Output(as_json=as_json)
     with connected(profile, link, output) as (drive, _):
         values = restore_defaults(drive)
+        if from_profile:
+            stated = known_settings(drive.dictionary, load_profile(profile).stated_parameters)
+            write_all(drive, {name: value for name, (_, value) in stated.items()})
+            values |= {name: drive.read(name) for name in stated}
     output.line(f"{len(values)} parameters have their defaults, and the drive was reset")
-    advise(output, link, "the defaults fit no motor; load or set the motor's parameters before enabling")
+    if from_profile:
+        output.line(f"{len(stated)} of them were then set to what profile {profile} states")
+        advise(output, link, "not stored; benchtool params save keeps it over a reset")
+    else:
+        advise(
+            output,
+            link,
+            "the defaults fit no motor: 'params restore --from-profile' writes what the profile states, "
+            "'params derive --write' what is derived from its motor",
+        )
     output.document({"restored": True, "parameters": {name: plain(each) for name, each in values.items()}})
     return 0
 
@@ -163,7 +196,7 @@ def restore(
 
 
 def pairs(tokens: Sequence[str]) -> list[tuple[str, str]]:
-    """Names and texts of `A=1 mohm B=2`, or of the one assignment `A 1 mohm`.
+    """Return the names and texts of `A=1 mohm B=2`, or of the one assignment `A 1 mohm`.
 
     Raises:
         ValueRefused: a name without a value, or a value without a name.
@@ -189,61 +222,40 @@ def pairs(tokens: Sequence[str]) -> list[tuple[str, str]]:
     return found
 
 
+def known_settings(
+    dictionary: Dictionary, settings: Mapping[str, float | str]
+) -> dict[str, tuple[str, Value]]:
+    """Return those of some settings, by TOML key, that a drive has: key and value by the name of the
+    variable.
+
+    Raises:
+        ValueRefused: it has none of them, or one cannot have its value.
+    """
+    found: dict[str, tuple[str, Value]] = {}
+    for key, value in settings.items():
+        try:
+            variable = variable_of(dictionary, key)
+        except ValueRefused:
+            continue
+        setting_of(dictionary, key, value)
+        found[variable.name] = (key, value)
+    if not found:
+        raise ValueRefused(
+            f"{dictionary.source} has none of {', '.join(settings)}: the maker's tool sets up this drive"
+        )
+    return found
+
+
 def advise(output: Output, link: str, text: str) -> None:
-    """A hint on standard error; of an emulated drive, that it forgets."""
+    """Print a hint on standard error: values are lost without save, or at the end of an emulated drive."""
     if link.partition("?")[0] == "emulated":
         text = "an emulated drive lives as long as its command: nothing of this is kept"
     if text:
         output.note(text)
 
 
-def shown(value: Value) -> str:
-    """A value for people."""
-    if isinstance(value, bytes):
-        return value.hex(" ")
-    return f"{value:.9g}" if isinstance(value, float) else str(value)
-
-
-def plain(value: Value) -> int | float | str:
-    """A value for JSON, which has neither bytes nor nan."""
-    if isinstance(value, float) and not math.isfinite(value):
-        return str(value)
-    return value.hex() if isinstance(value, bytes) else value
-
-
-def _readable(drive: RemoteDrive, name: str) -> Variable:
-    variable = named(drive.dictionary, name)
-    if not variable.readable:
-        raise ValueRefused(f"'{variable.name}' is write-only: it cannot be read")
-    return variable
-
-
-def _matches(name: str, pattern: str) -> bool:
-    wanted = pattern.lower()
-    return fnmatch.fnmatchcase(name.lower(), wanted) if set(wanted) & set("*?[") else wanted in name.lower()
-
-
-def _facts(variable: Variable, value: Value) -> dict[str, Any]:
-    default = default_of(variable)
-    return {
-        "name": variable.name,
-        "index": variable.label,
-        "value": plain(value),
-        "unit": variable.unit,
-        "minimum": variable.minimum,
-        "maximum": variable.maximum,
-        "values": list(variable.values) if variable.values is not None else None,
-        "default": None if default is None else plain(default),
-        "differs": default is not None and value != default,
-        "access": variable.access,
-        "enabled_write": variable.enabled_write,
-        "description": variable.description,
-    }
-
-
-def _headline(facts: dict[str, Any]) -> str:
-    mark = "*" if facts["differs"] else " "
-    value = f"{shown(facts['value'])} {facts['unit']}".rstrip()
-    default = "" if facts["default"] is None else f"default {shown(facts['default'])}"
-    access = facts["access"] if facts["enabled_write"] else f"{facts['access']} if off"
-    return f"{mark} {facts['name']:<23} {value:<16} {default:<16} {facts['index']} {access}"
+def _headline(each: Parameter) -> str:
+    mark = "*" if each.differs else " "
+    value = f"{each.shown} {each.unit}".rstrip()
+    default = "" if each.default is None else f"default {shown(each.default)}"
+    return f"{mark} {each.name:<23} {value:<16} {default:<16} {each.variable.label} {each.access}"

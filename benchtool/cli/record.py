@@ -9,25 +9,24 @@ from typing import Annotated
 
 import typer
 
-from benchtool.bench.session import open_session
+from benchtool.bench import open_session
 from benchtool.bench.wires import registry
-from benchtool.cli import options, viewing
-from benchtool.cli.bundles import bundle_folder, conditions
-from benchtool.cli.output import Output, significant, tell_overdue
-from benchtool.drive.capabilities import Capability
+from benchtool.cli import live_views, options, proposals
+from benchtool.cli.conditions import conditions
+from benchtool.cli.exit_codes import ended_by_hand
+from benchtool.cli.output import Output, significant, warn_overdue
+from benchtool.cli.progress import RecordingLine
 from benchtool.recording import BundleWriter, EventFile
-from benchtool.results.calibration import Calibration
-from benchtool.run.recording import Recording, manifest_of
-from benchtool.run.recording import record as keep
-from benchtool.telemetry import (
-    DEFAULT_CHANNELS,
-    Certificate,
-    FrameLog,
-)
+from benchtool.results import Calibration
+from benchtool.run import Ended, Recording, bundle_folder, prepared, record as keep
+from benchtool.telemetry import FrameLog
 
 
 def record(
-    duration: Annotated[float, typer.Option(metavar="S", min=0.1, help="Seconds of drive time.")],
+    duration: Annotated[
+        float | None,
+        typer.Option(metavar="S", min=0.1, help="Seconds of drive time.", show_default="until Ctrl-C"),
+    ] = None,
     out: options.Out = None,
     profile: options.Profile = "zhu2011",
     link: options.Link = "emulated",
@@ -37,6 +36,7 @@ def record(
             metavar="A,B,C",
             help=registry.channels_help(),
             show_default="torque,omega_m,i_q,...",
+            autocompletion=proposals.channels,
         ),
     ] = "",
     rate: Annotated[
@@ -63,58 +63,70 @@ def record(
     real_time: options.RealTime = False,
     as_json: options.Json = False,
 ) -> int:
-    """Record the stream of a drive, whatever it is doing; nothing is enabled."""
+    """Record the stream of a drive, whatever it is doing; nothing is enabled.
+
+    Ctrl-C or SIGTERM ends it early: the bundle is complete then too, and says so. Without --duration the
+    emulated drive is paced by the wall clock.
+    """
     output = Output(as_json=as_json)
     stated = conditions(operator, serial_number, temperature, instrument or ())
     when = options.wall_time()
     log = FrameLog() if frames else None
     with (
         bundle_folder(out, when, "record") as folder,
-        viewing.places(live or (), output) as where,
+        live_views.open_destinations(live or (), output) as where,
     ):
         with open_session(
-            profile, link, seed=seed, real_time=real_time, note=output.note, frames=log, instruments=False
+            profile,
+            link,
+            seed=seed,
+            real_time=real_time or duration is None,
+            note=output.note,
+            frames=log,
+            instruments=False,
         ) as session:
-            drive = session.drive
-            drive.capabilities.require(Capability.STREAM, purpose="a recording")
-            process_data = drive.link.process_data
-            names = options.listed(channels) or process_data.fitting(drive.dictionary, DEFAULT_CHANNELS)
-            # Before there is a folder: what cannot be streamed leaves nothing behind.
-            process_data.source(drive, names, rate)
-            identity = drive.check()
-            begun = when.isoformat(timespec="seconds")
-            manifest = manifest_of(
+            # Before the folder is created: a refused stream leaves no files.
+            names, manifest = prepared(
                 session,
-                identity,
-                what="record",
-                when=begun,
-                wall_s=options.wall_time().timestamp(),
+                options.listed(channels),
+                rate,
+                when=when,
+                link=link,
+                seed=seed,
                 note=note,
                 conditions=stated,
-                seed=seed,
-                link=link,
                 command_line=tuple(sys.argv[1:]),
-                details={"state": drive.state().value},
             )
-            tell_overdue(output, Calibration.at(session.profile.bench, begun).overdue(names))
+            warn_overdue(output, Calibration.at(session.profile.bench, manifest.when).overdue(names))
             with (
                 BundleWriter(folder, manifest) as bundle,
-                viewing.stream_view(where, session, folder.name, manifest, output) as view,
+                live_views.stream_view(where, session, folder.name, manifest, output) as view,
             ):
                 sinks, takers = [], [EventFile(folder).append]
                 if view is not None:
                     takers.append(view.event)
-                    sinks.append(viewing.live_sink(view))
+                    sinks.append(live_views.live_view_sink(view))
                 recording = Recording(names, rate, duration, reconnect, log)
-                certificate = keep(session, bundle, recording, output.note, sinks, takers)
+                with ended_by_hand() as is_ended, RecordingLine(output, as_json=as_json) as line:
+                    ended = keep(
+                        session,
+                        bundle,
+                        recording,
+                        output.note,
+                        sinks,
+                        takers,
+                        show=line.show,
+                        is_ended=is_ended,
+                    )
                 if view is not None:
-                    viewing.show_certificate(view, certificate)
-        _show(output, folder, certificate)
-        where.linger(output)
+                    live_views.show_certificate(view, ended.certificate)
+        _show(output, folder, ended)
+        where.keep_open(output)
     return 0
 
 
-def _show(output: Output, folder: Path, certificate: Certificate) -> None:
+def _show(output: Output, folder: Path, ended: Ended) -> None:
+    certificate = ended.certificate
     rows = [
         (each.name, significant(each.value) if each.unit else _count(each.value), each.unit)
         for each in certificate.measurements
@@ -122,8 +134,10 @@ def _show(output: Output, folder: Path, certificate: Certificate) -> None:
     ]
     output.table("data quality", ("what", ">value", "unit"), rows)
     output.line(f"complete: {'yes' if certificate.complete else 'no'}")
+    if ended.by_hand:
+        output.line(f"ended by hand after {ended.past_s:.1f} s")
     output.line(f"bundle: {folder}")
-    output.document({"bundle": str(folder), "certificate": certificate.to_json()})
+    output.document({"bundle": str(folder), **ended.to_json(), "certificate": certificate.to_json()})
 
 
 def _count(value: float) -> str:

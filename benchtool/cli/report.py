@@ -7,17 +7,14 @@ from typing import Annotated
 
 import typer
 
-from benchtool.cli import options
-from benchtool.cli.output import Output, tell_overdue, tell_unsealed
+from benchtool.cli import options, selection as chosen
+from benchtool.cli.output import Output, warn_overdue, warn_unsealed
 from benchtool.errors import RecordingError, UsageError
-from benchtool.plan.limits import worst
+from benchtool.plan import worst
 from benchtool.recording import enlist
-from benchtool.recording.files import require_own, write_whole
-from benchtool.report.assembly.plan import case_label
-from benchtool.report.assembly.run import run_report
-from benchtool.report.content import Report
-from benchtool.results.calibration import overdue_text, stated_overdue
-from benchtool.results.runs import recorded_runs
+from benchtool.report import Report, write_report as write_documents
+from benchtool.report.assembly import case_label, run_report
+from benchtool.results import overdue_text, recorded_runs, stated_overdue
 
 
 def report(
@@ -28,22 +25,31 @@ def report(
         Path | None, typer.Option(metavar="FILE", help="The HTML page.", show_default="RUN/report.html")
     ] = None,
     pdf: Annotated[bool, typer.Option("--pdf", help="Write a PDF too, beside the page.")] = False,
+    stream: chosen.Stream = "",
+    from_: chosen.From = None,
+    to: chosen.To = None,
+    analysis: chosen.Asked = None,
     as_json: options.Json = False,
 ) -> int:
-    """Measure a recorded run again and write a report that needs nothing else to be read."""
+    """Measure a recorded run again and write a self-contained report.
+
+    A recording without a plan is measured in each of its steady regimes, or in the window of --from and --to.
+    """
 
     if out is not None and out.suffix.lower() == ".pdf" and not pdf:
         raise UsageError(f"--out {out} names a PDF, the page is HTML: add --pdf, or name the page")
     output = Output(as_json=as_json)
-    runs = recorded_runs(run)
-    tell_unsealed(output, [case.bundle for each in runs for case in each.cases])
+    runs = recorded_runs(run, chosen.selection(stream, from_, to, analysis))
+    warn_unsealed(output, [case.bundle for each in runs for case in each.cases])
     page, document = write_report(run_report(run, runs), out or run / "report.html", pdf=pdf, output=output)
     enlist(run, [page] if document is None else [page, document])
     verdict = worst(each.verdict for each in runs)
     found = [case.assessment for each in runs for case in each.cases if case.assessment]
     overdue = [late for each in found for late in each.overdue]
-    tell_overdue(output, overdue)
-    output.verdict(str(verdict), remark=overdue_text(overdue))
+    warn_overdue(output, overdue)
+    by_transducer = [by for each in found if (by := each.verdict_by_transducer) is not None]
+    shaft = str(worst(by_transducer)) if by_transducer else None
+    output.verdict(str(verdict), shaft, overdue_text(overdue))
     cases = {
         case_label(each, case): {"verdict": str(case.verdict), "bundle": str(case.bundle.directory)}
         | ({"failure": case.failure} if case.failure else {})
@@ -66,27 +72,9 @@ def report(
 
 
 def write_report(report: Report, page: Path, *, pdf: bool, output: Output) -> tuple[Path, Path | None]:
-    """Write the page and, if asked for, the PDF beside it; the paths of both. Earlier reports are replaced.
-
-    Raises:
-        RecordingError: a file cannot be written, or one that is no report is there.
-    """
-    from benchtool.report.html import MARK, html_page
-
-    if pdf and page.suffix == ".pdf":
-        page = page.with_suffix(".html")
-    document = page.with_suffix(".pdf")
-    require_own(page, MARK)
-    if pdf:
-        from benchtool.report.pdf.document import MARK as PDF_MARK
-
-        require_own(document, PDF_MARK)
-    write_whole(page, html_page(report).encode("utf-8"))
+    """As `benchtool.report.writing.write_report`, told of in lines."""
+    page, document = write_documents(report, page, pdf=pdf)
     output.line(f"report: {page}")
-    if not pdf:
-        return page, None
-    from benchtool.report.pdf.document import pdf_document
-
-    write_whole(document, pdf_document(report))
-    output.line(f"pdf: {document}")
+    if document is not None:
+        output.line(f"pdf: {document}")
     return page, document

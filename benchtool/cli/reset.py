@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from benchtool.bench.session import open_session
+from benchtool.bench import open_session
 from benchtool.cli import options
 from benchtool.cli.output import Output
-from benchtool.protocol.cia402 import State
-from benchtool.protocol.dictionary.roles import Role
+from benchtool.errors import StateError
+from benchtool.protocol import State
+from benchtool.protocol.canopen import NmtCommand
+from benchtool.protocol.dictionary import Role
 
 
 def reset(
@@ -14,11 +16,21 @@ def reset(
     link: options.Link = "emulated",
     as_json: options.Json = False,
 ) -> int:
-    """Clear a latched fault, such as that of a host that vanished; nothing is enabled."""
+    """Clear a latched fault, such as that of a host that vanished, and start a node that was stopped (NMT).
+
+    Nothing is enabled.
+    """
     output = Output(as_json=as_json)
     with open_session(profile, link, note=output.note, instruments=False) as session:
         drive = session.drive
-        drive.connect()
+        try:
+            drive.connect()
+        except StateError:
+            if not drive.is_stopped:
+                raise
+            drive.link.nmt(NmtCommand.START)
+            drive.connect()
+            output.note("the drive was in NMT state stopped and was started")
         before, code = drive.state(), drive.optional_number(Role.ERROR_CODE)
         if before is State.FAULT:
             drive.reset_fault()

@@ -3,42 +3,41 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from rich.text import Text
 
-from benchtool.analysis import Measurement
-from benchtool.analysis.catalogue import catalogue
-from benchtool.cli.output import VERDICT_COLOURS, Output, significant, tell_overdue
-from benchtool.plan.limits import Limit
-from benchtool.report.numbers import with_expanded
-from benchtool.results.assessment import Assessment, RunResult
-from benchtool.results.calibration import overdue_text
-from benchtool.results.repetitions import Repeated
+from benchtool.analysis import Measurement, catalogue, with_expanded
+from benchtool.cli.differences import named
+from benchtool.cli.output import VERDICT_COLOURS, Output, significant, warn_overdue
+from benchtool.plan import Limit
+from benchtool.results import Assessment, Repeated, RunResult, overdue_text, undefined
 
 _MOST_COLUMNS = 7
 
 
 def measured(measurement: Measurement) -> str:
-    """Its value with its expanded uncertainty for 95 %, if it has one."""
+    """Return its value with its expanded uncertainty for 95 %, if it has one."""
     return with_expanded(measurement.value, measurement.uncertainty)
 
 
 def show_run(output: Output, title: str, result: RunResult, tabulate: Sequence[str] = ()) -> None:
-    """Print for people what every case of a run measured, and how it met its limits."""
+    """Print what every case of a run measured, and its verdicts."""
     if len(result.assessments) == 1:
         show_assessment(output, title, result.assessments[0])
     elif tabulate or len(result.assessments) > _MOST_COLUMNS:
-        show_rows(output, title, result.assessments, tabulate or catalogue().foremost)
+        show_rows(output, title, result.assessments, tabulate or catalogue().headline)
     else:
         show_side_by_side(output, title, result.assessments)
     show_repeated(output, result.repeated, tabulate)
     show_remarks(output, result.assessments)
-    tell_overdue(output, result.overdue)
+    warn_overdue(output, result.overdue)
     output.verdict(result.verdict, result.verdict_by_transducer, overdue_text(result.overdue))
     show_missed(output, result.assessments)
     for case, missed in result.missed:
-        output.line(f"  {missed.verdict}: {case}, {missed}", VERDICT_COLOURS[missed.verdict])
+        output.sentence(
+            f"{missed.verdict}: {case}, {missed}", lead="  ", style=VERDICT_COLOURS[missed.verdict]
+        )
     show_disagreements(output, result.assessments)
 
 
@@ -46,12 +45,14 @@ def show_missed(output: Output, cases: Sequence[Assessment]) -> None:
     """Print each limit that was missed, or met within its margin only: case, number, bound, by how much."""
     for case in cases:
         for each in case.missed:
-            output.line(f"  {each.verdict}: {_of(case, cases)}{each}", VERDICT_COLOURS[each.verdict])
+            output.sentence(
+                f"{each.verdict}: {_of(case, cases)}{each}", lead="  ", style=VERDICT_COLOURS[each.verdict]
+            )
 
 
 def show_disagreements(output: Output, cases: Sequence[Assessment]) -> None:
-    """Print where the shaft does not agree with the estimate of the drive, on which a verdict rests: what has
-    a limit in full, the rest by name with the number of cases."""
+    """Print where the transducer contradicts the drive's estimate: measurements with a limit in full, others
+    by name with the number of cases."""
     others: dict[str, int] = {}
     for case in cases:
         for each in case.disagreements:
@@ -62,7 +63,7 @@ def show_disagreements(output: Output, cases: Sequence[Assessment]) -> None:
             estimate = f"{measured(each.estimate)} {each.estimate.unit}".rstrip()
             output.line(
                 f"  the transducer disagrees: {_of(case, cases)}{each.name} is {estimate} by the drive's own "
-                f"estimate, {true} on the shaft: {each.verdict} there",
+                f"estimate{each.band_text}, {true} on the shaft: {each.verdict} there",
                 VERDICT_COLOURS[each.verdict],
             )
     if others:
@@ -70,25 +71,39 @@ def show_disagreements(output: Output, cases: Sequence[Assessment]) -> None:
             f"{name} ({count} of {len(cases)} cases)" if len(cases) > 1 else name
             for name, count in others.items()
         ]
-        output.line(f"  the transducer disagrees: {', '.join(named)}", "dim")
+        output.sentence(f"the transducer disagrees: {', '.join(named)}", "dim", lead="  ")
 
 
 def show_remarks(output: Output, cases: Sequence[Assessment]) -> None:
-    """Print what was not measured for want of channels, what uncertainties leave out, and where the drive
-    contradicts the profile."""
+    """Print what was not measured for lack of channels, what uncertainties do not contain, and where the
+    drive contradicts the profile."""
     told: dict[str, None] = {}
     for case in cases:
+        if case.recorded is not None:
+            told |= dict.fromkeys(f"regime: {each.text}" for each in case.recorded.regimes)
+            told |= dict.fromkeys(f"{_of(case, cases)}{text}" for text in case.recorded.remarks(case.capture))
         told |= dict.fromkeys(f"{_of(case, cases)}{text}" for text in case.of_sensors)
+    told |= dict.fromkeys(_undefined([case for case in cases if case.recorded is not None]))
     for case in cases:
         if case.refusal:
             told[f"{_of(case, cases)}nothing else was measured: {case.refusal}"] = None
         if case.without:
             lacking = (f"{title} ({', '.join(channels)})" for title, channels in case.without.items())
-            told[f"not measured for want of channels: {', '.join(lacking)}"] = None
+            told[f"not measured for lack of channels: {', '.join(lacking)}"] = None
         for key, values in case.parameter_check.get("contradicted", {}).items():
             told[f"the drive held {key} = {values['drive']}, the profile states {values['profile']}"] = None
     for line in told:
-        output.line(line, "dim")
+        output.sentence(line, "dim")
+
+
+def _undefined(cases: Sequence[Assessment]) -> Iterator[str]:
+    """Yield why measurements of recordings have no value, each reason once."""
+    found: dict[str, dict[str, None]] = {}
+    for case in cases:
+        for reason, names in undefined(case.measurements).items():
+            found.setdefault(reason, {}).update(dict.fromkeys(names))
+    for reason, distinct in found.items():
+        yield f"undefined: {named(tuple(distinct))}: {reason}"
 
 
 def _of(case: Assessment, cases: Sequence[Assessment]) -> str:
@@ -106,7 +121,7 @@ def show_rows(output: Output, title: str, cases: Sequence[Assessment], names: Se
 def show_repeated(
     output: Output, repeated: Mapping[str, Sequence[Repeated]], names: Sequence[str] = ()
 ) -> None:
-    """Print what the repetitions of each case come to, all of it or the measurements named."""
+    """Print the results of each case over its repetitions: all measurements or those named."""
     for case, together in repeated.items():
         limited = any(each.limit is not None for each in together)
         rows: list[tuple[str | Text, ...]] = [
@@ -121,7 +136,7 @@ def show_repeated(
 
 
 def _together(repeated: Repeated) -> str:
-    """What of the repetitions a limit holds for, and how that meets it."""
+    """Return the value over repetitions that a limit is applied to, and the verdict."""
     limit = repeated.limit
     if limit is None:
         return ""
@@ -130,9 +145,16 @@ def _together(repeated: Repeated) -> str:
 
 
 def show_side_by_side(output: Output, title: str, cases: Sequence[Assessment]) -> None:
-    """Print the measurements of several cases as one table; what misses its limit is red, published figures
-    stand in brackets."""
-    names = dict.fromkeys((each.name, each.unit) for case in cases for each in case.measurements)
+    """Print the measurements of several cases as one table; missed limits are red, published figures in
+    brackets."""
+    valued = {
+        each.name
+        for case in cases
+        for each in case.measurements
+        if case.recorded is None or math.isfinite(each.value)
+    }
+    found = dict.fromkeys((each.name, each.unit) for case in cases for each in case.measurements)
+    names = [(name, unit) for name, unit in found if name in valued]
     rows: list[tuple[str | Text, ...]] = [
         (name, *(_cell(case, name) for case in cases), unit) for name, unit in names
     ]
@@ -154,6 +176,8 @@ def show_assessment(output: Output, title: str, result: Assessment) -> None:
     rows = []
     limited = (each for each in result.quality if each.name in result.limits)
     for each in (*result.measurements, *limited):
+        if result.recorded is not None and not math.isfinite(each.value):
+            continue  # below, with the reason
         limit = result.limits.get(each.name)
         bounds = "" if limit is None else f"{_bound('≥', limit.min)}{_bound('≤', limit.max)}"
         beside = (significant(result.published.get(each.name, math.nan)),) if published else ()
@@ -163,12 +187,12 @@ def show_assessment(output: Output, title: str, result: Assessment) -> None:
     columns = ("measurement", ">value ± U (95 %)", *headings, "unit", "limit", "verdict")
     output.table(title, columns, rows)
     if result.limits:
-        output.line(f"decision rule: {_rules(result.limits)}; P: probability of conformance", "dim")
+        output.sentence(f"decision rule: {_rules(result.limits)}; P: probability of conformance", "dim")
     output.line(f"bundle: {result.bundle}")
 
 
 def _judged(result: Assessment, name: str) -> str:
-    """Verdict and, where the measurement has an uncertainty, the probability of conformance."""
+    """Return the verdict and, where the measurement has an uncertainty, the probability of conformance."""
     if name not in result.verdicts:
         return ""
     probability = f", P {result.conformances[name]:.3g}" if name in result.conformances else ""
@@ -176,7 +200,7 @@ def _judged(result: Assessment, name: str) -> str:
 
 
 def _rules(limits: Mapping[str, Limit]) -> str:
-    """The decision rule of each limit, those with simple acceptance together."""
+    """Return the decision rule of each limit, those with simple acceptance together."""
     rules = [f"{name} {limit.rule}" for name, limit in limits.items() if limit.margin]
     simple = next((limit.rule for limit in limits.values() if not limit.margin), "")
     return ", ".join((*rules, f"{'others ' if rules else ''}{simple}") if simple else rules)

@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from benchtool.cli import options
-from benchtool.errors import PlanError
-from benchtool.plan.model import Plan, load_plan, plan_names
+from benchtool.cli import options, proposals
+from benchtool.errors import PlanError, UsageError
+from benchtool.plan import Plan, load_plan, plan_names, profile_of
 from benchtool.profile import load_profile
 
 
 @dataclass(frozen=True)
 class RunOptions:
-    """How to run, whatever the plan."""
+    """Options of a run that apply to every plan."""
 
     profile: str = ""
     link: str = "emulated"
@@ -35,6 +37,14 @@ class RunOptions:
     temperature_degC: float | None = None
     instruments: tuple[str, ...] = ()
     yes: bool = False
+    changes: tuple[str, ...] = ()
+    dry_run: bool = False
+    web: bool = False
+
+    @property
+    def shown(self) -> tuple[str, ...]:
+        """Where it is shown live."""
+        return (*self.live, *(("web",) if self.web and "web" not in self.live else ()))
 
 
 @dataclass(frozen=True)
@@ -48,12 +58,36 @@ class NamedPlan:
 
 def run(
     plan: Annotated[
-        str, typer.Argument(metavar="PLAN", help="Name of a shipped plan, a TOML file, or a folder of plans.")
+        str,
+        typer.Argument(
+            metavar="PLAN",
+            help="Name of a shipped plan, a TOML file, or a folder of plans.",
+            autocompletion=proposals.plans,
+        ),
     ],
     profile: Annotated[
-        str, typer.Option(metavar="NAME|FILE", help="Profile to use instead of the plan's.")
+        str,
+        typer.Option(
+            metavar="NAME|FILE",
+            help="Profile to use instead of the plan's.",
+            autocompletion=proposals.profiles,
+        ),
     ] = "",
     link: options.Link = "emulated",
+    set_: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="KEY=VALUE",
+            help="A value of the plan for this run: load_torque_Nm=1, omega_m=1500rpm, setup.law=foc; once "
+            "for each.",
+            autocompletion=proposals.plan_keys,
+        ),
+    ] = None,
+    dry_run: Annotated[
+        bool,
+        typer.Option("--dry-run", help="Check the plan and show what would be sent, played and recorded."),
+    ] = False,
     out: options.Out = None,
     resume: Annotated[
         Path | None, typer.Option(metavar="RUN", help="Go on with a run that was cut short.")
@@ -77,6 +111,7 @@ def run(
         typer.Option(help="An instrument beside the drive, with its certificate; once for each."),
     ] = None,
     live: options.Live = None,
+    web: options.Web = False,
     seed: options.Seed = 0,
     real_time: options.RealTime = False,
     yes: options.Yes = False,
@@ -101,6 +136,9 @@ def run(
         temperature,
         tuple(instrument or ()),
         yes,
+        tuple(set_ or ()),
+        dry_run,
+        web,
     )
     return run_named(plan, chosen)
 
@@ -115,15 +153,44 @@ def run_named(name: str, chosen: RunOptions) -> int:
     names = plan_names(name)
     if not names:
         raise PlanError(f"folder {name} holds no plans: TOML files are expected, one a plan")
-    plans = [_read(each, chosen.profile) for each in names]
-    # A slip of the pen is answered before what a run needs is loaded.
-    from benchtool.cli.running import run_plans
+    plans = [_read(each, chosen.profile, chosen.changes) for each in names]
+    # Report errors in the plan before the modules that a run needs are loaded.
+    from benchtool.cli.run_plans import run_plans
 
     return run_plans(name, plans, chosen)
 
 
-def _read(name: str, profile: str) -> NamedPlan:
+def _read(name: str, profile: str, given: tuple[str, ...]) -> NamedPlan:
     plan = load_plan(name)
-    place = profile or plan.profile
+    place = profile or profile_of(name, plan)
+    if not profile and place.endswith(".toml") and not Path(place).is_file():
+        raise PlanError(
+            f"{name}: there is no profile file {place}: a plan names it relative to itself; put it there, "
+            f"or name another with --profile"
+        )
     load_profile(place)
-    return NamedPlan(name, plan, place)
+    return NamedPlan(name, _changed(name, place, given) if given else plan, place)
+
+
+def _changed(name: str, profile: str, given: tuple[str, ...]) -> Plan:
+    """Return the plan with what `--set` changes.
+
+    Raises:
+        PlanError: a change is of no key, or the plan with it is none.
+    """
+    from benchtool.bench import dictionary_of
+    from benchtool.plan import Changes
+
+    with noting(given):
+        return load_plan(name, Changes(given, dictionary_of(profile)).applied)
+
+
+@contextmanager
+def noting(changes: tuple[str, ...]) -> Iterator[None]:
+    """Have an error of a plan say what the command line has changed in it: its lines are the file's."""
+    try:
+        yield
+    except UsageError as error:
+        if changes and not str(error).startswith("--set"):
+            error.add_note(f"with {', '.join(f'--set {each}' for each in changes)}")
+        raise

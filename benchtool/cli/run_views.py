@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from benchtool.bench.session import Session
+from benchtool.bench import Session
 from benchtool.block import Block
-from benchtool.cli import viewing
+from benchtool.cli import live_views
 from benchtool.cli.output import Output
-from benchtool.plan.cases import Case
+from benchtool.plan import Case
 from benchtool.recording import Event, Manifest
-from benchtool.results.assessment import Assessment
-from benchtool.run.conduct import Progress
+from benchtool.results import Assessment
+from benchtool.run import Progress
 from benchtool.telemetry import Sink
 
 if TYPE_CHECKING:
@@ -20,16 +20,18 @@ if TYPE_CHECKING:
 
 
 class RunViews:
-    """Shows a run, one recording for each case. Watches as well as it is watched.
+    """Shows a run, one recording for each case; receives progress and passes it on.
 
     Args:
-        where: what it is shown by.
-        progress: told what this is told.
+        where: destinations.
+        progress: receives the same notifications.
         output: where lines go.
         plan: one of several of a command, for the names of files; empty if it is the only one.
     """
 
-    def __init__(self, where: viewing.Places, progress: Progress, output: Output, plan: str = "") -> None:
+    def __init__(
+        self, where: live_views.LiveDestinations, progress: Progress, output: Output, plan: str = ""
+    ) -> None:
         self._where = where
         self._plan = plan
         self._progress = progress
@@ -48,18 +50,18 @@ class RunViews:
         """A step within the case begins."""
         self._progress.note(text)
 
-    # ---- Watcher ---------------------------------------------------------------------------------------
+    # ---- RunObserver ---------------------------------------------------------------------------------------
 
     def opened(self, session: Session, case: Case, manifest: Manifest) -> Sequence[Sink]:
-        """The sink of the case's slow stream."""
+        """Return the sink of the case's slow stream."""
         if not self._where.any:
             return ()
         from benchtool.live import LiveView, setup_of
 
         setup = setup_of(manifest, case.name, session.profile.motor.psi_r_Wb)
         self._view = LiveView(setup, self._where.of(self._name(case)), self._output.note)
-        viewing.count_link(self._view, session.drive)
-        return (viewing.live_sink(self._view),)
+        live_views.count_link(self._view, session.drive)
+        return (live_views.live_view_sink(self._view),)
 
     def happened(self, event: Event) -> None:
         """Show it at its place in time."""
@@ -76,7 +78,7 @@ class RunViews:
                 self._view.captured(transducer, TRANSDUCER)
 
     def closed(self, result: Assessment | None, failure: str) -> None:
-        """Show what the case came to, and end its recording."""
+        """Show the result of the case, and end its recording."""
         view, self._view = self._view, None
         if view is None:
             return
@@ -89,13 +91,13 @@ class RunViews:
             verdicts = {name: str(verdict) for name, verdict in result.verdicts.items()}
             remarks = [f"verdict: **{result.verdict}**", *(str(each) for each in result.missed)]
             view.results(results_document(view.title, rows, bounds, verdicts, remarks))
-            view.quality(certificate_document(viewing.measured(result.quality)))
+            view.quality(certificate_document(live_views.measured(result.quality)))
         else:
             view.results(results_document(view.title, (), remarks=[f"the run has failed: {failure}"]))
         view.close()
-        viewing.tell_drops(view, self._output)
+        live_views.warn_dropped(view, self._output)
 
     def _name(self, case: Case) -> str:
-        """What sets this case's file apart from those of the command's others."""
+        """Return the part of a file's name that identifies this case."""
         parts = (self._plan, case.folder if self._several else "")
         return "-".join(part for part in parts if part)

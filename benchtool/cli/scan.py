@@ -9,12 +9,11 @@ from typing import Annotated, Any
 
 import typer
 
-from benchtool.bench.wires import registry
-from benchtool.bench.wires.address import Address
+from benchtool.bench.wires import Address, naming_wires, registry
 from benchtool.cli import options
 from benchtool.cli.output import Output
-from benchtool.errors import LinkError, NoAnswer
-from benchtool.link.discovery import Found, duplicates
+from benchtool.errors import LinkError, NoAnswer, PlugInError
+from benchtool.link import Found, duplicates
 
 _AT_ONCE = 8
 
@@ -65,11 +64,12 @@ def scan(
     """Drives on serial ports and CAN buses, with the link to paste. Nothing is written, nothing enabled.
 
     A serial port gets one question of some bytes, each node of a CAN bus one SDO read. A node serves one
-    transfer at a time, so better not scan a bus on which another program is transferring.
+    transfer at a time, so do not scan a bus on which another program is transferring.
     """
     output = Output(as_json=as_json)
     speeds = [f"?baudrate={each}" for each in baudrate or ()] or [""]
-    own = [place for wire in registry.wires() for place in wire.own_places()] if own_ports else []
+    with naming_wires():
+        own = [place for wire in registry.wires() for place in wire.own_places()] if own_ports else []
     named = [f"serial:{each}" for each in ports or ()]
     asked = [*dict.fromkeys([*own, *named]), *(f"can:{each}" for each in can or ())]
     at_speeds = ([each + it for it in speeds] if each.startswith("serial:") else [each] for each in asked)
@@ -95,8 +95,9 @@ def _ask(place: Address, timeout_s: float) -> list[Found] | Silent:
     if discover is None:
         return Silent(place.without_options, "drives cannot be looked for there")
     try:
-        return discover(place, timeout_s)
-    except LinkError as reason:
+        with naming_wires():
+            return discover(place, timeout_s)
+    except (LinkError, PlugInError) as reason:
         return Silent(place.without_options, str(reason))
 
 

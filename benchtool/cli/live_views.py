@@ -15,20 +15,20 @@ from typing import TYPE_CHECKING
 from rich.text import Text
 
 from benchtool.analysis import Measurement
-from benchtool.bench.session import Session
+from benchtool.bench import Session
+from benchtool.bench.wires import did_you_mean
 from benchtool.cli.output import Output
 from benchtool.drive import RemoteDrive
 from benchtool.errors import UsageError
-from benchtool.recording import Manifest
-from benchtool.recording.files import require_free
+from benchtool.recording import Manifest, require_free, write_whole
 from benchtool.telemetry import Certificate, Sink
 
 if TYPE_CHECKING:
     from benchtool.live import Destination, FileDestination, LiveView, Viewer
 
 
-class Places:
-    """Where a command shows what it measures: viewers that run, and a file that a recording begins."""
+class LiveDestinations:
+    """Destinations of `--live`: running viewers, and files."""
 
     def __init__(self, viewers: Sequence[Viewer], files: Sequence[FileDestination]) -> None:
         self._viewers = viewers
@@ -39,10 +39,10 @@ class Places:
         return bool(self._viewers or self._files)
 
     def of(self, name: str = "", *, endless: bool = False) -> list[Destination]:
-        """Destinations of one recording; those of several go into files of their own names.
+        """Return the destinations of one recording; those of several go into files of their own names.
 
-        An `endless` one is of nobody knows how long, and takes no more memory the longer it lasts. Where a
-        file of that name is there already, as of a run that is resumed, the next number is taken.
+        An `endless` recording has no known length, and its memory does not grow with time. If a file of that
+        name exists, as after a resumed run, the next free number is used.
         """
         from benchtool.live import FileDestination
 
@@ -51,18 +51,40 @@ class Places:
             files = [_free(path.with_stem(f"{path.stem}-{name}")) for path in files]
         return [*self._viewers, *(FileDestination(path, endless=endless) for path in files)]
 
-    def linger(self, output: Output, duration_s: float | None = None) -> None:
-        """Leave the web viewer's page up: so long, or for a person until Ctrl-C; a script goes on at once."""
+    def keep_open(self, output: Output, duration_s: float | None = None, *, stay: bool = False) -> None:
+        """Leave the web viewer's page up: so long, or until Ctrl-C for a person or, with `stay`, in any case;
+        else a script goes on at once."""
         web = [viewer for viewer in self._viewers if viewer.web]
-        if web and (duration_s is not None or sys.stdin.isatty()):
-            output.note("the page stays until Ctrl-C" if duration_s is None else f"up for {duration_s:g} s")
+        if web and (stay or duration_s is not None or sys.stdin.isatty()):
+            sys.stdout.flush()  # what there is to say has been said
+            until = "stays until Ctrl-C" if duration_s is None else f"is up for {duration_s:g} s"
+            output.note(f"the page {until}: {web[0].page}")
             with suppress(KeyboardInterrupt, subprocess.TimeoutExpired):
                 web[0].process.wait(duration_s)
 
 
+def draw(recordings: Path, png: Path, output: Output) -> list[Path]:
+    """Return a picture of every recording in a folder; those of several have the recordings' numbers.
+
+    Raises:
+        EnvironmentFailure: they cannot be drawn here.
+        RecordingError: a picture cannot be written.
+    """
+    from benchtool.live.sinks import take_picture
+
+    drawn = []
+    for recording in sorted(recordings.glob("*.rrd")):
+        _, number, name = recording.stem.partition("-")
+        place = png.with_stem(f"{png.stem}{number}{name}")
+        write_whole(place, take_picture(recording))
+        output.line(f"picture: {place}")
+        drawn.append(place)
+    return drawn
+
+
 @contextmanager
-def places(where: Sequence[str], output: Output, bind: str = "") -> Iterator[Places]:
-    """The destinations that `--live` names, opened, and closed on the way out; nothing is imported for none.
+def open_destinations(where: Sequence[str], output: Output, bind: str = "") -> Iterator[LiveDestinations]:
+    """Open the destinations that `--live` names, and close them on exit; without any nothing is imported.
 
     Raises:
         UsageError: it names something else.
@@ -70,14 +92,17 @@ def places(where: Sequence[str], output: Output, bind: str = "") -> Iterator[Pla
         EnvironmentFailure: one cannot be opened.
     """
     if not where:
-        yield Places((), ())
+        yield LiveDestinations((), ())
         return
-    os.environ.setdefault("RUST_LOG", "off")  # what the SDK would log of a lost viewer is said by a note
+    os.environ.setdefault("RUST_LOG", "off")  # a note reports a lost viewer in place of the SDK's log
     from benchtool.live import LOOPBACK, FileDestination, Viewer
 
     unknown = [each for each in where if each not in ("viewer", "web") and not each.endswith(".rrd")]
     if unknown:
-        raise UsageError(f"--live {unknown[0]}: 'viewer', 'web' or a file that ends in .rrd is expected")
+        meant = did_you_mean(unknown[0], ["viewer", "web"])
+        raise UsageError(
+            f"--live {unknown[0]}: 'viewer', 'web' or a file that ends in .rrd is expected{meant}"
+        )
     paths = {Path(each).resolve(): Path(each) for each in where if each.endswith(".rrd")}
     files = [FileDestination(path) for path in paths.values()]  # one for each, however it is spelt
     for file in files:
@@ -90,8 +115,8 @@ def places(where: Sequence[str], output: Output, bind: str = "") -> Iterator[Pla
                 viewers.append(stack.enter_context(Viewer(web=each == "web", bind=bind or LOOPBACK)))
                 if each == "web":
                     address = Text(f"live at {viewers[-1].page}")
-                    output.progress.print(address, soft_wrap=True)  # in one piece, to be copied
-        yield Places(viewers, files)
+                    output.progress.print(address, soft_wrap=True)  # in one line, to be copied
+        yield LiveDestinations(viewers, files)
 
 
 def _free(path: Path) -> Path:
@@ -99,15 +124,15 @@ def _free(path: Path) -> Path:
     return next(each for each in (path, *itertools.islice(numbered, 1000)) if not each.exists())
 
 
-def live_sink(view: LiveView) -> Sink:
-    """A view as a sink of a stream, which drops what it does not take in time."""
-    sink = Sink("live", view.take, lossless=False)
+def live_view_sink(view: LiveView) -> Sink:
+    """Return a view as a sink of a stream, which drops blocks that it does not take in time."""
+    sink = Sink("live", view.add_block, lossless=False)
     view.count_drops(lambda: sink.rows_dropped)
     return sink
 
 
 def show_certificate(view: LiveView, certificate: Certificate) -> None:
-    """How good a recording is, where nothing else is measured."""
+    """Show the data-quality certificate, where nothing else is measured."""
     from benchtool.live import certificate_document, results_document
 
     rows = measured(certificate.measurements)
@@ -123,21 +148,21 @@ def measured(measurements: Iterable[Measurement]) -> list[tuple[str, float, str]
     return [(each.name, each.value, each.unit) for each in measurements]
 
 
-def tell_drops(view: LiveView, output: Output) -> None:
-    """A line for each destination that missed something."""
+def warn_dropped(view: LiveView, output: Output) -> None:
+    """Print a line for each destination that missed rows."""
     for name, rows in view.rows_dropped.items():
         if rows:
             output.note(f"{name}: {rows} rows were not shown; the recording of the run has them")
 
 
 def count_link(view: LiveView, drive: RemoteDrive) -> None:
-    """Have a view show the counters of the drive's link."""
+    """Show the counters of the drive's link in a view."""
     view.count(lambda: {f"link_{name}": count for name, count in asdict(drive.link.counters).items()})
 
 
 @contextmanager
 def stream_view(
-    where: Places, session: Session, name: str, manifest: Manifest, output: Output
+    where: LiveDestinations, session: Session, name: str, manifest: Manifest, output: Output
 ) -> Iterator[LiveView | None]:
     """The view of a stream alone, with parameters and wall time as a manifest has them; None if there is
     nowhere."""
@@ -155,4 +180,4 @@ def stream_view(
             reason = f"{type(failure).__name__}: {failure}".rstrip(": ")
             view.results(results_document(setup.title, (), remarks=[f"ended by {reason}"]))
             raise
-    tell_drops(view, output)
+    warn_dropped(view, output)

@@ -1,4 +1,4 @@
-"""Asking the person at the bench, who presses Enter when something is done."""
+"""Prompt for the operator at the bench, who confirms an action with Enter."""
 
 from __future__ import annotations
 
@@ -6,45 +6,45 @@ import sys
 from collections.abc import Callable
 from contextlib import AbstractContextManager, suppress
 
-from benchtool.bench.person import Confirmed, Prompt, beforehand, unasked
+from benchtool.bench import Confirmation, Prompt, confirmed_beforehand, no_operator
 from benchtool.cli.output import Output
 
 
 def prompt(
     output: Output, aside: Callable[[], AbstractContextManager[None]], *, yes: bool, alone: bool
 ) -> Prompt | None:
-    """What asks the person at this terminal; None where there is no person to ask.
+    """Return the prompt of this terminal; None where there is no operator to ask.
 
     Args:
         output: of the command.
         aside: clears the terminal during the question.
-        yes: take everything as done.
+        yes: confirm everything.
         alone: the command runs for a program, or in several processes.
     """
 
     if yes:
-        return beforehand
+        return confirmed_beforehand
     if alone or sys.stdin is None or not sys.stdin.isatty():
         return None
 
-    def ask(what: str) -> Confirmed:
+    def ask(what: str) -> Confirmation:
         with aside():
             return _ask(what, output)
 
     return ask
 
 
-def _ask(what: str, output: Output) -> Confirmed:
+def _ask(what: str, output: Output) -> Confirmation:
 
-    _forget_input()
+    _discard_input()
     output.line(f"The drive is disabled. Please {what}; then press Enter (Ctrl-C ends the run).", "bold")
     if not sys.stdin.readline():  # the terminal has gone
-        raise unasked(what)
-    return Confirmed.BY_THE_PERSON
+        raise no_operator(what)
+    return Confirmation.BY_OPERATOR
 
 
-def _forget_input() -> None:
-    """Drop what was typed before the question: it is no answer."""
+def _discard_input() -> None:
+    """Discard input that was typed before the question."""
     with suppress(ImportError, OSError):  # not every system has terminals of this kind
         import termios
 

@@ -1,7 +1,7 @@
-"""How a command ends: what went wrong as one line each on standard error, and an exit code.
+"""Exit codes of commands, and errors as one line each on standard error.
 
-What the system refuses (no space, read-only, no reader, not permitted) is told in a line. A defect of
-benchtool is none of these and shows itself with its traceback.
+Errors of the operating system (no space, read-only, no reader, not permitted) are one line too. A defect of
+benchtool shows its traceback.
 """
 
 from __future__ import annotations
@@ -9,10 +9,12 @@ from __future__ import annotations
 import errno
 import functools
 import os
+import signal
 import sys
-from collections.abc import Callable
-from contextlib import suppress
-from typing import Final, NoReturn, ParamSpec
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from types import FrameType
+from typing import Any, Final, NoReturn, ParamSpec
 
 import typer
 
@@ -34,8 +36,9 @@ _REMEDIES: Final = {
 Arguments = ParamSpec("Arguments")
 
 
-def reporting(verb: Callable[Arguments, int], *, enables: bool = False) -> Callable[Arguments, None]:
-    """`verb`, which may have enabled the drive, with its failures as one line each and as an exit code."""
+def with_exit_code(verb: Callable[Arguments, int], *, enables: bool = False) -> Callable[Arguments, None]:
+    """Wrap `verb`, which may have enabled the drive: print its failures as one line each and return an exit
+    code."""
     interrupted = "interrupted; the drive was left disabled" if enables else "interrupted"
 
     @functools.wraps(verb)
@@ -44,21 +47,21 @@ def reporting(verb: Callable[Arguments, int], *, enables: bool = False) -> Calla
             code = verb(*args, **kwargs)
             sys.stdout.flush()
         except BenchError as error:
-            code = tell(str(error), error)
+            code = print_error(str(error), error)
         except KeyboardInterrupt as interrupt:
-            tell(interrupted, interrupt)
+            print_error(interrupted, interrupt)
             code = INTERRUPTED
         except OSError as failure:
-            code = tell_refused(failure)
+            code = print_os_error(failure)
         raise typer.Exit(code)
 
     return command
 
 
 def run_to_the_end(app: Callable[[], object]) -> NoReturn:
-    """Run the command line, and end the process with its exit code, whatever its streams can take."""
+    """Run the command line, and end the process with its exit code, even if its streams are broken."""
     for name in ("stdout", "stderr"):
-        if getattr(sys, name) is None:  # closed by whoever began this process
+        if getattr(sys, name) is None:  # the parent process may have closed it
             setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115 # for the rest of the process
     try:
         app()
@@ -66,44 +69,71 @@ def run_to_the_end(app: Callable[[], object]) -> NoReturn:
     except SystemExit as end:
         code = end.code
     except OSError as failure:
-        code = tell_refused(failure)
+        code = print_os_error(failure)
     try:
         sys.stdout.flush()
     except OSError as failure:
-        code = tell_refused(failure)
+        code = print_os_error(failure)
     try:
-        sys.stderr.flush()  # a library's note, which the interpreter would make an exit code of 120
+        sys.stderr.flush()  # output of a library, for which the interpreter would exit with 120
     except OSError:
         _silence_broken_streams()
     raise SystemExit(code)
 
 
+@contextmanager
+def ended_by_hand() -> Iterator[Callable[[], bool]]:
+    """Within a `with` block, the first Ctrl-C or SIGTERM asks for an end; a second one interrupts.
+
+    What it gives tells whether one has come.
+    """
+    asked = False
+    before: dict[int, Any] = {}
+
+    def ask(number: int, frame: FrameType | None) -> None:
+        nonlocal asked
+        if not asked:
+            asked = True
+        elif callable(before[number]):
+            before[number](number, frame)
+
+    with suppress(ValueError):  # another thread than the main one gets no signals
+        for number in (int(signal.SIGINT), int(signal.SIGTERM)):
+            before[number] = signal.signal(number, ask)
+    try:
+        yield lambda: asked
+    finally:
+        for number, handler in before.items():
+            if signal.getsignal(number) is ask:  # a second one has perhaps set its own
+                signal.signal(number, handler)
+
+
 def printable(text: str) -> str:
-    """Text that comes from outside, such that a terminal shows it and obeys none of it."""
+    """Return the text that comes from outside, with control characters escaped."""
     return text.translate(_CONTROLS)
 
 
-def tell(text: str, failure: BaseException) -> int:
-    """Tell of a failure and of its notes; its exit code."""
-    with suppress(OSError):  # then there is nobody to be told
+def print_error(text: str, failure: BaseException) -> int:
+    """Print a failure and its notes on standard error; return its exit code."""
+    with suppress(OSError):  # standard error is closed: nothing can be printed
         for line in (text, *getattr(failure, "__notes__", ())):
             sys.stderr.write(f"benchtool: {printable(line)}\n")
         sys.stderr.flush()
     return failure.exit_code if isinstance(failure, BenchError) else EnvironmentFailure.exit_code
 
 
-def tell_refused(failure: OSError) -> int:
-    """Tell what the system has refused; the exit code of that."""
+def print_os_error(failure: OSError) -> int:
+    """Print an error of the operating system; return its exit code."""
     _silence_broken_streams()
-    # What this project writes by name says so itself; what has no name is a stream of this process.
+    # Files are named in their own errors; an error without a name is of a stream of this process.
     place = "standard output" if failure.filename is None else f"'{failure.filename}'"
     remedy = _REMEDIES.get(failure.errno or 0, "check that it is there, free and permitted")
     reason = failure.strerror or str(failure) or type(failure).__name__
-    return tell(f"cannot use {place}: {reason}; {remedy}", failure)
+    return print_error(f"cannot use {place}: {reason}; {remedy}", failure)
 
 
 def _silence_broken_streams() -> None:
-    """Have what is left for a stream that takes no more go nowhere, so that the interpreter ends in peace."""
+    """Redirect broken streams to the null device, so that the interpreter can exit."""
     for stream in (sys.stdout, sys.stderr):
         try:
             stream.flush()

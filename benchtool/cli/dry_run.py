@@ -1,0 +1,89 @@
+"""`benchtool run PLAN --dry-run`: what a run would send, play and record; nothing is opened or sent."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from benchtool.bench import dictionary_of, equipment_of
+from benchtool.cli.listing import count, duration, measured
+from benchtool.cli.output import Output
+from benchtool.cli.run import NamedPlan
+from benchtool.plan import Case, Plan, cases, drive_time_s
+from benchtool.protocol.dictionary import Dictionary
+
+
+def show_dry_run(plans: Sequence[NamedPlan], link: str, output: Output) -> int:
+    """Print what runs of these plans, which have been checked, would do; returns the exit code."""
+    documents = {each.name: _show(each, link, output) for each in plans}
+    output.line("nothing was opened or sent")
+    output.document({"dry_run": True, "link": link, "plans": documents})
+    return 0
+
+
+def _show(named: NamedPlan, link: str, output: Output) -> dict[str, Any]:
+    plan, dictionary = named.plan, dictionary_of(named.profile)
+    todo = cases(plan)
+    facts = {
+        "profile": named.profile,
+        "link": link,
+        **{f"bench: {name}": text for name, text in equipment_of(named.profile, link).lines().items()},
+        "sent to the drive": _settings(plan.setup) or "no parameters",
+        "played": _played(plan),
+        "recorded": _recorded(plan, dictionary),
+        "measured": measured(plan),
+        "limits": ", ".join((*plan.limits, *plan.case_limits)) or "of the operating point alone",
+        "duration": f"about {duration(drive_time_s(plan))} of drive time for {count(len(todo))}",
+    }
+    output.table(plan.title, ("what", "value"), list(facts.items()))
+    rows = [(each.name, _point(each), _settings(each.setup), _settings(each.emulator)) for each in todo]
+    output.table("cases", ("case", "operating point", "sent besides", "emulated bench differs by"), rows)
+    return {
+        **facts,
+        "duration_s": drive_time_s(plan),
+        "setup": plan.setup,
+        "cases": [
+            {
+                "name": each.name,
+                "operating_point": each.operating_point.model_dump(exclude_none=True),
+                "setup": dict(each.setup),
+                "emulator": dict(each.emulator),
+            }
+            for each in todo
+        ],
+    }
+
+
+def _point(case: Case) -> str:
+    point = case.operating_point
+    if point.mode == "velocity":
+        return f"{point.omega_m_rad_s:g} rad/s, load {point.load_torque_Nm:g} Nm"
+    held = "" if point.hold_speed_rad_s is None else f", shaft held at {point.hold_speed_rad_s:g} rad/s"
+    loaded = f", load {point.load_torque_Nm:g} Nm" if point.load_torque_Nm else ""
+    return f"{point.torque_Nm:g} Nm{held}{loaded}"
+
+
+def _settings(values: Mapping[str, float | str]) -> str:
+    return ", ".join(
+        f"{key} = {value if isinstance(value, str) else f'{value:g}'}" for key, value in values.items()
+    )
+
+
+def _played(plan: Plan) -> str:
+    stimulus = plan.stimulus
+    if stimulus is None:
+        return "nothing"
+    lasts = "" if stimulus.duration_s is None else f", {stimulus.duration_s:g} s"
+    times = f", {stimulus.repetitions} times" if stimulus.repetitions > 1 else ""
+    reaches = f"amplitude {stimulus.amplitude:g} {stimulus.unit}"
+    return f"{stimulus.shape} of {stimulus.quantity}, {reaches}{lasts}{times}"
+
+
+def _recorded(plan: Plan, dictionary: Dictionary) -> str:
+    record = plan.record
+    listed = f"{len(record.channels)} channels for {record.duration_s:g} s"
+    period_s = dictionary["control_period"].default if "control_period" in dictionary else None
+    if not isinstance(period_s, int | float):
+        return listed
+    row_s = period_s * record.stride
+    return f"{listed}, {round(record.duration_s / row_s)} rows at {1.0 / row_s:g} Hz"
