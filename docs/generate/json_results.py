@@ -1,0 +1,267 @@
+"""What runs print with `--json`: measurements, their uncertainty, limits, cases.
+
+The description of a key is the string literal below it. A key that may be left out has None as its default.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from pydantic import BaseModel, ConfigDict
+
+Plain = int | float | str | None
+VerdictWord = Literal["none", "pass", "marginal", "undecided", "fail"]
+
+
+class Document(BaseModel):
+    """A JSON object: keys that are not listed are refused."""
+
+    model_config = ConfigDict(extra="forbid")
+
+
+class Contribution(Document):
+    """One line of an uncertainty's budget."""
+
+    name: str
+    """What contributes."""
+    evaluation: Literal["A", "B"]
+    """Type A, from the scatter of the data, or type B, from other knowledge (JCGM 100:2008)."""
+    standard: float | None
+    """Standard uncertainty that it adds, in the unit of the measurement."""
+    dof: float | None
+    """Degrees of freedom; null for infinitely many."""
+    instrument: dict[str, Any] | None = None
+    """The instrument that it is of, where the profile states one."""
+    sign: Literal[-1, 1] | None = None
+    """Sign with which the instrument's error enters."""
+
+
+class Uncertainty(Document):
+    """The uncertainty of a measurement in the terms of the GUM (JCGM 100:2008)."""
+
+    standard: float | None
+    """Combined standard uncertainty u."""
+    dof: float | None
+    """Effective degrees of freedom; null for infinitely many."""
+    k: float | None
+    """Coverage factor."""
+    coverage: float
+    """Probability that the interval covers the value: 0.95."""
+    expanded: float | None
+    """Expanded uncertainty U."""
+    source: str
+    """What it was estimated from."""
+    half_width: float | None = None
+    """Half of the interval, where its distribution is not Student's."""
+    budget: list[Contribution] | None = None
+    """The contributions, where there is more than one."""
+
+
+class Basis(Document):
+    """What a measurement rests on; what does not apply is left out."""
+
+    samples: float | None = None
+    """Samples used."""
+    sample_rate_Hz: float | None = None
+    """Their rate."""
+    duration_s: float | None = None
+    """The time that they span."""
+    bandwidth_Hz: float | None = None
+    """Components up to this frequency could contribute."""
+    window: str | None = None
+    """Window and what it spans."""
+    harmonics: int | None = None
+    """Highest harmonic counted."""
+    reference: str | None = None
+    """What a ratio is a ratio to."""
+    gaps: int | None = None
+    """Places where rows are missing."""
+    sensors: str | None = None
+    """What is not known of the sensors."""
+    line_Hz: float | None = None
+    """The line of the spectrum that is meant; lines of two runs are compared where they are the same."""
+    alignment_s: float | None = None
+    """Standard uncertainty with which samples of another clock stand at the drive's ticks."""
+
+
+class Measurement(Document):
+    """One number with its definition."""
+
+    value: float | None
+    """The value in `unit`; null where it is undefined."""
+    unit: str
+    """Its unit; empty for a pure number."""
+    definition: str
+    """One line that lets another person compute the same number."""
+    reason: str | None = None
+    """Why it is undefined."""
+    basis: Basis | None = None
+    """What it rests on."""
+    uncertainty: Uncertainty | None = None
+    """Its uncertainty, where the data give one."""
+
+
+class Column(Document):
+    """A column of a table of results."""
+
+    name: str
+    """Its name."""
+    unit: str
+    """Its unit."""
+
+
+class ResultTable(Document):
+    """A result that is a table, such as the harmonics of a current."""
+
+    definition: str
+    """What its rows are."""
+    basis: Basis
+    """What it rests on."""
+    columns: list[Column]
+    """Its columns."""
+    rows: list[list[float | str | None]]
+    """Its rows, a value for each column."""
+
+
+class Coordinates(Document):
+    """Coordinates of a case in its plan."""
+
+    group: str
+    """Name of the case without its repetition."""
+    variant: str
+    """Name of the variant."""
+    point: dict[str, float | str]
+    """Swept values."""
+    repetition: int
+    """Number of the repetition, from 1."""
+
+
+class LimitDocument(Document):
+    """A limit and what came of it."""
+
+    min: float | None = None
+    """Least value."""
+    max: float | None = None
+    """Greatest value."""
+    margin: float | Literal["U"]
+    """Margin of the plan."""
+    unit: str | None = None
+    """Unit, where the plan states it."""
+    rule: str
+    """Decision rule in words."""
+    verdict: VerdictWord
+    """Verdict on the measurement."""
+    conformance: float | None = None
+    """Probability that the true value lies within the bounds."""
+
+
+class DisagreementDocument(Document):
+    """A number of which the drive's estimate and the torque transducer differ beyond their uncertainty."""
+
+    estimate: float | None
+    """By the drive's own estimate."""
+    transducer: float | None
+    """By the transducer on the shaft."""
+    unit: str
+    """Unit of both."""
+    standard_uncertainty: float | None
+    """Standard uncertainty of the difference."""
+    verdict_by_transducer: VerdictWord | None
+    """Verdict by the transducer, where a limit holds for the number."""
+    estimate_in_band: float | None = None
+    """By the estimate in the band of a transducer that is slower than the capture: what was compared."""
+    band_Hz: float | None = None
+    """Where that band ends."""
+
+
+class Overdue(Document):
+    """An instrument that was used after its calibration was due."""
+
+    channel: str
+    """Channel that it measures."""
+    sensor: str
+    """Its type."""
+    serial_number: str
+    """Its serial number."""
+    certificate: str
+    """Its certificate."""
+    due: str
+    """Day on which the calibration was due."""
+    on: str
+    """Day of the run."""
+
+
+class Case(Document):
+    """One case: what was measured and judged."""
+
+    bundle: str
+    """Folder of its recording."""
+    coordinates: Coordinates
+    """Where it stands in the plan."""
+    verdict: VerdictWord
+    """Verdict by the drive's own estimate."""
+    verdict_by_transducer: VerdictWord | None
+    """Verdict by the torque transducer, where there is one."""
+    missed: list[str]
+    """A sentence for each limit that was not clearly met."""
+    limits: dict[str, LimitDocument]
+    """Limits by measurement."""
+    disagreements: dict[str, DisagreementDocument]
+    """Numbers of which estimate and transducer differ, by measurement."""
+    refusal: str
+    """Why nothing could be measured; empty otherwise."""
+    not_measured: dict[str, list[str]]
+    """Analyses that were left out, with the channels that they lack."""
+    different_parameters: dict[str, Any]
+    """Parameters in which drive and profile differ."""
+    unstated_parameters: dict[str, Any]
+    """Parameters that the profile does not state and the drive does not have at their default."""
+    measurements: dict[str, Measurement]
+    """Measurements by name; see [measurements](measurements.md)."""
+    source: dict[str, Any] | None = None
+    """Of a recording: stream, hash, rate and part that was measured."""
+    overdue: list[Overdue] | None = None
+    """Instruments whose calibration was due."""
+    tables: dict[str, ResultTable] | None = None
+    """Results that are tables, by name."""
+
+
+class RepeatedDocument(Document):
+    """A measurement over the repetitions of a case."""
+
+    mean: float | None
+    """Mean of the repetitions."""
+    standard_uncertainty: float | None
+    """Standard uncertainty of the mean."""
+    n: int
+    """Number of repetitions."""
+    unit: str
+    """Unit of the mean."""
+    uncertainty: Uncertainty | None = None
+    """Its uncertainty."""
+    limit: LimitDocument | None = None
+    """The limit that holds for all repetitions together."""
+    disagreement: DisagreementDocument | None = None
+    """Where estimate and transducer differ."""
+
+
+class Run(Document):
+    """`demo`, `run` of one plan, and `analyze` of a run."""
+
+    verdict: VerdictWord
+    """The worst verdict of the cases."""
+    verdict_by_transducer: VerdictWord | None
+    """The same by the torque transducer."""
+    cases: dict[str, Case]
+    """Cases by name."""
+    repeated: dict[str, dict[str, RepeatedDocument]] | None = None
+    """Measurements over the repetitions, by case and name."""
+
+
+class Plans(Document):
+    """`run` of a folder of plans."""
+
+    verdict: VerdictWord
+    """The worst verdict of the plans."""
+    plans: dict[str, Run]
+    """Plans by name."""
