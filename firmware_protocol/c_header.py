@@ -24,7 +24,7 @@ _ROW_COMMENT = """\
 
 
 def render(table: ObjectTable) -> str:
-    """Text of the header.
+    """Return the text of the header.
 
     Raises:
         ValueError: two names differ only in case.
@@ -147,7 +147,8 @@ def _limits(entry: Entry) -> tuple[str, str]:
 
 
 def _literal(entry: Entry, value: Number) -> str:
-    """A C literal; the lowest 32-bit integer as a difference, since C negates a literal after reading it."""
+    """Return a C literal; the lowest 32-bit integer as a difference, since C negates a literal after reading
+    it."""
     if entry.type is DataType.F32:
         return f"{shortest(value)!r}f"
     if entry.type in (DataType.U8, DataType.U16, DataType.U32):

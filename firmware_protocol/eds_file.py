@@ -27,7 +27,7 @@ _FORMAT = (
 
 
 def render(table: ObjectTable) -> str:
-    """Text of the EDS; REAL32 values are given by their bits in hexadecimal."""
+    """Return the text of the EDS; REAL32 values are given by their bits in hexadecimal."""
     groups = {
         "MandatoryObjects": [item for item in table.objects if item.index in _MANDATORY],
         "OptionalObjects": [

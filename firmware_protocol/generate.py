@@ -20,7 +20,7 @@ FOLDER = Path(__file__).resolve().parent
 
 
 def generated(table: ObjectTable) -> Mapping[str, str]:
-    """Text of every generated file by its name; the same table gives the same text, always."""
+    """Return the text of every generated file by its name; the same table gives the same text, always."""
     return {
         "drive.eds": eds_file.render(table),
         "drive_objects.h": c_header.render(table),

@@ -40,7 +40,7 @@ _COLUMNS = "| Index | Name | Type | Unit | Range | Default | Access | Descriptio
 
 
 def render(table: ObjectTable) -> str:
-    """Text of the page, in Markdown."""
+    """Return the text of the page, in Markdown."""
     device = {name: f"0x{table.device[name]:08X}" for name in ("vendor_id", "product_code", "revision")}
     head = _HEAD.format(**device, hash=f"`0x{table.hash:08X}`")
     return head + "".join(_object(item, table) for item in table.objects)

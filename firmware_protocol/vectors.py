@@ -1,8 +1,8 @@
 """Golden vectors of the serial protocol, as flat JSON that a test in any language can read.
 
-What is expected is written down here: stuffing, what a receiver makes of a damaged line, what it answers. The
-tests hold the code against it. Only the bytes of whole messages are what the code makes of their fields; the
-tests build these a second time, from the tables of `serial.md`.
+Expected results are stated here: stuffing, treatment of damaged lines, responses. The tests compare the code
+with them. Only the bytes of whole messages come from the code; the tests build these a second time, from the
+tables of `serial.md`.
 """
 
 from __future__ import annotations
@@ -138,7 +138,7 @@ SCALED: list[tuple[float, float, int]] = [  # value, scale, what is sent; NaN is
 
 
 def render() -> str:
-    """The vectors as JSON; the same text every time."""
+    """Return the vectors as JSON; the same text every time."""
     document = {
         "version": wire.VERSION,
         "crc": [
@@ -170,7 +170,7 @@ def render() -> str:
 
 @dataclass(frozen=True)
 class Line:
-    """Bytes from a line, and what a receiver of payloads up to `max_payload` bytes makes of them."""
+    """Bytes from a line, and the result of a receiver of payloads up to `max_payload` bytes."""
 
     data: bytes
     payloads: tuple[bytes, ...]
@@ -182,7 +182,7 @@ class Line:
 
 
 def lines() -> dict[str, Line]:
-    """Whole frames and damaged ones."""
+    """Return the whole frames and damaged ones."""
     read, chunks = wire.encode_message(MESSAGES["read"]), wire.encode_message(MESSAGES["chunks"])
     good, other = wire.encode_frame(read), wire.encode_frame(chunks)
     full = bytes([0x03, 1]) + bytes(range(1, _LIMIT - 1))
@@ -228,7 +228,7 @@ def _message(name: str, message: wire.Message) -> dict[str, Any]:
 
 
 def _fields(message: wire.Message) -> dict[str, Any]:
-    """Fields as they stand on the wire."""
+    """Return the fields as they stand on the wire."""
     found = {each.name: getattr(message, each.name) for each in fields(message)}
     match message:
         case wire.Identity():
