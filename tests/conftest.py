@@ -1,4 +1,4 @@
-"""What holds for every test: no thread outlives it."""
+"""Fixtures of all tests: no thread outlives its test."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The README keeps its word: its lines are the ones that CI runs."""
+"""The lines of the README are those that CI runs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The C library as a drive that a test holds in its hand: built once, in its own time, spoken to in bytes."""
+"""The C library as a drive controlled by a test: built once, in its own time, addressed in bytes."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def lasting(*command: str | Path) -> Iterator[str]:
 
 
 def make(build: Path, *targets: str, **variables: str) -> str:
-    """What make prints; the test is skipped where it cannot be, and fails where it fails."""
+    """Return the output of make; skips the test without a compiler, and fails if make fails."""
     missing = [tool for tool in ("make", "python3") if shutil.which(tool) is None]
     if not (shutil.which("gcc") or shutil.which("clang")):
         missing.append("gcc or clang")
@@ -71,7 +71,7 @@ class Library:
         return function(*arguments)
 
     def power_up(self, parameters: list[int], first_tick: int = 0) -> None:
-        """A drive just switched on, which keeps these raw parameters in the order of the table.
+        """A drive just switched on, with these stored raw parameters in the order of the table.
 
         Its sensors are those of the emulated bench that the parameters are of.
         """
@@ -95,7 +95,7 @@ class Library:
         )
 
     def transmitted(self) -> bytes:
-        """What it has sent since the last call."""
+        """Return the bytes sent since the last call."""
         buffer = ctypes.create_string_buffer(_CAPACITY)
         taken = b""
         while n := self.call("shared_transmit", buffer, ctypes.c_size_t(_CAPACITY), result=ctypes.c_size_t):
@@ -125,7 +125,7 @@ class CClock:
         self._ticks = 0
 
     def wait(self, duration_s: float) -> None:
-        """Let it pass, with a line that takes what the drive sends."""
+        """Let time pass, with a line that takes the drive's bytes."""
         self._now_s += duration_s
         end = int(self._now_s / (TICK_NS * 1e-9) + 1e-6)
         while (left := end - self._ticks) > 0:
@@ -158,7 +158,7 @@ class CHost(RawHost):
 
 
 def kept_words(parameters: list[int]) -> ctypes.Array[ctypes.c_uint32]:
-    """What a drive of the C library keeps of these parameters: before them the hash of their dictionary."""
+    """Stored parameters of a drive of the C library, after the hash of their dictionary."""
     words = [TABLE.hash, *parameters]
     return (ctypes.c_uint32 * len(words))(*words)
 

@@ -1,4 +1,4 @@
-"""What every test of the C library starts from."""
+"""Fixtures of the tests of the C library."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from benchtool.emulator.bench import EmulatedBench
 from benchtool.profile import load_profile
 from benchtool.protocol.canopen.nmt import NmtCommand
 from tests.device.c_drive import CHost, Library, make, raw_parameters
-from tests.device.can_ends import Pair
+from tests.device.can_endpoints import Pair
 from tests.wire.raw_host import RawHost
 
 
@@ -41,7 +41,7 @@ def parameters(build: Path) -> list[int]:
 
 @pytest.fixture(scope="session")
 def can_library(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The drive on a CAN bus, to be held in a test's hand."""
+    """The drive on a CAN bus, advanced by a test."""
     folder = tmp_path_factory.mktemp("can")
     make(folder, "library-canopen")
     return folder / "libbenchtool_can.so"

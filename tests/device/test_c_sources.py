@@ -1,4 +1,4 @@
-"""What a firmware project copies: free of races, fit for C++, with its licence, and not without a lock."""
+"""The sources for a firmware project: free of races, valid C++, with licence, and with a lock."""
 
 from __future__ import annotations
 

@@ -14,7 +14,8 @@ from typer.testing import CliRunner
 
 from benchtool.bench.session import Session
 from benchtool.cli import app
-from benchtool.drive import Capture, CaptureRequest, Mode
+from benchtool.drive import Capture, CaptureRequest
+from benchtool.protocol.modes import Mode
 from benchtool.recording import Bundle
 from benchtool.telemetry import TelemetryStream
 from tests.device.c_drive import lasting, make

@@ -1,4 +1,4 @@
-"""Targets, halt, quick stop, sizes, wrap of the tick: both drives do alike, as CiA 301 and 402 have it."""
+"""Targets, halt, quick stop, sizes, wrap of the tick: both drives follow CiA 301 and 402 alike."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.device.can_ends import (
+from tests.device.can_endpoints import (
     ENABLE,
     HEARD,
     HOST,
@@ -166,7 +166,7 @@ def test_process_data_and_heartbeats_keep_their_periods_over_the_wrap(
         middle = FIRST_TICK + 2 * BEFORE
         assert _ticks_of(frames, 0x181) == _on_grid(FIRST_TICK, middle, 10)
         assert sum(can_id == 0x700 + NODE for can_id, _ in frames) == len(_on_grid(FIRST_TICK, middle, 300))
-        # Set up anew after the wrap it is on the same grid: 2**32 is no multiple of 30.
+        # Set up again after the wrap it is on the same grid: 2**32 is no multiple of 30.
         both.play([*set_up_pdo("tpdo1", 0x181, ["tick"], 3)])
         frames = both.play([Ticks(100)])
         assert _ticks_of(frames, 0x181) == _on_grid(middle, middle + 100, 30)

@@ -12,12 +12,11 @@ import struct
 from pathlib import Path
 
 import pytest
-from hypothesis import Phase, given, settings
-from hypothesis import strategies as st
+from hypothesis import Phase, given, settings, strategies as st
 
 from benchtool.protocol.capture_data import decode_header
 from benchtool.protocol.dictionary.objects import Entry
-from tests.device.can_ends import (
+from tests.device.can_endpoints import (
     ENABLE,
     HEARD,
     HOST,
@@ -254,7 +253,7 @@ def test_process_data_come_at_the_same_ticks_with_the_same_bytes(pair: Pair) -> 
     assert process.count(0x181) == process.count(0x281) == 12
     assert (process.count(0x1C1), process.count(0x381)) == (6, 4)
     pair.play([upload("omega_m_command"), upload("stream_sequence")])
-    # Not with a value that is none, not in part, and nothing at all once the PDO is out of use.
+    # Not with an invalid value, not in part, and nothing at all once the PDO is disabled.
     pair.play([Frame(0x201, struct.pack("<ff", 0.1, float("nan"))), Frame(0x201, b"\0" * 7)])
     assert pair.ask("40 51 20 02 00 00 00 00") == ["43 51 20 02 02 00 00 00"]
     pair.play([upload("torque_command"), write("tpdo1_cob_id", 1 << 31 | 0x181), Ticks(30)])

@@ -7,8 +7,7 @@ import struct
 from collections.abc import Iterator
 
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, given, settings, strategies as st
 
 from benchtool.emulator.bench import EmulatedBench
 from benchtool.profile import load_profile

@@ -6,8 +6,7 @@ import ctypes
 import zlib
 from pathlib import Path
 
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from benchtool.protocol.canopen.emcy import error_register
 from benchtool.protocol.cia402 import State, statusword, transition
@@ -42,7 +41,7 @@ def test_no_other_bit_matters(library: Library, state: State, word: int, before:
     assert _transition(library, state, word, before) is transition(state, word, before)
 
 
-def test_a_state_that_is_none_stays(library: Library) -> None:
+def test_an_invalid_state_is_ignored(library: Library) -> None:
     for state in (8, 255):
         assert library.call("bt_cia402_transition", state, u16(6), u16(0), result=ctypes.c_int) == state
 

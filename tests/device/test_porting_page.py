@@ -1,4 +1,4 @@
-"""The porting page keeps its word: its program builds, and `benchtool info` answers."""
+"""The program of the porting page builds, and `benchtool info` answers."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 from benchtool.cli import app
 from tests.device.c_drive import FOLDER
 
-PAGE = (FOLDER.parents[1] / "docs" / "porting.md").read_text(encoding="utf-8")
+PAGE = (FOLDER.parents[1] / "docs" / "how_to" / "port_firmware.md").read_text(encoding="utf-8")
 OTHERS = ("bt_canopen",)
 
 

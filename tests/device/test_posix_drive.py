@@ -14,19 +14,20 @@ from typer.testing import CliRunner
 
 from benchtool.bench.session import Session, open_session
 from benchtool.cli import app
-from benchtool.drive import Capture, CaptureRequest, Mode
+from benchtool.drive import Capture, CaptureRequest
 from benchtool.drive.parameters.transaction import snapshot, temporary
 from benchtool.errors import DriveFault, SdoAbort, WriteNotVerified
 from benchtool.link.serial.link import SerialLink
 from benchtool.protocol.canopen.abort import Abort
 from benchtool.protocol.canopen.nmt import NmtCommand, NmtState
 from benchtool.protocol.cia402 import State
+from benchtool.protocol.modes import Mode
 from benchtool.recording import Bundle
 from benchtool.run.jog import jog
 from benchtool.run.runner import run_plan
 from benchtool.telemetry import TelemetryStream
 from tests.device.c_drive import lasting
-from tests.emulated.test_runs import CHANNELS, INFO, Watcher, _plan
+from tests.emulated.test_runs import CHANNELS, INFO, RunObserver, _plan
 from tests.emulated.test_telemetry import Kept
 
 RATE_Hz = 1000.0
@@ -219,7 +220,7 @@ def test_a_plan_runs_to_its_measurements(session: Session, tmp_path: Path) -> No
         record={"duration_s": 0.5, "channels": CHANNELS},
     )
     with temporary(session.drive, session.profile.commissioned()):
-        result = run_plan(lambda *_: nullcontext(session), plan, tmp_path, INFO, Watcher())
+        result = run_plan(lambda *_: nullcontext(session), plan, tmp_path, INFO, RunObserver())
     (assessment,) = result.assessments
     block = Bundle.open(assessment.bundle).block("capture")
     assert len(block.data) == 500

@@ -1,4 +1,4 @@
-"""What is demanded of the emulated drive on a serial line, demanded of the C library: the tests are the same.
+"""The tests of the emulated drive on a serial line, run with the C library.
 
 Left out is what a test does to the emulated bench itself: more lines than one, threads, ports that fail.
 """
@@ -9,7 +9,7 @@ from tests.wire.test_serial_server import (
     test_a_command_that_ends_operation_switches_the_power_stage_off,
     test_a_fault_is_an_event_with_its_tick,
     test_a_host_that_is_heard_keeps_the_motor_running,
-    test_a_new_host_begins_anew,
+    test_a_new_host_starts_afresh,
     test_a_setpoint_is_taken_whole_or_not_at_all,
     test_a_stopped_drive_says_so,
     test_a_whole_request_that_makes_no_sense_is_rejected,
@@ -40,7 +40,7 @@ __all__ = [
     "test_a_command_that_ends_operation_switches_the_power_stage_off",
     "test_a_fault_is_an_event_with_its_tick",
     "test_a_host_that_is_heard_keeps_the_motor_running",
-    "test_a_new_host_begins_anew",
+    "test_a_new_host_starts_afresh",
     "test_a_setpoint_is_taken_whole_or_not_at_all",
     "test_a_stopped_drive_says_so",
     "test_a_whole_request_that_makes_no_sense_is_rejected",

@@ -1,4 +1,4 @@
-"""The example's motor obeys: a quick stop never turns the shaft back, a halt stands and goes on."""
+"""The example's motor: a quick stop never turns the shaft back, a halt stops and continues."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A headless Chromium that is told what to do through its debugging pipe (Chrome DevTools Protocol)."""
+"""A headless Chromium, controlled through its debugging pipe (Chrome DevTools Protocol)."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ class Browser:
             self._note(answer)
 
     def picture(self, path: Path) -> None:
-        """What the page looks like, as a PNG."""
+        """Return a screenshot of the page as PNG."""
         path.write_bytes(base64.b64decode(self.ask("Page.captureScreenshot", format="png")["data"]))
 
     def _note(self, event: dict[str, Any]) -> None:
@@ -86,7 +86,7 @@ class Browser:
 
 @contextmanager
 def browser(folder: Path) -> Iterator[Browser]:
-    """A browser with its profile in `folder`, ended on the way out."""
+    """A browser with its profile in `folder`, ended on exit."""
     assert PROGRAM is not None
     to_read, to_write = os.pipe()
     from_read, from_write = os.pipe()

@@ -23,7 +23,7 @@ class Wire:
     session: Session
 
     def frames(self) -> list[tuple[int, bytes]]:
-        """What has been on the wire since the last call, in order."""
+        """Return the frames on the wire since the last call, in order."""
         self.session.clock.wait(0.0)
         seen = []
         while (frame := self.bus.recv(0)) is not None:

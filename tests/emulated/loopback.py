@@ -8,7 +8,7 @@ import struct
 import threading
 from collections.abc import Callable
 
-from benchtool.bench.wires.wire import Offered, Opening, Wire
+from benchtool.bench.wires import Offered, Opening, Wire
 from benchtool.clock import Clock
 from benchtool.emulator.bench import EmulatedBench
 from benchtool.emulator.servers.drive_node import OnGone
@@ -64,7 +64,7 @@ class LoopbackPort:
         self._socket.close()
 
     def settle(self) -> bool:
-        """See `Clock.settle_with`."""
+        """See `Clock.register`."""
         with self._changed:
             busy = bool(self._waiting) and not self._closed
             self._changed.wait_for(lambda: self._closed or not self._waiting)
@@ -77,7 +77,7 @@ def _host_link(bench: EmulatedBench, opening: Opening) -> Callable[[], Link]:
         drive, host = (LoopbackPort(end, bench.clock) for end in pair)
         drive.peer, host.peer = host, drive
         for end in (drive, host):
-            bench.clock.settle_with(end.settle)
+            bench.clock.register(end.settle)
         bench.add(lambda node: SerialServer(drive, node, buffered=False))
         return SerialLink(host, opening.node_id, bench.clock)
 

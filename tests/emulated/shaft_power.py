@@ -9,8 +9,7 @@ MODULE: Final = '''"""Mechanical power of the shaft."""
 
 import numpy as np
 
-from benchtool.analysis import Basis, Measurement
-from benchtool.analysis.declaration import Analysis, Drawing, Findings, Quantity
+from benchtool.analysis import Analysis, Basis, Drawing, Findings, Measurement, Quantity
 from benchtool.document import Section
 
 

@@ -1,4 +1,4 @@
-"""`benchtool analyze --csv`: data from elsewhere, as a user hands it over."""
+"""`benchtool analyze --csv`: imported tables from a user's point of view."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ import pytest
 from typer.testing import CliRunner
 
 from benchtool.cli import app
-from tests.emulated.analyzing import Invoke, analyze, measured, values
-from tests.emulated.tables import TURN, Array, gimbal, phase_current, sinusoid, write
+from tests.emulated.analyze_csv import Invoke, analyze, measured, values
+from tests.emulated.csv_tables import TURN, Array, gimbal, phase_current, sinusoid, write
 
 
 @pytest.fixture
@@ -35,10 +35,11 @@ def test_orders_of_a_q_current_at_jittered_stamps(invoke: Invoke) -> None:
         assert 1e-4 < entry["uncertainty"]["standard"] < 1e-3
         assert entry["unit"] == "A"
     listed = [name for name in found if name.startswith("current_order_")]
-    assert listed[:4] == ["current_order_largest", *truth]
+    assert listed[:5] == ["current_order_largest", "current_order_largest_amplitude", *truth]
+    assert found["current_order_largest_amplitude"] == found["current_order_72"]
     assert len(case["tables"]["current_orders"]["rows"]) == 200
 
-    for name in ("fundamental_frequency", "current_fundamental", "current_thd"):
+    for name in ("fundamental_frequency", "current_fundamental", "current_thd_f"):
         assert found[name] is None
         assert "the time stamps are not even" in case["measurements"][name]["reason"]
     assert found["current_mean"] == pytest.approx(0.1, abs=0.01)
@@ -68,7 +69,7 @@ def test_a_phase_current_of_an_oscilloscope(invoke: Invoke) -> None:
     found = values(case)
     assert found["fundamental_frequency"] == pytest.approx(50.0, rel=1e-6)
     assert found["current_fundamental"] == pytest.approx(3.0, rel=1e-4)
-    assert found["current_thd"] == pytest.approx(5.0, rel=1e-3)
+    assert found["current_thd_f"] == pytest.approx(5.0, rel=1e-3)
     assert "current_ripple_pp" not in found
     assert case["source"]["time"]["rate_Hz"] == pytest.approx(10e3)
     assert case["source"]["columns"]["current"]["unit_from"] == "head"
@@ -101,7 +102,7 @@ def test_a_row_lost_under_stamps_of_a_millisecond_is_seen(invoke: Invoke) -> Non
     kept = np.delete(np.arange(4_000), 2_005)
     write("coarse.csv", "t,I", [np.floor(time_s[kept] * 1e3 + 1e-9) / 1e3, current[kept]])
     case = measured(invoke("--csv", "coarse.csv", "--time", "t", "--current", "I", "--json"))
-    assert "1 rows are missing in 1 gaps" in case["measurements"]["current_thd"]["reason"]
+    assert "1 rows are missing in 1 gaps" in case["measurements"]["current_thd_f"]["reason"]
     assert case["source"]["time"]["rows_missing"] == 1
 
 
@@ -111,7 +112,7 @@ def test_where_it_cannot_be_told_the_number_of_gaps_is_not_stated(invoke: Invoke
     write("two.csv", "t,I,n", [np.floor(time_s[kept] * 1e3 + 1e-9) / 1e3, current[kept], 2 + current[kept]])
     case = measured(invoke("--csv", "two.csv", "--time", "t", "--current", "I", "--speed", "n", "--json"))
     assert case["source"]["time"]["gaps"] is None
-    for name in ("current_fundamental", "current_thd", "speed_mean"):
+    for name in ("current_fundamental", "current_thd_f", "speed_mean"):
         assert "gaps" not in case["measurements"][name]["basis"]
     assert "gaps" not in case["tables"]["current_harmonics"]["basis"]
 
@@ -133,7 +134,7 @@ def test_held_samples_claim_no_more_than_they_are(invoke: Invoke) -> None:
     write("held.csv", "t,I,T", [time_s, held, 2.0 + held])
     case = measured(invoke("--csv", "held.csv", "--time", "t", "--current", "I", "--torque", "T", "--json"))
     reason = "each value is held for 10 rows, the current was sampled at about 1000 Hz and not at 1e+04 Hz"
-    assert reason in case["measurements"]["current_thd"]["reason"]
+    assert reason in case["measurements"]["current_thd_f"]["reason"]
     ripple = case["measurements"]["torque_ripple_pp"]
     assert ripple["basis"]["bandwidth_Hz"] == pytest.approx(500.0)
     assert "each value held for 10 rows" in ripple["definition"]
@@ -156,8 +157,8 @@ def test_a_current_in_rotating_coordinates_has_ripple_and_no_thd(
 
     case = measured(invoke("--csv", "q.csv", "--time", "t", "--current", name, "--json"))
 
-    assert values(case)["current_thd"] is None
-    assert reason in case["measurements"]["current_thd"]["reason"]
+    assert values(case)["current_thd_f"] is None
+    assert reason in case["measurements"]["current_thd_f"]["reason"]
     assert values(case)["current_ripple_pp"] == pytest.approx(np.ptp(current), rel=1e-6)
 
 
@@ -165,7 +166,7 @@ def test_noise_is_no_phase_current(invoke: Invoke) -> None:
     time_s, _ = phase_current()
     write("noise.csv", "t,I", [time_s, np.random.default_rng(2).normal(size=len(time_s))])
     case = measured(invoke("--csv", "noise.csv", "--time", "t", "--current", "I", "--json"))
-    assert "no sinusoid stands out" in case["measurements"]["current_thd"]["reason"]
+    assert "no sinusoid stands out" in case["measurements"]["current_thd_f"]["reason"]
 
 
 RAMP = sinusoid(np.linspace(40.0, 48.0, 10_000))
@@ -194,7 +195,7 @@ def test_a_current_that_is_not_steady_or_not_at_the_angles_frequency_has_no_fund
 ) -> None:
     write("ramp.csv", "t,I,a", list(record))
     case = measured(invoke("--csv", "ramp.csv", "--time", "t", "--current", "I", *arguments, "--json"))
-    for name in ("fundamental_frequency", "current_fundamental", "current_thd"):
+    for name in ("fundamental_frequency", "current_fundamental", "current_thd_f"):
         assert values(case)[name] is None
         assert reason in case["measurements"][name]["reason"]
     assert values(case)["current_ripple_pp"] == pytest.approx(10.0, rel=1e-3)
@@ -239,7 +240,7 @@ def test_torque_has_the_scatter_of_what_repeats_and_all_its_numbers(invoke: Invo
     arguments = ("--csv", "torque.csv", "--time", "t", "--torque", "T", "--rated-torque", "4", "--json")
 
     by_angle = measured(invoke(*arguments, "--angle", "a"))["measurements"]
-    numbers = ("mean", "ripple_pp", "ripple_rms", "ripple_p99", "ripple_percent_of_mean")
+    numbers = ("mean", "ripple_pp", "ripple_rms", "ripple_percentile_range", "ripple_percent_of_mean")
     for name in (*numbers, "ripple_rms_percent_of_mean", "ripple_rms_percent_of_rated"):
         assert by_angle[f"torque_{name}"]["uncertainty"]["standard"] > 0.0
     mean = by_angle["torque_mean"]
@@ -289,7 +290,7 @@ def test_a_lost_row_is_a_gap_and_nothing_is_filled_in(invoke: Invoke) -> None:
     assert case["source"]["rows_dropped"] == {"wrong number of cells": 1, "a cell is no number": 1}
     assert (case["source"]["rows_read"], case["source"]["rows_used"]) == (4_000, 3_998)
     assert (case["source"]["time"]["gaps"], case["source"]["time"]["rows_missing"]) == (2, 2)
-    reason = case["measurements"]["current_thd"]["reason"]
+    reason = case["measurements"]["current_thd_f"]["reason"]
     assert "2 rows are missing in 2 gaps, the first before row 1001" in reason
     assert case["measurements"]["current_ripple_pp"]["basis"]["gaps"] == 2
     assert values(case)["current_ripple_rms"] == pytest.approx(np.std(current), rel=1e-3)
@@ -378,7 +379,7 @@ def test_for_people(invoke: Invoke) -> None:
     assert result.exit_code == 0, result.output
     text = " ".join(result.stdout.split())
     assert "current_order_72" in text
-    assert "undefined: fundamental_frequency, current_fundamental, current_thd: the time" in text
+    assert "undefined: fundamental_frequency, current_fundamental, current_thd_f: the time" in text
     assert "12000 rows, 12000 used; time from column 1 'Time' in s (assumed)" in text
 
 

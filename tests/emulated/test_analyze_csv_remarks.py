@@ -1,4 +1,4 @@
-"""`benchtool analyze --csv`: what a table does not say, what is odd in it, and what is kept of it."""
+"""`benchtool analyze --csv`: missing information, oddities, and the bundle of a table."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from benchtool.recording import Bundle
-from tests.emulated.analyzing import Invoke, analyze, measured, values
-from tests.emulated.tables import TURN, write
+from tests.emulated.analyze_csv import Invoke, analyze, measured, values
+from tests.emulated.csv_tables import TURN, write
 
 
 @pytest.fixture

@@ -11,8 +11,8 @@ from typer.testing import CliRunner, Result
 
 from benchtool.analysis.sensitivity import declared
 from benchtool.cli import app
-from tests.emulated.analyzing import Invoke, analyze, measured
-from tests.emulated.tables import phase_current, sinusoid, write
+from tests.emulated.analyze_csv import Invoke, analyze, measured
+from tests.emulated.csv_tables import phase_current, sinusoid, write
 
 BENCH = """
 [bench.channels."CH1 [A]"]
@@ -55,7 +55,7 @@ def test_a_probe_counts_by_its_column_or_by_what_it_is(invoke: Invoke, key: str)
     (line,) = [each for each in amplitude["uncertainty"]["budget"] if "instrument" in each]
     assert line["name"] == "gain of CH1 [A] (current probe, no. C-3, certificate 2026-1); U = 0.5 %, k = 2"
     assert "sensors" not in amplitude["basis"]
-    assert stated["current_thd"]["uncertainty"]["standard"] < 0.01
+    assert stated["current_thd_f"]["uncertainty"]["standard"] < 0.01
 
 
 def test_every_number_of_a_table_has_a_stated_sensitivity(invoke: Invoke) -> None:
@@ -113,9 +113,10 @@ def test_a_bench_of_other_columns_is_refused(invoke: Invoke, bench: str, message
     assert message in result.stderr
 
 
-def test_no_day_is_known_of_a_table(invoke: Invoke) -> None:
+def test_the_day_of_a_table_is_that_of_its_file_or_the_one_stated(invoke: Invoke) -> None:
     Path("bench.toml").write_text(BENCH, encoding="utf-8")
-    assert "due" not in invoke(*SCOPE, "--bench", "bench.toml").output
+    assert "was due on 2000-01-01" in invoke(*SCOPE, "--bench", "bench.toml").output
+    assert "due" not in invoke(*SCOPE, "--bench", "bench.toml", "--date", "1999-12-31").output
 
 
 def test_the_report_of_a_bundle_shows_what_the_table_measured(invoke: Invoke) -> None:

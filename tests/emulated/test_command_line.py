@@ -1,4 +1,4 @@
-"""The commands as a user meets them: what they print, what they leave behind, how they fail."""
+"""The commands from a user's point of view: output, files, failures."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ NAMES = {
     "torque_ripple_pp": "Nm",
     "torque_ripple_rms": "Nm",
     "torque_mean": "Nm",
-    "true_torque_ripple_pp": "Nm",
+    "transducer_torque_ripple_pp": "Nm",
     "flux_ripple_pp": "Wb",
     "current_fundamental": "A",
-    "current_thd": "%",
+    "current_thd_f": "%",
     "current_max_low_harmonic": "A",
     "switching_frequency_mean": "Hz",
 }
@@ -66,7 +66,7 @@ def test_the_demo(invoke: Invoke) -> None:
     # 0.65 Nm / (3/2 4 0.1685 Wb) is the current that the torque needs
     assert value["current_fundamental"] == pytest.approx(0.643, rel=0.02)
     assert value["switching_frequency_mean"] == pytest.approx(10_000.0, rel=1e-3)
-    assert value["true_torque_ripple_pp"] > value["torque_ripple_pp"]
+    assert value["transducer_torque_ripple_pp"] > value["torque_ripple_pp"]
 
     bundle = Path(case["bundle"])
     manifest = json.loads((bundle / "manifest.json").read_text(encoding="utf-8"))
@@ -144,7 +144,7 @@ def test_doctor_names_what_is_wrong(invoke: Invoke) -> None:
         (("run", "zhu2011/ripple", "--link", "can:nonsense:0"), 3, "cannot open can:nonsense:0"),
         (("run", "zhu2011/ripple", "--link", "usb0"), 2, "link 'usb0' is not known"),
         (("run", "zhu2011/ripple", "--link", "emulated?node=5"), 3, "node 5"),
-        (("info", "--link", "can:virtual:nobody-there"), 3, "node 1"),
+        (("info", "--link", "can:virtual:no-drive"), 3, "node 1"),
         (("analyze", "nowhere"), 3, "nowhere"),
     ],
 )

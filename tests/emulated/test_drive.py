@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from benchtool.drive import Capture, CaptureRequest, Mode
+from benchtool.drive import Capture, CaptureRequest
 from benchtool.drive.parameters.transaction import snapshot, temporary
 from benchtool.errors import CaptureError, DriveFault, SdoAbort, ValueRefused, WriteNotVerified
 from benchtool.protocol.canopen.abort import Abort
+from benchtool.protocol.modes import Mode
 
 from .conftest import Opener, Wire, over_both_wires
 

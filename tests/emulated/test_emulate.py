@@ -1,4 +1,4 @@
-"""The emulated drive as a process of its own: clients of every wire come and go, and it ends when told to."""
+"""The emulated drive as a process: clients of every wire connect and disconnect, and a signal ends it."""
 
 from __future__ import annotations
 
@@ -23,9 +23,10 @@ from benchtool.bench.serving import Endpoint, ServedDrive, serve
 from benchtool.bench.session import Session, open_session
 from benchtool.cli import app
 from benchtool.cli.emulate import _status
-from benchtool.drive import Mode
-from benchtool.errors import LinkClosed, LinkError
+from benchtool.errors import LinkClosed, LinkError, StateError
+from benchtool.protocol.canopen.nmt import NmtCommand
 from benchtool.protocol.cia402 import State
+from benchtool.protocol.modes import Mode
 from benchtool.recording import Bundle
 
 PATIENCE_S = 30.0
@@ -137,6 +138,23 @@ def test_a_plan_runs_on_it_and_leaves_it_to_the_next(child: Child, tmp_path: Pat
         assert json.loads(turning)["pacing"]["sent"] > 0
 
 
+def test_a_jog_does_not_turn_the_drive_of_another_profile(child: Child) -> None:
+    link = child.links["serial tcp"]
+    held = json.loads(invoke("params", "get", "psi_r", "--link", link, "--json"))["psi_r"]["value"]
+    invoke("params", "set", "psi_r=0.05", "--link", link)
+    try:
+        jog = ("jog", "--speed", "10", "--duration", "0.1", "--link", link, "--json")
+        refused = CliRunner().invoke(app, jog)
+        assert refused.exit_code == 3
+        assert "psi_r_Wb = 0.05 (the profile states" in refused.stderr
+        assert "--allow-different" in refused.stderr
+        with observer(child) as session:
+            assert session.drive.state() is State.SWITCH_ON_DISABLED
+        assert json.loads(invoke(*jog, "--allow-different"))["pacing"]["sent"] > 0
+    finally:
+        invoke("params", "set", f"psi_r={held}", "--link", link)
+
+
 def test_what_is_recorded_follows_the_wall_clock(child: Child, tmp_path: Path) -> None:
     options = ("--duration", "0.5", "--rate", "1000", "--out", str(tmp_path / "a"), "--json")
     output = invoke("record", "--link", child.links["slcan tcp"], *options)
@@ -184,9 +202,19 @@ def test_the_motor_stops_when_its_host_is_gone(child: Child, wire: str) -> None:
             assert session.drive.read("link_state") == "alive"
 
 
-def test_a_host_that_is_killed_stops_the_motor(child: Child) -> None:
-    command = (sys.executable, "-m", "benchtool", "jog", "--speed", "10", "--duration", "600")
-    host = subprocess.Popen((*command, "--link", child.links["slcan pty"]), stderr=subprocess.DEVNULL)
+JOG = ("-m", "benchtool", "jog", "--speed", "10", "--duration", "600", "--link")
+THINKING = """
+import sys, threading, benchtool
+with benchtool.open_bench("zhu2011", sys.argv[1]) as bench, bench.drive.enabled("velocity") as drive:
+    drive.omega_m_command = 10.0
+    threading.Event().wait(600.0)
+"""
+
+
+@pytest.mark.parametrize("host_of", [JOG, ("-c", THINKING)], ids=["jog", "python"])
+def test_a_host_that_is_killed_stops_the_motor(child: Child, host_of: tuple[str, ...]) -> None:
+    command = (sys.executable, *host_of, child.links["slcan pty"])
+    host = subprocess.Popen(command, stderr=subprocess.DEVNULL)
     with observer(child) as watching:
         until(watching, lambda: watching.drive.state().power_stage_on)
         host.kill()
@@ -194,6 +222,16 @@ def test_a_host_that_is_killed_stops_the_motor(child: Child) -> None:
         until(watching, lambda: not watching.drive.state().power_stage_on)
     answer = json.loads(invoke("reset", "--link", child.links["serial pty"], "--json"))
     assert answer == {"before": "fault", "error_code": "0x8130", "after": "switch on disabled"}
+
+
+def test_a_reset_starts_a_drive_that_nmt_has_stopped(child: Child) -> None:
+    with observer(child) as watching:
+        watching.drive.link.nmt(NmtCommand.STOP)
+        until(watching, lambda: watching.drive.is_stopped)
+    with observer(child) as watching, pytest.raises(StateError, match="benchtool reset"):
+        watching.drive.check()
+    answer = json.loads(invoke("reset", "--link", child.links["serial pty"], "--json"))
+    assert answer["after"] == "switch on disabled"
 
 
 def test_python_cans_own_slcan_client(child: Child) -> None:

@@ -1,4 +1,4 @@
-"""Equipment that a profile names: instruments on CAN against the emulated machine, a person who loads it."""
+"""Equipment of a profile: instruments on CAN against the emulated machine, and the operator."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ import can
 import numpy as np
 import pytest
 
-from benchtool.analysis.span import cut_to_span
+from benchtool.analysis.crop import crop_to
 from benchtool.bench.can_frames import MessageListener
 from benchtool.bench.dbc import DbcTransducer
 from benchtool.bench.equipment import Temperatures
-from benchtool.bench.person import Confirmed
+from benchtool.bench.operator import Confirmation
 from benchtool.bench.session import Session, equipment_of, open_session
 from benchtool.block import Block
 from benchtool.errors import BenchError, NoAnswer, ProfileError, UsageError, ValueRefused
@@ -122,7 +122,7 @@ def _no_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr(f"benchtool.run.runner.{name}", lambda *_: None)
 
 
-class Watcher:
+class RunObserver:
     """Keeps the notes, and does something when one of them comes."""
 
     def __init__(self, at: str = "", action: Callable[[], None] = lambda: None) -> None:
@@ -153,20 +153,24 @@ def _plan(*loads_Nm: float, duration_s: float = 0.12, **point: Any) -> Plan:
 
 
 def _run(
-    session: Session, plan: Plan, folder: Path, info: RunInfo = INFO, watcher: Watcher | None = None
+    session: Session, plan: Plan, folder: Path, info: RunInfo = INFO, observer: RunObserver | None = None
 ) -> tuple[Assessment, ...]:
-    return run_plan(lambda *_: nullcontext(session), plan, folder, info, watcher or Watcher()).assessments
+    return run_plan(
+        lambda *_: nullcontext(session), plan, folder, info, observer or RunObserver()
+    ).assessments
 
 
 SHORT = _plan(omega_m_rad_s=62.84, load_torque_Nm=0.65, settle_s=0.2, duration_s=0.06)
 
 
-def _recorded(wire: Wire, folder: Path, watcher: Watcher | None = None) -> tuple[Assessment, Block, Bundle]:
+def _recorded(
+    wire: Wire, folder: Path, observer: RunObserver | None = None
+) -> tuple[Assessment, Block, Bundle]:
     """A case, the transducer's samples over the time of its capture, and its bundle."""
     wire.session.clock.wait(0.1)  # by then every instrument has sent, so that no run waits for one
-    (found,) = _run(wire.session, SHORT, folder, watcher=watcher)
+    (found,) = _run(wire.session, SHORT, folder, observer=observer)
     bundle = Bundle.open(folder)
-    return found, cut_to_span(bundle.block("transducer"), bundle.block("capture")), bundle
+    return found, crop_to(bundle.block("transducer"), bundle.block("capture")), bundle
 
 
 # ---- a transducer on CAN -----------------------------------------------------------------------------------
@@ -182,8 +186,10 @@ def test_the_numbers_of_a_transducer_on_can_are_those_of_the_direct_one(
     assert rows == len(sent.data) - 20 == 11980
     assert np.max(np.abs(sent.data[:rows] - true.data)) <= 0.5 * RESOLUTION_NM + 1e-12
     assert np.max(np.abs(sent.ticks()[:rows] * sent.tick_s - true.ticks() * true.tick_s)) < 1e-9
-    names = [name for name in direct.found if name.startswith("true_torque") and "percent" not in name]
-    assert {"true_torque_mean", "true_torque_ripple_pp", "true_torque_ripple_rms"} <= set(names)
+    names = [name for name in direct.found if name.startswith("transducer_torque") and "percent" not in name]
+    assert {"transducer_torque_mean", "transducer_torque_ripple_pp", "transducer_torque_ripple_rms"} <= set(
+        names
+    )
     for name in (*names, "torque_error"):
         assert framed.found[name].value == pytest.approx(direct.found[name].value, abs=RESOLUTION_NM), name
         assert 0.0 < (framed.found[name].basis.alignment_s or 0.0) < 1e-8
@@ -202,7 +208,7 @@ def test_what_is_kept_of_a_transducer_on_can(
         for options in ({"data": b"\x01"}, {"data": b""}, {"is_remote_frame": True, "dlc": 8}):
             wire.bus.send(can.Message(arbitration_id=802, is_extended_id=False, **options))
 
-    found, sent, bundle = _recorded(wire, tmp_path / "framed", Watcher("capturing", disturb))
+    found, sent, bundle = _recorded(wire, tmp_path / "framed", RunObserver("capturing", disturb))
     assert sent.sample_rate_Hz == pytest.approx(2000.0, rel=1e-12)
     at = np.searchsorted(true.ticks() * true.tick_s, sent.ticks() * sent.tick_s - 1e-9)
     inside = at < len(true.data)
@@ -213,7 +219,7 @@ def test_what_is_kept_of_a_transducer_on_can(
     assert kept["frames"]["malformed"] == malformed
     assert (kept["resolution_Nm"], kept["sample_rate_Hz"]) == (pytest.approx(0.001), 2000.0)
     assert kept["alignment"]["standard_s"] == sent.alignment_s == pytest.approx(1e-6 / 3**0.5, rel=0.1)
-    assert found.found["true_torque_mean"].to_json()["basis"]["alignment_s"] == sent.alignment_s
+    assert found.found["transducer_torque_mean"].to_json()["basis"]["alignment_s"] == sent.alignment_s
     told = [event.text for event in bundle.events if "could not be decoded" in event.text]
     assert told == ["torque transducer: 2 frames could not be decoded and were dropped"] * bool(malformed)
 
@@ -240,7 +246,7 @@ def test_a_sample_out_of_range_is_a_gap_and_not_a_number(
     assert wire.session.transducer.facts()["frames"]["out_of_range"] == 1
 
 
-def _listener_that_nobody_feeds(session: Session, profile: str) -> DbcTransducer:
+def _listener_without_frames(session: Session, profile: str) -> DbcTransducer:
     stated = CanTransducer.model_validate({**SLOW, "dbc": "bench.dbc"})
     message = DbcMessage(Path(profile).parent / "bench.dbc", "Torque", stated.read_signals)
     return DbcTransducer(stated, message, lambda m, rate_Hz: MessageListener(m, rate_Hz, session.clock))
@@ -250,12 +256,12 @@ def test_a_silent_transducer_is_found_before_the_drive_is_enabled(
     wire: Wire, bench: Callable[[Bench], str], tmp_path: Path
 ) -> None:
     session = replace(
-        wire.session, transducer=_listener_that_nobody_feeds(wire.session, bench({"transducer": SLOW}))
+        wire.session, transducer=_listener_without_frames(wire.session, bench({"transducer": SLOW}))
     )
-    watcher = Watcher()
+    observer = RunObserver()
     with pytest.raises(NoAnswer, match="no frame of 'Torque'"):
-        _run(session, _plan(0.65), tmp_path / "run", watcher=watcher)
-    assert "enabling" not in watcher.notes
+        _run(session, _plan(0.65), tmp_path / "run", observer=observer)
+    assert "enabling" not in observer.notes
     assert not (tmp_path / "run").exists()
     assert session.drive.state() is State.SWITCH_ON_DISABLED
 
@@ -284,7 +290,7 @@ def test_a_transducer_that_falls_silent_ends_the_run_disabled_and_unloaded(
             replace(session, load=Watched()),
             _plan(0.65),
             tmp_path / "run",
-            watcher=Watcher("capturing", unplug),
+            observer=RunObserver("capturing", unplug),
         )
     assert session.drive.state() is State.SWITCH_ON_DISABLED
     assert loads[-1] == 0.0
@@ -314,9 +320,12 @@ def test_a_transducer_that_falls_silent_ends_the_run_disabled_and_unloaded(
 def test_an_instrument_that_cannot_be_is_refused(
     bench: Callable[[Bench], str], table: dict[str, Any], link: str, said: str
 ) -> None:
-    with pytest.raises(ProfileError) as refused, open_session(bench({"transducer": table}), link):
+    profile = bench({"transducer": table})
+    with pytest.raises(ProfileError) as refused, open_session(profile, link):
         pass
     assert said in str(refused.value)
+    line = Path(profile).read_text(encoding="utf-8").splitlines().index("[bench.transducer]") + 1
+    assert str(refused.value).startswith(f"{profile}, line {line}: [bench.transducer]: ")
 
 
 def test_an_instrument_on_a_bus_of_its_own_may_have_any_identifier(
@@ -398,7 +407,7 @@ def test_what_is_left_out_is_emulated_on_an_emulated_bench_only(bench: Callable[
     assert not equipment_of("zhu2011", "can:virtual:x").has_transducer
     assert equipment_of(bench({"transducer": SLOW}), "can:virtual:x").has_transducer
     assert equipment_of("zhu2011", "can:virtual:x").lines() == {
-        "load": "none: a person does it",
+        "load": "none: by the operator",
         "transducer": "none",
         "supply": "none",
         "temperature": "none",
@@ -421,16 +430,16 @@ class Person:
         self.states: list[State] = []
         self._session = session
 
-    def __call__(self, what: str) -> Confirmed:
+    def __call__(self, what: str) -> Confirmation:
         self.asked.append(what)
         self.states.append(self._session.drive.state())
-        return Confirmed.BY_THE_PERSON
+        return Confirmation.BY_OPERATOR
 
 
 def test_a_person_is_asked_before_the_drive_is_enabled(wire: Wire, tmp_path: Path) -> None:
-    session, person, watcher = replace(wire.session, load=None), Person(wire.session), Watcher()
+    session, person, observer = replace(wire.session, load=None), Person(wire.session), RunObserver()
     plan = _plan(0.65, 0.0, 0.3, -0.3)
-    found = _run(session, plan, tmp_path / "run", replace(INFO, prompt=person), watcher)
+    found = _run(session, plan, tmp_path / "run", replace(INFO, prompt=person), observer)
     assert person.asked == [
         "load the shaft with 0.65 Nm against positive rotation",
         "free the shaft: take off the load, or stop what turns it",
@@ -438,15 +447,15 @@ def test_a_person_is_asked_before_the_drive_is_enabled(wire: Wire, tmp_path: Pat
         "load the shaft with 0.3 Nm towards positive rotation",
     ]
     assert set(person.states) == {State.SWITCH_ON_DISABLED}
-    told = "to the person at the bench: free the shaft: take off the load, or stop what turns it"
-    assert watcher.notes.count(told) == 3
+    told = "to the operator: free the shaft: take off the load, or stop what turns it"
+    assert observer.notes.count(told) == 3
     assert found[0].verdict == "fail", "the emulated shaft was not loaded, and that is seen"
     bundles = [Bundle.open(each.bundle) for each in found]
     kept = [each.manifest.details["equipment"].get("by_hand") for each in bundles]
-    assert kept[0] == {"what": person.asked[0], "confirmed": "confirmed by the person"}
-    assert kept[1] == {"what": person.asked[1], "confirmed": "confirmed by the person"}
+    assert kept[0] == {"what": person.asked[0], "confirmed": "confirmed by the operator"}
+    assert kept[1] == {"what": person.asked[1], "confirmed": "confirmed by the operator"}
     first = [event.text for event in bundles[0].events]
-    asked = "a person was to load the shaft with 0.65 Nm against positive rotation: confirmed by the person"
+    asked = "operator was to load the shaft with 0.65 Nm against positive rotation: confirmed by the operator"
     assert first.index(asked) < first.index("enabling")
 
 
@@ -459,24 +468,24 @@ def test_a_person_turns_the_shaft(wire: Wire, tmp_path: Path) -> None:
 
 
 def test_whatever_ends_a_case_the_person_is_told_to_free_the_shaft(wire: Wire, tmp_path: Path) -> None:
-    session, watcher = replace(wire.session, load=None), Watcher()
+    session, observer = replace(wire.session, load=None), RunObserver()
     plan = _plan(0.65).model_copy(update={"setup": {"i_trip_A": 1e6}})  # refused after the person was asked
     with pytest.raises(BenchError):
-        _run(session, plan, tmp_path / "run", replace(INFO, prompt=Person(wire.session)), watcher)
-    assert "enabling" not in watcher.notes
-    assert watcher.notes[-1].startswith("to the person at the bench: free the shaft")
+        _run(session, plan, tmp_path / "run", replace(INFO, prompt=Person(wire.session)), observer)
+    assert "enabling" not in observer.notes
+    assert observer.notes[-1].startswith("to the operator: free the shaft")
 
 
-def test_where_nobody_can_be_asked_nothing_is_enabled_for_any_case(wire: Wire, tmp_path: Path) -> None:
-    watcher = Watcher()
-    with pytest.raises(UsageError, match="a person has to load the shaft with"):
-        _run(replace(wire.session, load=None), _plan(0.0, 0.65), tmp_path / "run", watcher=watcher)
-    assert "enabling" not in watcher.notes
+def test_without_a_prompt_nothing_is_enabled_for_any_case(wire: Wire, tmp_path: Path) -> None:
+    observer = RunObserver()
+    with pytest.raises(UsageError, match="the operator has to load the shaft with"):
+        _run(replace(wire.session, load=None), _plan(0.0, 0.65), tmp_path / "run", observer=observer)
+    assert "enabling" not in observer.notes
     assert not (tmp_path / "run").exists()
 
 
 def test_a_person_who_leaves_ends_the_run(wire: Wire, tmp_path: Path) -> None:
-    def leave(what: str) -> Confirmed:
+    def leave(what: str) -> Confirmation:
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):

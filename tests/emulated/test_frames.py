@@ -5,7 +5,8 @@ from __future__ import annotations
 import binascii
 import struct
 
-from benchtool.drive import Capture, CaptureRequest, Mode
+from benchtool.drive import Capture, CaptureRequest
+from benchtool.protocol.modes import Mode
 
 from .conftest import Wire
 

@@ -1,4 +1,4 @@
-"""Setpoints from the host: frames on the wire, and the drive disabled whatever ends them."""
+"""Setpoints from the host: frames on the wire, and the drive disabled at every exit."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from typer.testing import CliRunner
 
 from benchtool.bench.session import Session
 from benchtool.cli import app
-from benchtool.drive import Mode
 from benchtool.errors import DriveFault, ValueRefused
 from benchtool.protocol.cia402 import State
 from benchtool.protocol.dictionary import Dictionary
 from benchtool.protocol.dictionary.objects import DataType
 from benchtool.protocol.dictionary.roles import Role
+from benchtool.protocol.modes import Mode
 from benchtool.run.jog import jog
 
 from .conftest import Wire, over_both_wires

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from benchtool.drive import Mode
 from benchtool.drive.parameters.transaction import default_of
 from benchtool.emulator.control.laws import Law
 from benchtool.errors import SdoAbort
 from benchtool.protocol.canopen.abort import Abort
+from benchtool.protocol.modes import Mode
 
 from .conftest import Wire
 

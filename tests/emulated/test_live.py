@@ -1,4 +1,4 @@
-"""`benchtool live` and `--live`: what is shown is what was recorded, and looking on changes nothing."""
+"""`benchtool live` and `--live`: the view shows the recorded data, and has no effect on a run."""
 
 from __future__ import annotations
 
@@ -18,8 +18,13 @@ import pytest
 from typer.testing import CliRunner, Result
 
 from benchtool.cli import app
-from benchtool.live import CAPTURE, STREAM, TRANSDUCER, LiveView, Outlet, Viewer, names
-from benchtool.live.sending import Message
+from benchtool.cli.live_views import LiveDestinations
+from benchtool.cli.output import Output
+from benchtool.errors import EnvironmentFailure
+from benchtool.live import CAPTURE, STREAM, TRANSDUCER, LiveView, RecordingSink, Viewer, names
+from benchtool.live.messages import Message
+from benchtool.live.sinks import picture
+from benchtool.live.sinks.picture import headless_viewer
 from benchtool.live.sinks.viewer import viewer_environment, viewer_program
 from benchtool.recording import Bundle
 from benchtool.telemetry import TelemetryStream
@@ -177,7 +182,7 @@ def test_a_view_that_blocks_loses_rows_and_the_recording_none(
 
     monkeypatch.setattr(LiveView, "_take", block)
     monkeypatch.setattr(TelemetryStream, "__exit__", leave)
-    monkeypatch.setattr("benchtool.clock.VirtualClock.settle_with", _but_not_for_sinks)
+    monkeypatch.setattr("benchtool.clock.VirtualClock.register", _but_not_for_sinks)
     result = invoke(
         "record", "--duration", "20", "--out", "a", "--live", "a.rrd", "--channels", "torque,omega_m",
         "--rate", "100", "--json",
@@ -207,9 +212,7 @@ def test_a_view_that_fails_ends_nothing(invoke: Invoke, monkeypatch: pytest.Monk
     monkeypatch.setattr("benchtool.live.view.running_spectra", fail)
     result = invoke("record", "--duration", "2", "--out", "a", "--live", "a.rrd")
     assert result.exit_code == 0, result.output
-    assert (
-        "the live view has failed and shows no more (ZeroDivisionError: spectrum of nothing)" in result.stderr
-    )
+    assert "the live view has failed and stopped (ZeroDivisionError: spectrum of nothing)" in result.stderr
     assert "a.rrd: 200 rows were not shown; the recording of the run has them" in result.stderr
     assert len(Bundle.open(Path("a")).block("telemetry").data) == 200
     monkeypatch.setattr("benchtool.live.view.capture_spectra", fail)
@@ -220,22 +223,22 @@ def test_a_view_that_fails_ends_nothing(invoke: Invoke, monkeypatch: pytest.Monk
 
 def test_a_viewer_that_is_killed_ends_nothing(invoke: Invoke, monkeypatch: pytest.MonkeyPatch) -> None:
     started: list[Viewer] = []
-    connect, send = Viewer.connect, Outlet.send
+    connect, send = Viewer.connect, RecordingSink.send
     sent: list[int] = []
 
     def noted(viewer: Viewer, stream: object) -> None:
         started.append(viewer)
         connect(viewer, stream)  # type: ignore[arg-type]
 
-    def counted(outlet: Outlet, messages: Iterable[Message], rows: int = 0) -> bool:
+    def counted(sink: RecordingSink, messages: Iterable[Message], rows: int = 0) -> bool:
         sent.append(rows)
         if len([each for each in sent if each]) == 5:
             started[0].process.kill()
             started[0].process.wait()
-        return send(outlet, messages, rows)
+        return send(sink, messages, rows)
 
     monkeypatch.setattr(Viewer, "connect", noted)
-    monkeypatch.setattr(Outlet, "send", counted)
+    monkeypatch.setattr(RecordingSink, "send", counted)
     result = invoke("record", "--duration", "3", "--out", "a", "--live", "web", "--live", "a.rrd")
     assert result.exit_code == 0, result.output
     assert "the web viewer is gone, the measurement goes on without it" in result.stderr
@@ -252,7 +255,7 @@ def test_a_viewer_that_is_killed_ends_nothing(invoke: Invoke, monkeypatch: pytes
         (("live", "--save", "a.txt"), 2, "--save a.txt: a file that ends in .rrd is expected"),
         (("record", "--duration", "1", "--live", "short.toml/a.rrd"), 3, "cannot write short.toml/a.rrd: "),
         (("live", "--duration", "1"), 3, "the native viewer needs a display"),
-        (("live", "nowhere", "--save", "a.rrd"), 3, "there is no nowhere"),
+        (("live", "nowhere", "--save", "a.rrd"), 3, "nowhere does not exist: give the folder of a run"),
         (("run", "short.toml", "--jobs", "2", "--live", "a.rrd"), 2, "--jobs 2 runs elsewhere than --live"),
         (("live", "--web", "--bind", "x"), 2, "'x' is no address to listen on"),
         (
@@ -301,19 +304,19 @@ def test_a_recording_without_an_end_gets_its_index_from_rerun(invoke: Invoke) ->
 @pytest.mark.skipif(not headless.POSSIBLE, reason="needs lavapipe (Debian: mesa-vulkan-drivers)")
 def test_the_view_can_be_drawn_without_a_display(invoke: Invoke, tmp_path: Path) -> None:
     assert invoke("run", "short.toml", "--out", "run", "--live", "a.rrd").exit_code == 0
-    with headless.viewer(tmp_path / "a.rrd", tmp_path) as viewer:
+    with headless_viewer(tmp_path / "a.rrd") as viewer:
         views = viewer.get_state().views
-        picture = plt.imread(io.BytesIO(viewer.take_screenshot()), format="png")
+        pixels = plt.imread(io.BytesIO(viewer.take_screenshot()), format="png")
     assert {view.name: view.reports for view in views if view.reports} == {}
     assert {"torque (Nm)", "phase currents (A)", "speed (rad/s)", "data quality"} <= {v.name for v in views}
     # torque and i_a of the capture, the reference circle, the hexagon
     for colour in ((86, 180, 233), (0, 158, 115), (230, 159, 0)):
-        near = np.abs(picture[:, :, :3] * 255.0 - colour).max(axis=2) < 12.0
+        near = np.abs(pixels[:, :, :3] * 255.0 - colour).max(axis=2) < 12.0
         assert np.count_nonzero(near) > 100, f"nothing of colour {colour} is drawn"
 
 
 @pytest.mark.skipif(browser.PROGRAM is None, reason="the page needs a browser (Debian: chromium)")
-def test_the_page_shows_its_data_and_asks_nobody_else(invoke: Invoke) -> None:
+def test_the_page_shows_its_data_and_contacts_no_other_host(invoke: Invoke) -> None:
     assert invoke("record", "--duration", "1", "--out", "run").exit_code == 0
     with Viewer(web=True) as viewer, browser.browser(Path.cwd() / "profile") as page:
         page.open(f"{viewer.page}&renderer=webgl")
@@ -327,3 +330,52 @@ def test_the_page_shows_its_data_and_asks_nobody_else(invoke: Invoke) -> None:
         assert [url for url in page.asked_for if not url.startswith(own) and url not in refused] == []
     with contextlib.suppress(OSError):
         shutil.rmtree("profile")
+
+
+# ---- pictures and pages that stay --------------------------------------------------------------------------
+
+
+def test_pictures_of_a_run_are_named_as_its_recordings(
+    invoke: Invoke, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(picture, "take_picture", lambda recording: recording.read_bytes()[:4])
+    assert invoke("run", "short.toml", "--out", "run").exit_code == 0
+    shown = invoke("live", "run", "--png", "one.png", "--json")
+    assert shown.exit_code == 0, shown.output
+    assert json.loads(shown.stdout)["pictures"] == ["one.png"]
+    assert (tmp_path / "one.png").read_bytes() == b"RRF2"
+    for arguments, complaint in (
+        (("run", "--png", "one.jpg"), "--png one.jpg: a file that ends in .png is expected"),
+        (("--png", "one.png"), "which there is none without --duration: add it"),
+    ):
+        refused = invoke("live", *arguments)
+        assert refused.exit_code == 2
+        assert complaint in refused.stderr
+
+
+def test_a_viewer_that_cannot_draw_says_what_that_needs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    program = tmp_path / "rerun"
+    program.write_text("#!/bin/sh\necho 'Error: no suitable graphics adapter'; exit 1\n", encoding="utf-8")
+    program.chmod(0o755)
+    monkeypatch.setattr(picture, "viewer_program", lambda: program)
+    with pytest.raises(EnvironmentFailure, match=r"no suitable graphics adapter; .*mesa-vulkan-drivers"):
+        picture.take_picture(tmp_path / "a.rrd")
+
+
+@pytest.mark.parametrize("stay", [True, False])
+def test_a_page_stays_if_asked_to_and_a_script_goes_on(stay: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    waited = []
+
+    class Process:
+        def wait(self, duration_s: float | None) -> None:
+            waited.append(duration_s)
+            raise KeyboardInterrupt
+
+    class Page:
+        web, page, process = True, "http://127.0.0.1:1", Process()
+
+    monkeypatch.setattr("sys.stdin", io.StringIO())
+    LiveDestinations([Page()], []).keep_open(Output(as_json=False), stay=stay)  # type: ignore[list-item]
+    assert waited == ([None] if stay else [])

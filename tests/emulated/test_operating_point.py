@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from benchtool.bench.person import beforehand
+from benchtool.bench.operator import confirmed_beforehand
 from benchtool.bench.session import Session
 from benchtool.errors import ParameterMismatch, ValueRefused
 from benchtool.plan.model import Plan
@@ -88,7 +88,7 @@ def test_a_load_that_was_never_there_fails_and_says_by_how_much(wire: Wire, tmp_
     for transducer in (wire.session.transducer, None):
         session = replace(wire.session, load=None, transducer=transducer)
         folder = tmp_path / ("with" if transducer else "without")
-        found = _run(session, _plan(), folder, replace(INFO, prompt=beforehand))
+        found = _run(session, _plan(), folder, replace(INFO, prompt=confirmed_beforehand))
         assert found.verdict == "fail"
         (missed,) = found.missed
         assert missed.name == "load_torque_reached"

@@ -59,7 +59,7 @@ def test_fig_5_the_torque_step(measured: Any) -> None:
     assert cases["tpc"]["torque_ripple_rms"] == pytest.approx(cases["svm_dtc"]["torque_ripple_rms"], rel=0.1)
     assert cases["tpc"]["torque_ripple_pp"] == pytest.approx(cases["svm_dtc"]["torque_ripple_pp"], rel=0.3)
     assert cases["literal,tpc"]["torque_ripple_pp"] > 2.0 * cases["svm_dtc"]["torque_ripple_pp"]
-    assert cases["tpc"]["true_torque_ripple_pp"] > 2.0 * cases["svm_dtc"]["true_torque_ripple_pp"]
+    assert cases["tpc"]["transducer_torque_ripple_pp"] > 2.0 * cases["svm_dtc"]["transducer_torque_ripple_pp"]
     assert cases["tpc"]["overshoot"] <= 0.1
 
 
@@ -90,5 +90,5 @@ def test_deadbeat_beats_tpc_in_the_same_run(measured: Any) -> None:
     cases = measured("laws")
     assert len(cases) == 7
     deadbeat, tpc = cases["deadbeat"], cases["tpc"]
-    assert deadbeat["true_torque_ripple_pp"] <= 0.5 * tpc["true_torque_ripple_pp"]
+    assert deadbeat["transducer_torque_ripple_pp"] <= 0.5 * tpc["transducer_torque_ripple_pp"]
     assert deadbeat["flux_ripple_pp"] <= 0.1 * tpc["flux_ripple_pp"]

@@ -1,4 +1,4 @@
-"""Parameters of the emulated drive: all or none, whatever goes wrong; storing them, and the way back."""
+"""Parameters of the emulated drive: written all or none after any failure; storing and restoring."""
 
 from __future__ import annotations
 
@@ -6,13 +6,14 @@ from collections.abc import Callable
 
 import pytest
 
-from benchtool.drive import Mode, RemoteDrive
+from benchtool.drive import RemoteDrive
 from benchtool.drive.parameters.storage import reset, restore_defaults, store
 from benchtool.drive.parameters.transaction import default_of, parameters, snapshot, write_all
 from benchtool.errors import NoAnswer, SdoAbort, ValueRefused, WriteNotVerified
 from benchtool.protocol.canopen.abort import Abort
 from benchtool.protocol.canopen.nmt import NmtCommand
 from benchtool.protocol.dictionary.variable import Value
+from benchtool.protocol.modes import Mode
 
 from .conftest import Wire, over_both_wires
 
@@ -158,11 +159,11 @@ def test_a_link_that_died_is_not_asked_once_for_every_value(
 
     def dead(index: int, sub: int, *, block: bool = False, length: int | None = None) -> bytes:
         asked.append(index)
-        raise NoAnswer("nobody there")
+        raise NoAnswer("no answer")
 
     def cut(_: RemoteDrive) -> None:
         monkeypatch.setattr(drive.link, "upload", dead)
-        raise NoAnswer("nobody there")
+        raise NoAnswer("no answer")
 
     _at_write(monkeypatch, drive, 3, cut)
     with pytest.raises(NoAnswer) as raised:

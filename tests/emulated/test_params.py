@@ -1,4 +1,4 @@
-"""`benchtool params` as a user meets it: what it prints, what it writes, how it refuses."""
+"""`benchtool params` from a user's point of view: output, writes, refusals."""
 
 from __future__ import annotations
 
@@ -13,11 +13,12 @@ import pytest
 from typer.testing import CliRunner, Result
 
 from benchtool.cli import app
-from benchtool.drive import Identity, Mode, RemoteDrive
+from benchtool.drive import Identity, RemoteDrive
 from benchtool.drive.parameters.migration import Migration, Migrations
 from benchtool.errors import SdoAbort
 from benchtool.protocol.canopen.abort import Abort
 from benchtool.protocol.dictionary.variable import Value
+from benchtool.protocol.modes import Mode
 
 Invoke = Callable[..., Result]
 

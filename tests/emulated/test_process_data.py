@@ -7,12 +7,12 @@ import struct
 
 import pytest
 
-from benchtool.drive import Mode
 from benchtool.errors import SdoAbort, ValueRefused
 from benchtool.protocol.canopen.abort import Abort
 from benchtool.protocol.canopen.cob_id import INVALID
 from benchtool.protocol.canopen.pdo import tpdo
 from benchtool.protocol.cia402 import State
+from benchtool.protocol.modes import Mode
 from benchtool.telemetry import Setpoints
 
 from .conftest import Wire, over_both_wires

@@ -1,4 +1,4 @@
-"""`benchtool record`: what it leaves behind, replayed bit by bit, and however it ends."""
+"""`benchtool record`: its bundle, replayed bit by bit, after any end."""
 
 from __future__ import annotations
 
@@ -265,20 +265,49 @@ def test_a_node_with_few_pdos_streams_what_matters_most(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_an_interrupted_recording_is_readable(tmp_path: Path, number: int) -> None:
-    with _recording(tmp_path / "a", "--duration", "600", "--real-time", "--json") as process:
-        _await(process, "1 of 600 s")
+def test_a_recording_that_is_ended_by_hand_is_complete(tmp_path: Path, number: int) -> None:
+    with _recording(tmp_path / "a", "--real-time") as process:
+        _await(process, "1 s, ")
         process.send_signal(number)
         out, err = process.communicate(timeout=60)
-    assert process.returncode == 130
-    assert out == ""
-    assert err.splitlines()[-2] == "benchtool: interrupted"  # it was not this that enabled it, if it was
-    assert "Traceback" not in err
+    assert process.returncode == 0, err
+    assert "benchtool: " not in err
+    assert "ended by hand after " in out
     bundle = Bundle.open(tmp_path / "a")
-    assert bundle.manifest.details["failure"] == "KeyboardInterrupt"
+    assert bundle.complete
+    assert bundle.manifest.details["ended_by"] == "hand"
+    assert bundle.manifest.details["lasted_s"] >= 1.0
     assert len(bundle.block("telemetry").data) >= 100
     assert bundle.certificate is not None
     assert bundle.certificate["complete"]
+
+
+def test_an_end_by_hand_before_the_duration_is_told_in_json_alone(
+    invoke: Invoke, after_checks: Callable[..., None]
+) -> None:
+    after_checks(10, lambda: signal.raise_signal(signal.SIGINT))
+    before = signal.getsignal(signal.SIGINT)
+    result = invoke("--duration", "60", "--json", "--out", "a")
+    assert result.exit_code == 0, result.output
+    assert "rows/s" not in result.stderr
+    document = json.loads(result.stdout)
+    assert (document["ended_by"], document["lasted_s"]) == ("hand", pytest.approx(0.5))
+    assert document["certificate"]["complete"]
+    assert len(Bundle.open(Path("a")).block("telemetry").data) == 50
+    assert signal.getsignal(signal.SIGINT) is before
+
+
+def test_a_second_interruption_ends_it_at_once_and_says_so(
+    invoke: Invoke, after_checks: Callable[..., None]
+) -> None:
+    def twice() -> None:
+        for _ in range(2):  # each is handled before the loop goes round
+            signal.raise_signal(signal.SIGINT)
+
+    after_checks(10, twice)
+    result = invoke("--duration", "60", "--out", "a")
+    assert result.exit_code == 130
+    _cut_short("a", 50, "KeyboardInterrupt")
 
 
 def test_a_disk_that_fills_up_ends_the_recording_with_what_was_written(tmp_path: Path) -> None:

@@ -92,6 +92,7 @@ def test_the_report_of_the_demo(demo: Path) -> None:
         "verdict": "pass",
         "cases": {"tpc": {"verdict": "pass", "bundle": str(demo)}},
     }
+    assert "pass by the drive's own estimate, fail by the transducer on the shaft" in result.stderr
     page = (demo / "report.html").read_text(encoding="utf-8")
     text = text_of(page)
     order = (
@@ -99,13 +100,16 @@ def test_the_report_of_the_demo(demo: Path) -> None:
         "benchtool reference drive",
         "Limits and verdicts",
         "≤ 0.06",
+        "Every case of the plan was run, and every limit was put to a number.",
+        "Tested by: name, date, signature",
+        "Figures",
+        "Torque, phase currents and stator flux",
         "Measurements",
         "torque_mean",
         "Maximum minus minimum of the drive",
         "Tables",
         "current_harmonics",
-        "Figures",
-        "Torque, phase currents and stator flux",
+        "Appendix",
         "Data quality",
         "Complete: every row of every stream is there.",
         "Drive parameters",
@@ -124,7 +128,43 @@ def test_the_report_of_the_demo(demo: Path) -> None:
         assert name in text
     for file in (demo / "data").iterdir():
         assert hashlib.sha256(file.read_bytes()).hexdigest() in text
-    assert (demo / "report.pdf").read_bytes().startswith(b"%PDF-")
+    document = (demo / "report.pdf").read_bytes()
+    assert document.startswith(b"%PDF-")
+    assert document.count(b"/Type /Page\n") <= 6
+    assert (
+        page.count(f"<code>{hashlib.sha256((demo / 'manifest.json').read_bytes()).hexdigest()}</code>") == 1
+    )
+
+
+def test_the_first_page_says_what_was_tested_and_by_whom(demo: Path) -> None:
+    def state(manifest: dict[str, Any]) -> None:
+        manifest["conditions"] |= {"operator": "A. Ampère", "test_object_serial_number": "M-17"}
+        manifest["details"]["plan"]["limits"]["torque_ripple_pp"] = {"max": 0.051, "margin": "U"}
+
+    front = text_of(page_of(demo)).partition("Figures")[0]
+    for told in ("serial number not stated", "operator not stated", "rated 9.55 Nm", "serial number 1"):
+        assert told in front
+    assert "By the transducer on the shaft: fail." in front
+    change(demo, state)
+    front = text_of(page_of(demo, code=1)).partition("Figures")[0]
+    assert "? Undecided 4 of 5 limits met, 1 undecided." in front
+    assert "serial number M-17" in front
+    assert "operator A. Ampère" in front
+    assert re.search(r"Undecided: torque_ripple_pp is .* probability of conformance 0\.\d+", front)
+    assert "guard band U (95 %)" in front
+
+
+def test_the_first_page_of_many_cases_has_the_worst_of_each_limit_and_what_was_not_run(
+    recorded: Path, tmp_path: Path
+) -> None:
+    two = Path(shutil.copytree(recorded / "plans" / "two", tmp_path / "two"))
+    front = text_of(page_of(two)).partition("Figures")[0]
+    assert "2 pass" in front
+    assert "in case" in front
+    shutil.rmtree(two / "foc")
+    shutil.copytree(recorded / "demo", two / "demo")  # so that it is still a run of several
+    front = text_of(page_of(two)).partition("Figures")[0]
+    assert "Cases of the plan without a recording: tpc: foc." in front
 
 
 def test_a_number_of_the_demo_has_one_uncertainty_wherever_it_is_printed(demo: Path) -> None:
@@ -185,7 +225,7 @@ def test_a_run_that_failed_has_a_report_that_says_why(demo: Path) -> None:
     assert document["cases"]["tpc"]["failure"] == "DriveFault: overcurrent <0x2310>"
     text = text_of((demo / "report.html").read_text(encoding="utf-8"))
     assert "✗ Fail" in text
-    assert "This case did not come to its end: DriveFault: overcurrent &lt;0x2310&gt;." in text
+    assert "This case was cut short: DriveFault: overcurrent &lt;0x2310&gt;." in text
     assert "Every channel of stream telemetry over its whole length" in text
     assert "What happened" in text
     assert "state: operation enabled" in text
@@ -213,12 +253,16 @@ def test_data_that_cannot_be_read_are_named_and_the_rest_is_reported(demo: Path)
     assert "benchtool reference drive" in text
 
 
-def test_a_recording_without_a_plan_is_shown_and_not_judged(tmp_path: Path) -> None:
+def test_a_recording_without_a_plan_is_measured_and_not_judged(tmp_path: Path) -> None:
     done("record", "--duration", "0.5", "--out", tmp_path / "slow")
     result = done("report", tmp_path / "slow", "--json")
     assert json.loads(result.stdout)["verdict"] == "none"
     text = text_of((tmp_path / "slow" / "report.html").read_text(encoding="utf-8"))
-    assert "nothing is measured or judged" in text
+    assert "What was measured stream telemetry, 100 Hz, every 100 control ticks" in text
+    assert "Undefined: torque_mean" in text
+    assert "'torque' is constant at 0 over 50 samples" in html.unescape(text)
+    assert "omega_m_reached" in text
+    assert "The plan sets no limits" not in text
     assert "No limits" in text
 
 
@@ -252,7 +296,7 @@ def test_several_cases_and_several_plans(recorded: Path, tmp_path: Path) -> None
 def test_what_cannot_be_reported_is_one_line(demo: Path, tmp_path: Path) -> None:
     (tmp_path / "empty").mkdir()
     for arguments, said in (
-        (("report", tmp_path / "nowhere"), "there is no"),
+        (("report", tmp_path / "nowhere"), "nowhere does not exist: give the folder of a run"),
         (("report", demo / "manifest.json"), "is a file: give the folder of a run"),
         (("report", tmp_path / "empty"), "holds no run bundle"),
         (("report", demo, "--out", tmp_path / "no" / "page.html"), "cannot write"),
@@ -326,7 +370,7 @@ def test_many_runs_stay_readable_for_people(demo: Path, recorded: Path) -> None:
 
 
 def test_ten_lines_of_numpy_give_the_numbers_again(recorded: Path) -> None:
-    page = (Path(__file__).parents[2] / "docs" / "measurements.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[2] / "docs" / "reference" / "measurements.md").read_text(encoding="utf-8")
     found = re.search(r"```python\n(.*?)```", page, re.DOTALL)
     assert found is not None
     lines = found[1]
@@ -336,7 +380,7 @@ def test_ten_lines_of_numpy_give_the_numbers_again(recorded: Path) -> None:
     measured = json.loads((recorded / "demo" / "measurements.json").read_text(encoding="utf-8"))
     assert numbers["ripple_pp"] == measured["torque_ripple_pp"]["value"]
     # straight lines between the samples cost harmonic 50, at 500 Hz of 10 kHz, a percent
-    assert numbers["thd_percent"] == pytest.approx(measured["current_thd"]["value"], rel=0.01)
+    assert numbers["thd_percent"] == pytest.approx(measured["current_thd_f"]["value"], rel=0.01)
     fundamental_A = numbers["A"][numbers["turns"]]
     assert fundamental_A == pytest.approx(measured["current_fundamental"]["value"], rel=2e-4)
     assert numbers["turns"] == round(

@@ -14,7 +14,7 @@ import pytest
 
 from benchtool.bench.session import Session, open_session
 from benchtool.cli.run import RunOptions
-from benchtool.cli.running import _resumption
+from benchtool.cli.run_plans import _resumption
 from benchtool.errors import AnalysisError, DriveFault, SdoAbort, UsageError
 from benchtool.plan.cases import Case, cases
 from benchtool.plan.model import Plan
@@ -30,7 +30,7 @@ INFO = RunInfo("2020-01-01T00:00:00+00:00", 0, ("run",))
 CHANNELS = ("i_a", "i_b", "i_c", "torque", "torque_reference", "psi_s", "theta_m", "switching_count")
 
 
-class Watcher:
+class RunObserver:
     """Keeps what it is told; raises `error` when case `at` begins."""
 
     def __init__(self, at: int = 0, error: type[BaseException] = KeyboardInterrupt) -> None:
@@ -61,8 +61,10 @@ def _plan(**changes: object) -> Plan:
 SWEEP = _plan(sweep={"setup": {"u_s_V": [60.0, 81.65]}}, repetitions=2)
 
 
-def _run(session: Session, plan: Plan, folder: Path, watcher: Watcher, *, resume: bool = False) -> list[str]:
-    result = run_plan(lambda *_: nullcontext(session), plan, folder, INFO, watcher, resume=resume)
+def _run(
+    session: Session, plan: Plan, folder: Path, observer: RunObserver, *, resume: bool = False
+) -> list[str]:
+    result = run_plan(lambda *_: nullcontext(session), plan, folder, INFO, observer, resume=resume)
     return [each.case for each in result.assessments]
 
 
@@ -90,7 +92,7 @@ def test_a_plan_without_a_sweep_is_one_case_called_after_its_law() -> None:
 def test_a_sweep_leaves_a_bundle_for_every_case_and_the_drive_as_it_was(wire: Wire, tmp_path: Path) -> None:
     before = wire.session.drive.read("u_s")
     names = ["u_s_V=60.1", "u_s_V=60.2", "u_s_V=81.65.1", "u_s_V=81.65.2"]
-    assert _run(wire.session, SWEEP, tmp_path / "run", Watcher()) == names
+    assert _run(wire.session, SWEEP, tmp_path / "run", RunObserver()) == names
     for name, u_s in zip(names, (60.0, 60.0, 81.65, 81.65), strict=True):
         assert Bundle.open(tmp_path / "run" / name).manifest.parameters["u_s_V"] == u_s
     assert wire.session.drive.read("u_s") == before
@@ -101,13 +103,13 @@ def test_an_interrupted_sweep_is_resumed_where_it_stopped(wire: Wire, tmp_path: 
     folder = tmp_path / "run"
     before = wire.session.drive.read("u_s")
     with pytest.raises(KeyboardInterrupt):
-        _run(wire.session, SWEEP, folder, Watcher(at=3))
+        _run(wire.session, SWEEP, folder, RunObserver(at=3))
     assert wire.session.drive.read("u_s") == before
     kept = {path.name: (path / "manifest.json").read_bytes() for path in folder.iterdir()}
     assert set(kept) == {"u_s_V=60.1", "u_s_V=60.2"}
-    watcher = Watcher()
-    assert len(_run(wire.session, SWEEP, folder, watcher, resume=True)) == 4
-    assert watcher.notes.count("already there") == 2
+    observer = RunObserver()
+    assert len(_run(wire.session, SWEEP, folder, observer, resume=True)) == 4
+    assert observer.notes.count("already there") == 2
     for name, manifest in kept.items():
         assert (folder / name / "manifest.json").read_bytes() == manifest
 
@@ -126,7 +128,7 @@ def test_a_mixture_is_refused_before_anything_is_opened(
     wire: Wire, tmp_path: Path, changes: dict[str, Any], said: str
 ) -> None:
     with pytest.raises(KeyboardInterrupt):
-        _run(wire.session, SWEEP, tmp_path / "run", Watcher(at=2))
+        _run(wire.session, SWEEP, tmp_path / "run", RunObserver(at=2))
     plan = _plan(sweep={"setup": {"u_s_V": [60.0, 81.65]}}, repetitions=2, **changes.pop("plan", {}))
     info = replace(INFO, **changes)
 
@@ -134,23 +136,23 @@ def test_a_mixture_is_refused_before_anything_is_opened(
         raise AssertionError
 
     with pytest.raises(UsageError, match=said):
-        run_plan(opener, plan, tmp_path / "run", info, Watcher(), resume=True)
+        run_plan(opener, plan, tmp_path / "run", info, RunObserver(), resume=True)
     with pytest.raises(UsageError, match=said):
-        run_in_processes(plan, "zhu2011", tmp_path / "run", info, Watcher(), jobs=2, resume=True)
+        run_in_processes(plan, "zhu2011", tmp_path / "run", info, RunObserver(), jobs=2, resume=True)
 
 
 def test_another_drive_is_refused_before_it_is_enabled(
     wire: Wire, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with pytest.raises(KeyboardInterrupt):
-        _run(wire.session, SWEEP, tmp_path / "run", Watcher(at=2))
+        _run(wire.session, SWEEP, tmp_path / "run", RunObserver(at=2))
     drive = wire.session.drive
     connect = drive.connect
     monkeypatch.setattr(drive, "connect", lambda: replace(connect(), serial_number=99))
     enabled: list[object] = []
     monkeypatch.setattr(drive, "enable", enabled.append)
     with pytest.raises(UsageError, match=r"with drive serial_number = .*, and this run has 99"):
-        _run(wire.session, SWEEP, tmp_path / "run", Watcher(), resume=True)
+        _run(wire.session, SWEEP, tmp_path / "run", RunObserver(), resume=True)
     assert not enabled
 
 
@@ -183,7 +185,7 @@ def test_a_case_that_fails_says_so_in_its_bundle_and_is_run_again(
     drive, folder = wire.session.drive, tmp_path / "run"
     plan = _plan(setup={"i_trip_A": 0.2})
     with pytest.raises(DriveFault, match="0x2310"):
-        _run(wire.session, plan, folder, Watcher())
+        _run(wire.session, plan, folder, RunObserver())
     assert drive.state() is State.FAULT
     assert drive.read("i_trip") == 12.0
     bundle = Bundle.open(folder)
@@ -191,7 +193,7 @@ def test_a_case_that_fails_says_so_in_its_bundle_and_is_run_again(
     assert bundle.manifest.details["failure"].startswith("DriveFault: the drive reports 0x2310")
 
     drive.reset_fault()
-    assert len(_run(wire.session, _plan(), folder, Watcher(), resume=True)) == 1
+    assert len(_run(wire.session, _plan(), folder, RunObserver(), resume=True)) == 1
     assert Bundle.open(tmp_path / "run.cut-1").manifest.details == bundle.manifest.details
 
 
@@ -208,7 +210,7 @@ class Loads:
         self.torques_Nm.append(math.inf)
 
 
-class Cut(Watcher):
+class Cut(RunObserver):
     """Interrupts a case as soon as it captures."""
 
     def note(self, text: str) -> None:
@@ -232,7 +234,7 @@ def test_a_case_leaves_the_shaft_without_a_load(
     plan, load = _plan(operating_point={"settle_s": 0.4, **point}), Loads()
     # Nothing turns this shaft: what was measured is no matter here.
     with pytest.raises(KeyboardInterrupt) if cut else suppress(AnalysisError):
-        _run(replace(wire.session, load=load), plan, tmp_path / "run", Cut() if cut else Watcher())
+        _run(replace(wire.session, load=load), plan, tmp_path / "run", Cut() if cut else RunObserver())
     assert max(load.torques_Nm) > 0.0
     assert load.torques_Nm[-1] == 0.0
 
@@ -249,7 +251,7 @@ def test_a_case_that_is_interrupted_says_so_in_its_bundle(wire: Wire, tmp_path: 
 def test_a_setup_that_is_refused_changes_nothing_and_leaves_no_bundle(wire: Wire, tmp_path: Path) -> None:
     plan = _plan(setup={"u_s_V": 60.0, "control_period_s": 1e-3})
     with pytest.raises(SdoAbort):
-        _run(wire.session, plan, tmp_path / "run", Watcher())
+        _run(wire.session, plan, tmp_path / "run", RunObserver())
     assert wire.session.drive.read("u_s") == 81.65
     assert not (tmp_path / "run").exists()
 
@@ -278,7 +280,7 @@ def test_variants_are_crossed_with_the_sweep() -> None:
 
 def test_limits_hold_for_the_quality_of_the_data_as_well(wire: Wire, tmp_path: Path) -> None:
     plan = _plan(limits={"capture_rows_missing": {"max": 0.0}, "telemetry_rows_expected": {"max": 1.0}})
-    result = run_plan(lambda *_: nullcontext(wire.session), plan, tmp_path / "run", INFO, Watcher())
+    result = run_plan(lambda *_: nullcontext(wire.session), plan, tmp_path / "run", INFO, RunObserver())
     (assessment,) = result.assessments
     own = {name: assessment.verdicts[name] for name in plan.limits}
     assert own == {"capture_rows_missing": "pass", "telemetry_rows_expected": "fail"}
@@ -290,12 +292,12 @@ def test_a_run_in_processes_records_the_same_bytes(tmp_path: Path) -> None:
         return open_session("zhu2011", seed=seed, alter=case.emulator)
 
     plan = _plan(case="tpc", repetitions=2)
-    run_plan(opener, plan, tmp_path / "one", INFO, Watcher())
-    watcher = Watcher()
-    result = run_in_processes(plan, "zhu2011", tmp_path / "two", INFO, watcher, jobs=2)
+    run_plan(opener, plan, tmp_path / "one", INFO, RunObserver())
+    observer = RunObserver()
+    result = run_in_processes(plan, "zhu2011", tmp_path / "two", INFO, observer, jobs=2)
     names = [each.case for each in result.assessments]
     assert names == ["tpc.1", "tpc.2"]
-    assert sorted(watcher.begun) == names
+    assert sorted(observer.begun) == names
     for name in names:
         one, two = (tmp_path / run / name / "data" / "capture.parquet" for run in ("one", "two"))
         assert one.read_bytes() == two.read_bytes()
@@ -306,7 +308,7 @@ def test_a_run_in_processes_records_the_same_bytes(tmp_path: Path) -> None:
 def test_a_case_that_fails_in_a_process_names_itself(tmp_path: Path) -> None:
     plan = _plan(sweep={"setup": {"i_trip_A": [12.0, 0.2]}})
     with pytest.raises(DriveFault, match="0x2310") as failed:
-        run_in_processes(plan, "zhu2011", tmp_path / "run", INFO, Watcher(), jobs=2)
+        run_in_processes(plan, "zhu2011", tmp_path / "run", INFO, RunObserver(), jobs=2)
     assert failed.value.__notes__ == ["in case i_trip_A=0.2"]
     assert Bundle.open(tmp_path / "run" / "i_trip_A=12").complete
 

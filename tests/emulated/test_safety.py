@@ -1,4 +1,4 @@
-"""Whatever happens, the drive ends up disabled."""
+"""The drive is disabled at every exit."""
 
 from __future__ import annotations
 
@@ -6,11 +6,13 @@ from collections.abc import Callable
 
 import pytest
 
-from benchtool.drive import Mode, RemoteDrive
+from benchtool.drive import RemoteDrive
 from benchtool.drive.states import Cia402Node
 from benchtool.errors import DriveFault, SdoAbort, StateError, WriteNotVerified
 from benchtool.protocol.canopen.abort import Abort
+from benchtool.protocol.canopen.nmt import NmtCommand
 from benchtool.protocol.cia402 import State
+from benchtool.protocol.modes import Mode
 
 from .conftest import Wire, over_both_wires
 
@@ -245,8 +247,19 @@ def test_a_drive_that_does_not_confirm_is_stopped_by_nmt(wire: Wire) -> None:
     assert not _is_enabled(wire)
 
 
+@over_both_wires
+def test_a_drive_that_nmt_has_stopped_is_told_of_with_the_way_out(wire: Wire) -> None:
+    drive = wire.session.drive
+    drive.link.nmt(NmtCommand.STOP)
+    drive.wait(1.0)
+    with pytest.raises(StateError, match=r"NMT state stopped.* `benchtool reset`"):
+        drive.check()
+    drive.link.nmt(NmtCommand.START)
+    assert drive.check().dictionary_hash == drive.dictionary.hash
+
+
 def test_a_host_that_leaves_a_mute_drive_falls_silent(wire: Wire) -> None:
-    """What the host cannot disable any more, the drive's own supervision stops for want of a heartbeat."""
+    """What the host cannot disable any more, the drive's own supervision stops for lack of a heartbeat."""
     _run_up(wire)
     wire.send(0x000, 0x02, NODE)
     with pytest.raises(StateError, match="heartbeat ends now"):

@@ -1,4 +1,4 @@
-"""Finding drives: who is told of, what is sent to find them, and what is said of places without one."""
+"""Finding drives: results, requests sent, and reports on places without a drive."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ from benchtool.emulator.ports.pty import PtyPort
 from benchtool.emulator.ports.tcp import TcpPort
 from benchtool.emulator.servers.slcan import SlcanAdapter
 from benchtool.errors import LinkClosed, LinkError, NoAnswer
-from benchtool.link.canopen.discovery import ask_bus
+from benchtool.link.canopen.discovery import scan_bus
 from benchtool.link.canopen.virtual import VirtualTimeBus
 from benchtool.link.discovery import Found, duplicates
 from benchtool.link.pipe import pipe
 from benchtool.link.port import DEFAULT_BAUDRATE, open_port
-from benchtool.link.serial.discovery import ask_port
+from benchtool.link.serial.discovery import scan_port
 from benchtool.profile import load_profile
 from benchtool.protocol.canopen.nmt import NmtState
 from benchtool.protocol.serial import FrameSplitter, Identity, decode_request, encode_frame, encode_message
@@ -83,12 +83,12 @@ class Answering:
 
 
 def test_a_drive_on_a_serial_line(bench: EmulatedBench) -> None:
-    found = ask_port("a", bench.host_port(), DEFAULT_BAUDRATE, 1.0, bench.clock)
+    found = scan_port("a", bench.host_port(), DEFAULT_BAUDRATE, 1.0, bench.clock)
     assert found == DRIVE
 
 
 def test_a_baud_rate_that_is_not_the_usual_is_part_of_the_link(bench: EmulatedBench) -> None:
-    found = ask_port("a", bench.host_port(), 115_200, 1.0, bench.clock)
+    found = scan_port("a", bench.host_port(), 115_200, 1.0, bench.clock)
     assert found.link == "serial:a?baudrate=115200&node=1"
     assert registry.parse(found.link).number("baudrate") == 115_200
 
@@ -96,7 +96,7 @@ def test_a_baud_rate_that_is_not_the_usual_is_part_of_the_link(bench: EmulatedBe
 def test_a_drive_of_another_version_is_told_of_without_being_read() -> None:
     identity = Identity(tag=1, status=0x08000024, version=9, node_id=3, nmt_state=5, dictionary_hash=1)
     port = Answering(encode_frame(encode_message(identity)))
-    found = ask_port("a", port, DEFAULT_BAUDRATE, 1.0, RealClock())
+    found = scan_port("a", port, DEFAULT_BAUDRATE, 1.0, RealClock())
     assert (found.node_id, found.nmt_state, found.serial_number) == (3, NmtState.OPERATIONAL, None)
     assert found.device_name == "speaks version 9 of the protocol"
     assert {type(decode_request(payload)).__name__ for payload in _payloads(port.heard)} == {"Identify"}
@@ -105,9 +105,9 @@ def test_a_drive_of_another_version_is_told_of_without_being_read() -> None:
 def test_silence_and_babble_are_told_apart_and_the_port_given_back() -> None:
     silent, babbling = Answering(b""), Answering(b"OK\r\n")
     with pytest.raises(NoAnswer, match=r"^no answer from a within 0.1 s; check that the drive"):
-        ask_port("a", silent, DEFAULT_BAUDRATE, 0.1, RealClock())
+        scan_port("a", silent, DEFAULT_BAUDRATE, 0.1, RealClock())
     with pytest.raises(NoAnswer, match=r"^\d+ bytes, but no answer came from a within"):
-        ask_port("a", babbling, DEFAULT_BAUDRATE, 0.1, RealClock())
+        scan_port("a", babbling, DEFAULT_BAUDRATE, 0.1, RealClock())
     assert silent.closed
     assert babbling.closed
     assert len(_payloads(silent.heard)) == 2, "asked twice"
@@ -117,7 +117,7 @@ def test_a_port_that_goes_while_it_is_asked(bench: EmulatedBench) -> None:
     host, other = pipe(bench.clock)
     other.close()
     with pytest.raises(LinkClosed, match="a stopped working: the other end hung up"):
-        ask_port("a", host, DEFAULT_BAUDRATE, 1.0, bench.clock)
+        scan_port("a", host, DEFAULT_BAUDRATE, 1.0, bench.clock)
 
 
 def _payloads(data: bytes) -> list[bytes]:
@@ -129,13 +129,13 @@ def _payloads(data: bytes) -> list[bytes]:
 
 def _host_bus(bench: EmulatedBench, *, of: EmulatedBench | None = None) -> VirtualTimeBus:
     bus = VirtualTimeBus(bench.channel, clock=bench.clock)
-    bench.clock.settle_with(bus.settle)
+    bench.clock.register(bus.settle)
     (of or bench).add_can(bus)
     return bus
 
 
 def test_a_drive_on_a_bus(bench: EmulatedBench, place: str) -> None:
-    (found,) = ask_bus(place, bench.host_bus(), 500_000, 1.0, bench.clock)
+    (found,) = scan_bus(place, bench.host_bus(), 500_000, 1.0, bench.clock)
     link = f"can:virtual:{bench.channel}?bitrate=500000&node=1"
     assert found == replace(DRIVE, link=link)
     assert bench.clock.now_s() < 2.0, "a search takes the time it was given, and 5 ms for each node"
@@ -143,7 +143,7 @@ def test_a_drive_on_a_bus(bench: EmulatedBench, place: str) -> None:
 
 def test_nothing_is_sent_but_reads(bench: EmulatedBench, place: str) -> None:
     with can.Bus(interface="virtual", channel=bench.channel) as observer:
-        ask_bus(place, bench.host_bus(), 500_000, 1.0, bench.clock)
+        scan_bus(place, bench.host_bus(), 500_000, 1.0, bench.clock)
         sent: dict[int, set[int]] = {}
         times: list[float] = []
         while (frame := observer.recv(0.0)) is not None:
@@ -160,7 +160,7 @@ def test_nothing_is_sent_but_reads(bench: EmulatedBench, place: str) -> None:
 def test_two_nodes_of_one_number_are_seen(bench: EmulatedBench, place: str) -> None:
     copy = EmulatedBench(load_profile("zhu2011"))
     _host_bus(bench, of=copy)
-    (found,) = ask_bus(place, bench.host_bus(), 500_000, 1.0, bench.clock)
+    (found,) = scan_bus(place, bench.host_bus(), 500_000, 1.0, bench.clock)
     copy.close()
     assert found.answers == 2
     (line,) = duplicates([found])
@@ -171,7 +171,7 @@ def test_a_node_that_is_only_heard_is_told_of(bench: EmulatedBench, place: str) 
     with can.Bus(interface="virtual", channel=bench.channel) as other:
         beat = can.Message(arbitration_id=0x705, data=b"\x05", is_extended_id=False)
         timer = bench.clock.call_every(0.3, lambda: other.send(beat))
-        found = ask_bus(place, bench.host_bus(), 500_000, 1.0, bench.clock)
+        found = scan_bus(place, bench.host_bus(), 500_000, 1.0, bench.clock)
         timer.cancel()
     assert [each.node_id for each in found] == [1, 5]
     assert found[1] == Found(
@@ -190,7 +190,7 @@ class Unacknowledged(VirtualTimeBus):
 def test_a_bus_that_takes_nothing_is_given_back(bench: EmulatedBench, place: str) -> None:
     bus = Unacknowledged(bench.channel, clock=bench.clock)
     with pytest.raises(LinkError, match="no buffer space"):
-        ask_bus(place, bus, 500_000, 1.0, bench.clock)
+        scan_bus(place, bus, 500_000, 1.0, bench.clock)
     assert bus._is_shutdown
 
 

@@ -13,11 +13,11 @@ from typer.testing import CliRunner
 
 from benchtool.bench.session import open_session
 from benchtool.cli import app
-from benchtool.drive import Mode
 from benchtool.emulator.bench import EmulatedBench
 from benchtool.emulator.ports.pty import HungUp, PtyPort
 from benchtool.errors import LinkClosed, LinkError
 from benchtool.profile import load_profile
+from benchtool.protocol.modes import Mode
 from benchtool.recording import Bundle
 
 

@@ -10,11 +10,12 @@ import pytest
 from numpy.typing import NDArray
 from scipy.signal import chirp, max_len_seq
 
-from benchtool.drive import Capture, CaptureRequest, Mode, RemoteDrive, Stimulus, play
+from benchtool.drive import Capture, CaptureRequest, RemoteDrive, Stimulus, play
 from benchtool.errors import DriveFault, SdoAbort, StimulusError, ValueRefused
 from benchtool.protocol.canopen.abort import Abort
 from benchtool.protocol.cia402 import State
 from benchtool.protocol.dictionary.variable import Value
+from benchtool.protocol.modes import Mode
 
 from .conftest import Opener, Wire, over_both_wires
 

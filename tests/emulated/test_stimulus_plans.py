@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchtool.drive import Mode
 from benchtool.errors import DriveFault, ValueRefused
 from benchtool.plan.model import Plan
 from benchtool.protocol.cia402 import State
+from benchtool.protocol.modes import Mode
 from benchtool.recording import Bundle
 from benchtool.run.runner import RunInfo, run_plan
 
@@ -35,7 +35,7 @@ PLAN = Plan.model_validate(
 
 
 class Silent:
-    """Watches nothing."""
+    """Ignores progress."""
 
     def begin(self, case: str, number: int, count: int) -> None: ...
     def note(self, text: str) -> None: ...
@@ -67,7 +67,7 @@ def test_the_shaft_is_let_go_also_when_the_run_fails(wire: Wire, tmp_path: Path)
     with drive.enabled(Mode.TORQUE):
         drive.write("torque_command", -0.2)
         drive.wait(0.02)
-        assert drive.number("omega_m") < held - 1.0, "torque moves a shaft that nobody holds"
+        assert drive.number("omega_m") < held - 1.0, "torque moves a shaft that is not held"
 
 
 def test_a_stimulus_beyond_the_rating_is_refused_before_anything_turns(wire: Wire, tmp_path: Path) -> None:

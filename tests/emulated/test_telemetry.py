@@ -12,24 +12,24 @@ import numpy as np
 import pytest
 
 from benchtool.block import Block
-from benchtool.drive import Mode
 from benchtool.emulator.bench import EmulatedBench
 from benchtool.errors import NoAnswer, RecordingError, StateError, ValueRefused
 from benchtool.link.canopen.virtual import VirtualTimeBus
 from benchtool.protocol.cia402 import State
+from benchtool.protocol.modes import Mode
 from benchtool.recording import Bundle, BundleWriter, Manifest
 from benchtool.run.runner import run_plan
 from benchtool.telemetry import Sink, TelemetryStream, certify_recording, record_stream
 
 from .conftest import Opener, Wire, over_both_wires
-from .test_runs import INFO, Watcher, _plan
+from .test_runs import INFO, RunObserver, _plan
 
 NODE = 1
 CHANNELS = ("i_a", "torque", "omega_m", "switching_count")
 
 
 class Kept:
-    """A sink that keeps what it takes."""
+    """A sink that keeps its blocks."""
 
     def __init__(self) -> None:
         self.blocks: list[Block] = []
@@ -62,7 +62,7 @@ def benches(monkeypatch: pytest.MonkeyPatch) -> list[EmulatedBench]:
     def host_bus(bench: EmulatedBench) -> VirtualTimeBus:
         opened.append(bench)
         bus = LossyBus(bench.channel, clock=bench.clock)
-        bench.clock.settle_with(bus.settle)
+        bench.clock.register(bus.settle)
         return bus
 
     monkeypatch.setattr(EmulatedBench, "host_bus", host_bus)
@@ -70,7 +70,7 @@ def benches(monkeypatch: pytest.MonkeyPatch) -> list[EmulatedBench]:
 
 
 def power_off(bench: EmulatedBench) -> None:
-    bench.clock.forget(bench._advance_to)
+    bench.clock.unregister(bench._advance_to)
     bench._node.close()
 
 
@@ -211,7 +211,7 @@ def test_a_recorder_that_stands_still_ends_the_run(benches: list[EmulatedBench],
             TelemetryStream(drive, [sink], CHANNELS, 1000.0) as stream,
         ):
             # A stalled disk stalls the barrier of virtual time as well; records are fed past it.
-            benches[0].clock.forget(sink.worker.settle)
+            benches[0].clock.unregister(sink.worker.settle)
             wire.session.clock.wait(2.0)
             go.set()
             stream.check()
@@ -274,9 +274,9 @@ def test_pdos_that_an_earlier_host_left_behind_are_switched_off(wire: Wire) -> N
 
 
 def test_every_run_of_a_plan_has_the_stream_and_a_certificate(wire: Wire, tmp_path: Path) -> None:
-    watcher = Watcher()
-    run_plan(lambda *_: nullcontext(wire.session), _plan(), tmp_path / "run", INFO, watcher)
-    assert any("rows expected, 0 missing" in note for note in watcher.notes)
+    observer = RunObserver()
+    run_plan(lambda *_: nullcontext(wire.session), _plan(), tmp_path / "run", INFO, observer)
+    assert any("rows expected, 0 missing" in note for note in observer.notes)
     bundle = Bundle.open(tmp_path / "run")
     assert {"capture", "telemetry"} <= set(bundle.streams)
     telemetry = bundle.block("telemetry")
@@ -300,7 +300,7 @@ def test_a_plan_whose_recording_fails_ends_with_the_drive_disabled(
 
     monkeypatch.setattr(BundleWriter, "append", full)
     with pytest.raises(RecordingError, match="no space left"):
-        run_plan(lambda *_: nullcontext(wire.session), _plan(), tmp_path / "run", INFO, Watcher())
+        run_plan(lambda *_: nullcontext(wire.session), _plan(), tmp_path / "run", INFO, RunObserver())
     assert wire.session.drive.state() is State.SWITCH_ON_DISABLED
     bundle = Bundle.open(tmp_path / "run")
     assert not bundle.complete

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from benchtool.bench.session import Session, open_session
-from benchtool.drive import Mode
 from benchtool.drive.capture import Capture, CaptureRequest
 from benchtool.errors import DriveFault
+from benchtool.protocol.modes import Mode
 from benchtool.telemetry import TelemetryStream
 from benchtool.ticks import TICKS
 
@@ -139,6 +139,6 @@ def test_events_are_placed_in_the_time_of_the_session(powered_up: Opener, url: s
     drive = session.drive
     drive.connect()
     drive.wait(70.0)  # long enough for its tick to be read once more
-    drive.look()
+    drive.poll()
     now = drive.tick_now()
     assert now == TICKS - 1000 + round(session.clock.now_s() * 1e4)

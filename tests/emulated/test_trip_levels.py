@@ -1,4 +1,4 @@
-"""Trip levels that could not trip, as the host refuses them: on a drive, in a profile, in a plan."""
+"""Trip levels beyond the sensor range are refused by the host: on a drive, in a profile, in a plan."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from benchtool.drive.parameters.transaction import temporary, write_all
 from benchtool.emulator.bench import EmulatedBench
 from benchtool.errors import PlanError, ProfileError, SdoAbort, ValueRefused
 from benchtool.plan.model import Plan, load_plan, plan_path
-from benchtool.plan.ranges import require_protected
+from benchtool.plan.sensor_ranges import require_protected
 from benchtool.profile import altered, load_profile
 from benchtool.protocol.canopen.abort import Abort
 from benchtool.protocol.dictionary.variable import Value
@@ -114,13 +114,13 @@ def _changed(**changes: object) -> Plan:
     ],
 )
 def test_a_plan_is_refused_before_any_of_its_cases_runs(changes: dict[str, object], complaint: str) -> None:
-    plan, path = _changed(**changes), Path(load_profile.__code__.co_filename)
+    plan = _changed(**changes)
     profile, dictionary = load_profile("zhu2011"), dictionary_of("zhu2011")
     if not complaint:
-        require_protected(plan, path, profile, dictionary)
+        require_protected(plan, None, profile, dictionary)
         return
     with pytest.raises(PlanError, match=complaint):
-        require_protected(plan, path, profile, dictionary)
+        require_protected(plan, None, profile, dictionary)
 
 
 @pytest.mark.parametrize("link", ["emulated", "emulated?wire=serial"])

@@ -1,4 +1,4 @@
-"""Two hosts at one drive: the second is told of the first, and takes nothing from it."""
+"""Two hosts at one drive: the second is refused, and does not disturb the first."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from contextlib import ExitStack
 
 import pytest
 
-from benchtool.drive import Mode
 from benchtool.drive.remote import RemoteDrive
 from benchtool.emulator.bench import EmulatedBench
 from benchtool.errors import StateError
@@ -17,6 +16,7 @@ from benchtool.link.serial.link import SerialLink
 from benchtool.profile import load_profile
 from benchtool.protocol.cia402 import State
 from benchtool.protocol.dictionary import Dictionary
+from benchtool.protocol.modes import Mode
 from benchtool.shipped import shipped
 
 _EDS = shipped("firmware_protocol") / "drive.eds"

@@ -1,4 +1,4 @@
-"""What stands beside a verdict in the terminal, and what a mistake in a command costs."""
+"""Lines beside a verdict in the terminal, and the speed of error messages."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def test_a_failed_run_names_case_limit_and_how_far_and_what_the_shaft_says(
     assert "at most 1e-06 is allowed" in result.stdout
     assert "the transducer disagrees: tpc: torque_ripple_pp is 0.0" in result.stdout
     assert "on the shaft: fail there" in result.stdout
-    assert "not measured for want of channels: flux ripple (psi_s), current spectrum (i_a)" in result.stdout
+    assert "not measured for lack of channels: flux ripple (psi_s), current spectrum (i_a)" in result.stdout
 
     document = json.loads(invoke("analyze", "run", "--json").stdout)
     assert document["verdict"] == document["verdict_by_transducer"] == "fail"
@@ -78,7 +78,7 @@ def test_no_plan_of_a_folder_runs_before_all_are_sound(invoke: Invoke, tmp_path:
 
 
 @pytest.mark.parametrize("name", ["zhu2011/riple", "mine.toml"])
-def test_a_slip_of_the_pen_does_not_wait_for_what_a_run_needs(name: str, tmp_path: Path) -> None:
+def test_a_typing_error_does_not_wait_for_what_a_run_needs(name: str, tmp_path: Path) -> None:
     (tmp_path / "mine.toml").write_text(PLAN.replace("settle_s", "setle_s"), encoding="utf-8")
     code = (
         "import sys\nfrom benchtool.cli import app\n"

@@ -11,11 +11,10 @@ from typer.testing import CliRunner
 from benchtool.bench.serving import Endpoint, serve
 from benchtool.bench.session import open_session
 from benchtool.bench.wires import registry
-from benchtool.bench.wires.address import Form
+from benchtool.bench.wires.address import AddressSyntax
 from benchtool.bench.wires.wire import Wire
 from benchtool.cli import app
 from benchtool.clock import VirtualClock
-from benchtool.drive import Mode
 from benchtool.emulator.bench import EmulatedBench
 from benchtool.errors import EnvironmentFailure, LinkClosed, UsageError
 from benchtool.link.canopen.link import CanopenLink
@@ -23,6 +22,7 @@ from benchtool.link.serial.link import SerialLink
 from benchtool.plan.model import load_plan
 from benchtool.profile import load_profile
 from benchtool.protocol.cia402 import State
+from benchtool.protocol.modes import Mode
 from benchtool.recording import Bundle
 from benchtool.run import runner
 from benchtool.run.runner import RunInfo, run_plan
@@ -39,9 +39,9 @@ class Unseen:
 
 def install(folder: Path, monkeypatch: pytest.MonkeyPatch, line: str = THE_LINE) -> None:
     """Put a package on the path that declares one wire."""
-    metadata = folder / "somebody_elses_wire-1.0.dist-info"
+    metadata = folder / "other_package_wire-1.0.dist-info"
     metadata.mkdir(exist_ok=True)
-    (metadata / "METADATA").write_text("Metadata-Version: 2.1\nName: somebody-elses-wire\nVersion: 1.0\n")
+    (metadata / "METADATA").write_text("Metadata-Version: 2.1\nName: other-package-wire\nVersion: 1.0\n")
     (metadata / "entry_points.txt").write_text(f"[{registry.GROUP}]\n{line}\n")
     monkeypatch.syspath_prepend(str(folder))
 
@@ -89,7 +89,7 @@ def test_the_demo_over_the_wire_of_an_installed_package(
 
 
 @pytest.mark.usefixtures("installed")
-def test_a_wire_of_somebody_else_has_what_the_others_have() -> None:
+def test_a_wire_of_another_package_has_what_the_others_have() -> None:
     names = [wire.name for wire in registry.wires()]
     assert names == ["emulated", "can", "serial", "replay", "loopback"]
     with open_session("zhu2011", "emulated?wire=loopback") as session:
@@ -117,7 +117,7 @@ def test_the_command_line_knows_an_installed_wire() -> None:
 
 
 @pytest.mark.usefixtures("installed")
-def test_an_emulated_drive_offers_the_wire_of_somebody_else() -> None:
+def test_an_emulated_drive_offers_the_wire_of_another_package() -> None:
     with serve("zhu2011", [Endpoint("loopback-serial")]) as drive:
         (wire,) = drive.wires
         assert (wire.wire, wire.link) == ("loopback-serial", f"elsewhere:{wire.place}")
@@ -137,7 +137,7 @@ def test_an_emulated_drive_offers_the_wire_of_somebody_else() -> None:
         ("odd = tests.emulated.loopback:LoopbackPort", "'odd' .* is a type, a Wire is expected"),
     ],
 )
-def test_an_installed_wire_that_is_none_is_named(
+def test_an_entry_point_that_is_not_a_wire_is_named(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, line: str, complaint: str
 ) -> None:
     install(tmp_path, monkeypatch, line)
@@ -148,8 +148,8 @@ def test_an_installed_wire_that_is_none_is_named(
 
 
 def test_a_wire_with_addresses_can_open_them() -> None:
-    with pytest.raises(ValueError, match="'usb' has one of form and connect"):
-        Wire("usb", Form("usb", ("PORT",)))
+    with pytest.raises(ValueError, match="'usb' has one of syntax and connect"):
+        Wire("usb", AddressSyntax("usb", ("PORT",)))
 
 
 # ---- links that are open already -------------------------------------------------------------------------
@@ -197,3 +197,59 @@ def test_an_open_link_cannot_be_altered_tapped_or_opened_again() -> None:
             with pytest.raises(LinkClosed, match="cannot be opened again"):
                 session.drive.reconnect(0.1)
     bench.close()
+
+
+# ---- wires of other packages that fail when they are used --------------------------------------------------
+
+BROKEN = """
+from benchtool.bench.wires.address import AddressSyntax
+from benchtool.bench.wires.wire import Connection, Wire
+from benchtool.clock import VirtualClock
+
+class Link:
+    node_id, clock = 1, VirtualClock()
+    def __getattr__(self, name):
+        raise ZeroDivisionError(name)
+
+def connect(stack, address, opening):
+    if address.place[0] == "at-once":
+        raise KeyError("adapter")
+    return Connection(Link.clock, Link)
+
+def ports():
+    raise IndexError("no ports")
+
+WIRE = Wire("broken", AddressSyntax("broken", ("HOW",)), connect, own_places=ports, discover=lambda *_: [][1])
+"""
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("info", "--link", "broken:at-once"),
+        ("info", "--link", "broken:later"),
+        ("params", "get", "u_s", "--link", "broken:later"),
+        ("scan",),
+    ],
+    ids=lambda arguments: "-".join(arguments[:1] + arguments[-1:]),
+)
+def test_a_wire_that_fails_in_use_is_named_and_no_limit_has_failed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: tuple[str, ...]
+) -> None:
+    (tmp_path / "broken_wire.py").write_text(BROKEN, encoding="utf-8")
+    install(tmp_path, monkeypatch, "broken = broken_wire:WIRE")
+    answer = CliRunner().invoke(app, arguments)
+    assert answer.exit_code == 3, answer.output
+    assert "the wire 'broken' (broken_wire:WIRE) failed: " in answer.stderr
+    assert "repair or remove the package" in answer.stderr
+
+
+def test_what_the_caller_raises_is_not_laid_at_the_wire(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    install(tmp_path, monkeypatch)
+    with (
+        pytest.raises(ZeroDivisionError),
+        open_session("zhu2011", "emulated?wire=loopback"),
+    ):
+        raise ZeroDivisionError

@@ -1,4 +1,4 @@
-"""Feeds a serial receiver with damaged lines for as long as it is told.
+"""Feed a serial receiver with damaged lines for a given time.
 
 python -m tests.fuzz.serial --seconds 60 --seed 0 [--json]
 
@@ -154,9 +154,9 @@ def _follow(received: Sequence[bytes], start: int, met: Counter[str]) -> None:
         message = decode_reply(payload)
         if isinstance(message, Batch):
             decoder.feed(message, 0.0)
-            if decoder.rows > 20 and (block := decoder.take()) is not None:
+            if decoder.rows > 20 and (block := decoder.pop_block()) is not None:
                 blocks.append(block)
-    if (block := decoder.take()) is not None:
+    if (block := decoder.pop_block()) is not None:
         blocks.append(block)
     ticks = [int(tick) % 2**32 for block in blocks for tick in block.ticks()]
     numbers = [int(number) for block in blocks for number in block.column("row")]

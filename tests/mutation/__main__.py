@@ -1,4 +1,4 @@
-"""Changes the code in small ways, one at a time, and says which changes no test notices.
+"""Mutation testing: change the code in small ways, one at a time, and report changes that no test notices.
 
 python -m tests.mutation --module benchtool/drive --count 40 --seed 1 [--only TEXT] [--json] [--renew]
 
@@ -104,7 +104,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         help="of those drawn, the ones whose name holds this text; may be repeated",
         metavar="TEXT",
     )
-    parser.add_argument("--renew", action="store_true", help="measure anew which tests reach which lines")
+    parser.add_argument("--renew", action="store_true", help="measure again which tests reach which lines")
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     options = parser.parse_args(arguments)
 

@@ -26,7 +26,7 @@ TESTS_IN_PLAIN_PYTHON = (
     "tests/unit/control",
     *(f"tests/physics/test_{name}.py" for name in ("control", "laws", "cycle")),
 )
-_ENTRY = ("benchtool/emulator/core/__init__.py", "Core.run")  # what runs the compiled core
+_ENTRY = ("benchtool/emulator/core/core.py", "Core.run")  # what runs the compiled core
 
 
 @dataclass(frozen=True)
@@ -39,8 +39,8 @@ class Reach:
     def tests_of(self, mutant: Mutant, first_line: int) -> list[str]:
         """Tests that reach any line of a mutant whose function begins at `first_line`, the quickest first.
 
-        Of what is outside of any function, and of a function that was edited, those that reach the module or
-        the function at all.
+        For code outside of functions, and for a function that was edited, those that reach the module or the
+        function at all.
         """
         functions = self.lines.get(mutant.path, {})
         if mutant.function not in functions:

@@ -26,7 +26,7 @@ _FAILED = re.compile(r"^(?:FAILED|ERROR) (.+?)(?: - .*)?$", re.MULTILINE)
 
 
 class Outcome(StrEnum):
-    """What became of a mutant."""
+    """Result of a mutant."""
 
     NOTICED = "noticed"
     TIMED_OUT = "timed out"

@@ -1,4 +1,4 @@
-"""Quick stop and halt on the true shaft: at rest, and never turning back, whatever hangs on it."""
+"""Quick stop and halt on the true shaft: to rest, without turning back, with any load."""
 
 from __future__ import annotations
 

@@ -11,8 +11,10 @@ from pathlib import Path
 import pytest
 
 from benchtool.emulator import jit
-from benchtool.emulator.core.kernel import kernel_is_cached, run_ticks
-from tests.physics.paper_machine import make_core
+from benchtool.emulator.core.core import truth_of
+from benchtool.emulator.core.kernel import kernel_is_cached, kernel_of
+from benchtool.emulator.machine.truth import MotorTruth
+from tests.physics.paper_machine import MOTOR, make_core
 
 # A core of two files: the entry, and a function in another file that it calls.
 CALLEE = """
@@ -78,9 +80,22 @@ def test_runs_without_any_place_to_cache(tmp_path: Path) -> None:
 
 
 def test_kernel_is_cached_once_it_ran() -> None:
-    make_core().run(1)
-    assert kernel_is_cached()
-    assert f"{jit.fingerprint():08x}" in run_ticks.__qualname__
+    core = make_core()
+    core.run(1)
+    kernel = kernel_of(core._truth)
+    assert kernel_is_cached(core._truth)
+    assert f"{jit.fingerprint():08x}" in kernel.__qualname__
+
+
+def test_each_set_of_parts_has_a_kernel_of_its_own() -> None:
+    core = make_core()
+    perfect = core._truth
+    cogged = truth_of(MotorTruth(**MOTOR, cogging_Nm=0.1, cogging_order=6), core.inverter, core.sensors)
+    stronger = truth_of(MotorTruth(**MOTOR, cogging_Nm=0.2, cogging_order=12), core.inverter, core.sensors)
+    assert list(jit.parts_of(perfect)) == ["machine", "stage", "sensing"]
+    assert list(jit.parts_of(cogged)) == ["machine", "machine.cogging", "stage", "sensing"]
+    assert kernel_of(cogged) is kernel_of(stronger)
+    assert kernel_of(cogged).__qualname__ != kernel_of(perfect).__qualname__
 
 
 PACKAGE = Path(jit.__file__).parent.parent
@@ -117,7 +132,7 @@ def test_an_edit_of_a_server_the_firmware_or_the_host_leaves_the_compiled_kernel
         assert fingerprint_after_an_edit(copy, str(source)) == jit.fingerprint(), source
 
 
-def test_an_edit_of_what_is_compiled_makes_it_another_kernel(copy: Path) -> None:
+def test_an_edit_of_a_compiled_source_makes_another_kernel(copy: Path) -> None:
     """Whatever uses the compiler counts, and what it imports from elsewhere if that holds a constant."""
     compiled = [
         each.relative_to(PACKAGE)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from benchtool.emulator.control import tpc
-from benchtool.emulator.control.estimation import Situation, predict, situation
+from benchtool.emulator.control.estimation import StateEstimate, predict, state_estimate
 from benchtool.emulator.control.flux import flux_reference
 from benchtool.emulator.control.observer import rotor_angle
 from benchtool.emulator.control.speed import speed_pi
@@ -29,8 +29,8 @@ def drive(**parameters: Any) -> Any:
     return make_core(parameters=parameters).memory[0]
 
 
-def at(i_d: float, i_q: float, omega_e: float, memory: Any) -> Situation:
-    return situation(i_d, i_q, omega_e, math.cos(THETA), math.sin(THETA), memory)
+def at(i_d: float, i_q: float, omega_e: float, memory: Any) -> StateEstimate:
+    return state_estimate(i_d, i_q, omega_e, math.cos(THETA), math.sin(THETA), memory)
 
 
 def torque_after_a_cycle(T_s: float, omega_e: float, raise_flux: bool) -> tuple[float, float]:

@@ -1,4 +1,4 @@
-"""The stream's ring: what is written, on which ticks, and what is lost when nobody reads."""
+"""The stream's ring: what is written, on which ticks, and what is lost without a reader."""
 
 from __future__ import annotations
 
@@ -6,11 +6,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from benchtool.emulator.core import Core
-from benchtool.emulator.core.kernel import run_ticks
+from benchtool.emulator.core.kernel import kernel_of, run_ticks
 from benchtool.emulator.core.stream_ring import RING_ROWS
 from benchtool.errors import ValueRefused
 from benchtool.protocol.modes import Mode
@@ -18,7 +17,7 @@ from tests.physics.paper_machine import make_core
 
 
 def _ticks(core: Core, rows: int = RING_ROWS) -> list[int]:
-    return [int(tick) for tick in core.stream.take(rows).rows[:, 0]]
+    return [int(tick) for tick in core.stream.read(rows).rows[:, 0]]
 
 
 def test_rows_are_those_of_the_ticks_that_the_stride_divides() -> None:
@@ -30,11 +29,11 @@ def test_rows_are_those_of_the_ticks_that_the_stride_divides() -> None:
     assert (core.stream.ticks_until(3), core.stream.waiting) == (0, 3)
     core.run(4)
     assert core.stream.ticks_until(4) == 1
-    lost, first_tick, rows = core.stream.take(2)
+    lost, first_tick, rows = core.stream.read(2)
     assert (lost, first_tick, [int(tick) for tick in rows[:, 0]]) == (0, 10, [10, 15])
     assert rows[:, 1].view(np.float32) == pytest.approx(122.5, abs=0.3)
     core.run(1)
-    assert core.stream.take(100)[1] == 20
+    assert core.stream.read(100)[1] == 20
     core.stream.stop()
     core.run(50)
     assert core.stream.waiting == 0
@@ -60,7 +59,7 @@ def test_every_row_is_taken_once_or_counted_as_lost(parts: list[tuple[int, int]]
     expected = stride
     for ticks, wanted in parts:
         core.run(ticks)
-        lost, first_tick, rows = core.stream.take(wanted)
+        lost, first_tick, rows = core.stream.read(wanted)
         assert lost == 0 or core.stream.waiting + len(rows) == RING_ROWS
         expected += lost * stride
         assert first_tick == expected
@@ -77,12 +76,12 @@ def _streamed(kernel: Any, ticks: int) -> tuple[np.ndarray[Any, Any], np.ndarray
     core.capture.arm(names=names, rows=ticks)
     core.stream.start(names, 1)
     assert core.run_with(kernel, ticks) == ticks
-    return core.stream.take(ticks).rows, core.capture.rows()
+    return core.stream.read(ticks).rows, core.capture.rows()
 
 
 def test_compiled_and_plain_kernel_stream_the_same_bits_and_those_of_a_capture() -> None:
-    compiled, captured = _streamed(run_ticks, 200)
-    plain, _ = _streamed(run_ticks.py_func, 200)  # type: ignore[attr-defined]  # of numba's dispatcher
+    compiled, captured = _streamed(kernel_of(make_core()._truth), 200)
+    plain, _ = _streamed(run_ticks, 200)
     assert np.array_equal(compiled, captured)
     assert np.array_equal(compiled[:, [0, 3]], plain[:, [0, 3]])
     floats, plain_floats = compiled[:, 1:3].view(np.float32), plain[:, 1:3].view(np.float32)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from benchtool.emulator.control.laws import Law, demand, forget
+from benchtool.emulator.control.laws import Law, demand, reset_law
 from benchtool.emulator.control.stimulus import Quantity, Shape, StimulusState
 from benchtool.emulator.control.vectors import MODULATED
 from benchtool.emulator.memory import CONTROL
@@ -126,7 +126,7 @@ def test_forgetting_clears_all_that_the_laws_remember_and_nothing_else() -> None
     control: Any = np.zeros(1, CONTROL)
     for name in control.dtype.names:
         control[name] = 1
-    forget(control[0])
+    reset_law(control[0])
     assert {name for name in control.dtype.names if control[name][0] == 0} == set(OF_THE_LAWS)
 
 

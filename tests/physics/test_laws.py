@@ -1,4 +1,4 @@
-"""Every torque law alone: one decision, against what only a right law does on the exact machine."""
+"""Every torque law alone: one decision, compared with the exact machine."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from benchtool.emulator.control import deadbeat, dtc, fcs_mpc, foc, svm_dtc, tpc, tpc_stator
-from benchtool.emulator.control.estimation import Situation, situation
+from benchtool.emulator.control.estimation import StateEstimate, state_estimate
 from benchtool.emulator.control.flux import operating_point
 from benchtool.emulator.control.flux_comparator import threshold
 from benchtool.emulator.control.laws import Law, demand
@@ -30,12 +30,12 @@ def drive(**parameters: Any) -> Any:
 
 
 def remembered() -> Any:
-    """What control remembers when the power stage goes on."""
+    """State of the control when the power stage is switched on."""
     return np.zeros(1, CONTROL)[0]
 
 
-def at(i_d: float, i_q: float, omega_e: float, memory: Any, theta: float = THETA) -> Situation:
-    return situation(i_d, i_q, omega_e, math.cos(theta), math.sin(theta), memory)
+def at(i_d: float, i_q: float, omega_e: float, memory: Any, theta: float = THETA) -> StateEstimate:
+    return state_estimate(i_d, i_q, omega_e, math.cos(theta), math.sin(theta), memory)
 
 
 def after_a_cycle(

@@ -1,4 +1,4 @@
-"""Every torque law in the closed loop on the switching-level machine, and what sets them apart there."""
+"""Every torque law in the closed loop on the switching-level machine, and their differences."""
 
 from __future__ import annotations
 

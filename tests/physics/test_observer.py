@@ -7,8 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from numpy.typing import NDArray
 
 from benchtool.emulator.control.laws import Law
@@ -31,7 +30,7 @@ def observed(theta_m: NDArray[Any], torque: float = 0.0, **parameters: Any) -> N
 
 
 def of_second_order(theta_m: NDArray[np.float64], omega_0: float = 300.0) -> NDArray[np.float64]:
-    """The observer that stood here before, with two poles at -omega_0: speed from the angle alone."""
+    """The former observer, with two poles at -omega_0: speed from the angle alone."""
     angle, speed, speeds = theta_m[0], 0.0, []
     for theta in theta_m:
         error = theta - (angle + T_S * speed)

@@ -1,4 +1,4 @@
-"""Trips: what is no number, what reads the end of a range, and levels that the machine really reaches."""
+"""Trips: nan, readings at the end of a range, and levels that the machine reaches."""
 
 from __future__ import annotations
 

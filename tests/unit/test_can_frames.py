@@ -1,4 +1,4 @@
-"""Frames of instruments: nothing that comes raises, and all that is not kept is counted."""
+"""Frames of instruments: received data never raise, and every dropped frame is counted."""
 
 from __future__ import annotations
 
@@ -10,14 +10,13 @@ from contextlib import contextmanager, suppress
 
 import can
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from benchtool.bench.can_frames import BusListener, FrameCounters, MessageListener
 from benchtool.clock import VirtualClock
 from benchtool.errors import LinkClosed, NoAnswer
 from benchtool.link import Frame
-from benchtool.link.canopen.stamps import AdapterStamps
+from benchtool.link.canopen.timestamps import AdapterTimestamps
 from benchtool.protocol.dbc import DbcMessage
 
 DBC = """VERSION ""
@@ -48,7 +47,7 @@ def test_every_frame_is_kept_or_counted(message: DbcMessage, payloads: list[byte
     listener = MessageListener(message, 1000.0, VirtualClock(), most=10)
     listener.start()
     for payload in payloads:
-        listener.take(Frame(801, payload, 0.0))
+        listener.on_frame(Frame(801, payload, 0.0))
     kept, counters = listener.stop(), listener.counters
     assert counters.received == len(payloads)
     assert len(kept) + counters.dropped == len(payloads)
@@ -60,8 +59,8 @@ def test_what_is_dropped_is_told_apart(message: DbcMessage) -> None:
     listener = MessageListener(message, 1000.0, VirtualClock(), most=3)
     listener.start()
     for value in (1.0, math.nan, 2.0, math.inf, -20.1, 3.0, 4.0):
-        listener.take(_frame(value, 0.0))
-    listener.take(Frame(801, b"\0\0\0", 0.0))
+        listener.on_frame(_frame(value, 0.0))
+    listener.on_frame(Frame(801, b"\0\0\0", 0.0))
     assert listener.counters == FrameCounters(received=8, malformed=1, out_of_range=3, overflow=1)
     assert [each.values["torque"] for each in listener.stop()] == [1.0, 2.0, 3.0]
     assert listener.stop() == [], "given away"
@@ -70,7 +69,7 @@ def test_what_is_dropped_is_told_apart(message: DbcMessage) -> None:
 def test_a_recording_begins_before_it_is_started(message: DbcMessage) -> None:
     listener = MessageListener(message, 100.0, VirtualClock())
     for number in range(50):
-        listener.take(_frame(number % 20, number / 100.0))
+        listener.on_frame(_frame(number % 20, number / 100.0))
     listener.start()
     assert [each.arrival_s for each in listener.stop()] == [number / 100.0 for number in range(40, 50)]
 
@@ -81,11 +80,11 @@ def test_silence_is_told_in_the_time_of_the_clock(message: DbcMessage) -> None:
     with pytest.raises(NoAnswer, match=r"no frame of 'Torque' \(identifier 0x321\) for 0.1 s; 0 frames came"):
         listener.require_alive()
     assert 0.1 <= clock.now_s() < 0.2, "it was given its time"
-    listener.take(_frame(30.0, clock.now_s()))
+    listener.on_frame(_frame(30.0, clock.now_s()))
     listener.require_alive()  # out of range is no silence
     with pytest.raises(NoAnswer, match="1 of them damaged or out of range"):
         listener.latest()
-    listener.take(_frame(3.0, clock.now_s()))
+    listener.on_frame(_frame(3.0, clock.now_s()))
     assert listener.latest() == {"torque": 3.0}
     clock.wait(0.11)
     with pytest.raises(NoAnswer):
@@ -124,7 +123,7 @@ def _listening(
     clock = VirtualClock()
     listener = BusListener(bus, lambda frame: frame.timestamp)
     torque = MessageListener(message, 1000.0, clock, check=listener.check)
-    listener.listen(message.can_id, torque.take, extended=message.extended)
+    listener.listen(message.can_id, torque.on_frame, extended=message.extended)
     try:
         yield listener, torque, bus
     finally:
@@ -175,7 +174,7 @@ def test_an_adapter_that_has_gone_is_the_reason_of_the_silence(message: DbcMessa
 
 
 def _stamped(
-    stamps: AdapterStamps, clock: VirtualClock, sent_s: float, late_s: float, origin_s: float
+    stamps: AdapterTimestamps, clock: VirtualClock, sent_s: float, late_s: float, origin_s: float
 ) -> float:
     """When a frame that the adapter saw at `sent_s` is said to have come, handled `late_s` after."""
     clock.wait(sent_s + late_s - clock.now_s())
@@ -184,7 +183,7 @@ def _stamped(
 
 def test_stamps_are_even_where_the_host_was_late() -> None:
     clock = VirtualClock()
-    stamps = AdapterStamps(clock)
+    stamps = AdapterTimestamps(clock)
     late = [0.0001, 0.0009, 0.0003, 0.004, 0.0001, 0.0008]
     found = [_stamped(stamps, clock, 0.01 * n, s, 1.7e9) for n, s in enumerate(late, start=1)]
     for number, at_s in enumerate(found, start=1):
@@ -193,7 +192,7 @@ def test_stamps_are_even_where_the_host_was_late() -> None:
 
 def test_an_adapter_that_does_not_stamp_is_taken_at_the_hosts_word() -> None:
     clock = VirtualClock()
-    stamps = AdapterStamps(clock)
+    stamps = AdapterTimestamps(clock)
     clock.wait(0.5)
     assert stamps(can.Message(timestamp=0.0)) == 0.5
     assert stamps(can.Message(timestamp=math.nan)) == 0.5
@@ -201,7 +200,7 @@ def test_an_adapter_that_does_not_stamp_is_taken_at_the_hosts_word() -> None:
 
 def test_an_adapters_clock_may_jump() -> None:
     clock = VirtualClock()
-    stamps = AdapterStamps(clock)
+    stamps = AdapterTimestamps(clock)
     assert _stamped(stamps, clock, 1.0, 0.0, 100.0) == pytest.approx(1.0)
     assert _stamped(stamps, clock, 2.0, 0.0, 5.0) == pytest.approx(2.0)
     assert _stamped(stamps, clock, 3.0, 0.002, 5.0) == pytest.approx(3.0, abs=3e-4)

@@ -68,14 +68,14 @@ def test_what_was_sent_is_handled_before_time_moves() -> None:
             order.append("host")
         return busy
 
-    clock.settle_with(settle_drive)
-    clock.settle_with(settle_host)
+    clock.register(settle_drive)
+    clock.register(settle_host)
     clock.follow(lambda _: order.append("time"))
     clock.wait(1.0)
     assert order == ["drive", "host", "drive", "host", "time"]
 
 
-def test_a_real_timer_hands_its_failure_to_whoever_cancels_it() -> None:
+def test_a_real_timer_raises_its_failure_in_cancel() -> None:
     def fail() -> None:
         raise RuntimeError("adapter gone")
 
@@ -160,7 +160,7 @@ def test_a_pace_is_positive(arguments: dict[str, float]) -> None:
         VirtualClock(paced=True, **arguments)
 
 
-def test_a_real_clock_knows_nothing_of_what_is_under_way() -> None:
+def test_a_real_clock_cannot_settle() -> None:
     """What waits for an answer goes by this: only a clock that has settled it says that none will come."""
     asked: list[str] = []
 
@@ -170,9 +170,9 @@ def test_a_real_clock_knows_nothing_of_what_is_under_way() -> None:
 
     for clock, known in ((RealClock(), False), (VirtualClock(), True)):
         asked.clear()
-        clock.settle_with(settle)
+        clock.register(settle)
         assert clock.settle() is known is clock.virtual
         assert asked == ["settled"] * known
-        clock.forget(settle)
+        clock.unregister(settle)
         clock.settle()
         assert asked == ["settled"] * known

@@ -1,4 +1,4 @@
-"""What every test of the wire starts from."""
+"""Fixtures of the tests of the wire."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from benchtool.emulator.bench import EmulatedBench
 from benchtool.link.canopen.link import CanopenLink
 from benchtool.link.canopen.virtual import VirtualTimeBus
 from benchtool.profile import load_profile
-from tests.wire.ends import NODE, ScriptedBus, Served, Wire
+from tests.wire.endpoints import NODE, ScriptedBus, Served, Wire
 from tests.wire.raw_host import RawHost
 
 _numbers = itertools.count()

@@ -1,4 +1,4 @@
-"""A raw host of an emulated drive on a serial line: it sends what it is told and keeps what comes."""
+"""A raw host of an emulated drive on a serial line: sends given messages and keeps responses."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ class HeldPort:
             self._written += data
 
     def deliver(self, data: bytes) -> None:
-        """Have the drive receive these bytes, and return when it has dealt with them."""
+        """Deliver bytes to the drive, and return when they have been handled."""
         with self._changed:
             self._arrived.append(data)
             self._changed.notify_all()
@@ -72,7 +72,7 @@ class HeldPort:
         return self.closed.is_set() or not (self._arrived or self._in_hand or self._departing)
 
     def depart(self) -> None:
-        """Have the client go and the port stay, and return when the drive has dealt with it."""
+        """Disconnect the client but keep the port, and return when the drive has handled it."""
         with self._changed:
             self._departing = True
             assert self._changed.wait_for(self._dealt_with, 5.0)

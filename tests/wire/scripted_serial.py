@@ -44,7 +44,7 @@ class ScriptedPort:
         self.broken: OSError | None = None
         self._near, self._far = pipe(clock)
         self._heard = wire.FrameSplitter()
-        clock.settle_with(self._near.settle)
+        clock.register(self._near.settle)
 
     def read(self) -> bytes:
         return self.read_timed()[0]

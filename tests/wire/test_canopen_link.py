@@ -1,4 +1,4 @@
-"""The host's CANopen link: against the SDO server, and against an adapter that misbehaves as told."""
+"""The host's CANopen link: against the SDO server, and against an adapter with scripted faults."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from benchtool.errors import LinkError, NoAnswer, SdoAbort
 from benchtool.link import Link
 from benchtool.link.canopen.link import CanopenLink
 from benchtool.protocol.canopen.abort import Abort
-from tests.wire.ends import NODE, LossyBus, ScriptedBus, Served, Step, script, sdo
+from tests.wire.endpoints import NODE, LossyBus, ScriptedBus, Served, Step, script, sdo
 
 VALUE = "43 00 20 01 78 56 34 12"
 

@@ -1,4 +1,4 @@
-"""Each end against the canopen package's other end."""
+"""Client and server against those of the canopen package."""
 
 from __future__ import annotations
 
@@ -11,14 +11,13 @@ from typing import Any
 import can
 import canopen
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, given, settings, strategies as st
 
 from benchtool.clock import RealClock
 from benchtool.errors import SdoAbort
 from benchtool.link.canopen.link import CanopenLink
 from benchtool.protocol.canopen.abort import Abort
-from tests.wire.ends import NODE, Served
+from tests.wire.endpoints import NODE, Served
 
 BOUNDARIES = [0, 1, 3, 4, 5, 6, 7, 8, 13, 14, 15, 888, 889, 890, 895, 896, 897, 1777, 1778, 1779, 2000]
 SIZES = st.one_of(st.sampled_from(BOUNDARIES), st.integers(0, 2000))

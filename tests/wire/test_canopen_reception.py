@@ -13,7 +13,7 @@ from benchtool.link.canopen.link import CanopenLink
 from benchtool.link.canopen.virtual import VirtualTimeBus
 from benchtool.protocol.canopen.emcy import Emergency
 from benchtool.protocol.canopen.nmt import NmtCommand, NmtState
-from tests.wire.ends import NODE, ScriptedBus, Served, Step, frame, script, sdo
+from tests.wire.endpoints import NODE, ScriptedBus, Served, Step, frame, script, sdo
 
 VALUE = "43 00 20 01 78 56 34 12"
 
@@ -62,7 +62,7 @@ def test_frames_of_other_nodes_are_none_of_its_business(scripted: ScriptedBus, h
     assert (host.heartbeat_state(), host.emergencies()) == (None, ())
 
 
-def test_answers_that_nobody_asked_for_do_not_pile_up(served: Served, channel: str) -> None:
+def test_unrequested_answers_do_not_accumulate(served: Served, channel: str) -> None:
     served.objects[0x2000, 1] = b"\x07"
     bus = VirtualTimeBus(channel)
     with CanopenLink(bus, NODE, RealClock()) as link:
@@ -139,7 +139,7 @@ def test_the_next_heartbeat_is_waited_for_in_the_clocks_time(channel: str) -> No
     clock = VirtualClock()
     bus = VirtualTimeBus(channel)
     with CanopenLink(bus, NODE, clock) as link, VirtualTimeBus(channel) as drive:
-        clock.settle_with(bus.settle)
+        clock.register(bus.settle)
         assert link.heartbeat_state() is None
         beats = iter(["00", "7F", "05"])
         timer = clock.call_every(10.0, lambda: drive.send(frame(0x700 + NODE, next(beats))))

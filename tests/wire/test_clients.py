@@ -70,7 +70,7 @@ class TestTcpPort:
             hung_up(port)
             assert port.read() == b"", "it is told once"
             with pytest.raises(HungUp, match="no client"):
-                port.write(b"to nobody")
+                port.write(b"without a client")
 
     def test_a_second_client_is_turned_away_and_the_first_does_not_notice(self, port: TcpPort) -> None:
         with connect(port) as client, connect(port) as second:
@@ -150,7 +150,7 @@ class TestSerialServer:
         host.port.depart()
         assert host.ask(wire.Chunks(2, opened.upload, 0, 1), wire.ChunkReply).status == Abort.DEVICE_STATE
 
-    def test_setpoints_are_numbered_anew_and_fed_by_nobody(self, bench: EmulatedBench) -> None:
+    def test_setpoints_are_numbered_from_zero_after_a_client_left(self, bench: EmulatedBench) -> None:
         host = RawHost(bench)
         host.tell(wire.Nmt(1))
         host.tell(wire.Setpoint(1000, 0.0, 1.0))
@@ -161,7 +161,7 @@ class TestSerialServer:
         assert host.read("omega_m_command") == 2.0
 
 
-def test_frames_for_nobody_are_neither_sent_nor_dropped_and_end_nothing() -> None:
+def test_frames_without_a_client_are_neither_sent_nor_dropped() -> None:
     written: list[bytes] = []
     there = threading.Event()
     lost: list[OSError] = []
@@ -170,7 +170,7 @@ def test_frames_for_nobody_are_neither_sent_nor_dropped_and_end_nothing() -> Non
     def write(data: bytes) -> None:
         done.release()
         if not there.is_set():
-            raise HungUp("nobody")
+            raise HungUp("no client")
         written.append(data)
 
     line = QueuedTransmitter(write, lost.append)

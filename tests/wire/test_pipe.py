@@ -1,4 +1,4 @@
-"""The line within the process: order, hang-up, and a barrier that waits for what is in hand."""
+"""The in-process line: order, hang-up, and a barrier that waits for pending bytes."""
 
 from __future__ import annotations
 
@@ -100,7 +100,7 @@ def test_a_reader_that_does_not_come_back_is_named(ends: tuple[PipePort, PipePor
         other.settle(timeout_s=0.01)
 
 
-def test_bytes_to_an_end_that_was_closed_are_nobodys(ends: tuple[PipePort, PipePort]) -> None:
+def test_bytes_to_a_closed_end_are_not_waited_for(ends: tuple[PipePort, PipePort]) -> None:
     one, other = ends
     one.write(b"request")
     other.close()

@@ -98,7 +98,7 @@ def test_a_link_says_that_its_terminal_is_gone(master: Master) -> None:
             link.upload(0x2000, 1)
 
 
-def test_a_terminal_that_nobody_reads_takes_no_more_after_a_second(master: Master) -> None:
+def test_a_write_to_an_unread_terminal_fails_after_a_second(master: Master) -> None:
     port = PyserialPort(master.name)
     try:
         with pytest.raises(OSError, match="timeout"):

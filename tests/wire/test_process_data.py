@@ -1,4 +1,4 @@
-"""Process data through the link: who subscribed gets them, in the receive thread, and nothing ends it."""
+"""Process data through the link: subscribers get them in the receive thread, which no exception ends."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from benchtool.clock import RealClock
 from benchtool.errors import LinkClosed
 from benchtool.link import Frame
 from benchtool.link.canopen.link import CanopenLink
-from tests.wire.ends import NODE, ScriptedBus, frame
+from tests.wire.endpoints import NODE, ScriptedBus, frame
 
 
 def _next(received: queue.Queue[Frame]) -> tuple[int, str]:
@@ -34,7 +34,7 @@ def test_frames_go_to_who_subscribed_until_he_has_enough(scripted: ScriptedBus, 
     assert host.counters.frames_dropped == 0
 
 
-def test_frames_that_are_no_data_reach_nobody(scripted: ScriptedBus, host: CanopenLink) -> None:
+def test_frames_other_than_data_reach_no_receiver(scripted: ScriptedBus, host: CanopenLink) -> None:
     received: queue.Queue[Frame] = queue.Queue()
     host.subscribe([0x185], received.put)
     scripted.arriving.put(frame(0x185, "", is_remote_frame=True))

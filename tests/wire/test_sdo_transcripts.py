@@ -5,11 +5,10 @@ from __future__ import annotations
 import binascii
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from benchtool.emulator.servers.sdo_server import SdoServer
-from tests.wire.ends import Served, Wire
+from tests.wire.endpoints import Served, Wire
 
 TEN = b"0123456789"
 ABORT_BY_CLIENT = "80 00 20 01 00 00 00 08"

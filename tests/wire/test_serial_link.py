@@ -7,8 +7,7 @@ import random
 from collections.abc import Iterable, Iterator
 
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from benchtool.clock import VirtualClock
 from benchtool.errors import IdentityMismatch, LinkClosed, LinkError, NoAnswer, SdoAbort, ValueRefused
@@ -255,7 +254,7 @@ def test_damaged_and_alien_chunks_are_not_taken(
     objects.spoil = spoil
     assert link.upload(0x2100, 0, block=True) == LONG
     assert link.counters.retries == 3
-    assert link.counters.frames_dropped == 3, "the damaged one, the short one, the one that is none"
+    assert link.counters.frames_dropped == 3, "the damaged one, the short one, the invalid one"
     assert link.counters.stale_answers == 1
 
 
@@ -352,7 +351,7 @@ def test_heartbeats_and_events(port: ScriptedPort, link: SerialLink, clock: Virt
     assert counters.frames_dropped == 1, "a state that there is not"
 
 
-def test_events_after_a_reset_count_from_anew(
+def test_events_after_a_reset_count_from_zero(
     port: ScriptedPort, link: SerialLink, clock: VirtualClock
 ) -> None:
     fault = Emergency(0x2310, 3, bytes(5))

@@ -1,4 +1,4 @@
-"""The drive on a serial line: every message, every way to get it wrong, and what stops the motor."""
+"""The drive on a serial line: every message, invalid messages, and link supervision."""
 
 from __future__ import annotations
 
@@ -6,8 +6,7 @@ import struct
 import zlib
 
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, given, settings, strategies as st
 
 from benchtool.emulator.bench import EmulatedBench
 from benchtool.emulator.servers.serial import MAX_REPLY, MAX_REQUEST
@@ -325,7 +324,7 @@ def test_setpoints_are_taken_in_their_order_and_never_twice(raw: RawHost) -> Non
     assert _commands(raw) == (0.75, 3.0), "the farthest that is ahead"
 
 
-def test_a_new_host_begins_anew(raw: RawHost) -> None:
+def test_a_new_host_starts_afresh(raw: RawHost) -> None:
     raw.tell(
         wire.Nmt(START),
         wire.Setpoint(1000, 0.25, 1.0),

@@ -1,4 +1,4 @@
-"""One drive on several wires: the same values, one network state, one supervision, none harms another."""
+"""One drive on several wires: the same values, one NMT state, one supervision, independent wires."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from benchtool.link.serial.link import SerialLink
 from benchtool.profile import load_profile
 from benchtool.protocol.canopen.nmt import NmtCommand
 from benchtool.protocol.serial import Batch, Event, Heartbeat, HostHeartbeat, Nmt, Setpoint
-from tests.wire.ends import frame
+from tests.wire.endpoints import frame
 from tests.wire.raw_host import HOST, SUPERVISION, TABLE, RawHost
 
 NODE = 1
@@ -32,7 +32,7 @@ class CanHost:
         channel = bench.channel if main else f"shared-{next(_numbers)}"
         if not main:
             drive_end = VirtualTimeBus(channel, clock=bench.clock, preserve_timestamps=True)
-            bench.clock.settle_with(drive_end.settle)
+            bench.clock.register(drive_end.settle)
         self.bus = can.Bus(interface="virtual", channel=channel)
         if not main:
             bench.add_can(drive_end)

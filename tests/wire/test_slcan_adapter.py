@@ -1,4 +1,4 @@
-"""The emulated serial CAN adapter, line by line (LAWICEL CANUSB manual), and when nobody reads."""
+"""The emulated serial CAN adapter, line by line (LAWICEL CANUSB manual), and without a reader."""
 
 from __future__ import annotations
 
@@ -7,16 +7,15 @@ from collections.abc import Callable, Iterator
 
 import can
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from benchtool.emulator.ports.pty import HungUp, PtyPort
 from benchtool.emulator.servers.acceptance import ACCEPT_ALL, accepts
 from benchtool.emulator.servers.slcan import SlcanAdapter
 from benchtool.link.port import PyserialPort
 from benchtool.protocol.slcan import AdapterLines, Cause, SlcanFrame, parse_command
-from tests.wire.ends import frame
-from tests.wire.slcan_ends import READS, StuckPort, Terminal
+from tests.wire.endpoints import frame
+from tests.wire.slcan_endpoints import READS, StuckPort, Terminal
 
 
 @pytest.fixture
@@ -220,7 +219,7 @@ class TestAcceptance:
         assert accepts(code, mask, candidate) is passes
 
 
-class TestNobodyReads:
+class TestWithoutAReader:
     """On a pseudo-terminal, whose buffer is the kernel's."""
 
     @pytest.fixture

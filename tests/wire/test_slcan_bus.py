@@ -1,4 +1,4 @@
-"""The host's bus over a serial CAN adapter: opening, receiving through noise, and an adapter that goes."""
+"""The host's bus over a serial CAN adapter: opening, receiving through noise, and a lost adapter."""
 
 from __future__ import annotations
 
@@ -6,8 +6,7 @@ from collections.abc import Callable, Iterable, Iterator
 
 import can
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from benchtool.clock import RealClock
 from benchtool.errors import LinkClosed, LinkError
@@ -15,8 +14,8 @@ from benchtool.link.canopen.link import CanopenLink
 from benchtool.link.canopen.slcan import SlcanBus, open_slcan
 from benchtool.protocol.slcan import BITRATES_BIT_S, Cause
 from tests.fuzz.slcan import fuzz
-from tests.wire.ends import NODE, frame
-from tests.wire.slcan_ends import ScriptedPort
+from tests.wire.endpoints import NODE, frame
+from tests.wire.slcan_endpoints import ScriptedPort
 
 CLOSE = [b"", b"", b"", b"C"]
 

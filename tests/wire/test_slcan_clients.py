@@ -20,8 +20,8 @@ from benchtool.link.canopen.link import CanopenLink
 from benchtool.link.canopen.slcan import SlcanBus, open_slcan
 from benchtool.link.interface import Frame
 from benchtool.link.port import PyserialPort, open_port
-from tests.wire.ends import NODE
-from tests.wire.slcan_ends import READS, AcceptedPort, Drive
+from tests.wire.endpoints import NODE
+from tests.wire.slcan_endpoints import READS, AcceptedPort, Drive
 
 LONG = bytes(k * 7 % 251 for k in range(5000))
 

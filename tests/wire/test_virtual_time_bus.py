@@ -134,8 +134,8 @@ def test_virtual_time_waits_for_answers_to_answers(channel: str) -> None:
 
             return handle
 
-        clock.settle_with(left.settle)
-        clock.settle_with(right.settle)
+        clock.register(left.settle)
+        clock.register(right.settle)
         with receiving(left, passing_on(left)), receiving(right, passing_on(right)):
             left.send(can.Message(arbitration_id=0, is_extended_id=False))
             clock.wait(0.0)

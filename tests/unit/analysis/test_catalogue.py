@@ -1,4 +1,4 @@
-"""The catalogue of analyses: each measures what it declares, of the channels that it names."""
+"""The catalogue of analyses: each measures what it declares, from the channels that it names."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import pytest
 from benchtool.analysis import analyze_steady_state
 from benchtool.analysis.catalogue import BUILT_IN, CORE, catalogue, measure
 from benchtool.analysis.declaration import Analysis, Findings, Measured, Quantity
-from benchtool.analysis.page import filled, main
+from benchtool.analysis.reference_page import filled, main
 from benchtool.analysis.window import Window
 from benchtool.block import Block
 from benchtool.document import Section
@@ -22,9 +22,9 @@ from benchtool.plan.operating_point import NAMES as REACHED
 from benchtool.report.figures.drawings import BY_HAND
 from benchtool.results.analyses import measure_all, planned
 
-from .specimen import SPECIMEN_MOTOR, response_specimen, steady_specimen, step_specimen
+from .example_capture import EXAMPLE_MOTOR, response_capture, steady_capture, step_capture
 
-PAGE = (Path(__file__).parents[3] / "docs" / "measurements.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[3] / "docs" / "reference" / "measurements.md").read_text(encoding="utf-8")
 by_name = pytest.mark.parametrize("analysis", BUILT_IN, ids=lambda analysis: analysis.name)
 
 
@@ -35,9 +35,9 @@ def _only(block: Block, names: tuple[str, ...]) -> Block:
 
 def _specimen(analysis: Analysis[Any]) -> tuple[Block, Block | None]:
     if analysis.measured is Measured.STEADY_STATE:
-        return steady_specimen()
-    asked = {"step": step_specimen, "frequency_response": response_specimen}
-    return (asked[analysis.name](), None) if analysis.name in asked else steady_specimen()
+        return steady_capture()
+    asked = {"step": step_capture, "frequency_response": response_capture}
+    return (asked[analysis.name](), None) if analysis.name in asked else steady_capture()
 
 
 def _found(analysis: Analysis[Any]) -> tuple[Findings, Block]:
@@ -45,7 +45,7 @@ def _found(analysis: Analysis[Any]) -> tuple[Findings, Block]:
     block, transducer = _specimen(analysis)
     only = _only(block, analysis.needs(analysis.settings()) or ("psi_s",))
     shaft = transducer if analysis.transducer else None
-    return measure(analysis, Window.of(only, SPECIMEN_MOTOR, shaft), analysis.settings()), only
+    return measure(analysis, Window.of(only, EXAMPLE_MOTOR, shaft), analysis.settings()), only
 
 
 @by_name
@@ -82,8 +82,8 @@ def test_every_figure_is_drawn_by_hand_or_by_its_analysis(analysis: Analysis[Any
 
 
 def test_a_steady_state_measures_what_the_catalogue_says_and_nothing_else() -> None:
-    block, transducer = steady_specimen()
-    by_analysis = measure_all(tuple(planned(Analyses(), Window.of(block, SPECIMEN_MOTOR, transducer), None)))
+    block, transducer = steady_capture()
+    by_analysis = measure_all(tuple(planned(Analyses(), Window.of(block, EXAMPLE_MOTOR, transducer), None)))
     found = [each.name for findings in by_analysis.values() for each in findings.measurements]
     assert list(by_analysis) == [each.name for each in catalogue().steady]
     assert len(set(found)) == len(found)
@@ -94,15 +94,15 @@ def test_a_steady_state_measures_what_the_catalogue_says_and_nothing_else() -> N
 
 
 def test_what_analyses_share_is_computed_once() -> None:
-    block, _ = steady_specimen()
-    window = Window.of(block, SPECIMEN_MOTOR)
+    block, _ = steady_capture()
+    window = Window.of(block, EXAMPLE_MOTOR)
     computed: list[Window] = []
 
     def compute(of: Window) -> int:
         computed.append(of)
         return len(computed)
 
-    assert (window.once(compute), window.once(compute)) == (1, 1)
+    assert (window.cached(compute), window.cached(compute)) == (1, 1)
     assert computed == [window]
 
 
@@ -124,7 +124,7 @@ def test_no_two_analyses_have_a_name_in_common() -> None:
 
 
 def test_the_tables_of_the_page_are_those_of_the_catalogue(tmp_path: Path) -> None:
-    assert filled(PAGE) == PAGE, "run python -m benchtool.analysis.page"
+    assert filled(PAGE) == PAGE, "run python -m benchtool.analysis.reference_page"
     page = tmp_path / "measurements.md"
     page.write_text(PAGE.replace("max(x) - min(x)", "max(x)"), encoding="utf-8")
     assert main(["--check"], page) == 1
@@ -154,7 +154,7 @@ def test_every_name_is_on_the_page() -> None:
 
 
 def test_without_a_current_nothing_raises_and_the_rest_is_the_same() -> None:
-    block, transducer = steady_specimen()
+    block, transducer = steady_capture()
     whole = analyze_steady_state(block, pole_pairs=4, torque_rated_Nm=2.0, transducer=transducer)
     for channels in (("torque", "theta_m"), ("psi_s",), ("omega_m",), ("switching_count",)):
         steady = analyze_steady_state(_only(block, channels), pole_pairs=4, torque_rated_Nm=2.0)

@@ -7,7 +7,7 @@ import pytest
 from benchmarks.coverage.families import scores
 from benchmarks.coverage.registry import FAMILIES
 
-_SPECTRAL = ("current_fundamental", "current_thd", "fundamental_frequency", "harmonic_5", "torque_mean")
+_SPECTRAL = ("current_fundamental", "current_thd_f", "fundamental_frequency", "harmonic_5", "torque_mean")
 
 
 @pytest.mark.parametrize(
@@ -33,7 +33,7 @@ def test_stated_uncertainties_hold_the_truth(name: str) -> None:
 )
 def test_what_cannot_be_told_is_null(name: str) -> None:
     found = {each.measurement: each for each in scores(FAMILIES[name], 3)}
-    for measurement in ("current_thd", "current_thd_corrected", "current_thds"):
+    for measurement in ("current_thd_f", "current_thd_f_noise_corrected", "current_thd_f_subgroups"):
         assert measurement not in found or found[measurement].answered == 0
     assert found
 

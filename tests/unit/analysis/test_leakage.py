@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
@@ -68,7 +67,7 @@ def test_a_tone_beyond_half_the_rate_stands_where_it_folds_and_the_basis_claims_
 
     rows = {row[0]: row for row in found.tables[0].rows}
     assert rows[7][1:3] == pytest.approx((350.0, 0.1), rel=1e-3)
-    thd = next(each for each in found.measurements if each.name == "current_thd")
+    thd = next(each for each in found.measurements if each.name == "current_thd_f")
     assert thd.value == pytest.approx(10.0, rel=1e-3)
     assert thd.basis.bandwidth_Hz is not None
     assert thd.basis.bandwidth_Hz < 0.45 * RATE_HZ < beyond_Hz

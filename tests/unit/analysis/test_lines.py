@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from benchtool.analysis import orders_at_speed, spectral_lines
 from benchtool.analysis.orders.orders import describe_orders

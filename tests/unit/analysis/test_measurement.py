@@ -37,7 +37,7 @@ def test_measurements_survive_json() -> None:
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
-def test_json_never_holds_a_number_that_is_none(value: float) -> None:
+def test_json_never_holds_nan_or_infinity(value: float) -> None:
     document = measurements_to_json([Measurement("thd", value, "%", "ratio")])
 
     assert document["thd"]["value"] is None

@@ -122,7 +122,7 @@ def test_too_few_bins_between_harmonics_give_no_floor() -> None:
     assert math.isnan(total_harmonic_distortion(spectrum).standard)
     block = Block((Channel("i_a", "A"),), 0, 1, 1 / RATE_HZ, np.cos(theta_e)[:, np.newaxis])
     found = {each.name: each for each in current_spectrum(block, "i_a", track_angle(theta_e, 1)).measurements}
-    for name in ("current_thdg", "current_thds"):
+    for name in ("current_thd_f_groups", "current_thd_f_subgroups"):
         assert math.isnan(found[name].value)
         assert found[name].unit == "%"
         assert "four periods" in found[name].reason
@@ -235,13 +235,13 @@ def test_two_lengths_of_one_record_agree_within_their_uncertainty() -> None:
 
     short, long = thd(4_065), thd(100_065)
 
-    for name in ("current_thd", "current_thd_r", "current_tdd", "current_thd_corrected"):
+    for name in ("current_thd_f", "current_thd_r", "current_tdd", "current_thd_f_noise_corrected"):
         one, two = short[name].uncertainty, long[name].uncertainty
         assert one is not None
         assert two is not None
         assert abs(short[name].value - long[name].value) < 2.0 * math.hypot(one.standard, two.standard)
-        assert ("at most" in short[name].definition) == (name != "current_thd_corrected")
-    assert short["current_thd"].value > 3.0 * long["current_thd"].value
+        assert ("at most" in short[name].definition) == (name != "current_thd_f_noise_corrected")
+    assert short["current_thd_f"].value > 3.0 * long["current_thd_f"].value
 
 
 @pytest.mark.parametrize("frequency_Hz", [43.7, 97.3, 411.0])
@@ -251,7 +251,7 @@ def test_a_clean_tone_is_as_far_off_as_its_uncertainty_says(frequency_Hz: float)
 
     found = {each.name: each for each in current_spectrum(block, "i_a", track_angle(theta_e, 1)).measurements}
 
-    expected = {"current_fundamental": 4.0, "current_max_low_harmonic": 0.0, "current_thd": 0.0}
+    expected = {"current_fundamental": 4.0, "current_max_low_harmonic": 0.0, "current_thd_f": 0.0}
     for name, value in expected.items():
         uncertainty = found[name].uncertainty
         assert uncertainty is not None

@@ -7,14 +7,13 @@ from collections import Counter
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from numpy.typing import NDArray
 
 from benchtool.analysis.orders.angle import TURN, angle_coverage
 from benchtool.analysis.orders.angle_orders import fit_orders, sector_means
 from benchtool.analysis.orders.order_spectrum import OrderSpectrum, fitted_orders, resampled_orders
-from benchtool.analysis.orders.orders import describe_orders, order_analysis, order_meaning
+from benchtool.analysis.orders.orders import MACHINE_ORDERS, describe_orders, order_analysis, order_meaning
 from benchtool.block import Block, Channel, Gap
 from benchtool.errors import AnalysisError
 
@@ -290,14 +289,15 @@ def test_a_capture_in_steady_state_is_resampled_by_time() -> None:
     orders = order_analysis(block_of(np.mod(theta_m, TURN), torque_at(theta_m)), "torque")
 
     names = [each.name for each in orders.measurements]
-    assert names[:4] == ["torque_order_largest", "torque_order_72", "torque_order_18", "torque_order_12"]
+    assert names[:2] == ["torque_order_largest", "torque_order_largest_amplitude"]
+    assert names[2:5] == ["torque_order_72", "torque_order_18", "torque_order_12"]
     for each in orders.measurements[1:]:
         assert each.uncertainty is not None
         assert each.value > 4.5 * each.uncertainty.standard
     assert orders.measurements[0].value == 72
-    assert orders.measurements[1].value == pytest.approx(0.2, rel=1e-4)
-    assert "DFT over 6 whole revolutions" in orders.measurements[1].definition
-    assert orders.measurements[1].uncertainty is not None
+    for each in orders.measurements[1:3]:
+        assert each.value == pytest.approx(0.2, rel=1e-4)
+        assert "DFT over 6 whole revolutions" in each.definition
     (table,) = orders.tables
     assert table.name == "torque_orders"
     row = table.rows[71]
@@ -356,11 +356,49 @@ def test_what_an_order_is(order: int, pole_pairs: int | None, slots: int | None,
 def test_definitions_say_what_the_largest_orders_are() -> None:
     spectrum = fitted(angle := uneven_angle(5.0, 5_000), torque_at(angle))
     orders = describe_orders(spectrum, "torque", pole_pairs=12, slots=18)
-    definition = orders.measurements[1].definition
-    assert definition.startswith(
-        "peak amplitude of order 72 (6p, phase harmonics 5 and 7; cogging, lcm of 18"
-    )
-    assert orders.measurements[1].basis.harmonics == 200
+    by_name = {each.name: each for each in orders.measurements}
+    for name in ("torque_order_72", "torque_order_6p", "torque_order_cogging"):
+        definition = by_name[name].definition
+        assert definition.startswith(
+            "peak amplitude of order 72 (6p, phase harmonics 5 and 7; cogging, lcm of 18"
+        )
+        assert by_name[name].value == by_name["torque_order_largest_amplitude"].value
+        assert by_name[name].basis.harmonics == 200
+
+
+def test_the_names_of_named_orders_do_not_depend_on_the_data() -> None:
+    angle = uneven_angle(5.0, 5_000)
+    noise = np.random.default_rng(5).normal(size=len(angle))
+    found = [
+        [each.name for each in describe_orders(fitted(angle, torque), "torque", 12, 18, (1, 72)).measurements]
+        for torque in (torque_at(angle), noise)
+    ]
+    assert found[0] == found[1]
+    assert found[0] == [
+        *("torque_order_largest", "torque_order_largest_amplitude"),
+        *(f"torque_order_{key}" for key in MACHINE_ORDERS),
+        *("torque_order_1", "torque_order_72"),
+    ]
+
+
+def test_an_order_beyond_the_data_is_undefined() -> None:
+    spectrum = fitted(angle := uneven_angle(5.0, 5_000), torque_at(angle))
+    found = describe_orders(spectrum, "torque", pole_pairs=20).measurements
+    (beyond,) = (each for each in found if each.name == "torque_order_12p")
+    assert math.isnan(beyond.value)
+    assert "orders end at 200" in beyond.reason
+
+
+def test_an_amplitude_that_noise_alone_reads_is_within_its_uncertainty_of_zero() -> None:
+    angle: Array = np.arange(4_000.0) * (20 * TURN / 4_000)
+    random, orders = np.random.default_rng(7), tuple(range(1, 90))
+    inside = total = 0
+    for _ in range(8):
+        spectrum = fitted(angle, random.normal(size=len(angle)))
+        for each in describe_orders(spectrum, "torque", orders=orders).measurements[2:]:
+            assert each.uncertainty is not None
+            inside, total = inside + (each.value <= each.uncertainty.expanded), total + 1
+    assert inside / total > 0.93
 
 
 def test_only_orders_that_stand_out_of_the_noise_are_listed() -> None:
@@ -368,9 +406,11 @@ def test_only_orders_that_stand_out_of_the_noise_are_listed() -> None:
     noise = np.random.default_rng(5).normal(size=len(angle))
 
     found = describe_orders(fitted(angle, 0.2 * np.cos(72 * angle) + 0.5 * noise), "torque")
-    assert [each.name for each in found.measurements] == ["torque_order_largest", "torque_order_72"]
+    assert [each.name for each in found.measurements] == [
+        *("torque_order_largest", "torque_order_largest_amplitude", "torque_order_72")
+    ]
     assert len(found.tables[0].rows) == 200
 
-    (none,) = describe_orders(fitted(angle, noise), "torque").measurements
-    assert math.isnan(none.value)
-    assert none.reason == "no order stands out of the noise"
+    for none in describe_orders(fitted(angle, noise), "torque").measurements:
+        assert math.isnan(none.value)
+        assert none.reason == "no order stands out of the noise"

@@ -94,8 +94,8 @@ def test_the_right_parameters_leave_almost_nothing(record: tuple[Block, Block]) 
     assert found["torque_residual_max"] < 2e-3 * ripple_Nm
     assert found["torque_residual_percent_of_ripple"] < 0.1
     # a period's torque is bent, its ends know of the chord: small, but more than the prediction's error
-    assert found["true_torque_residual_rms"] < 2e-2 * ripple_Nm
-    assert abs(found["true_torque_residual_mean"]) < 5e-3 * ripple_Nm
+    assert found["transducer_torque_residual_rms"] < 2e-2 * ripple_Nm
+    assert abs(found["transducer_torque_residual_mean"]) < 5e-3 * ripple_Nm
 
 
 @pytest.mark.parametrize("key", ["R_s_ohm", "L_d_H", "L_q_H", "psi_r_Wb"])

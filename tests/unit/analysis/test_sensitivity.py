@@ -1,4 +1,4 @@
-"""What is stated of sensitivities, against the derivative of each measurement of the catalogue."""
+"""Declared sensitivities against the derivative of each measurement of the catalogue."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ import pytest
 
 from benchtool.analysis import Measurement
 from benchtool.analysis.catalogue import catalogue
-from benchtool.analysis.instruments import Altered, Instruments
+from benchtool.analysis.instruments import Instruments, Perturbed
 from benchtool.analysis.sensitivity import DECLARED, Found, declared
 from benchtool.analysis.window import Window
 from benchtool.block import Block
 from benchtool.profile import Bench, ReferenceClock
-from tests.unit.analysis.specimen import SPECIMEN_MOTOR, steady_specimen
+from tests.unit.analysis.example_capture import EXAMPLE_MOTOR, steady_capture
 
 STEADY = catalogue().steady
 CHANNELS = sorted({name for each in STEADY for name in each.channels} - {"theta_m", "switching_count"})
@@ -28,13 +28,13 @@ Values = Mapping[str, float]
 @cache
 def _raised() -> tuple[Block, Block]:
     """The specimen with a transducer that reads otherwise than the estimate: no mean is like another."""
-    block, transducer = steady_specimen()
-    return block, Altered("torque_transducer", 0.1, 0.2).of(transducer)
+    block, transducer = steady_capture()
+    return block, Perturbed("torque_transducer", 0.1, 0.2).of(transducer)
 
 
 def _values(block: Block, transducer: Block, of: str = "") -> Values:
     """All measurements, or those of the analyses that read one channel."""
-    window = Window.of(block, SPECIMEN_MOTOR, transducer)
+    window = Window.of(block, EXAMPLE_MOTOR, transducer)
     found: dict[str, float] = {}
     for analysis in STEADY:
         reads = (*analysis.channels, *(("torque_transducer",) if analysis.transducer else ()))
@@ -51,21 +51,21 @@ def _base() -> Values:
 
 
 @cache
-def _altered(altered: Altered) -> Values:
+def _altered(altered: Perturbed) -> Values:
     block, transducer = _raised()
     again = _values(altered.of(block), altered.of(transducer), altered.channel)
     return {**_base(), **again}
 
 
 def _derivative(name: str, channel: str, error: str) -> float:
-    up, down = (_altered(Altered(channel, **{error: step})) for step in (STEP, -STEP))
+    up, down = (_altered(Perturbed(channel, **{error: step})) for step in (STEP, -STEP))
     return (up[name] - down[name]) / (2.0 * STEP)
 
 
 def _stated(name: str, values: Values, channel: str, error: str) -> float:
     of = declared(name)
     assert of is not None
-    found = Found(name, values[name], values, SPECIMEN_MOTOR.pole_pairs)
+    found = Found(name, values[name], values, EXAMPLE_MOTOR.pole_pairs)
     return sum(
         (each.gain if error == "gain" else each.offset)(found)
         for each in of.sensitivities
@@ -84,7 +84,7 @@ def test_each_declaration_is_the_derivative_of_its_measurement(channel: str, err
             continue
         of = declared(name)
         if of is not None and of.bound:
-            up = _altered(Altered(channel, **{error: 0.01}))[name] - value
+            up = _altered(Perturbed(channel, **{error: 0.01}))[name] - value
             stated = _stated(name, values, channel, error)
             assert abs(up) <= 0.0101 * stated + 1e-12, name
             # and no more than it takes: near zero all of it moves a magnitude
@@ -109,11 +109,11 @@ def test_each_declaration_is_of_a_measurement_that_there_is() -> None:
 def test_only_these_are_measured_again() -> None:
     """A new analysis may be; none that has declared its sensitivities falls back to it."""
     again = {analysis.name for analysis in STEADY if any(declared(name) is None for name in analysis.names)}
-    known = {"flux_trajectory", "switching_states", "torque_residual", "true_torque_residual"}
+    known = {"flux_trajectory", "switching_states", "torque_residual", "transducer_torque_residual"}
     assert known <= again
     assert again.isdisjoint(
         {
-            *("torque_ripple", "true_torque_ripple", "torque_error", "flux_ripple", "current_spectrum"),
+            *("torque_ripple", "transducer_torque_ripple", "torque_error", "flux_ripple", "current_spectrum"),
             *("switching_frequency", "torque_orders", "speed_orders", "torque_spectrum", "current_unbalance"),
         }
     )
@@ -129,7 +129,7 @@ def test_the_clock_moves_times_and_frequencies_by_their_unit() -> None:
     def slower(by: float) -> Iterator[Measurement]:
         window = Window.of(
             replace(block, tick_s=block.tick_s * (1.0 + by)),
-            SPECIMEN_MOTOR,
+            EXAMPLE_MOTOR,
             replace(transducer, tick_s=transducer.tick_s * (1.0 + by)),
         )
         for analysis in STEADY:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from benchtool.analysis import SteadyState, analyze_steady_state, coherent_samples, cut_to_span, track_angle
+from benchtool.analysis import SteadyState, analyze_steady_state, coherent_samples, crop_to, track_angle
 from benchtool.block import Block, Channel, Gap
 from benchtool.errors import AnalysisError
 
@@ -20,7 +20,7 @@ NAMES = [
     "torque_mean",
     "torque_ripple_pp",
     "torque_ripple_rms",
-    "torque_ripple_p99",
+    "torque_ripple_percentile_range",
     "torque_ripple_percent_of_mean",
     "torque_ripple_rms_percent_of_mean",
     "torque_ripple_percent_of_rated",
@@ -29,13 +29,13 @@ NAMES = [
     "fundamental_frequency",
     "current_fundamental",
     "current_max_low_harmonic",
-    "current_thd",
-    "current_thd_corrected",
+    "current_thd_f",
+    "current_thd_f_noise_corrected",
     "current_thd_r",
     "current_tdd",
-    "current_thd_n",
-    "current_thdg",
-    "current_thds",
+    "current_thd_f_plus_noise",
+    "current_thd_f_groups",
+    "current_thd_f_subgroups",
     "current_noise_floor",
     "current_noise_density",
     "switching_frequency_mean",
@@ -67,9 +67,9 @@ def transducer(first_tick: int = 7000, ticks: int = SAMPLES) -> Block:
     )
 
 
-def analyze(block: Block, true_torque: Block | None = None) -> SteadyState:
+def analyze(block: Block, transducer_torque: Block | None = None) -> SteadyState:
     return analyze_steady_state(
-        block, pole_pairs=4, torque_rated_Nm=9.55, transducer=true_torque, current_rated_A_rms=3.0
+        block, pole_pairs=4, torque_rated_Nm=9.55, transducer=transducer_torque, current_rated_A_rms=3.0
     )
 
 
@@ -85,7 +85,7 @@ def test_the_torque_error_is_what_the_estimate_has_too_much() -> None:
 def test_the_torque_error_has_the_degrees_of_freedom_of_both_means() -> None:
     """Scatter over a few periods: Welch and Satterthwaite of two, not a normal distribution."""
     steady = analyze(capture(0.68), transducer())
-    stated = (steady[name].uncertainty for name in ("torque_error", "torque_mean", "true_torque_mean"))
+    stated = (steady[name].uncertainty for name in ("torque_error", "torque_mean", "transducer_torque_mean"))
     error, *means = (each for each in stated if each is not None)
 
     u2 = sum(each.standard**2 for each in means)
@@ -109,29 +109,29 @@ def test_every_number_of_a_known_capture() -> None:
             "torque_ripple_pp": 0.06,
             "torque_ripple_rms": 0.03 / np.sqrt(2),
             # a cosine of random phase stays below cos(pi (1 - P)) with probability P
-            "torque_ripple_p99": 0.06 * np.cos(0.005 * np.pi),
+            "torque_ripple_percentile_range": 0.06 * np.cos(0.005 * np.pi),
             "torque_ripple_percent_of_mean": 100 * 0.06 / 0.65,
             "torque_ripple_rms_percent_of_mean": 100 * 0.03 / np.sqrt(2) / 0.65,
             "torque_ripple_percent_of_rated": 100 * 0.06 / 9.55,
             "torque_ripple_rms_percent_of_rated": 100 * 0.03 / np.sqrt(2) / 9.55,
-            "true_torque_mean": 0.65,
-            "true_torque_ripple_pp": 0.1,
-            "true_torque_ripple_rms": 0.05 / np.sqrt(2),
-            "true_torque_ripple_p99": 0.1 * np.cos(0.005 * np.pi),
-            "true_torque_ripple_percent_of_mean": 100 * 0.1 / 0.65,
-            "true_torque_ripple_rms_percent_of_mean": 100 * 0.05 / np.sqrt(2) / 0.65,
-            "true_torque_ripple_percent_of_rated": 100 * 0.1 / 9.55,
-            "true_torque_ripple_rms_percent_of_rated": 100 * 0.05 / np.sqrt(2) / 9.55,
+            "transducer_torque_mean": 0.65,
+            "transducer_torque_ripple_pp": 0.1,
+            "transducer_torque_ripple_rms": 0.05 / np.sqrt(2),
+            "transducer_torque_ripple_percentile_range": 0.1 * np.cos(0.005 * np.pi),
+            "transducer_torque_ripple_percent_of_mean": 100 * 0.1 / 0.65,
+            "transducer_torque_ripple_rms_percent_of_mean": 100 * 0.05 / np.sqrt(2) / 0.65,
+            "transducer_torque_ripple_percent_of_rated": 100 * 0.1 / 9.55,
+            "transducer_torque_ripple_rms_percent_of_rated": 100 * 0.05 / np.sqrt(2) / 9.55,
             "flux_ripple_pp": 0.002,
             "fundamental_frequency": 10.0,
             "current_fundamental": 0.24,
-            "current_thd": 100 * ratio,
-            "current_thd_corrected": 100 * ratio,
+            "current_thd_f": 100 * ratio,
+            "current_thd_f_noise_corrected": 100 * ratio,
             "current_thd_r": 100 * ratio / np.hypot(1.0, ratio),
             "current_tdd": 100 * 0.007 / (3.0 * np.sqrt(2)),
-            "current_thd_n": 100 * ratio,
-            "current_thdg": 100 * ratio,
-            "current_thds": 100 * ratio,
+            "current_thd_f_plus_noise": 100 * ratio,
+            "current_thd_f_groups": 100 * ratio,
+            "current_thd_f_subgroups": 100 * ratio,
             "current_max_low_harmonic": 0.007,
             "switching_frequency_mean": 2 / 3 / TICK_S,
         },
@@ -153,10 +153,10 @@ def test_every_number_states_its_definition_and_what_it_rests_on() -> None:
         if each.name != "switching_frequency_mean":
             assert each.basis.window
             assert 0.0 < (each.basis.bandwidth_Hz or 0.0) <= 5e3
-    assert steady["current_thd"].basis.harmonics == 50
-    assert steady["current_thd"].basis.reference == "fundamental"
+    assert steady["current_thd_f"].basis.harmonics == 50
+    assert steady["current_thd_f"].basis.reference == "fundamental"
     assert steady["current_tdd"].basis.reference == "rated current of 3 A rms"
-    assert "over the 5 periods there are in place of 10" in steady["current_thdg"].definition
+    assert "over the 5 periods there are in place of 10" in steady["current_thd_f_groups"].definition
     assert "here at 50 Hz; all bins, 2 Hz apart" in steady["current_max_low_harmonic"].definition
     assert "rated torque of 9.55 Nm" in steady["torque_ripple_percent_of_rated"].definition
 
@@ -201,7 +201,7 @@ def test_thd_at_a_speed_with_no_harmonic_in_the_band_is_undefined() -> None:
 
     steady = analyze(replace(block, data=data))
 
-    assert steady["current_thd"].reason == "no harmonic is within the band"
+    assert steady["current_thd_f"].reason == "no harmonic is within the band"
     assert steady["current_fundamental"].value == pytest.approx(1.0, rel=1e-3)
     assert "below 4500 Hz" in steady["current_max_low_harmonic"].definition
 
@@ -232,7 +232,9 @@ def test_what_was_not_recorded_is_not_measured(channel: str, begin: str) -> None
 
     expected = [name for name in NAMES if not name.startswith(begin)]
     names = [each.name for each in steady.measurements]
-    assert [name for name in names if not name.startswith("true_") and name != "torque_error"] == expected
+    assert [
+        name for name in names if not name.startswith("transducer_") and name != "torque_error"
+    ] == expected
     assert ("torque_error" in names) is (channel != "torque")
 
 
@@ -270,19 +272,19 @@ def test_the_captured_tick_must_advance_by_the_stride() -> None:
 
 
 def test_an_unknown_measurement_is_refused_with_the_names_there_are() -> None:
-    with pytest.raises(AnalysisError, match=r"no measurement 'thd'.*current_thd"):
+    with pytest.raises(AnalysisError, match=r"no measurement 'thd'.*current_thd_f"):
         analyze(capture())["thd"]
 
 
 def test_the_transducer_is_cut_to_the_time_of_the_capture() -> None:
     longer = transducer(6990, SAMPLES + 25)
 
-    cut = cut_to_span(longer, capture())
+    cut = crop_to(longer, capture())
 
     assert cut.first_tick == 7000 * 20
     assert len(cut.data) == 20 * SAMPLES
     assert np.shares_memory(cut.data, longer.data)
-    assert analyze(capture(), longer)["true_torque_ripple_pp"].value == pytest.approx(0.1)
+    assert analyze(capture(), longer)["transducer_torque_ripple_pp"].value == pytest.approx(0.1)
 
 
 def test_a_definition_names_the_rows_that_were_used() -> None:
@@ -290,24 +292,24 @@ def test_a_definition_names_the_rows_that_were_used() -> None:
 
     steady = analyze(capture(), longer)
 
-    for name in ("true_torque_ripple_pp", "true_torque_ripple_rms", "torque_error"):
+    for name in ("transducer_torque_ripple_pp", "transducer_torque_ripple_rms", "torque_error"):
         found = re.search(r"in its rows (\d+) to (\d+) \(from 0\)", steady[name].definition)
         assert found is not None
         rows = longer.column("torque_transducer")[int(found[1]) : int(found[2]) + 1]
         value = {
-            "true_torque_ripple_pp": float(np.ptp(rows)),
-            "true_torque_ripple_rms": float(np.std(rows)),
+            "transducer_torque_ripple_pp": float(np.ptp(rows)),
+            "transducer_torque_ripple_rms": float(np.std(rows)),
             "torque_error": steady["torque_mean"].value - float(np.mean(rows)),
         }[name]
         assert steady[name].value == pytest.approx(value, rel=1e-9, abs=1e-12)
     assert steady["torque_error"].basis.reference == f"torque_transducer, {20 * SAMPLES} samples at 200000 Hz"
-    begun = re.search(r"from row (\d+) \(from 0\) on", steady["current_thd"].basis.window)
+    begun = re.search(r"from row (\d+) \(from 0\) on", steady["current_thd_f"].basis.window)
     assert begun is not None
     # the first sample of the periods is that row of the record
     assert coherent_samples(
         capture().column("i_a"), 1 / TICK_S, track_angle(capture().column("theta_m"), 4)
     ).values[0] == pytest.approx(capture().column("i_a")[int(begun[1])], rel=1e-4)
-    assert "one of them" in steady["current_thdg"].basis.window
+    assert "one of them" in steady["current_thd_f_groups"].basis.window
 
 
 @pytest.mark.parametrize(("first_tick", "ticks"), [(7002, SAMPLES), (7000, SAMPLES - 2), (90000, 10)])
@@ -319,7 +321,7 @@ def test_a_transducer_that_misses_part_of_the_capture_is_refused(first_tick: int
 def test_a_transducer_one_tick_short_at_either_end_is_enough() -> None:
     steady = analyze(capture(), transducer(7001, SAMPLES - 2))
 
-    assert steady["true_torque_ripple_pp"].value == pytest.approx(0.1)
+    assert steady["transducer_torque_ripple_pp"].value == pytest.approx(0.1)
 
 
 def test_a_capture_with_a_stride_keeps_its_time_base() -> None:
@@ -335,7 +337,7 @@ def test_a_capture_with_a_stride_keeps_its_time_base() -> None:
 
 
 def test_the_transducer_is_taken_apart_by_the_periods_of_the_capture() -> None:
-    rms = analyze(capture(), transducer(6990, SAMPLES + 25))["true_torque_ripple_rms"]
+    rms = analyze(capture(), transducer(6990, SAMPLES + 25))["transducer_torque_ripple_rms"]
 
     # the torque repeats every tick, so that every period is like every other
     assert rms.uncertainty is not None

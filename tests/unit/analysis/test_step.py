@@ -6,8 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from numpy.typing import NDArray
 
 from benchtool.analysis.dynamics.smoothing import Noise, fitted_smoothers
@@ -94,14 +93,14 @@ def _noisy(height: float, rms: float, seed: int = 0, rows: int = 5000) -> tuple[
 
 
 @given(st.integers(1, 30))
-def test_dead_time_ends_between_the_samples_of_the_first_movement(rows: int) -> None:
+def test_step_latency_ends_between_the_samples_of_the_first_movement(rows: int) -> None:
     r = _step(0.0, 1.0)
     (found,) = (
         each
         for each in analyze_step(
             _block(_step(0.0, 1.0, at=100 + rows), r), "torque", "torque_reference"
         ).measurements
-        if each.name == "dead_time"
+        if each.name == "step_latency"
     )
     assert found.value == pytest.approx((rows - 0.5) / RATE_HZ)
     assert found.uncertainty is not None
@@ -111,12 +110,12 @@ def test_dead_time_ends_between_the_samples_of_the_first_movement(rows: int) -> 
     )
 
 
-def test_a_signal_that_moves_with_its_reference_has_no_dead_time() -> None:
-    assert _measured(_step(0.0, 1.0), _step(0.0, 1.0))["dead_time"] == 0.0
+def test_a_signal_that_moves_with_its_reference_has_no_step_latency() -> None:
+    assert _measured(_step(0.0, 1.0), _step(0.0, 1.0))["step_latency"] == 0.0
 
 
-def test_dead_time_does_not_take_earlier_noise_for_the_answer() -> None:
-    found = [_measured(*_noisy(1.0, 0.03, seed))["dead_time"] for seed in range(50)]
+def test_step_latency_does_not_take_earlier_noise_for_the_answer() -> None:
+    found = [_measured(*_noisy(1.0, 0.03, seed))["step_latency"] for seed in range(50)]
     # the lag has gone 2 % after a fifth of a row
     assert np.median(found) == pytest.approx(5.2 / RATE_HZ, abs=0.7 / RATE_HZ)
     assert np.count_nonzero(np.array(found) < 4 / RATE_HZ) <= 3
@@ -257,14 +256,14 @@ def test_a_ramp_and_a_lag_of_the_reference_are_one_step(rows: int) -> None:
         assert found.step_row >= 100
 
 
-def test_a_signal_along_a_slow_ramp_rises_with_it_and_has_no_dead_time() -> None:
+def test_a_signal_along_a_slow_ramp_rises_with_it_and_has_no_step_latency() -> None:
     ramp = np.clip((np.arange(1000) - 100) / 200, 0.0, 1.0)
     y = np.roll(ramp, 3) * (np.arange(1000) >= 3) + 0.5  # an offset is no movement
     by_name = {
         each.name: each for each in analyze_step(_block(y, ramp), "torque", "torque_reference").measurements
     }
-    assert math.isnan(by_name["dead_time"].value)
-    assert by_name["dead_time"].reason == "it moves before the reference has come half the way"
+    assert math.isnan(by_name["step_latency"].value)
+    assert by_name["step_latency"].reason == "it moves before the reference has come half the way"
     by_name = {
         each.name: each
         for each in analyze_step(_block(y - 0.5, ramp), "torque", "torque_reference").measurements
@@ -330,3 +329,15 @@ def test_uncertainties_cover_the_error(zeta: float) -> None:
     for name, found in errors.items():
         assert np.mean(np.abs(found) <= 2.0) >= 0.75, name
         assert np.sqrt(np.mean(np.square(found))) <= 1.8, name
+
+
+@pytest.mark.parametrize(("drift", "told"), [(0.2, True), (-0.2, True), (0.01, False), (0.0, False)])
+def test_a_drift_before_the_step_is_not_taken_for_the_answer(drift: float, told: bool) -> None:
+    after = np.maximum(0, np.arange(3000) - 1000)
+    noise = 2e-3 * np.random.default_rng(5).standard_normal(len(after))
+    y = 1.0 - np.exp(-0.05 * after) + noise + drift * np.linspace(0.0, 1.0, len(after))
+    response = analyze_step(_block(y, np.where(after > 0, 1.0, 0.0)), "torque", "torque_reference")
+    found = {each.name: each for each in response.measurements}
+    assert ("drifts by" in found["settling_time"].reason) is told
+    assert ("drifts by" in found["overshoot"].reason) is told
+    assert "drifts by" not in found["plateau_mean"].reason

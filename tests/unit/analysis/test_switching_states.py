@@ -6,8 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from benchtool.analysis.switching import switching_frequency, switching_states, vector_shares
 from benchtool.block import Block, Channel

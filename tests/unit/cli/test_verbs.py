@@ -9,19 +9,33 @@ import pytest
 from typer.testing import CliRunner
 
 from benchtool.cli import app
-from benchtool.cli.verbs import PARAMETER_VERBS, VERBS, Verb
+from benchtool.cli.verbs import COMPLETION_VERBS, PARAMETER_VERBS, PLAN_VERBS, PROFILE_VERBS, VERBS, Verb
 
 HEAVY = ("numpy", "pydantic", "can", "pyarrow", "scipy", "rerun", "matplotlib", "numba")
 
 
-@pytest.mark.parametrize("verb", [*VERBS, *PARAMETER_VERBS], ids=lambda verb: f"{verb.module}-{verb.name}")
+@pytest.mark.parametrize(
+    "verb",
+    [*VERBS, *PARAMETER_VERBS, *PROFILE_VERBS, *PLAN_VERBS, *COMPLETION_VERBS],
+    ids=lambda verb: f"{verb.module}-{verb.name}",
+)
 def test_every_verb_loads_and_tells_its_own_help(verb: Verb) -> None:
     command = verb.load()
     assert command.name == verb.name
     assert command.help
+    assert command.context_settings["help_option_names"] == ["-h", "--help"]
 
 
-@pytest.mark.parametrize(("arguments", "verbs"), [((), VERBS), (("params",), PARAMETER_VERBS)])
+@pytest.mark.parametrize(
+    ("arguments", "verbs"),
+    [
+        ((), VERBS),
+        (("params",), PARAMETER_VERBS),
+        (("profile",), PROFILE_VERBS),
+        (("plan",), PLAN_VERBS),
+        (("completion",), COMPLETION_VERBS),
+    ],
+)
 def test_the_list_of_verbs_is_whole(arguments: tuple[str, ...], verbs: tuple[Verb, ...]) -> None:
     shown = CliRunner().invoke(app, [*arguments, "--help"]).output
     listed = shown.partition("Commands:")[2]

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from benchtool.emulator.control.estimation import situation
+from benchtool.emulator.control.estimation import state_estimate
 from benchtool.emulator.control.fixed_voltage import direction, without_voltage
 
 
@@ -44,7 +44,7 @@ def test_up_and_down_differ_where_the_torque_rises_with_the_angle_and_nowhere_el
         rises = torque(delta + 1e-6) > torque(delta - 1e-6)
         sides.add(rises)
         i_d, i_q = (psi_s * math.cos(delta) - drive.psi_r) / L_d, psi_s * math.sin(delta) / L_q
-        now = situation(i_d, i_q, 0.0, 1.0, 0.0, drive)
+        now = state_estimate(i_d, i_q, 0.0, 1.0, 0.0, drive)
         drift = without_voltage(now, drive)
         up, down = (
             direction(now.torque, 0.0, drift.g_d, drift.g_q, now, drift, raise_below, drive)

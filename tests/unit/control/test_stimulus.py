@@ -7,8 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from numpy.typing import NDArray
 from scipy.signal import chirp, max_len_seq
 
@@ -17,11 +16,11 @@ from benchtool.emulator.control.stimulus import (
     StimulusState,
     chirp_cycles,
     feedback,
-    form,
     halt,
     play,
     shifted,
     voltage_of,
+    waveform,
 )
 from benchtool.emulator.memory import STIMULUS
 
@@ -55,7 +54,7 @@ def _played(stimulus: Any) -> NDArray[np.float64]:
 def _form(
     shape: Shape, ticks: int, *, steps: int = 1, f_start: float = 1.0, f_end: float = 1.0
 ) -> list[float]:
-    return [form(int(shape), k, ticks, steps, f_start, f_end, T_S) for k in range(ticks)]
+    return [waveform(int(shape), k, ticks, steps, f_start, f_end, T_S) for k in range(ticks)]
 
 
 def test_constant_step_staircase_and_ramp() -> None:
@@ -69,8 +68,8 @@ def test_constant_step_staircase_and_ramp() -> None:
 def test_a_sine_keeps_its_phase_over_hours() -> None:
     """A period of 50 Hz is 200 ticks; 22 hours later it is where it was."""
     ticks = 10**9
-    first = [form(int(Shape.SINE), k, ticks, 1, 50.0, 1.0, T_S) for k in range(200)]
-    late = [form(int(Shape.SINE), 200 * 4_000_000 + k, ticks, 1, 50.0, 1.0, T_S) for k in range(200)]
+    first = [waveform(int(Shape.SINE), k, ticks, 1, 50.0, 1.0, T_S) for k in range(200)]
+    late = [waveform(int(Shape.SINE), 200 * 4_000_000 + k, ticks, 1, 50.0, 1.0, T_S) for k in range(200)]
     assert first == pytest.approx(np.sin(2 * np.pi * np.arange(200) / 200), abs=1e-12)
     assert late == pytest.approx(first, abs=1e-8)
 

@@ -1,4 +1,4 @@
-"""What a drive can do, by the objects that its dictionary has and by nothing else."""
+"""Capabilities of a drive, by the objects of its dictionary alone."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from benchtool.errors import CapabilityMissing
 from benchtool.protocol.dictionary import Dictionary
 from benchtool.protocol.dictionary.roles import Role
 from benchtool.shipped import shipped
-from tests.foreign_drives import foreign_eds, stripped_eds
+from tests.third_party_drives import stripped_eds, third_party_eds
 
 OWN = Dictionary.from_eds(shipped("firmware_protocol") / "drive.eds", 1)
 OF_BENCHTOOL = {Capability.STREAM, Capability.CAPTURE, Capability.STIMULUS, Capability.TICK}
 
 
 def capabilities_of(eds: bytes) -> Capabilities:
-    return Capabilities.of(Dictionary.from_bytes(eds, 1, "maker/any.eds"))
+    return Capabilities.of(Dictionary.from_bytes(eds, 1, "vendor/any.eds"))
 
 
 def available(capabilities: Capabilities) -> set[Capability]:
@@ -30,7 +30,7 @@ def test_the_reference_drive_can_do_all_but_positions() -> None:
 
 
 def test_another_makers_drive_has_what_the_standards_have() -> None:
-    found = capabilities_of(foreign_eds())
+    found = capabilities_of(third_party_eds())
     assert available(found) == set(Capability) - OF_BENCHTOOL
     assert found.findings[Capability.SUPERVISED].by == (
         "0x1016:1 consumer_heartbeat",
@@ -57,7 +57,7 @@ def test_another_makers_drive_has_what_the_standards_have() -> None:
 )
 def test_an_object_that_is_missing_takes_what_needs_it(section: str, lost: set[Capability]) -> None:
     everything = set(Capability) - OF_BENCHTOOL
-    found = capabilities_of(foreign_eds(without=[section]))
+    found = capabilities_of(third_party_eds(without=[section]))
     assert available(found) == everything - lost
     for each in lost:
         (missing,) = found.findings[each].missing
@@ -66,7 +66,7 @@ def test_an_object_that_is_missing_takes_what_needs_it(section: str, lost: set[C
 
 @pytest.mark.parametrize("section", ["1016sub1", "6040", "6060", "6071", "1010sub1"])
 def test_an_object_that_cannot_be_written_is_missing(section: str) -> None:
-    found = capabilities_of(foreign_eds(changed={section: {"AccessType": "ro"}}))
+    found = capabilities_of(third_party_eds(changed={section: {"AccessType": "ro"}}))
     assert len(available(found)) < len(Capability) - len(OF_BENCHTOOL)
     missing = [each for finding in found.findings.values() for each in finding.missing]
     said = [each for each in missing if each.startswith(f"0x{section[:4]}:")]
@@ -75,7 +75,7 @@ def test_an_object_that_cannot_be_written_is_missing(section: str) -> None:
 
 
 def test_an_object_of_an_unknown_type_is_no_number() -> None:
-    found = capabilities_of(foreign_eds(changed={"6041": {"DataType": "0x0043"}}))
+    found = capabilities_of(third_party_eds(changed={"6041": {"DataType": "0x0043"}}))
     assert found.findings[Capability.TORQUE].missing == ("0x6041:0 statusword, a readable number",)
 
 
@@ -89,7 +89,7 @@ def test_an_object_of_an_unknown_type_is_no_number() -> None:
     ],
 )
 def test_modes_that_the_file_says_the_drive_has_not(supported: str, lost: set[Capability]) -> None:
-    found = capabilities_of(foreign_eds(changed={"6502": {"DefaultValue": supported}}))
+    found = capabilities_of(third_party_eds(changed={"6502": {"DefaultValue": supported}}))
     assert available(found) == set(Capability) - OF_BENCHTOOL - lost
 
 
@@ -125,9 +125,9 @@ def test_a_long_list_is_cut_and_its_rest_counted() -> None:
     with pytest.raises(
         CapabilityMissing, match="has not tick, control_period, capture_control, capture_rows and 10 more:"
     ):
-        capabilities_of(foreign_eds()).require(Capability.CAPTURE, purpose="a test")
+        capabilities_of(third_party_eds()).require(Capability.CAPTURE, purpose="a test")
     with pytest.raises(CapabilityMissing, match="has not tick, control_period: it takes"):
-        capabilities_of(foreign_eds()).require(Capability.TICK, purpose="a test")
+        capabilities_of(third_party_eds()).require(Capability.TICK, purpose="a test")
 
 
 def test_what_is_there_is_not_refused() -> None:

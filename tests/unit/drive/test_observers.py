@@ -1,4 +1,4 @@
-"""Who observes a drive hears every state and emergency, at the drive's tick."""
+"""An observer of a drive gets every state and emergency, at the drive's tick."""
 
 from __future__ import annotations
 
@@ -6,14 +6,13 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from benchtool.clock import VirtualClock
 from benchtool.drive.states import Cia402Node
 from benchtool.errors import DriveFault
-from benchtool.link import Alarm
-from benchtool.link.ticks import TickMark
+from benchtool.link import ReceivedEmergency
+from benchtool.link.clock_anchor import TickAnchor
 from benchtool.protocol.canopen.emcy import Emergency
 from benchtool.protocol.cia402 import State
 from benchtool.protocol.dictionary.objects import DataType
@@ -24,7 +23,7 @@ _OVERCURRENT, _HEARTBEAT, _NONE = Emergency(0x2310, 0x03), Emergency(0x8130, 0x1
 
 
 class Listener:
-    """Keeps what it is told."""
+    """Keeps its notifications."""
 
     def __init__(self) -> None:
         self.told: list[tuple[object, int | None]] = []
@@ -36,7 +35,7 @@ class Listener:
         self.told.append((emergency, tick))
 
 
-def node(*alarms: Alarm) -> Cia402Node:
+def node(*alarms: ReceivedEmergency) -> Cia402Node:
     """A node with a statusword of 'fault', and these alarms."""
     link: Any = SimpleNamespace(emergencies=lambda: alarms, upload=lambda index, sub, length: b"\x08\x00")
     variable = Variable(0x6041, 0, "statusword", DataType.U16)
@@ -45,14 +44,21 @@ def node(*alarms: Alarm) -> Cia402Node:
 
 
 def test_all_emergencies_are_told_though_the_first_error_is_raised() -> None:
-    drive, listener = node(Alarm(_NONE, 1.0), Alarm(_OVERCURRENT, 2.0), Alarm(_HEARTBEAT, 2.5)), Listener()
-    drive._mark = TickMark(1000, 1.5, 1e-3)
+    drive, listener = (
+        node(
+            ReceivedEmergency(_NONE, 1.0),
+            ReceivedEmergency(_OVERCURRENT, 2.0),
+            ReceivedEmergency(_HEARTBEAT, 2.5),
+        ),
+        Listener(),
+    )
+    drive._anchor = TickAnchor(1000, 1.5, 1e-3)
     with drive.observed(listener), pytest.raises(DriveFault, match="0x2310"):
         drive.raise_emergencies()
     assert listener.told == [(_NONE, 500), (_OVERCURRENT, 1500), (_HEARTBEAT, 2000)]
 
 
-def test_a_state_that_was_read_is_told_until_nobody_listens() -> None:
+def test_an_observer_gets_every_state_until_it_is_removed() -> None:
     drive, listener = node(), Listener()
     with drive.observed(listener):
         assert drive.state() is State.FAULT
@@ -62,7 +68,7 @@ def test_a_state_that_was_read_is_told_until_nobody_listens() -> None:
 
 @given(tick=st.integers(0, 1 << 32), at_s=st.floats(0.0, 1e5), ahead=st.integers(-100_000, 10_000_000))
 def test_a_tick_is_told_by_the_time_that_has_passed(tick: int, at_s: float, ahead: int) -> None:
-    mark = TickMark(tick, at_s, 1e-4)
+    mark = TickAnchor(tick, at_s, 1e-4)
     assert mark.tick_at(at_s + ahead * 1e-4) == tick + ahead
     assert mark.tick_at(at_s + (ahead + 0.5) * 1e-4) == tick + ahead
 

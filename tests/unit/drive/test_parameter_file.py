@@ -1,4 +1,4 @@
-"""Parameter files: what is written is read back, what does not fit a drive is refused by name."""
+"""Parameter files: written and read back; entries that do not fit a drive are refused by name."""
 
 from __future__ import annotations
 
@@ -8,13 +8,12 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from benchtool.drive.identity import Identity
 from benchtool.drive.parameters.file import (
-    Origin,
     ParameterFile,
+    Provenance,
     describe,
     read_parameter_file,
     render,
@@ -65,10 +64,10 @@ def _file(
     product_code: int | None = IDENTITY.product_code,
     serial_number: int | None = None,
 ) -> ParameterFile:
-    origin = Origin(
+    provenance = Provenance(
         dictionary_hash=hash_, vendor_id=vendor_id, product_code=product_code, serial_number=serial_number
     )
-    return ParameterFile(drive=origin, parameters=values)
+    return ParameterFile(drive=provenance, parameters=values)
 
 
 def _settings(file: ParameterFile, rules: Migrations | None = None) -> dict[str, Value]:

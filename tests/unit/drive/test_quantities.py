@@ -9,8 +9,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from benchtool.drive.quantities import (
     CURRENT,
@@ -30,10 +29,10 @@ from benchtool.protocol.dictionary import Dictionary
 from benchtool.protocol.dictionary.roles import Role
 from benchtool.protocol.dictionary.variable import Variable
 from benchtool.shipped import shipped
-from tests.foreign_drives import foreign_eds, stripped_eds
+from tests.third_party_drives import stripped_eds, third_party_eds
 
 OWN = Dictionary.from_eds(shipped("firmware_protocol") / "drive.eds", 1)
-FOREIGN = Dictionary.from_bytes(stripped_eds(), 1, "maker.eds")
+FOREIGN = Dictionary.from_bytes(stripped_eds(), 1, "vendor.eds")
 
 
 def node(dictionary: Dictionary, raw: Mapping[tuple[int, int], int] | None = None) -> Any:
@@ -120,15 +119,20 @@ def test_a_profile_states_the_unit_of_a_speed(unit: str, factor: float, step: fl
         ),
         (stripped_eds(without=["6076"]), TORQUE, {}, "per mille, and no 0x6076:0 motor_rated_torque"),
         (stripped_eds(without=["6077"]), TORQUE, {}, "has no 0x6077:0 torque_actual"),
-        (foreign_eds(), CURRENT, {}, "has no 0x6078:0 current_actual"),
-        (foreign_eds(changed={"606C": {"Unit": "inc/s"}}), SPEED, {}, r"\(0x606C:0\) in 'inc/s'"),
-        (foreign_eds(changed={"6077": {"Unit": "inc"}}), TORQUE, {(0x6076, 0): 1}, r"\(0x6077:0\) in 'inc'"),
+        (third_party_eds(), CURRENT, {}, "has no 0x6078:0 current_actual"),
+        (third_party_eds(changed={"606C": {"Unit": "inc/s"}}), SPEED, {}, r"\(0x606C:0\) in 'inc/s'"),
+        (
+            third_party_eds(changed={"6077": {"Unit": "inc"}}),
+            TORQUE,
+            {(0x6076, 0): 1},
+            r"\(0x6077:0\) in 'inc'",
+        ),
     ],
 )
 def test_what_nothing_says_is_not_guessed(
     eds: bytes, quantity: Quantity, raw: dict[tuple[int, int], int], said: str
 ) -> None:
-    dictionary = Dictionary.from_bytes(eds, 1, "maker.eds")
+    dictionary = Dictionary.from_bytes(eds, 1, "vendor.eds")
     with pytest.raises(CapabilityMissing, match=said) as refused:
         in_si(node(dictionary, raw), quantity)
     assert f"[roles] {quantity.role.title} = " in str(refused.value)

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
-from benchtool.link.ticks import TickMark
+from benchtool.link.clock_anchor import TickAnchor
 
 TICK_S = 1e-4
 WRAP = 1 << 32
 
 
-def mark(tick: int, at_s: float) -> TickMark:
-    return TickMark(tick % WRAP, at_s, TICK_S)
+def mark(tick: int, at_s: float) -> TickAnchor:
+    return TickAnchor(tick % WRAP, at_s, TICK_S)
 
 
 @given(

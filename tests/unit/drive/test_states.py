@@ -1,4 +1,4 @@
-"""What counts as disabled: nothing but a state that is known, and known to be off."""
+"""Only a known state with the power stage off counts as disabled."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def test_only_a_known_state_without_power_counts_as_disabled(state: State) -> No
 
 
 class Walked:
-    """A drive that tells `words`, the last one for ever, and holds what is written to it."""
+    """A drive that returns the statuswords `words`, then always the last, and holds written values."""
 
     def __init__(self, *words: int) -> None:
         self.sent: list[NmtCommand] = []
@@ -68,7 +68,7 @@ def test_a_drive_whose_state_cannot_be_told_is_not_taken_for_disabled() -> None:
 
 
 def test_a_link_that_has_gone_leaves_the_same_to_be_told() -> None:
-    """Without it the person at the bench would read "connect again" while the motor may be running."""
+    """Without it the operator would read "connect again" while the motor may be running."""
     drive = Walked(OPERATION_ENABLED)
 
     def gone(*_: object, **__: object) -> None:

@@ -1,4 +1,4 @@
-"""A drive is enabled only while it says that it watches this host."""
+"""A drive is only enabled while its objects show that it watches this host."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from benchtool.protocol.canopen.abort import Abort
 from benchtool.protocol.cia402 import State, statusword, transition
 from benchtool.protocol.dictionary import Dictionary
 from benchtool.protocol.modes import Mode
-from tests.foreign_drives import foreign_eds
+from tests.third_party_drives import third_party_eds
 
 ENTRY, SECOND = (0x1016, 1), (0x1016, 2)
 ACTION = (0x6007, 0)
@@ -35,7 +35,7 @@ OF_ANOTHER = 5 << 16 | 100
 
 
 class Slave:
-    """Another maker's drive, as far as a host sees it: objects that it holds, and states of CiA 402."""
+    """A third-party drive: its objects, and the states of CiA 402."""
 
     def __init__(self, eds: bytes, **held: int) -> None:
         self.dictionary = Dictionary.from_bytes(eds, 1, "any.eds")
@@ -94,12 +94,12 @@ class Slave:
 
 
 def _no_heartbeat_object(slave: Slave) -> None:
-    slave.dictionary = Dictionary.from_bytes(foreign_eds(without=["1016sub1", "1016sub2"]), 1, "any.eds")
+    slave.dictionary = Dictionary.from_bytes(third_party_eds(without=["1016sub1", "1016sub2"]), 1, "any.eds")
 
 
 def _cannot_be_written(slave: Slave) -> None:
     read_only = {section: {"AccessType": "ro"} for section in ("1016sub1", "1016sub2")}
-    slave.dictionary = Dictionary.from_bytes(foreign_eds(changed=read_only), 1, "any.eds")
+    slave.dictionary = Dictionary.from_bytes(third_party_eds(changed=read_only), 1, "any.eds")
 
 
 def _listed_and_not_there(slave: Slave) -> None:
@@ -145,7 +145,7 @@ CANNOT = [
 def test_a_drive_that_cannot_be_supervised_is_not_enabled(
     spoilt: Callable[[Slave], None], error: type[BenchError], way: str
 ) -> None:
-    slave = Slave(foreign_eds())
+    slave = Slave(third_party_eds())
     spoilt(slave)
     with slave.host() as drive:
         for _ in range(2 if way == "enable twice" else 1):
@@ -162,7 +162,7 @@ def test_a_drive_that_cannot_be_supervised_is_not_enabled(
 def test_a_profile_may_let_it_run_and_then_says_why(
     spoilt: Callable[[Slave], None], error: type[BenchError]
 ) -> None:
-    slave = Slave(foreign_eds())
+    slave = Slave(third_party_eds())
     spoilt(slave)
     with slave.enabled_by_host(allow_unsupervised=True) as drive:
         assert slave.enabled
@@ -174,7 +174,7 @@ def test_a_profile_may_let_it_run_and_then_says_why(
 
 
 def test_armed_is_what_the_drive_reads_back() -> None:
-    slave = Slave(foreign_eds())
+    slave = Slave(third_party_eds())
     with slave.enabled_by_host() as drive:
         assert slave.held[ENTRY] == WATCHED == drive.number("0x1016:1")
         assert slave.heartbeats == [0.0], "the first heartbeat begins the drive's watch, before it is enabled"
@@ -190,7 +190,7 @@ def test_armed_is_what_the_drive_reads_back() -> None:
 
 @pytest.mark.parametrize("timeout_s", [0.06, 0.5, 2.0])
 def test_the_heartbeat_comes_at_least_three_times_in_a_timeout(timeout_s: float) -> None:
-    slave = Slave(foreign_eds())
+    slave = Slave(third_party_eds())
     with slave.host() as drive:
         drive.supervise(timeout_s)
         assert slave.held[ENTRY] == HOST_NODE_ID << 16 | round(timeout_s * 1e3)
@@ -201,8 +201,8 @@ def test_the_heartbeat_comes_at_least_three_times_in_a_timeout(timeout_s: float)
 
 
 @pytest.mark.parametrize("timeout_s", [0.0, -1.0, 0.0004, 65.6, 131.1, float("nan"), float("inf")])
-def test_a_timeout_that_would_watch_nobody_or_another_node_is_refused(timeout_s: float) -> None:
-    slave = Slave(foreign_eds())
+def test_a_timeout_that_0x1016_cannot_hold_is_refused(timeout_s: float) -> None:
+    slave = Slave(third_party_eds())
     with slave.host(allow_unsupervised=True) as drive, pytest.raises(ValueRefused, match="a link timeout of"):
         drive.supervise(timeout_s)
     assert slave.written == []
@@ -211,14 +211,14 @@ def test_a_timeout_that_would_watch_nobody_or_another_node_is_refused(timeout_s:
 
 @pytest.mark.parametrize("timeout_s", [0.001, 65.535])
 def test_the_whole_range_of_the_object_can_be_had(timeout_s: float) -> None:
-    slave = Slave(foreign_eds())
+    slave = Slave(third_party_eds())
     with slave.host() as drive:
         drive.supervise(timeout_s)
         assert slave.held[ENTRY] == HOST_NODE_ID << 16 | round(timeout_s * 1e3)
 
 
 def test_a_host_that_arms_again_has_one_heartbeat() -> None:
-    slave = Slave(foreign_eds())
+    slave = Slave(third_party_eds())
     with slave.host() as drive:
         for _ in range(3):
             drive.supervise()
@@ -229,7 +229,7 @@ def test_a_host_that_arms_again_has_one_heartbeat() -> None:
 
 @pytest.mark.parametrize("enabled", [False, True])
 def test_a_refusal_because_of_the_state_is_another_hosts_doing_only_while_it_runs(enabled: bool) -> None:
-    slave = Slave(foreign_eds())
+    slave = Slave(third_party_eds())
     slave.refused = {ENTRY: Abort.DEVICE_STATE}
     slave.state = State.OPERATION_ENABLED if enabled else State.READY_TO_SWITCH_ON
     with slave.host() as drive, pytest.raises(StateError if enabled else SdoAbort):
@@ -241,7 +241,7 @@ def test_a_refusal_because_of_the_state_is_another_hosts_doing_only_while_it_run
 
 
 def test_a_profile_that_allows_it_need_not_make_use_of_it() -> None:
-    slave = Slave(foreign_eds())
+    slave = Slave(third_party_eds())
     with slave.enabled_by_host(allow_unsupervised=True) as drive:
         assert slave.held[ENTRY] == WATCHED
         assert drive.supervision.to_json() == {"armed": True, "reason": ""}
@@ -249,7 +249,7 @@ def test_a_profile_that_allows_it_need_not_make_use_of_it() -> None:
 
 @pytest.mark.parametrize("own_first", [False, True])
 def test_an_entry_of_another_node_is_left_to_it(own_first: bool) -> None:
-    slave = Slave(foreign_eds())
+    slave = Slave(third_party_eds())
     slave.held |= {ENTRY: OF_ANOTHER, SECOND: HOST_NODE_ID << 16 | 100 if own_first else 0}
     with slave.enabled_by_host():
         assert slave.held[ENTRY] == OF_ANOTHER
@@ -260,7 +260,7 @@ def test_an_entry_of_another_node_is_left_to_it(own_first: bool) -> None:
 
 @pytest.mark.parametrize("absent", [ENTRY, SECOND])
 def test_an_entry_that_the_file_lists_and_the_drive_has_not_is_passed_over(absent: tuple[int, int]) -> None:
-    slave = Slave(foreign_eds())
+    slave = Slave(third_party_eds())
     slave.refused = {absent: Abort.NO_OBJECT}
     with slave.enabled_by_host():
         assert slave.held[SECOND if absent == ENTRY else ENTRY] == WATCHED
@@ -268,7 +268,7 @@ def test_an_entry_that_the_file_lists_and_the_drive_has_not_is_passed_over(absen
 
 @pytest.mark.parametrize("access", ["ro", "wo"])
 def test_an_entry_that_cannot_be_written_and_read_back_is_passed_over(access: str) -> None:
-    slave = Slave(foreign_eds(changed={"1016sub2": {"AccessType": access}}))
+    slave = Slave(third_party_eds(changed={"1016sub2": {"AccessType": access}}))
     slave.held[ENTRY] = OF_ANOTHER
     with slave.host() as drive, pytest.raises(CapabilityMissing, match=r"watches another node \(5\)"):
         drive.enable(Mode.VELOCITY)
@@ -278,11 +278,11 @@ def test_an_entry_that_cannot_be_written_and_read_back_is_passed_over(access: st
 @pytest.mark.parametrize("left", [HOST_NODE_ID << 16 | 100, 5 << 16, 300])
 def test_no_node_is_named_twice_and_what_is_out_of_use_is_taken(left: int) -> None:
     """An entry without a node, or without a time, is not in use (CiA 301, object 0x1016)."""
-    slave = Slave(foreign_eds())
+    slave = Slave(third_party_eds())
     slave.held |= {ENTRY: OF_ANOTHER, SECOND: left}
     with slave.enabled_by_host():
         assert slave.held[SECOND] == WATCHED
-    swapped = Slave(foreign_eds())
+    swapped = Slave(third_party_eds())
     swapped.held |= {ENTRY: 0, SECOND: HOST_NODE_ID << 16 | 100}
     with swapped.enabled_by_host():
         assert swapped.held[ENTRY] == 0, "two entries of one node are refused by a drive"
@@ -291,7 +291,7 @@ def test_no_node_is_named_twice_and_what_is_out_of_use_is_taken(left: int) -> No
 
 @pytest.mark.parametrize("code", [OF_ANOTHER, HOST_NODE_ID << 16 | 700])
 def test_a_drive_that_another_host_has_enabled_is_left_alone(code: int) -> None:
-    slave = Slave(foreign_eds())
+    slave = Slave(third_party_eds())
     slave.held[ENTRY] = code
     slave.state = State.OPERATION_ENABLED
     told = rf"another host .* \(node {code >> 16}, timeout {code & 0xFFFF} ms"
@@ -302,7 +302,7 @@ def test_a_drive_that_another_host_has_enabled_is_left_alone(code: int) -> None:
 
 
 def test_a_drive_that_would_do_nothing_without_its_host_is_set_to_fault_meanwhile() -> None:
-    slave = Slave(foreign_eds())
+    slave = Slave(third_party_eds())
     slave.held[ACTION] = NONE
     with slave.enabled_by_host():
         assert slave.held[ACTION] == FAULT
@@ -312,7 +312,7 @@ def test_a_drive_that_would_do_nothing_without_its_host_is_set_to_fault_meanwhil
 
 @pytest.mark.parametrize("action", [FAULT, 2, QUICK_STOP])
 def test_an_action_that_stops_the_motor_is_the_drives_own_choice(action: int) -> None:
-    slave = Slave(foreign_eds())
+    slave = Slave(third_party_eds())
     slave.held[ACTION] = action
     with slave.enabled_by_host():
         assert slave.held[ACTION] == action
@@ -321,7 +321,7 @@ def test_an_action_that_stops_the_motor_is_the_drives_own_choice(action: int) ->
 
 @pytest.mark.parametrize("without", ["6007", "listed"])
 def test_a_drive_without_the_option_reacts_as_its_maker_chose(without: str) -> None:
-    slave = Slave(foreign_eds(without=["6007"] if without == "6007" else []))
+    slave = Slave(third_party_eds(without=["6007"] if without == "6007" else []))
     slave.refused = {ACTION: Abort.NO_OBJECT}
     with slave.enabled_by_host():
         assert slave.held[ENTRY] == WATCHED
@@ -331,7 +331,7 @@ def test_a_drive_without_the_option_reacts_as_its_maker_chose(without: str) -> N
 @pytest.mark.parametrize("lost", [ENTRY, ACTION])
 def test_what_the_drive_has_lost_since_is_armed_again_before_it_is_enabled(lost: tuple[int, int]) -> None:
     """A reset of the drive, or another master, ends what was armed."""
-    slave = Slave(foreign_eds())
+    slave = Slave(third_party_eds())
     with slave.host() as drive:
         drive.connect()
         slave.held[lost] = 0
@@ -347,7 +347,7 @@ def test_what_the_drive_has_lost_since_is_armed_again_before_it_is_enabled(lost:
 
 
 def test_a_host_that_was_silent_speaks_before_it_enables() -> None:
-    slave = Slave(foreign_eds())
+    slave = Slave(third_party_eds())
     with slave.host() as drive:
         drive.connect()
         drive.stop_heartbeat()
@@ -361,13 +361,13 @@ def test_a_host_that_was_silent_speaks_before_it_enables() -> None:
 
 def test_a_limit_that_leaves_no_room_for_a_node_is_not_the_objects() -> None:
     """Some files limit 0x1016 to the 16 bits of its time."""
-    slave = Slave(foreign_eds(changed={"1016sub1": {"LowLimit": "0", "HighLimit": "65535"}}))
+    slave = Slave(third_party_eds(changed={"1016sub1": {"LowLimit": "0", "HighLimit": "65535"}}))
     with slave.enabled_by_host():
         assert slave.held[ENTRY] == WATCHED
 
 
 def test_a_failed_write_of_the_end_leaves_the_watch_armed_and_the_host_silent() -> None:
-    slave = Slave(foreign_eds())
+    slave = Slave(third_party_eds())
     with slave.enabled_by_host():
         slave.refused = {ENTRY: Abort.DEVICE_STATE}
     assert slave.held[ENTRY] == WATCHED
@@ -378,7 +378,7 @@ def test_a_failed_write_of_the_end_leaves_the_watch_armed_and_the_host_silent() 
 
 @pytest.mark.parametrize(("supported", "code"), [(0x24, 3), (0x104, 3), (0x100, 9), (0x0, 3), (0x8, 3)])
 def test_the_cyclic_mode_is_asked_for_where_the_profile_mode_is_missing(supported: int, code: int) -> None:
-    slave = Slave(foreign_eds())
+    slave = Slave(third_party_eds())
     slave.held[0x6502, 0] = supported
     with slave.enabled_by_host():
         assert slave.held[MODE] == code
@@ -388,7 +388,7 @@ def test_the_cyclic_mode_is_asked_for_where_the_profile_mode_is_missing(supporte
 
 
 def test_a_drive_that_does_not_confirm_is_left_watching_a_host_that_is_silent() -> None:
-    slave = Slave(foreign_eds())
+    slave = Slave(third_party_eds())
     slave.held[ACTION] = NONE
     with (
         pytest.raises(StateError, match="heartbeat ends now"),
@@ -405,7 +405,7 @@ def test_a_drive_that_does_not_confirm_is_left_watching_a_host_that_is_silent() 
 
 
 def test_a_host_that_stays_after_that_is_silent_too() -> None:
-    slave = Slave(foreign_eds())
+    slave = Slave(third_party_eds())
     with slave.host() as drive:
         drive.enable(Mode.VELOCITY)
         slave.refused = {CONTROLWORD: Abort.DEVICE_STATE}
@@ -433,7 +433,7 @@ class _Interrupting:
 
 
 def test_an_interrupt_while_it_is_disabled_keeps_it_from_nothing() -> None:
-    slave, interrupting = Slave(foreign_eds()), _Interrupting()
+    slave, interrupting = Slave(third_party_eds()), _Interrupting()
     with (
         pytest.raises(KeyboardInterrupt),
         slave.host() as drive,

@@ -7,8 +7,7 @@ from contextlib import suppress
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from benchtool.emulator.firmware.objects import ObjectStore, Refused
 from benchtool.emulator.memory import new_memory

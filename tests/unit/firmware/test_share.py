@@ -1,10 +1,9 @@
-"""A wire's share of a processor: what is asked for within it never waits, a flood gets no more than it."""
+"""A wire's share of a processor: requests within it never wait, a flood is limited to it."""
 
 from __future__ import annotations
 
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from benchtool.emulator.ports.share import Share
 

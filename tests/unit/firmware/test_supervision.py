@@ -1,4 +1,4 @@
-"""The watchdog of the link: what feeds it, when it bites, and that it stays bitten."""
+"""The watchdog of the link: what feeds it, when it expires, and that the loss is latched."""
 
 from __future__ import annotations
 

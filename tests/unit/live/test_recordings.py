@@ -1,4 +1,4 @@
-"""What the view writes is what it was given: every sample, name, unit and moment."""
+"""The view writes exactly its input: every sample, name, unit and time."""
 
 from __future__ import annotations
 
@@ -10,17 +10,19 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import rerun as rr
-from hypothesis import Phase, given, settings
-from hypothesis import strategies as st
+import rerun.blueprint as rrb
+from hypothesis import Phase, given, settings, strategies as st
 
 import benchtool.live
 from benchtool.analysis import Measurement
 from benchtool.block import Block, Channel, Gap
 from benchtool.errors import EnvironmentFailure
-from benchtool.link.ticks import WallMark
+from benchtool.link.clock_anchor import ClockAnchor
 from benchtool.live import FileDestination, LiveView, Setup, certificate_document, names, results_document
+from benchtool.live.blueprint import Layout, blueprint
 from benchtool.live.bundle import limits_of, setup_of, show_bundle
-from benchtool.live.sending import Columns, parts
+from benchtool.live.messages import Columns, parts
+from benchtool.live.panels.key import key_document
 from benchtool.recording import Bundle, BundleWriter, Event, EventFile, Level, Manifest
 from tests.unit.live.readback import Recording, assert_holds
 
@@ -28,7 +30,9 @@ _CHANNELS = (
     *(Channel("i_a", "A"), Channel("torque", "Nm"), Channel("psi_alpha", "Wb"), Channel("u_s", "V")),
     *(Channel("psi_beta", "Wb"), Channel("u_dc", "V"), Channel("law_clipped", ""), Channel("power", "W")),
 )
-_SETUP = Setup("test", psi_Wb=0.17, limits={"torque_ripple_pp": (None, 0.06)}, mark=WallMark(0, 1e-4, 1.7e9))
+_SETUP = Setup(
+    "test", psi_Wb=0.17, limits={"torque_ripple_pp": (None, 0.06)}, mark=ClockAnchor(0, 1e-4, 1.7e9)
+)
 
 
 def block(rows: int, *, first_tick: int = 0, stride: int = 10, gaps: tuple[Gap, ...] = ()) -> Block:
@@ -44,7 +48,7 @@ def recorded(path: Path, *blocks: Block, setup: Setup = _SETUP) -> Recording:
     path.unlink(missing_ok=True)
     with LiveView(setup, [FileDestination(path)]) as view:
         for each in blocks:
-            view.take(each)
+            view.add_block(each)
     assert view.rows_dropped == {str(path): 0}
     return Recording.read(path)
 
@@ -129,7 +133,7 @@ def test_an_error_before_any_row_is_of_the_time_that_the_drive_tells(tmp_path: P
         view.event(Event(text="refused", level=Level.ERROR, tick=36_000_000))
     recording = Recording.read(path)
     assert recording.nanoseconds(names.EVENTS, names.WALL_TIME).tolist() == [1_700_003_600_000_000_000]
-    later = Setup("test", psi_Wb=0.17, mark=WallMark(36_000_000, 1e-4, 1.7e9))
+    later = Setup("test", psi_Wb=0.17, mark=ClockAnchor(36_000_000, 1e-4, 1.7e9))
     with LiveView(later, [FileDestination(path)]) as view:
         view.event(Event(text="refused"))
     recording = Recording.read(path)
@@ -142,7 +146,7 @@ def test_a_capture_stands_at_its_place_beside_the_stream(tmp_path: Path) -> None
     capture = block(500, first_tick=1234, stride=1)
     transducer = Block((Channel("torque_transducer", "Nm"),), 24_680, 1, 5e-6, np.arange(100.0)[:, None])
     with LiveView(_SETUP, [FileDestination(path)]) as view:
-        view.take(block(300))
+        view.add_block(block(300))
         view.captured(capture, trigger_row=100)
         view.captured(transducer, names.TRANSDUCER)
     recording = Recording.read(path)
@@ -160,10 +164,10 @@ def test_faults_are_found_on_the_timeline(tmp_path: Path) -> None:
     path = tmp_path / "a.rrd"
     with LiveView(_SETUP, [FileDestination(path)]) as view:
         view.event(Event(text="enabled", state="operation enabled"))
-        view.take(block(20))
+        view.add_block(block(20))
         view.event(Event(text="0x2310 continuous overcurrent", level=Level.ERROR, tick=215))
         view.event(Event(text="in fault", level=Level.ERROR, state="fault"))
-        view.take(block(20, first_tick=200))
+        view.add_block(block(20, first_tick=200))
         view.event(Event(text="over", tick=500))
     recording = Recording.read(path)
     assert dict(zip(recording.texts(names.EVENTS), recording.ticks(names.EVENTS), strict=True)) == {
@@ -186,9 +190,9 @@ def test_counters_and_missing_rows_are_shown(tmp_path: Path) -> None:
     with LiveView(_SETUP, [FileDestination(path)]) as view:
         view.count(lambda: counted)
         view.count_drops(lambda: 3)
-        view.take(first)
+        view.add_block(first)
         counted["link_frames_dropped"] = 2
-        view.take(second)
+        view.add_block(second)
     recording = Recording.read(path)
     assert recording.series(names.RECEPTION) == ["telemetry_rows_received", "link_frames_received"]
     assert recording.values(names.RECEPTION)[-1].tolist() == [40.0, 100.0]
@@ -247,7 +251,7 @@ def test_the_circle_is_the_flux_that_is_asked_for(tmp_path: Path) -> None:
 def test_quality_of_the_whole_replaces_the_counters(tmp_path: Path) -> None:
     path = tmp_path / "a.rrd"
     with LiveView(_SETUP, [FileDestination(path)]) as view:
-        view.take(block(20))
+        view.add_block(block(20))
         view.quality(certificate_document([("rows_fine", 0.0, ""), ("jitter", 0.0012, "s")]))
     text = Recording.read(path).still[names.COUNTERS]["TextDocument:text"][0]
     assert text.splitlines()[2:] == ["| jitter | 0.0012 | s |", "| rows\\_fine | 0 |  |"]
@@ -295,11 +299,51 @@ def test_a_bundle_is_shown_as_it_was_recorded(tmp_path: Path) -> None:
     assert "| R\\_s\\_ohm | 0.123 |" in recording.still[names.PARAMETERS]["TextDocument:text"][0]
 
 
+def test_the_key_names_each_series_with_the_colour_that_it_is_drawn_in() -> None:
+    channels = (Channel("i_a", "A"), Channel("i_b", "A"), Channel("torque", "Nm"), Channel("u_dc", "V"))
+    document = key_document({names.STREAM: channels[:1], names.CAPTURE: channels})
+    assert document.text is not None
+    (text,) = document.text.as_arrow_array().to_pylist()
+    assert "**current** i\\_a blue, i\\_b orange" in text
+    assert "torque blue, least and greatest white, limits of the ripple red" in text
+    assert "u\\_dc" not in text  # voltages are not plotted beside these
+    assert "slow stream in light tones" in text
+    assert "light tones" not in str(key_document({names.CAPTURE: channels}).text)
+
+
+def test_no_plot_has_a_legend_over_its_data() -> None:
+    channels = (
+        Channel("i_a", "A"),
+        Channel("torque", "Nm"),
+        Channel("psi_alpha", "Wb"),
+        Channel("psi_beta", "Wb"),
+    )
+    views: list[rrb.View] = []
+
+    def collect(part: rrb.View | rrb.Container) -> None:
+        views.extend([part] if isinstance(part, rrb.View) else [])
+        for each in getattr(part, "contents", ()) if isinstance(part, rrb.Container) else ():
+            collect(each)
+
+    collect(blueprint(Layout(capture=channels, states=True)).root_container)
+    plots = [view for view in views if view.class_identifier in ("TimeSeries", "BarChart")]
+    assert len(plots) >= 4
+    shown = [view.name for view in plots if _legend(view)]
+    assert shown == []
+
+
+def _legend(view: rrb.View) -> bool:
+    """Whether a plot has a legend: by default it has."""
+    legend = view.properties.get("PlotLegend")
+    assert legend is None or isinstance(legend, rrb.PlotLegend)
+    return legend is None or legend.visible is None or bool(legend.visible.as_arrow_array().to_pylist()[0])
+
+
 def test_results_stand_by_analysis_what_is_limited_first_and_why_there_is_no_number() -> None:
     measurements = (
         Measurement("torque_mean", 0.65, "Nm", "mean"),
         Measurement("torque_ripple_pp", 0.07, "Nm", "peak to peak"),
-        Measurement.undefined("current_thd", "%", "harmonics", "i_a is clipped"),
+        Measurement.undefined("current_thd_f", "%", "harmonics", "i_a is clipped"),
         Measurement("omega_m_reached", 15.7, "rad/s", "mean"),
     )
     document = results_document("a run", measurements, {"torque_ripple_pp": (None, 0.06)})
@@ -307,15 +351,18 @@ def test_results_stand_by_analysis_what_is_limited_first_and_why_there_is_no_num
     (text,) = document.text.as_arrow_array().to_pylist()
     assert text.splitlines()[4:] == [
         "| torque\\_ripple\\_pp | 0.07 | Nm | ≤ 0.06 |  |",
-        "| *torque ripple* | | | | |",
-        "| torque\\_mean | 0.65 | Nm |  |  |",
-        "| *current spectrum* | | | | |",
-        "| current\\_thd | – | % |  |  |",
-        "| omega\\_m\\_reached | 15.7 | rad/s |  |  |",
+        "",
+        "| measurement | value | unit |",
+        "|---|---:|---|",
+        "| *torque ripple* | | |",
+        "| torque\\_mean | 0.65 | Nm |",
+        "| *current spectrum* | | |",
+        "| current\\_thd\\_f | – | % |",
+        "| omega\\_m\\_reached | 15.7 | rad/s |",
         "",
         "undefined:",
         "",
-        "- current\\_thd: i_a is clipped",
+        "- current\\_thd\\_f: i_a is clipped",
     ]
 
 
@@ -336,19 +383,19 @@ def test_a_file_that_cannot_be_written_is_named(tmp_path: Path) -> None:
         FileDestination(place).check()
     noted: list[str] = []
     with LiveView(_SETUP, [FileDestination(place)], noted.append) as view:
-        view.take(block(20))
-    assert view.outlets == []
+        view.add_block(block(20))
+    assert view.sinks == []
     assert noted[0].startswith(f"not shown by {place}: cannot write")
 
 
-def test_a_file_that_fails_is_not_begun_anew(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_file_that_fails_is_not_reopened(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """That would cut off what it holds."""
     path, noted = tmp_path / "a.rrd", list[str]()
     with LiveView(_SETUP, [FileDestination(path)], noted.append) as view:
-        view.take(block(20))
-        view.outlets[0].send([_Broken()], 7)
-        view.take(block(20, first_tick=200))
-        view.take(block(20, first_tick=400))
+        view.add_block(block(20))
+        view.sinks[0].send([_Broken()], 7)
+        view.add_block(block(20, first_tick=200))
+        view.add_block(block(20, first_tick=400))
     assert noted == [f"{path} is gone, the measurement goes on without it; no space left on device"]
     assert Recording.read(path).ticks("/stream/torque").tolist() == list(range(0, 200, 10))
     assert view.rows_dropped == {str(path): 47}
@@ -381,11 +428,11 @@ def test_a_disk_that_is_about_to_be_full_is_left_alone(
     monkeypatch.setattr("benchtool.live.sinks.file._LOOKING_S", 0.0)
     path, noted = tmp_path / "a.rrd", list[str]()
     with LiveView(_SETUP, [FileDestination(path)], noted.append) as view:
-        view.take(block(20))
+        view.add_block(block(20))
         free["B"] = 1 << 20
-        view.take(block(20, first_tick=200))
+        view.add_block(block(20, first_tick=200))
         free["B"] = 1 << 30
-        view.take(block(20, first_tick=400))
+        view.add_block(block(20, first_tick=400))
     assert noted == [
         f"{path} is gone, the measurement goes on without it; less than 32 MiB are free on its disk"
     ]

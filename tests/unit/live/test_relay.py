@@ -1,4 +1,4 @@
-"""The way to a viewer: what goes in comes out, and it can be cut."""
+"""The relay to a viewer: forwards data, and can be cut."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ def test_the_end_of_one_side_is_that_of_the_other(there: socket.socket) -> None:
             assert received(far, 1) == b""
 
 
-def test_where_nobody_listens_a_connection_ends_at_once(there: socket.socket) -> None:
+def test_without_a_listener_a_connection_ends_at_once(there: socket.socket) -> None:
     port = there.getsockname()[1]
     there.close()
     with (

@@ -6,8 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from benchtool.block import Block, Channel, Gap
 from benchtool.live.panels import locus
@@ -68,7 +67,7 @@ def test_a_waterfall_follows_a_frequency_in_time() -> None:
     assert peaks[-1] * 500.0 / 192 == pytest.approx(400.0, abs=4.0)
 
 
-def test_a_running_spectrum_is_bounded_and_begins_anew_after_a_gap() -> None:
+def test_a_running_spectrum_is_bounded_and_restarts_after_a_gap() -> None:
     running = RunningSpectrum("i_a", "A", RATE_HZ)
     channel = (Channel("i_a", "A"),)
     whole = signal(40.0, 200_000)[:, None]

@@ -93,7 +93,7 @@ def test_no_usage_data_are_collected(tmp_path: Path, monkeypatch: pytest.MonkeyP
     assert [path for path in tmp_path.rglob("*") if path.is_file()] == []
 
 
-def test_the_page_may_talk_to_its_viewer_and_to_nobody_else(web: Viewer) -> None:
+def test_the_page_may_connect_to_its_viewer_only(web: Viewer) -> None:
     assert web.page.startswith("http://127.0.0.1:")
     assert f"url=rerun%2Bhttp%3A%2F%2F127.0.0.1%3A{web.port}%2Fproxy" in web.page
     place = web.page.split("/")[2]
@@ -186,12 +186,12 @@ def _until(happened: Callable[[], bool]) -> None:
 def test_a_viewer_that_was_killed_takes_nothing_and_holds_nothing_up(web: Viewer) -> None:
     noted: list[str] = []
     with LiveView(Setup("test", psi_Wb=0.1), [web], noted.append, patience_s=_PATIENCE_S) as view:
-        view.take(rows(0))
+        view.add_block(rows(0))
         assert view.rows_dropped == {"the web viewer": 0}
         web.process.kill()
         web.process.wait()
         for number in range(1, 6):
-            view.take(rows(number))
+            view.add_block(rows(number))
         assert view.rows_dropped["the web viewer"] >= 10_000
     assert len(noted) == 1
     assert noted[0].startswith("the web viewer is gone, the measurement goes on without it; ")
@@ -201,11 +201,11 @@ def test_a_viewer_that_was_killed_takes_nothing_and_holds_nothing_up(web: Viewer
 def test_a_stuck_viewer_costs_its_patience_once_and_may_come_back(web: Viewer) -> None:
     noted: list[str] = []
     with LiveView(Setup("test", psi_Wb=0.1), [web], noted.append, patience_s=_PATIENCE_S) as view:
-        view.take(rows(0))
+        view.add_block(rows(0))
         web.process.send_signal(signal.SIGSTOP)
         try:
             for number in range(1, 400):
-                view.take(rows(number))
+                view.add_block(rows(number))
                 if view.rows_dropped["the web viewer"] >= 200_000:
                     break
             assert view.rows_dropped["the web viewer"] >= 200_000
@@ -215,13 +215,13 @@ def test_a_stuck_viewer_costs_its_patience_once_and_may_come_back(web: Viewer) -
             web.process.send_signal(signal.SIGCONT)
 
         def back() -> bool:
-            view.take(rows(500))
+            view.add_block(rows(500))
             return len(noted) > 1
 
         _until(back)
         assert noted[1].startswith("the web viewer is back; ")
         dropped = view.rows_dropped["the web viewer"]
-        view.take(rows(501))
+        view.add_block(rows(501))
         assert view.rows_dropped["the web viewer"] == dropped
 
 
@@ -233,11 +233,11 @@ def test_a_viewer_that_is_stuck_at_the_end_is_left_to_itself(
     monkeypatch.setattr(module, "_ENDING_S", 0.3)
     noted: list[str] = []
     view = LiveView(Setup("test", psi_Wb=0.1), [web], noted.append, patience_s=_PATIENCE_S)
-    view.take(rows(0))
+    view.add_block(rows(0))
     web.process.send_signal(signal.SIGSTOP)
     number = 1
     while not view.rows_dropped["the web viewer"]:
-        view.take(rows(number))
+        view.add_block(rows(number))
         number += 1
     view.close()
     assert web.process.poll() is None
@@ -252,19 +252,19 @@ def test_a_viewer_that_is_stuck_with_little_on_its_way_holds_up_no_end(
     monkeypatch.setattr(module, "_CLOSING_S", 0.5)
     monkeypatch.setattr(module, "_ENDING_S", 0.3)
     view = LiveView(Setup("test", psi_Wb=0.1), [web], patience_s=_PATIENCE_S)
-    view.take(rows(0, 20))
-    _until(view.outlets[0]._batches.empty)
+    view.add_block(rows(0, 20))
+    _until(view.sinks[0]._batches.empty)
     web.process.send_signal(signal.SIGSTOP)
-    view.take(rows(1, 20))
+    view.add_block(rows(1, 20))
     view.close()
-    assert not view.outlets[0]._thread.is_alive()
+    assert not view.sinks[0]._thread.is_alive()
 
 
 def test_other_addresses_are_served_as_well() -> None:
     with Viewer(web=True, bind="::1") as viewer:
         assert viewer.page.startswith("http://[::1]:")
         with LiveView(Setup("test", psi_Wb=0.1), [viewer]) as view:
-            view.take(rows(0))
+            view.add_block(rows(0))
         assert view.rows_dropped == {"the web viewer": 0}
         port = int(viewer.page.split("]:")[1].split("/")[0])
         connection = http.client.HTTPConnection("::1", port, timeout=10.0)
@@ -290,22 +290,22 @@ def test_the_page_is_gone_with_the_viewer() -> None:
 def test_another_viewer_in_the_place_of_a_killed_one_gets_the_rest(web: Viewer, tmp_path: Path) -> None:
     noted: list[str] = []
     with LiveView(Setup("test", psi_Wb=0.1), [web], noted.append, patience_s=20.0) as view:
-        view.take(rows(0))
+        view.add_block(rows(0))
         web.process.kill()
         web.process.wait()
-        view.take(rows(1))
+        view.add_block(rows(1))
         with Viewer(web=True, port=web.port) as another:
             number = 2
 
             def back() -> bool:
                 nonlocal number
-                view.take(rows(number))
+                view.add_block(rows(number))
                 number += 1
                 return "is back" in noted[-1]
 
             _until(back)
             dropped = view.rows_dropped["the web viewer"]
-            view.take(rows(number))
+            view.add_block(rows(number))
             view.close()
             assert view.rows_dropped["the web viewer"] == dropped
             recording = _held(another, tmp_path / "held.rrd")

@@ -6,8 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from pydantic import ValidationError
 from scipy import stats
 
@@ -59,7 +58,7 @@ def test_a_guard_band_never_reverses_simple_acceptance(value: float, standard: f
 
 @pytest.mark.parametrize("dof", [4.0, 30.0, math.inf])
 def test_of_items_at_a_limit_a_guard_band_passes_one_in_forty(dof: float) -> None:
-    """97.5 % of what is no better than the limit is kept from passing, whatever the degrees of freedom."""
+    """Of items at the limit at most 2.5 % pass, for any degrees of freedom."""
     random = np.random.default_rng(7)
     value = 1.0 + 0.1 * random.standard_normal(ITEMS)
     share = np.ones(ITEMS) if math.isinf(dof) else random.chisquare(dof, ITEMS) / dof

@@ -1,12 +1,14 @@
-"""What a plan gets wrong is refused before anything is opened: by file, line and key, with what to do."""
+"""Faults of a plan are refused before anything is opened: by file, line and key, with a remedy."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
 from benchtool.bench.session import dictionary_of
+from benchtool.cli import app
 from benchtool.errors import PlanError
 from benchtool.plan.analyses import Analyses
 from benchtool.plan.cases import cases
@@ -57,18 +59,19 @@ SWEPT = '[sweep.setup]\nlaw = ["tpc", "foc"]\n'
     ("more", "at", "complaint"),
     [
         ("[limits]\ntorque_riple_pp = { max = 1.0 }\n", "torque_riple", "did you mean 'torque_ripple_pp'?"),
+        ("[limits]\ntorque_ripple_pp_Nm = 0.1\n", "[limits]", "a table is expected, of min, max, margin"),
         ("[limits]\nflux_radius_pp = { max = 1.0 }\n", "flux_radius", "needs psi_alpha, psi_beta"),
         ("[limits]\ntorque_order_0 = { max = 1.0 }\n", "torque_order", "no measurement is called"),
         ("[limits]\ntorque_order_24 = { max = 1.0 }\n", "torque_order", "needs theta_m"),
         ("[limits]\novershoot = { max = 1.0 }\n", "overshoot", "analyses.step = true, which is false"),
         ("[limits]\nbandwidth_3dB = { min = 1.0 }\n", "bandwidth", "analyses.frequency_response = true"),
-        ("[limits]\ntorque_reached = { min = 1.0 }\n", "torque_reached", "nothing that this operating point"),
+        ("[limits]\ntorque_reached = { min = 1.0 }\n", "torque_reached", "no target of this operating point"),
         ("[limits]\ncapture_rows_mising = { max = 0 }\n", "capture", "did you mean 'capture_rows_missing'?"),
         ("[case_limits.cold]\ntorque_mean = { max = 1.0 }\n", "[case_limits", "names case 'cold'"),
         ("[case_limits.warm]\ntorque_man = { max = 1.0 }\n", "torque_man", "did you mean 'torque_mean'?"),
         ('[case_limits."warm.1"]\ntorque_mean = { max = 1.0 }\n', "[case_limits", "did you mean 'warm'?"),
         ("[published.cold]\ntorque_mean = 1.0\n", "[published", "published names case 'cold'"),
-        ("[published.warm]\ncapture_rows_missing = 1.0\n", "capture_rows", "which limits alone may name"),
+        ("[published.warm]\ncapture_rows_missing = 1.0\n", "capture_rows", "which only limits may name"),
     ],
 )
 def test_names_that_match_nothing(tmp_path: Path, more: str, at: str, complaint: str) -> None:
@@ -108,7 +111,7 @@ def test_names_that_match_nothing(tmp_path: Path, more: str, at: str, complaint:
         ("u_s_V = 81.65", 'u_s_V = "81.65"', "write it without quotes"),
         ("u_s_V = 81.65", 'law = "0"', "the values are"),
         ("u_s_V = 81.65", 'law = "tcp"', "the values are"),
-        ('"psi_s", "omega_m"', '"psi_s", "i_a"', "i_a comes twice"),
+        ('"psi_s", "omega_m"', '"psi_s", "i_a"', "i_a appears twice"),
         ('"psi_s", "omega_m"', '"psi_s", "omega"', "did you mean 'omega_m'?"),
     ],
 )
@@ -123,12 +126,12 @@ def test_values_that_cannot_be(tmp_path: Path, was: str, now: str, complaint: st
 @pytest.mark.parametrize(
     ("more", "at", "complaint"),
     [
-        ("[sweep.setup]\nu_s_V = [60.0, 60]\n", "u_s_V = [", "60 comes twice"),
-        ("[sweep.setup]\nu_s_V = [81.65, 81.6500001]\n", "u_s_V = [", "81.65 comes twice"),
+        ("[sweep.setup]\nu_s_V = [60.0, 60]\n", "u_s_V = [", "60 appears twice"),
+        ("[sweep.setup]\nu_s_V = [81.65, 81.6500001]\n", "u_s_V = [", "81.65 appears twice"),
         ("[sweep.setup]\nu_s_V = [60.0, true]\n", "u_s_V = [", "valid number"),
         ('[sweep.setup]\nlaw = ["tpc", "tcp"]\n', "law", "the values are"),
         ("[sweep.operating_point]\nomega_m_rad_s = [31.42, 500.0]\n", "omega_m_rad_s = [", "157.1 rad/s"),
-        ("[sweep.operating_point]\nload_torque_Nm = [1.0, 1]\n", "load_torque_Nm = [", "1 comes twice"),
+        ("[sweep.operating_point]\nload_torque_Nm = [1.0, 1]\n", "load_torque_Nm = [", "1 appears twice"),
         ("[sweep.operating_point]\nomega_m_rad_s = [31.42, 5.0]\n", "duration_s", "electrical periods"),
         ('[sweep.emulator]\n"inverter.u_dc_V" = [122.5, -1.0]\n', '"inverter.u_dc_V"', "is -1.0"),
         ('[emulator]\n"inverter.u_dc" = 122.5\n', '"inverter.u_dc"', "did you mean 'u_dc_V'?"),
@@ -193,7 +196,7 @@ def test_repetitions_take_the_limits_of_their_case_and_each_its_own(tmp_path: Pa
     text += '[case_limits."warm.2"]\ntorque_ripple_pp = { max = 1.0 }\n'
     _check(tmp_path / "mine.toml", text)
     message = _refusal(tmp_path / "mine.toml", text.replace('"warm.2"', '"warm.3"'))
-    assert "names case 'warm.3', which the plan has not: did you mean 'warm" in message
+    assert "names case 'warm.3', which the plan lacks: did you mean 'warm" in message
 
 
 COMBINED = """variants = [{ name = "cold", setup = { i_trip_A = 9.0 } }, { name = "hot" }]
@@ -226,7 +229,7 @@ def test_a_case_is_named_alone_or_with_its_repetitions_whatever_the_plan_varies(
         assert holds == [each.name for each in todo if name in (each.name, each.group)]
         wrong = limited.replace(f'."{name}"]', f'."{name}x"]')
         message = _refusal(path, wrong)
-        assert f"case_limits names case '{name}x', which the plan has not: did you mean '" in message
+        assert f"case_limits names case '{name}x', which the plan lacks: did you mean '" in message
         assert _line(wrong, "[case_limits") in message
 
 
@@ -235,7 +238,7 @@ def test_the_misspelt_case_of_a_sweep_is_refused(tmp_path: Path, repetitions: in
     text = BASE.replace("repetitions = 1", f"repetitions = {repetitions}") + SWEPT
     text += "[case_limits.tcp]\ntorque_mean = { max = 1.0 }\n"
     message = _refusal(tmp_path / "mine.toml", text)
-    assert "case_limits names case 'tcp', which the plan has not: did you mean 'tpc" in message
+    assert "case_limits names case 'tcp', which the plan lacks: did you mean 'tpc" in message
     assert _line(text, "[case_limits") in message
 
 
@@ -271,7 +274,7 @@ def test_a_name_is_found_however_the_table_is_written(tmp_path: Path, written: s
         ("torque_mean = { min_Nm = 0, max_mNm = 1 }", "units Nm and mNm in one limit"),
         ('omega_m_reached = { max = 40.0, unit = "rpm" }', "the limit of 'omega_m_reached' is in rpm"),
         ('capture_rows_missing = { max = 0, unit = "s" }', "a pure number: leave the unit out"),
-        ("torque_mean = { max = 1 }\ntorque_mean_Nm = { max = 1 }", "stands twice"),
+        ("torque_mean = { max = 1 }\ntorque_mean_Nm = { max = 1 }", "appears twice"),
     ],
 )
 @pytest.mark.parametrize("table", ["[limits]", "[case_limits.warm]"])
@@ -284,7 +287,7 @@ def test_a_limit_has_the_unit_of_its_measurement(
         return
     message = _refusal(tmp_path / "mine.toml", text)
     assert complaint in message
-    assert _line(text, table if "stands twice" in complaint else limit) in message
+    assert _line(text, table if "appears twice" in complaint else limit) in message
 
 
 @pytest.mark.parametrize(("unit", "fits"), [("rad/s", True), ("Nm", False)])
@@ -330,7 +333,7 @@ def test_what_is_asked_of_an_analysis_is_checked(
 @pytest.mark.parametrize(
     ("figure", "complaint"),
     [
-        ("torqe", "no figure is called so: did you mean 'torque'?"),
+        ("torqe", "there is no such figure: did you mean 'torque'?"),
         ("bode", "figure = 'bode' needs analyses.frequency_response = true"),
         ("spectra", "figure = 'spectra' draws i_a, which record.channels does not have"),
     ],
@@ -354,10 +357,10 @@ def test_the_older_form_of_the_analyses_reads_as_the_new_one() -> None:
 
 
 def test_what_needs_a_transducer_is_refused_where_there_is_none(tmp_path: Path) -> None:
-    text = BASE + "[limits]\ntrue_torque_ripple_pp = { max = 1.0 }\n"
+    text = BASE + "[limits]\ntransducer_torque_ripple_pp = { max = 1.0 }\n"
     _check(tmp_path / "mine.toml", text)
     message = _refusal(tmp_path / "mine.toml", text, transducer=False)
-    assert "needs a torque transducer, which the bench at this link has not" in message
+    assert "needs a torque transducer, which the bench at this link does not have" in message
 
 
 @pytest.mark.parametrize("path", sorted(shipped("profiles").glob("*/*.toml")), ids=lambda path: path.stem)
@@ -373,3 +376,14 @@ def test_a_number_in_quotes_is_none_in_a_profile_either(tmp_path: Path) -> None:
         path.write_text(text.replace(was, now), encoding="utf-8")
         with pytest.raises(Exception, match=r"line \d+: key 'motor\.\w+' is .*valid number"):
             load_profile(str(path))
+
+
+def test_profile_that_is_not_beside_the_plan(tmp_path: Path) -> None:
+    plan = tmp_path / "plan.toml"
+    plan.write_text(BASE.replace('"zhu2011"', '"gimbal.toml"'), encoding="utf-8")
+    result = CliRunner().invoke(app, ["run", str(plan), "--dry-run"])
+    assert result.exit_code == 2
+    complaint = (
+        f"{plan}: there is no profile file {tmp_path / 'gimbal.toml'}: a plan names it relative to itself"
+    )
+    assert complaint in result.stderr

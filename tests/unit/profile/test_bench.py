@@ -8,10 +8,13 @@ from pathlib import Path
 
 import pytest
 
+from benchtool.bench.equipment import declared
+from benchtool.bench.wires.wire import FarEnd
 from benchtool.errors import PlanError, ProfileError
 from benchtool.plan.model import load_plan, plan_path
 from benchtool.plan.validation import require_known
 from benchtool.profile import Bench, Sensor, eds_path, load_bench, load_profile, profile_path
+from benchtool.profile.equipment import CanSupply, Operator
 from benchtool.protocol.dictionary import Dictionary
 
 WHOLE = """
@@ -159,3 +162,30 @@ def test_a_sensor_of_no_channel_is_refused_before_a_run(tmp_path: Path, section:
 def test_the_shipped_profile_states_no_sensor() -> None:
     """The emulated sensors have no error of gain, offset or clock, so that there is nothing to state."""
     assert not load_profile("zhu2011").bench.channels
+
+
+@pytest.mark.parametrize("kind", ["operator", "person"])
+def test_a_load_by_hand_has_a_present_and_a_former_name(kind: str, tmp_path: Path) -> None:
+    path = tmp_path / "bench.toml"
+    path.write_text(f'[bench.load]\nkind = "{kind}"\n', encoding="utf-8")
+    assert isinstance(load_bench(str(path)).load, Operator)
+
+
+@pytest.mark.parametrize(
+    ("bus", "complaint"),
+    [
+        ("can:nosuch:x", "no interface 'nosuch' of python-can: the names are"),
+        ("can:scoketcan:can0", "did you mean 'socketcan'"),
+        ("can:virtual", "link 'can:virtual' is not known"),
+        ("can:virtual:lab?bitrat=5", "unknown option 'bitrat'"),
+    ],
+)
+@pytest.mark.parametrize("far_end", [FarEnd.EMULATED_DRIVE, FarEnd.DRIVE])
+def test_the_bus_of_an_instrument_is_checked_on_every_bench(
+    far_end: FarEnd, bus: str, complaint: str
+) -> None:
+    supply = CanSupply(kind="can", dbc="a.dbc", message="Power", rate_Hz=50.0, u_dc="voltage", bus=bus)
+    profile = load_profile("zhu2011").model_copy(update={"bench": Bench(supply=supply)})
+    with pytest.raises(ProfileError, match=rf"bench\.supply\.bus .*: .*{complaint}"):
+        declared(profile, far_end)
+    declared(profile, FarEnd.RECORDING)

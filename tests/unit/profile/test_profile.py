@@ -1,4 +1,4 @@
-"""Profiles: the shipped one is sound, and every mistake is one line that names it."""
+"""Profiles: the shipped one is valid, and every fault is reported in one line."""
 
 from __future__ import annotations
 

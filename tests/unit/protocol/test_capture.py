@@ -1,4 +1,4 @@
-"""The data of an on-drive capture: what goes in comes out, and damage never does."""
+"""The data of an on-drive capture: encoded and decoded exactly, damage is detected."""
 
 from __future__ import annotations
 
@@ -6,8 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from benchtool.errors import CaptureError
 from benchtool.protocol.capture_data import (

@@ -1,4 +1,4 @@
-"""Dictionaries of other makers' files: what is odd in them is survived or named."""
+"""Dictionaries from third-party files: oddities are tolerated or named."""
 
 from __future__ import annotations
 
@@ -7,8 +7,7 @@ import re
 from pathlib import Path
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from benchtool.errors import DictionaryError, ValueRefused
 from benchtool.protocol.dictionary import Dictionary
@@ -226,7 +225,7 @@ def test_lookup(vendor: Dictionary, name: str | tuple[int, int]) -> None:
         ((0x5555, 1), "no object 0x5555:1 in vendor.eds"),
     ],
 )
-def test_lookup_of_what_is_not_there(vendor: Dictionary, name: str | tuple[int, int], message: str) -> None:
+def test_lookup_of_a_missing_object(vendor: Dictionary, name: str | tuple[int, int], message: str) -> None:
     assert name not in vendor
     with pytest.raises(ValueRefused, match=re.escape(message)):
         vendor[name]

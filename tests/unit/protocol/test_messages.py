@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from benchtool.protocol.canopen.abort import Abort, abort_text
 from benchtool.protocol.canopen.emcy import Emergency, ErrorCode, error_register, error_text

@@ -15,7 +15,7 @@ DOCUMENT = tomllib.loads((shipped("firmware_protocol") / "objects.toml").read_te
 
 
 def changed(index: int, sub: int | None, /, **keys: Any) -> ObjectTable:
-    """The table with keys of one object, or of one of its entries, set anew."""
+    """The table with keys of one object, or of one of its entries, replaced."""
     document = copy.deepcopy(DOCUMENT)
     row = next(item for item in document["object"] if item["index"] == index)
     if sub is not None:

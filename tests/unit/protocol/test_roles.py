@@ -12,9 +12,9 @@ from benchtool.protocol.dictionary import Dictionary
 from benchtool.protocol.dictionary.profiled import profiled_dictionary
 from benchtool.protocol.dictionary.roles import Role
 from benchtool.shipped import shipped
-from tests.foreign_drives import foreign_eds
+from tests.third_party_drives import third_party_eds
 
-PROFILE = """title = "Another maker's drive"
+PROFILE = """title = "A third-party drive"
 [motor]
 pole_pairs = 4
 R_s_ohm = 0.1
@@ -33,7 +33,7 @@ FIRST_LINE = PROFILE.count("\n") + 1
 
 
 def dictionary_with(folder: Path, roles: str, eds: bytes | None = None) -> Dictionary:
-    (folder / "any.eds").write_bytes(foreign_eds() if eds is None else eds)
+    (folder / "any.eds").write_bytes(third_party_eds() if eds is None else eds)
     source = folder / "profile.toml"
     source.write_text(PROFILE + roles, encoding="utf-8")
     return profiled_dictionary(load_profile(str(source)), source, 1)
@@ -47,7 +47,7 @@ def test_each_object_of_the_reference_drive_with_a_roles_name_is_that_role() -> 
 
 
 def test_another_makers_objects_are_found_whatever_they_are_called() -> None:
-    dictionary = Dictionary.from_bytes(foreign_eds(), 1, "any.eds")
+    dictionary = Dictionary.from_bytes(third_party_eds(), 1, "any.eds")
     assert dictionary[Role.STATUSWORD].name == "Statusword 1"
     assert dictionary[Role.CONSUMER_HEARTBEAT].label == "0x1016:1"
     assert Role.MAX_TORQUE not in dictionary
@@ -66,7 +66,7 @@ def test_a_profile_redirects_a_role_by_address_or_by_name(tmp_path: Path, stated
 
 
 def test_a_profile_adds_an_object_that_the_standard_has_elsewhere(tmp_path: Path) -> None:
-    eds = foreign_eds(without=["6077"]) + (
+    eds = third_party_eds(without=["6077"]) + (
         b"[3001]\r\nParameterName=Torque\r\nObjectType=9\r\nSubNumber=3\r\n"
         b"[3001sub2]\r\nParameterName=T\r\nObjectType=7\r\nDataType=8\r\nAccessType=ro\r\n"
     )
@@ -106,7 +106,7 @@ def test_what_is_wrong_is_refused_with_file_line_and_key(tmp_path: Path, line: s
 @pytest.mark.parametrize("role", [role for role in Role if not role.unit and not role.is_text])
 def test_what_is_no_quantity_is_not_scaled(tmp_path: Path, role: Role) -> None:
     """A factor on a code would have the host write another one: 0x6007 of 1 as 0, which is to do nothing."""
-    eds = foreign_eds()
+    eds = third_party_eds()
     address = role.address if role in Dictionary.from_bytes(eds, 1, "any.eds") else "0x1001"
     stated = f'{role.title} = {{ object = "{address}", unit = "rad/s", factor = 2.0 }}\n'
     with pytest.raises(ProfileError, match=f"'roles.{role.title}': unit is 'rad/s', and a .* is no quantity"):

@@ -1,4 +1,4 @@
-"""Lines of a serial CAN adapter: what they say, and that no noise gets past them or stops them."""
+"""Lines of a serial CAN adapter: parsing, and robustness against noise."""
 
 from __future__ import annotations
 
@@ -6,16 +6,15 @@ from collections import Counter
 from itertools import pairwise
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from benchtool.protocol.slcan import (
     MAX_LINE,
     AdapterLines,
     Answer,
     Cause,
-    Command,
     Lines,
+    SlcanCommand,
     SlcanFrame,
     format_frame,
     parse_answer,
@@ -181,7 +180,7 @@ class TestCommandsAndAnswers:
         "line", ["O", "L", "C", "F", "V", "N", "S0", "S8", "s031C", "Z0", "Z1", "M0000FFFF"]
     )
     def test_a_command_is_read(self, line: str) -> None:
-        assert parse_command(line.encode()) == Command(line[0], line[1:])
+        assert parse_command(line.encode()) == SlcanCommand(line[0], line[1:])
 
     @pytest.mark.parametrize(
         ("line", "cause"),

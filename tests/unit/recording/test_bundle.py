@@ -1,4 +1,4 @@
-"""Run bundles: what goes in comes out, the same input gives the same bytes, and failures are one line."""
+"""Run bundles: data are read back exactly, the same input gives the same bytes, and failures are one line."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, given, settings, strategies as st
 from pyarrow import parquet
 
 from benchtool.block import Block, Channel, Gap
 from benchtool.errors import RecordingError
 from benchtool.recording import Bundle, BundleWriter, Manifest, StreamInfo, software_versions
+from benchtool.recording.failures import writing
 
 CHANNELS = (Channel("i_a", "A"), Channel("torque", "Nm"), Channel("switching_count", ""))
 MANIFEST = Manifest(
@@ -144,12 +144,44 @@ def test_units_and_time_base_stand_in_the_parquet_file(tmp_path: Path) -> None:
 
     schema = parquet.read_schema(tmp_path / "run" / "data" / "capture.parquet")
     assert {field.name: field.metadata[b"unit"] for field in schema} == {
+        "time_s": b"s",
         "i_a": b"A",
         "torque": b"Nm",
         "switching_count": b"",
     }
     wanted = {b"first_tick": b"100", b"stride": b"2", b"tick_s": b"0.0001", b"gaps": b"[[10, 3]]"}
     assert wanted.items() <= schema.metadata.items()
+
+
+def test_the_time_of_every_row_stands_beside_it_and_is_no_channel(tmp_path: Path) -> None:
+    written = block(0, 140_000, stride=3, gaps=(Gap(10, 3), Gap(70_000, 1)))
+    with BundleWriter(tmp_path / "run", MANIFEST) as writer:
+        writer.append("capture", written)
+        bundle = writer.finish()
+    assert_same(bundle.block("capture"), written)
+    table = parquet.read_table(tmp_path / "run" / "data" / "capture.parquet")
+    np.testing.assert_array_equal(table["time_s"].to_numpy(), written.time_s())
+    for name in written.names:
+        np.testing.assert_array_equal(table[name].to_numpy(), written.column(name))
+
+
+def test_a_channel_that_is_called_time_s_is_recorded_as_it_is(tmp_path: Path) -> None:
+    own = Block((Channel("time_s", "s"),), 0, 1, 1e-4, np.array([[0.0], [1.0], [5.0]]))
+    with BundleWriter(tmp_path / "run", MANIFEST) as writer:
+        writer.append("table", own)
+        bundle = writer.finish()
+    assert_same(bundle.block("table"), own)
+
+
+def test_a_bundle_without_the_time_is_read_as_it_was(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    written = block(gaps=(Gap(10, 3),))
+    with monkeypatch.context() as older:
+        older.setattr("benchtool.recording.stream_file.with_time", lambda schema: schema)
+        with BundleWriter(tmp_path / "run", MANIFEST.model_copy(update={"schema_version": 1})) as writer:
+            writer.append("capture", written)
+            writer.finish()
+    assert parquet.read_schema(tmp_path / "run" / "data" / "capture.parquet").names == list(written.names)
+    assert_same(Bundle.open(tmp_path / "run").block("capture"), written)
 
 
 @settings(max_examples=8, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
@@ -372,9 +404,10 @@ def test_measurements_that_json_cannot_hold_are_refused(tmp_path: Path) -> None:
 
 
 def test_what_is_not_a_bundle_is_refused(tmp_path: Path) -> None:
-    for directory in (tmp_path, tmp_path / "absent"):
-        with pytest.raises(RecordingError, match="is not a run bundle"):
-            Bundle.open(directory)
+    with pytest.raises(RecordingError, match="is not a run bundle"):
+        Bundle.open(tmp_path)
+    with pytest.raises(RecordingError, match="absent does not exist: give the folder of a run"):
+        Bundle.open(tmp_path / "absent")
 
 
 @pytest.mark.parametrize(
@@ -384,7 +417,7 @@ def test_what_is_not_a_bundle_is_refused(tmp_path: Path) -> None:
         ("\x00\ud800", "is not JSON"),
         ("[" * 100_000, "is not JSON"),
         ("[]", "holds a list"),
-        ({"schema_version": 2}, "schema version 2, this benchtool reads 1"),
+        ({"schema_version": 4}, "schema version 4, this benchtool reads 1, 2, 3"),
         ({"schema_version": None}, "schema version None"),
         ({"seed": "x"}, "key 'seed'"),
         ({"colour": 1}, "key 'colour'"),
@@ -445,3 +478,13 @@ def test_the_manifest_is_readable_text_with_its_versions(tmp_path: Path) -> None
     text = (tmp_path / "run" / "manifest.json").read_text(encoding="utf-8")
     assert "ψ" in text
     assert {"benchtool", "python", "numpy", "pyarrow"} <= json.loads(text)["versions"].keys()
+
+
+def test_a_failure_to_write_names_its_remedy(tmp_path: Path) -> None:
+    with (
+        pytest.raises(RecordingError, match="its folder does not exist"),
+        writing(tmp_path / "no" / "a.toml"),
+    ):
+        (tmp_path / "no" / "a.toml").write_text("", encoding="utf-8")
+    with pytest.raises(RecordingError, match="that you may write to"), writing(tmp_path):
+        raise PermissionError(13, "Permission denied")

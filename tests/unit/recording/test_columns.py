@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from benchtool.block import Block, Channel
-from benchtool.recording.arrow import TimeBase, batch_of, block_of, schema_of
+from benchtool.block.arrow import TimeBase, batch_of, block_of, schema_of
 
 
 def test_a_block_read_back_is_the_same_and_each_channel_lies_in_one_piece() -> None:

@@ -8,12 +8,12 @@ from pathlib import Path
 import pytest
 from pydantic import ValidationError
 
-from benchtool.cli.bundles import conditions
+from benchtool.cli.conditions import conditions
 from benchtool.cli.run import RunOptions
-from benchtool.cli.running import _resumption
+from benchtool.cli.run_plans import _resumption
 from benchtool.recording import Conditions, Manifest
 from benchtool.recording.manifest import read_manifest, write_manifest
-from benchtool.report.origin import run_facts
+from benchtool.report.provenance import run_facts
 
 STATED = Conditions(
     operator="A. Müller",

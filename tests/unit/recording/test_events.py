@@ -1,4 +1,4 @@
-"""The log of a bundle: what goes in comes out, also after the process was cut off in a line."""
+"""The log of a bundle: read back exactly, also if the process ended within a line."""
 
 from __future__ import annotations
 
@@ -6,8 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from benchtool.errors import RecordingError
 from benchtool.recording import Bundle, BundleWriter, Event, EventFile, Level, Manifest

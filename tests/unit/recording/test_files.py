@@ -1,4 +1,4 @@
-"""Documents appear whole or not at all, and take the place of nothing that is not theirs."""
+"""Documents are written atomically, and never replace other files."""
 
 from __future__ import annotations
 

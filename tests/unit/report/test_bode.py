@@ -28,7 +28,7 @@ def test_every_case_has_its_curves_on_shared_axes_with_units() -> None:
     assert gain.get_legend_handles_labels()[1] == ["two", "five"]
     assert gain.get_ylabel() == "gain (dB re 1 Nm/(rad/s))"
     assert phase.get_ylabel() == "phase (°)"
-    assert coherence.get_xlabel() == "frequency (Hz)"
+    assert coherence.get_xlabel() == "frequency $f$ (Hz)"
     assert coherence.get_xscale() == "log"
     lines = {line.get_label(): line for line in phase.lines}
     frequency_Hz = np.asarray(lines["five"].get_xdata(), dtype=np.float64)
@@ -43,5 +43,5 @@ def test_switching_states_are_bars_of_time_and_of_periods() -> None:
     heights = [patch.get_height() for patch in axes.patches if isinstance(patch, Rectangle)]
     assert heights[:2] == pytest.approx([75.0, 25.0])
     assert heights[7:9] == pytest.approx([100.0, 50.0])
-    assert [label.get_text() for label in axes.get_xticklabels()][:2] == ["zero (0, 7)", "1: 0°"]
+    assert [label.get_text() for label in axes.get_xticklabels()][:2] == ["0, 7", "1\n0°"]
     assert axes.get_ylabel() == "share (%)"

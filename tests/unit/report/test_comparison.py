@@ -40,18 +40,21 @@ def panels() -> list[Panel]:
 
 def test_torque_traces_are_stacked_on_the_same_axes(panels: list[Panel]) -> None:
     figure = draw_torque_traces(panels, "title")
-    torque = [axes for axes in figure.axes if axes.get_ylabel() == "torque (Nm)"]
-    speed = [axes for axes in figure.axes if axes.get_ylabel() == "speed (rad/s)"]
+    torque = [axes for axes in figure.axes if axes.get_ylabel() == "torque $T$ (Nm)"]
+    speed = [axes for axes in figure.axes if axes.get_ylabel() == r"mechanical speed $\omega_m$ (rad/s)"]
     assert (len(torque), len(speed)) == (2, 2)
     assert torque[0].get_ylim() == torque[1].get_ylim()
     assert [axes.get_title(loc="left") for axes in torque] == ["first", "second"]
 
 
 def test_steady_traces_have_a_column_for_each_case(panels: list[Panel]) -> None:
-    figure = draw_steady_traces(panels, "title", 0.2)
+    figure = draw_steady_traces(panels, "title")
     labels = [axes.get_ylabel() for axes in figure.axes]
-    assert labels == ["torque (Nm)", "", "phase current a (A)", "", "stator flux, peak (Wb)", ""]
-    assert np.asarray(figure.axes[0].lines[0].get_ydata()).shape == (2000,)
+    names = ["torque $T$ (Nm)", "phase current $i_a$ (A)", r"stator flux $\psi_s$ (Wb)"]
+    assert labels == [names[0], "", names[1], "", names[2], ""]
+    torque = np.asarray(figure.axes[0].lines[0].get_xydata())
+    assert torque[-1] == pytest.approx((0.5199, panels[0].capture.column("torque")[-1]))  # all of the capture
+    assert torque[:, 1].max() == panels[0].capture.column("torque").max()
 
 
 def test_spectra_name_the_fundamental_and_the_largest_other(panels: list[Panel]) -> None:

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from benchtool.block import Block, Channel, Gap
-from benchtool.report.figures.envelope import COLUMNS, envelope, trace
+from benchtool.report.figures.envelope import COLUMNS, band, envelope, trace
 
 
 @given(st.integers(1, 3000), st.integers(1, 40), st.integers(0, 2**32 - 1), st.floats(0, 0.2))
@@ -26,17 +25,15 @@ def test_every_stretch_keeps_its_extremes(rows: int, columns: int, seed: int, mi
     if rows <= 4 * columns:
         assert len(at) == rows
         return
-    length = rows // columns
+    length = -(-rows // columns)  # no stretch is longer than the others
     for begin in range(0, rows, length):
-        inside = y[begin : begin + length] if begin + length <= columns * length else y[columns * length :]
+        inside = y[begin : begin + length]
         end = begin + len(inside)
         kept = drawn[(at >= begin) & (at < end)]
         if np.isfinite(inside).any():
             assert np.nanmin(kept) == np.nanmin(inside)
             assert np.nanmax(kept) == np.nanmax(inside)
         assert np.isnan(kept).any() == np.isnan(inside).any()
-        if end == rows:
-            break
 
 
 def test_a_single_sample_in_six_million_is_drawn() -> None:
@@ -46,6 +43,33 @@ def test_a_single_sample_in_six_million_is_drawn() -> None:
     assert drawn.max() == 1.0
     assert x[drawn.argmax()] == 4_321_234
     assert len(drawn) <= 3 * COLUMNS + 4
+
+
+@given(
+    st.integers(1, 3000),
+    st.integers(1, 400),
+    st.lists(st.integers(1, 2999), max_size=3),
+    st.integers(0, 2**32 - 1),
+)
+def test_a_band_has_the_extremes_of_every_stretch_and_none_across_a_gap(
+    rows: int, stretches: int, places: list[int], seed: int
+) -> None:
+    values = np.random.default_rng(seed).standard_normal((rows, 1))
+    gaps = tuple(Gap(row, 7) for row in sorted(set(places)) if row < rows)
+    block = Block((Channel("torque", "Nm"),), 0, 1, 1e-3, values, gaps)
+
+    time_s, least, greatest = band(block, "torque", stretches)
+
+    known = ~np.isnan(time_s)
+    assert np.count_nonzero(~known) == len(gaps)
+    assert np.count_nonzero(known) <= stretches + len(gaps) + 1
+    assert (np.nanmin(least), np.nanmax(greatest)) == (values.min(), values.max())
+    assert np.all(np.diff(time_s[known]) > 0)
+    assert 0.0 <= time_s[known][0] <= time_s[known][-1] <= (rows - 1 + 7 * len(gaps)) * 1e-3
+    parts = np.split(values[:, 0], [gap.row for gap in gaps])
+    broken = np.split(least, np.flatnonzero(~known))
+    for part, drawn in zip(parts, broken, strict=True):
+        assert np.nanmin(drawn) == part.min()
 
 
 @pytest.mark.parametrize("rows", [100, 100_000])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,10 +12,16 @@ import pytest
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from benchtool.analysis import SteadyState, analyze_steady_state
-from benchtool.block import Block, Channel
+from benchtool.analysis.catalogue import CORE
+from benchtool.analysis.declaration import Panel
+from benchtool.analysis.flux_trajectory import FLUX_TRAJECTORY
+from benchtool.analysis.steady_state import steady_state_of
+from benchtool.analysis.window import Window
+from benchtool.block import Block, Channel, Gap
 from benchtool.errors import AnalysisError, RecordingError
-from benchtool.report.figures.steady_state import draw_steady_state, save_figures
+from benchtool.report.figures.drawings import draw_of_case
+from benchtool.report.figures.steady_state import save_figures
+from benchtool.report.figures.waveforms import fundamental, last_periods
 
 SAMPLES = 3000
 TICK_S = 1e-4
@@ -47,8 +54,21 @@ def transducer(ticks: int = SAMPLES) -> Block:
     return Block((Channel("torque_transducer", "Nm"),), 20 * 500, 1, TICK_S / 20, torque[:, np.newaxis])
 
 
-def analyze(block: Block) -> SteadyState:
-    return analyze_steady_state(block, pole_pairs=4, torque_rated_Nm=9.55)
+def panel(block: Block, shaft: Block | None = None, **limits: tuple[float | None, float | None]) -> Panel:
+    """The capture measured, shown with a transducer and judged by limits."""
+    window = Window(block, 4, 9.55)
+    found = {
+        each.name: each.measure(window, each.settings())
+        for each in (*CORE, FLUX_TRAJECTORY)
+        if each.possible(frozenset(block.names), each.settings(), transducer=False)
+    }
+    return Panel("a case", block, steady_state_of(found), "a case", shaft, found, limits)
+
+
+def drawn(
+    block: Block, shaft: Block | None = None, **limits: tuple[float | None, float | None]
+) -> dict[str, Figure]:
+    return draw_of_case(panel(block, shaft, **limits), "a run")
 
 
 def texts(figure: Figure) -> str:
@@ -59,42 +79,99 @@ def texts(figure: Figure) -> str:
     )
 
 
-def test_figures_show_the_signals_with_units_over_two_periods() -> None:
+def test_waveforms_show_all_that_was_recorded_and_two_periods_in_detail() -> None:
     block = capture()
 
-    figures = draw_steady_state(block, analyze(block), transducer(), title="a run")
+    figures = drawn(block, transducer())
 
     assert list(figures) == ["waveforms", "current_spectrum", "flux_trajectory"]
-    torque, current, flux = figures["waveforms"].axes
-    assert flux.get_xlim() == pytest.approx((0.0, 0.1))
-    assert [line.get_label() for line in torque.lines] == ["shaft transducer", "estimate", "reference"]
-    assert [line.get_label() for line in current.lines] == ["$i_a$", "$i_b$", "$i_c$"]
+    torque, torque_detail, current, current_detail, flux, flux_detail = figures["waveforms"].axes
+    end_s = (SAMPLES - 1) * TICK_S
+    assert flux.get_xlim() == pytest.approx((0.0, end_s))
+    assert flux_detail.get_xlim() == pytest.approx((end_s - 0.1, end_s))
+    labels = torque.get_legend_handles_labels()[1]
+    assert labels == ["shaft transducer", "estimate", "reference"]
+    shown = np.asarray(torque_detail.lines[0].get_ydata())
+    np.testing.assert_array_equal(shown, block.column("torque")[-len(shown) :])
+    estimate = np.asarray(torque.collections[1].get_paths()[0].vertices)[:, 1]
+    assert (estimate.min(), estimate.max()) == (block.column("torque").min(), block.column("torque").max())
     for name, unit in {"torque": "Nm", "current": "A", "flux": "Wb"}.items():
         assert any(
             name in label and f"({unit})" in label for label in texts(figures["waveforms"]).split("\n")
         )
-    (band,) = torque.patches
-    assert band.get_label() == "mean ± rms ripple"
-    assert band.get_zorder() > torque.lines[1].get_zorder(), "the estimate would hide it"
-    assert all((line.get_alpha() or 1.0) < 1.0 for line in current.lines), "the last would hide the others"
-    shown = np.asarray(torque.lines[1].get_ydata())
-    np.testing.assert_array_equal(shown, block.column("torque")[: len(shown)])
+    assert [line.get_label() for line in current.lines] == [f"$i_{each}$, fundamental" for each in "abc"]
+    raw, fitted = current_detail.lines[0], current_detail.lines[1]
+    assert (raw.get_alpha() or 1.0) < 0.5, "the last phase would hide the others"
+    assert fitted.get_linewidth() > 2 * raw.get_linewidth()
+
+
+def test_the_fundamental_is_the_sinusoid_of_the_phase_alone() -> None:
+    time_s, current_A = fundamental(capture(), "i_a", 20.0)
+    np.testing.assert_allclose(current_A, np.cos(2 * np.pi * 20.0 * time_s), atol=2e-3)
+
+
+def test_the_limit_that_is_judged_is_drawn_about_what_was_measured() -> None:
+    torque, detail, *_ = drawn(capture(), torque_ripple_pp=(None, 0.1), torque_mean=(0.6, None))[
+        "waveforms"
+    ].axes
+    for axes in (torque, detail):
+        levels = [
+            float(np.asarray(line.get_ydata())[0]) for line in axes.lines if "limit" in str(line.get_label())
+        ]
+        levels += [
+            float(np.asarray(line.get_ydata())[0]) for line in axes.lines if line.get_label() == "_nolegend_"
+        ]
+        assert sorted(levels) == pytest.approx([0.6, 0.6, 0.7])
+    labels = torque.get_legend_handles_labels()[1]
+    assert "limit of the ripple, peak to peak" in labels
+    assert not any("rms" in label for label in labels)
+
+
+def test_a_limit_in_percent_is_drawn_in_newton_metres() -> None:
+    torque, *_ = drawn(capture(), torque_ripple_percent_of_rated=(None, 1.0))["waveforms"].axes
+    levels = [np.asarray(line.get_ydata())[0] for line in torque.lines if line.get_label() != "reference"]
+    assert np.ptp(levels) == pytest.approx(0.0955)
+
+
+def test_the_title_states_the_judged_number_with_its_limit() -> None:
+    title = drawn(capture(), torque_ripple_pp=(None, 0.1))["waveforms"].get_suptitle()
+    assert "0.06 Nm (limit 0.1) peak to peak" in title
+
+
+def test_the_detail_follows_the_last_gap() -> None:
+    block = capture()
+    broken = Block(block.channels, block.first_tick, 1, TICK_S, block.data, (Gap(SAMPLES - 400, 50),))
+    detail = last_periods(broken, 20.0)
+    assert (len(detail.data), detail.gaps) == (400, ())
+    assert detail.first_tick == broken.ticks()[SAMPLES - 400]
 
 
 def test_the_spectrum_marks_fundamental_and_largest_other_component() -> None:
     block = capture()
 
-    shown = texts(draw_steady_state(block, analyze(block), title="a run")["current_spectrum"])
+    shown = texts(drawn(block)["current_spectrum"])
 
     assert "fundamental 1 A" in shown
     assert "largest other 0.02" in shown
     assert "at 188 Hz" in shown
 
 
+def test_the_spectrum_has_the_limit_of_the_largest_other_component() -> None:
+    low, _ = drawn(capture(), current_max_low_harmonic=(None, 0.03))["current_spectrum"].axes
+    (limit,) = (line for line in low.lines if str(line.get_label()).startswith("limit"))
+    assert np.asarray(limit.get_ydata())[0] == 0.03
+
+
+def test_the_flux_circle_has_its_limits() -> None:
+    (axes,) = drawn(capture(), flux_ripple_pp=(None, 0.02))["flux_trajectory"].axes
+    radii = [float(np.hypot(*np.asarray(line.get_xydata())[0])) for line in axes.lines[2:]]
+    assert radii == pytest.approx([0.16, 0.18])
+
+
 def test_the_flux_circle_is_the_reference() -> None:
     block = capture()
 
-    (axes,) = draw_steady_state(block, analyze(block), title="a run")["flux_trajectory"].axes
+    (axes,) = drawn(block)["flux_trajectory"].axes
 
     circle = np.hypot(*np.asarray(axes.lines[1].get_data()))
     assert circle == pytest.approx(np.full(len(circle), 0.17))
@@ -103,7 +180,7 @@ def test_the_flux_circle_is_the_reference() -> None:
 def test_optional_channels_may_be_absent() -> None:
     block = capture("i_b", "i_c", "torque_reference", "psi_s_reference", "psi_alpha")
 
-    figures = draw_steady_state(block, analyze(block), title="a run")
+    figures = drawn(block)
 
     assert list(figures) == ["waveforms", "current_spectrum"]
     assert "reference" not in texts(figures["waveforms"])
@@ -112,7 +189,7 @@ def test_optional_channels_may_be_absent() -> None:
 def test_without_a_flux_reference_the_circle_is_the_mean() -> None:
     block = capture("psi_s_reference")
 
-    (axes,) = draw_steady_state(block, analyze(block), title="a run")["flux_trajectory"].axes
+    (axes,) = drawn(block)["flux_trajectory"].axes
 
     assert [line.get_label() for line in axes.lines] == ["estimate", "mean"]
 
@@ -121,13 +198,13 @@ def test_a_transducer_of_another_time_is_refused() -> None:
     block = capture()
 
     with pytest.raises(AnalysisError, match="is needed"):
-        draw_steady_state(block, analyze(block), transducer(ticks=10), title="a run")
+        drawn(block, transducer(ticks=10))
 
 
 def test_files_are_pictures_and_the_same_each_time(tmp_path: Path) -> None:
     block = capture()
-    figures = draw_steady_state(block, analyze(block), title="a run")
-    again = draw_steady_state(block, analyze(block), title="a run")
+    figures = drawn(block)
+    again = drawn(block)
 
     paths = save_figures(figures, tmp_path / "plots")
 
@@ -140,7 +217,7 @@ def test_files_are_pictures_and_the_same_each_time(tmp_path: Path) -> None:
 def test_a_folder_that_cannot_be_written_is_one_line(tmp_path: Path) -> None:
     (tmp_path / "plots").write_text("a file")
     block = capture()
-    figures = draw_steady_state(block, analyze(block), title="a run")
+    figures = drawn(block)
 
     with pytest.raises(RecordingError, match=r"cannot write .*waveforms\.png") as refused:
         save_figures(figures, tmp_path / "plots")
@@ -151,3 +228,14 @@ def test_pyplot_with_its_global_state_is_not_imported() -> None:
     code = "import sys, benchtool.report.figures.steady_state; sys.exit('matplotlib.pyplot' in sys.modules)"
 
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_a_spectrum_is_drawn_whose_fundamental_is_undefined() -> None:
+    block = capture()
+    data = np.array(block.data)
+    column = block.names.index("i_a")
+    data[:, column] = np.minimum(data[:, column], 0.6)
+    clipped = panel(replace(block, data=data))
+    assert clipped.steady is not None
+    assert "the record is clipped" in clipped.steady["current_fundamental"].reason
+    assert "current_spectrum" in draw_of_case(clipped, "clipped")

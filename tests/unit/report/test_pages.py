@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from reportlab.pdfbase.ttfonts import TTFont
 
 from benchtool.analysis.measurement import Basis, Measurement, Table
+from benchtool.analysis.numbers import stated
 from benchtool.analysis.uncertainty import Uncertainty
 from benchtool.report.content import (
     Cell,
@@ -31,7 +32,6 @@ from benchtool.report.content import (
 from benchtool.report.figures.style import BLUE, dress, new_figure
 from benchtool.report.html import html_page
 from benchtool.report.images import MOST_SVG_BYTES, data_uri
-from benchtool.report.numbers import stated
 from benchtool.report.pdf.document import pdf_document
 from benchtool.report.results import Bounds, basis_text, limits_section, measurements_section, tables_section
 
@@ -184,11 +184,11 @@ def test_a_basis_in_words() -> None:
 
 def test_measurements_come_with_uncertainty_definition_basis_and_published_figure() -> None:
     measured = Measurement(
-        "current_thd", 1.838, "%", "harmonics over it", BASIS, Uncertainty(0.0123, "noise floor")
+        "current_thd_f", 1.838, "%", "harmonics over it", BASIS, Uncertainty(0.0123, "noise floor")
     )
     other = Measurement.undefined("plain", "A", "a mean", "no channel")
     bounds = Bounds(None, 2.0, "marginal within 0.5", "marginal")
-    section = measurements_section("M", [measured, other], {"current_thd": bounds}, {"current_thd": 1.5})
+    section = measurements_section("M", [measured, other], {"current_thd_f": bounds}, {"current_thd_f": 1.5})
     (grid,) = section.items
     assert isinstance(grid, Grid)
     headings = [column.heading for column in grid.columns]

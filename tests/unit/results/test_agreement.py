@@ -4,11 +4,17 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 
 from benchtool.analysis import Measurement, Uncertainty
+from benchtool.block import Block
 from benchtool.plan.limits import Limit, Verdict, missed
+from benchtool.profile import Bench, Sensor
 from benchtool.results.agreement import disagreements
+from benchtool.results.block_result import analyze_block
+from benchtool.results.calibration import Calibration
+from tests.unit.analysis.example_capture import EXAMPLE_MOTOR, steady_capture
 
 
 def _number(name: str, value: float, standard: float | None = None) -> Measurement:
@@ -19,9 +25,9 @@ def _number(name: str, value: float, standard: float | None = None) -> Measureme
 def test_a_ripple_that_the_shaft_contradicts_is_told_with_the_verdict_there() -> None:
     measured = (
         _number("torque_ripple_pp", 0.0501, 0.0016),
-        _number("true_torque_ripple_pp", 0.194, 0.002),
+        _number("transducer_torque_ripple_pp", 0.194, 0.002),
         _number("flux_ripple_pp", 1.0),
-        _number("true_torque_ripple_rms", 0.03),
+        _number("transducer_torque_ripple_rms", 0.03),
     )
     (found,) = disagreements(measured, {"torque_ripple_pp": Limit(max=0.06)})
     assert found.name == "torque_ripple_pp"
@@ -45,7 +51,7 @@ def test_a_ripple_that_the_shaft_contradicts_is_told_with_the_verdict_there() ->
 def test_any_pair_of_names_is_compared(
     difference: float, own: float | None, true: float | None, told: bool
 ) -> None:
-    pair = (_number("anything", 1.0, own), _number("true_anything", 1.0 + difference, true))
+    pair = (_number("anything", 1.0, own), _number("transducer_anything", 1.0 + difference, true))
     assert bool(disagreements(pair, {})) is told
     assert all(each.verdict is None for each in disagreements(pair, {}))
 
@@ -65,3 +71,55 @@ def test_what_was_missed_says_the_bound_and_by_how_much() -> None:
     assert str(missed("x", limit, undefined)) == (
         "x is undefined (nothing tells it), >= 1, <= 2 is asked for"
     )
+
+
+def _shaft(rate_Hz: float, lag_Hz: float, highest_Hz: float, factor: float = 1.0) -> Block:
+    """Return the torque of `steady_capture` behind a first-order lag, sampled without what it cannot show."""
+    time_s = np.arange(round(0.3 * rate_Hz)) / rate_Hz
+    phase = 2.0 * np.pi * 300.0 * time_s - math.atan(300.0 / lag_Hz)
+    amplitude = 0.1 * factor / math.hypot(1.0, 300.0 / lag_Hz) if highest_Hz > 300.0 else 0.0
+    noise = 1e-5 * np.random.default_rng(1).standard_normal(len(time_s))
+    torque = 1.0 + amplitude * np.cos(phase) + noise
+    return Block.from_arrays(rate_Hz, {"torque_transducer": "Nm"}, torque_transducer=torque)
+
+
+@pytest.mark.parametrize(
+    ("rate_Hz", "lag_Hz", "factor", "told"),
+    [
+        (2e4, 100.0, 1.0, False),  # of a stated bandwidth
+        (2e4, 100.0, 1.5, True),
+        (2e3, 100.0, 1.0, False),
+        (2e4, math.inf, 1.0, False),  # as fast as the capture
+        (2e4, math.inf, 1.5, True),
+    ],
+)
+def test_a_slow_transducer_is_compared_with_the_estimate_in_its_band(
+    rate_Hz: float, lag_Hz: float, factor: float, told: bool
+) -> None:
+    capture, _ = steady_capture()
+    sensors = {"torque_transducer": Sensor(bandwidth_Hz=lag_Hz)} if math.isfinite(lag_Hz) else {}
+    calibration = Calibration(Bench(channels=sensors))
+    shaft = _shaft(rate_Hz, lag_Hz, 0.5 * rate_Hz, factor)
+    found = analyze_block(capture, EXAMPLE_MOTOR, transducer=shaft, calibration=calibration)
+    by_name = {each.name: each for each in disagreements(found.measurements, {})}
+    assert ("torque_ripple_rms" in by_name) is told
+    if not told:
+        return
+    each = by_name["torque_ripple_rms"]
+    if math.isinf(lag_Hz):
+        assert not each.band_text
+        return
+    assert "in the transducer's band, up to 100 Hz" in each.band_text
+    assert each.to_json()["band_Hz"] == 100.0
+    in_band = 0.1 / math.sqrt(2.0) / math.hypot(1.0, 3.0)
+    assert each.to_json()["estimate_in_band"] == pytest.approx(in_band, rel=2e-3)
+
+
+def test_a_transducer_of_a_low_rate_is_not_held_against_what_it_cannot_show() -> None:
+    capture, _ = steady_capture()
+    found = analyze_block(capture, EXAMPLE_MOTOR, transducer=_shaft(500.0, math.inf, 250.0))
+    rms = found["torque_ripple_rms"]
+    assert rms.value == pytest.approx(0.1 / math.sqrt(2.0), rel=1e-3)
+    assert rms.in_common_band is not None
+    assert rms.in_common_band.value < 1e-3
+    assert rms.in_common_band.basis.bandwidth_Hz == 250.0

@@ -26,7 +26,7 @@ from benchtool.results.assessment import Assessment, assess, assess_bundle
 from benchtool.results.calibration import Calibration
 from benchtool.results.comparison import deltas
 from benchtool.results.repetitions import over_repetitions
-from tests.unit.analysis.specimen import SPECIMEN_MOTOR, steady_specimen, step_specimen
+from tests.unit.analysis.example_capture import EXAMPLE_MOTOR, steady_capture, step_capture
 
 SENSORS = """
 [bench.channels.torque]
@@ -49,7 +49,7 @@ LATE = "2026-03-03T10:00:00+01:00"
 
 
 def _bundle(folder: Path, *, toml: str = "", when: str = ON, limits: dict[str, Any] | None = None) -> Path:
-    block, transducer = steady_specimen()
+    block, transducer = steady_capture()
     plan = Plan.model_validate(
         {
             "title": "specimen",
@@ -62,7 +62,7 @@ def _bundle(folder: Path, *, toml: str = "", when: str = ON, limits: dict[str, A
     details = {
         "case": "a",
         "plan": plan.model_dump(mode="json"),
-        "motor": SPECIMEN_MOTOR.model_dump(mode="json"),
+        "motor": EXAMPLE_MOTOR.model_dump(mode="json"),
         "u_dc_V": 100.0,
     }
     manifest = Manifest(what="specimen", when=when, profile_toml=toml, details=details)
@@ -89,7 +89,7 @@ def test_a_recording_is_measured_with_the_sensors_of_the_profile_that_it_carries
     assert _U(without, "current_fundamental") < 2e-4
     assert _U(stated, "current_fundamental") == pytest.approx(1.96 * 0.0025, rel=0.01)
     assert _U(stated, "torque_mean") == pytest.approx(1.96 * 0.005, rel=0.02)
-    assert _U(stated, "current_thd") == pytest.approx(_U(without, "current_thd"))
+    assert _U(stated, "current_thd_f") == pytest.approx(_U(without, "current_thd_f"))
     assert _U(stated, "fundamental_frequency") == pytest.approx(1.96 * 50.0 * 1e-4 / math.sqrt(3.0), rel=0.01)
     for name, value in {each.name: each.value for each in without.measurements}.items():
         assert stated.found[name].value == pytest.approx(value, nan_ok=True), name
@@ -134,12 +134,12 @@ def test_a_step_knows_the_gain_of_its_signal() -> None:
         "record": {"duration_s": 0.04, "channels": ["torque", "torque_reference"]},
         "analyses": {"steady": False, "step": True},
     }
-    block = step_specimen()
+    block = step_capture()
 
     def assessed(bench: Bench) -> Assessment:
         calibration = Calibration(bench)
         return assess(
-            Plan.model_validate(plan), "", SPECIMEN_MOTOR, Path(), block, None, calibration=calibration
+            Plan.model_validate(plan), "", EXAMPLE_MOTOR, Path(), block, None, calibration=calibration
         )
 
     sensor = Sensor(gain_U_percent=4.0)

@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from scipy import stats
 
 from benchtool.analysis import Measurement
-from benchtool.analysis.measurement import Basis
-from benchtool.analysis.uncertainty import Uncertainty, of_difference
+from benchtool.analysis.measurement import Basis, measurements_from_json, measurements_to_json
+from benchtool.analysis.uncertainty import Contribution, Uncertainty, of_difference
 from benchtool.block import Block, Channel
 from benchtool.plan.limits import Limit
-from benchtool.report.assembly.comparison import difference
+from benchtool.report.assembly.comparison_front import difference
 from benchtool.results.assessment import Assessment
 from benchtool.results.comparison import Comparison, compare_cases, deltas
 
@@ -45,6 +45,31 @@ def test_a_difference_is_the_other_less_the_reference() -> None:
 def test_it_exceeds_the_expanded_uncertainty_of_both(other: float, exceeds: bool) -> None:
     (delta,) = deltas(result(x=(1.0, 0.03)), result(x=(other, 0.04)))
     assert delta.exceeds is exceeds
+
+
+def test_the_repeatability_counts_in_a_difference_and_nowhere_else() -> None:
+    wander = Contribution("wander", "A", 0.4)
+    a, b = (result(x=(value, 0.3)) for value in (1.0, 2.2))
+    a = replace(a, measurements=(replace(a.measurements[0], repeatability=wander),))
+    (alone,), (wandering,) = deltas(b, b), deltas(a, b)
+    assert alone.standard == pytest.approx(0.3 * math.sqrt(2.0))
+    assert wandering.standard == pytest.approx(math.sqrt(0.3**2 + 0.3**2 + 0.4**2))
+    assert wandering.exceeds is True  # k of two known contributions, 1.96, and 1.14
+    (again,) = measurements_from_json(measurements_to_json(a.measurements))
+    assert again == a.measurements[0]
+
+
+@pytest.mark.parametrize(("apart_Hz", "is_one"), [(7.9, True), (8.1, False)])
+def test_the_largest_lines_of_two_spectra_are_compared_where_they_are_one(
+    apart_Hz: float, is_one: bool
+) -> None:
+    def at(line_Hz: float) -> Assessment:
+        found = result(x=(line_Hz, 0.1))
+        basis = Basis(duration_s=0.5, line_Hz=line_Hz)
+        return replace(found, measurements=(replace(found.measurements[0], basis=basis),))
+
+    (delta,) = deltas(at(100.0), at(100.0 + apart_Hz))
+    assert (delta.exceeds, delta.reason == "") == ((True, True) if is_one else (None, False))
 
 
 @given(st.floats(-1e6, 1e6), st.floats(-1e6, 1e6), st.floats(0, 10), st.floats(0, 10))
@@ -124,8 +149,8 @@ def test_how_many_would_exceed_by_chance_is_said() -> None:
         "expected_by_chance": pytest.approx(0.2),
     }
     assert str(comparison.chance) == (
-        "1 of 4 differences exceed their uncertainty; if nothing differed, chance would make 0.2 of them do "
-        "so on average."
+        "1 of 4 differences exceed their uncertainty; if nothing differed, 0.2 of them would do so by chance "
+        "on average."
     )
     assert str(Comparison.of("", {"one": result(x=(1.0, 0.1)), "two": result(x=(2.0, 0.1))}).chance) == ""
 

@@ -134,7 +134,7 @@ def test_a_limit_on_repetitions_is_held_against_the_transducer_too(
     measured = {
         name: (
             Measurement("torque_mean", value, "Nm", "mean", uncertainty=small),
-            Measurement("true_torque_mean", true, "Nm", "mean", uncertainty=small),
+            Measurement("transducer_torque_mean", true, "Nm", "mean", uncertainty=small),
         )
         for name, value, true in zip(names, (1.00, 1.001), shaft, strict=True)
     }

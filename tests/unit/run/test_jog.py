@@ -1,10 +1,9 @@
-"""How the host paces setpoints, and what it says about it."""
+"""Timing of setpoints by the host, and its report."""
 
 from __future__ import annotations
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from benchtool.clock import VirtualClock
 from benchtool.run.jog import pace

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import json
+import os
+from datetime import date, datetime
 from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, example, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, example, given, settings, strategies as st
 
 from benchtool.errors import BenchError
+from benchtool.profile import Bench, ReferenceClock, Sensor
 from benchtool.tables import TableQuestion, analyze_table
+from benchtool.tables.remarks import RemarkKind
 
 NUMBERS = st.one_of(
     st.floats(-10.0, 10.0),
@@ -74,3 +77,34 @@ def test_amplitudes_of_any_size_are_measured(tmp_path: Path, scale: float) -> No
     found = {each.name: each.value for each in answer.measurements}
     assert found["current_fundamental"] == pytest.approx(scale, rel=1e-3)
     assert found["current_order_2"] == pytest.approx(scale, rel=1e-3)
+
+
+@pytest.mark.parametrize(("recorded_on", "late"), [(date(2026, 3, 2), True), (date(2026, 3, 1), False)])
+def test_the_day_and_the_clock_of_a_table_are_those_that_are_stated(
+    tmp_path: Path, recorded_on: date, late: bool
+) -> None:
+    """A calibration that was due before the day is a remark; the clock is in the frequency's uncertainty."""
+    time_s = np.arange(4000) / 2e3
+    path = tmp_path / "table.csv"
+    np.savetxt(path, np.stack([time_s, 5.0 * np.cos(2 * np.pi * 50.0 * time_s)], axis=1), delimiter=",")
+    bench = Bench(
+        channels={"current": Sensor(gain_U_percent=1.0, due=date(2026, 3, 1))},
+        clock=ReferenceClock(tolerance_ppm=50.0),
+    )
+    question = TableQuestion(path, "1", {"current": "2"}, bench=bench, recorded_on=recorded_on)
+    answer = analyze_table(question)
+
+    kinds = [each.kind for each in answer.remarks]
+    assert (RemarkKind.CALIBRATION_OVERDUE in kinds) is late
+    assert answer.source["recorded_on"] == str(recorded_on)
+    (frequency,) = (each for each in answer.measurements if each.name == "fundamental_frequency")
+    assert frequency.uncertainty is not None
+    (line,) = (each for each in frequency.uncertainty.budget if "ppm" in each.name)
+    assert line.standard == pytest.approx(50.0 * 50e-6 / np.sqrt(3.0), rel=1e-3)
+
+
+def test_without_a_stated_day_it_is_that_of_the_file(tmp_path: Path) -> None:
+    path = tmp_path / "table.csv"
+    path.write_text("".join(f"{k / 1e3},{np.cos(0.3 * k)}\n" for k in range(200)))
+    os.utime(path, (0.0, datetime(2020, 5, 17, 12).timestamp()))
+    assert TableQuestion(path, "1", {"current": "2"}).day == date(2020, 5, 17)

@@ -8,8 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, given, settings, strategies as st
 
 from benchtool.errors import AnalysisError, BenchError, RecordingError
 from benchtool.tables.text import Rows, TextTable
@@ -140,7 +139,7 @@ def test_an_option_overrides_the_unit_of_the_head(tmp_path: Path) -> None:
         *(("I\nV", "V", "A"), ("T\n%", "%", "Nm")),
     ],
 )
-def test_a_unit_of_the_head_that_is_none_of_the_kind_is_never_taken_as_si(
+def test_a_unit_in_the_head_of_another_kind_is_never_taken_as_si(
     tmp_path: Path, head: str, unit: str, si_unit: str
 ) -> None:
     name, _, below = head.partition("\n")
@@ -424,7 +423,7 @@ def test_a_unit_that_ends_like_an_offset_is_a_unit(tmp_path: Path) -> None:
         table.select("n:rpm*0", "rad/s")
 
 
-def test_percent_is_of_what_is_rated(tmp_path: Path) -> None:
+def test_percent_is_of_the_rated_value(tmp_path: Path) -> None:
     table = TextTable.open(write(tmp_path, "t,T [%]\n" + lines()))
     assert table.select("T", "Nm", rated=2.0).factor == 0.02
     with pytest.raises(AnalysisError, match="'%' is no unit"):

@@ -1,4 +1,4 @@
-"""Time stamps of foreign data: one rate, gaps, or the reason why there is none."""
+"""Time stamps of imported data: one rate, gaps, or the reason why there is none."""
 
 from __future__ import annotations
 
@@ -6,8 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from numpy.typing import NDArray
 
 from benchtool.block import Gap
@@ -130,7 +129,7 @@ def test_the_rate_of_coarse_stamps_is_known_to_within_its_uncertainty(
 @pytest.mark.parametrize("decimals", [3, 4, 5, 9])
 def test_the_uncertainty_of_the_rate_is_that_of_both_ends_over_the_duration(decimals: int) -> None:
     base = time_base(np.round(ROWS / 10_000.0, decimals))
-    step_s = max(1e-4, 10.0**-decimals)  # finer digits are zeros, which nobody can tell from none
+    step_s = max(1e-4, 10.0**-decimals)  # finer digits are zeros, which cannot be seen
     assert base.rate_relative == pytest.approx(step_s / math.sqrt(6.0) / 0.5, rel=0.02)
 
 

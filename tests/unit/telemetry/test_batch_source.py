@@ -10,7 +10,7 @@ import pytest
 from benchtool.block import Block
 from benchtool.clock import Clock, VirtualClock
 from benchtool.errors import StateError, ValueRefused
-from benchtool.link.interface import Alarm, BatchReceiver, LinkCounters
+from benchtool.link.interface import BatchReceiver, LinkCounters, ReceivedEmergency
 from benchtool.link.process_data import Sent
 from benchtool.link.serial.batch_source import BatchSource, TimedBatch
 from benchtool.link.serial.process_data import BatchProcessData
@@ -76,7 +76,7 @@ class Link:
     def wait_heartbeat(self, timeout_s: float) -> NmtState:
         return NmtState.OPERATIONAL
 
-    def emergencies(self) -> tuple[Alarm, ...]:
+    def emergencies(self) -> tuple[ReceivedEmergency, ...]:
         return ()
 
     def close(self) -> None: ...
@@ -113,7 +113,7 @@ def test_batches_that_come_before_the_answer_are_kept_and_others_are_not() -> No
     link.say(batch(SCHEMA - 1, 41, 9.0))
     link.say(batch(SCHEMA, 2, 5.0, 6.0))
     assert [made.feed(each) for each in received] == [True, True, True]
-    block = made.decoder.take()
+    block = made.decoder.pop_block()
     assert block is not None
     assert block.data[:, 0].tolist() == [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]
     assert (block.first_tick, block.stride, block.tick_s, block.gaps) == (100, 1, 1e-4, ())

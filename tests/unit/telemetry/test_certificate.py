@@ -6,8 +6,7 @@ import json
 import math
 
 import numpy as np
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from benchtool.block import Block, Channel, Gap
 from benchtool.link import LinkCounters
@@ -40,9 +39,9 @@ def test_a_whole_capture_is_complete() -> None:
     certificate = certify({"capture": StreamFacts.of(Block(CHANNELS, 0, 1, 1e-4, data))}, LinkCounters())
     assert certificate.complete
     assert certificate.value("capture_rows_expected") == certificate.value("capture_rows_received") == 5
-    assert certificate.value("capture_adc_saturated") == 7
+    assert certificate.value("capture_adc_saturated_count") == 7
     assert certificate.summary == "data: 5 rows expected, 0 missing, 7 samples saturated"
-    assert math.isnan(certificate.value("capture_law_clipped"))
+    assert math.isnan(certificate.value("capture_law_clipped_count"))
 
 
 def test_gaps_are_counted_and_located_by_their_largest() -> None:
@@ -78,7 +77,7 @@ def test_missing_rows_are_what_was_expected_less_what_came(
 def test_a_counter_may_run_on_by_nearly_its_whole_range() -> None:
     counts = {"adc_saturated": (10.0, 10.0 + 3e9 - 2**32)}
     certificate = certify({"capture": StreamFacts(5, (), counts)}, LinkCounters())
-    assert certificate.value("capture_adc_saturated") == 3e9
+    assert certificate.value("capture_adc_saturated_count") == 3e9
 
 
 def test_the_slow_stream_is_measured_against_the_drives_own_count() -> None:
@@ -90,7 +89,7 @@ def test_the_slow_stream_is_measured_against_the_drives_own_count() -> None:
     assert values["telemetry_gap_max"] == 4
     assert certificate.summary == "data: 100 rows expected, 10 missing, 10 ticks clipped by the law"
     assert values["telemetry_records_lost"] == 5
-    assert values["telemetry_law_clipped"] == 10, "the counter wraps at 2**32"
+    assert values["telemetry_law_clipped_count"] == 10, "the counter wraps at 2**32"
     assert values["arrival_jitter_max"] == 3e-4
     assert values["clock_drift"] == 12.5
     assert values["clock_residual_max"] == 9e-4
@@ -107,7 +106,7 @@ def test_what_is_undefined_is_null_in_json() -> None:
     assert document["measurements"]["clock_drift"]["value"] is None
     assert {each.unit for each in certificate.measurements} == {"", "s", "ppm"}
     assert "fewer than three records" in document["measurements"]["clock_drift"]["reason"]
-    saturated = document["measurements"]["telemetry_adc_saturated"]
+    saturated = document["measurements"]["telemetry_adc_saturated_count"]
     assert (saturated["value"], saturated["unit"]) == (None, "")
     assert "adc_saturated is not recorded" in saturated["reason"]
     assert document["measurements"]["telemetry_rows_expected"]["value"] == 97

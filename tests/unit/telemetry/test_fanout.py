@@ -1,4 +1,4 @@
-"""Sinks: a recorder loses nothing or says so, a viewer drops and counts, and no thread dies silently."""
+"""Sinks: a recorder loses nothing or raises, a viewer drops and counts, and no thread fails silently."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def test_every_sink_gets_every_block_in_order() -> None:
     fan_out.check()
 
 
-def test_a_viewer_that_stands_still_holds_up_nobody_and_its_rows_are_counted() -> None:
+def test_a_stuck_viewer_delays_no_other_sink_and_its_rows_are_counted() -> None:
     held = Held()
     seen: list[int] = []
     viewer = Sink("viewer", held, lossless=False, size=2)
@@ -75,7 +75,7 @@ def test_a_recorder_that_does_not_keep_up_is_an_error() -> None:
     assert held.taken == [0, 1]
 
 
-def test_what_a_recorder_raises_is_raised_once_at_the_caller_and_blocks_nobody() -> None:
+def test_an_exception_of_a_recorder_is_raised_once_at_the_caller() -> None:
     def fail(each: Block) -> None:
         raise RecordingError("disk full")
 

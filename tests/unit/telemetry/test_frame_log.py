@@ -20,10 +20,10 @@ def _frame(timestamp: float) -> can.Message:
 def test_the_file_is_flushed_and_acknowledged_five_times_a_second(tmp_path: Path) -> None:
     (tmp_path / "data").mkdir()
     log = FrameLog()
-    log.take(_frame(0.0))
+    log.append(_frame(0.0))
     log.start(tmp_path)
     for timestamp in (0.125, 0.2, 0.325, 0.39, 0.5, 0.6):
-        log.take(_frame(timestamp))
+        log.append(_frame(timestamp))
     log.close()
     lines = (tmp_path / NAME).read_bytes().splitlines(keepends=True)
     assert [float(line.split(b")")[0][1:]) for line in lines] == [0.0, 0.125, 0.2, 0.325, 0.39, 0.5, 0.6]
@@ -38,8 +38,8 @@ def test_frames_after_the_end_are_not_kept(tmp_path: Path) -> None:
     (tmp_path / "data").mkdir()
     log = FrameLog()
     log.start(tmp_path)
-    log.take(_frame(1.0))
+    log.append(_frame(1.0))
     log.close()
-    log.take(_frame(2.0))
+    log.append(_frame(2.0))
     log.close()
     assert len((tmp_path / NAME).read_bytes().splitlines()) == 1

@@ -1,4 +1,4 @@
-"""What is heard of a drive becomes events; who writes them cannot disturb who tells them."""
+"""Messages of a drive become events; their receivers cannot disturb the sender."""
 
 from __future__ import annotations
 

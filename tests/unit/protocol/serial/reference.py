@@ -1,4 +1,4 @@
-"""The protocol a second time, plainly: what the code under test is held against."""
+"""A second, plain implementation of the protocol, as a reference."""
 
 from __future__ import annotations
 

@@ -7,8 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from benchtool.block import Block, Gap
 from benchtool.errors import ValueRefused
@@ -47,7 +46,7 @@ def test_batches_become_rows_with_units_ticks_and_arrival() -> None:
     taker = decoder()
     assert [taker.feed(batch(0, 0, 2), 0.5), taker.feed(batch(1, 2, 3), 0.75)] == [2, 3]
     assert (taker.rows, taker.tick, taker.arrival_s) == (5, START + 4 * STRIDE, 0.75)
-    block = taker.take()
+    block = taker.pop_block()
     assert rows(block) == [0, 1, 2, 3, 4]
     assert block is not None
     assert (block.first_tick, block.stride, block.tick_s, block.gaps) == (START, STRIDE, TICK_S, ())
@@ -56,7 +55,7 @@ def test_batches_become_rows_with_units_ticks_and_arrival() -> None:
         ("switching_count", ""),
         ("i_a", "A"),
     ]
-    assert (taker.rows, taker.take()) == (0, None)
+    assert (taker.rows, taker.pop_block()) == (0, None)
 
 
 @given(
@@ -85,9 +84,9 @@ def test_whatever_is_lost_every_row_is_right_and_every_gap_in_its_place(
             since_lost |= fate == "lost"
         sequence += fate != "not made"
         row += n
-        if taker.rows >= take_at and (block := taker.take()):
+        if taker.rows >= take_at and (block := taker.pop_block()):
             blocks.append(block)
-    if (block := taker.take()) is not None:
+    if (block := taker.pop_block()) is not None:
         blocks.append(block)
     assert [each for block in blocks for each in rows(block)] == kept
     counters = taker.counters
@@ -99,7 +98,7 @@ def test_gaps_within_a_block() -> None:
     taker = decoder()
     for each in (batch(0, 0, 2), batch(2, 4, 1), batch(3, 8, 2)):
         taker.feed(each, 0.0)
-    block = taker.take()
+    block = taker.pop_block()
     assert rows(block) == [0, 1, 4, 8, 9]
     assert block is not None
     assert block.gaps == (Gap(2, 2), Gap(3, 3))
@@ -118,7 +117,7 @@ def test_old_batches_again_or_out_of_order_are_never_taken(order: list[int], aga
             newest = number
         else:
             off_grid += 2
-    assert rows(taker.take()) == expected
+    assert rows(taker.pop_block()) == expected
     assert taker.counters.off_grid == off_grid
 
 
@@ -141,7 +140,7 @@ def test_a_batch_that_does_not_continue_the_stream_is_left_out(wrong: Batch) -> 
     assert taker.feed(wrong, 1.0) == 0
     assert taker.counters.off_grid == 2
     assert taker.feed(batch(1, 2, 2), 0.0) == 2
-    assert rows(taker.take()) == [0, 1, 2, 3]
+    assert rows(taker.pop_block()) == [0, 1, 2, 3]
     assert taker.counters.missing == 0
 
 
@@ -171,7 +170,7 @@ def test_a_batch_of_another_shape_is_left_out(wrong: Batch) -> None:
     taker.feed(batch(0, 0, 2), 0.0)
     assert taker.feed(wrong, 0.0) == 0
     assert taker.counters.malformed == 1
-    assert rows(taker.take()) == [0, 1]
+    assert rows(taker.pop_block()) == [0, 1]
 
 
 def test_a_batch_of_another_schema_is_not_ours() -> None:
@@ -187,12 +186,12 @@ def test_tick_and_sequence_may_wrap() -> None:
     taker = decoder()
     for number in range(5):
         assert taker.feed(batch(2**32 - 2 + number, 2 * number, 2, start=start), 0.0) == 2
-    block = taker.take()
+    block = taker.pop_block()
     assert block is not None
     assert block.ticks().tolist() == [start + row * STRIDE for row in range(10)]
     assert taker.tick == start + 9 * STRIDE
     taker.feed(batch(2**32 - 2 + 6, 12, 2, start=start), 0.0)
-    block = taker.take()
+    block = taker.pop_block()
     assert block is not None
     assert block.first_tick == start + 12 * STRIDE
     assert (taker.counters.missing, taker.counters.lost) == (2, 2)
@@ -204,7 +203,7 @@ def test_a_gap_of_days_is_as_long_as_its_ticks_say(start: int, missing: int) -> 
     taker = decoder()
     taker.feed(batch(0, 0, 1, start=start), 0.0)
     assert taker.feed(batch(1, 1 + missing, 1, start=start), 0.0) == 1
-    block = taker.take()
+    block = taker.pop_block()
     assert block is not None
     assert [(gap.row, gap.missing_rows) for gap in block.gaps] == [(1, missing)]
     assert block.ticks().tolist() == [start, start + (1 + missing) * STRIDE]
@@ -224,7 +223,7 @@ def test_a_batch_may_wrap_within() -> None:
     taker = decoder()
     taker.feed(batch(0, 0, 4, start=start), 0.0)
     taker.feed(batch(1, 4, 1, start=start), 0.0)
-    block = taker.take()
+    block = taker.pop_block()
     assert block is not None
     assert block.gaps == ()
     assert block.ticks().tolist() == [start + row * STRIDE for row in range(5)]
@@ -234,7 +233,7 @@ def test_words_keep_their_bits_and_their_type() -> None:
     taker = decoder(1)
     words = struct.pack("<III", 0x3DCCCCCD, 0xFFFFFFFF, 0x7F800000)
     taker.feed(Batch(SCHEMA, 0, 0, 1, 1, words), 0.0)
-    block = taker.take()
+    block = taker.pop_block()
     assert block is not None
     assert np.float32(block.data[0, 0]).tobytes() == words[:4]
     assert block.data[0, 1:].tolist() == [2**32 - 1, np.inf]
@@ -248,7 +247,7 @@ def test_factors_of_the_dictionary_apply() -> None:
     ):
         taker = BatchDecoder([scaled, DICTIONARY["i_a"]], 1, TICK_S, layout, scales, SCHEMA)
         taker.feed(Batch(SCHEMA, 0, 0, 1, 1, data), 0.0)
-        block = taker.take()
+        block = taker.pop_block()
         assert block is not None
         assert block.data.tolist() == [expected]
 
@@ -257,7 +256,7 @@ def test_scaled_values_are_read_as_the_vectors_send_them() -> None:
     for vector in VECTORS["scaled"]:
         taker = BatchDecoder([DICTIONARY["torque"]], 1, TICK_S, 1, [vector["scale"]], SCHEMA)
         taker.feed(Batch(SCHEMA, 0, 0, 1, 1, struct.pack("<h", vector["raw"])), 0.0)
-        block = taker.take()
+        block = taker.pop_block()
         assert block is not None
         if vector["raw"] == -32768:
             assert np.isnan(block.data[0, 0])
@@ -268,7 +267,7 @@ def test_scaled_values_are_read_as_the_vectors_send_them() -> None:
 def test_a_scale_is_what_the_wire_carries_of_it() -> None:
     taker = BatchDecoder([DICTIONARY["torque"]], 1, TICK_S, 1, [0.1], SCHEMA)
     taker.feed(Batch(SCHEMA, 0, 0, 1, 1, struct.pack("<h", 1000)), 0.0)
-    block = taker.take()
+    block = taker.pop_block()
     assert block is not None
     assert block.data[0, 0] == 1000 * float(np.float32(0.1))
 
@@ -278,7 +277,7 @@ def test_no_batch_raises(batches: list[Batch]) -> None:
     taker = BatchDecoder(CHANNELS, STRIDE, TICK_S, 0, (), 1)
     for each in batches:
         taker.feed(each, 0.0)
-    block = taker.take()
+    block = taker.pop_block()
     assert (0 if block is None else len(block.data)) == taker.counters.received
 
 

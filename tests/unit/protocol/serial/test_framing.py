@@ -1,4 +1,4 @@
-"""Frames: what went in comes out, nothing else does, and no bytes harm what follows a zero."""
+"""Frames: payloads are recovered exactly, and damage does not extend beyond a zero."""
 
 from __future__ import annotations
 
@@ -6,8 +6,7 @@ import itertools
 import random
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from benchtool.errors import ValueRefused
 from benchtool.protocol.serial import MAX_PAYLOAD, FrameSplitter, encode_frame

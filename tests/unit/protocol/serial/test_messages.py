@@ -1,12 +1,11 @@
-"""Messages: what is said is understood, what is no message is not, and nothing raises at bytes."""
+"""Messages: encoding and decoding are inverse, invalid bytes are refused, and nothing raises."""
 
 from __future__ import annotations
 
 import struct
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from benchtool.errors import ValueRefused
 from benchtool.protocol import serial as wire

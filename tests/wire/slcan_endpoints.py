@@ -16,7 +16,7 @@ from benchtool.emulator.servers.sdo_server import SdoServer
 from benchtool.emulator.servers.slcan import SlcanAdapter
 from benchtool.link.pipe import pipe
 from benchtool.link.port import SocketPort
-from tests.wire.ends import NODE
+from tests.wire.endpoints import NODE
 
 READS = 200
 

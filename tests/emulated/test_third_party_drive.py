@@ -1,6 +1,6 @@
-"""Another maker's drive on the CAN link: what CiA 301 and CiA 402 have of it, and no more.
+"""A third-party drive on the CAN link, with the objects of CiA 301 and CiA 402 only.
 
-The drive is the emulated one, of which the host knows what another maker's EDS would tell.
+The drive is the emulated one; the host only knows a third-party EDS.
 """
 
 from __future__ import annotations
@@ -20,16 +20,16 @@ from typer.testing import CliRunner
 
 from benchtool.bench.session import Session, open_session
 from benchtool.cli import app
-from benchtool.drive import Mode
 from benchtool.drive.capabilities import Capability
 from benchtool.drive.quantities import DC_LINK_VOLTAGE, SPEED, SPEED_SETPOINT, TORQUE, TORQUE_SETPOINT, in_si
 from benchtool.errors import CapabilityMissing, ValueRefused
 from benchtool.profile import load_profile
 from benchtool.protocol.cia402 import State
 from benchtool.protocol.dictionary.roles import Role
+from benchtool.protocol.modes import Mode
 from benchtool.run.jog import jog
 from benchtool.shipped import shipped
-from tests.foreign_drives import stripped_eds
+from tests.third_party_drives import stripped_eds
 
 NODE = 1
 RPDO = 0x200 + NODE
@@ -45,13 +45,13 @@ velocity_actual = { object = "0x606C", unit = "rad/s", factor = 0.001 }
 """
 
 
-def foreign_profile(
+def third_party_profile(
     folder: Path, roles: str = SPEED_ROLES, drive: str = "", without: Collection[str] = ()
 ) -> Path:
-    """The paper's machine on a drive of which another maker's EDS tells."""
-    (folder / "maker.eds").write_bytes(stripped_eds(without=without))
+    """The paper's machine on a drive with a third-party EDS."""
+    (folder / "vendor.eds").write_bytes(stripped_eds(without=without))
     text = (shipped("profiles") / "zhu2011" / "profile.toml").read_text(encoding="utf-8")
-    text = text.partition("# Where the paper")[0].replace('eds = "drive.eds"', f'eds = "maker.eds"\n{drive}')
+    text = text.partition("# Where the paper")[0].replace('eds = "drive.eds"', f'eds = "vendor.eds"\n{drive}')
     path = folder / "profile.toml"
     path.write_text(f"{text}\n{roles}", encoding="utf-8")
     return path
@@ -77,21 +77,21 @@ Opener = Callable[..., Bench]
 
 
 @pytest.fixture
-def open_foreign(tmp_path: Path) -> Iterator[Opener]:
+def open_third_party(tmp_path: Path) -> Iterator[Opener]:
     with ExitStack() as stack:
 
         def opener(**options: Any) -> Bench:
             channel = f"foreign-{next(_numbers)}"
             bus = stack.enter_context(can.Bus(interface="virtual", channel=channel))
-            path = foreign_profile(tmp_path, **options)
+            path = third_party_profile(tmp_path, **options)
             session = stack.enter_context(open_session(str(path), f"emulated?channel={channel}"))
             return Bench(session, bus)
 
         yield opener
 
 
-def test_it_is_armed_enabled_and_driven_by_standard_objects(open_foreign: Opener) -> None:
-    bench = open_foreign()
+def test_it_is_armed_enabled_and_driven_by_standard_objects(open_third_party: Opener) -> None:
+    bench = open_third_party()
     drive = bench.drive
     assert "torque_command" not in drive.dictionary
     drive.connect()
@@ -113,8 +113,8 @@ def test_it_is_armed_enabled_and_driven_by_standard_objects(open_foreign: Opener
     assert HOST_HEARTBEAT in sent
 
 
-def test_its_host_that_falls_silent_stops_it(open_foreign: Opener) -> None:
-    drive = open_foreign().drive
+def test_its_host_that_falls_silent_stops_it(open_third_party: Opener) -> None:
+    drive = open_third_party().drive
     drive.connect()
     drive.enable(Mode.TORQUE)
     drive.wait(1.0)
@@ -125,8 +125,8 @@ def test_its_host_that_falls_silent_stops_it(open_foreign: Opener) -> None:
 
 
 @pytest.mark.parametrize(("mode", "value"), [(Mode.VELOCITY, 15.0), (Mode.TORQUE, 0.4)])
-def test_jog_moves_it_by_frames_of_its_own_target(open_foreign: Opener, mode: Mode, value: float) -> None:
-    bench = open_foreign()
+def test_jog_moves_it_by_frames_of_its_own_target(open_third_party: Opener, mode: Mode, value: float) -> None:
+    bench = open_third_party()
     bench.drive.connect()
     bench.frames()
     motor = bench.session.profile.motor
@@ -141,8 +141,8 @@ def test_jog_moves_it_by_frames_of_its_own_target(open_foreign: Opener, mode: Mo
     assert int(bench.drive.number(Role.RPDO_COB_ID)) >> 31, "the frame is out of use again"
 
 
-def test_a_speed_in_units_of_the_user_is_not_guessed(open_foreign: Opener) -> None:
-    bench = open_foreign(roles="")
+def test_a_speed_in_units_of_the_user_is_not_guessed(open_third_party: Opener) -> None:
+    bench = open_third_party(roles="")
     drive = bench.drive
     drive.connect()
     bench.frames()
@@ -156,22 +156,22 @@ def test_a_speed_in_units_of_the_user_is_not_guessed(open_foreign: Opener) -> No
 @pytest.mark.parametrize(
     ("without", "said"),
     [
-        (["6071"], r"no 'torque': .* maker\.eds has not 0x6071:0 target_torque"),
+        (["6071"], r"no 'torque': .* vendor\.eds has not 0x6071:0 target_torque"),
         (["6076"], r"has it in per mille, and no 0x6076:0 motor_rated_torque"),
-        (["1400"], r"setpoints at a rate take RPDO1, and .*maker\.eds has no 0x1400:1 rpdo_cob_id"),
+        (["1400"], r"setpoints at a rate take RPDO1, and .*vendor\.eds has no 0x1400:1 rpdo_cob_id"),
     ],
 )
-def test_a_torque_that_it_has_not_is_refused(open_foreign: Opener, without: list[str], said: str) -> None:
-    bench = open_foreign(without=without)
+def test_a_torque_that_it_has_not_is_refused(open_third_party: Opener, without: list[str], said: str) -> None:
+    bench = open_third_party(without=without)
     bench.drive.connect()
     with pytest.raises((CapabilityMissing, ValueRefused), match=said):
         jog(bench.drive, bench.session.profile.motor, Mode.TORQUE, lambda _: 0.1, duration_s=0.1)
     assert bench.drive.state() is State.SWITCH_ON_DISABLED
 
 
-def test_a_profile_says_what_a_raw_step_of_torque_is(open_foreign: Opener) -> None:
+def test_a_profile_says_what_a_raw_step_of_torque_is(open_third_party: Opener) -> None:
     roles = f'[roles]\ntarget_torque = {{ object = "0x6071", unit = "mNm", factor = {T_N_NM} }}\n'
-    drive = open_foreign(roles=roles, without=["6076"]).drive
+    drive = open_third_party(roles=roles, without=["6076"]).drive
     drive.connect()
     drive.write(in_si(drive, TORQUE_SETPOINT), 1.91)
     assert drive.link.upload(0x6071, 0) == (200).to_bytes(2, "little")
@@ -191,9 +191,9 @@ def test_a_profiles_redirection_goes_before_benchtools_own_object(tmp_path: Path
 
 @pytest.mark.parametrize("allowed", [False, True])
 def test_a_drive_without_supervision_runs_only_if_the_profile_says_so(
-    open_foreign: Opener, allowed: bool
+    open_third_party: Opener, allowed: bool
 ) -> None:
-    bench = open_foreign(without=["1016"], drive="allow_unsupervised = true\n" if allowed else "")
+    bench = open_third_party(without=["1016"], drive="allow_unsupervised = true\n" if allowed else "")
     drive = bench.drive
     if not allowed:
         with pytest.raises(CapabilityMissing, match="no 'supervised': the motor would run on"):
@@ -219,7 +219,7 @@ def _invoked(*arguments: str | Path) -> Any:
 
 @pytest.mark.parametrize("without", [(), ("6041",), ("6040", "6060", "1018", "1016")])
 def test_info_shows_what_there_is(tmp_path: Path, without: Collection[str]) -> None:
-    path = foreign_profile(tmp_path, without=without)
+    path = third_party_profile(tmp_path, without=without)
     told = _invoked("info", "--profile", path, "--json")
     assert told.exit_code == 0, told.stderr
     document = json.loads(told.stdout)
@@ -231,7 +231,7 @@ def test_info_shows_what_there_is(tmp_path: Path, without: Collection[str]) -> N
 
 
 def test_info_of_a_file_asks_no_drive(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    eds = tmp_path / "maker.eds"
+    eds = tmp_path / "vendor.eds"
     eds.write_bytes(stripped_eds(without=["6071"]))
     monkeypatch.setattr("benchtool.bench.session.open_session", None)
     told = _invoked("info", "--eds", eds, "--json")
@@ -249,7 +249,7 @@ def test_info_of_a_file_asks_no_drive(tmp_path: Path, monkeypatch: pytest.Monkey
     assert "ripple and spectra cannot be measured" in " ".join(shown.split()).replace(" │ │ │ ", " ")
 
 
-def test_info_of_what_is_no_eds_is_refused(tmp_path: Path) -> None:
+def test_info_refuses_a_file_that_is_not_an_eds(tmp_path: Path) -> None:
     (tmp_path / "no.eds").write_text("nothing\n", encoding="utf-8")
     told = _invoked("info", "--eds", tmp_path / "no.eds")
     assert told.exit_code == 3
@@ -271,7 +271,7 @@ def test_each_verb_says_what_it_lacks(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     lacking = {"torque": ["6071"], "storage": ["1010"]}
-    path = foreign_profile(tmp_path, without=lacking.get(capability, []))
+    path = third_party_profile(tmp_path, without=lacking.get(capability, []))
     told = _invoked(*arguments, "--profile", path)
     assert told.exit_code == 2, told.stderr
     assert f"no '{capability}'" in told.stderr
@@ -281,13 +281,13 @@ def test_each_verb_says_what_it_lacks(
 
 @pytest.mark.parametrize("without", [(), ("603F",)])
 def test_reset_takes_the_error_code_by_its_role(tmp_path: Path, without: Collection[str]) -> None:
-    told = _invoked("reset", "--profile", foreign_profile(tmp_path, without=without), "--json")
+    told = _invoked("reset", "--profile", third_party_profile(tmp_path, without=without), "--json")
     assert told.exit_code == 0, told.stderr
     assert json.loads(told.stdout)["error_code"] == (None if without else "0x0000")
 
 
 def test_jog_tells_that_nothing_watches_it(tmp_path: Path) -> None:
-    path = foreign_profile(tmp_path, without=["1016"], drive="allow_unsupervised = true\n")
+    path = third_party_profile(tmp_path, without=["1016"], drive="allow_unsupervised = true\n")
     told = _invoked("jog", "--torque", "0.1", "--duration", "0.05", "--profile", path, "--json")
     assert told.exit_code == 0, told.stderr
     assert json.loads(told.stdout)["supervision"]["armed"] is False
@@ -295,7 +295,7 @@ def test_jog_tells_that_nothing_watches_it(tmp_path: Path) -> None:
 
 
 def test_the_profile_as_a_whole_is_read(tmp_path: Path) -> None:
-    profile = load_profile(str(foreign_profile(tmp_path, drive="allow_unsupervised = true\n")))
+    profile = load_profile(str(third_party_profile(tmp_path, drive="allow_unsupervised = true\n")))
     assert profile.drive.allow_unsupervised
     assert set(profile.roles) == {"target_velocity", "velocity_actual"}
 

@@ -1,4 +1,4 @@
-"""The C library's drive and the emulated drive on a CAN bus each, both held in a test's hand tick by tick."""
+"""The C library's drive and the emulated drive on a CAN bus each, both advanced tick by tick by a test."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ TRIPS = tuple(_CODES)
 
 
 class HeldBus:
-    """The drive's end of a bus: frames go in when a test says so, and what comes out is kept."""
+    """The drive's end of a bus: a test delivers frames, and sent frames are kept."""
 
     def __init__(self) -> None:
         self._changed = threading.Condition()
@@ -60,14 +60,14 @@ class HeldBus:
         """The receiving thread has ended."""
 
     def deliver(self, can_id: int, data: bytes) -> None:
-        """Have the drive receive a frame, and return when it has dealt with it."""
+        """Deliver a frame to the drive, and return when it has been handled."""
         with self._changed:
             self._arrived.append(can.Message(arbitration_id=can_id, data=data, is_extended_id=False))
             self._changed.notify_all()
             assert self._changed.wait_for(lambda: not (self._arrived or self._in_hand), 5.0)
 
     def taken(self) -> Frames:
-        """What the drive has sent since the last call."""
+        """Return the frames that the drive has sent since the last call."""
         with self._changed:
             sent, self._sent = self._sent, []
             return sent
@@ -105,7 +105,7 @@ class EmulatedEnd:
         return self._bus.taken()
 
     def taken(self) -> Frames:
-        """What the drive has sent since the last call."""
+        """Return the frames that the drive has sent since the last call."""
         return self._bus.taken()
 
     def trip(self, code: int) -> None:
@@ -160,7 +160,7 @@ class CEnd:
         self._functions.can_standstill()
 
     def taken(self) -> Frames:
-        """What the drive has sent since the last call."""
+        """Return the frames that the drive has sent since the last call."""
         frames: Frames = []
         can_id, data = ctypes.c_uint16(), (ctypes.c_uint8 * 8)()
         while (n := self._functions.can_transmit(ctypes.byref(can_id), data)) >= 0:
@@ -185,7 +185,7 @@ class Ticks:
 
 @dataclass(frozen=True)
 class Tripped:
-    """A step: what is measured in the next tick forbids to go on."""
+    """A step: the measurements of the next tick raise a trip."""
 
     code: int
 

@@ -1,4 +1,4 @@
-"""What a report says of a run, of its drive and of its plan."""
+"""Provenance in a report: of a run, its drive and its plan."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import pytest
 from benchtool.profile import Choice
 from benchtool.recording import Manifest
 from benchtool.report.content import Grid
-from benchtool.report.origin import (
+from benchtool.report.provenance import (
     choices_section,
     parameters_section,
     plan_section,

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from benchtool.block import Block
 from benchtool.profile import Motor
 
-SPECIMEN_MOTOR: Final = Motor(
+EXAMPLE_MOTOR: Final = Motor(
     pole_pairs=4,
     R_s_ohm=0.1,
     L_d_H=1e-2,
@@ -33,7 +33,7 @@ _UNITS: Final = {
 }
 
 
-def steady_specimen() -> tuple[Block, Block]:
+def steady_capture() -> tuple[Block, Block]:
     """A steady state with every channel that an analysis needs, and the capture of a torque transducer.
 
     0.3 s of a machine with four pole pairs at 12.5 revolutions a second, 15 electrical periods, with noise.
@@ -53,7 +53,7 @@ def steady_specimen() -> tuple[Block, Block]:
         psi_s=0.1 + 1e-4 * noise[4],
         psi_alpha=0.1 * np.cos(theta_e) + 1e-4 * noise[5],
         psi_beta=0.1 * np.sin(theta_e) + 1e-4 * noise[6],
-        theta_m=np.mod(theta_e / SPECIMEN_MOTOR.pole_pairs, 2.0 * np.pi),
+        theta_m=np.mod(theta_e / EXAMPLE_MOTOR.pole_pairs, 2.0 * np.pi),
         omega_m=2.0 * np.pi * 12.5 + 1e-3 * noise[7],
         u_alpha=40.0 * np.cos(theta_e) + 0.1 * noise[8],
         u_beta=40.0 * np.sin(theta_e) + 0.1 * noise[9],
@@ -64,7 +64,7 @@ def steady_specimen() -> tuple[Block, Block]:
     return block, Block.from_arrays(2.0 * _RATE_HZ, {"torque_transducer": "Nm"}, torque_transducer=shaft)
 
 
-def step_specimen() -> Block:
+def step_capture() -> Block:
     """`torque` follows a step of `torque_reference` with a lag."""
     after = np.maximum(0, np.arange(400) - 100)
     noise = np.random.default_rng(0).standard_normal(len(after))
@@ -74,7 +74,7 @@ def step_specimen() -> Block:
     return Block.from_arrays(_RATE_HZ, units, torque=signal, torque_reference=reference)
 
 
-def response_specimen() -> Block:
+def response_capture() -> Block:
     """`torque` follows the random signs of `torque_reference` with a lag."""
     demand = np.sign(np.random.default_rng(0).standard_normal(8192))
     answer = np.convolve(demand, 0.3 * 0.7 ** np.arange(40))[: len(demand)]

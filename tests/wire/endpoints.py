@@ -1,4 +1,4 @@
-"""Ends of a CANopen wire for tests: a served dictionary, a plain peer, adapters that misbehave."""
+"""Endpoints of a CANopen wire for tests: a served dictionary, a plain peer, adapters with faults."""
 
 from __future__ import annotations
 

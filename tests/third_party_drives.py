@@ -1,4 +1,4 @@
-"""EDS files as other makers write them: standard objects, names of their own, no units, an old encoding."""
+"""Third-party EDS files: standard objects, other names, no units, an old encoding."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ _OBJECTS = {
 }
 
 
-def foreign_eds(
+def third_party_eds(
     *, without: Collection[str] = (), changed: Mapping[str, Mapping[str, str]] | None = None
 ) -> bytes:
     """An EDS in Windows-1252 with 0x1016 as an ARRAY whose own section has neither type nor access.
@@ -58,7 +58,7 @@ def foreign_eds(
 
 
 def stripped_eds(*, without: Collection[str] = ()) -> bytes:
-    """What another maker would write of the reference drive: its standard objects and none of benchtool's.
+    """Return the EDS of the reference drive without benchtool's own objects.
 
     No units, factors, roles or enumerations, every object under another name.
     """

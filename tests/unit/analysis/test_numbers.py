@@ -6,10 +6,9 @@ import math
 import re
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
-from benchtool.report.numbers import number, raw, signed, stated
+from benchtool.analysis.numbers import number, raw, signed, stated
 
 
 @pytest.mark.parametrize(
@@ -64,7 +63,7 @@ def test_what_is_printed_is_the_value_to_a_tenth_of_its_uncertainty(value: float
     assert float(uncertain) * 10.0**power == pytest.approx(standard, rel=0.0501)
 
 
-def test_differences_have_a_sign_and_settings_no_digits_that_nobody_gave() -> None:
+def test_differences_have_a_sign_and_settings_no_further_digits() -> None:
     assert signed(0.0123) == "+0.0123"
     assert signed(-0.5) == "−0.500"
     assert raw(0.06) == "0.06"

@@ -1,4 +1,4 @@
-"""The question to the person at the bench, on a terminal: what was typed before is no answer to it."""
+"""The prompt for the operator on a terminal: input typed before the question is discarded."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from benchtool.bench.person import Confirmed, beforehand
+from benchtool.bench.operator import Confirmation, confirmed_beforehand
 from benchtool.cli import app
-from benchtool.cli.asking import prompt
+from benchtool.cli.operator_prompt import prompt
 from benchtool.cli.output import Output
 from benchtool.errors import UsageError
 from benchtool.recording import Bundle
@@ -54,16 +54,16 @@ def test_what_was_typed_before_the_question_is_no_answer(
         os.write(keyboard, b"\n\n")
         ask = prompt(Answering(keyboard, b"\n"), nullcontext, yes=False, alone=False)
         assert ask is not None
-        assert ask(WHAT) is Confirmed.BY_THE_PERSON
+        assert ask(WHAT) is Confirmation.BY_OPERATOR
         assert select.select([sys.stdin], [], [], 0.0)[0] == [], "no other answer was left"
     assert f"The drive is disabled. Please {WHAT}; then press Enter" in capsys.readouterr().out
 
 
-def test_a_terminal_that_goes_is_nobody(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_end_of_input_is_no_confirmation(monkeypatch: pytest.MonkeyPatch) -> None:
     with _terminal(monkeypatch) as keyboard:
         ask = prompt(Answering(keyboard, b"\x04"), nullcontext, yes=False, alone=False)
         assert ask is not None
-        with pytest.raises(UsageError, match="there is none to ask"):
+        with pytest.raises(UsageError, match="there is no prompt"):
             ask(WHAT)
 
 
@@ -71,7 +71,7 @@ def test_who_is_asked(monkeypatch: pytest.MonkeyPatch) -> None:
     output = Output(as_json=False)
     with _terminal(monkeypatch):
         assert prompt(output, nullcontext, yes=False, alone=True) is None
-        assert prompt(output, nullcontext, yes=True, alone=True) is beforehand
+        assert prompt(output, nullcontext, yes=True, alone=True) is confirmed_beforehand
     monkeypatch.setattr(sys, "stdin", None)
     assert prompt(output, nullcontext, yes=False, alone=False) is None
 

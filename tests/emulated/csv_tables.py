@@ -1,4 +1,4 @@
-"""Text tables as other tools write them, with known contents."""
+"""Text tables in the formats of other tools, with known contents."""
 
 from __future__ import annotations
 

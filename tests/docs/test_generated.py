@@ -1,0 +1,52 @@
+"""The generated pages are those of their source, and have something to say on every key."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from benchtool.document import Section, load_document
+from benchtool.errors import PlanError, ProfileError
+from benchtool.plan.model import Plan
+from benchtool.profile import Profile
+from docs.generate.__main__ import REFERENCE, main
+from docs.generate.models import EXAMPLES, documents_of, tables
+from docs.generate.pages import all_pages
+
+WITHOUT_EXAMPLE = {"amplitude_V", "offset_V", "frame", "angle_rad"}
+"""Keys of a voltage stimulus, which no operating point of a plan plays yet."""
+
+
+def test_the_pages_are_fresh() -> None:
+    for name, text in all_pages().items():
+        assert (REFERENCE / name).read_text(encoding="utf-8") == text, "run python -m docs.generate"
+
+
+def test_a_stale_page_is_told_and_written_again(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "profile.md").write_text("stale", encoding="utf-8")
+    assert main(["--check"], tmp_path) == 1
+    assert "profile.md" in capsys.readouterr().err
+    assert main([], tmp_path) == 0
+    assert main(["--check"], tmp_path) == 0
+
+
+@pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.toml")), ids=lambda path: path.stem)
+def test_the_examples_are_documents_that_load(path: Path) -> None:
+    if path.stem.startswith("profile"):
+        load_document(path, Profile, ProfileError)
+    else:
+        load_document(path, Plan, PlanError)
+
+
+@pytest.mark.parametrize("model", [Profile, Plan], ids=lambda model: model.__name__)
+def test_every_key_has_an_example(model: type[Section]) -> None:
+    found = list(tables(model, documents_of("profile" if model is Profile else "plan")))
+    without = {
+        f"{table.heading}: {key.name}"
+        for table in found
+        for key in table.keys
+        if not key.example and not key.kind.endswith(("table", "tables", "at least 1"))
+    }
+    assert {each for each in without if each.split(": ")[-1] not in WITHOUT_EXAMPLE} == set()
+    assert len({key.name for table in found for key in table.keys}) > 40

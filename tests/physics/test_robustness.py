@@ -1,0 +1,136 @@
+"""Whatever a profile can hold is computed to finite numbers in a bounded time, or refused by its key."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import pytest
+from hypothesis import given, settings, strategies as st
+from pydantic import ValidationError
+
+from benchtool.emulator.machine.bounds import require_computable
+from benchtool.emulator.machine.truth import MotorTruth
+from benchtool.errors import EmulationError, ValueRefused
+from benchtool.profile import Inverter, Sensors, TrueMotor
+from tests.physics.paper_machine import MOTOR, make_core
+
+
+def decades(lowest: int, highest: int) -> st.SearchStrategy[float]:
+    return st.floats(lowest, highest).map(lambda exponent: 10.0**exponent)
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    motor=st.fixed_dictionaries(
+        {
+            "R_s_ohm": decades(-5, 4),
+            "L_d_H": decades(-7, 1),
+            "L_q_H": decades(-7, 1),
+            "psi_r_Wb": decades(-5, 2),
+            "J_kgm2": decades(-9, 4),
+            "friction_Nms": decades(-9, 3),
+            "coulomb_Nm": decades(-5, 4),
+            "breakaway_Nm": decades(4, 5),
+            "stribeck_rad_s": decades(-3, 4),
+            "cogging_Nm": decades(-9, 5),
+            "cogging_order": st.integers(1, 1000),
+        }
+    ),
+    inverter=st.fixed_dictionaries(
+        {
+            "u_dc_V": decades(-1, 5),
+            "dc_link_R_ohm": decades(-6, 3),
+            "dc_link_C_F": decades(-5, 2),
+            "dead_time_s": decades(-9, -5),
+            "device_drop_V": decades(-3, 2),
+            "timer_Hz": decades(0, 10),
+        }
+    ),
+    load_Nm=st.floats(-1e6, 1e6),
+    current_A=st.floats(-1e4, 1e4),
+    omega_m=st.floats(-1e3, 1e3),
+    held=st.booleans(),
+    on=st.booleans(),
+)
+def test_every_run_is_finite_or_refused(
+    motor: dict[str, Any],
+    inverter: dict[str, float],
+    load_Nm: float,
+    current_A: float,
+    omega_m: float,
+    held: bool,
+    on: bool,
+) -> None:
+    TrueMotor(**motor)  # a profile can hold it
+    Inverter(**inverter)
+    try:
+        core = make_core(motor=motor, inverter=inverter)
+        core.load.torque_Nm, core.load.held, core.load.omega_m_rad_s = load_Nm, held, omega_m
+        core.shaft.i_d, core.shaft.omega_m = current_A, omega_m
+        core.command.pwm_enabled = on
+        core.memory["torque_command"] = 5.0
+        core.run(4)
+    except (ValueRefused, EmulationError):
+        return
+    shaft = core.shaft
+    assert math.isfinite(shaft.i_d + shaft.i_q + shaft.omega_m + shaft.theta_e + shaft.u_dc)
+
+
+@pytest.mark.parametrize(
+    ("change", "named"),
+    [
+        ({"L_d_H": 1e-7, "L_q_H": 1e-7, "R_s_ohm": 1.0}, "R_s_ohm"),
+        ({"J_kgm2": 1e-12}, "J_kgm2"),
+        ({"cogging_Nm": 1e3, "cogging_order": 1000, "J_kgm2": 1e-6}, "cogging_Nm"),
+        ({"friction_Nms": 1e3, "J_kgm2": 1e-5}, "friction_Nms"),
+    ],
+)
+def test_a_machine_too_fast_to_be_computed_is_refused_by_its_key(change: dict[str, Any], named: str) -> None:
+    with pytest.raises(ValueRefused, match=named):
+        require_computable(MotorTruth(**{**MOTOR, **change}), 1e-4)
+
+
+def test_currents_of_a_tiny_time_constant_run_out_with_the_stage_off() -> None:
+    """2 us, a fiftieth of a PWM period, and none of it left after one."""
+    core = make_core(motor={"L_d_H": 1e-6, "L_q_H": 1e-6, "R_s_ohm": 0.5})
+    core.shaft.i_d = 5.0
+    core.run(3)
+    assert (core.shaft.i_d, core.shaft.i_q, core.shaft.omega_m) == (0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("load", "remedy"),
+    [
+        ({"torque_Nm": 1e6}, "J_kgm2"),
+        ({"torque_Nm": math.nan}, "load"),
+        ({"held": 1, "omega_m_rad_s": 1e9}, "hold it at a lower speed"),
+    ],
+)
+def test_a_machine_that_runs_away_ends_the_run_and_says_why(load: dict[str, float], remedy: str) -> None:
+    core = make_core(motor={"J_kgm2": 1e-6})
+    for name, value in load.items():
+        core.load[name] = value
+    with pytest.raises(EmulationError, match=remedy):
+        core.run(10_000)
+
+
+@pytest.mark.parametrize(
+    ("section", "values", "key"),
+    [
+        (TrueMotor, {"L_d_H": 1e-9}, "L_d_H"),
+        (TrueMotor, {"J_kgm2": 1e-15}, "J_kgm2"),
+        (TrueMotor, {"cogging_order": 10**9}, "cogging_order"),
+        (Inverter, {"u_dc_V": 1e9}, "u_dc_V"),
+        (Inverter, {"u_dc_V": 100.0, "dead_time_s": 1.0}, "dead_time_s"),
+        (Sensors, {"i_full_scale_A": 1e-300, "u_full_scale_V": 100.0}, "i_full_scale_A"),
+        (
+            Sensors,
+            {"i_full_scale_A": 1.0, "u_full_scale_V": 1.0, "encoder_offset_rad": 1e300},
+            "encoder_offset_rad",
+        ),
+    ],
+)
+def test_the_profile_bounds_every_number(section: Any, values: dict[str, float], key: str) -> None:
+    with pytest.raises(ValidationError, match=key):
+        section(**values)

@@ -1,0 +1,36 @@
+"""How the mean speed of the next record differs, against the scatter over many."""
+
+from __future__ import annotations
+
+import math
+from typing import Literal
+
+import numpy as np
+import pytest
+
+from benchtool.analysis.quantisation import counting_step
+from benchtool.analysis.repeatability import wander_of_difference
+
+
+@pytest.mark.parametrize("kind", ["held", "let go"])
+def test_the_wander_is_the_scatter_over_records(kind: Literal["held", "let go"]) -> None:
+    random = np.random.default_rng(4)
+    records = random.standard_normal((80, 2000))
+    if kind == "let go":
+        records = np.cumsum(records, axis=1)
+    turned = records[:, -1] - records[:, 0]
+    stated = np.array([wander_of_difference(each).standard for each in records])
+    assert 0.7 < float(np.sqrt(np.mean(turned**2 / stated**2))) < 1.8
+
+
+def test_a_steady_drift_is_no_wander_and_few_values_tell_none() -> None:
+    assert wander_of_difference(0.1 * np.arange(500.0) ** 2).standard < 1e-6
+    assert math.isnan(wander_of_difference(np.arange(5.0)).standard)
+
+
+def test_a_step_counts_where_it_is_one() -> None:
+    values = np.random.default_rng(2).standard_normal(20_000)
+    assert counting_step(values) == 0.0
+    assert counting_step(values[:60]) == 0.0
+    assert counting_step(np.round(values / 1e-3) * 1e-3) == pytest.approx(1e-3)
+    assert counting_step((1.0 + 1e-3 * values).astype(np.float32).astype(np.float64)) == pytest.approx(0.0)
