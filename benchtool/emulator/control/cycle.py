@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from benchtool.emulator.control.current_sensors import calibrate, correct
 from benchtool.emulator.control.estimation import (
     StateEstimate,
     clarke,
@@ -13,7 +14,6 @@ from benchtool.emulator.control.estimation import (
     predict,
     state_estimate,
 )
-from benchtool.emulator.control.current_sensors import calibrate, correct
 from benchtool.emulator.control.field_weakening import reference
 from benchtool.emulator.control.injection import current_vector
 from benchtool.emulator.control.laws import demand, limits, reset_law
@@ -151,9 +151,7 @@ def _begin_injection(command: Any, control: Any) -> None:
 
 
 @njit
-def _inject(
-    u_alpha: float, u_beta: float, at: StateEstimate, drive: Any, control: Any, u_dc: float
-) -> None:
+def _inject(u_alpha: float, u_beta: float, at: StateEstimate, drive: Any, control: Any, u_dc: float) -> None:
     """Put out the voltage of a stimulus, or of its current; no law runs, and there are no references."""
     if _modulate(u_alpha, u_beta, at, drive, control, u_dc):
         drive.law_clipped += 1

@@ -14,7 +14,6 @@ from typing import Any
 
 from benchtool.emulator.control.estimation import StateEstimate, into_frame, out_of_frame
 from benchtool.emulator.jit import njit
-from benchtool.emulator.rotate import rotate
 
 
 @njit

@@ -179,15 +179,10 @@ def direction_of(stimulus: Any, cos_theta: float, sin_theta: float) -> tuple[flo
     if stimulus.in_rotor_frame != 0:
         return cos_theta, sin_theta
     if stimulus.turn != 0.0 and stimulus.state == _RUNNING:
-        angle = stimulus.angle + stimulus.turn * turned_ticks(_played_ticks(stimulus) - 1, stimulus.turn_ticks)
+        n = stimulus.played * stimulus.ticks + stimulus.k - 1
+        angle = stimulus.angle + stimulus.turn * turned_ticks(n, stimulus.turn_ticks)
         stimulus.cos_angle, stimulus.sin_angle = math.cos(angle), math.sin(angle)
     return stimulus.cos_angle, stimulus.sin_angle
-
-
-@njit
-def _played_ticks(stimulus: Any) -> int:
-    ticks: int = stimulus.played * stimulus.ticks + stimulus.k
-    return ticks
 
 
 @njit
