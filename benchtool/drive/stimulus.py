@@ -216,9 +216,10 @@ class Stimulus(Section):
             "stimulus_seed": self.seed,
             "stimulus_frame": self.frame,
             "stimulus_angle": self.angle_rad,
-            "stimulus_omega_e": self.omega_e_rad_s,
-            "stimulus_turn_ticks": round(self.turn_s / control_period_s),
         }
+        if self.quantity in _OF_VECTORS:
+            rows["stimulus_omega_e"] = self.omega_e_rad_s
+            rows["stimulus_turn_ticks"] = round(self.turn_s / control_period_s)
         if self.prbs_clock_s is not None:
             rows["stimulus_prbs_clock"] = _ticks("prbs_clock_s", self.prbs_clock_s, control_period_s)
         return {name: value for name, value in rows.items() if value is not None}
