@@ -1,0 +1,161 @@
+"""Stator resistance, the voltage of dead time and devices, and how the current sensors' gains differ."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from benchtool.analysis import Basis, Measurement
+from benchtool.block import Block
+from benchtool.commission.budget import of_fit
+from benchtool.commission.estimators.resistance import resistance
+from benchtool.commission.excitation import Excitation
+from benchtool.commission.known import Known
+from benchtool.commission.steps.offsets import CURRENTS
+from benchtool.commission.steps.step import Finding
+from benchtool.drive import CaptureRequest, Stimulus
+
+_LEVELS = 6
+_LEVEL_S = 0.3
+_SETTLED = 0.6  # of a level, after which its mean begins
+_ROW_S = 2e-3
+_ASIDE_DEG = (-12.0, -6.6, -1.9, 4.3, 8.5, 10.7)  # from the phases
+_SHARES = (1.0, 0.935, 0.97, 0.91, 0.985, 0.95)  # of the rated current
+_FACTOR = 1.5  # from the nameplate on, a resistance is told of
+_LINE_TO_LINE = 2.0
+_NEAR = 0.15
+
+
+class StandingCurrents:
+    """Have standing currents of several sizes flow along each phase in both directions.
+
+    The current loop is about as slow as the swing of the rotor into line, which the stator then damps. The
+    rotor turns by 60 degrees electrical from one direction to the next.
+    """
+
+    name = "resistance"
+    needs: tuple[str, ...] = ("offsets",)
+    sets: tuple[str, ...] = ("R_s", "current_gain_a", "current_gain_b", "current_gain_c")
+
+    def plan(self, known: Known) -> tuple[Excitation, ...]:
+        """Return a staircase of currents up to the rated one in each of six directions."""
+        stride = max(1, round(_ROW_S / known.control_period_s))
+        rows = math.floor(_LEVELS * _LEVEL_S / (stride * known.control_period_s)) - 1
+        request = CaptureRequest((*CURRENTS, "u_alpha", "u_beta"), rows=rows, stride=stride)
+        squares = sum((level / _LEVELS) ** 2 for level in range(1, _LEVELS + 1))
+        return tuple(
+            Excitation(
+                f"currents at {math.degrees(angle_rad):.0f} deg",
+                Stimulus(
+                    quantity="current",
+                    shape="staircase",
+                    steps=_LEVELS,
+                    amplitude_A=share * known.I_N_A,
+                    duration_s=_LEVELS * _LEVEL_S,
+                    angle_rad=angle_rad,
+                ),
+                request,
+                (share * known.I_N_A) ** 2 * _LEVEL_S * squares,
+                {"omega_current": known.damping_bandwidth_rad_s, "dead_time_compensation": 0.0},
+            )
+            for angle_rad, share in _directions()
+        )
+
+    def estimate(self, blocks: Sequence[Block], known: Known) -> Mapping[str, Measurement]:
+        """Return `R_s`, `dead_time_voltage` and `current_gain_*`.
+
+        Raises:
+            AnalysisError: the captures do not define them.
+        """
+        levels = np.array([mean for block in blocks for mean in _levels(block)])
+        found = resistance(levels[:, 3] + 1j * levels[:, 4], levels[:, :3])
+        basis = Basis(samples=found.levels, duration_s=len(blocks) * _LEVELS * _LEVEL_S)
+        scatter = f"scatter of {found.levels} levels about the fit"
+        estimates = [
+            Measurement(
+                "R_s",
+                found.R_s_ohm,
+                "ohm",
+                "slope of u_s over i_s at standing currents, per phase, with what the devices add",
+                basis,
+                of_fit(found.R_s_ohm, found.R_s_standard_ohm, found.dof, scatter, known),
+            ),
+            Measurement(
+                "dead_time_voltage",
+                found.drop_V,
+                "V",
+                "voltage that dead time and devices take of a phase, against its current",
+                basis,
+                of_fit(found.drop_V, found.drop_standard_V, found.dof, scatter, known),
+            ),
+        ]
+        gains = found.gains
+        for phase, gain, standard in zip("abc", gains.corrections, gains.standard, strict=True):
+            estimates.append(
+                Measurement(
+                    f"current_gain_{phase}",
+                    float(gain),
+                    "",
+                    "factor that makes the currents of the phases add up to zero; the mean of the three is 1",
+                    basis,
+                    of_fit(0.0, float(standard), gains.dof, scatter, known),
+                )
+            )
+        return {each.name: each for each in estimates}
+
+    def findings(self, found: Mapping[str, Measurement], known: Known) -> tuple[Finding, ...]:
+        """Return what the resistance says of nameplate and connections."""
+        ratio = found["R_s"].value / known.motor.R_s_ohm if known.motor.R_s_ohm > 0.0 else math.nan
+        if ratio <= 0.0:
+            return (
+                Finding(
+                    f"the resistance is {found['R_s'].value:.4g} ohm, more than 0 is expected",
+                    "the currents do not follow the voltages: phases of sensors and legs may not match",
+                    "check the motor's cables and the order of the current sensors",
+                ),
+            )
+        seen = f"R_s is {found['R_s'].value:.4g} ohm, {ratio:.3g} times the nameplate's"
+        for factor, said in ((1.0 / _LINE_TO_LINE, "is"), (_LINE_TO_LINE, "is half of what is")):
+            if abs(ratio / factor - 1.0) < _NEAR:
+                line = "R looks line to line" if factor < 1.0 else "R looks halved twice"
+                return (
+                    Finding(
+                        f"{seen}: {line}",
+                        f"motor.R_s_ohm {said} stated between two terminals",
+                        "state the resistance of one phase: half of what is measured between two terminals",
+                        fails=False,
+                    ),
+                )
+        if not 1.0 / _FACTOR < ratio < _FACTOR:
+            return (
+                Finding(
+                    f"{seen}, within a factor of {_FACTOR:g} is expected",
+                    "another motor, a long cable, a hot winding or a wrong nameplate",
+                    "check motor.R_s_ohm of the profile, connections and cable",
+                    fails=False,
+                ),
+            )
+        return ()
+
+
+def _directions() -> tuple[tuple[float, float], ...]:
+    """Return angle and share of the rated current of six staircases, in the order in which the rotor follows.
+
+    No two are alike, nor mirror images: the steps of the duties then spoil each level in another way, and
+    their effect shows in the scatter about the fit.
+    """
+    return tuple(
+        (k * math.pi / 3.0 + math.radians(aside_deg), share)
+        for k, (aside_deg, share) in enumerate(zip(_ASIDE_DEG, _SHARES, strict=True))
+    )
+
+
+def _levels(block: Block) -> list[np.ndarray]:
+    """Return the means of all channels over the settled part of each level but the first."""
+    rows = _LEVEL_S / (block.stride * block.tick_s)
+    return [
+        block.data[math.ceil(rows * (level + _SETTLED)) : math.floor(rows * (level + 1)) - 1].mean(axis=0)
+        for level in range(1, _LEVELS)
+    ]
