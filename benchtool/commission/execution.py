@@ -12,7 +12,7 @@ from benchtool.analysis import Measurement
 from benchtool.block import Block
 from benchtool.commission.excitation import Excitation, require_bearable
 from benchtool.commission.known import Known
-from benchtool.commission.steps.inductance import Alternations
+from benchtool.commission.steps.inductance import TurningVoltage
 from benchtool.commission.steps.offsets import Offsets
 from benchtool.commission.steps.resistance import StandingCurrents
 from benchtool.commission.steps.step import Finding, Step
@@ -22,7 +22,7 @@ from benchtool.errors import AnalysisError, BenchError, CaptureError, DriveFault
 from benchtool.profile import Profile
 from benchtool.protocol.dictionary import Value, setting_of
 
-STEPS: tuple[Step, ...] = (Offsets(), StandingCurrents(), Alternations())
+STEPS: tuple[Step, ...] = (Offsets(), StandingCurrents(), TurningVoltage())
 """Every step, in the order in which they are run."""
 
 _QUIET: Mapping[str, Value] = MappingProxyType({"quick_stop_option": "disable"})

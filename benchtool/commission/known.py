@@ -55,6 +55,10 @@ class Known:
         defined = {name: each for name, each in found.items() if math.isfinite(each.value)}
         return replace(self, estimates=MappingProxyType({**self.estimates, **defined}))
 
+    def with_drop(self, drop_V: float) -> Self:
+        """Return this with the voltage that dead time and devices take of a phase."""
+        return self.with_estimates({"dead_time_voltage": Measurement("dead_time_voltage", drop_V, "V", "")})
+
     def value(self, name: str, nameplate: float) -> float:
         """Return the estimate of a parameter, or what the nameplate says."""
         found = self.estimates.get(name)

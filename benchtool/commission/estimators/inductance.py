@@ -1,4 +1,4 @@
-"""Inductances of both axes at standstill, from an alternating voltage in several directions.
+"""Inductances of both axes at standstill, from a voltage vector that turns fast.
 
 Over a control period the flux linkage behind the resistance changes by what the voltage leaves,
 
@@ -8,11 +8,13 @@ with G the inverse of the inductance in the stator frame,
 
     G = g_0 + g_1 C,   g_0 = (1/L_d + 1/L_q) / 2,   g_1 = (1/L_d - 1/L_q) / 2 exp(j 2 theta_e),
 
-where C conjugates the vector. Summed over the periods of a stretch it is linear in g_0 and g_1, with the
-current as the dependent variable, so that its noise does not flatten the slope. What the resistance and
-V_drop take of an alternating voltage is a quarter of a period away from what the inductance takes: R_s enters
-in second order, and V_drop is fitted besides. The current across the rotor flux shakes the rotor, whose EMF
-is as a capacitor in series,
+where C conjugates the vector. It is linear in g_0 and g_1, with the change of the current as the dependent
+variable, so that its noise does not flatten the slope. s(i) holds where no phase is near zero or changes its
+sign: other periods are left out. What R_s and V_drop take of an alternating voltage is a quarter of a period
+away from what the inductance takes, so that errors of theirs enter in second order. With the mean of both
+ends for i_mean the slope is that of L' = R_s T_s / (2 tanh(R_s T_s / 2 L)), which is solved for L.
+
+The current across the rotor flux shakes the rotor, whose EMF is as a capacitor in series,
 
     u = K integral of i_q dt,   K = 3/2 p^2 psi_r^2 / J,
 
@@ -25,29 +27,27 @@ import cmath
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.commission.estimators.regression import least_squares
+from benchtool.commission.estimators.regression import Fit, least_squares
 from benchtool.commission.estimators.vectors import drop_vector, vector_of
 from benchtool.errors import AnalysisError
 
 _CLEAR = 0.1  # of the largest current: below it the sign of a phase may change within a period
+_FEWEST = 50
 
 
 @dataclass(frozen=True)
-class Alternation:
-    """One direction: voltages asked for, shape (n,), and phase currents, shape (n + 1, 3).
+class Turning:
+    """One capture: voltages asked for, shape (n,), and phase currents, shape (n + 1, 3).
 
-    u_V[k] acts from readings_A[k] to readings_A[k + 1]. `stretch` control periods are taken by themselves,
-    with a straight line of their own: some periods of the alternation.
+    u_V[k] acts from readings_A[k] to readings_A[k + 1].
     """
 
     u_V: NDArray[np.complex128]
     readings_A: NDArray[np.float64]
-    stretch: int
 
 
 @dataclass(frozen=True)
@@ -67,35 +67,35 @@ class Inductance:
 
 
 def inductance(
-    directions: Sequence[Alternation],
+    captures: Sequence[Turning],
     *,
     T_s: float,
     R_s_ohm: float,
+    drop_V: float,
     gains: NDArray[np.float64],
     aligned_rad: float,
 ) -> Inductance:
     """Return the estimates.
 
     Args:
-        directions: of two axes at least, and of two frequencies.
+        captures: of two speeds at least.
         T_s: control period.
-        R_s_ohm: resistance; it enters in second order.
+        R_s_ohm, drop_V: resistance, and voltage that dead time and devices take of a phase.
         gains: corrections of the current sensors, shape (3,).
         aligned_rad: electrical angle at which the rotor was aligned, against phase a.
 
     Raises:
-        AnalysisError: too short, or one direction or frequency only.
+        AnalysisError: too short, or of one speed only.
     """
-    rows, seen = [], []
-    for each in directions:
-        for A, y in _stretches(each, T_s, R_s_ohm, gains, aligned_rad):
-            rows.append(A)
-            seen.append(y)
-    if not rows:
-        raise AnalysisError("no whole stretch of the alternation: record longer")
-    fit = least_squares(np.concatenate(rows), np.concatenate(seen), lost_dof=2 * len(rows))
-    g_0, g_1 = float(fit.x[0]), complex(fit.x[1], fit.x[2])
-    u_g_1 = math.hypot(fit.standard(1), fit.standard(2))
+    parts = [part for each in captures for part in _changes(each, T_s, R_s_ohm, drop_V, gains, aligned_rad)]
+    fit = least_squares(
+        np.concatenate([part.A for part in parts]),
+        np.concatenate([part.y for part in parts]),
+        lost_dof=len(parts),
+    )
+    covariance = _of_differences(parts, fit)
+    g_1 = complex(fit.x[1], fit.x[2])
+    u_g_1 = math.sqrt(float(covariance[1, 1] + covariance[2, 2]))
     along = cmath.exp(-2j * aligned_rad)
     clear = abs(g_1) > 5.0 * u_g_1
     turned = cmath.phase(g_1 * along) if clear else 0.0
@@ -103,44 +103,66 @@ def inductance(
         turned -= math.copysign(math.pi, turned)
     axis = aligned_rad + 0.5 * turned
     c, s = math.cos(2.0 * axis), math.sin(2.0 * axis)
-    d, q = np.array([1.0, c, s, 0.0, 0.0]), np.array([1.0, -c, -s, 0.0, 0.0])
-    L_d, L_q = 1.0 / float(d @ fit.x), 1.0 / float(q @ fit.x)
-    u_d = L_d**2 * math.sqrt(float(d @ fit.covariance @ d))
-    u_q = L_q**2 * math.sqrt(float(q @ fit.covariance @ q))
-    if not (L_d > 0.0 and L_q > 0.0 and g_0 > 0.0):
+    d, q = np.array([1.0, c, s, 0.0]), np.array([1.0, -c, -s, 0.0])
+    L_d, L_q = (_exact(1.0 / float(axis @ fit.x), R_s_ohm * T_s) for axis in (d, q))
+    u_d = L_d**2 * math.sqrt(float(d @ covariance @ d))
+    u_q = L_q**2 * math.sqrt(float(q @ covariance @ q))
+    if not (L_d > 0.0 and L_q > 0.0):
         raise AnalysisError("the currents do not follow the voltage: check that the motor is connected")
     return Inductance(L_d, u_d, L_q, u_q, fit.dof, axis % math.pi if clear else math.nan)
 
 
-def _stretches(
-    of: Alternation, T_s: float, R_s: float, gains: NDArray[np.float64], aligned_rad: float
-) -> Iterator[tuple[NDArray[np.float64], NDArray[np.float64]]]:
-    """Yield regressors and currents of every stretch, one component after the other, less their trends."""
+def _exact(L_H: float, RT: float) -> float:
+    """Return the inductance whose exponential course has the slope of `L_H` for the mean of both ends."""
+    share = 0.5 * RT / L_H
+    return 0.5 * RT / math.atanh(share) if 0.0 < abs(share) < 1.0 else L_H
+
+
+@dataclass(frozen=True)
+class _Part:
+    """Rows of one component of one capture, less their mean; `k` is the control period of each."""
+
+    A: NDArray[np.float64]
+    y: NDArray[np.float64]
+    k: NDArray[np.int64]
+
+
+def _changes(
+    of: Turning, T_s: float, R_s: float, drop_V: float, gains: NDArray[np.float64], aligned_rad: float
+) -> Iterator[_Part]:
+    """Yield the rows of a capture, those of both components."""
     phases = of.readings_A * gains
     i = vector_of(phases)
-    middle = 0.5 * (phases[1:] + phases[:-1])
-    mean = vector_of(middle)
-    flux = _summed(T_s * (of.u_V - R_s * mean))
-    drop = _summed(T_s * drop_vector(middle))
+    mean = 0.5 * (i[1:] + i[:-1])
+    far = np.minimum(np.abs(phases[1:]), np.abs(phases[:-1])) > _CLEAR * np.max(np.abs(phases))
+    (k,) = np.nonzero(np.all(far & (phases[1:] * phases[:-1] > 0.0), axis=1))
+    if len(k) < _FEWEST:
+        raise AnalysisError(
+            f"{len(k)} control periods in which no phase is near zero, {_FEWEST} at least are needed: let "
+            f"a larger current turn more slowly"
+        )
     across = cmath.exp(1j * (aligned_rad + 0.5 * math.pi))
-    speed = _summed(T_s * (mean * across.conjugate()).real)
-    motion = _summed(T_s * 0.5 * (speed[1:] + speed[:-1])) * across
-    columns = (flux, flux.conj(), 1j * flux.conj(), -drop, -motion, i)
-    for start in range(0, len(i) - of.stretch + 1, of.stretch):
-        part = np.column_stack([each[start : start + of.stretch] for each in columns])
-        for component in (part.real, part.imag):
-            left = _less_trend(component)
-            yield left[:, :-1], left[:, -1]
+    speed = np.cumsum(T_s * (mean * across.conjugate()).real)
+    x = T_s * (of.u_V - R_s * mean - drop_V * drop_vector(phases[1:]))
+    columns = (x, x.conj(), 1j * x.conj(), -T_s * speed * across, np.diff(i))
+    rows = np.column_stack([each[k] for each in columns])
+    for component in (rows.real, rows.imag):
+        left = component - component.mean(axis=0)
+        yield _Part(left[:, :-1], left[:, -1], k)
 
 
-def _summed(steps: NDArray[Any]) -> NDArray[Any]:
-    """Return the sum of all steps before each moment."""
-    return np.concatenate((np.zeros(1, steps.dtype), np.cumsum(steps)))
+def _of_differences(parts: Sequence[_Part], fit: Fit) -> NDArray[np.float64]:
+    """Return the covariance of a fit to differences of samples with independent noise.
 
-
-def _less_trend(columns: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return columns less their straight lines of least squares."""
-    n = len(columns)
-    line, _ = np.linalg.qr(np.column_stack((np.ones(n), np.arange(n) - 0.5 * (n - 1))))
-    left: NDArray[np.float64] = columns - line @ (line.T @ columns)
-    return left
+    A sample is in two of them, with opposite signs: neighbours are correlated by -1/2.
+    """
+    m = len(fit.x)
+    middle = np.zeros((m, m))
+    for part in parts:
+        middle += part.A.T @ part.A
+        (next_to,) = np.nonzero(np.diff(part.k) == 1)
+        both = part.A[next_to].T @ part.A[next_to + 1]
+        middle -= 0.5 * (both + both.T)
+    bread = fit.covariance / fit.scatter**2
+    found: NDArray[np.float64] = fit.scatter**2 * bread @ middle @ bread
+    return found

@@ -8,31 +8,32 @@ from collections.abc import Mapping, Sequence
 from benchtool.analysis import Basis, Measurement
 from benchtool.block import Block
 from benchtool.commission.budget import of_fit
-from benchtool.commission.estimators.inductance import Alternation, inductance
+from benchtool.commission.estimators.inductance import Turning, inductance
 from benchtool.commission.excitation import Excitation
 from benchtool.commission.known import Known
 from benchtool.commission.steps.offsets import CURRENTS
 from benchtool.commission.steps.step import Finding
 from benchtool.drive import CaptureRequest, Stimulus
 
-_ALIGN_S = 0.6
+_ALIGN_S = 0.4
 _ALIGN_SHARE = 0.7  # of the rated current
-_SHARE = 0.4  # of the rated current, peak, that alternates
+_SHARE = 0.6  # of the rated current, peak, at the end of the ramp
+_LEAST_SHARE = 0.3  # below which the converter's steps show, and the vector turns more slowly
 _VOLTAGE_SHARE = 0.5  # of u_dc / sqrt(3)
-_LEAST_SHARE = 0.03  # below which the converter's steps show, and the frequency is lowered
-_PERIODS = 6.3  # control periods in one of the alternation; no whole number, so that all phases are met
-_SLOWER = 2.3
-_ROWS = 800
-_OF_A_STRETCH = 4  # periods of the alternation
-_DIRECTIONS = 3
+_PERIODS = (14.0, 31.0)  # control periods in a turn of the vector
+_ROWS = 1200
+_CREST = 4.0 / math.pi  # fundamental of what dead time and devices take of a phase, over V_drop
 _FACTOR = 2.5
 
 
-class Alternations:
-    """Align the rotor with phase a, then have a voltage alternate along three directions, at two frequencies.
+class TurningVoltage:
+    """Align the rotor with phase a, then turn a growing voltage vector too fast for it to follow; twice.
 
-    The amplitude is that of a share of the rated current through the nameplate's inductance, or what the dc
-    link allows; where that is too small a current to be read, both frequencies are lower.
+    Begun with nothing, the currents have no constant part that would kick the rotor, and on the average a
+    turning vector makes no torque, in a salient machine neither. Two speeds tell the inductance from what the
+    shaken rotor induces. The amplitude is that of a share of the rated current through the nameplate's
+    impedance, or what the dc link allows; where that is too small a current to be read, the vector turns more
+    slowly.
     """
 
     name = "inductance"
@@ -40,39 +41,20 @@ class Alternations:
     sets: tuple[str, ...] = ("L_d", "L_q")
 
     def plan(self, known: Known) -> tuple[Excitation, ...]:
-        """Return the alignment, and an alternation along each direction."""
-        align = Stimulus(
-            quantity="current", shape="constant", amplitude_A=_ALIGN_SHARE * known.I_N_A, duration_s=_ALIGN_S
-        )
-        request = CaptureRequest((*CURRENTS, "u_alpha", "u_beta"), rows=_ROWS)
-        duration_s = (_ROWS + 2) * known.control_period_s
-        return (
-            Excitation(
-                "alignment",
-                align,
-                CaptureRequest(CURRENTS, rows=10),
-                (_ALIGN_SHARE * known.I_N_A) ** 2 * _ALIGN_S,
-                {"omega_current": known.damping_bandwidth_rad_s},
+        """Return an alignment and a turning vector for each speed."""
+        align = Excitation(
+            "alignment",
+            Stimulus(
+                quantity="current",
+                shape="constant",
+                amplitude_A=_ALIGN_SHARE * known.I_N_A,
+                duration_s=_ALIGN_S,
             ),
-            *(
-                Excitation(
-                    f"{u_V:.3g} V, {1.0 / period_s:.4g} Hz at {math.degrees(angle_rad):.0f} deg",
-                    Stimulus(
-                        quantity="voltage",
-                        shape="sine",
-                        amplitude_V=u_V,
-                        duration_s=duration_s,
-                        frequency_Hz=1.0 / period_s,
-                        angle_rad=angle_rad,
-                    ),
-                    request,
-                    0.5 * (_SHARE * known.I_N_A) ** 2 * duration_s,
-                    {"dead_time_compensation": 0.0},
-                )
-                for angle_rad in (k * math.pi / _DIRECTIONS for k in range(_DIRECTIONS))
-                for u_V, period_s in _amplitudes(known)
-            ),
+            CaptureRequest(CURRENTS, rows=10),
+            (_ALIGN_SHARE * known.I_N_A) ** 2 * _ALIGN_S,
+            {"omega_current": known.damping_bandwidth_rad_s},
         )
+        return tuple(each for periods in _PERIODS for each in (align, _turning(known, periods)))
 
     def estimate(self, blocks: Sequence[Block], known: Known) -> Mapping[str, Measurement]:
         """Return `L_d` and `L_q`.
@@ -80,15 +62,15 @@ class Alternations:
         Raises:
             AnalysisError: the captures do not define them.
         """
-        periods_s = [period_s for _ in range(_DIRECTIONS) for _, period_s in _amplitudes(known)]
         found = inductance(
-            [_directed(block, period_s) for block, period_s in zip(blocks[1:], periods_s, strict=True)],
+            [_directed(block) for block in blocks[1::2]],
             T_s=known.control_period_s,
             R_s_ohm=known.R_s_ohm,
+            drop_V=known.drop_V,
             gains=known.gains,
             aligned_rad=0.0,
         )
-        rows = sum(len(block.data) for block in blocks[1:])
+        rows = sum(len(block.data) for block in blocks[1::2])
         basis = Basis(samples=rows, sample_rate_Hz=1.0 / known.control_period_s)
         scatter = f"scatter of {rows} samples about the fit"
         both = (
@@ -100,7 +82,7 @@ class Alternations:
                 name,
                 value,
                 "H",
-                f"flux linkage over current {side} the rotor flux, alternating around zero current",
+                f"flux linkage over current {side} the rotor flux, by a voltage vector that turns fast",
                 basis,
                 of_fit(value, standard, found.dof, scatter, known),
             )
@@ -124,22 +106,33 @@ class Alternations:
         return tuple(findings)
 
 
-def _amplitudes(known: Known) -> tuple[tuple[float, float], ...]:
-    """Return voltage in V peak and period in s of the two alternations, the faster one first."""
-    L = min(known.motor.L_d_H, known.motor.L_q_H)
+def _turning(known: Known, periods: float) -> Excitation:
+    """Return the vector that turns once in so many control periods, or more slowly."""
+    T_s, L = known.control_period_s, min(known.motor.L_d_H, known.motor.L_q_H)
     most_V = _VOLTAGE_SHARE * known.u_dc_V / math.sqrt(3.0)
-    lowest = 2.0 * math.pi * L * _LEAST_SHARE * known.I_N_A / (most_V * known.control_period_s)
-    faster_s = max(_PERIODS, lowest) * known.control_period_s
-    wanted_Vs = 2.0 * math.pi * L * _SHARE * known.I_N_A
-    return tuple(
-        (min(most_V, wanted_Vs / period_s + known.drop_V), period_s)
-        for period_s in (faster_s, _SLOWER * faster_s)
+    a_turn_Vs = 2.0 * math.pi * L * known.I_N_A
+    slower = max(1.0, _LEAST_SHARE * a_turn_Vs / (most_V * _PERIODS[0] * T_s))
+    turn_s = slower * periods * T_s
+    impedance_ohm = math.hypot(known.R_s_ohm, 2.0 * math.pi * L / turn_s)
+    u_V = min(most_V, _SHARE * known.I_N_A * impedance_ohm + _CREST * known.drop_V)
+    duration_s = (_ROWS + 2) * T_s
+    return Excitation(
+        f"{u_V:.3g} V at {1.0 / turn_s:.4g} Hz",
+        Stimulus(
+            quantity="voltage",
+            shape="ramp",
+            amplitude_V=u_V,
+            duration_s=duration_s,
+            omega_e_rad_s=2.0 * math.pi / turn_s,
+        ),
+        CaptureRequest((*CURRENTS, "u_alpha", "u_beta"), rows=_ROWS),
+        (_SHARE * known.I_N_A) ** 2 * duration_s / 3.0,
+        {"dead_time_compensation": 0.0},
     )
 
 
-def _directed(block: Block, period_s: float) -> Alternation:
+def _directed(block: Block) -> Turning:
     """Return voltages and currents of a capture: what a row asks for acts from the next row on to the one
     after."""
     u_V = block.column("u_alpha") + 1j * block.column("u_beta")
-    stretch = math.ceil(_OF_A_STRETCH * period_s / block.tick_s)
-    return Alternation(u_V[:-2], block.data[1:, :3], stretch)
+    return Turning(u_V[:-2], block.data[1:, :3])

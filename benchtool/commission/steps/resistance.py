@@ -71,6 +71,7 @@ class StandingCurrents:
         """
         levels = np.array([mean for block in blocks for mean in _levels(block)])
         found = resistance(levels[:, 3] + 1j * levels[:, 4], levels[:, :3])
+        known = known.with_drop(found.drop_V)
         basis = Basis(samples=found.levels, duration_s=len(blocks) * _LEVELS * _LEVEL_S)
         scatter = f"scatter of {found.levels} levels about the fit"
         estimates = [
