@@ -18,7 +18,16 @@ from benchtool.commission.steps.resistance import StandingCurrents
 from benchtool.commission.steps.step import Finding, Step
 from benchtool.drive import Capability, Capture, RemoteDrive, play
 from benchtool.drive.parameters import held
-from benchtool.errors import AnalysisError, BenchError, CaptureError, DriveFault, StimulusError, UsageError
+from benchtool.errors import (
+    AnalysisError,
+    BenchError,
+    CaptureError,
+    DriveFault,
+    SdoAbort,
+    StimulusError,
+    UsageError,
+    ValueRefused,
+)
 from benchtool.profile import Profile
 from benchtool.protocol.dictionary import Value, setting_of
 
@@ -26,7 +35,7 @@ STEPS: tuple[Step, ...] = (Offsets(), StandingCurrents(), TurningVoltage())
 """Every step, in the order in which they are run."""
 
 _QUIET: Mapping[str, Value] = MappingProxyType({"quick_stop_option": "disable"})
-_OF_THE_DRIVE = (AnalysisError, CaptureError, DriveFault, StimulusError)
+_FAIL_A_STEP = (AnalysisError, CaptureError, DriveFault, SdoAbort, StimulusError, ValueRefused)
 
 
 class StepVerdict(StrEnum):
@@ -101,15 +110,16 @@ def commission(
     """Run steps on a connected drive, with the profile as the nameplate.
 
     The drive holds what the profile states for as long as this lasts, and what it held before afterwards:
-    nothing is kept. A step that fails leaves out those that need it; the others are run.
+    nothing is kept. A step that fails leaves out those that need it; the others are run. A fault stays until
+    it is reset.
 
     Args:
         note: takes a line of progress.
 
     Raises:
         CapabilityMissing: the drive cannot play or capture; nothing was sent.
-        ValueRefused: a step would warm the winding too much, or the profile states what the drive cannot
-            have.
+        ValueRefused: a step would warm the winding too much by the nameplate, or the profile states what the
+            drive cannot have.
         LinkError, StateError, WriteNotVerified: the drive does not answer as it should; it is disabled, or
             will stop by itself.
     """
@@ -125,8 +135,6 @@ def commission(
             results.append(result)
             if result.verdict is StepVerdict.PASS:
                 known = known.with_estimates(result.estimates)
-            if drive.emergencies():
-                drive.reset_fault()
     return Commissioning(tuple(results), known)
 
 
@@ -147,7 +155,7 @@ def _attempt(
             note(f"{step.name}: {each.name}")
             blocks.append(_played(drive, each, known))
         estimates = step.estimate(blocks, known)
-    except _OF_THE_DRIVE as reason:
+    except _FAIL_A_STEP as reason:
         return StepResult(step.name, step.sets, StepVerdict.FAIL, str(reason), planned_J=heat_J)
     findings = step.findings(estimates, known)
     fatal = next((each for each in findings if each.fails), None)

@@ -32,11 +32,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.commission.estimators.regression import Fit, least_squares
-from benchtool.commission.estimators.vectors import drop_vector, vector_of
+from benchtool.commission.estimators.vectors import drop_vector, phases_of, vector_of
 from benchtool.errors import AnalysisError
 
-_CLEAR = 0.1  # of the largest current: below it the sign of a phase may change within a period
-_FEWEST = 50
+_CLEAR = 0.15  # of the largest current, by what goes with the voltage: so clear of zero is every phase
+_SEEN_CLEAR = 0.05  # by its readings: so far below that their noise does not choose
+_FEWEST = 40
 
 
 @dataclass(frozen=True)
@@ -134,8 +135,8 @@ def _changes(
     phases = of.readings_A * gains
     i = vector_of(phases)
     mean = 0.5 * (i[1:] + i[:-1])
-    far = np.minimum(np.abs(phases[1:]), np.abs(phases[:-1])) > _CLEAR * np.max(np.abs(phases))
-    (k,) = np.nonzero(np.all(far & (phases[1:] * phases[:-1] > 0.0), axis=1))
+    clear = _clear(of.u_V, i) & _far(phases, _SEEN_CLEAR)
+    (k,) = np.nonzero(clear)
     if len(k) < _FEWEST:
         raise AnalysisError(
             f"{len(k)} control periods in which no phase is near zero, {_FEWEST} at least are needed: let "
@@ -149,6 +150,25 @@ def _changes(
     for component in (rows.real, rows.imag):
         left = component - component.mean(axis=0)
         yield _Part(left[:, :-1], left[:, -1], k)
+
+
+def _clear(u_V: NDArray[np.complex128], i: NDArray[np.complex128]) -> NDArray[np.bool_]:
+    """Return in which control periods every phase keeps its sign and is clear of zero.
+
+    By the current that goes with the voltage, an ellipse while that turns: were it by the readings, their
+    noise would choose which changes are seen, and make them smaller.
+    """
+    both = np.column_stack((u_V, u_V.conj()))
+    response = np.linalg.lstsq(both, i[:-1], rcond=None)[0]
+    return np.append(_far(phases_of(both @ response), _CLEAR), False)
+
+
+def _far(phases: NDArray[np.float64], share: float) -> NDArray[np.bool_]:
+    """Return between which neighbours every phase keeps its sign and is beyond a share of the largest."""
+    before, after = phases[:-1], phases[1:]
+    far = np.minimum(np.abs(before), np.abs(after)) > share * np.max(np.abs(phases))
+    kept: NDArray[np.bool_] = np.all(far & (before * after > 0.0), axis=1)
+    return kept
 
 
 def _of_differences(parts: Sequence[_Part], fit: Fit) -> NDArray[np.float64]:

@@ -24,3 +24,9 @@ def drop_vector(phases: NDArray[np.float64]) -> NDArray[np.complex128]:
     Dead time and devices take their voltage so: V_drop sgn(i) of each phase, whatever the size of i.
     """
     return vector_of(np.sign(phases))
+
+
+def phases_of(vectors: NDArray[np.complex128]) -> NDArray[np.float64]:
+    """Return the phase quantities, shape (n, 3), of vectors of shape (n,)."""
+    phases: NDArray[np.float64] = (vectors[:, None] * PHASES.conj()).real
+    return phases
