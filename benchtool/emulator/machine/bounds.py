@@ -28,13 +28,15 @@ def require_computable(motor: MotorTruth, T_s: float) -> None:
     stiffness = 1.5 * motor.pole_pairs * motor.psi_r_Wb**2 / L
     slope = max(motor.breakaway_Nm - motor.coulomb_Nm, 0.0) / max(motor.stribeck_rad_s, 1e-300)
     friction = (motor.friction_Nms + (slope if motor.stribeck_rad_s > 0.0 else 0.0)) / motor.pole_pairs
-    cogging = motor.cogging_Nm * motor.cogging_order / motor.pole_pairs
+    cogging = motor.cogging_stiffness_Nm / motor.pole_pairs
     processes = {
         f"R_s_ohm = {motor.R_s_ohm:g} over L_d_H or L_q_H = {L:g}": motor.R_s_ohm / L,
         f"psi_r_Wb = {motor.psi_r_Wb:g} with L_d_H or L_q_H = {L:g} and J_kgm2 = {motor.J_kgm2:g}": math.sqrt(
             per_inertia * stiffness
         ),
-        f"cogging_Nm = {motor.cogging_Nm:g} with J_kgm2 = {motor.J_kgm2:g}": math.sqrt(per_inertia * cogging),
+        f"cogging_Nm = {str(motor.cogging_Nm).strip('(),')} with J_kgm2 = {motor.J_kgm2:g}": math.sqrt(
+            per_inertia * cogging
+        ),
         f"friction_Nms = {motor.friction_Nms:g} and stribeck_rad_s = {motor.stribeck_rad_s:g} over "
         f"J_kgm2 = {motor.J_kgm2:g}": per_inertia * friction,
     }

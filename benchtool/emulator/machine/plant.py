@@ -20,6 +20,12 @@ import math
 from typing import NamedTuple
 
 from benchtool.emulator.jit import njit
+from benchtool.emulator.machine.cogging import (
+    Cogging,
+    cogging_stiffness,
+    cogging_turning,
+    less_cogging,
+)
 from benchtool.emulator.machine.harmonics import (
     Harmonics,
     harmonic_turning,
@@ -28,11 +34,7 @@ from benchtool.emulator.machine.harmonics import (
     with_harmonic_torque,
 )
 from benchtool.emulator.machine.shaft import (
-    Cogging,
     Friction,
-    cogging_stiffness,
-    cogging_turning,
-    less_cogging,
     less_friction,
     part_until_rest,
     sliding,
