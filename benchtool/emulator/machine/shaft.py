@@ -63,6 +63,17 @@ def _stribeck_torque(stribeck: Stribeck | None, omega_e: float) -> float:
 
 
 @njit
+def friction_torque(friction: Friction | None, omega_e: float, driving: float) -> float:
+    """Return the torque of dry friction against positive rotation, in Nm; a shaft at rest takes up to its
+    breakaway torque of what drives it."""
+    if friction is None:
+        return 0.0
+    if omega_e == 0.0:
+        return min(max(driving, -friction.T_breakaway), friction.T_breakaway)
+    return math.copysign(friction.T_coulomb + _stribeck_torque(friction.stribeck, omega_e), omega_e)
+
+
+@njit
 def part_until_rest(friction: Friction | None, before: float, after: float) -> float:
     """Return part of a step after which dry friction has brought the shaft to rest, by the secant; else 1."""
     if friction is None:

@@ -8,6 +8,7 @@ from typing import TypeVar
 
 from benchtool.emulator.machine.cogging import Cogging, cogging_of
 from benchtool.emulator.machine.dc_link import DcLink
+from benchtool.emulator.machine.drive_train import DriveTrain
 from benchtool.emulator.machine.harmonics import Harmonics
 from benchtool.emulator.machine.inverter import DeadTime, Devices, PowerStage, Timer
 from benchtool.emulator.machine.plant import Machine, machine_of
@@ -63,9 +64,15 @@ class MotorTruth:
         self._require_cogging()
         finite(psi_5_Wb=self.psi_5_Wb, psi_7_Wb=self.psi_7_Wb)
 
-    def machine(self, speed_held: bool = False, devices_ohm: float = 0.0) -> Machine:
+    def machine(
+        self,
+        speed_held: bool = False,
+        devices_ohm: float = 0.0,
+        J_load_kgm2: float = 0.0,
+        train: DriveTrain | None = None,
+    ) -> Machine:
         """Return the coefficients of the differential equations, with devices of this resistance in each
-        phase."""
+        phase, this inertia rigid on the rotor, and what else is beyond it."""
         return machine_of(
             float(self.pole_pairs),
             self.R_s_ohm + devices_ohm,
@@ -77,6 +84,8 @@ class MotorTruth:
             self._harmonics(),
             self._cogging(),
             self._friction(),
+            J_load_kgm2,
+            train,
             speed_held,
             False,
         )
