@@ -85,17 +85,7 @@ class Meeting(NamedTuple):
 
 @njit
 def meeting(
-    coupling: Coupling | None, twist0: float, slip0: float, twist1: float, slip1: float, contact: float
-) -> Meeting:
-    """Return what happens first to the faces in a step from one twist and slip to the other."""
-    if coupling is None:
-        return Meeting(0.0, False, False)
-    return _meeting(coupling.play, coupling, twist0, slip0, twist1, slip1, contact)
-
-
-@njit
-def _meeting(
-    play: Play | None,
+    play: Play,
     coupling: Coupling,
     twist0: float,
     slip0: float,
@@ -103,8 +93,7 @@ def _meeting(
     slip1: float,
     contact: float,
 ) -> Meeting:
-    if play is None:
-        return Meeting(0.0, False, False)
+    """Return what happens first to the faces in a step from one twist and slip to the other."""
     if contact != 0.0:
         _, pushes = _met(play, coupling, twist1, slip1, contact)
         return Meeting(contact, False, pushes < 0.0)
@@ -115,34 +104,16 @@ def _meeting(
 
 
 @njit
-def distance(coupling: Coupling | None, what: Meeting, twist: float, slip: float) -> float:
+def distance(play: Play, coupling: Coupling, what: Meeting, twist: float, slip: float) -> float:
     """Return what is zero where `what` happens."""
-    if coupling is None:
-        return 0.0
-    return _distance(coupling.play, coupling, what, twist, slip)
-
-
-@njit
-def _distance(play: Play | None, coupling: Coupling, what: Meeting, twist: float, slip: float) -> float:
-    if play is None:
-        return 0.0
     depth, pushes = _met(play, coupling, twist, slip, what.side)
     return depth if what.by_depth else pushes
 
 
 @njit
-def landed(coupling: Coupling | None, what: Meeting, twist: float) -> float:
+def landed(play: Play, what: Meeting, twist: float) -> float:
     """Return the twist at the end of a step that `what` ends: faces that meet do so exactly."""
-    if coupling is None:
-        return twist
-    return _landed(coupling.play, what, twist)
-
-
-@njit
-def _landed(play: Play | None, what: Meeting, twist: float) -> float:
-    if play is None or not (what.happens and what.by_depth):
-        return twist
-    return what.side * play.half
+    return what.side * play.half if what.by_depth else twist
 
 
 @njit

@@ -140,7 +140,13 @@ def contact_of(train: DriveTrain | None, far: Far, omega_e: float) -> float:
     """Return the side on which faces of a coupling with play touch, see `contact_side`."""
     if train is None:
         return 0.0
-    return contact_side(train.coupling, far.twist, omega_e * train.per_p - far.omega)
+    return contact_side(train.coupling, far.twist, slip_of(train, far, omega_e))
+
+
+@njit
+def slip_of(train: DriveTrain, far: Far, omega_e: float) -> float:
+    """Return the rate of the coupling's twist."""
+    return omega_e * train.per_p - far.omega
 
 
 @njit

@@ -27,7 +27,7 @@ from benchtool.emulator.machine.cogging import (
     cogging_turning,
     less_cogging,
 )
-from benchtool.emulator.machine.coupling import distance, landed, meeting, part_until
+from benchtool.emulator.machine.coupling import Coupling, Play, distance, landed, meeting, part_until
 from benchtool.emulator.machine.drive_train import (
     DriveTrain,
     Far,
@@ -36,6 +36,7 @@ from benchtool.emulator.machine.drive_train import (
     contact_of,
     fastest_omega,
     holds_rotor,
+    slip_of,
     stepped,
     told,
     train_rate,
@@ -360,26 +361,58 @@ def _until_contact(
     m: Machine,
     T_load: float,
 ) -> tuple[State, float]:
-    """Return state and length of a step that ends where faces of a coupling with play meet or part."""
+    """Return state and length of a step that ends where faces of a coupling meet or part, if it has play."""
     if train is None:
         return after, h
-    coupling = train.coupling
-    slip, slip_after = x.omega_e * train.per_p - x.far.omega, after.omega_e * train.per_p - after.far.omega
-    what = meeting(
-        coupling, x.far.twist, slip, after.far.twist, slip_after, contact_of(train, x.far, x.omega_e)
-    )
+    return _until_faces(train.coupling, train, x, after, u_alpha, u_beta, h, m, T_load)
+
+
+@njit
+def _until_faces(
+    coupling: Coupling | None,
+    train: DriveTrain,
+    x: State,
+    after: State,
+    u_alpha: float,
+    u_beta: float,
+    h: float,
+    m: Machine,
+    T_load: float,
+) -> tuple[State, float]:
+    if coupling is None:
+        return after, h
+    return _until_meeting(coupling.play, coupling, train, x, after, u_alpha, u_beta, h, m, T_load)
+
+
+@njit
+def _until_meeting(
+    play: Play | None,
+    coupling: Coupling,
+    train: DriveTrain,
+    x: State,
+    after: State,
+    u_alpha: float,
+    u_beta: float,
+    h: float,
+    m: Machine,
+    T_load: float,
+) -> tuple[State, float]:
+    if play is None:
+        return after, h
+    slip, slip_after = slip_of(train, x.far, x.omega_e), slip_of(train, after.far, after.omega_e)
+    contact = contact_of(train, x.far, x.omega_e)
+    what = meeting(play, coupling, x.far.twist, slip, after.far.twist, slip_after, contact)
     if not what.happens:
         return after, h
-    whole = h
-    start = distance(coupling, what, x.far.twist, slip)
-    at = distance(coupling, what, after.far.twist, slip_after)
-    part, slope = 1.0, at - start
+    start = distance(play, coupling, what, x.far.twist, slip)
+    at = distance(play, coupling, what, after.far.twist, slip_after)
+    whole, part, slope = h, 1.0, at - start
     for _ in range(3):
         part = part_until(what, part - at / slope)
         h = part * whole
         after = step(x, u_alpha, u_beta, h, m, T_load)
-        at = distance(coupling, what, after.far.twist, after.omega_e * train.per_p - after.far.omega)
-    far = Far(after.far.omega, landed(coupling, what, after.far.twist), after.far.torque)
+        at = distance(play, coupling, what, after.far.twist, slip_of(train, after.far, after.omega_e))
+    far = Far(after.far.omega, landed(play, what, after.far.twist), after.far.torque)
     return facing(after, far), h
 
 

@@ -1,4 +1,4 @@
-"""True values of what is beyond the rotor: shaft, load, load machine and flange, as the kernel has them too."""
+"""True values of what is beyond the rotor, and their form for the kernel."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from benchtool.block import Block, Channel
 from benchtool.emulator.jit import njit
-from benchtool.emulator.machine.drive_train import DriveTrain, Far, Flange
+from benchtool.emulator.machine.drive_train import DriveTrain, Far, Flange, slip_of
 from benchtool.emulator.machine.flange import flange_torque, reading
 from benchtool.emulator.machine.plant import Machine, State, airgap_torque, derivative, scaled_voltage
 from benchtool.emulator.memory import Record, record_type
@@ -113,8 +113,7 @@ def _take_reading(
 ) -> None:
     if flange is None:
         return
-    slip0 = before.omega_e * train.per_p - before.far.omega
-    slip1 = after.omega_e * train.per_p - after.far.omega
+    slip0, slip1 = slip_of(train, before.far, before.omega_e), slip_of(train, after.far, after.omega_e)
     far = Far(
         _line(s, before.far.omega, after.far.omega),
         _hermite(s, h, before.far.twist, after.far.twist, slip0, slip1),
