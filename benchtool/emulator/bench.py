@@ -15,6 +15,13 @@ from benchtool.emulator.core.kernel import kernel_is_cached
 from benchtool.emulator.equipment import EmulatedLoad, EmulatedSupply, EmulatedTransducer
 from benchtool.emulator.firmware.device import Firmware
 from benchtool.emulator.instruments import CanInstrument, CanReadings, CanTorque, samples_apart
+from benchtool.emulator.machine.train_truth import (
+    FlangeTruth,
+    LoadMachineTruth,
+    LoadTruth,
+    ShaftTruth,
+    TrainTruth,
+)
 from benchtool.emulator.machine.truth import InverterTruth, MotorTruth, SensorTruth
 from benchtool.emulator.servers.canopen import CanopenServer
 from benchtool.emulator.servers.drive_node import DriveNode, OnGone, Server
@@ -214,7 +221,8 @@ def is_compiled(profile: Profile) -> bool:
         ProfileError: the profile describes no emulated bench.
         ValueRefused: one that cannot be computed.
     """
-    return kernel_is_cached(truth_of(*_truth(profile, _emulator_of(profile))))
+    emulator = _emulator_of(profile)
+    return kernel_is_cached(truth_of(*_truth(profile, emulator), _train(emulator)))
 
 
 def _emulator_of(profile: Profile) -> Emulator:
@@ -227,7 +235,7 @@ def _emulator_of(profile: Profile) -> Emulator:
 
 
 def _core(table: ObjectTable, profile: Profile, emulator: Emulator, seed: int, first_tick: int) -> Core:
-    return Core(table, *_truth(profile, emulator), seed=seed, first_tick=first_tick)
+    return Core(table, *_truth(profile, emulator), seed=seed, first_tick=first_tick, train=_train(emulator))
 
 
 def _truth(profile: Profile, emulator: Emulator) -> tuple[MotorTruth, InverterTruth, SensorTruth]:
@@ -237,6 +245,16 @@ def _truth(profile: Profile, emulator: Emulator) -> tuple[MotorTruth, InverterTr
         MotorTruth(**{**believed, **true.model_dump(exclude_none=True)}),
         InverterTruth(**emulator.inverter.model_dump(exclude_none=True)),
         SensorTruth(**emulator.sensors.model_dump()),
+    )
+
+
+def _train(emulator: Emulator) -> TrainTruth:
+    machine, flange = emulator.load_machine, emulator.flange
+    return TrainTruth(
+        shaft=ShaftTruth(**emulator.shaft.model_dump()),
+        load=LoadTruth(**emulator.load.model_dump()),
+        load_machine=None if machine is None else LoadMachineTruth(**machine.model_dump()),
+        flange=None if flange is None else FlangeTruth(**flange.model_dump()),
     )
 
 

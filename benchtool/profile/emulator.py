@@ -8,6 +8,7 @@ from typing import Annotated
 from pydantic import BeforeValidator, Field
 
 from benchtool.document import Array, Item, Section
+from benchtool.profile.emulated_shaft import DrivenLoad, EmulatedLoadMachine, FlangeTransducer, Shaft
 
 Resistance = Annotated[float, Field(ge=0, le=1e4)]
 Inductance = Annotated[float, Field(ge=1e-7, le=10)]
@@ -120,3 +121,11 @@ class Emulator(Section):
     """The power stage."""
     sensors: Sensors
     """What the drive measures with."""
+    shaft: Shaft = Shaft()
+    """Inertia and coupling of the load."""
+    load: DrivenLoad = DrivenLoad()
+    """The machine that is driven."""
+    load_machine: EmulatedLoadMachine | None = None
+    """A load machine that gives way; without it an ideal one."""
+    flange: FlangeTransducer | None = None
+    """A torque transducer at the flange; without it the air-gap torque is recorded."""
