@@ -43,7 +43,8 @@ def swinging(twist: float, per_J: float, damping: float, time: float) -> float:
     """The twist of a coupling let go, on 1 / J of what swings: x'' + d per_J x' + c per_J x = 0."""
     s = -0.5 * damping * per_J + cmath.sqrt((0.5 * damping * per_J) ** 2 - C * per_J)
     other = -damping * per_J - s
-    return (twist * (s * cmath.exp(other * time) - other * cmath.exp(s * time)) / (s - other)).real
+    shape: complex = (s * cmath.exp(other * time) - other * cmath.exp(s * time)) / (s - other)
+    return twist * shape.real
 
 
 @pytest.mark.parametrize("damping", [0.0, D, 0.5], ids=["undamped", "damped", "creeping"])
@@ -74,7 +75,7 @@ def with_play(
     m, half = RUBBING, 0.5 * play
 
     def pushes(y: NDArray[np.float64], side: float) -> float:
-        return C * (side * y[2] - half) + D * side * (y[0] - y[1])
+        return float(C * (side * y[2] - half) + D * side * (y[0] - y[1]))
 
     def rubbing(omega: float, sign: float) -> float:
         excess = (m.breakaway_Nm - m.coulomb_Nm) * math.exp(-((omega / m.stribeck_rad_s) ** 2))
@@ -119,7 +120,7 @@ def with_play(
     returns.direction = 1.0  # type: ignore[attr-defined]
     time, y = 0.0, np.array([omega_m, omega_load, twist, 0.0])
     while time < duration:
-        way = solve_ivp(
+        way = solve_ivp(  # type: ignore[call-overload]
             rates,
             (time, duration),
             y,

@@ -1,4 +1,4 @@
-"""True values of what is beyond the rotor, and their form for the kernel."""
+"""True values beyond the rotor, of shaft, load, load machine and flange, and their form for the kernel."""
 
 from __future__ import annotations
 
