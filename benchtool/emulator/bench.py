@@ -15,14 +15,15 @@ from benchtool.emulator.core.kernel import kernel_is_cached
 from benchtool.emulator.equipment import EmulatedLoad, EmulatedSupply, EmulatedTransducer
 from benchtool.emulator.firmware.device import Firmware
 from benchtool.emulator.instruments import CanInstrument, CanReadings, CanTorque, samples_apart
-from benchtool.emulator.machine.truth import InverterTruth, MotorTruth, SensorTruth
+from benchtool.emulator.machine.sensor_truth import CurrentTruth, EncoderTruth, SensorTruth, VoltageTruth
+from benchtool.emulator.machine.truth import InverterTruth, MotorTruth
 from benchtool.emulator.servers.canopen import CanopenServer
 from benchtool.emulator.servers.drive_node import DriveNode, OnGone, Server
 from benchtool.emulator.servers.serial import SerialServer
 from benchtool.errors import ProfileError
 from benchtool.link import PipePort, Port, pipe
 from benchtool.link.canopen import VirtualTimeBus
-from benchtool.profile import CanTransducer, Emulator, Profile
+from benchtool.profile import CanTransducer, Emulator, Profile, Sensors
 from benchtool.protocol import DbcMessage
 from benchtool.protocol.canopen import NmtState
 from benchtool.protocol.dictionary import (
@@ -236,7 +237,19 @@ def _truth(profile: Profile, emulator: Emulator) -> tuple[MotorTruth, InverterTr
     return (
         MotorTruth(**{**believed, **true.model_dump(exclude_none=True)}),
         InverterTruth(**emulator.inverter.model_dump(exclude_none=True)),
-        SensorTruth(**emulator.sensors.model_dump()),
+        _sensors(emulator.sensors),
+    )
+
+
+def _sensors(stated: Sensors) -> SensorTruth:
+    tables = {"i_a", "i_b", "i_c", "u_dc", "encoder", "temperature"}
+    return SensorTruth(
+        **stated.model_dump(exclude=tables),
+        i_a=CurrentTruth(**stated.i_a.model_dump()),
+        i_b=CurrentTruth(**stated.i_b.model_dump()),
+        i_c=CurrentTruth(**stated.i_c.model_dump()),
+        u_dc=VoltageTruth(**stated.u_dc.model_dump()),
+        encoder=EncoderTruth(**stated.encoder.model_dump()),
     )
 
 
