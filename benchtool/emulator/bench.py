@@ -20,10 +20,11 @@ from benchtool.emulator.machine.truth import InverterTruth, MotorTruth
 from benchtool.emulator.servers.canopen import CanopenServer
 from benchtool.emulator.servers.drive_node import DriveNode, OnGone, Server
 from benchtool.emulator.servers.serial import SerialServer
+from benchtool.emulator.thermometer import EmulatedThermometer
 from benchtool.errors import ProfileError
 from benchtool.link import PipePort, Port, pipe
 from benchtool.link.canopen import VirtualTimeBus
-from benchtool.profile import CanTransducer, Emulator, Profile, Sensors
+from benchtool.profile import CanTransducer, EmulatedTemperature, Emulator, Profile, Sensors
 from benchtool.protocol import DbcMessage
 from benchtool.protocol.canopen import NmtState
 from benchtool.protocol.dictionary import (
@@ -83,6 +84,9 @@ class EmulatedBench:
         self.transducer = EmulatedTransducer(core)
         self.supply = EmulatedSupply(core)
         self._core = core
+        self._seed = seed
+        self._temperature_sensor = emulator.sensors.temperature
+        self._thermometers: list[EmulatedThermometer] = []
         self._instruments: list[CanInstrument] = []
         self._node = DriveNode(node_id, lambda emit: Firmware(table, core, node_id, stored, emit))
         if has_bus:
@@ -122,6 +126,12 @@ class EmulatedBench:
     ) -> None:
         """Have an instrument send these values, in the units of its signals, `rate_Hz` times a second."""
         self._instruments.append(CanReadings(self._instrument_bus(channel), message, rate_Hz, values))
+
+    def add_thermometer(self, stated: EmulatedTemperature) -> EmulatedThermometer:
+        """Return thermometers of winding and surroundings at the temperatures that a profile states."""
+        made = EmulatedThermometer(self._core, stated, self._temperature_sensor, self._seed)
+        self._thermometers.append(made)
+        return made
 
     def _instrument_bus(self, channel: str) -> VirtualTimeBus:
         """Return a bus whose frames bear the moment at which they were due."""
@@ -192,6 +202,8 @@ class EmulatedBench:
         for each in self._instruments:
             each.prepare(now_s)
         self._node.advance_to(now_s)
+        for thermometer in self._thermometers:
+            thermometer.follow(now_s)
         for each in self._instruments:
             each.send_until(now_s)
 

@@ -41,6 +41,8 @@ class TrueMotor(Section):
     """Amplitude of the cogging torque."""
     cogging_order: Annotated[int, Field(ge=0, le=1000)] = 0
     """Periods of the cogging torque in a mechanical revolution."""
+    power_up_angle_rad: Annotated[float, Field(ge=-100, le=100)] = 0.0
+    """Mechanical angle of the shaft at power-up; 0: the rotor flux on phase a."""
 
 
 class Inverter(Section):

@@ -97,7 +97,7 @@ class Core:
         self._sensors = np.zeros(1, SENSOR)
         self.command.mode = int(Mode.TORQUE)
         self.shaft.u_dc = self._sensors[0].u_dc = inverter.u_dc_V
-        self.turn_rotor(0.0)
+        self.turn_rotor(motor.pole_pairs * motor.power_up_angle_rad)
         self.capture = CaptureRecorder(self.memory)
         self.stream = StreamRecorder(self.memory, lambda: self.tick)
         self.transducer = Transducer(lambda: self.tick, self.control_period_s)

@@ -22,7 +22,7 @@ class MotorTruth:
     are the fifth and seventh harmonic of the rotor flux linkage of phase a, as cosines of 5 and 7 theta_e.
     A shaft at rest sticks up to `breakaway_Nm`, which is the Coulomb torque where it is stated lower; while
     the shaft turns, what it has above the Coulomb torque fades out over `stribeck_rad_s`, or at once if that
-    is 0.
+    is 0. `power_up_angle_rad` is the shaft's mechanical angle when the drive is switched on.
 
     Raises:
         ValueRefused: a value is not finite, negative, or zero where the machine could not move.
@@ -42,6 +42,7 @@ class MotorTruth:
     cogging_order: int = 0
     psi_5_Wb: float = 0.0
     psi_7_Wb: float = 0.0
+    power_up_angle_rad: float = 0.0
 
     def __post_init__(self) -> None:
         positive(pole_pairs=self.pole_pairs, L_d_H=self.L_d_H, L_q_H=self.L_q_H, J_kgm2=self.J_kgm2)
@@ -55,7 +56,11 @@ class MotorTruth:
             cogging_Nm=self.cogging_Nm,
             cogging_order=self.cogging_order,
         )
-        finite(psi_5_Wb=self.psi_5_Wb, psi_7_Wb=self.psi_7_Wb)
+        finite(
+            psi_5_Wb=self.psi_5_Wb,
+            psi_7_Wb=self.psi_7_Wb,
+            power_up_angle_rad=self.power_up_angle_rad,
+        )
 
     def machine(self, speed_held: bool = False, devices_ohm: float = 0.0) -> Machine:
         """Return the coefficients of the differential equations, with devices of this resistance in each
