@@ -15,8 +15,9 @@ from scipy.signal import cont2discrete, lfilter
 
 from benchtool.emulator.core import Core
 from benchtool.emulator.core.kernel import run_ticks
+from benchtool.emulator.jit import parts_of
 from benchtool.emulator.machine.sampling import weights
-from benchtool.emulator.machine.sensor_truth import CurrentTruth, SensorTruth, VoltageTruth
+from benchtool.emulator.machine.sensor_truth import CurrentTruth, EncoderTruth, SensorTruth, VoltageTruth
 from benchtool.errors import ValueRefused
 from tests.physics.paper_machine import MOTOR, make_core
 
@@ -33,9 +34,9 @@ def test_weights_are_the_integrals_of_the_lag(a: float) -> None:
         assert weight == pytest.approx(integral, rel=1e-9, abs=1e-15)
 
 
-def turning(sensors: dict[str, Any], **inverter: float) -> Core:
+def turning(sensors: dict[str, Any]) -> Core:
     """A drive on a held shaft that makes torque."""
-    core = make_core(sensors={"adc_bits": 24, **sensors}, inverter=inverter)
+    core = make_core(sensors={"adc_bits": 24, **sensors})
     core.load.held, core.load.omega_m_rad_s = 1, OMEGA_M
     core.command.pwm_enabled = 1
     core.memory["torque_command"] = 3.0
@@ -48,11 +49,15 @@ class Stretch:
     def __init__(self, i: complex, theta: float, u: complex) -> None:
         R, L, psi = MOTOR["R_s_ohm"], MOTOR["L_d_H"], MOTOR["psi_r_Wb"]
         omega = MOTOR["pole_pairs"] * OMEGA_M
-        turning = -1j * omega * psi * cmath.exp(1j * theta) / (R + 1j * omega * L)
-        self.parts = [(turning, 1j * omega), (u / R, 0j), (i - turning - u / R, complex(-R / L))]
+        turned: complex = -1j * omega * psi * cmath.exp(1j * theta) / (R + 1j * omega * L)
+        self.parts: list[tuple[complex, complex]] = [
+            (turned, 1j * omega),
+            (u / R, 0j),
+            (i - turned - u / R, complex(-R / L)),
+        ]
 
     def current(self, t: float) -> complex:
-        return sum(c * cmath.exp(s * t) for c, s in self.parts)
+        return sum((c * cmath.exp(s * t) for c, s in self.parts), 0j)
 
     def lagged(self, t: float, phase: int, y: float, corner: float) -> float:
         """What a sensor of this corner reads after `t`, if it reads `y` at the start."""
@@ -60,10 +65,9 @@ class Stretch:
         if corner == NOT_SEEN:
             return (axis * self.current(t)).real
         steady = [(axis * c / (1.0 + s / corner), s) for c, s in self.parts]
-        at_start = sum(c for c, _ in steady).real
-        return (
-            sum(c * cmath.exp(s * t) for c, s in steady).real + (y - at_start) * cmath.exp(-corner * t).real
-        )
+        at_start = sum((c for c, _ in steady), 0j).real
+        at_end = sum((c * cmath.exp(s * t) for c, s in steady), 0j).real
+        return at_end + (y - at_start) * math.exp(-corner * t)
 
 
 def stretches(duties: tuple[float, float, float], u_dc: float) -> list[tuple[float, float, complex]]:
@@ -134,7 +138,7 @@ def test_the_dc_links_sensor_is_the_discretised_lag() -> None:
         supplied.append(float(core.shaft.u_dc))
         read.append(float(core._measurements[0].u_dc))
     corner = 2 * math.pi * 500.0
-    b, a, _ = cont2discrete(([corner], [1.0, corner]), T_S, "zoh")
+    b, a, _ = cont2discrete((np.array([corner]), np.array([1.0, corner])), T_S, "zoh")
     # Delayed by a sample as a zero-order hold is; here the input of a period is known at its end.
     lagged = 122.5 + lfilter(b[0], a, np.append(np.array(supplied) - 122.5, 0.0))[1:]
     assert np.array(read) == pytest.approx(1.01 * lagged - 2.0, abs=500.0 / 2**24)
@@ -158,3 +162,30 @@ def test_a_current_read_more_than_two_periods_late_is_refused_by_its_key() -> No
     assert replace(sensors, i_b=CurrentTruth(delay_s=1.9e-4)).sampling(T_S) is not None
     with pytest.raises(ValueRefused, match="shunt_settling_s with bandwidth_Hz"):
         replace(sensors, shunt_settling_s=1e-6)
+
+
+def test_compiled_with_every_part_the_sensors_read_as_in_python() -> None:
+    """To the converter's step: a law without a switching decision keeps the rounding of both small."""
+    flawed = {
+        "sampling_point": 0.7,
+        "warm_up_K": 20.0,
+        "i_a": CurrentTruth(offset_drift_A_K=0.01, bandwidth_Hz=5e3),
+        "i_b": CurrentTruth(delay_s=9e-5),
+        "u_dc": VoltageTruth(bandwidth_Hz=1e3, noise_V_rms=0.1),
+        "encoder": EncoderTruth(relative=True, index=True, lost_every=50, eccentricity_1_rad=0.01),
+    }
+    cores = [turning(flawed) for _ in range(2)]
+    parts = set(parts_of(cores[0]._truth))
+    assert {"stage.sampling.lag", "sensing.drift", "sensing.u_lag"} <= parts
+    assert {"sensing.encoder.counter", "sensing.encoder.eccentricity"} <= parts
+    for core in cores:
+        core.memory["law"], core.memory["omega_current"] = 5, 1000.0
+    cores[0].run(150)
+    cores[1].run_with(run_ticks, 150)
+    compiled, plain = (core._measurements[0] for core in cores)
+    for name in ("i_a", "i_b", "i_c", "u_dc"):
+        assert getattr(compiled, name) == pytest.approx(getattr(plain, name), abs=2 * STEP_A)
+    assert compiled.count == plain.count != 0
+    for name in ("warm_K", "u_dc", "edge", "error", "travelled"):
+        assert getattr(cores[0]._sensors[0], name) == pytest.approx(getattr(cores[1]._sensors[0], name))
+    assert cores[0].command.trip == 0

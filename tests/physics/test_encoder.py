@@ -128,7 +128,7 @@ def test_sensors_change_in_the_course_of_a_run_without_another_kernel() -> None:
     core = make_core(sensors=FINE)
     core.load.held, core.load.omega_m_rad_s = 1, 30.0
     kernel, sound = kernel_of(core._truth), core.sensors
-    step = 2.0 * math.pi / (4 * FINE["encoder_lines"])
+    step: float = 2.0 * math.pi / (4 * FINE["encoder_lines"])
 
     def shown() -> float:
         return float(core._measurements[0].count) * step

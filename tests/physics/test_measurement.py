@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from benchtool.emulator.machine.encoder import encoder_count
 from benchtool.emulator.machine.plant import State, place
-from benchtool.emulator.machine.sensor_truth import CurrentTruth, SensorTruth
+from benchtool.emulator.machine.sensor_truth import CurrentTruth, SensorTruth, VoltageTruth
 from benchtool.emulator.machine.sensors import Noise, measure
 from benchtool.emulator.machine.truth import InverterTruth
 from benchtool.emulator.memory import CONTROL, MEASUREMENT, SENSOR
@@ -75,6 +75,34 @@ def test_each_phase_has_a_gain_an_offset_and_a_noise_of_its_own() -> None:
     assert (record[0].i_a, record[0].i_b, record[0].i_c) == pytest.approx(expected, abs=1e-5)
 
 
+def test_a_phase_and_the_dc_link_that_are_stuck_read_the_same_whatever_is_there() -> None:
+    truth = SensorTruth(
+        i_full_scale_A=15.0,
+        u_full_scale_V=500.0,
+        adc_bits=24,
+        current_noise_A_rms=0.1,
+        warm_up_K=10.0,
+        i_b=CurrentTruth(gain=2.0, offset_drift_A_K=1.0, stuck_A=-3.0),
+        u_dc=VoltageTruth(gain=1.5, offset_V=2.0, noise_V_rms=1.0, stuck_V=48.0),
+    )
+    assert truth.noise_rms == (0.1, 0.0, 0.1, 0.0)
+    for current, u_dc in ((0.0, 10.0), (7.0, 300.0)):
+        got = read(current, truth=truth, u_dc=u_dc)
+        assert (got.i_b, got.u_dc) == pytest.approx((-3.0, 48.0), abs=1e-4)
+        assert got.i_a == pytest.approx(current, abs=1e-5)
+
+
+def test_gain_and_offset_of_the_dc_link() -> None:
+    truth = SensorTruth(
+        i_full_scale_A=15.0,
+        u_full_scale_V=500.0,
+        adc_bits=24,
+        u_dc=VoltageTruth(gain=0.98, offset_V=1.5),
+    )
+    assert read(0.0, truth=truth, u_dc=200.0).u_dc == pytest.approx(197.5, abs=1e-4)
+    assert read(0.0, truth=truth, u_dc=700.0).u_dc_saturated == 1
+
+
 def test_dc_link_uses_the_whole_range_from_zero() -> None:
     assert abs(read(0.0).u_dc - 122.5) <= 500.0 / 1024 / 2
     assert read(0.0, u_dc=900.0).u_dc == pytest.approx(500.0 - 500.0 / 1024)
@@ -107,6 +135,20 @@ def test_noise_is_gaussian_and_does_not_depend_on_how_ticks_are_taken() -> None:
     assert np.array_equal(np.concatenate(taken), expected)
     assert expected.std() == pytest.approx(0.1, rel=0.03)
     assert abs(expected.mean()) < 0.003
+
+
+def test_each_channel_has_a_noise_of_its_own_that_may_change_in_the_middle_of_a_batch() -> None:
+    noise, undisturbed = Noise((0.1, 0.2, 0.0, 0.0), seed=5), Noise((0.1, 0.2, 0.0, 3.0), seed=5)
+    before = noise.ahead()[:1000].copy()
+    noise.use(1000)
+    noise.set_rms((0.1, 0.4, 0.05, 2.0))
+    after, same = noise.ahead().copy(), undisturbed.ahead()
+    assert np.array_equal(before[:, :3], same[:1000, :3])
+    assert np.array_equal(after[:, 0], same[1000:, 0])
+    assert np.array_equal(after[:, 1], 2.0 * same[1000:, 1])
+    assert after[:, 3] == pytest.approx(same[1000:, 3] * 2.0 / 3.0, rel=1e-6)
+    assert after.std(axis=0) == pytest.approx([0.1, 0.4, 0.05, 2.0], rel=0.05)
+    assert np.abs(np.corrcoef(after.T) - np.eye(4)).max() < 0.08
 
 
 def test_no_noise_is_none() -> None:
