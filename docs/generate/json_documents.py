@@ -9,6 +9,7 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, RootModel
 
+from docs.generate.json_gauge import GaugeStudied
 from docs.generate.json_parameters import (
     DerivedParameters,
     Differences,
@@ -431,6 +432,7 @@ DOCUMENTS: dict[str, type[BaseModel]] = {
     "jog": Jogged,
     "live": LiveEnd,
     "live of a run": LiveRun,
+    "gauge": GaugeStudied,
     "info": DriveInfo,
     "info --eds": FileInfo,
     "scan": Scanned,
