@@ -19,7 +19,8 @@ from benchtool.emulator.machine.transducer import rates
 
 _AXES = ((1.0, 0.0), (-0.5, 0.5 * math.sqrt(3.0)), (-0.5, -0.5 * math.sqrt(3.0)))  # of the phases
 _LAGGED, _TAKEN, _BEFORE, _DONE = 0, 1, 2, 3  # rows of `values`
-_SERIES = 16  # terms, for arguments up to 1
+_SMALL = 0.25  # up to which the series is used: beyond it the other way loses three digits at most
+_TERMS = tuple(1.0 / (j + 4.0) for j in range(10, 0, -1))  # of the series
 
 
 class Lag(NamedTuple):
@@ -103,20 +104,22 @@ def _follow(
         return
     alpha0, beta0, alpha0_rate, beta0_rate = _stationary(before, u_alpha, u_beta, machine, T_load)
     alpha1, beta1, alpha1_rate, beta1_rate = _stationary(after, u_alpha, u_beta, machine, T_load)
+    w = _weights_of(lag, 0, h)
     for k in range(3):
+        if k > 0:
+            w = _next_weights(lag, k, h, w)
         n_alpha, n_beta = _AXES[k]
         start, rise = n_alpha * alpha0 + n_beta * beta0, h * (n_alpha * alpha0_rate + n_beta * beta0_rate)
         end, fall = n_alpha * alpha1 + n_beta * beta1, h * (n_alpha * alpha1_rate + n_beta * beta1_rate)
         square = 3.0 * (end - start) - 2.0 * rise - fall
         cube = rise + fall - 2.0 * (end - start)
-        moment = sampling.moments[k]
+        y, moment = values[_LAGGED, k], sampling.moments[k]
         if time < moment <= time + h:
             s = (moment - time) / h
-            values[_TAKEN, k] = _read(
-                lag, k, values[_LAGGED, k], start, s * rise, s * s * square, s * s * s * cube, s * h
-            )
+            till_then = _weights_of(lag, k, s * h)
+            values[_TAKEN, k] = _reading(till_then, y, start, s * rise, s * s * square, s * s * s * cube)
             values[_DONE, k] = 1.0
-        values[_LAGGED, k] = _read(lag, k, values[_LAGGED, k], start, rise, square, cube, h)
+        values[_LAGGED, k] = _reading(w, y, start, rise, square, cube)
 
 
 @njit
@@ -143,35 +146,48 @@ def _stationary(
 
 
 @njit
-def _read(
-    lag: Lag | None, phase: int, y: float, c_0: float, c_1: float, c_2: float, c_3: float, h: float
+def _reading(
+    w: tuple[float, float, float, float], y: float, c_0: float, c_1: float, c_2: float, c_3: float
 ) -> float:
-    """Return what a sensor that read `y` reads after `h` seconds of the current
-    c_0 + c_1 s + c_2 s^2 + c_3 s^3, where s runs from 0 to 1."""
+    """Return what a sensor that read `y` reads at the end of the current c_0 + c_1 s + c_2 s^2 + c_3 s^3."""
+    return y + w[0] * (c_0 - y) + w[1] * c_1 + w[2] * c_2 + w[3] * c_3
+
+
+@njit
+def _weights_of(lag: Lag | None, phase: int, h: float) -> tuple[float, float, float, float]:
+    """Return the weights of a phase for a step of `h` seconds; without a lag only the end of it counts."""
     if lag is None:
-        return c_0 + c_1 + c_2 + c_3
-    a = lag.omega[phase] * h
-    w_0, w_1, w_2, w_3 = weights(a)
-    return math.exp(-a) * y + w_0 * c_0 + w_1 * c_1 + w_2 * c_2 + w_3 * c_3
+        return 1.0, 1.0, 1.0, 1.0
+    return weights(lag.omega[phase] * h)
+
+
+@njit
+def _next_weights(
+    lag: Lag | None, phase: int, h: float, before: tuple[float, float, float, float]
+) -> tuple[float, float, float, float]:
+    """Return the weights of a phase, which are those of the one before where the sensors are alike."""
+    if lag is None:
+        return before
+    return before if lag.omega[phase] == lag.omega[phase - 1] else weights(lag.omega[phase] * h)
 
 
 @njit
 def weights(a: float) -> tuple[float, float, float, float]:
     """Return a times the integrals of exp(-a (1 - s)) s^k over s from 0 to 1, for k = 0 to 3.
 
-    They obey w_k = 1 - (k / a) w_(k-1), which is stable upwards for a large `a` and downwards for a small
-    one; there the last one is begun with by its series, a times the sum of (-a)^j 3! / (j + 4)!.
+    They are what a lag of `a` radians in a step makes of a current that is s^k in it, and obey
+    w_k = 1 - (k / a) w_(k-1). That is stable downwards for a small `a`, from the series of the last one, a
+    times the sum of (-a)^j 3! / (j + 4)!.
     """
-    if a >= 1.0:
+    if a > _SMALL:
         w_0 = 1.0 - math.exp(-a)
         w_1 = 1.0 - w_0 / a
         w_2 = 1.0 - 2.0 / a * w_1
         return w_0, w_1, w_2, 1.0 - 3.0 / a * w_2
-    term = 0.25 * a
-    w_3 = term
-    for j in range(1, _SERIES):
-        term *= -a / (j + 4.0)
-        w_3 += term
+    series = 1.0
+    for each in _TERMS:
+        series = 1.0 - a * each * series
+    w_3 = 0.25 * a * series
     w_2 = a * (1.0 - w_3) * (1.0 / 3.0)
     w_1 = a * (1.0 - w_2) * 0.5
     return a * (1.0 - w_1), w_1, w_2, w_3
