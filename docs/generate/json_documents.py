@@ -32,6 +32,7 @@ from docs.generate.json_results import (
     Plans,
     Run,
     VerdictWord,
+    Verified,
 )
 from docs.generate.json_tables import AnalyzedTable
 
@@ -432,6 +433,7 @@ DOCUMENTS: dict[str, type[BaseModel]] = {
     "jog": Jogged,
     "live": LiveEnd,
     "live of a run": LiveRun,
+    "verify": Verified,
     "gauge": GaugeStudied,
     "info": DriveInfo,
     "info --eds": FileInfo,

@@ -41,6 +41,7 @@ COMMANDS = {
     "analyze of a recording": ("analyze", "recorded"),
     "export": ("export", "recorded"),
     "jog": ("jog", "--duration", "0.1", "--speed", "1"),
+    "verify": ("verify", "folder/one"),
     "gauge": ("gauge", "readings.csv"),
     "info": ("info",),
     "info --eds": ("info", "--eds", EDS),
