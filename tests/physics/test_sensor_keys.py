@@ -38,7 +38,7 @@ def numbers_of(model: type[BaseModel], path: str = "") -> Iterator[tuple[str, An
         metadata = [*field.metadata, *getattr(stated, "__metadata__", ())]
         for each in getattr(stated, "__args__", ()):
             metadata += getattr(each, "__metadata__", ())
-        flat = [item for each in metadata for item in getattr(each, "metadata", [each])]
+        flat: list[Any] = [item for each in metadata for item in getattr(each, "metadata", [each])]
         low = [float(each.ge) for each in flat if isinstance(each, annotated_types.Ge)]
         low += [float(each.gt) + 1.0 for each in flat if isinstance(each, annotated_types.Gt)]
         high = [float(each.le) for each in flat if isinstance(each, annotated_types.Le)]
