@@ -127,6 +127,18 @@ class EmulatedBench:
         """Have an instrument send these values, in the units of its signals, `rate_Hz` times a second."""
         self._instruments.append(CanReadings(self._instrument_bus(channel), message, rate_Hz, values))
 
+    def set_sensors(self, sensors: Sensors) -> None:
+        """Have other sensors from the next tick on, as a channel that sticks or an encoder that slips.
+
+        Raises:
+            ValueRefused: they cannot be together.
+        """
+        with self._node.lock:
+            self._core.set_sensors(_sensors(sensors))
+            self._temperature_sensor = sensors.temperature
+            for each in self._thermometers:
+                each.sensor = sensors.temperature
+
     def add_thermometer(self, stated: EmulatedTemperature) -> EmulatedThermometer:
         """Return thermometers of winding and surroundings at the temperatures that a profile states."""
         made = EmulatedThermometer(self._core, stated, self._temperature_sensor, self._seed)

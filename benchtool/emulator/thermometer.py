@@ -30,10 +30,14 @@ class EmulatedThermometer:
         stated: temperatures that the profile states.
         sensor: their errors.
         seed: of their noise.
+
+    Attributes:
+        sensor: their errors, which may change.
     """
 
     def __init__(self, core: Core, stated: EmulatedTemperature, sensor: TemperatureSensor, seed: int) -> None:
-        self._core, self._stated, self._sensor = core, stated, sensor
+        self._core, self._stated = core, stated
+        self.sensor = sensor
         self._noise = np.random.Generator(np.random.PCG64([seed, 2]))
         self._true = self._followed = true_temperatures(core, stated)
         self._now_s = 0.0
@@ -41,8 +45,8 @@ class EmulatedThermometer:
     def follow(self, now_s: float) -> None:
         """Have time pass until `now_s`, drive time."""
         true = true_temperatures(self._core, self._stated)
-        if self._sensor.lag_s > 0.0:
-            a = (now_s - self._now_s) / self._sensor.lag_s
+        if self.sensor.lag_s > 0.0:
+            a = (now_s - self._now_s) / self.sensor.lag_s
             w_0, w_1, _, _ = weights(a)
             winding, ambient = (
                 math.exp(-a) * y + w_0 * before + w_1 * (after - before)
@@ -59,7 +63,7 @@ class EmulatedThermometer:
         return winding, ambient
 
     def _reading(self, degC: float) -> float:
-        sensor = self._sensor
+        sensor = self.sensor
         reading = sensor.gain * degC + sensor.offset_K
         if sensor.noise_K_rms > 0.0:
             reading += sensor.noise_K_rms * float(self._noise.standard_normal())

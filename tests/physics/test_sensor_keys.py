@@ -6,7 +6,7 @@ import dataclasses
 import math
 import tomllib
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, cast
 
 import annotated_types
 import pytest
@@ -17,7 +17,7 @@ from benchtool.emulator import EmulatedBench
 from benchtool.emulator.bench import _sensors
 from benchtool.emulator.core.kernel import run_ticks
 from benchtool.errors import ProfileError, ValueRefused
-from benchtool.profile import Profile, Sensors, altered
+from benchtool.profile import CurrentSensor, Profile, Sensors, altered
 from docs.generate.models import EXAMPLES
 from tests.physics.paper_machine import make_core
 
@@ -39,9 +39,9 @@ def numbers_of(model: type[BaseModel], path: str = "") -> Iterator[tuple[str, An
         for each in getattr(stated, "__args__", ()):
             metadata += getattr(each, "__metadata__", ())
         flat: list[Any] = [item for each in metadata for item in getattr(each, "metadata", [each])]
-        low = [float(each.ge) for each in flat if isinstance(each, annotated_types.Ge)]
-        low += [float(each.gt) + 1.0 for each in flat if isinstance(each, annotated_types.Gt)]
-        high = [float(each.le) for each in flat if isinstance(each, annotated_types.Le)]
+        low = [cast(float, each.ge) for each in flat if isinstance(each, annotated_types.Ge)]
+        low += [cast(float, each.gt) + 1.0 for each in flat if isinstance(each, annotated_types.Gt)]
+        high = [cast(float, each.le) for each in flat if isinstance(each, annotated_types.Le)]
         assert low, f"{path}{name} has no lower bound"
         assert high, f"{path}{name} has no upper bound"
         yield f"{path}{name}", int if stated is int else float, (max(low), min(high))
@@ -65,6 +65,11 @@ def test_one_phase_is_altered_by_a_plan_and_the_bench_has_it() -> None:
         assert bench._core._truth.sensing.gain_b == 1.02
         assert bench._core.shaft.theta_e == 7 * 0.5
         assert bench._core._truth.sensing.shunts is not None
+        assert profile.emulator is not None
+        stuck = CurrentSensor(stuck_A=1.5)
+        bench.set_sensors(profile.emulator.sensors.model_copy(update={"i_b": stuck}))
+        assert bench._core._truth.sensing.gain_b == 0.0
+        assert bench._core._truth.sensing.offset_b == 1.5
     finally:
         bench.close()
     with pytest.raises(ProfileError, match=r"sensors\.adc_bits"):
