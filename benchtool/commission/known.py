@@ -15,6 +15,7 @@ from benchtool.analysis import Measurement
 from benchtool.drive import RemoteDrive
 from benchtool.errors import ValueRefused
 from benchtool.profile import Motor
+from benchtool.protocol.dictionary import Value
 
 _SAMPLED_S = 0.01
 _OF_THE_SWING = 0.7
@@ -93,6 +94,12 @@ class Known:
     def drop_V(self) -> float:
         """Voltage that dead time and devices take of a phase; 0 as long as it was not estimated."""
         return self.value("dead_time_voltage", 0.0)
+
+    @property
+    def offsets(self) -> dict[str, Value]:
+        """Parameters of the drive that take the offsets of the current sensors off, as far as estimated."""
+        names = [f"current_offset_{phase}" for phase in "abc"]
+        return {name: self.estimates[name].value for name in names if name in self.estimates}
 
     @property
     def gains(self) -> NDArray[np.float64]:

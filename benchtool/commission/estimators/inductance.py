@@ -92,7 +92,7 @@ def inductance(
     fit = least_squares(
         np.concatenate([part.A for part in parts]),
         np.concatenate([part.y for part in parts]),
-        lost_dof=len(parts),
+        lost_dof=2 * len(parts),
     )
     covariance = _of_differences(parts, fit)
     g_1 = complex(fit.x[1], fit.x[2])
@@ -121,7 +121,7 @@ def _exact(L_H: float, RT: float) -> float:
 
 @dataclass(frozen=True)
 class _Part:
-    """Rows of one component of one capture, less their mean; `k` is the control period of each."""
+    """Rows of one component of one capture, less a straight line; `k` is the control period of each."""
 
     A: NDArray[np.float64]
     y: NDArray[np.float64]
@@ -148,8 +148,16 @@ def _changes(
     columns = (x, x.conj(), 1j * x.conj(), -T_s * speed * across, np.diff(i))
     rows = np.column_stack([each[k] for each in columns])
     for component in (rows.real, rows.imag):
-        left = component - component.mean(axis=0)
+        left = _less_line(component, k)
         yield _Part(left[:, :-1], left[:, -1], k)
+
+
+def _less_line(columns: NDArray[np.float64], k: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Return columns less a straight line over k each: what is left of an offset of the current sensors looks
+    like a constant torque, that is an EMF which grows evenly."""
+    line, _ = np.linalg.qr(np.column_stack((np.ones(len(k)), k - k.mean())))
+    left: NDArray[np.float64] = columns - line @ (line.T @ columns)
+    return left
 
 
 def _clear(u_V: NDArray[np.complex128], i: NDArray[np.complex128]) -> NDArray[np.bool_]:

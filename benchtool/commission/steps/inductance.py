@@ -52,7 +52,7 @@ class TurningVoltage:
             ),
             CaptureRequest(CURRENTS, rows=10),
             (_ALIGN_SHARE * known.I_N_A) ** 2 * _ALIGN_S,
-            {"omega_current": known.damping_bandwidth_rad_s},
+            {"omega_current": known.damping_bandwidth_rad_s, **known.offsets},
         )
         return tuple(each for periods in _PERIODS for each in (align, _turning(known, periods)))
 
@@ -127,7 +127,7 @@ def _turning(known: Known, periods: float) -> Excitation:
         ),
         CaptureRequest((*CURRENTS, "u_alpha", "u_beta"), rows=_ROWS),
         (_SHARE * known.I_N_A) ** 2 * duration_s / 3.0,
-        {"dead_time_compensation": 0.0},
+        {"dead_time_compensation": 0.0, **known.offsets},
     )
 
 

@@ -24,7 +24,7 @@ _ROW_S = 2e-3
 _ASIDE_DEG = (-12.0, -6.6, -1.9, 4.3, 8.5, 10.7)  # from the phases
 _SHARES = (1.0, 0.935, 0.97, 0.91, 0.985, 0.95)  # of the rated current
 _FACTOR = 1.5  # from the nameplate on, a resistance is told of
-_LINE_TO_LINE = 2.0
+_OF_LINE_TO_LINE = 0.5
 _NEAR = 0.15
 
 
@@ -58,7 +58,11 @@ class StandingCurrents:
                 ),
                 request,
                 (share * known.I_N_A) ** 2 * _LEVEL_S * squares,
-                {"omega_current": known.damping_bandwidth_rad_s, "dead_time_compensation": 0.0},
+                {
+                    "omega_current": known.damping_bandwidth_rad_s,
+                    "dead_time_compensation": 0.0,
+                    **known.offsets,
+                },
             )
             for angle_rad, share in _directions()
         )
@@ -118,17 +122,15 @@ class StandingCurrents:
                 ),
             )
         seen = f"R_s is {found['R_s'].value:.4g} ohm, {ratio:.3g} times the nameplate's"
-        for factor, said in ((1.0 / _LINE_TO_LINE, "is"), (_LINE_TO_LINE, "is half of what is")):
-            if abs(ratio / factor - 1.0) < _NEAR:
-                line = "R looks line to line" if factor < 1.0 else "R looks halved twice"
-                return (
-                    Finding(
-                        f"{seen}: {line}",
-                        f"motor.R_s_ohm {said} stated between two terminals",
-                        "state the resistance of one phase: half of what is measured between two terminals",
-                        fails=False,
-                    ),
-                )
+        if abs(ratio / _OF_LINE_TO_LINE - 1.0) < _NEAR:
+            return (
+                Finding(
+                    f"{seen}: R looks line to line",
+                    "motor.R_s_ohm is stated between two terminals",
+                    "state the resistance of one phase, half of that between two terminals",
+                    fails=False,
+                ),
+            )
         if not 1.0 / _FACTOR < ratio < _FACTOR:
             return (
                 Finding(
