@@ -1,4 +1,4 @@
-"""One PWM period with the power stage on, from edge to edge.
+"""One PWM period with the power stage on, from edge to edge, or by its mean where nothing asks for edges.
 
 The dc link holds its voltage over the period; the charge that is drawn over it sets that of the next.
 """
@@ -11,7 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.emulator.jit import njit
+from benchtool.emulator.machine.averaging import SLOW_ENOUGH, averaged, can_rest
 from benchtool.emulator.machine.diodes import HIGH, LOW, OFF, integrate_conduction
+from benchtool.emulator.machine.harmonics import Harmonics
 from benchtool.emulator.machine.inverter import (
     NEVER,
     DeadTime,
@@ -51,10 +53,11 @@ def switch(
     drive.switching_count += _turn_on(duty_c, shaft.high_c)
     x, charge = _period(
         stage.dead_time,
+        stage.devices,
+        machine.harmonics,
         x,
         rate,
-        (rising_edge(duty_a, stage.T_s), rising_edge(duty_b, stage.T_s), rising_edge(duty_c, stage.T_s)),
-        (falling_edge(duty_a, stage.T_s), falling_edge(duty_b, stage.T_s), falling_edge(duty_c, stage.T_s)),
+        (duty_a, duty_b, duty_c),
         shaft,
         stage,
         machine,
@@ -69,10 +72,11 @@ def switch(
 @njit
 def _period(
     dead_time: DeadTime | None,
+    devices: Devices | None,
+    harmonics: Harmonics | None,
     x: State,
     rate: float,
-    rise: tuple[float, float, float],
-    fall: tuple[float, float, float],
+    duties: tuple[float, float, float],
     shaft: Any,
     stage: PowerStage,
     machine: Machine,
@@ -80,6 +84,14 @@ def _period(
     transducer: Any,
     torque: NDArray[np.float64],
 ) -> tuple[State, float]:
+    if dead_time is None and devices is None and harmonics is None:
+        metered = stage.metered or transducer.recording != 0
+        slow = rate * stage.T_s <= SLOW_ENOUGH
+        if slow and not metered and not can_rest(machine.friction, x, shaft.u_dc, stage.T_s, machine, T_load):
+            return averaged(x, duties, shaft.u_dc, stage.T_s, machine, T_load), 0.0
+    duty_a, duty_b, duty_c = duties
+    rise = rising_edge(duty_a, stage.T_s), rising_edge(duty_b, stage.T_s), rising_edge(duty_c, stage.T_s)
+    fall = falling_edge(duty_a, stage.T_s), falling_edge(duty_b, stage.T_s), falling_edge(duty_c, stage.T_s)
     if dead_time is None:
         return _without_dead_time(x, rate, rise, fall, shaft, stage, machine, T_load, transducer, torque)
     return _with_dead_time(dead_time, x, rate, rise, fall, shaft, stage, machine, T_load, transducer, torque)
