@@ -13,6 +13,7 @@ from benchtool.emulator.control.protection import Trip
 from benchtool.emulator.core.capture_memory import CaptureRecorder
 from benchtool.emulator.core.kernel import Truth, kernel_of
 from benchtool.emulator.core.stream_ring import StreamRecorder
+from benchtool.emulator.first_call import call_first
 from benchtool.emulator.machine.bounds import require_computable, runaway
 from benchtool.emulator.machine.sensors import Noise
 from benchtool.emulator.machine.transducer import Transducer
@@ -112,7 +113,9 @@ class Core:
         Raises:
             EmulationError: the machine has run away, to where it cannot be computed any more.
         """
-        return self.run_with(kernel_of(self._truth), ticks)
+        kernel = kernel_of(self._truth)
+        call_first(kernel, lambda: self._run(kernel, 0, self._noise.ahead()))
+        return self.run_with(kernel, ticks)
 
     def run_with(self, kernel: Callable[..., int], ticks: int) -> int:
         """`run` with another form of the kernel: the plain function `run_ticks`, to compare with."""
