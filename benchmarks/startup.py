@@ -1,4 +1,4 @@
-"""How long the command line takes to come up, and the demo beyond it: `python -m benchmarks.startup [--json]`.
+"""How long the command line and the demo take to come up: `python -m benchmarks.startup [--json]`.
 
 Figures are the processor time of whole processes, the least of several turns in which all take part, so that
 a neighbour on the machine does not count. The baselines are of the same turns: an interpreter that does

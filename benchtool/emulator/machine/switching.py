@@ -26,7 +26,7 @@ from benchtool.emulator.machine.inverter import (
     rising_edge,
 )
 from benchtool.emulator.machine.plant import Machine, State, move, substep
-from benchtool.emulator.machine.sampling import observe
+from benchtool.emulator.machine.sampling import Sampling, observe
 from benchtool.emulator.machine.transducer import sample
 
 # rad of the fastest process in one step: fourth order leaves less than 1e-8 of it
@@ -55,6 +55,7 @@ def switch(
     x, charge = _period(
         stage.dead_time,
         stage.devices,
+        stage.sampling,
         machine.harmonics,
         x,
         rate,
@@ -74,6 +75,7 @@ def switch(
 def _period(
     dead_time: DeadTime | None,
     devices: Devices | None,
+    sampling: Sampling | None,
     harmonics: Harmonics | None,
     x: State,
     rate: float,
@@ -85,7 +87,7 @@ def _period(
     transducer: Any,
     torque: NDArray[np.float64],
 ) -> tuple[State, float]:
-    if dead_time is None and devices is None and harmonics is None:
+    if dead_time is None and devices is None and sampling is None and harmonics is None:
         metered = stage.metered or transducer.recording != 0
         slow = rate * stage.T_s <= SLOW_ENOUGH
         if slow and not metered and not can_rest(machine.friction, x, shaft.u_dc, stage.T_s, machine, T_load):
