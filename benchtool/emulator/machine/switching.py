@@ -88,10 +88,10 @@ def _period(
     torque: NDArray[np.float64],
 ) -> tuple[State, float]:
     if dead_time is None and devices is None and sampling is None and harmonics is None:
-        metered = stage.metered or transducer.recording != 0
+        watched = transducer.recording != 0
         slow = rate * stage.T_s <= SLOW_ENOUGH
-        if slow and not metered and not can_rest(machine.friction, x, shaft.u_dc, stage.T_s, machine, T_load):
-            return averaged(x, duties, shaft.u_dc, stage.T_s, machine, T_load), 0.0
+        if slow and not watched and not can_rest(machine.friction, x, shaft.u_dc, stage.T_s, machine, T_load):
+            return averaged(x, duties, shaft.u_dc, stage.T_s, machine, T_load, stage.metered)
     duty_a, duty_b, duty_c = duties
     rise = rising_edge(duty_a, stage.T_s), rising_edge(duty_b, stage.T_s), rising_edge(duty_c, stage.T_s)
     fall = falling_edge(duty_a, stage.T_s), falling_edge(duty_b, stage.T_s), falling_edge(duty_c, stage.T_s)
