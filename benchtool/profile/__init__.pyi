@@ -20,6 +20,12 @@ from .drive import (
     Drive as Drive,
     RoleObject as RoleObject,
 )
+from .emulated_shaft import (
+    DrivenLoad as DrivenLoad,
+    EmulatedLoadMachine as EmulatedLoadMachine,
+    FlangeTransducer as FlangeTransducer,
+    Shaft as Shaft,
+)
 from .emulator import (
     Emulator as Emulator,
     Inverter as Inverter,

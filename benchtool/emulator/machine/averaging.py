@@ -39,9 +39,9 @@ def averaged(
 ) -> tuple[State, float]:
     """Integrate one PWM period of these duties, between ideal switches on a constant dc link.
 
-    Returns the charge drawn from the link as well, in As, if that is `metered`: the legs' duties times the
-    integrals of their currents, by Simpson's rule. What the ripple stores it gives back within the period, but
-    for some 1e-5 of it, as much as a trapezoidal rule from edge to edge is off by.
+    Returns the charge drawn from the link as well, in As, if that is `metered`: the duties times the
+    integrals of their currents, by Simpson's rule. What the ripple stores it gives back within the
+    period, but for some 1e-5 of it, as much as a trapezoidal rule from edge to edge is off by.
     """
     duty_a, duty_b, duty_c = duties
     u_alpha, u_beta = clarke(u_dc * duty_a, u_dc * duty_b, u_dc * duty_c)
@@ -94,7 +94,9 @@ def rippled(
     di_q -= (machine.k_q * x.i_d + machine.epsilon) * turn
     cos_theta, sin_theta = rotate(x.cos_theta, x.sin_theta, turn)
     theta_e, theta_rest = added(x.theta_e, x.theta_rest, turn)
-    return State(x.i_d + di_d, x.i_q + di_q, x.omega_e + domega, theta_e, theta_rest, cos_theta, sin_theta)
+    return State(
+        x.i_d + di_d, x.i_q + di_q, x.omega_e + domega, theta_e, theta_rest, cos_theta, sin_theta, x.far
+    )
 
 
 @njit

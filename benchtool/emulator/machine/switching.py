@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from benchtool.emulator.jit import njit
 from benchtool.emulator.machine.averaging import SLOW_ENOUGH, averaged, can_rest
 from benchtool.emulator.machine.diodes import HIGH, LOW, OFF, integrate_conduction
+from benchtool.emulator.machine.drive_train import DriveTrain
 from benchtool.emulator.machine.harmonics import Harmonics
 from benchtool.emulator.machine.inverter import (
     NEVER,
@@ -57,6 +58,7 @@ def switch(
         stage.devices,
         stage.sampling,
         machine.harmonics,
+        machine.train,
         x,
         rate,
         (duty_a, duty_b, duty_c),
@@ -77,6 +79,7 @@ def _period(
     devices: Devices | None,
     sampling: Sampling | None,
     harmonics: Harmonics | None,
+    train: DriveTrain | None,
     x: State,
     rate: float,
     duties: tuple[float, float, float],
@@ -87,7 +90,7 @@ def _period(
     transducer: Any,
     torque: NDArray[np.float64],
 ) -> tuple[State, float]:
-    if dead_time is None and devices is None and sampling is None and harmonics is None:
+    if dead_time is None and devices is None and sampling is None and harmonics is None and train is None:
         watched = transducer.recording != 0
         slow = rate * stage.T_s <= SLOW_ENOUGH
         if slow and not watched and not can_rest(machine.friction, x, shaft.u_dc, stage.T_s, machine, T_load):
