@@ -227,7 +227,13 @@ def _emulator_of(profile: Profile) -> Emulator:
 
 
 def _core(table: ObjectTable, profile: Profile, emulator: Emulator, seed: int, first_tick: int) -> Core:
-    return Core(table, *_truth(profile, emulator), seed=seed, first_tick=first_tick)
+    return Core(
+        table,
+        *_truth(profile, emulator),
+        seed=seed,
+        first_tick=first_tick,
+        control_period_s=profile.control_period_s,
+    )
 
 
 def _truth(profile: Profile, emulator: Emulator) -> tuple[MotorTruth, InverterTruth, SensorTruth]:
@@ -235,7 +241,9 @@ def _truth(profile: Profile, emulator: Emulator) -> tuple[MotorTruth, InverterTr
     believed = motor.model_dump(include={"pole_pairs", "R_s_ohm", "L_d_H", "L_q_H", "psi_r_Wb", "J_kgm2"})
     return (
         MotorTruth(**{**believed, **true.model_dump(exclude_none=True)}),
-        InverterTruth(**emulator.inverter.model_dump(exclude_none=True)),
+        InverterTruth(
+            **emulator.inverter.model_dump(exclude_none=True), double_update=profile.drive.double_update
+        ),
         SensorTruth(**emulator.sensors.model_dump()),
     )
 

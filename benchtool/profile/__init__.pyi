@@ -17,6 +17,7 @@ from .derivation import (
     derived_parameters as derived_parameters,
 )
 from .drive import (
+    CONTROL_PERIOD_S as CONTROL_PERIOD_S,
     Drive as Drive,
     RoleObject as RoleObject,
 )

@@ -10,10 +10,8 @@ import math
 from dataclasses import dataclass
 from typing import Final
 
+from benchtool.profile.drive import CONTROL_PERIOD_S
 from benchtool.profile.motor import Motor
-
-CONTROL_PERIOD_S: Final = 1e-4
-"""T_s of the emulated drive."""
 
 LAWS: Final = ("tpc", "tpc_stator", "svm_dtc", "dtc", "fcs_mpc", "foc", "deadbeat")
 """Control laws of the reference drive."""

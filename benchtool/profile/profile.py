@@ -6,18 +6,20 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from pydantic import ConfigDict, Field, ValidationError
+from pydantic import ConfigDict, Field, ValidationError, model_validator
 
 from benchtool.document import Array, Section, document_path, explain, load_document
 from benchtool.errors import ProfileError
 from benchtool.profile.bench import Bench
 from benchtool.profile.claims import Choice, Claim
-from benchtool.profile.drive import Drive, RoleObject
+from benchtool.profile.drive import CONTROL_PERIOD_S, Drive, RoleObject
 from benchtool.profile.emulator import Emulator
 from benchtool.profile.motor import Motor
 from benchtool.shipped import shipped
 
 Number = float | int
+
+_SHORTEST_PWM_S, _LONGEST_PWM_S = 25e-6, 200e-6
 
 
 class Profile(Section):
@@ -42,6 +44,23 @@ class Profile(Section):
     """What a published source leaves open, and how it is read here."""
     claims: Array[Claim] = ()
     """What a published source claims of its results."""
+
+    @model_validator(mode="after")
+    def _can_be_emulated(self) -> Profile:
+        if self.emulator is not None:
+            pwm_s = self.drive.pwm_period_s or self.drive.control_period_s or CONTROL_PERIOD_S
+            if not _SHORTEST_PWM_S <= round(pwm_s * 1e9) * 1e-9 <= _LONGEST_PWM_S:
+                raise ValueError(
+                    f"drive.control_period_s makes a PWM rate of {1e-3 / pwm_s:.4g} kHz, the emulated drive "
+                    f"has {1e-3 / _LONGEST_PWM_S:g} to {1e-3 / _SHORTEST_PWM_S:g} kHz: state a period of "
+                    f"{_SHORTEST_PWM_S:g} to {_LONGEST_PWM_S:g} s"
+                )
+        return self
+
+    @property
+    def control_period_s(self) -> float:
+        """T_s that the drive is expected to have; that of an emulated drive is this one."""
+        return self.drive.control_period_s or CONTROL_PERIOD_S
 
     @property
     def stated_parameters(self) -> dict[str, float | str]:

@@ -18,6 +18,7 @@ from benchtool.emulator.machine.sensors import Noise
 from benchtool.emulator.machine.transducer import Transducer
 from benchtool.emulator.machine.truth import InverterTruth, MotorTruth, SensorTruth
 from benchtool.emulator.memory import COMMAND, CONTROL, LOAD, MEASUREMENT, SHAFT, STIMULUS, new_memory
+from benchtool.profile import CONTROL_PERIOD_S
 from benchtool.protocol import Mode
 from benchtool.protocol.dictionary import ObjectTable
 from benchtool.ticks import wrap_tick
@@ -25,7 +26,9 @@ from benchtool.ticks import wrap_tick
 __all__ = ["Core", "Trip"]
 
 
-def truth_of(motor: MotorTruth, inverter: InverterTruth, sensors: SensorTruth, T_s: float = 1e-4) -> Truth:
+def truth_of(
+    motor: MotorTruth, inverter: InverterTruth, sensors: SensorTruth, T_s: float = CONTROL_PERIOD_S
+) -> Truth:
     """Return the bench in the form that the kernel reads, for a control period of `T_s` seconds."""
     return Truth(
         motor.machine(devices_ohm=inverter.on_resistance_ohm), inverter.power_stage(T_s), sensors.sensing()
@@ -39,6 +42,7 @@ class Core:
         table: objects, whose numbers make up the drive's memory.
         motor, inverter, sensors: true values, which control never sees.
         first_tick: the drive's tick at power-up, which is 0 of a drive that was not on before.
+        control_period_s: T_s, to whole nanoseconds.
         seed: of the measurement noise; the same seed and commands give the same bits, however the ticks are
             divided over calls of `run`.
 
@@ -65,16 +69,16 @@ class Core:
         sensors: SensorTruth,
         seed: int = 0,
         first_tick: int = 0,
+        control_period_s: float = CONTROL_PERIOD_S,
     ) -> None:
         self.motor, self.inverter, self.sensors = motor, inverter, sensors
         self.memory = new_memory(table)
         self.memory["tick"] = wrap_tick(first_tick)
         self.first_tick = self.tick = first_tick
-        # As the table states it; the float32 in memory is what control computes with.
-        period = table.by_name["control_period"].default
-        assert isinstance(period, float)
-        self.control_period_s = period
-        require_computable(motor, period)
+        self.control_period_s = control_period_s
+        self.memory["control_period"] = control_period_s  # a float32, with which control computes
+        self.memory["pwm_period"] = inverter.pwm_period_s(control_period_s)
+        require_computable(motor, control_period_s)
         self._commands, self._controls, self._measurements, self._shafts, self._loads, self._stimuli = (
             np.zeros(1, dtype) for dtype in (COMMAND, CONTROL, MEASUREMENT, SHAFT, LOAD, STIMULUS)
         )
@@ -86,7 +90,7 @@ class Core:
         self.capture = CaptureRecorder(self.memory)
         self.stream = StreamRecorder(self.memory, lambda: self.tick)
         self.transducer = Transducer(lambda: self.tick, self.control_period_s)
-        self._truth = truth_of(motor, inverter, sensors, period)
+        self._truth = truth_of(motor, inverter, sensors, control_period_s)
         self._noise = Noise(sensors.current_noise_A_rms, seed)
 
     def set_dc_link(self, u_dc_V: float) -> None:
