@@ -37,13 +37,13 @@ class Drive(Section):
     def _periods_fit(self) -> Drive:
         period_s, pwm_s = self.control_period_s, self.pwm_period_s
         for key, value in (("control_period_s", period_s), ("pwm_period_s", pwm_s)):
-            if value is not None and not math.isclose(value, max(1, round(value * 1e9)) * 1e-9):
+            if value is not None and not math.isclose(value, max(1, _nanoseconds(value)) * 1e-9):
                 raise ValueError(f"{key} is {value:g}, a whole number of nanoseconds is expected: round it")
         if pwm_s is None:
             return self
         if period_s is None:
             raise ValueError("pwm_period_s is one or two control periods: state control_period_s as well")
-        if round(pwm_s * 1e9) not in (round(period_s * 1e9), 2 * round(period_s * 1e9)):
+        if _nanoseconds(pwm_s) not in (_nanoseconds(period_s), 2 * _nanoseconds(period_s)):
             raise ValueError(
                 f"pwm_period_s is {pwm_s:g}, control_period_s {period_s:g}: one PWM period is one control "
                 f"period, or two with double update"
@@ -53,7 +53,9 @@ class Drive(Section):
     @property
     def double_update(self) -> bool:
         """Whether control runs at both ends of a PWM period."""
-        return self.pwm_period_s is not None and self.pwm_period_s != self.control_period_s
+        if self.pwm_period_s is None or self.control_period_s is None:
+            return False
+        return _nanoseconds(self.pwm_period_s) != _nanoseconds(self.control_period_s)
 
     @property
     def periods(self) -> dict[str, float]:
@@ -62,6 +64,10 @@ class Drive(Section):
         if self.control_period_s is not None:
             stated["pwm_period_s"] = self.pwm_period_s or self.control_period_s
         return {key: value for key, value in stated.items() if value is not None}
+
+
+def _nanoseconds(seconds: float) -> int:
+    return round(seconds * 1e9)
 
 
 class RoleObject(Section):

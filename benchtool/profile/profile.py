@@ -59,8 +59,8 @@ class Profile(Section):
 
     @property
     def control_period_s(self) -> float:
-        """T_s that the drive is expected to have; that of an emulated drive is this one."""
-        return self.drive.control_period_s or CONTROL_PERIOD_S
+        """T_s that the drive is expected to have, and that an emulated one has: whole nanoseconds."""
+        return round((self.drive.control_period_s or CONTROL_PERIOD_S) * 1e9) * 1e-9
 
     @property
     def stated_parameters(self) -> dict[str, float | str]:

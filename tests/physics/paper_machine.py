@@ -57,6 +57,7 @@ def make_core(
     sensors: dict[str, Any] | None = None,
     parameters: dict[str, Any] | None = None,
     seed: int = 0,
+    control_period_s: float = 1e-4,
 ) -> Core:
     """The paper's machine with changes."""
     core = Core(
@@ -65,6 +66,7 @@ def make_core(
         InverterTruth(**{"u_dc_V": 122.5, **(inverter or {})}),
         SensorTruth(**{"i_full_scale_A": 15.0, "u_full_scale_V": 500.0, **(sensors or {})}),
         seed,
+        control_period_s=control_period_s,
     )
     level = {"i_trip": 0.96 * core.sensors.i_full_scale_A}
     for name, value in {**PARAMETERS, **level, **(parameters or {})}.items():
