@@ -20,6 +20,7 @@ from .drive import (
     CONTROL_PERIOD_S as CONTROL_PERIOD_S,
     Drive as Drive,
     RoleObject as RoleObject,
+    rate_fault as rate_fault,
 )
 from .emulator import (
     Emulator as Emulator,

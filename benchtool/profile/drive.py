@@ -12,6 +12,8 @@ from benchtool.document import Section
 CONTROL_PERIOD_S: Final = 1e-4
 """T_s of the emulated drive, where the profile states none."""
 
+_SHORTEST_NS, _LONGEST_NS = 25_000, 200_000  # of the emulated PWM
+
 
 class Drive(Section):
     """The drive: where it answers, which dictionary it speaks and what it is set to.
@@ -64,6 +66,16 @@ class Drive(Section):
         if self.control_period_s is not None:
             stated["pwm_period_s"] = self.pwm_period_s or self.control_period_s
         return {key: value for key, value in stated.items() if value is not None}
+
+
+def rate_fault(pwm_period_s: float) -> str:
+    """Return why the emulated drive cannot have this PWM period; empty if it can."""
+    if _SHORTEST_NS <= _nanoseconds(pwm_period_s) <= _LONGEST_NS:
+        return ""
+    return (
+        f"a PWM rate of {1e-3 / pwm_period_s:.4g} kHz, the emulated drive has {1e6 / _LONGEST_NS:g} to "
+        f"{1e6 / _SHORTEST_NS:g} kHz: state a period of {_SHORTEST_NS / 1e3:g} to {_LONGEST_NS / 1e3:g} us"
+    )
 
 
 def _nanoseconds(seconds: float) -> int:

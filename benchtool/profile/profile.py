@@ -12,14 +12,12 @@ from benchtool.document import Array, Section, document_path, explain, load_docu
 from benchtool.errors import ProfileError
 from benchtool.profile.bench import Bench
 from benchtool.profile.claims import Choice, Claim
-from benchtool.profile.drive import CONTROL_PERIOD_S, Drive, RoleObject
+from benchtool.profile.drive import CONTROL_PERIOD_S, Drive, RoleObject, rate_fault
 from benchtool.profile.emulator import Emulator
 from benchtool.profile.motor import Motor
 from benchtool.shipped import shipped
 
 Number = float | int
-
-_SHORTEST_PWM_S, _LONGEST_PWM_S = 25e-6, 200e-6
 
 
 class Profile(Section):
@@ -48,13 +46,9 @@ class Profile(Section):
     @model_validator(mode="after")
     def _can_be_emulated(self) -> Profile:
         if self.emulator is not None:
-            pwm_s = self.drive.pwm_period_s or self.drive.control_period_s or CONTROL_PERIOD_S
-            if not _SHORTEST_PWM_S <= round(pwm_s * 1e9) * 1e-9 <= _LONGEST_PWM_S:
-                raise ValueError(
-                    f"drive.control_period_s makes a PWM rate of {1e-3 / pwm_s:.4g} kHz, the emulated drive "
-                    f"has {1e-3 / _LONGEST_PWM_S:g} to {1e-3 / _SHORTEST_PWM_S:g} kHz: state a period of "
-                    f"{_SHORTEST_PWM_S:g} to {_LONGEST_PWM_S:g} s"
-                )
+            fault = rate_fault(self.drive.pwm_period_s or self.control_period_s)
+            if fault:
+                raise ValueError(f"drive.control_period_s: {fault}")
         return self
 
     @property
