@@ -15,7 +15,7 @@ from benchtool.profile import load_profile
 
 def show_dry_run(plans: Sequence[NamedPlan], link: str, output: Output) -> int:
     """Print what runs of these plans, which have been checked, would do; returns the exit code."""
-    documents = {each.name: _show(each, link, output) for each in plans}
+    documents = {each.label: _show(each, link, output) for each in plans}
     output.line("nothing was opened or sent")
     output.document({"dry_run": True, "link": link, "plans": documents})
     return 0

@@ -160,4 +160,5 @@ def eds_path(profile: Profile, source: Path) -> Path:
 
 def shipped_profiles() -> list[str]:
     """Return the names of the profiles that ship."""
-    return sorted(path.parent.name for path in shipped("profiles").glob("*/profile.toml"))
+    root = shipped("profiles")
+    return sorted(path.parent.relative_to(root).as_posix() for path in root.rglob("profile.toml"))

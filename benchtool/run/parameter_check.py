@@ -159,4 +159,4 @@ def _listed(differences: tuple[Difference, ...], other: str) -> str:
 
 
 def _text(value: Value | None) -> str:
-    return f"{value:.7g}" if isinstance(value, float) else str(value)
+    return f"{value:.6g}" if isinstance(value, float) else str(value)

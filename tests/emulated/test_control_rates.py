@@ -35,8 +35,7 @@ def profile_of(folder: Path, control_period_s: float, pwm_period_s: float = 0.0)
     if pwm_period_s:
         stated += f"pwm_period_s = {pwm_period_s!r}\n"
     file = folder / "profile.toml"
-    text = profile_path("zhu2011").read_text().replace("control_period_s = 100e-6\n", "")
-    file.write_text(text.replace("[drive]\n", stated, 1))
+    file.write_text(profile_path("zhu2011").read_text().replace("[drive]\n", stated, 1))
     return str(file)
 
 
