@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from benchtool.plan.model import OperatingPoint, Plan, Record, load_plan, profiles_of
+from benchtool.plan.model import OF_RATED, OperatingPoint, Plan, Record, load_plan, profiles_of
 from benchtool.plan.template import plan_text
 from benchtool.plan.validation import require_known
 from benchtool.profile import load_profile
@@ -42,7 +42,7 @@ def test_it_is_known_to_profile_and_dictionary(tmp_path: Path) -> None:
 def test_every_key_of_its_sections_is_in_it_and_what_is_behind_comments_is_right() -> None:
     text = plan_text("t", "zhu2011", PROFILE)
     for key in (*OperatingPoint.model_fields, *Record.model_fields):
-        assert f"{key} = " in text or key == "u_dc_V"
+        assert f"{key} = " in text or key == "u_dc_V" or key in OF_RATED
     for key in (
         "repetitions",
         "judge",
