@@ -10,11 +10,11 @@ _FOLDER = "motors/"
 _HEAD = """\
 # Motors
 
-Profiles of motors as they stand on benches, from a few milliohms to tens of ohms, each with an emulated bench and a law that
-holds speed and load on it. They are plausible machines to test a plan, an analysis or a firmware with, no reference values:
-others have identified them, and the page says who. Values are per phase and peak, see [notation](notation.md).
-[A motor of your own](../start/own_motor.md) says how to take one, and how to make another. This page is generated from the
-profiles.
+Profiles of motors as they stand on benches, from a few milliohms to tens of ohms, each with an emulated bench
+and a law that holds speed and load on it. They are plausible machines to test a plan, an analysis or a
+firmware with, no reference values: others have identified them, and the page says who. Values are per phase
+and peak, see [notation](notation.md). [A motor of your own](../start/own_motor.md) says how to take one, and
+how to make another. This page is generated from the profiles.
 
 """
 _COLUMNS = (
