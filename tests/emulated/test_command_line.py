@@ -139,7 +139,7 @@ def test_doctor_names_what_is_wrong(invoke: Invoke) -> None:
         (
             ("run", "zhu2011/riple"),
             2,
-            "no plan 'zhu2011/riple': did you mean 'zhu2011/ripple'? the names are motors/speed_and_load, zhu2011/bode, ",
+            "no plan 'zhu2011/riple': did you mean 'zhu2011/ripple'? the names are motors/speed_and_load, ",
         ),
         (("run", "zhu2011/ripple", "--link", "can:nonsense:0"), 3, "cannot open can:nonsense:0"),
         (("run", "zhu2011/ripple", "--link", "usb0"), 2, "link 'usb0' is not known"),

@@ -13,6 +13,7 @@ import pytest
 from benchtool.emulator.control.svpwm import compensated
 from benchtool.emulator.core.kernel import run_ticks
 from benchtool.emulator.machine.carrier import DoubleUpdate, ends_high, pulse, turns_on
+from benchtool.errors import ValueRefused
 from tests.physics.alpha_beta import gates, in_halves
 from tests.physics.paper_machine import make_core
 from tests.physics.test_diodes import NO_TRIP, SALIENT, WIDE, reference_of
@@ -57,6 +58,11 @@ def test_edges_agree_with_another_inverter_and_its_dead_time() -> None:
     y = reference.follow(reference.state(0.2, -0.1, 40.0, 0.0), legs, end)
     found = (core.shaft.i_d, core.shaft.i_q, core.shaft.omega_m, core.shaft.theta_e)
     assert found == pytest.approx((*reference.dq(y), y[2], y[3]), abs=1e-5)
+
+
+def test_shunts_in_the_lower_legs_are_refused() -> None:
+    with pytest.raises(ValueRefused, match="at the peak of the carrier no lower switch is on"):
+        make_core(inverter={"double_update": True}, sensors={"shunt_settling_s": 1e-6})
 
 
 @pytest.mark.parametrize("current", [3.0, -3.0])

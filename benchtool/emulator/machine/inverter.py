@@ -16,6 +16,7 @@ from benchtool.emulator.jit import njit
 from benchtool.emulator.machine.carrier import DoubleUpdate
 from benchtool.emulator.machine.dc_link import DcLink
 from benchtool.emulator.machine.plant import State
+from benchtool.emulator.machine.sampling import Sampling
 
 SQRT3 = math.sqrt(3.0)
 
@@ -42,7 +43,8 @@ class PowerStage(NamedTuple):
     """True coefficients; `u_dc` is the voltage behind the dc link's resistance `R_dc`.
 
     `T_s` is the control period, and the PWM period unless there is a double update. `metered` says that what
-    the dc link is drawn matters.
+    the dc link is drawn matters. `sampling` is there where the timer triggers the converter of the currents
+    within the period, or their sensors lag.
     """
 
     T_s: float
@@ -54,6 +56,7 @@ class PowerStage(NamedTuple):
     timer: Timer | None
     devices: Devices | None
     link: DcLink | None
+    sampling: Sampling | None
 
 
 @njit
