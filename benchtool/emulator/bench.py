@@ -239,7 +239,7 @@ def is_compiled(profile: Profile) -> bool:
         ProfileError: the profile describes no emulated bench.
         ValueRefused: one that cannot be computed.
     """
-    return kernel_is_cached(truth_of(*_truth(profile, _emulator_of(profile))))
+    return kernel_is_cached(truth_of(*_truth(profile, _emulator_of(profile)), profile.control_period_s))
 
 
 def _emulator_of(profile: Profile) -> Emulator:
