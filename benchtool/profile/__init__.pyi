@@ -22,6 +22,12 @@ from .drive import (
     RoleObject as RoleObject,
     rate_fault as rate_fault,
 )
+from .emulated_shaft import (
+    DrivenLoad as DrivenLoad,
+    EmulatedLoadMachine as EmulatedLoadMachine,
+    FlangeTransducer as FlangeTransducer,
+    Shaft as Shaft,
+)
 from .emulator import (
     Emulator as Emulator,
     Inverter as Inverter,

@@ -269,7 +269,9 @@ def _record_case(
                 progress.note("analysing")
                 certificate, stated = certify_recording(stream, {"capture": capture}, link.counters)
                 motor, quality = session.profile.motor, certificate.measurements
-                seen = CaseReadings(recorded.readings, _dc_link_V(session), check.to_json())
+                seen = CaseReadings(
+                    recorded.readings, _dc_link_V(session), check.to_json(), _driven_Nm(session, case)
+                )
                 calibration = Calibration.at(session.profile.bench, info.when)
                 result = assess(
                     plan, case.name, motor, place, capture, transducer, quality, seen, calibration
@@ -314,6 +316,14 @@ def _dc_link_V(session: Session) -> float | None:
     """Return the voltage of the dc link of the bench that the profile describes."""
     emulator = session.profile.emulator
     return None if emulator is None else emulator.inverter.u_dc_V
+
+
+def _driven_Nm(session: Session, case: Case) -> float:
+    """Return the torque that the driven machine of an emulated bench takes at the speed of a case."""
+    emulator, point = session.profile.emulator, case.operating_point
+    if emulator is None or session.load is None or point.mode != "velocity":
+        return 0.0
+    return emulator.load.mean_torque_Nm(point.omega_m_rad_s)
 
 
 class _Steps:
