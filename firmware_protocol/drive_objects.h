@@ -8,7 +8,7 @@
 extern "C" {
 #endif
 
-#define BT_DICTIONARY_HASH 0x5EB2C300u
+#define BT_DICTIONARY_HASH 0xE446D620u
 #define BT_VENDOR_ID 0x00000B7Cu
 #define BT_PRODUCT_CODE 0x00002011u
 #define BT_REVISION 0x00010000u
@@ -266,14 +266,15 @@ enum bt_role {
 #define BT_SUB_I_FULL_SCALE 3u
 #define BT_SUB_CONTROL_PERIOD 4u
 #define BT_SUB_U_DC_FULL_SCALE 5u
-#define BT_SUB_ENCODER_DIRECTION 6u
-#define BT_SUB_PHASE_ORDER 7u
-#define BT_SUB_CURRENT_OFFSET_A 8u
-#define BT_SUB_CURRENT_OFFSET_B 9u
-#define BT_SUB_CURRENT_OFFSET_C 10u
-#define BT_SUB_CURRENT_GAIN_A 11u
-#define BT_SUB_CURRENT_GAIN_B 12u
-#define BT_SUB_CURRENT_GAIN_C 13u
+#define BT_SUB_PWM_PERIOD 6u
+#define BT_SUB_ENCODER_DIRECTION 7u
+#define BT_SUB_PHASE_ORDER 8u
+#define BT_SUB_CURRENT_OFFSET_A 9u
+#define BT_SUB_CURRENT_OFFSET_B 10u
+#define BT_SUB_CURRENT_OFFSET_C 11u
+#define BT_SUB_CURRENT_GAIN_A 12u
+#define BT_SUB_CURRENT_GAIN_B 13u
+#define BT_SUB_CURRENT_GAIN_C 14u
 #define BT_SUB_TORQUE_CONTROL_COUNT 0u
 #define BT_SUB_LAW 1u
 #define BT_SUB_U_S 2u
@@ -693,20 +694,21 @@ enum bt_mode_of_operation_display {
     X(0x2000u, 6u, J, F32, RW, PARAMETER, 1, 0, 0.0f, 1000.0f, 0.0f) \
     X(0x2000u, 7u, T_N, F32, RW, PARAMETER, 0, 0, 0.001f, 100000.0f, 1.0f) \
     X(0x2000u, 8u, omega_m_N, F32, RW, PARAMETER, 0, 0, 0.1f, 100000.0f, 100.0f) \
-    X(0x2001u, 0u, sensors_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 13u) \
+    X(0x2001u, 0u, sensors_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 14u) \
     X(0x2001u, 1u, encoder_lines, U32, RW, PARAMETER, 0, 0, 1u, 1000000u, 2500u) \
     X(0x2001u, 2u, encoder_offset, F32, RW, PARAMETER, 0, 0, -6.2832f, 6.2832f, 0.0f) \
     X(0x2001u, 3u, i_full_scale, F32, RO, STATUS, 1, 0, -3.4028235e+38f, 3.4028235e+38f, 0.0f) \
     X(0x2001u, 4u, control_period, F32, RO, STATUS, 1, 0, -3.4028235e+38f, 3.4028235e+38f, 0.0001f) \
     X(0x2001u, 5u, u_dc_full_scale, F32, RO, STATUS, 1, 0, -3.4028235e+38f, 3.4028235e+38f, 0.0f) \
-    X(0x2001u, 6u, encoder_direction, I8, RW, PARAMETER, 0, 0, -128, 127, 1) \
-    X(0x2001u, 7u, phase_order, U8, RW, PARAMETER, 0, 0, 0u, 255u, 0u) \
-    X(0x2001u, 8u, current_offset_a, F32, RW, PARAMETER, 0, 0, -10000.0f, 10000.0f, 0.0f) \
-    X(0x2001u, 9u, current_offset_b, F32, RW, PARAMETER, 0, 0, -10000.0f, 10000.0f, 0.0f) \
-    X(0x2001u, 10u, current_offset_c, F32, RW, PARAMETER, 0, 0, -10000.0f, 10000.0f, 0.0f) \
-    X(0x2001u, 11u, current_gain_a, F32, RW, PARAMETER, 0, 0, 0.5f, 2.0f, 1.0f) \
-    X(0x2001u, 12u, current_gain_b, F32, RW, PARAMETER, 0, 0, 0.5f, 2.0f, 1.0f) \
-    X(0x2001u, 13u, current_gain_c, F32, RW, PARAMETER, 0, 0, 0.5f, 2.0f, 1.0f) \
+    X(0x2001u, 6u, pwm_period, F32, RO, STATUS, 1, 0, -3.4028235e+38f, 3.4028235e+38f, 0.0001f) \
+    X(0x2001u, 7u, encoder_direction, I8, RW, PARAMETER, 0, 0, -128, 127, 1) \
+    X(0x2001u, 8u, phase_order, U8, RW, PARAMETER, 0, 0, 0u, 255u, 0u) \
+    X(0x2001u, 9u, current_offset_a, F32, RW, PARAMETER, 0, 0, -10000.0f, 10000.0f, 0.0f) \
+    X(0x2001u, 10u, current_offset_b, F32, RW, PARAMETER, 0, 0, -10000.0f, 10000.0f, 0.0f) \
+    X(0x2001u, 11u, current_offset_c, F32, RW, PARAMETER, 0, 0, -10000.0f, 10000.0f, 0.0f) \
+    X(0x2001u, 12u, current_gain_a, F32, RW, PARAMETER, 0, 0, 0.5f, 2.0f, 1.0f) \
+    X(0x2001u, 13u, current_gain_b, F32, RW, PARAMETER, 0, 0, 0.5f, 2.0f, 1.0f) \
+    X(0x2001u, 14u, current_gain_c, F32, RW, PARAMETER, 0, 0, 0.5f, 2.0f, 1.0f) \
     X(0x2010u, 0u, torque_control_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 7u) \
     X(0x2010u, 1u, law, U8, RW, PARAMETER, 0, 0, 0u, 255u, 0u) \
     X(0x2010u, 2u, u_s, F32, RW, PARAMETER, 1, 0, 0.0f, 1000.0f, 50.0f) \
@@ -734,7 +736,7 @@ enum bt_mode_of_operation_display {
     X(0x2015u, 0u, fcs_mpc_control_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 1u) \
     X(0x2015u, 1u, flux_weight, F32, RW, PARAMETER, 1, 0, 0.0f, 1000000.0f, 1.0f) \
     X(0x2016u, 0u, foc_control_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 1u) \
-    X(0x2016u, 1u, omega_current, F32, RW, PARAMETER, 1, 0, 1.0f, 10000.0f, 1000.0f) \
+    X(0x2016u, 1u, omega_current, F32, RW, PARAMETER, 1, 0, 1.0f, 100000.0f, 1000.0f) \
     X(0x2017u, 0u, current_offsets_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 3u) \
     X(0x2017u, 1u, offset_calibration, U8, RW, STATUS, 0, 0, 0u, 255u, 0u) \
     X(0x2017u, 2u, offset_calibration_state, U8, RO, STATUS, 1, 0, 0u, 255u, 0u) \
@@ -752,8 +754,8 @@ enum bt_mode_of_operation_display {
     X(0x2021u, 6u, stimulus_offset, F32, RW, STATUS, 1, 0, -3.4028235e+38f, 3.4028235e+38f, 0.0f) \
     X(0x2021u, 7u, stimulus_ticks, U32, RW, STATUS, 1, 0, 1u, 1000000000u, 10000u) \
     X(0x2021u, 8u, stimulus_repetitions, U32, RW, STATUS, 1, 0, 1u, 1000000u, 1u) \
-    X(0x2021u, 9u, stimulus_frequency_start, F32, RW, STATUS, 1, 0, 0.0f, 5000.0f, 1.0f) \
-    X(0x2021u, 10u, stimulus_frequency_end, F32, RW, STATUS, 1, 0, 0.0f, 5000.0f, 100.0f) \
+    X(0x2021u, 9u, stimulus_frequency_start, F32, RW, STATUS, 1, 0, 0.0f, 40000.0f, 1.0f) \
+    X(0x2021u, 10u, stimulus_frequency_end, F32, RW, STATUS, 1, 0, 0.0f, 40000.0f, 100.0f) \
     X(0x2021u, 11u, stimulus_steps, U16, RW, STATUS, 1, 0, 1u, 10000u, 10u) \
     X(0x2021u, 12u, stimulus_prbs_clock, U32, RW, STATUS, 1, 0, 1u, 1000000u, 10u) \
     X(0x2021u, 13u, stimulus_prbs_length, U8, RW, STATUS, 1, 0, 2u, 20u, 10u) \
@@ -823,7 +825,7 @@ enum bt_mode_of_operation_display {
     X(0x2051u, 1u, stream_sequence, U32, RO, SIGNAL, 1, 0, 0u, 4294967295u, 0u) \
     X(0x2051u, 2u, rpdo_dropped, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 0u) \
     X(0x2051u, 3u, serial_dropped, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 0u) \
-    X(0x2060u, 0u, dictionary_hash, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 1588773632u) \
+    X(0x2060u, 0u, dictionary_hash, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 3829847584u) \
     X(0x6007u, 0u, abort_connection_option, I16, RW, PARAMETER, 0, 0, -32768, 32767, 1) \
     X(0x603Fu, 0u, error_code, U16, RO, STATUS, 1, 0, 0u, 65535u, 0u) \
     X(0x6040u, 0u, controlword, U16, RW, STATUS, 1, 0, 0u, 65535u, 0u) \
@@ -845,7 +847,7 @@ enum bt_mode_of_operation_display {
     X(0x6502u, 0u, supported_modes, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 196620u) \
     /* end */
 
-#define BT_ENTRY_COUNT 278u
+#define BT_ENTRY_COUNT 279u
 
 /* What an enumeration may be: X(name, value) for each of its values, in the order of BT_ENTRIES. Any other is
  * refused. */

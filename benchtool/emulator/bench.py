@@ -247,7 +247,8 @@ def is_compiled(profile: Profile) -> bool:
         ValueRefused: one that cannot be computed.
     """
     emulator = _emulator_of(profile)
-    return kernel_is_cached(truth_of(*_truth(profile, emulator), _train(emulator)))
+    truth = truth_of(*_truth(profile, emulator), _train(emulator), T_s=profile.control_period_s)
+    return kernel_is_cached(truth)
 
 
 def _emulator_of(profile: Profile) -> Emulator:
@@ -260,7 +261,14 @@ def _emulator_of(profile: Profile) -> Emulator:
 
 
 def _core(table: ObjectTable, profile: Profile, emulator: Emulator, seed: int, first_tick: int) -> Core:
-    return Core(table, *_truth(profile, emulator), seed=seed, first_tick=first_tick, train=_train(emulator))
+    return Core(
+        table,
+        *_truth(profile, emulator),
+        seed=seed,
+        first_tick=first_tick,
+        train=_train(emulator),
+        control_period_s=profile.control_period_s,
+    )
 
 
 def _truth(profile: Profile, emulator: Emulator) -> tuple[MotorTruth, InverterTruth, SensorTruth]:
@@ -268,7 +276,9 @@ def _truth(profile: Profile, emulator: Emulator) -> tuple[MotorTruth, InverterTr
     believed = motor.model_dump(include={"pole_pairs", "R_s_ohm", "L_d_H", "L_q_H", "psi_r_Wb", "J_kgm2"})
     return (
         MotorTruth(**{**believed, **true.model_dump(exclude_none=True)}),
-        InverterTruth(**emulator.inverter.model_dump(exclude_none=True)),
+        InverterTruth(
+            **emulator.inverter.model_dump(exclude_none=True), double_update=profile.drive.double_update
+        ),
         _sensors(emulator.sensors),
     )
 

@@ -16,7 +16,7 @@ from benchtool.block import Block
 from benchtool.drive import Capability, Identity
 from benchtool.drive.parameters import snapshot, temporary
 from benchtool.errors import ValueRefused
-from benchtool.plan import Case, CaseReadings, Plan, Setting, Verdict, cases, require_rated
+from benchtool.plan import Case, CaseReadings, Plan, Setting, Verdict, cases, require_in_si, require_rated
 from benchtool.recording import (
     Bundle,
     BundleWriter,
@@ -103,6 +103,7 @@ def run_plan(
         UsageError: those cases have another provenance.
         BenchError: any failure; a bundle that was begun states it, and holds the data until then.
     """
+    require_in_si(plan)
     todo = cases(plan)
     results = run_cases(opener, plan, todo, folder, info, progress, resume=resume, observer=observer)
     draw_cases(plan, results, folder)

@@ -60,6 +60,7 @@ def make_core(
     parameters: dict[str, Any] | None = None,
     train: TrainTruth = NOTHING,
     seed: int = 0,
+    control_period_s: float = 1e-4,
 ) -> Core:
     """The paper's machine with changes."""
     core = Core(
@@ -69,6 +70,7 @@ def make_core(
         SensorTruth(**{"i_full_scale_A": 15.0, "u_full_scale_V": 500.0, **(sensors or {})}),
         seed,
         train=train,
+        control_period_s=control_period_s,
     )
     level = {"i_trip": 0.96 * core.sensors.i_full_scale_A}
     for name, value in {**PARAMETERS, **level, **(parameters or {})}.items():

@@ -40,7 +40,7 @@ def decades(lowest: int, highest: int) -> st.SearchStrategy[float]:
             "J_kgm2": decades(-9, 4),
             "friction_Nms": decades(-9, 3),
             "coulomb_Nm": decades(-5, 4),
-            "breakaway_Nm": decades(4, 5),
+            "breakaway_Nm": st.floats(1.01e4, 1e5),  # above any Coulomb torque: one kernel for all
             "stribeck_rad_s": decades(-3, 4),
             "cogging_Nm": decades(-9, 5),
             "cogging_order": st.integers(1, 1000),

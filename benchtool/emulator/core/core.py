@@ -13,6 +13,7 @@ from benchtool.emulator.control.protection import Trip
 from benchtool.emulator.core.capture_memory import CaptureRecorder
 from benchtool.emulator.core.kernel import Truth, kernel_of
 from benchtool.emulator.core.stream_ring import StreamRecorder
+from benchtool.emulator.first_call import call_first
 from benchtool.emulator.machine.bounds import machine_of_bench, require_computable, runaway
 from benchtool.emulator.machine.inverter import phase_currents
 from benchtool.emulator.machine.plant import place
@@ -31,6 +32,8 @@ from benchtool.emulator.memory import (
     STIMULUS,
     new_memory,
 )
+from benchtool.errors import ValueRefused
+from benchtool.profile import CONTROL_PERIOD_S
 from benchtool.protocol import Mode
 from benchtool.protocol.dictionary import ObjectTable
 from benchtool.ticks import wrap_tick
@@ -44,9 +47,19 @@ def truth_of(
     sensors: SensorTruth,
     train: TrainTruth = NOTHING,
     *,
-    T_s: float = 1e-4,
+    T_s: float = CONTROL_PERIOD_S,
 ) -> Truth:
-    """Return the bench in the form that the kernel reads, for a control period of `T_s` seconds."""
+    """Return the bench in the form that the kernel reads, for a control period of `T_s` seconds.
+
+    Raises:
+        ValueRefused: shunts in the lower legs, which see nothing at the peak of the carrier, with double
+            update.
+    """
+    if inverter.double_update and sensors.shunt_settling_s is not None:
+        raise ValueRefused(
+            "sensors.shunt_settling_s with double update: at the peak of the carrier no lower switch is on, "
+            "and shunts see nothing; leave it out, or state pwm_period_s = control_period_s"
+        )
     return Truth(
         machine_of_bench(motor, train, inverter.on_resistance_ohm),
         inverter.power_stage(T_s, sensors.sampling(T_s)),
@@ -61,6 +74,7 @@ class Core:
         table: objects, whose numbers make up the drive's memory.
         motor, inverter, sensors, train: true values, which control never sees.
         first_tick: the drive's tick at power-up, which is 0 of a drive that was not on before.
+        control_period_s: T_s, to whole nanoseconds.
         seed: of the measurement noise; the same seed and commands give the same bits, however the ticks are
             divided over calls of `run`.
 
@@ -89,16 +103,16 @@ class Core:
         seed: int = 0,
         first_tick: int = 0,
         train: TrainTruth = NOTHING,
+        control_period_s: float = CONTROL_PERIOD_S,
     ) -> None:
         self.motor, self.inverter, self.sensors = motor, inverter, sensors
         self.memory = new_memory(table)
         self.memory["tick"] = wrap_tick(first_tick)
         self.first_tick = self.tick = first_tick
-        # As the table states it; the float32 in memory is what control computes with.
-        period = table.by_name["control_period"].default
-        assert isinstance(period, float)
-        self.control_period_s = period
-        require_computable(motor, period, train)
+        self.control_period_s = control_period_s
+        self.memory["control_period"] = control_period_s  # a float32, with which control computes
+        self.memory["pwm_period"] = inverter.pwm_period_s(control_period_s)
+        require_computable(motor, control_period_s, train)
         self._commands, self._controls, self._measurements, self._shafts, self._loads, self._stimuli = (
             np.zeros(1, dtype) for dtype in (COMMAND, CONTROL, MEASUREMENT, SHAFT, LOAD, STIMULUS)
         )
@@ -112,7 +126,7 @@ class Core:
         self.stream = StreamRecorder(self.memory, lambda: self.tick)
         flange = train.flange.error(seed) if train.flange is not None else None
         self.transducer = Transducer(lambda: self.tick, self.control_period_s, flange=flange)
-        self._truth = truth_of(motor, inverter, sensors, train, T_s=period)
+        self._truth = truth_of(motor, inverter, sensors, train, T_s=control_period_s)
         self._noise = Noise(sensors.noise_rms, seed)
 
     def set_dc_link(self, u_dc_V: float) -> None:
@@ -167,7 +181,9 @@ class Core:
         Raises:
             EmulationError: the machine has run away, to where it cannot be computed any more.
         """
-        return self.run_with(kernel_of(self._truth), ticks)
+        kernel = kernel_of(self._truth)
+        call_first(kernel, lambda: self._run(kernel, 0, self._noise.ahead()))
+        return self.run_with(kernel, ticks)
 
     def run_with(self, kernel: Callable[..., int], ticks: int) -> int:
         """`run` with another form of the kernel: the plain function `run_ticks`, to compare with."""

@@ -1,7 +1,7 @@
 """The kernel: machine, sensors, control, capture, stream and transducer, tick after tick.
 
-Drive tick n is at n T_s. A tick integrates the machine over one PWM period with the duties that were computed
-a tick before that period began, then samples, controls and records.
+Drive tick n is at n T_s. A tick integrates the machine over one control period with the duties that were
+computed a tick before that period began, then samples, controls and records.
 """
 
 from __future__ import annotations

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import TypeVar
 
+from benchtool.emulator.machine.carrier import DoubleUpdate
 from benchtool.emulator.machine.cogging import Cogging, cogging_of
 from benchtool.emulator.machine.dc_link import DcLink
 from benchtool.emulator.machine.drive_train import DriveTrain
@@ -146,7 +147,8 @@ class InverterTruth:
     """A two-level inverter on a dc link behind a resistance.
 
     Every conducting device, switch or diode, takes `device_drop_V` and `on_resistance_ohm` times its current.
-    `timer_Hz` is the clock of the timer that counts up and down in a PWM period; 0 is as fine as you like.
+    With `double_update` a PWM period is two control periods, whose duties it takes at either end. `timer_Hz`
+    is the clock of the timer that counts up and down in a PWM period; 0 is as fine as you like.
     With `dc_link_C_F` the link is a capacitor that the supply feeds through `dc_link_R_ohm` and takes nothing
     back from; `supply_ripple_V` is the amplitude of the supply's ripple.
 
@@ -155,6 +157,7 @@ class InverterTruth:
     """
 
     u_dc_V: float
+    double_update: bool = False
     dc_link_R_ohm: float = 0.0
     dead_time_s: float = 0.0
     device_drop_V: float = 0.0
@@ -195,18 +198,25 @@ class InverterTruth:
             )
 
     def power_stage(self, T_s: float, sampling: Sampling | None = None) -> PowerStage:
-        """Return the coefficients for a PWM period of `T_s` seconds, in which the currents are so sampled."""
+        """Return the coefficients for a control period of `T_s` seconds, in which the currents are so
+        sampled."""
+        T_pwm = self.pwm_period_s(T_s)
         return PowerStage(
             T_s=T_s,
             u_dc=self.u_dc_V,
             R_dc=self.dc_link_R_ohm,
             metered=self.dc_link_R_ohm > 0.0,
             link=self._dc_link(),
+            double_update=DoubleUpdate(T_pwm) if self.double_update else None,
             dead_time=DeadTime(self.dead_time_s) if self.dead_time_s > 0.0 else None,
-            timer=Timer(max(1.0, math.floor(0.5 * T_s * self.timer_Hz))) if self.timer_Hz > 0.0 else None,
+            timer=Timer(max(1.0, math.floor(0.5 * T_pwm * self.timer_Hz))) if self.timer_Hz > 0.0 else None,
             devices=Devices(self.device_drop_V) if self.device_drop_V > 0.0 else None,
             sampling=sampling,
         )
+
+    def pwm_period_s(self, T_s: float) -> float:
+        """Return the PWM period of a drive whose control period is `T_s` seconds."""
+        return 2.0 * T_s if self.double_update else T_s
 
     def _dc_link(self) -> DcLink | None:
         if self.dc_link_C_F == 0.0:
