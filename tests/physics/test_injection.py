@@ -12,6 +12,7 @@ import pytest
 
 from benchtool.emulator.control.current_sensors import CalibrationState
 from benchtool.emulator.control.stimulus import Quantity
+from benchtool.emulator.machine.sensor_truth import CurrentTruth
 from benchtool.protocol.modes import Mode
 from tests.physics.paper_machine import FINE, captured, make_core
 from tests.physics.test_cycle import signal, stimulated
@@ -95,9 +96,13 @@ def calibrate(core: Any, ticks: int) -> CalibrationState:
     return CalibrationState(command.calibration)
 
 
+def _offset(offsets_A: tuple[float, float, float]) -> dict[str, CurrentTruth]:
+    return {f"i_{phase}": CurrentTruth(offset_A=each) for phase, each in zip("abc", offsets_A, strict=True)}
+
+
 def test_offsets_are_the_means_and_gains_multiply_what_is_left() -> None:
     offsets = (0.2, -0.11, 0.05)
-    sensors = {"current_offset_A": offsets, "current_noise_A_rms": 0.02, "adc_bits": 12}
+    sensors = {**_offset(offsets), "current_noise_A_rms": 0.02, "adc_bits": 12}
     core = make_core(sensors=sensors, parameters={"current_gain_b": 1.5, "i_full_scale": 15.0})
     assert calibrate(core, 4000) is CalibrationState.DONE
     found = [signal(core, f"current_offset_{phase}") for phase in "abc"]
@@ -108,7 +113,7 @@ def test_offsets_are_the_means_and_gains_multiply_what_is_left() -> None:
 
 
 def test_an_offset_beyond_a_tenth_of_the_range_is_none() -> None:
-    core = make_core(sensors={"current_offset_A": (0.1, 1.6, 0.0)}, parameters={"i_full_scale": 15.0})
+    core = make_core(sensors=_offset((0.1, 1.6, 0.0)), parameters={"i_full_scale": 15.0})
     assert calibrate(core, 10) is CalibrationState.FAILED
     assert [signal(core, f"current_offset_{phase}") for phase in "abc"] == [0.0, 0.0, 0.0]
     core.command.pwm_enabled = 1

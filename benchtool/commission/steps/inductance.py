@@ -15,8 +15,8 @@ from benchtool.commission.steps.offsets import CURRENTS
 from benchtool.commission.steps.step import Finding
 from benchtool.drive import CaptureRequest, Stimulus
 
-_ALIGN_S = 0.4
-_ALIGN_SHARE = 0.7  # of the rated current
+_ALIGN_S = 0.8
+_ALIGN_SHARE = 0.9  # of the rated current, at the end of the ramp that aligns the rotor
 _SHARE = 0.6  # of the rated current, peak, at the end of the ramp
 _LEAST_SHARE = 0.3  # below which the converter's steps show, and the vector turns more slowly
 _VOLTAGE_SHARE = 0.5  # of u_dc / sqrt(3)
@@ -46,12 +46,12 @@ class TurningVoltage:
             "alignment",
             Stimulus(
                 quantity="current",
-                shape="constant",
+                shape="ramp",
                 amplitude_A=_ALIGN_SHARE * known.I_N_A,
                 duration_s=_ALIGN_S,
             ),
             CaptureRequest(CURRENTS, rows=10),
-            (_ALIGN_SHARE * known.I_N_A) ** 2 * _ALIGN_S,
+            (_ALIGN_SHARE * known.I_N_A) ** 2 * _ALIGN_S / 3.0,
             {"omega_current": known.damping_bandwidth_rad_s, **known.offsets},
         )
         return tuple(each for periods in _PERIODS for each in (align, _turning(known, periods)))

@@ -17,8 +17,9 @@ from benchtool.commission.steps.offsets import CURRENTS
 from benchtool.commission.steps.step import Finding
 from benchtool.drive import CaptureRequest, Stimulus
 
-_LEVELS = 6
-_LEVEL_S = 0.3
+_LEVELS = 8
+_LEVEL_S = 0.27
+_ALIGNING = 2  # levels in which the rotor comes into line, and which are not used
 _SETTLED = 0.6  # of a level, after which its mean begins
 _ROW_S = 2e-3
 _ASIDE_DEG = (-12.0, -6.6, -1.9, 4.3, 8.5, 10.7)  # from the phases
@@ -156,9 +157,9 @@ def _directions() -> tuple[tuple[float, float], ...]:
 
 
 def _levels(block: Block) -> list[np.ndarray]:
-    """Return the means of all channels over the settled part of each level but the first."""
+    """Return the means of all channels over the settled part of each level that is used."""
     rows = _LEVEL_S / (block.stride * block.tick_s)
     return [
         block.data[math.ceil(rows * (level + _SETTLED)) : math.floor(rows * (level + 1)) - 1].mean(axis=0)
-        for level in range(1, _LEVELS)
+        for level in range(_ALIGNING, _LEVELS)
     ]
