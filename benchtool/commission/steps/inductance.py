@@ -16,7 +16,7 @@ from benchtool.commission.steps.step import Finding
 from benchtool.drive import CaptureRequest, Stimulus
 
 _ALIGN_S = 0.8
-_ALIGN_SHARE = 0.9  # of the rated current, at the end of the ramp that aligns the rotor
+_ALIGN_SHARE = 0.6  # of the rated current, at the end of the ramp that aligns the rotor
 _SHARE = 0.6  # of the rated current, peak, at the end of the ramp
 _LEAST_SHARE = 0.3  # below which the converter's steps show, and the vector turns more slowly
 _VOLTAGE_SHARE = 0.5  # of u_dc / sqrt(3)

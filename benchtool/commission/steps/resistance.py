@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from benchtool.analysis import Basis, Measurement
 from benchtool.block import Block
@@ -20,6 +21,7 @@ from benchtool.drive import CaptureRequest, Stimulus
 _LEVELS = 8
 _LEVEL_S = 0.27
 _ALIGNING = 2  # levels in which the rotor comes into line, and which are not used
+_STANDS = 0.02  # of the largest current: how little a current that stands may change
 _SETTLED = 0.6  # of a level, after which its mean begins
 _ROW_S = 2e-3
 _ASIDE_DEG = (-12.0, -6.6, -1.9, 4.3, 8.5, 10.7)  # from the phases
@@ -74,7 +76,7 @@ class StandingCurrents:
         Raises:
             AnalysisError: the captures do not define them.
         """
-        levels = np.array([mean for block in blocks for mean in _levels(block)])
+        levels = np.array([mean for block in blocks for mean in _levels(block)]).reshape(-1, 5)
         found = resistance(levels[:, 3] + 1j * levels[:, 4], levels[:, :3])
         known = known.with_drop(found.drop_V)
         basis = Basis(samples=found.levels, duration_s=len(blocks) * _LEVELS * _LEVEL_S)
@@ -156,10 +158,18 @@ def _directions() -> tuple[tuple[float, float], ...]:
     )
 
 
-def _levels(block: Block) -> list[np.ndarray]:
-    """Return the means of all channels over the settled part of each level that is used."""
+def _levels(block: Block) -> list[NDArray[np.float64]]:
+    """Return the means of all channels over the settled part of each level that is used.
+
+    A level whose current still changes, as while the integral part climbs to what dead time takes, is not.
+    """
     rows = _LEVEL_S / (block.stride * block.tick_s)
-    return [
-        block.data[math.ceil(rows * (level + _SETTLED)) : math.floor(rows * (level + 1)) - 1].mean(axis=0)
-        for level in range(_ALIGNING, _LEVELS)
-    ]
+    largest = np.max(np.abs(block.data[:, :3]))
+    found = []
+    for level in range(_ALIGNING, _LEVELS):
+        part = block.data[math.ceil(rows * (level + _SETTLED)) : math.floor(rows * (level + 1)) - 1]
+        half = len(part) // 2
+        change = np.abs(part[half:, :3].mean(axis=0) - part[:half, :3].mean(axis=0))
+        if np.max(change) < _STANDS * largest:
+            found.append(part.mean(axis=0))
+    return found
