@@ -52,7 +52,11 @@ class TurningVoltage:
             ),
             CaptureRequest(CURRENTS, rows=10),
             (_ALIGN_SHARE * known.I_N_A) ** 2 * _ALIGN_S / 3.0,
-            {"omega_current": known.damping_bandwidth_rad_s, **known.offsets},
+            {
+                "omega_current": known.damping_bandwidth_rad_s,
+                "dead_time_compensation": 0.0,
+                **known.offsets,
+            },
         )
         return tuple(each for periods in _PERIODS for each in (align, _turning(known, periods)))
 
