@@ -127,8 +127,6 @@ CONTROL = record_type(
         ("rest_ticks", "i8"),
         ("limited", "u4"),  # the voltage computed last was beyond the hexagon
         ("injecting", "u4"),  # the current mode ran last, no law
-        ("cosine", "f8"),  # of the direction in which it did
-        ("sine", "f8"),
         # Of the laws, cleared while the power stage is off.
         ("torque_state", "i4"),
         ("flux_state", "i4"),

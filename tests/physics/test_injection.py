@@ -51,24 +51,6 @@ def test_a_current_takes_its_angle_whatever_the_encoder_says(belief: float) -> N
     assert abs(vector(lambda phase: signal(core, f"i_{phase}"))) < 4e-3, "none plays"
 
 
-def test_another_direction_finds_the_voltage_that_was_there() -> None:
-    """A current of 4 A flows against the dead time when the next one begins across it, from nothing."""
-    core = make_core(
-        inverter={"dead_time_s": 4e-6}, sensors=FINE, parameters={**ASTRAY, "omega_current": 60.0}
-    )
-    core.load.held = 1
-    injected(core, 4.0)
-    core.run(4000)
-    stimulus = core.stimulus
-    stimulus.cos_angle, stimulus.sin_angle, stimulus.amplitude = -0.6, 0.8, 0.0
-    stimulus.k = stimulus.played = 0
-    largest = 0.0
-    for _ in range(300):
-        core.run(1)
-        largest = max(largest, abs(vector(lambda phase: signal(core, f"i_{phase}"))))
-    assert largest < 4.05
-
-
 def test_a_turning_current_takes_the_rotor_along() -> None:
     core = make_core(motor={"friction_Nms": 0.02}, parameters=ASTRAY)
     core.turn_rotor(math.atan2(0.6, 0.8))

@@ -57,8 +57,7 @@ def control_tick(drive: Any, command: Any, control: Any, stimulus: Any, measurem
     if control.injecting != 0:
         command.standstill = command.halt
         cosine, sine = direction_of(stimulus, now.cos_theta, now.sin_theta)
-        began = stimulus.began != 0
-        u_alpha, u_beta = current_vector(added, cosine, sine, began, now, drive, control)
+        u_alpha, u_beta = current_vector(added, cosine, sine, now, drive, control)
         _inject(u_alpha, u_beta, now, drive, control, measurement.u_dc)
         return new_trip
     torque_added = added if stimulus.quantity == _TORQUE else 0.0

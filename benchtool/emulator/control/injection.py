@@ -18,19 +18,13 @@ from benchtool.emulator.jit import njit
 
 @njit
 def current_vector(
-    i: float, cosine: float, sine: float, turned: bool, now: StateEstimate, drive: Any, control: Any
+    i: float, cosine: float, sine: float, now: StateEstimate, drive: Any, control: Any
 ) -> tuple[float, float]:
     """Return the mean voltage (u_alpha, u_beta) that leads the current to `i` along (cosine, sine).
-
-    `turned` tells of the first tick of another direction: the voltage of the integral part, which holds up
-    what flows and what dead time takes, stays where it is then.
 
     Anti-windup as in law `foc`: what the inverter fell short of counts as if the reference had been nearer.
     """
     T_s, L = drive.control_period, 0.5 * (drive.L_d + drive.L_q)
-    if turned:
-        _keep_voltage(cosine, sine, control)
-    control.cosine, control.sine = cosine, sine
     i_alpha, i_beta = out_of_frame(now.i_d, now.i_q, now.cos_theta, now.sin_theta)
     i_x, i_y = into_frame(i_alpha, i_beta, cosine, sine)
     lack_x, lack_y = into_frame(
@@ -44,9 +38,3 @@ def current_vector(
     u_alpha, u_beta = out_of_frame(u_x, u_y, cosine, sine)
     control.u_alpha_asked, control.u_beta_asked = u_alpha, u_beta
     return u_alpha, u_beta
-
-
-@njit
-def _keep_voltage(cosine: float, sine: float, control: Any) -> None:
-    u_alpha, u_beta = out_of_frame(control.u_d_integral, control.u_q_integral, control.cosine, control.sine)
-    control.u_d_integral, control.u_q_integral = into_frame(u_alpha, u_beta, cosine, sine)
