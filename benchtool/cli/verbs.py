@@ -49,6 +49,7 @@ VERBS: Final = (
     Verb("report", "report", "Write a self-contained report of a run."),
     Verb("export", "export", "Write the data of a run as CSV, MATLAB or MDF4."),
     Verb("compare", "compare", "Set recorded runs side by side, with their differences."),
+    Verb("twin", "twin", "Simulate a run again with believed and estimated parameters."),
     Verb("info", "info", "Show which drive answers on a link, and its state."),
     Verb("reset", "reset", "Clear a latched fault; nothing is enabled."),
     Verb("scan", "scan", "Find drives on serial ports and CAN buses."),

@@ -1,4 +1,5 @@
 from .content import Report as Report
+from .figures.twin import draw_twin as draw_twin
 from .reproduction_page import (
     PAGE_MARK as PAGE_MARK,
     PlanFigures as PlanFigures,

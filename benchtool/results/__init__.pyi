@@ -44,3 +44,8 @@ from .runs import (
     is_planned as is_planned,
     recorded_runs as recorded_runs,
 )
+from .twin import (
+    Signal as Signal,
+    Twin as Twin,
+    twins as twins,
+)

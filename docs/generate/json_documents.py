@@ -33,6 +33,7 @@ from docs.generate.json_results import (
     VerdictWord,
 )
 from docs.generate.json_tables import AnalyzedTable
+from docs.generate.json_twin import Twins
 
 
 class Kinds(Document):
@@ -431,6 +432,7 @@ DOCUMENTS: dict[str, type[BaseModel]] = {
     "jog": Jogged,
     "live": LiveEnd,
     "live of a run": LiveRun,
+    "twin": Twins,
     "info": DriveInfo,
     "info --eds": FileInfo,
     "scan": Scanned,

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from benchtool.analysis.balances.flux_model import NEEDED, Electrical, Ticks
+from benchtool.analysis.balances.flux_model import NEEDED, Electrical, Ticks, flux_of
 from benchtool.analysis.balances.space_vectors import Complex, Floats
 from benchtool.analysis.balances.unknowns import Solution, solve
 from benchtool.analysis.balances.whitening import Whitening, likeliest
@@ -101,6 +101,11 @@ class FluxBalance:
                 if not self.solution.told(name)
             }
         )
+
+    def torque(self, p: Electrical, pole_pairs: int) -> Floats:
+        """Return the torque of the measured currents at the ticks, with some parameters, shape (n + 1,)."""
+        i_dq = self.ticks.currents(p) * np.conj(self.ticks.direction(p))
+        return np.asarray(1.5 * pole_pairs * np.imag(np.conj(flux_of(i_dq, p)) * i_dq))
 
 
 class FluxBalanceSettings(Section):

@@ -96,6 +96,11 @@ class Ticks:
         phases = currents - np.mean(currents, axis=0)
         return cls(T_s, phases, step_A, rotor, u_s, u_dc, Edges.of(u_s, u_dc, T_s))
 
+    @property
+    def measured_dq(self) -> Complex:
+        """The measured current in the encoder's frame, shape (n + 1,)."""
+        return np.asarray(space_vector(self.phases) * np.conj(self.rotor))
+
     def with_noise(self, rms_A: float) -> Self:
         """Return the ticks with noise added to the currents, the same at every call."""
         noise = rms_A * np.random.default_rng(_SEED).standard_normal(self.phases.shape)

@@ -22,7 +22,7 @@ import numpy as np
 
 from benchtool.analysis.balances.angle import smooth_angle
 from benchtool.analysis.balances.flux_balance import FluxBalance, FluxBalanceSettings, balance_of
-from benchtool.analysis.balances.flux_model import NEEDED, flux_of
+from benchtool.analysis.balances.flux_model import NEEDED
 from benchtool.analysis.balances.space_vectors import Floats
 from benchtool.analysis.balances.unknowns import Solution, solve
 from benchtool.analysis.declaration import Analysis, Findings, Measured, Quantity
@@ -55,6 +55,7 @@ class MotionBalance:
         flux: the flux balance whose parameters give the torque.
         solution: of J, friction, coulomb and load.
         pole_pairs: of the motor.
+        omega_m_rad_s: speed at the ticks by the encoder, shape (n,).
         windows: how many were used.
         error_Nm: rms of what the balance of a window leaves, as a mean torque.
     """
@@ -62,6 +63,7 @@ class MotionBalance:
     flux: FluxBalance
     solution: Solution
     pole_pairs: int
+    omega_m_rad_s: Floats
     windows: int
     error_Nm: float
 
@@ -88,10 +90,11 @@ def motion_balance(block: Block, motor: Motor, flux: FluxBalance) -> MotionBalan
     Raises:
         AnalysisError: the shaft does not turn long enough.
     """
-    torque = torque_of(flux, motor.pole_pairs)
+    torque = flux.torque(flux.estimate, motor.pole_pairs)
     rows = block.data.shape[0] - len(torque)
     measured = np.unwrap(np.ascontiguousarray(block.column("theta_m")))[rows:]
-    turning = _turning(smooth_angle(measured), counting_step(block.column("theta_m")))
+    speed = np.gradient(smooth_angle(measured))
+    turning = _turning(speed, counting_step(block.column("theta_m")))
     inside = np.lib.stride_tricks.sliding_window_view(turning, _WINDOW)[:: _WINDOW // 2]
     used = np.abs(np.sum(inside, axis=1)) == _WINDOW
     if np.count_nonzero(used) < _FEWEST:
@@ -122,20 +125,14 @@ def motion_balance(block: Block, motor: Motor, flux: FluxBalance) -> MotionBalan
     at = found.values  # the equations are linear: with the errors that are left there, so is the covariance
     solution = solve(_NAMES, columns, impulse - columns @ at, at, believed, spans, **blocks)
     left = (impulse - columns @ solution.values) / (T_s * np.sum(weight))
-    return MotionBalance(flux, solution, motor.pole_pairs, len(angle), math.sqrt(float(np.mean(left**2))))
+    return MotionBalance(
+        flux, solution, motor.pole_pairs, speed / T_s, len(angle), math.sqrt(float(np.mean(left**2)))
+    )
 
 
-def torque_of(flux: FluxBalance, pole_pairs: int) -> Floats:
-    """Return the torque of the measured currents at the ticks of a flux balance, with its parameters."""
-    p = flux.estimate
-    i_dq = flux.ticks.currents(p) * np.conj(flux.ticks.direction(p))
-    psi_dq = flux_of(i_dq, p)
-    return np.asarray(1.5 * pole_pairs * np.imag(np.conj(psi_dq) * i_dq))
-
-
-def _turning(angle: Floats, count: float) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
-    """Return at each tick the direction in which the shaft turns, 0 where it hardly does."""
-    speed = np.gradient(angle)
+def _turning(speed: Floats, count: float) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
+    """Return at each tick the direction in which the shaft turns, 0 where it hardly does, by its speed in rad
+    per tick."""
     least = 2.0 * _COUNTS_OF_MOTION * count / _WINDOW
     return np.where(np.abs(speed) > least, np.sign(speed), 0.0).astype(np.int64)
 
@@ -186,9 +183,10 @@ def _measurements(found: MotionBalance, basis: Basis) -> Iterator[Measurement]:
             continue
         value = found.solution.value(name)
         lines = [Contribution("rotor flux", "B", abs(value) * relative)] if told else []
-        if name == "coulomb":
+        if name in ("friction", "coulomb"):
             between = found.between_ticks_Nm / math.sqrt(3.0)
-            lines.append(Contribution("current between the ticks", "B", between))
+            speed = math.sqrt(float(np.mean(found.omega_m_rad_s**2))) if name == "friction" else 1.0
+            lines.append(Contribution("current between the ticks", "B", between / speed))
         reference = "torque by the parameters of the flux balance" if told else "torque by the psi_r believed"
         uncertain = found.solution.uncertainty(name, *lines)
         yield Measurement(full, value, unit, definition, replace(basis, reference=reference), uncertain)
