@@ -2,13 +2,14 @@
 
     minimise  sum (theta - measured)^2 + lambda sum (third difference of theta)^2
 
-(E. T. Whittaker, Proc. Edinburgh Math. Soc. 41 (1923) 63). The smoothest curve is taken whose distance from
-the counts is that of a count: its step over sqrt(12), rms (V. A. Morozov's discrepancy principle).
+(E. T. Whittaker, Proc. Edinburgh Math. Soc. 41 (1923) 63). The true angle is within half a step of every
+count. The smoothest curve is looked for that is so as well, but for what its own noise takes it beyond; of
+that one's smoothing a thirtieth is taken, because the largest that shows nothing already bends the fastest
+motion.
 """
 
 from __future__ import annotations
 
-import math
 from typing import Final
 
 import numpy as np
@@ -19,6 +20,8 @@ from benchtool.analysis.quantisation import counting_step
 
 _ORDER: Final = 3
 _SMOOTHINGS: Final = 10.0 ** np.arange(1.0, 12.5, 0.5)
+_LESS: Final = 3  # of them
+_BEYOND, _SHARE_BEYOND = 0.55, 5e-3  # of a step; of the samples
 _CHUNK: Final = 1 << 17  # rows at a time
 _FEWEST: Final = 4 * _ORDER
 
@@ -33,21 +36,21 @@ def smooth_angle(theta_m: Floats) -> Floats:
     if step == 0.0 or len(angle) < _FEWEST:
         return angle
     parts = max(1, round(len(angle) / _CHUNK))
-    return np.concatenate([_smooth(part, step / math.sqrt(12.0)) for part in np.array_split(angle, parts)])
+    return np.concatenate([_smooth(part, step) for part in np.array_split(angle, parts)])
 
 
-def _smooth(angle: Floats, distance: float) -> Floats:
-    """Return the smoothest curve that keeps this rms distance from the samples."""
+def _smooth(angle: Floats, step: float) -> Floats:
+    """Return the smooth curve through the samples of an encoder of this step."""
     differences = _squared_differences(len(angle))
-    found = angle
+    curves = [angle] * (_LESS + 1)
     for smoothing in _SMOOTHINGS:
         bands = smoothing * differences
         bands[-1] += 1.0
         curve = angle[0] + solveh_banded(bands, angle - angle[0])
-        if math.sqrt(float(np.mean((curve - angle) ** 2))) > distance:
+        if float(np.mean(np.abs(curve - angle) > _BEYOND * step)) > _SHARE_BEYOND:
             break
-        found = curve
-    return found
+        curves.append(curve)
+    return curves[-1 - _LESS]
 
 
 def _squared_differences(rows: int) -> Floats:

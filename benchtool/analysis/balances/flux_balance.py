@@ -215,7 +215,8 @@ def _signs(ticks: Ticks, p: Electrical) -> tuple[Complex, NDArray[np.bool_]]:
     """Return the mean signs of the currents, and the periods that are left out."""
     L = 0.5 * (p.L_d + p.L_q)
     least_A = _STEPS_UNSURE * ticks.step_A + _DROPS_UNSURE * abs(p.dead_time_voltage) * ticks.T_s / L
-    return ticks.edges.signs(ticks.currents(p), L, least_A)
+    shortest_s = _DROPS_UNSURE * abs(p.dead_time_voltage) * ticks.T_s / float(np.mean(ticks.u_dc))
+    return ticks.edges.signs(ticks.currents(p), L, least_A, shortest_s)
 
 
 def _errors(ticks: Ticks, p: Electrical) -> tuple[NDArray[np.bool_], Complex]:

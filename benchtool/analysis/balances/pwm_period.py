@@ -37,11 +37,13 @@ class _Edge:
 class Edges:
     """The edges of the legs in periods of `T_s`, by the voltage asked for.
 
-    `unknown`, shape (n,), says in which periods the edges are not known.
+    `pulse_s`, shape (n,), is the shortest time for which a leg that switches stays high or low, `unknown`,
+    shape (n,), says in which periods the edges are not known.
     """
 
     T_s: float
     edges: tuple[_Edge, ...]
+    pulse_s: Floats
     unknown: NDArray[np.bool_]
 
     @classmethod
@@ -64,22 +66,26 @@ class Edges:
             _Edge(1, high & ~was_high, start_s, start_s),
             _Edge(-1, ~high & was_high, start_s, start_s),
         )
+        pulse_s = T_s * np.min(np.where(switches, np.minimum(duty, 1.0 - duty), 1.0), axis=0)
         off = u_s == 0.0
         after_off = np.roll(off, 1)
         after_off[:1] = True
-        return cls(T_s, edges, off | (after_off & np.any(high, axis=0)))
+        return cls(T_s, edges, pulse_s, off | (after_off & np.any(high, axis=0)))
 
-    def signs(self, i_s: Complex, L: float, least: float) -> tuple[Complex, NDArray[np.bool_]]:
+    def signs(
+        self, i_s: Complex, L: float, least: float, shortest_s: float
+    ) -> tuple[Complex, NDArray[np.bool_]]:
         """Return the vector of the mean signs of the phase currents, and where one of them is not told.
 
         Args:
             i_s: current at the ends of the periods, shape (n + 1,).
             L: inductance by which the ripple within a period is computed.
             least: current at an edge below which its sign is not told.
+            shortest_s: a shorter pulse may be lost in the dead time, and is not told either.
         """
         phases = phase_values(i_s)
         begin, end = phases[:, :-1], phases[:, 1:]
-        total, unsure = np.zeros_like(begin), self.unknown.copy()
+        total, unsure = np.zeros_like(begin), self.unknown | (self.pulse_s < shortest_s)
         for edge in self.edges:
             current = begin + (end - begin) * (edge.at_s / self.T_s) + edge.ripple_Vs / L
             total += edge.sign * (edge.present & (edge.sign * current > 0.0))

@@ -23,7 +23,8 @@ AXES: Final[Complex] = np.exp(2j * math.pi / 3.0 * np.arange(3.0))
 def space_vector(phases: Floats) -> Complex:
     """Return the vector, shape (n,), of values of the phases, shape (3, n); what they have in common drops
     out."""
-    return np.asarray(2.0 / 3.0 * (AXES @ phases))
+    a, b, c = phases
+    return np.asarray((2.0 * a - b - c) / 3.0 + 1j * (b - c) / math.sqrt(3.0))
 
 
 def phase_values(vector: Complex) -> Floats:

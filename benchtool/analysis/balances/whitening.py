@@ -15,10 +15,12 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import solve_banded
 
 from benchtool.analysis.balances.space_vectors import Complex, Floats
 
 _SHARES: Final = 10.0 ** np.arange(-7.0, 2.5, 1.0)
+_SETTLED: Final = 1e-6  # relative change of a variance
 
 
 @dataclass(frozen=True)
@@ -33,34 +35,34 @@ class Whitening:
     @classmethod
     def of(cls, left_out: NDArray[np.bool_], share: float) -> Whitening:
         """Return the filter for a variance of w that is `share` of that of n."""
-        carried, scale = np.empty(len(left_out)), np.empty(len(left_out))
-        variance, before = 1.0, 0.0
-        for k, out in enumerate(left_out.tolist()):
-            if out:
-                carried[k], scale[k], variance, before = 0.0, math.inf, 1.0, 0.0
-                continue
-            predicted = variance + share
-            innovation = predicted + 1.0
-            carried[k], scale[k] = before, math.sqrt(innovation)
-            before = 1.0 / innovation
-            variance = predicted * before
-        return cls(share, carried, scale)
+        ticks = np.arange(len(left_out))
+        since = ticks - np.maximum.accumulate(np.where(left_out, ticks, -1)) - 1  # in its stretch
+        variances = _innovation_variances(share, int(np.max(since, initial=0)) + 1)
+        variance = variances[np.clip(since, 0, len(variances) - 1)]
+        before = variances[np.clip(since - 1, 0, len(variances) - 1)]
+        carried = np.where(left_out | (since == 0), 0.0, 1.0 / before)
+        return cls(share, carried, np.where(left_out, math.inf, np.sqrt(variance)))
 
     def filtered(self, columns: Complex) -> Complex:
-        """Return the innovations of columns, shape (n, m), not yet over `scale`."""
-        found, last = np.empty_like(columns), np.zeros(columns.shape[1], dtype=np.complex128)
-        for k, carried in enumerate(self.carried.tolist()):
-            last = columns[k] + carried * last
-            found[k] = last
+        """Return the innovations of columns, shape (n,) or (n, m), not yet over `scale`."""
+        bands = np.ones((2, len(self.carried)))
+        bands[1, :-1] = -self.carried[1:]
+        found: Complex = solve_banded((1, 0), bands, columns, overwrite_ab=True, check_finite=False)
         return found
 
-    def innovations(self, errors: Complex) -> Complex:
-        """Return those of the errors of a balance, shape (n,), not yet over `scale`."""
-        found, last = [], 0j
-        for error, carried in zip(errors.tolist(), self.carried.tolist(), strict=True):
-            last = error + carried * last
-            found.append(last)
-        return np.array(found)
+
+def _innovation_variances(share: float, longest: int) -> Floats:
+    """Return the variance of the innovations of a stretch over that of n, until it changes no more."""
+    found, variance = [], 1.0
+    for _ in range(longest):
+        predicted = variance + share
+        innovation = predicted + 1.0
+        found.append(innovation)
+        settled = abs(predicted / innovation - variance) < _SETTLED * variance
+        variance = predicted / innovation
+        if settled:
+            break
+    return np.array(found)
 
 
 def likeliest(errors: Complex, left_out: NDArray[np.bool_]) -> Whitening:
@@ -73,7 +75,7 @@ def _minus_log_likelihood(filter_: Whitening, errors: Complex) -> float:
     """Return twice the negative logarithm, with the variance of n that makes it largest."""
     kept = np.isfinite(filter_.scale)
     scale = filter_.scale[kept]
-    innovations = filter_.innovations(errors)[kept] / scale
+    innovations = filter_.filtered(errors)[kept] / scale
     variance = float(np.mean(np.abs(innovations) ** 2))
     return 2.0 * len(scale) * math.log(max(variance, np.finfo(np.float64).tiny)) + 4.0 * float(
         np.sum(np.log(scale))
