@@ -58,12 +58,12 @@ UNITS: Final = {
     "current_gain_c": "",
 }
 
-_FEWEST = 500  # periods
+_FEWEST, _LEAST_SHARE = 500, 1.0 / 6.0  # periods; of all of them
 _ITERATIONS, _SEARCHES = 15, 3
 _FIRST_SHARE = 0.1  # of the voltage's errors in those of the flux, until the data tell
 _CONVERGED = 0.02  # standard uncertainties
 _STEPS_UNSURE, _DROPS_UNSURE = 2.0, 2.0  # of the sign of a current: in steps of the converter, in dead times
-_UNEXPLAINED, _STRETCH = 0.1, 50  # of the voltage, over so many periods
+_UNEXPLAINED, _STRETCH = 0.04, 50  # of the voltage, over so many periods
 _LEAST_FLUX, _MOST_GAIN = 0.2, 0.5  # of the rotor flux believed; of an error of a gain
 _PHASE_OF_ERROR = 0.5 * math.sqrt(1.5)  # noise of a phase over that of a predicted current: of two vectors
 _BY_CHANCE = 2.0  # standard uncertainties
@@ -162,9 +162,9 @@ def _balance(ticks: Ticks, belief: Electrical) -> FluxBalance:
     share = _unexplained(ticks, p, errors, left_out)
     if share > _UNEXPLAINED or float(np.max(np.abs(p.gains - 1.0))) > _MOST_GAIN:
         raise AnalysisError(
-            f"{100.0 * share:.2g} % of the voltage are not those of a machine of this kind, by its best "
-            f"parameters: check the order of the phases, the direction of the encoder, the pole pairs and "
-            f"delay_ticks"
+            f"{100.0 * share:.2g} % of the voltage are not explained by any parameters of a machine of this "
+            f"kind: check the order of the phases, the direction of the encoder, the pole pairs and "
+            f"delay_ticks, and raise a current that hardly overcomes the dead time"
         )
     if solution.told("psi_r") and p.psi_r < _LEAST_FLUX * belief.psi_r:
         raise AnalysisError(
@@ -190,11 +190,11 @@ def _iterate(
     for iteration in range(_ITERATIONS):
         signs, left_out = _signs(ticks, p)
         used = len(left_out) - int(np.count_nonzero(left_out))
-        if used < _FEWEST:
+        if used < max(_FEWEST, _LEAST_SHARE * len(left_out)):
             raise AnalysisError(
                 f"in {len(left_out) - used} of {len(left_out)} periods a phase current is close to zero at "
-                f"an edge of its leg, or there is no voltage; at least {_FEWEST} others are needed: turn the "
-                f"shaft, raise the current or record longer"
+                f"an edge of its leg, or there is no voltage; {_FEWEST} others and a sixth of all are "
+                f"needed: turn the shaft, raise the current or record longer"
             )
         errors = ticks.errors(p, signs)
         search = 0 < iteration <= _SEARCHES and not given
