@@ -14,7 +14,7 @@ import argparse
 import math
 import time
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final
 
@@ -34,6 +34,7 @@ from benchtool.block import Block
 from benchtool.emulator.control.stimulus import Quantity, Shape, StimulusState
 from benchtool.emulator.core import Core
 from benchtool.emulator.machine.truth import InverterTruth, MotorTruth, SensorTruth
+from benchtool.errors import AnalysisError
 from benchtool.plan import Plan, load_plan
 from benchtool.profile import Motor, Profile, load_profile
 from benchtool.protocol import Mode
@@ -190,7 +191,11 @@ def naming(draws: int, seed: int) -> Iterator[tuple[str, bool, bool]]:
     for draw in range(draws):
         name = NINE[draw % len(NINE)]
         bench, size = one_wrong(name, profile.motor, rng)
-        found = estimates(capture(profile, plan, bench, draw), profile.motor)
+        try:
+            found = estimates(capture(profile, plan, bench, draw), profile.motor)
+        except AnalysisError:
+            yield name, False, False
+            continue
         named = [each.name for each in contradictions(found)]
         (own,) = (each for each in found if each.name == name)
         yield name, named == [name], own.told and abs(own.difference / size - 1.0) <= 0.2
@@ -212,27 +217,21 @@ def errors(draws: int, seed: int) -> Iterator[dict[str, float]]:
         }
 
 
-def main() -> int:
-    """Measure and print."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--json", action="store_true", help="print one JSON object")
-    parser.add_argument("--draws", type=int, default=207, help="machines of each series")
-    parser.add_argument("--seed", type=int, default=1, help="of the draws")
-    options = parser.parse_args()
-    begin = time.perf_counter()
+def named_figures(told: Sequence[tuple[str, bool, bool]]) -> dict[str, object]:
+    """Return how often a single wrong parameter was named alone, and its size right."""
     figures: dict[str, object] = {}
-    told = list(naming(options.draws, options.seed))
     for name in NINE:
         own = [(named, sized) for each, named, sized in told if each == name]
         counts = f"{sum(named for named, _ in own)} named, {sum(sized for _, sized in own)} within 20 %"
         figures[f"{name} wrong"] = f"{counts} of {len(own)}"
-    figures["named"] = round(sum(named for _, named, _ in told) / len(told), 4)
-    figures["named_within_20_percent"] = round(
-        sum(named and sized for _, named, sized in told) / len(told), 4
-    )
-    found = list(errors(options.draws, options.seed))
+    share = sum(named for _, named, _ in told) / len(told)
+    right = sum(named and sized for _, named, sized in told) / len(told)
+    return figures | {"named": round(share, 4), "named_within_20_percent": round(right, 4)}
+
+
+def error_figures(found: Sequence[Mapping[str, float]]) -> dict[str, object]:
+    """Return by name how the errors are distributed, in standard uncertainties."""
+    figures: dict[str, object] = {}
     for name in (*NINE, *(f"current_gain_{phase}" for phase in "abc")):
         z = np.array([each[name] for each in found if name in each])
         figures[f"z of {name}"] = (
@@ -242,6 +241,27 @@ def main() -> int:
     z = np.array([value for each in found for value in each.values()])
     figures["z_rms"] = round(math.sqrt(float(np.mean(z**2))), 3)
     figures["within_2u_percent"] = round(100.0 * float(np.mean(np.abs(z) <= 2.0)), 2)
+    return figures
+
+
+def main() -> int:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+    parser.add_argument("--draws", type=int, default=207, help="machines of each series")
+    parser.add_argument(
+        "--series", choices=("naming", "errors", "both"), default="both", help="which to make"
+    )
+    parser.add_argument("--seed", type=int, default=1, help="of the draws")
+    options = parser.parse_args()
+    begin = time.perf_counter()
+    figures: dict[str, object] = {}
+    if options.series != "errors":
+        figures |= named_figures(list(naming(options.draws, options.seed)))
+    if options.series != "naming":
+        figures |= error_figures(list(errors(options.draws, options.seed)))
     figures["seconds"] = round(time.perf_counter() - begin, 1)
     print_figures(figures, as_json=options.json)
     return 0
