@@ -15,14 +15,23 @@ from benchtool.emulator.core.kernel import kernel_is_cached
 from benchtool.emulator.equipment import EmulatedLoad, EmulatedSupply, EmulatedTransducer
 from benchtool.emulator.firmware.device import Firmware
 from benchtool.emulator.instruments import CanInstrument, CanReadings, CanTorque, samples_apart
-from benchtool.emulator.machine.truth import InverterTruth, MotorTruth, SensorTruth
+from benchtool.emulator.machine.sensor_truth import CurrentTruth, EncoderTruth, SensorTruth, VoltageTruth
+from benchtool.emulator.machine.train_truth import (
+    FlangeTruth,
+    LoadMachineTruth,
+    LoadTruth,
+    ShaftTruth,
+    TrainTruth,
+)
+from benchtool.emulator.machine.truth import InverterTruth, MotorTruth
 from benchtool.emulator.servers.canopen import CanopenServer
 from benchtool.emulator.servers.drive_node import DriveNode, OnGone, Server
 from benchtool.emulator.servers.serial import SerialServer
+from benchtool.emulator.thermometer import EmulatedThermometer
 from benchtool.errors import ProfileError
 from benchtool.link import PipePort, Port, pipe
 from benchtool.link.canopen import VirtualTimeBus
-from benchtool.profile import CanTransducer, Emulator, Profile
+from benchtool.profile import CanTransducer, EmulatedTemperature, Emulator, Profile, Sensors
 from benchtool.protocol import DbcMessage
 from benchtool.protocol.canopen import NmtState
 from benchtool.protocol.dictionary import (
@@ -82,6 +91,9 @@ class EmulatedBench:
         self.transducer = EmulatedTransducer(core)
         self.supply = EmulatedSupply(core)
         self._core = core
+        self._seed = seed
+        self._temperature_sensor = emulator.sensors.temperature
+        self._thermometers: list[EmulatedThermometer] = []
         self._instruments: list[CanInstrument] = []
         self._node = DriveNode(node_id, lambda emit: Firmware(table, core, node_id, stored, emit))
         if has_bus:
@@ -121,6 +133,24 @@ class EmulatedBench:
     ) -> None:
         """Have an instrument send these values, in the units of its signals, `rate_Hz` times a second."""
         self._instruments.append(CanReadings(self._instrument_bus(channel), message, rate_Hz, values))
+
+    def set_sensors(self, sensors: Sensors) -> None:
+        """Have other sensors from the next tick on, as a channel that sticks or an encoder that slips.
+
+        Raises:
+            ValueRefused: they cannot be together.
+        """
+        with self._node.lock:
+            self._core.set_sensors(_sensors(sensors))
+            self._temperature_sensor = sensors.temperature
+            for each in self._thermometers:
+                each.sensor = sensors.temperature
+
+    def add_thermometer(self, stated: EmulatedTemperature) -> EmulatedThermometer:
+        """Return thermometers of winding and surroundings at the temperatures that a profile states."""
+        made = EmulatedThermometer(self._core, stated, self._temperature_sensor, self._seed)
+        self._thermometers.append(made)
+        return made
 
     def _instrument_bus(self, channel: str) -> VirtualTimeBus:
         """Return a bus whose frames bear the moment at which they were due."""
@@ -191,6 +221,8 @@ class EmulatedBench:
         for each in self._instruments:
             each.prepare(now_s)
         self._node.advance_to(now_s)
+        for thermometer in self._thermometers:
+            thermometer.follow(now_s)
         for each in self._instruments:
             each.send_until(now_s)
 
@@ -214,7 +246,9 @@ def is_compiled(profile: Profile) -> bool:
         ProfileError: the profile describes no emulated bench.
         ValueRefused: one that cannot be computed.
     """
-    return kernel_is_cached(truth_of(*_truth(profile, _emulator_of(profile))))
+    emulator = _emulator_of(profile)
+    truth = truth_of(*_truth(profile, emulator), _train(emulator), T_s=profile.control_period_s)
+    return kernel_is_cached(truth)
 
 
 def _emulator_of(profile: Profile) -> Emulator:
@@ -227,7 +261,14 @@ def _emulator_of(profile: Profile) -> Emulator:
 
 
 def _core(table: ObjectTable, profile: Profile, emulator: Emulator, seed: int, first_tick: int) -> Core:
-    return Core(table, *_truth(profile, emulator), seed=seed, first_tick=first_tick)
+    return Core(
+        table,
+        *_truth(profile, emulator),
+        seed=seed,
+        first_tick=first_tick,
+        train=_train(emulator),
+        control_period_s=profile.control_period_s,
+    )
 
 
 def _truth(profile: Profile, emulator: Emulator) -> tuple[MotorTruth, InverterTruth, SensorTruth]:
@@ -235,8 +276,32 @@ def _truth(profile: Profile, emulator: Emulator) -> tuple[MotorTruth, InverterTr
     believed = motor.model_dump(include={"pole_pairs", "R_s_ohm", "L_d_H", "L_q_H", "psi_r_Wb", "J_kgm2"})
     return (
         MotorTruth(**{**believed, **true.model_dump(exclude_none=True)}),
-        InverterTruth(**emulator.inverter.model_dump(exclude_none=True)),
-        SensorTruth(**emulator.sensors.model_dump()),
+        InverterTruth(
+            **emulator.inverter.model_dump(exclude_none=True), double_update=profile.drive.double_update
+        ),
+        _sensors(emulator.sensors),
+    )
+
+
+def _sensors(stated: Sensors) -> SensorTruth:
+    tables = {"i_a", "i_b", "i_c", "u_dc", "encoder", "temperature"}
+    return SensorTruth(
+        **stated.model_dump(exclude=tables),
+        i_a=CurrentTruth(**stated.i_a.model_dump()),
+        i_b=CurrentTruth(**stated.i_b.model_dump()),
+        i_c=CurrentTruth(**stated.i_c.model_dump()),
+        u_dc=VoltageTruth(**stated.u_dc.model_dump()),
+        encoder=EncoderTruth(**stated.encoder.model_dump()),
+    )
+
+
+def _train(emulator: Emulator) -> TrainTruth:
+    machine, flange = emulator.load_machine, emulator.flange
+    return TrainTruth(
+        shaft=ShaftTruth(**emulator.shaft.model_dump()),
+        load=LoadTruth(**emulator.load.model_dump()),
+        load_machine=None if machine is None else LoadMachineTruth(**machine.model_dump()),
+        flange=None if flange is None else FlangeTruth(**flange.model_dump()),
     )
 
 

@@ -159,8 +159,26 @@ SHAFT = record_type(
         ("blank_b", "f8"),
         ("blank_c", "f8"),
         ("chopper", "u4"),  # the brake chopper is on
+        ("omega_load", "f8"),  # of the load behind an elastic coupling
+        ("twist", "f8"),  # of that coupling, theta_m - theta_load
+        ("load_torque", "f8"),  # of a load machine with a lag
     ]
 )
 
-# The load machine on the shaft.
-LOAD = record_type([("torque_Nm", "f8"), ("held", "u4"), ("omega_m_rad_s", "f8")])
+# State of the sensors, as far as theirs have one.
+SENSOR = record_type(
+    [
+        ("warm_K", "f8"),  # current sensors above the temperature of their gains and offsets
+        ("u_dc", "f8"),  # as the sensor of the dc link follows it
+        ("low_a", "f8"),  # how long the lower switch was told to be on when the period ended, in s
+        ("low_b", "f8"),
+        ("low_c", "f8"),
+        ("counting", "i8"),  # the encoder's counter has started
+        ("edge", "i8"),  # of the disc, counted on over the revolutions
+        ("error", "i8"),  # of the counter against that
+        ("travelled", "i8"),  # edges in either direction
+    ]
+)
+
+# The load machine on the shaft; `cycle` is the part of the cycle of torques over time that has passed.
+LOAD = record_type([("torque_Nm", "f8"), ("held", "u4"), ("omega_m_rad_s", "f8"), ("cycle", "f8")])

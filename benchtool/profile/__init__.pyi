@@ -17,13 +17,20 @@ from .derivation import (
     derived_parameters as derived_parameters,
 )
 from .drive import (
+    CONTROL_PERIOD_S as CONTROL_PERIOD_S,
     Drive as Drive,
     RoleObject as RoleObject,
+    rate_fault as rate_fault,
+)
+from .emulated_shaft import (
+    DrivenLoad as DrivenLoad,
+    EmulatedLoadMachine as EmulatedLoadMachine,
+    FlangeTransducer as FlangeTransducer,
+    Shaft as Shaft,
 )
 from .emulator import (
     Emulator as Emulator,
     Inverter as Inverter,
-    Sensors as Sensors,
     TrueMotor as TrueMotor,
 )
 from .equipment import (
@@ -56,5 +63,10 @@ from .profile import (
     load_profile as load_profile,
     profile_path as profile_path,
     shipped_profiles as shipped_profiles,
+)
+from .sensors import (
+    CurrentSensor as CurrentSensor,
+    Sensors as Sensors,
+    TemperatureSensor as TemperatureSensor,
 )
 from .template import profile_text as profile_text

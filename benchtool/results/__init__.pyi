@@ -49,3 +49,7 @@ from .twin import (
     Twin as Twin,
     twins as twins,
 )
+from .verification import (
+    Verification as Verification,
+    verify_run as verify_run,
+)

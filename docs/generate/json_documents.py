@@ -9,11 +9,13 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, RootModel
 
+from docs.generate.json_gauge import GaugeStudied
 from docs.generate.json_parameters import (
     DerivedParameters,
     Differences,
     DryRun,
     ListedPlans,
+    ListedProfiles,
     Loaded,
     NewPlan,
     NewProfile,
@@ -31,6 +33,7 @@ from docs.generate.json_results import (
     Plans,
     Run,
     VerdictWord,
+    Verified,
 )
 from docs.generate.json_tables import AnalyzedTable
 from docs.generate.json_twin import Twins
@@ -419,6 +422,7 @@ DOCUMENTS: dict[str, type[BaseModel]] = {
     "run of a folder": Plans,
     "run --dry-run": DryRun,
     "plans": ListedPlans,
+    "profiles": ListedProfiles,
     "plan new": NewPlan,
     "profile new": NewProfile,
     "analyze": Run,
@@ -433,6 +437,8 @@ DOCUMENTS: dict[str, type[BaseModel]] = {
     "live": LiveEnd,
     "live of a run": LiveRun,
     "twin": Twins,
+    "verify": Verified,
+    "gauge": GaugeStudied,
     "info": DriveInfo,
     "info --eds": FileInfo,
     "scan": Scanned,
