@@ -33,7 +33,8 @@ from benchtool.analysis.balances import (
 from benchtool.block import Block
 from benchtool.emulator.control.stimulus import Quantity, Shape, StimulusState
 from benchtool.emulator.core import Core
-from benchtool.emulator.machine.truth import InverterTruth, MotorTruth, SensorTruth
+from benchtool.emulator.machine.sensor_truth import CurrentTruth, SensorTruth
+from benchtool.emulator.machine.truth import InverterTruth, MotorTruth
 from benchtool.errors import AnalysisError
 from benchtool.plan import Plan, load_plan
 from benchtool.profile import Motor, Profile, load_profile
@@ -48,6 +49,7 @@ CHANNELS: Final = {
 }
 BELIEVED: Final = {"R_s": "R_s_ohm", "L_d": "L_d_H", "L_q": "L_q_H", "psi_r": "psi_r_Wb", "J": "J_kgm2"}
 NINE: Final = (*BELIEVED, "encoder_offset", "dead_time_voltage", "friction", "coulomb")
+SENSORS: Final = ("adc_bits", "i_full_scale_A", "u_full_scale_V", "current_noise_A_rms", "encoder_lines")
 LEAST_FRICTION: Final = {"friction_Nms": 1e-9, "coulomb_Nm": 1e-6}
 U_DC: Final = 122.5
 T_S: Final = 1e-4
@@ -58,7 +60,7 @@ class Bench:
     """A machine, its inverter and its sensors, as they differ from the profile."""
 
     motor: dict[str, float] = field(default_factory=lambda: dict(LEAST_FRICTION))
-    inverter: dict[str, float] = field(default_factory=lambda: {"dead_time_s": 1e-12})
+    dead_time_s: float = 1e-12
     sensors: dict[str, Any] = field(default_factory=dict)
 
 
@@ -66,12 +68,14 @@ def capture(profile: Profile, plan: Plan, bench: Bench, seed: int) -> Block:
     """Return what the drive captures of the plan."""
     document = (shipped("firmware_protocol") / "objects.toml").read_text(encoding="utf-8")
     assert profile.emulator is not None
+    stated_sensors = profile.emulator.sensors
+    sensors = {key: getattr(stated_sensors, key) for key in SENSORS}
     stated = {key: getattr(profile.motor, key) for key in ("pole_pairs", *BELIEVED.values())}
     core = Core(
         table_from_toml(tomllib.loads(document)),
         MotorTruth(**{**stated, **bench.motor}),
-        InverterTruth(u_dc_V=U_DC, **bench.inverter),
-        SensorTruth(**{**profile.emulator.sensors.model_dump(), **bench.sensors}),
+        InverterTruth(u_dc_V=U_DC, dead_time_s=bench.dead_time_s),
+        SensorTruth(**{**sensors, **bench.sensors}),
         seed,
     )
     memory = {
@@ -131,8 +135,8 @@ def one_wrong(name: str, motor: Motor, rng: np.random.Generator) -> tuple[Bench,
             size = sign * math.radians(rng.uniform(2.0, 15.0))
             bench.sensors["encoder_offset_rad"] = -size / motor.pole_pairs
         case "dead_time_voltage":
-            bench.inverter["dead_time_s"] = rng.uniform(0.5e-6, 3e-6)
-            size = bench.inverter["dead_time_s"] / T_S * U_DC
+            bench.dead_time_s = rng.uniform(0.5e-6, 3e-6)
+            size = bench.dead_time_s / T_S * U_DC
         case "friction":
             size = bench.motor["friction_Nms"] = (
                 rng.uniform(0.01, 0.05) * motor.T_N_Nm / motor.omega_m_N_rad_s
@@ -166,11 +170,13 @@ def all_wrong(motor: Motor, rng: np.random.Generator) -> tuple[Bench, dict[str, 
         {key: truth[name] for name, key in BELIEVED.items()}
         | {"friction_Nms": truth["friction"], "coulomb_Nm": truth["coulomb"]}
         | {"cogging_Nm": rng.uniform(0.0, 0.1), "cogging_order": 24},
-        {"dead_time_s": dead_time_s},
+        dead_time_s,
         {
             "encoder_offset_rad": -truth["encoder_offset"] / motor.pole_pairs,
-            "current_gain": tuple(gains),
-            "current_offset_A": tuple(rng.uniform(-0.02, 0.02, 3)),
+            **{
+                f"i_{phase}": CurrentTruth(gain=gains[k], offset_A=rng.uniform(-0.02, 0.02))
+                for k, phase in enumerate("abc")
+            },
         },
     )
     truth["dead_time_voltage"] = dead_time_s / T_S * U_DC
