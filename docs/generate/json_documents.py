@@ -37,6 +37,7 @@ from docs.generate.json_results import (
     Verified,
 )
 from docs.generate.json_tables import AnalyzedTable
+from docs.generate.json_twin import Twins
 
 
 class Kinds(Document):
@@ -438,6 +439,7 @@ DOCUMENTS: dict[str, type[BaseModel]] = {
     "jog": Jogged,
     "live": LiveEnd,
     "live of a run": LiveRun,
+    "twin": Twins,
     "verify": Verified,
     "gauge": GaugeStudied,
     "info": DriveInfo,

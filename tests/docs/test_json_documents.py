@@ -59,9 +59,9 @@ COMMANDS = {
     "params save": ("params", "save"),
     "params restore": ("params", "restore"),
 }
-ELSEWHERE = {"completion install", "demo", "run", "live", "live of a run", "emulate", "scan"}
+ELSEWHERE = {"completion install", "demo", "run", "live", "live of a run", "emulate", "scan", "twin"}
 """`demo` and `run` print what `analyze` does; `completion` writes into the home folder; tests/emulated tries
-what needs a viewer or a second process."""
+what needs a viewer, a second process or an excited machine."""
 
 
 @pytest.fixture(scope="module")
