@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.measurement import Basis
 from benchtool.analysis.orders.angle import TURN, AngleCoverage
-from benchtool.analysis.orders.angle_orders import MOST_GROUPS, fit_orders
+from benchtool.analysis.orders.angle_orders import MOST_GROUPS, AngleFit, fit_orders
 from benchtool.analysis.periods import PhaseTrack, track_angle
 from benchtool.analysis.quantisation import counting_step, resolution
+from benchtool.analysis.repeated_steps import noise_beside, repeated_steps
 from benchtool.analysis.spectra.noise import line_noise, repeated_quantisation
 from benchtool.analysis.spectra.spectrum import coherent_spectrum
 from benchtool.analysis.validity import require_unbroken
@@ -111,7 +112,7 @@ def _orders_on(block: Block, channel: str, track: PhaseTrack, wobble_rad: float 
     orders = np.arange(1, count + 1)
     amplitude = spectrum.amplitude[orders * turns]
     noise = line_noise(spectrum, orders * turns)
-    by_steps = repeated_quantisation(spectrum, counting_step(samples))
+    by_steps = repeated_quantisation(spectrum, counting_step(samples))[0][:count]
     largest = int(np.argmax(amplitude)) if count else 0
     resampling = np.array(
         [
@@ -178,16 +179,17 @@ def fitted_orders(
     # values are averaged over a step of the angle, which lowers them by this factor
     low = np.sinc(order * coverage.resolution_rad / TURN)
     amplitude = 2.0 * np.abs(fit.coefficient) / low
+    by_steps = _repeated_steps(fit, counting_step(values), coverage)
     return OrderSpectrum(
         signal=signal,
         unit=unit,
         order=order,
         amplitude=amplitude,
-        standard=np.hypot(fit.standard / low, _lost(amplitude, order, wobble_rad)),
+        standard=np.sqrt((fit.standard**2 + by_steps**2) / low**2 + _lost(amplitude, order, wobble_rad) ** 2),
         mean=fit.mean,
         revolutions=coverage.revolutions,
         method=method,
-        uncertainty_source=fit.uncertainty_source,
+        uncertainty_source=f"{fit.uncertainty_source}, and resolution",
         dof=np.full(count, max(1.0, min(coverage.revolutions, MOST_GROUPS) - 1.0)),
         basis=replace(
             basis or Basis(len(values)),
@@ -195,6 +197,16 @@ def fitted_orders(
             harmonics=count,
         ),
     )
+
+
+def _repeated_steps(fit: AngleFit, step: float, coverage: AngleCoverage) -> NDArray[np.float64]:
+    """Return what the steps of a quantised signal, alike in every revolution, do to each amplitude."""
+    if step <= 0.0:
+        return np.zeros(len(fit.coefficient))
+    lines, noise = 2.0 * fit.coefficient, noise_beside(fit.left_rms**2, step)
+    samples, turns = float(len(coverage.angle_rad)), max(1, round(coverage.revolutions))
+    found = repeated_steps(fit.mean, lines, step, noise, samples, turns)
+    return np.zeros(len(lines)) if found is None else found.of_lines(lines)[0]
 
 
 def _lost(amplitude: NDArray[np.float64], order: NDArray[np.int64], wobble_rad: float) -> NDArray[np.float64]:

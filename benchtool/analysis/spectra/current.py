@@ -166,10 +166,9 @@ def _of_largest(spectrum: CoherentSpectrum, largest: Component, errors: LineErro
     order = place / spectrum.periods
     noise = line_noise(spectrum, np.array([place]))
     floor = noise_floor(spectrum, 0, _LOW_ORDER)
-    alone = (
-        math.nan if floor is None else floor.amplitude * math.sqrt(math.log(_LOW_ORDER * spectrum.periods))
-    )
-    bias = largest.amplitude - math.sqrt(max(0.0, largest.amplitude**2 - alone**2))
+    alone2 = math.nan if floor is None else floor.amplitude**2 * math.log(_LOW_ORDER * spectrum.periods)
+    alone2 += float(np.sum(errors.steps2[1:_LOW_ORDER])) / _LOW_ORDER * math.log(_LOW_ORDER)
+    bias = largest.amplitude - math.sqrt(max(0.0, largest.amplitude**2 - alone2))
     nearest = min(max(round(order), 1), len(errors.phase)) - 1
     lines = (
         Contribution("noise and leakage beside the line", "A", float(noise.in_phase[0]), float(noise.dof[0])),
