@@ -12,7 +12,9 @@ from scipy import fft
 _PARTS, _MOST_PARTS = 10, 64
 _FEWEST_VALUES = 3
 _FEWEST_EXTREMES = 4
-_BY_CHANCE = 2.5  # standard deviations of a correlation
+_BY_CHANCE, _CLEARLY = 2.5, 2.0  # standard deviations of a correlation
+_FEWEST_INDEPENDENT = 4.0  # values that a record must hold
+_ROUNDS, _MOST_CORRELATED = 4, 0.4
 _NEIGHBOURS = 2  # values that count as one by chance alone
 _LEAST_SPARE = 0.5  # degrees of freedom beyond two: with fewer the deviation has no bound
 _GUMBEL = math.pi / math.sqrt(6.0)
@@ -44,18 +46,47 @@ def error_of_series(values: NDArray[np.float64]) -> MeanError:
     covariance = fft.irfft(power, padded)[:count] / count
     if not covariance[0] > 0.0:
         return MeanError(0.0, math.inf)
-    correlation = covariance / covariance[0]
-    pairs = correlation[: count - count % 2].reshape(-1, 2).sum(axis=1)
-    ended = np.flatnonzero(pairs <= 0.0)
-    last = int(ended[0]) if len(ended) else len(pairs)
-    tau = 2.0 * float(np.sum(np.minimum.accumulate(pairs[:last]))) - 1.0
-    if correlation[1] > -_BY_CHANCE / math.sqrt(count):
+    neighbours = float(covariance[1] / covariance[0])
+    tau = _counting_as_one(covariance)
+    if neighbours > -_BY_CHANCE / math.sqrt(count):
         tau = max(tau, 1.0)
+    if neighbours > _CLEARLY * math.sqrt((count - 2.0) / (count**2 - 1.0)) - 1.0 / count:
+        tau = max(tau, _of_a_memory(neighbours, count), _without_bias(covariance, tau))
+        if tau > count / _FEWEST_INDEPENDENT:
+            return MeanError(math.nan, max(1.0, count / tau - 1.0))
     tau = min(max(tau, 1.0 / count), 0.5 * count)
+    dof = max(1.0, count / max(tau, 1.0) - 1.0)
     # the deviations are from the mean of these values, and so too small by that mean's own variance
     standard = math.sqrt(covariance[0] * tau / (count - max(tau, 1.0)))
-    dof = max(1.0, count / max(tau, 1.0) - 1.0)
     return MeanError(standard * students_deviation(dof), dof)
+
+
+def _counting_as_one(covariance: NDArray[np.float64]) -> float:
+    """Return how many values count as one, by the initial positive sequence."""
+    count = len(covariance)
+    pairs = covariance[: count - count % 2].reshape(-1, 2).sum(axis=1) / covariance[0]
+    ended = np.flatnonzero(pairs <= 0.0)
+    last = int(ended[0]) if len(ended) else len(pairs)
+    return 2.0 * float(np.sum(np.minimum.accumulate(pairs[:last]))) - 1.0
+
+
+def _of_a_memory(neighbours: float, count: int) -> float:
+    """Return how many values of a Gauss-Markov sequence count as one, by the correlation r of neighbours, less
+    its bias (1 + 3 r) / n (Kendall, Biometrika 41 (1954) 403)."""
+    memory = min(neighbours + (1.0 + 3.0 * neighbours) / count, 1.0 - 1.0 / count)
+    return (1.0 + memory) / (1.0 - memory)
+
+
+def _without_bias(covariance: NDArray[np.float64], tau: float) -> float:
+    """Return how many values count as one, with the covariances about the mean of all records: about that of
+    the values themselves they are smaller by its variance."""
+    count = len(covariance)
+    share = 1.0 - np.arange(count) / count
+    for _ in range(_ROUNDS):
+        within = min(tau, _MOST_CORRELATED * count)
+        of_mean = covariance[0] * within / (count - within)
+        tau = max(tau, _counting_as_one(covariance + of_mean * share))
+    return tau
 
 
 def students_deviation(dof: float) -> float:
