@@ -71,8 +71,8 @@ def _counting_as_one(covariance: NDArray[np.float64]) -> float:
 
 
 def _of_a_memory(neighbours: float, count: int) -> float:
-    """Return how many values of a Gauss-Markov sequence count as one, by the correlation r of neighbours, less
-    its bias (1 + 3 r) / n (Kendall, Biometrika 41 (1954) 403)."""
+    """Return how many values of a Gauss-Markov sequence count as one, by the correlation r of neighbours,
+    less its bias (1 + 3 r) / n (Kendall, Biometrika 41 (1954) 403)."""
     memory = min(neighbours + (1.0 + 3.0 * neighbours) / count, 1.0 - 1.0 / count)
     return (1.0 + memory) / (1.0 - memory)
 
