@@ -26,7 +26,7 @@ def wander_of_difference(phase_rad: NDArray[np.float64]) -> MeanError:
     phase that a control holds on to a constant speed the difference of its ends scatters by sqrt(2) sigma,
     however long it is, and the mean square of differences does not grow with the time between them. Where it
     does, over an eighth of the record, the control lets the phase go, because the speed itself wanders: then
-    it is the scatter of the mean of the speeds of some 64 parts, with their correlation. A speed that keeps its
+    it is the scatter of the mean of the speeds of 64 parts, with their correlation. A speed that keeps its
     value for so long that the record holds few of them scatters by itself, as one value. nan with fewer than
     six values.
     """
