@@ -23,7 +23,6 @@ from .drive import (
 from .emulator import (
     Emulator as Emulator,
     Inverter as Inverter,
-    Sensors as Sensors,
     TrueMotor as TrueMotor,
 )
 from .equipment import (
@@ -56,5 +55,10 @@ from .profile import (
     load_profile as load_profile,
     profile_path as profile_path,
     shipped_profiles as shipped_profiles,
+)
+from .sensors import (
+    CurrentSensor as CurrentSensor,
+    Sensors as Sensors,
+    TemperatureSensor as TemperatureSensor,
 )
 from .template import profile_text as profile_text

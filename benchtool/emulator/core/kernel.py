@@ -50,6 +50,7 @@ def run_ticks(
     machine: Machine,
     stage: PowerStage,
     sensing: Sensing,
+    sensors: Any,
     noise: NDArray[np.float32],
     captures: Any,
     channels: NDArray[np.uint32],
@@ -66,7 +67,7 @@ def run_ticks(
     turn too fast to be computed.
     """
     drive, command, control = memory[0], commands[0], controls[0]
-    measurement, shaft, load = measurements[0], shafts[0], loads[0]
+    measurement, shaft, load, sensor = measurements[0], shafts[0], loads[0], sensors[0]
     capture, stream, transducer, stimulus = captures[0], streams[0], transducers[0], stimuli[0]
     driven = holding(machine, load.held != 0, False)
     at_rest, moving = fastest_rate(driven), turning_rate(driven)
@@ -78,7 +79,8 @@ def run_ticks(
         if not (rate + gain) * stage.T_s <= MOST_TURN:  # nor is what is no number
             return done
         transducer.next_sample = 0
-        if command.pwm_enabled != 0 and control.gated != 0:
+        switching = command.pwm_enabled != 0 and control.gated != 0
+        if switching:
             x, charge = switch(
                 x, rate, drive, control, shaft, stage, driven, load.torque_Nm, transducer, torque
             )
@@ -94,7 +96,18 @@ def run_ticks(
         if transducer.recording == 1 and transducer.filled >= torque.size:
             transducer.recording = 0
         drive.tick = (int(drive.tick) + 1) & _LAST_TICK
-        measure(x, shaft.u_dc, machine.p, sensing, noise[done], measurement)
+        measure(
+            x,
+            shaft.u_dc,
+            machine.p,
+            switching,
+            control,
+            stage,
+            sensing,
+            sensor,
+            noise[done],
+            measurement,
+        )
         tripped = control_tick(drive, command, control, stimulus, measurement)
         began = stimulus.began != 0
         capture_row(capture, drive, memory_words, memory_floats, channels, rows, tripped, began)

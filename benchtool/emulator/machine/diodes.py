@@ -31,6 +31,7 @@ from benchtool.emulator.machine.plant import (
     substep,
     turning_rate,
 )
+from benchtool.emulator.machine.sampling import observe
 from benchtool.emulator.machine.transducer import sample
 
 LOW, HIGH, OFF = 0, 1, 2  # modes of a leg: lower or upper switch on, or neither
@@ -116,9 +117,11 @@ def integrate_conduction(
             if all_off and _below(x, leg_a.high - leg_a.low, machine):
                 x = advance(x, 0.0, 0.0, end - time, _TURN, open_machine, T_load)
                 sample(time, end - time, before, x, 0.0, 0.0, open_machine, T_load, transducer, torque)
+                observe(stage.sampling, time, end - time, before, x, 0.0, 0.0, open_machine, T_load)
                 return x, charge
             x, h = move(x, 0.0, 0.0, min(short, end - time), open_machine, T_load)
             sample(time, h, before, x, 0.0, 0.0, open_machine, T_load, transducer, torque)
+            observe(stage.sampling, time, h, before, x, 0.0, 0.0, open_machine, T_load)
         else:
             u_alpha, u_beta = clarke(v.a, v.b, v.c)
             h = substep(end - time, rate, _TURN)
@@ -137,6 +140,7 @@ def integrate_conduction(
                 x, v.floats_a or phase == 0, v.floats_b or phase == 1, v.floats_c or phase == 2
             )
             sample(time, h, before, x, u_alpha, u_beta, machine, T_load, transducer, torque)
+            observe(stage.sampling, time, h, before, x, u_alpha, u_beta, machine, T_load)
             drawn = _drawn(before, mode_a, mode_b, mode_c) + _drawn(x, mode_a, mode_b, mode_c)
             charge += 0.5 * h * drawn
         time = time + h if h < end - time else end

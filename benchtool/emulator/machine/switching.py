@@ -24,6 +24,7 @@ from benchtool.emulator.machine.inverter import (
     rising_edge,
 )
 from benchtool.emulator.machine.plant import Machine, State, move, substep
+from benchtool.emulator.machine.sampling import observe
 from benchtool.emulator.machine.transducer import sample
 
 # rad of the fastest process in one step: fourth order leaves less than 1e-8 of it
@@ -175,6 +176,7 @@ def _between_edges(
             u_alpha, u_beta = leg_voltages(high_a, high_b, high_c, x, u_dc, stage)
         else:
             sample(time, h, before, x, u_alpha, u_beta, machine, T_load, transducer, torque)
+            observe(stage.sampling, time, h, before, x, u_alpha, u_beta, machine, T_load)
             if stage.metered:
                 start = _link_current(high_a, high_b, high_c, before)
                 charge += 0.5 * h * (start + _link_current(high_a, high_b, high_c, x))

@@ -48,8 +48,8 @@ def sample(
     """Take the samples due within a step that started `time` seconds into the PWM period and took `h`."""
     if transducer.recording == 0 or transducer.next_sample * transducer.spacing >= time + h:
         return
-    p0 = _rates(before, u_alpha, u_beta, machine, T_load)
-    p1 = _rates(after, u_alpha, u_beta, machine, T_load)
+    p0 = rates(before, u_alpha, u_beta, machine, T_load)
+    p1 = rates(after, u_alpha, u_beta, machine, T_load)
     while transducer.next_sample < transducer.samples_per_tick:
         due = transducer.next_sample * transducer.spacing
         if due >= time + h or transducer.filled >= torque.size:
@@ -64,9 +64,10 @@ def sample(
 
 
 @njit
-def _rates(
+def rates(
     x: State, u_alpha: float, u_beta: float, machine: Machine, T_load: float
 ) -> tuple[float, float, float, float, float]:
+    """Return `derivative` of a state under a stator voltage."""
     v_d, v_q = scaled_voltage(x, u_alpha, u_beta, machine)
     return derivative(x.i_d, x.i_q, x.omega_e, x.theta_e, v_d, v_q, machine, T_load)
 
