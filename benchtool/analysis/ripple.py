@@ -16,7 +16,13 @@ from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.quantisation import counting_step
 from benchtool.analysis.repeated_steps import RepeatedSteps, noise_beside, repeated_steps
-from benchtool.analysis.scatter import MeanError, error_of_root, error_of_series, scatter_of_largest
+from benchtool.analysis.scatter import (
+    MeanError,
+    at_lowest_frequencies,
+    error_of_root,
+    error_of_series,
+    scatter_of_largest,
+)
 from benchtool.analysis.uncertainty import Contribution, combined
 from benchtool.analysis.validity import clipping, require_signal, require_unbroken
 from benchtool.block import Block, as_samples
@@ -353,15 +359,15 @@ def _scatter(
         return None
     begin, within, counts = rows[:-1], samples[: rows[-1]], np.diff(rows)
     means = np.add.reduceat(within, begin) / counts
-    deviation = within - whole.mean
-    squares = np.add.reduceat(np.square(deviation, out=deviation), begin) / counts
+    square = np.square(within - whole.mean)
+    squares = np.add.reduceat(square, begin) / counts
     largest, least = np.maximum.reduceat(within, begin), np.minimum.reduceat(within, begin)
     rms = math.sqrt(float(np.average(squares, weights=counts)))
     return _Scatter(
         periods=periods,
         repeated=repeated,
-        mean=error_of_series(means),
-        rms=error_of_root(squares, rms),
+        mean=at_lowest_frequencies(within, error_of_series(means)),
+        rms=error_of_root(squares, rms, at_lowest_frequencies(square, error_of_series(squares))),
         percentile_range=_percentile_scatter(within, begin, counts)
         if percentiles
         else MeanError(math.nan, math.nan),

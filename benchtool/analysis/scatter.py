@@ -14,6 +14,7 @@ _FEWEST_VALUES = 3
 _FEWEST_EXTREMES = 4
 _BY_CHANCE, _CLEARLY = 2.5, 2.0  # standard deviations of a correlation
 _FEWEST_INDEPENDENT = 4.0  # values that a record must hold
+_LOWEST, _BLOCKS, _FAR_BELOW = 5, 2048, 5.0
 _ROUNDS, _MOST_CORRELATED = 4, 0.4
 _NEIGHBOURS = 2  # values that count as one by chance alone
 _LEAST_SPARE = 0.5  # degrees of freedom beyond two: with fewer the deviation has no bound
@@ -94,21 +95,47 @@ def students_deviation(dof: float) -> float:
     return math.sqrt(dof / max(dof - 2.0, _LEAST_SPARE)) if math.isfinite(dof) else 1.0
 
 
-def error_of_root(squares: NDArray[np.float64], root: float) -> MeanError:
-    """Return the error of the root mean square `root` of squares, shape (n,), one for each period.
+def error_of_root(squares: NDArray[np.float64], root: float, of_mean: MeanError | None = None) -> MeanError:
+    """Return the error of the root mean square `root` of squares, shape (n,), one for each period, whose mean
+    has the error `of_mean`, by default that of a series.
 
     A mean square that is low by chance has squares that scatter little: the uncertainty is that of a mean
     square two standard uncertainties above.
     """
-    error = error_of_series(squares)
+    error = of_mean or error_of_series(squares)
     if not root > 0.0:
         return MeanError(0.0 * error.standard, error.dof)
     return MeanError(error.standard / (2.0 * root) * (1.0 + 2.0 * error.standard / root**2), error.dof)
 
 
 def error_of_record(samples: NDArray[np.float64]) -> MeanError:
-    """Return the error of the mean of samples, shape (n,), at equal times, by the means of up to 64 parts."""
-    return error_of_series(means_of_parts(samples))
+    """Return the error of the mean of samples, shape (n,), at equal times, by the means of up to 64 parts, or
+    by the lowest frequencies where these hold much less."""
+    return at_lowest_frequencies(samples, error_of_series(means_of_parts(samples)))
+
+
+def at_lowest_frequencies(samples: NDArray[np.float64], by_parts: MeanError) -> MeanError:
+    """Return the error of the mean of samples, shape (n,), at equal times: that by parts of them, less what
+    the parts cut out of oscillations.
+
+    The variance of a mean of n is the density at zero frequency over n. Parts that are no whole periods of a
+    ripple differ by it, and the mean of all does not: then the density at the lowest five frequencies of the
+    record is far below what the parts say, by a fifth once in two hundred records by chance.
+    """
+    count = len(samples)
+    if not math.isfinite(by_parts.standard):
+        by_parts = error_of_series(means_of_parts(samples))
+    if count < 2 * _PARTS * _LOWEST or not by_parts.standard > 0.0:
+        return by_parts
+    size = max(1, count // _BLOCKS)
+    blocks = count // size
+    means = np.mean(samples[: blocks * size].reshape(blocks, size), axis=1)
+    bins = fft.rfft(means - np.mean(means))[1 : _LOWEST + 1] / blocks
+    standard = math.sqrt(float(np.mean(bins.real**2 + bins.imag**2)))
+    dof = 2.0 * _LOWEST
+    if _FAR_BELOW * standard**2 >= (by_parts.standard / students_deviation(by_parts.dof)) ** 2:
+        return by_parts
+    return MeanError(standard * students_deviation(dof), dof)
 
 
 def means_of_parts(samples: NDArray[np.float64]) -> NDArray[np.float64]:
