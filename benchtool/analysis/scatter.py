@@ -12,7 +12,7 @@ from scipy import fft
 _PARTS, _MOST_PARTS = 10, 64
 _FEWEST_VALUES = 3
 _FEWEST_EXTREMES = 4
-_BY_CHANCE, _CLEARLY = 2.5, 2.0  # standard deviations of a correlation
+_BY_CHANCE, _CLEARLY, _WITHOUT_DOUBT = 2.5, 2.0, 3.5  # standard deviations of a correlation
 _FEWEST_INDEPENDENT = 4.0  # values that a record must hold
 _LOWEST, _BLOCKS, _FAR_BELOW = 5, 2048, 5.0
 _ROUNDS, _MOST_CORRELATED = 4, 0.4
@@ -51,9 +51,11 @@ def error_of_series(values: NDArray[np.float64]) -> MeanError:
     tau = _counting_as_one(covariance)
     if neighbours > -_BY_CHANCE / math.sqrt(count):
         tau = max(tau, 1.0)
-    if neighbours > _CLEARLY * math.sqrt((count - 2.0) / (count**2 - 1.0)) - 1.0 / count:
+    # of independent values it is -1 / n on average, with this deviation (von Neumann, 1941)
+    correlated = (neighbours + 1.0 / count) / math.sqrt((count - 2.0) / (count**2 - 1.0))
+    if correlated > _CLEARLY:
         tau = max(tau, _of_a_memory(neighbours, count), _without_bias(covariance, tau))
-        if tau > count / _FEWEST_INDEPENDENT:
+        if tau > count / _FEWEST_INDEPENDENT and correlated > _WITHOUT_DOUBT:
             return MeanError(math.nan, max(1.0, count / tau - 1.0))
     tau = min(max(tau, 1.0 / count), 0.5 * count)
     dof = max(1.0, count / max(tau, 1.0) - 1.0)
