@@ -14,7 +14,7 @@ _FEWEST_VALUES = 3
 _FEWEST_EXTREMES = 4
 _BY_CHANCE, _CLEARLY, _WITHOUT_DOUBT = 2.5, 2.0, 3.5  # standard deviations of a correlation
 _FEWEST_INDEPENDENT = 4.0  # values that a record must hold
-_LOWEST, _BLOCKS, _FAR_BELOW = 5, 2048, 5.0
+_LOWEST, _FEWEST_OF_LOWEST, _BLOCKS, _FAR_BELOW = 5, 5, 2048, 5.0
 _ROUNDS, _MOST_CORRELATED = 4, 0.4
 _NEIGHBOURS = 2  # values that count as one by chance alone
 _LEAST_SPARE = 0.5  # degrees of freedom beyond two: with fewer the deviation has no bound
@@ -61,7 +61,7 @@ def error_of_series(values: NDArray[np.float64]) -> MeanError:
     dof = max(1.0, count / max(tau, 1.0) - 1.0)
     # the deviations are from the mean of these values, and so too small by that mean's own variance
     standard = math.sqrt(covariance[0] * tau / (count - max(tau, 1.0)))
-    return MeanError(standard * students_deviation(dof), dof)
+    return _without_oscillations(values, MeanError(standard * students_deviation(dof), dof))
 
 
 def _counting_as_one(covariance: NDArray[np.float64]) -> float:
@@ -124,15 +124,19 @@ def at_lowest_frequencies(samples: NDArray[np.float64], by_parts: MeanError) -> 
     ripple differ by it, and the mean of all does not: then the density at the lowest five frequencies of the
     record is far below what the parts say, by a fifth once in two hundred records by chance.
     """
-    count = len(samples)
     if not math.isfinite(by_parts.standard):
         by_parts = error_of_series(means_of_parts(samples))
-    if count < 2 * _PARTS * _LOWEST or not by_parts.standard > 0.0:
+    size = max(1, len(samples) // _BLOCKS)
+    blocks = len(samples) // size
+    return _without_oscillations(np.mean(samples[: blocks * size].reshape(blocks, size), axis=1), by_parts)
+
+
+def _without_oscillations(values: NDArray[np.float64], by_parts: MeanError) -> MeanError:
+    """Return the error of the mean by the lowest frequencies of values, shape (n,), where it is clearly
+    less."""
+    if len(values) < _FEWEST_OF_LOWEST * _LOWEST or not by_parts.standard > 0.0:
         return by_parts
-    size = max(1, count // _BLOCKS)
-    blocks = count // size
-    means = np.mean(samples[: blocks * size].reshape(blocks, size), axis=1)
-    bins = fft.rfft(means - np.mean(means))[1 : _LOWEST + 1] / blocks
+    bins = fft.rfft(values - np.mean(values))[1 : _LOWEST + 1] / len(values)
     standard = math.sqrt(float(np.mean(bins.real**2 + bins.imag**2)))
     dof = 2.0 * _LOWEST
     if _FAR_BELOW * standard**2 >= (by_parts.standard / students_deviation(by_parts.dof)) ** 2:

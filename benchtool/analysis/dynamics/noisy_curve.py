@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.dynamics.smoothing import Noise, fitted_smoothers
+from benchtool.analysis.quantisation import counting_step
 
 Floats = NDArray[np.float64]
 
@@ -23,6 +24,7 @@ _DRAWS = 80
 _FEWEST_DRAWS = 20
 _MOST_VALUES = 1 << 24  # of all draws together, 128 MiB
 _SEED = 20_110_301
+_HIDES = 0.5  # of a step: noise of so much rms leaves hardly anything of its errors in a mean
 _TIED = 3.0  # standard deviations below the greatest value that may also be the greatest
 _SURE = 2.0  # standard deviations beyond a level that noise does not reach
 _LEAST_DEFINED = 0.9  # of the draws, for an instant that the noise leaves certain
@@ -52,17 +54,22 @@ class NoisyCurve:
 
     @classmethod
     def through(cls, samples: Floats, noise: Noise) -> NoisyCurve:
-        """Return the curve through samples, shape (n,), the first of which is where a transient begins."""
-        count = len(samples)
+        """Return the curve through samples, shape (n,), the first of which is where a transient begins.
+
+        Where noise does not hide the steps of a converter, what is read as one of its levels may be anywhere
+        within half a step of it.
+        """
+        count, step = len(samples), counting_step(samples)
         smoother, longer = fitted_smoothers(samples, noise)
-        if noise.rms == 0.0:
-            return cls(samples, np.empty((0, count)))
         draws = max(_FEWEST_DRAWS, min(_DRAWS, _MOST_VALUES // count))
         random = np.random.default_rng(_SEED)
+        of_steps = 0.0 if noise.rms >= _HIDES * step else _within_steps(random, samples, step, draws)
+        if noise.rms == 0.0:
+            return cls(samples, np.empty((0, count)) if step == 0.0 else np.asarray(of_steps))
         errors = smoother.apply(noise.draw(random, (draws, count)))
         curve = smoother.apply(samples)
         bias = longer.apply(samples) - curve
-        return cls(curve, errors + random.standard_normal((draws, 1)) * bias)
+        return cls(curve, errors + of_steps + random.standard_normal((draws, 1)) * bias)
 
     @cached_property
     def standard(self) -> Floats:
@@ -98,6 +105,9 @@ class NoisyCurve:
     def place_of_greatest(self) -> Instant:
         """Return where the greatest value is, between samples by a parabola."""
         top = int(np.argmax(self.values))
+        alike = int(np.argmin(np.append(self.values[top:] == self.values[top], False)))
+        if alike > 1:  # on one level of a converter
+            return Instant(top + 0.5 * (alike - 1), alike / math.sqrt(12.0))
         vertex = _top(self.values, top)
         place = top + vertex.beside
         drawn = self.values + self.errors
@@ -131,6 +141,12 @@ class NoisyCurve:
             return Instant(found.place, math.inf)
         noise = float(np.sqrt(np.mean((places - found.place) ** 2))) if len(places) else 0.0
         return Instant(found.place, math.hypot(noise, found.reach / math.sqrt(3.0)))
+
+
+def _within_steps(random: np.random.Generator, samples: Floats, step: float, draws: int) -> Floats:
+    """Return errors, shape (draws, n), the same for all samples on one level and independent otherwise."""
+    level = np.round((samples - np.min(samples)) / step).astype(np.int64)
+    return np.asarray(step * random.uniform(-0.5, 0.5, (draws, int(np.max(level)) + 1))[:, level])
 
 
 @dataclass(frozen=True)
