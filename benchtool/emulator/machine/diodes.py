@@ -27,12 +27,13 @@ from benchtool.emulator.machine.plant import (
     fastest_rate,
     holding,
     move,
+    rate_at,
     step,
     substep,
     turning_rate,
 )
 from benchtool.emulator.machine.sampling import observe
-from benchtool.emulator.machine.transducer import sample
+from benchtool.emulator.machine.transducer import coasts, sample
 
 LOW, HIGH, OFF = 0, 1, 2  # modes of a leg: lower or upper switch on, or neither
 NONE = -1  # of the phases
@@ -71,7 +72,7 @@ def freewheel(
     torque: NDArray[np.float64],
 ) -> tuple[State, float]:
     """Integrate one PWM period with the power stage off. Returns as `integrate_conduction`."""
-    rate = fastest_rate(machine) + turning_rate(machine) * abs(x.omega_e)
+    rate = rate_at(x, fastest_rate(machine), turning_rate(machine), machine)
     return integrate_conduction(
         x, OFF, OFF, OFF, 0.0, stage.T_s, rate, u_dc, stage, machine, T_load, transducer, torque
     )
@@ -114,12 +115,13 @@ def integrate_conduction(
         before = x
         if silent:
             open_machine = holding(machine, False, True)
-            if all_off and _below(x, leg_a.high - leg_a.low, machine):
+            if all_off and _below(x, leg_a.high - leg_a.low, machine) and coasts(machine.train, transducer):
                 x = advance(x, 0.0, 0.0, end - time, _TURN, open_machine, T_load)
                 sample(time, end - time, before, x, 0.0, 0.0, open_machine, T_load, transducer, torque)
                 observe(stage.sampling, time, end - time, before, x, 0.0, 0.0, open_machine, T_load)
                 return x, charge
-            x, h = move(x, 0.0, 0.0, min(short, end - time), open_machine, T_load)
+            h = min(short, substep(end - time, rate, _TURN))
+            x, h = move(x, 0.0, 0.0, h, open_machine, T_load)
             sample(time, h, before, x, 0.0, 0.0, open_machine, T_load, transducer, torque)
             observe(stage.sampling, time, h, before, x, 0.0, 0.0, open_machine, T_load)
         else:
@@ -274,7 +276,7 @@ def _without_current(x: State, none_a: bool, none_b: bool, none_c: bool) -> Stat
     if phases == 0:
         return x
     if phases > 1:
-        return State(0.0, 0.0, x.omega_e, x.theta_e, x.theta_rest, x.cos_theta, x.sin_theta)
+        return State(0.0, 0.0, x.omega_e, x.theta_e, x.theta_rest, x.cos_theta, x.sin_theta, x.far)
     n_alpha, n_beta = 1.0, 0.0
     if none_b:
         n_alpha, n_beta = -0.5, 0.5 * SQRT3
@@ -284,7 +286,7 @@ def _without_current(x: State, none_a: bool, none_b: bool, none_c: bool) -> Stat
     n_q = n_beta * x.cos_theta - n_alpha * x.sin_theta
     along = x.i_d * n_d + x.i_q * n_q
     i_d, i_q = x.i_d - along * n_d, x.i_q - along * n_q
-    return State(i_d, i_q, x.omega_e, x.theta_e, x.theta_rest, x.cos_theta, x.sin_theta)
+    return State(i_d, i_q, x.omega_e, x.theta_e, x.theta_rest, x.cos_theta, x.sin_theta, x.far)
 
 
 @njit

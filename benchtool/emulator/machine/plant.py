@@ -4,14 +4,15 @@ Amplitude-invariant space vectors; the d axis lies on the rotor flux, which is a
 
     L_d d i_d/dt = u_d - R_s i_d + omega_e psi_q - e_d        psi_d = L_d i_d + psi_r
     L_q d i_q/dt = u_q - R_s i_q - omega_e psi_d - e_q        psi_q = L_q i_q
-    J d omega_m/dt = T - T_cogging - B omega_m - T_coulomb - T_load
+    J d omega_m/dt = T - T_cogging - B omega_m - T_friction - T_load
     T = 3/2 p (psi_d i_q - psi_q i_d) + harmonics
 
 Between two switching edges the stator voltage is constant in alpha/beta, so in d/q it turns at -omega_e; it
 is integrated along with the currents, in steps of the classical Runge-Kutta method of fourth order. The
 direction of the rotor flux, (cos_theta, sin_theta), is carried along and turned by the angle of each step.
 
-Harmonics of the flux, cogging and dry friction are optional parts of the machine, in modules of their own.
+Harmonics of the flux, cogging, dry friction and the drive train beyond the rotor are optional parts of the
+machine, in modules of their own.
 """
 
 from __future__ import annotations
@@ -20,6 +21,27 @@ import math
 from typing import NamedTuple
 
 from benchtool.emulator.jit import njit
+from benchtool.emulator.machine.cogging import (
+    Cogging,
+    cogging_stiffness,
+    cogging_turning,
+    less_cogging,
+)
+from benchtool.emulator.machine.coupling import Coupling, Play, distance, landed, meeting, part_until
+from benchtool.emulator.machine.drive_train import (
+    DriveTrain,
+    Far,
+    ahead,
+    beyond,
+    contact_of,
+    fastest_omega,
+    holds_rotor,
+    slip_of,
+    stepped,
+    told,
+    train_rate,
+    train_turning,
+)
 from benchtool.emulator.machine.harmonics import (
     Harmonics,
     harmonic_turning,
@@ -28,11 +50,7 @@ from benchtool.emulator.machine.harmonics import (
     with_harmonic_torque,
 )
 from benchtool.emulator.machine.shaft import (
-    Cogging,
     Friction,
-    cogging_stiffness,
-    cogging_turning,
-    less_cogging,
     less_friction,
     part_until_rest,
     sliding,
@@ -60,6 +78,8 @@ class Machine(NamedTuple):
     harmonics: Harmonics | None
     cogging: Cogging | None
     friction: Friction | None
+    J_load: float  # rigid beyond the flange
+    train: DriveTrain | None
 
     inv_L_d: float  # zero with open terminals
     inv_L_q: float
@@ -68,10 +88,10 @@ class Machine(NamedTuple):
     k_d: float  # L_q / L_d
     k_q: float
     epsilon: float  # psi_r / L_q, the back EMF; zero with open terminals
-    gamma: float  # p / J; zero with held speed, as are the three below
+    gamma: float  # p / (J + J_load); zero with held speed, as are the three below
     kappa: float  # gamma 3/2 p psi_r
     sigma: float  # gamma 3/2 p (L_d - L_q)
-    beta: float  # B / J
+    beta: float  # gamma B / p
 
 
 class State(NamedTuple):
@@ -84,12 +104,19 @@ class State(NamedTuple):
     theta_rest: float
     cos_theta: float
     sin_theta: float
+    far: Far
 
 
 @njit
 def place(i_d: float, i_q: float, omega_e: float, theta_e: float) -> State:
-    """Return the state with its direction derived from the angle."""
-    return State(i_d, i_q, omega_e, theta_e, 0.0, math.cos(theta_e), math.sin(theta_e))
+    """Return the state with its direction derived from the angle, and the load side at rest."""
+    return State(i_d, i_q, omega_e, theta_e, 0.0, math.cos(theta_e), math.sin(theta_e), Far(0.0, 0.0, 0.0))
+
+
+@njit
+def facing(x: State, far: Far) -> State:
+    """Return the state with another load side."""
+    return State(x.i_d, x.i_q, x.omega_e, x.theta_e, x.theta_rest, x.cos_theta, x.sin_theta, far)
 
 
 @njit
@@ -104,13 +131,15 @@ def machine_of(
     harmonics: Harmonics | None,
     cogging: Cogging | None,
     friction: Friction | None,
+    J_load: float,
+    train: DriveTrain | None,
     speed_held: bool,
     open_terminals: bool,
 ) -> Machine:
     """Return the coefficients of a machine, with its speed held, its currents held at zero, or both, or
     neither."""
     closed = 0.0 if open_terminals else 1.0
-    gamma = 0.0 if speed_held else p / J
+    gamma = 0.0 if speed_held else p / (J + J_load)
     return Machine(
         p,
         R_s,
@@ -122,6 +151,8 @@ def machine_of(
         harmonics,
         cogging,
         friction,
+        J_load,
+        train,
         closed / L_d,
         closed / L_q,
         R_s / L_d,
@@ -140,6 +171,20 @@ def machine_of(
 def holding(m: Machine, speed: bool, currents: bool) -> Machine:
     """Return the machine with its speed held, or with open terminals, or both; what was held before stays
     held."""
+    return _with(m, m.train, speed, currents)
+
+
+@njit
+def driven_by(m: Machine, held: bool, omega_m: float) -> Machine:
+    """Return the machine with its load told to hold a speed, or not to.
+
+    That is the rotor's where all between is rigid; an elastic coupling or a weak load machine gives way.
+    """
+    return _with(m, told(m.train, held, omega_m), held and holds_rotor(m.train), False)
+
+
+@njit
+def _with(m: Machine, train: DriveTrain | None, speed: bool, currents: bool) -> Machine:
     return machine_of(
         m.p,
         m.R_s,
@@ -151,6 +196,8 @@ def holding(m: Machine, speed: bool, currents: bool) -> Machine:
         m.harmonics,
         m.cogging,
         m.friction,
+        m.J_load,
+        train,
         speed or m.gamma == 0.0,
         currents or m.inv_L_d == 0.0,
     )
@@ -163,13 +210,21 @@ def fastest_rate(m: Machine) -> float:
     psi = m.psi_r + linkage(m.harmonics)
     stiffness = 1.5 * m.p * psi * psi * inv_L + cogging_stiffness(m.cogging)
     friction = m.B / m.p + stribeck_slope(m.friction)
-    return m.R_s * inv_L + math.sqrt(m.gamma * stiffness) + m.gamma * friction
+    rate = m.R_s * inv_L + math.sqrt(m.gamma * stiffness) + m.gamma * friction
+    return rate + train_rate(m.train, m.gamma)
 
 
 @njit
 def turning_rate(m: Machine) -> float:
     """Return the rate in 1/s that every electrical rad/s adds to `fastest_rate`."""
-    return max(1.0, m.k_d, m.k_q) + harmonic_turning(m.harmonics) + cogging_turning(m.cogging)
+    turning = max(1.0, m.k_d, m.k_q) + harmonic_turning(m.harmonics) + cogging_turning(m.cogging)
+    return turning + train_turning(m.train, m.gamma)
+
+
+@njit
+def rate_at(x: State, at_rest: float, moving: float, m: Machine) -> float:
+    """Return the sum of the machine's rates, of `fastest_rate` and `turning_rate`, at the speed of `x`."""
+    return at_rest + moving * fastest_omega(m.train, x.far, x.omega_e)
 
 
 @njit
@@ -199,13 +254,13 @@ def derivative(
     di_d = (v_d + along * i_q) - m.rho_d * i_d
     di_q = (v_q - across * i_d) - (m.rho_q * i_q + omega_e * m.epsilon)
     di_d, di_q = with_harmonic_emf(m.harmonics, di_d, di_q, omega_e, theta_e, m.inv_L_d, m.inv_L_q)
-    domega = _acceleration(i_d, i_q, omega_e, theta_e, m, T_load)
+    domega = acceleration(i_d, i_q, omega_e, theta_e, m, T_load)
     domega = less_friction(m.friction, domega, omega_e, slide, m.gamma)
     return di_d, di_q, domega, along * v_q, -(across * v_d)
 
 
 @njit
-def _acceleration(i_d: float, i_q: float, omega_e: float, theta_e: float, m: Machine, T_load: float) -> float:
+def acceleration(i_d: float, i_q: float, omega_e: float, theta_e: float, m: Machine, T_load: float) -> float:
     """Return the rate of omega_e without dry friction."""
     domega = (m.kappa + m.sigma * i_d) * i_q - (m.beta * omega_e + m.gamma * T_load)
     domega = with_harmonic_torque(m.harmonics, domega, i_d, i_q, theta_e, m.gamma * 1.5 * m.p)
@@ -226,11 +281,14 @@ def step(x: State, u_alpha: float, u_beta: float, h: float, m: Machine, T_load: 
     i_d, i_q, w, theta = x.i_d, x.i_q, x.omega_e, x.theta_e
     v_d, v_q = scaled_voltage(x, u_alpha, u_beta, m)
     half = 0.5 * h
-    slide = sliding(m.friction, w, _acceleration(i_d, i_q, w, theta, m, T_load), m.gamma)
+    contact = contact_of(m.train, x.far, w)
+    T, a_far = beyond(m.train, x.far, w, theta, T_load, contact)
+    slide = sliding(m.friction, w, acceleration(i_d, i_q, w, theta, m, T), m.gamma)
 
-    a_d, a_q, a_w, a_vd, a_vq = derivative(i_d, i_q, w, theta, v_d, v_q, m, T_load, slide)
+    a_d, a_q, a_w, a_vd, a_vq = derivative(i_d, i_q, w, theta, v_d, v_q, m, T, slide)
 
     w2 = w + half * a_w
+    T, b_far = beyond(m.train, ahead(m.train, x.far, a_far, half), w2, theta + half * w, T_load, contact)
     b_d, b_q, b_w, b_vd, b_vq = derivative(
         i_d + half * a_d,
         i_q + half * a_q,
@@ -239,11 +297,12 @@ def step(x: State, u_alpha: float, u_beta: float, h: float, m: Machine, T_load: 
         v_d + half * a_vd,
         v_q + half * a_vq,
         m,
-        T_load,
+        T,
         slide,
     )
 
     w3 = w + half * b_w
+    T, c_far = beyond(m.train, ahead(m.train, x.far, b_far, half), w3, theta + half * w2, T_load, contact)
     c_d, c_q, c_w, c_vd, c_vq = derivative(
         i_d + half * b_d,
         i_q + half * b_q,
@@ -252,13 +311,14 @@ def step(x: State, u_alpha: float, u_beta: float, h: float, m: Machine, T_load: 
         v_d + half * b_vd,
         v_q + half * b_vq,
         m,
-        T_load,
+        T,
         slide,
     )
 
     w4 = w + h * c_w
+    T, d_far = beyond(m.train, ahead(m.train, x.far, c_far, h), w4, theta + h * w3, T_load, contact)
     d_d, d_q, d_w, _, _ = derivative(
-        i_d + h * c_d, i_q + h * c_q, w4, theta + h * w3, v_d + h * c_vd, v_q + h * c_vq, m, T_load, slide
+        i_d + h * c_d, i_q + h * c_q, w4, theta + h * w3, v_d + h * c_vd, v_q + h * c_vq, m, T, slide
     )
 
     sixth = h * (1.0 / 6.0)
@@ -273,19 +333,87 @@ def step(x: State, u_alpha: float, u_beta: float, h: float, m: Machine, T_load: 
         theta_rest,
         cos_theta,
         sin_theta,
+        stepped(m.train, x.far, a_far, b_far, c_far, d_far, h),
     )
 
 
 @njit
 def move(x: State, u_alpha: float, u_beta: float, h: float, m: Machine, T_load: float) -> tuple[State, float]:
-    """`step` that ends early where dry friction brings the shaft to rest. Returns its length as well."""
+    """`step` that ends early where dry friction brings the shaft to rest, or where faces of a coupling meet
+    or part. Returns its length as well."""
     after = step(x, u_alpha, u_beta, h, m, T_load)
     part = part_until_rest(m.friction, x.omega_e, after.omega_e)
     if part < 1.0:
         h = part * h
         y = step(x, u_alpha, u_beta, h, m, T_load)
-        after = State(y.i_d, y.i_q, 0.0, y.theta_e, y.theta_rest, y.cos_theta, y.sin_theta)
-    return after, h
+        after = State(y.i_d, y.i_q, 0.0, y.theta_e, y.theta_rest, y.cos_theta, y.sin_theta, y.far)
+    return _until_contact(m.train, x, after, u_alpha, u_beta, h, m, T_load)
+
+
+@njit
+def _until_contact(
+    train: DriveTrain | None,
+    x: State,
+    after: State,
+    u_alpha: float,
+    u_beta: float,
+    h: float,
+    m: Machine,
+    T_load: float,
+) -> tuple[State, float]:
+    """Return state and length of a step that ends where faces of a coupling meet or part, if it has play."""
+    if train is None:
+        return after, h
+    return _until_faces(train.coupling, train, x, after, u_alpha, u_beta, h, m, T_load)
+
+
+@njit
+def _until_faces(
+    coupling: Coupling | None,
+    train: DriveTrain,
+    x: State,
+    after: State,
+    u_alpha: float,
+    u_beta: float,
+    h: float,
+    m: Machine,
+    T_load: float,
+) -> tuple[State, float]:
+    if coupling is None:
+        return after, h
+    return _until_meeting(coupling.play, coupling, train, x, after, u_alpha, u_beta, h, m, T_load)
+
+
+@njit
+def _until_meeting(
+    play: Play | None,
+    coupling: Coupling,
+    train: DriveTrain,
+    x: State,
+    after: State,
+    u_alpha: float,
+    u_beta: float,
+    h: float,
+    m: Machine,
+    T_load: float,
+) -> tuple[State, float]:
+    if play is None:
+        return after, h
+    slip, slip_after = slip_of(train, x.far, x.omega_e), slip_of(train, after.far, after.omega_e)
+    contact = contact_of(train, x.far, x.omega_e)
+    what = meeting(play, coupling, x.far.twist, slip, after.far.twist, slip_after, contact)
+    if not what.happens:
+        return after, h
+    start = distance(play, coupling, what, x.far.twist, slip)
+    at = distance(play, coupling, what, after.far.twist, slip_after)
+    whole, part, slope = h, 1.0, at - start
+    for _ in range(3):
+        part = part_until(what, part - at / slope)
+        h = part * whole
+        after = step(x, u_alpha, u_beta, h, m, T_load)
+        at = distance(play, coupling, what, after.far.twist, slip_of(train, after.far, after.omega_e))
+    far = Far(after.far.omega, landed(play, what, after.far.twist), after.far.torque)
+    return facing(after, far), h
 
 
 @njit
@@ -304,7 +432,7 @@ def advance(
     at_rest, moving = fastest_rate(m), turning_rate(m)
     remaining, rest = duration, 0.0
     while remaining > 0.0:
-        h = substep(remaining, at_rest + moving * abs(x.omega_e), turn)
+        h = substep(remaining, rate_at(x, at_rest, moving, m), turn)
         x, h = move(x, u_alpha, u_beta, h, m, T_load)
         remaining, rest = added(remaining, rest, -h)
     return x
