@@ -192,6 +192,43 @@ def excited_trial(what: Excited, random: np.random.Generator) -> Iterator[tuple[
     yield from selected(found.measurements, _response_truths(what, late, found.response.frequency_Hz))
 
 
+@dataclass(frozen=True)
+class Looped:
+    """An integrator with a dead time behind unity feedback, excited by noise; `noise` of the output."""
+
+    crossover_Hz: float = 150.0
+    delay_rows: int = 6
+    noise: float = 1e-3
+    colour: float = 0.0
+    duration_s: float = 4.0
+
+
+def looped_trial(what: Looped, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
+    """Yield the stability margins of one closed loop."""
+    gain, rows = 2.0 * math.pi * what.crossover_Hz / RATE_HZ, what.delay_rows
+    ahead, behind = np.zeros(rows + 1), np.zeros(rows + 1)
+    behind[:2], ahead[rows] = (1.0, -1.0), gain
+    x = random.standard_normal(round(what.duration_s * RATE_HZ))
+    y = np.asarray(signal.lfilter(ahead, behind + ahead, x))
+    y += what.noise * float(np.std(y)) * coloured(random.standard_normal(len(y)), what.colour)
+    block = Block.from_arrays(RATE_HZ, {"x": "Nm", "y": "Nm"}, x=x, y=y)
+    grid_Hz, opened = signal.freqz(ahead, behind, worN=np.linspace(1.0, 0.45 * RATE_HZ, 200_000), fs=RATE_HZ)
+    gain_dB, phase = 20.0 * np.log10(np.abs(opened)), np.unwrap(np.angle(opened))
+    crossover_Hz = _falls_to(grid_Hz, gain_dB, 0.0)
+    truths = {
+        "crossover": crossover_Hz,
+        "phase_margin": 180.0 + math.degrees(float(np.interp(crossover_Hz, grid_Hz, phase))),
+        "gain_margin": -float(np.interp(_falls_to(grid_Hz, phase, -math.pi), grid_Hz, gain_dB)),
+        "sensitivity_peak": float(np.max(np.abs(1.0 / (1.0 + opened)))),
+    }
+    yield from selected(analyze_response(block, "x", "y").measurements, truths)
+
+
+def _falls_to(frequency_Hz: Floats, values: Floats, level: float) -> float:
+    at = int(np.argmax(values < level))
+    return float(np.interp(-level, -values[at - 1 : at + 1], frequency_Hz[at - 1 : at + 1]))
+
+
 def _held(lag: Lag, x: Floats) -> Floats:
     """Return the samples of the answer to an input that is held from sample to sample, from rest."""
     numerator, denominator = _discrete(lag)
@@ -311,6 +348,18 @@ EXCITED: Mapping[str, Excited] = {
 }
 
 
+LOOPED: Mapping[str, Looped] = {
+    "loop": Looped(),
+    "loop_noisy": Looped(noise=0.05),
+    "loop_coloured": Looped(noise=0.02, colour=0.95, delay_rows=3),
+    "loop_fast": Looped(crossover_Hz=300.0, delay_rows=4, noise=0.01),
+}
+
+
+def _looped(name: str, what: Looped) -> Family:
+    return Family(name, lambda random: looped_trial(what, random))
+
+
 def _stepped(name: str, what: Stepped) -> Family:
     return Family(name, lambda random: stepped_trial(what, random))
 
@@ -322,4 +371,5 @@ def _excited(name: str, what: Excited) -> Family:
 FAMILIES = (
     *(_stepped(name, what) for name, what in STEPPED.items()),
     *(_excited(name, what) for name, what in EXCITED.items()),
+    *(_looped(name, what) for name, what in LOOPED.items()),
 )
