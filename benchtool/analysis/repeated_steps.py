@@ -75,7 +75,7 @@ def repeated_steps(
     Args:
         mean, phasors: of the signal as measured.
         step: of the converter.
-        noise_rms: of what is not the same in every period.
+        noise_rms: of all that differs from period to period.
         samples: in all periods; where a whole number of them is in one or a few periods, they fall on the
             same few places of the waveform again and again.
         periods: of the record.

@@ -24,6 +24,7 @@ _DRAWS = 80
 _FEWEST_DRAWS = 20
 _MOST_VALUES = 1 << 24  # of all draws together, 128 MiB
 _SEED = 20_110_301
+_FEWEST_LEVELS = 16
 _HIDES = 0.5  # of a step: noise of so much rms leaves hardly anything of its errors in a mean
 _TIED = 3.0  # standard deviations below the greatest value that may also be the greatest
 _SURE = 2.0  # standard deviations beyond a level that noise does not reach
@@ -60,6 +61,8 @@ class NoisyCurve:
         within half a step of it.
         """
         count, step = len(samples), counting_step(samples)
+        if len(np.unique(samples)) < _FEWEST_LEVELS:  # a curve that was drawn, not measured
+            step = 0.0
         smoother, longer = fitted_smoothers(samples, noise)
         draws = max(_FEWEST_DRAWS, min(_DRAWS, _MOST_VALUES // count))
         random = np.random.default_rng(_SEED)
