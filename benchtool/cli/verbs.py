@@ -42,6 +42,7 @@ VERBS: Final = (
     Verb("run", "run", "Run a test plan: set up, capture, measure, judge.", enables=True),
     Verb("plans", "listing", "List the test plans, a line for each."),
     Verb("profiles", "profiles", "List the profiles of motors, a line for each."),
+    Verb("commission", "commission", "Identify a motor, step by step.", enables=True),
     Verb("jog", "jog", "Turn the shaft by setpoints from this computer.", enables=True),
     Verb("shell", "shell", "Open a bench in IPython: parameters, captures, plots.", enables=True),
     Verb("record", "record", "Record the stream of a drive; nothing is enabled."),

@@ -94,7 +94,7 @@ class Inverter(Section):
 
 
 class Emulator(Section):
-    """The emulated bench: true values, which control never sees."""
+    """The emulated bench: true values, which neither control nor the host ever sees."""
 
     motor: TrueMotor = TrueMotor()
     """The machine as it really is, where it differs from `[motor]`."""
@@ -102,6 +102,9 @@ class Emulator(Section):
     """The power stage."""
     sensors: Sensors
     """What the drive measures with."""
+    commissioned: bool = True
+    """Whether the drive has stored what the profile states of it; false: it starts with the defaults of its
+    dictionary, as it comes out of its box."""
     shaft: Shaft = Shaft()
     """Inertia and coupling of the load."""
     load: DrivenLoad = DrivenLoad()

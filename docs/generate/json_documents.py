@@ -9,6 +9,7 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, RootModel
 
+from docs.generate.json_commissioning import Commissioned, PlannedCommissioning
 from docs.generate.json_gauge import GaugeStudied
 from docs.generate.json_parameters import (
     DerivedParameters,
@@ -432,6 +433,8 @@ DOCUMENTS: dict[str, type[BaseModel]] = {
     "report": Reported,
     "record": Recorded,
     "export": Exported,
+    "commission": Commissioned,
+    "commission --dry-run": PlannedCommissioning,
     "jog": Jogged,
     "live": LiveEnd,
     "live of a run": LiveRun,

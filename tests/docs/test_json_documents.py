@@ -41,6 +41,8 @@ COMMANDS = {
     "record": ("record", "--duration", "0.2", "--out", "recorded"),
     "analyze of a recording": ("analyze", "recorded"),
     "export": ("export", "recorded"),
+    "commission": ("commission", "offsets", "--yes"),
+    "commission --dry-run": ("commission", "--dry-run"),
     "jog": ("jog", "--duration", "0.1", "--speed", "1"),
     "verify": ("verify", "folder/one"),
     "gauge": ("gauge", "readings.csv"),
