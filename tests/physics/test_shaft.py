@@ -9,8 +9,10 @@ import pytest
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
+from benchtool.emulator.core.kernel import run_ticks
 from benchtool.emulator.machine.plant import advance, fastest_rate, holding, place
 from benchtool.emulator.machine.truth import MotorTruth
+from tests.physics.paper_machine import make_core
 
 RUBBING = MotorTruth(
     pole_pairs=4,
@@ -94,3 +96,17 @@ def test_dry_friction_needs_no_finer_steps() -> None:
         pole_pairs=4, R_s_ohm=1.0, L_d_H=1e-3, L_q_H=1e-3, psi_r_Wb=0.01, J_kgm2=1e-6, coulomb_Nm=0.01
     )
     assert fastest_rate(dry.machine()) == fastest_rate(smooth.machine())
+
+
+@pytest.mark.parametrize("load", [0.05, -0.05, 0.05 + 1e-6, -0.05 - 1e-6])
+def test_a_shaft_at_its_breakaway_torque_does_not_stop_time(load: float) -> None:
+    """A current that is zero and a shaft that comes to rest in the same step once waited for each other."""
+    core = make_core(
+        motor={"coulomb_Nm": 0.05, "breakaway_Nm": 0.05},
+        inverter={"dead_time_s": 1e-6, "device_drop_V": 0.7},
+    )
+    core.command.pwm_enabled = 1
+    for omega_e in (1e-3, -1e-3, 1.8e-17, -1.8e-17):
+        core.shaft.i_d, core.shaft.i_q, core.shaft.omega_m = 0.0, 0.0, omega_e / 4.0
+        core.load.torque_Nm = load
+        assert core.run_with(run_ticks, 4) == 4

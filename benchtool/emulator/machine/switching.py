@@ -186,10 +186,11 @@ def _between_edges(
     u_alpha, u_beta = leg_voltages(high_a, high_b, high_c, x, u_dc, stage)
     charge = 0.0
     while time < until:
-        h = substep(until - time, rate, _TURN)
+        whole = substep(until - time, rate, _TURN)
         before = x
-        x, h = move(x, u_alpha, u_beta, h, machine, T_load)
+        x, h = move(x, u_alpha, u_beta, whole, machine, T_load)
         if _changes_sign(stage.devices, before, x):
+            h = whole  # a shaft that comes to rest ends a step that may have next to no length
             x, drawn = _across_zero(
                 stage.devices,
                 before,
