@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated
+from typing import Annotated, TypeVar
 
 from pydantic import Field
 
@@ -14,6 +14,9 @@ Inductance = Annotated[float, Field(ge=1e-7, le=10)]
 Inertia = Annotated[float, Field(ge=1e-9, le=1e4)]
 Torque = Annotated[float, Field(ge=0, le=1e5)]
 Voltage = Annotated[float, Field(ge=0.1, le=1e5)]
+Linkage = Annotated[float, Field(ge=-100, le=100)]
+Number = TypeVar("Number")
+PerPhase = Annotated[tuple[Number, Number, Number], Field(strict=False)]
 
 
 class TrueMotor(Section):
@@ -37,6 +40,20 @@ class TrueMotor(Section):
     """Torque up to which a shaft at rest stays at rest; at least `coulomb_Nm`."""
     stribeck_rad_s: Annotated[float, Field(ge=0, le=1e4)] = 0.0
     """Mechanical speed at which 1/e is left of what `breakaway_Nm` has above `coulomb_Nm`; 0: nothing."""
+    psi_5_Wb: Linkage = 0.0
+    """Fifth harmonic of the rotor flux linkage of phase a, as a cosine of five times the electrical angle."""
+    psi_7_Wb: Linkage = 0.0
+    """Seventh harmonic of the rotor flux linkage of phase a."""
+    psi_11_Wb: Linkage = 0.0
+    """Eleventh harmonic of the rotor flux linkage of phase a."""
+    psi_13_Wb: Linkage = 0.0
+    """Thirteenth harmonic of the rotor flux linkage of phase a."""
+    psi_of_phase: PerPhase[Annotated[float, Field(ge=0, le=2)]] = (1.0, 1.0, 1.0)
+    """Of the phases a, b and c: by what factor they link the fundamental of the rotor flux."""
+    series_R_ohm: PerPhase[Resistance] = (0.0, 0.0, 0.0)
+    """Of the phases a, b and c: resistance in series with `R_s_ohm`, such as that of a poor contact."""
+    series_L_H: PerPhase[Annotated[float, Field(ge=0, le=10)]] = (0.0, 0.0, 0.0)
+    """Of the phases a, b and c: inductance in series with `L_d_H` and `L_q_H`, such as that of a cable."""
     cogging_Nm: Torque = 0.0
     """Amplitude of the cogging torque."""
     cogging_order: Annotated[int, Field(ge=0, le=1000)] = 0

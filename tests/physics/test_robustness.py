@@ -35,6 +35,11 @@ def decades(lowest: int, highest: int) -> st.SearchStrategy[float]:
             "stribeck_rad_s": decades(-3, 4),
             "cogging_Nm": decades(-9, 5),
             "cogging_order": st.integers(1, 1000),
+            "psi_5_Wb": st.floats(-100.0, 100.0) | st.just(1e-3),
+            "psi_13_Wb": decades(-6, 2),
+            "psi_of_phase": st.tuples(st.floats(0.0, 2.0), st.just(1.0), st.just(0.5)),
+            "series_R_ohm": st.tuples(decades(-5, 4), st.just(0.0), st.just(1e-3)),
+            "series_L_H": st.tuples(decades(-7, 1), decades(-7, 1), st.just(0.0)),
         }
     ),
     inverter=st.fixed_dictionaries(

@@ -26,6 +26,7 @@ from benchtool.emulator.machine.plant import (
     derivative,
     fastest_rate,
     holding,
+    inverse_inductance,
     move,
     step,
     substep,
@@ -214,7 +215,8 @@ def _floating(
     v_q = (u_beta * x.cos_theta - u_alpha * x.sin_theta) * machine.inv_L_q
     di_d, di_q, _, _, _ = derivative(x.i_d, x.i_q, x.omega_e, x.theta_e, v_d, v_q, machine, 0.0)
     rate = (di_d - x.omega_e * x.i_q) * n_d + (di_q + x.omega_e * x.i_d) * n_q  # of its current
-    per_volt = (n_d * n_d * machine.inv_L_d + n_q * n_q * machine.inv_L_q) * (2.0 / 3.0)
+    G = inverse_inductance(x.theta_e, machine)
+    per_volt = (n_d * n_d * G.dd + 2.0 * n_d * n_q * G.dq + n_q * n_q * G.qq) * (2.0 / 3.0)
     v -= rate / per_volt
     if v >= leg.high:
         return leg.high, False

@@ -1,7 +1,9 @@
 """Harmonics of the rotor flux, an optional part of the machine.
 
-The fifth turns backwards and the seventh forwards, psi_5 exp(-j 5 theta) + psi_7 exp(j 7 theta), so in d/q
-both turn at 6 theta_e; their torque is the one that conserves energy.
+The fifth and eleventh turn backwards, the seventh and thirteenth forwards, such as psi_5 exp(-j 5 theta) and
+psi_7 exp(j 7 theta), so in d/q they turn at 6 and 12 theta_e. Phases that link the magnets differently add a
+flux that turns backwards with the rotor, at 2 theta_e in d/q. The torque of all of them is the one that
+conserves energy: the currents times the slope of the flux over the angle.
 """
 
 from __future__ import annotations
@@ -12,11 +14,21 @@ from typing import NamedTuple
 from benchtool.emulator.jit import njit
 
 
+class Unbalance(NamedTuple):
+    """Flux psi exp(-j theta) of phases that link the magnets differently: its vector at theta 0, in Wb."""
+
+    psi_alpha: float
+    psi_beta: float
+
+
 class Harmonics(NamedTuple):
-    """Flux linkage of phase a, as cosines of 5 and 7 theta_e, in Wb."""
+    """Flux linkage of phase a, as cosines of 5, 7, 11 and 13 theta_e, in Wb."""
 
     psi_5: float
     psi_7: float
+    psi_11: float
+    psi_13: float
+    unbalance: Unbalance | None
 
 
 @njit
@@ -51,8 +63,24 @@ def with_harmonic_torque(
 @njit
 def flux_slope(harmonics: Harmonics, theta_e: float) -> tuple[float, float]:
     """Return the change of the harmonics' flux with theta_e, in d/q, in Wb/rad."""
-    g_d = -(5.0 * harmonics.psi_5 + 7.0 * harmonics.psi_7) * math.sin(6.0 * theta_e)
-    g_q = (7.0 * harmonics.psi_7 - 5.0 * harmonics.psi_5) * math.cos(6.0 * theta_e)
+    s_6, c_6 = math.sin(6.0 * theta_e), math.cos(6.0 * theta_e)
+    s_12, c_12 = 2.0 * s_6 * c_6, 1.0 - 2.0 * s_6 * s_6
+    back_5, back_11 = 5.0 * harmonics.psi_5, 11.0 * harmonics.psi_11
+    forth_7, forth_13 = 7.0 * harmonics.psi_7, 13.0 * harmonics.psi_13
+    g_d = -(back_5 + forth_7) * s_6 - (back_11 + forth_13) * s_12
+    g_q = (forth_7 - back_5) * c_6 + (forth_13 - back_11) * c_12
+    return _with_unbalance(harmonics.unbalance, g_d, g_q, theta_e)
+
+
+@njit
+def _with_unbalance(
+    unbalance: Unbalance | None, g_d: float, g_q: float, theta_e: float
+) -> tuple[float, float]:
+    if unbalance is None:
+        return g_d, g_q
+    s_2, c_2 = math.sin(2.0 * theta_e), math.cos(2.0 * theta_e)
+    g_d += unbalance.psi_beta * c_2 - unbalance.psi_alpha * s_2
+    g_q -= unbalance.psi_beta * s_2 + unbalance.psi_alpha * c_2
     return g_d, g_q
 
 
@@ -61,10 +89,19 @@ def linkage(harmonics: Harmonics | None) -> float:
     """Return the largest slope of the harmonics' flux over theta_e, in Wb."""
     if harmonics is None:
         return 0.0
-    return 5.0 * abs(harmonics.psi_5) + 7.0 * abs(harmonics.psi_7)
+    sixth = 5.0 * abs(harmonics.psi_5) + 7.0 * abs(harmonics.psi_7)
+    twelfth = 11.0 * abs(harmonics.psi_11) + 13.0 * abs(harmonics.psi_13)
+    return sixth + twelfth + _unbalanced_linkage(harmonics.unbalance)
+
+
+@njit
+def _unbalanced_linkage(unbalance: Unbalance | None) -> float:
+    return 0.0 if unbalance is None else abs(unbalance.psi_alpha) + abs(unbalance.psi_beta)
 
 
 @njit
 def harmonic_turning(harmonics: Harmonics | None) -> float:
     """Return the periods of the fastest harmonic in an electrical one."""
-    return 0.0 if harmonics is None else 6.0
+    if harmonics is None:
+        return 0.0
+    return 12.0 if harmonics.psi_11 != 0.0 or harmonics.psi_13 != 0.0 else 6.0

@@ -11,7 +11,8 @@ Between two switching edges the stator voltage is constant in alpha/beta, so in 
 is integrated along with the currents, in steps of the classical Runge-Kutta method of fourth order. The
 direction of the rotor flux, (cos_theta, sin_theta), is carried along and turned by the angle of each step.
 
-Harmonics of the flux, cogging and dry friction are optional parts of the machine, in modules of their own.
+Harmonics of the flux, phases that differ, cogging and dry friction are optional parts of the machine, in
+modules of their own.
 """
 
 from __future__ import annotations
@@ -20,6 +21,14 @@ import math
 from typing import NamedTuple
 
 from benchtool.emulator.jit import njit
+from benchtool.emulator.machine.asymmetry import (
+    Asymmetry,
+    Symmetric,
+    asymmetric_turning,
+    series_resistance,
+    through_asymmetry,
+    with_asymmetry,
+)
 from benchtool.emulator.machine.harmonics import (
     Harmonics,
     harmonic_turning,
@@ -58,6 +67,7 @@ class Machine(NamedTuple):
     J: float
     B: float
     harmonics: Harmonics | None
+    asymmetry: Asymmetry | None
     cogging: Cogging | None
     friction: Friction | None
 
@@ -102,6 +112,7 @@ def machine_of(
     J: float,
     B: float,
     harmonics: Harmonics | None,
+    asymmetry: Asymmetry | None,
     cogging: Cogging | None,
     friction: Friction | None,
     speed_held: bool,
@@ -120,6 +131,7 @@ def machine_of(
         J,
         B,
         harmonics,
+        asymmetry,
         cogging,
         friction,
         closed / L_d,
@@ -149,6 +161,7 @@ def holding(m: Machine, speed: bool, currents: bool) -> Machine:
         m.J,
         m.B,
         m.harmonics,
+        m.asymmetry,
         m.cogging,
         m.friction,
         speed or m.gamma == 0.0,
@@ -163,13 +176,26 @@ def fastest_rate(m: Machine) -> float:
     psi = m.psi_r + linkage(m.harmonics)
     stiffness = 1.5 * m.p * psi * psi * inv_L + cogging_stiffness(m.cogging)
     friction = m.B / m.p + stribeck_slope(m.friction)
-    return m.R_s * inv_L + math.sqrt(m.gamma * stiffness) + m.gamma * friction
+    return (
+        (m.R_s + series_resistance(m.asymmetry)) * inv_L + math.sqrt(m.gamma * stiffness) + m.gamma * friction
+    )
 
 
 @njit
 def turning_rate(m: Machine) -> float:
     """Return the rate in 1/s that every electrical rad/s adds to `fastest_rate`."""
-    return max(1.0, m.k_d, m.k_q) + harmonic_turning(m.harmonics) + cogging_turning(m.cogging)
+    return (
+        max(1.0, m.k_d, m.k_q)
+        + asymmetric_turning(m.asymmetry)
+        + harmonic_turning(m.harmonics)
+        + cogging_turning(m.cogging)
+    )
+
+
+@njit
+def inverse_inductance(theta_e: float, m: Machine) -> Symmetric:
+    """Return by what the rates of the currents change with the voltage at the terminals, in d/q, in 1/H."""
+    return through_asymmetry(m.asymmetry, theta_e, Symmetric(m.inv_L_d, 0.0, m.inv_L_q))
 
 
 @njit
@@ -199,6 +225,8 @@ def derivative(
     di_d = (v_d + along * i_q) - m.rho_d * i_d
     di_q = (v_q - across * i_d) - (m.rho_q * i_q + omega_e * m.epsilon)
     di_d, di_q = with_harmonic_emf(m.harmonics, di_d, di_q, omega_e, theta_e, m.inv_L_d, m.inv_L_q)
+    G = Symmetric(m.inv_L_d, 0.0, m.inv_L_q)
+    di_d, di_q = with_asymmetry(m.asymmetry, di_d, di_q, i_d, i_q, omega_e, theta_e, G)
     domega = _acceleration(i_d, i_q, omega_e, theta_e, m, T_load)
     domega = less_friction(m.friction, domega, omega_e, slide, m.gamma)
     return di_d, di_q, domega, along * v_q, -(across * v_d)

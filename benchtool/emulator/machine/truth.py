@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from benchtool.emulator.machine.asymmetry import Asymmetry, sequences
 from benchtool.emulator.machine.dc_link import DcLink
-from benchtool.emulator.machine.harmonics import Harmonics
+from benchtool.emulator.machine.harmonics import Harmonics, Unbalance
 from benchtool.emulator.machine.inverter import DeadTime, Devices, PowerStage, Timer
 from benchtool.emulator.machine.plant import Machine, machine_of
 from benchtool.emulator.machine.sensors import Sensing
@@ -18,8 +19,10 @@ from benchtool.errors import ValueRefused
 class MotorTruth:
     """A permanent-magnet machine, amplitude-invariant and per phase.
 
-    `cogging_order` counts periods of the cogging torque per mechanical revolution. `psi_5_Wb` and `psi_7_Wb`
-    are the fifth and seventh harmonic of the rotor flux linkage of phase a, as cosines of 5 and 7 theta_e.
+    `cogging_order` counts periods of the cogging torque per mechanical revolution. `psi_5_Wb` to `psi_13_Wb`
+    are the harmonics of the rotor flux linkage of phase a, as cosines of 5 to 13 theta_e. Of the phases a, b
+    and c, `psi_of_phase` is by what factor they link the rotor's fundamental, and `series_R_ohm` and
+    `series_L_H` is what is in series with each.
     A shaft at rest sticks up to `breakaway_Nm`, which is the Coulomb torque where it is stated lower; while
     the shaft turns, what it has above the Coulomb torque fades out over `stribeck_rad_s`, or at once if that
     is 0.
@@ -42,6 +45,11 @@ class MotorTruth:
     cogging_order: int = 0
     psi_5_Wb: float = 0.0
     psi_7_Wb: float = 0.0
+    psi_11_Wb: float = 0.0
+    psi_13_Wb: float = 0.0
+    psi_of_phase: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    series_R_ohm: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    series_L_H: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
         positive(pole_pairs=self.pole_pairs, L_d_H=self.L_d_H, L_q_H=self.L_q_H, J_kgm2=self.J_kgm2)
@@ -55,7 +63,19 @@ class MotorTruth:
             cogging_Nm=self.cogging_Nm,
             cogging_order=self.cogging_order,
         )
-        finite(psi_5_Wb=self.psi_5_Wb, psi_7_Wb=self.psi_7_Wb)
+        finite(
+            psi_5_Wb=self.psi_5_Wb, psi_7_Wb=self.psi_7_Wb, psi_11_Wb=self.psi_11_Wb, psi_13_Wb=self.psi_13_Wb
+        )
+        for phase, psi, R, L in zip(
+            "abc", self.psi_of_phase, self.series_R_ohm, self.series_L_H, strict=True
+        ):
+            not_negative(
+                **{
+                    f"psi_of_phase of phase {phase}": psi,
+                    f"series_R_ohm of phase {phase}": R,
+                    f"series_L_H of phase {phase}": L,
+                }
+            )
 
     def machine(self, speed_held: bool = False, devices_ohm: float = 0.0) -> Machine:
         """Return the coefficients of the differential equations, with devices of this resistance in each
@@ -65,10 +85,11 @@ class MotorTruth:
             self.R_s_ohm + devices_ohm,
             self.L_d_H,
             self.L_q_H,
-            self.psi_r_Wb,
+            self.psi_r_Wb * sequences(*self.psi_of_phase)[0],
             self.J_kgm2,
             self.friction_Nms,
             self._harmonics(),
+            self._asymmetry(),
             self._cogging(),
             self._friction(),
             speed_held,
@@ -76,9 +97,19 @@ class MotorTruth:
         )
 
     def _harmonics(self) -> Harmonics | None:
-        if self.psi_5_Wb == 0.0 and self.psi_7_Wb == 0.0:
+        orders = (self.psi_5_Wb, self.psi_7_Wb, self.psi_11_Wb, self.psi_13_Wb)
+        _, alpha, beta = sequences(*self.psi_of_phase)
+        unbalance = None
+        if alpha != 0.0 or beta != 0.0:
+            unbalance = Unbalance(self.psi_r_Wb * alpha, self.psi_r_Wb * beta)
+        if unbalance is None and not any(orders):
             return None
-        return Harmonics(self.psi_5_Wb, self.psi_7_Wb)
+        return Harmonics(*orders, unbalance)
+
+    def _asymmetry(self) -> Asymmetry | None:
+        if not any(self.series_R_ohm) and not any(self.series_L_H):
+            return None
+        return Asymmetry(*sequences(*self.series_R_ohm), *sequences(*self.series_L_H))
 
     def _friction(self) -> Friction | None:
         breakaway = max(self.breakaway_Nm, self.coulomb_Nm)
