@@ -15,6 +15,7 @@ from benchtool.emulator.core.kernel import kernel_is_cached
 from benchtool.emulator.equipment import EmulatedLoad, EmulatedSupply, EmulatedTransducer
 from benchtool.emulator.firmware.device import Firmware
 from benchtool.emulator.instruments import CanInstrument, CanReadings, CanTorque, samples_apart
+from benchtool.emulator.machine.saturation import SaturationTruth
 from benchtool.emulator.machine.truth import InverterTruth, MotorTruth, SensorTruth
 from benchtool.emulator.servers.canopen import CanopenServer
 from benchtool.emulator.servers.drive_node import DriveNode, OnGone, Server
@@ -233,8 +234,10 @@ def _core(table: ObjectTable, profile: Profile, emulator: Emulator, seed: int, f
 def _truth(profile: Profile, emulator: Emulator) -> tuple[MotorTruth, InverterTruth, SensorTruth]:
     motor, true = profile.motor, emulator.motor
     believed = motor.model_dump(include={"pole_pairs", "R_s_ohm", "L_d_H", "L_q_H", "psi_r_Wb", "J_kgm2"})
+    stated = true.model_dump(exclude_none=True, exclude={"saturation"})
+    saturation = SaturationTruth(**true.saturation.model_dump()) if true.saturation else None
     return (
-        MotorTruth(**{**believed, **true.model_dump(exclude_none=True)}),
+        MotorTruth(**{**believed, **stated, "saturation": saturation}),
         InverterTruth(**emulator.inverter.model_dump(exclude_none=True)),
         SensorTruth(**emulator.sensors.model_dump()),
     )

@@ -147,6 +147,8 @@ SHAFT = record_type(
     [
         ("i_d", "f8"),
         ("i_q", "f8"),
+        ("psi_d", "f8"),  # of a machine that saturates
+        ("psi_q", "f8"),
         ("omega_m", "f8"),
         ("theta_e", "f8"),  # never wrapped
         ("cos_theta", "f8"),

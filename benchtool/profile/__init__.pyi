@@ -23,6 +23,7 @@ from .drive import (
 from .emulator import (
     Emulator as Emulator,
     Inverter as Inverter,
+    Saturation as Saturation,
     Sensors as Sensors,
     TrueMotor as TrueMotor,
 )

@@ -19,6 +19,30 @@ Number = TypeVar("Number")
 PerPhase = Annotated[tuple[Number, Number, Number], Field(strict=False)]
 
 
+class Saturation(Section):
+    """Saturation and cross-coupling: currents as a polynomial of the flux linkages.
+
+    `L_d_H`, `L_q_H` and `psi_r_Wb` are those without current; what is here is added with the flux linkages:
+    i_d by (a_dd |psi_d|^S + a_dq / (V + 2) |psi_d|^U |psi_q|^(V + 2)) psi_d, and i_q by
+    (a_qq |psi_q|^T + a_dq / (U + 2) |psi_d|^(U + 2) |psi_q|^V) psi_q, in A and Wb.
+    """
+
+    a_dd: Annotated[float, Field(ge=0, le=1e40)] = 0.0
+    """Saturation along the rotor flux, in A/Wb^(S + 1)."""
+    a_qq: Annotated[float, Field(ge=0, le=1e40)] = 0.0
+    """Saturation across the rotor flux, in A/Wb^(T + 1)."""
+    a_dq: Annotated[float, Field(ge=0, le=1e40)] = 0.0
+    """Cross-coupling, in A/Wb^(U + V + 3)."""
+    S: Annotated[int, Field(ge=1, le=12)] = 5
+    """Exponent of the saturation along the rotor flux."""
+    T: Annotated[int, Field(ge=1, le=12)] = 1
+    """Exponent of the saturation across the rotor flux."""
+    U: Annotated[int, Field(ge=0, le=12)] = 1
+    """Exponent of the cross-coupling."""
+    V: Annotated[int, Field(ge=0, le=12)] = 0
+    """Exponent of the cross-coupling."""
+
+
 class TrueMotor(Section):
     """The true machine of the emulated bench; keys that are left out are as in `[motor]`."""
 
@@ -54,6 +78,8 @@ class TrueMotor(Section):
     """Of the phases a, b and c: resistance in series with `R_s_ohm`, such as that of a poor contact."""
     series_L_H: PerPhase[Annotated[float, Field(ge=0, le=10)]] = (0.0, 0.0, 0.0)
     """Of the phases a, b and c: inductance in series with `L_d_H` and `L_q_H`, such as that of a cable."""
+    saturation: Saturation | None = None
+    """How the machine saturates; without it the inductances are constants."""
     cogging_Nm: Torque = 0.0
     """Amplitude of the cogging torque."""
     cogging_order: Annotated[int, Field(ge=0, le=1000)] = 0

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from benchtool.emulator.core import Core
 from benchtool.emulator.core.kernel import run_ticks
-from benchtool.emulator.machine.plant import airgap_torque, derivative, place
+from benchtool.emulator.machine.plant import airgap_torque, derivative
+from benchtool.emulator.machine.state import place
 from benchtool.emulator.machine.truth import MotorTruth
 from tests.physics.alpha_beta import OFF, PHASES, Reference, gates
 from tests.physics.paper_machine import FINE, make_core

@@ -16,7 +16,8 @@ from benchtool.emulator.control.speed import speed_pi
 from benchtool.emulator.control.svpwm import compensated, modulate
 from benchtool.emulator.core import Trip
 from benchtool.emulator.machine.inverter import clarke
-from benchtool.emulator.machine.plant import advance, airgap_torque, holding, place
+from benchtool.emulator.machine.plant import advance, airgap_torque, holding
+from benchtool.emulator.machine.state import place
 from benchtool.emulator.machine.truth import MotorTruth
 from benchtool.emulator.memory import CONTROL, Record
 from benchtool.protocol.modes import Mode

@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from benchtool.emulator.machine.plant import place
 from benchtool.emulator.machine.sensors import Noise, encoder_count, measure
+from benchtool.emulator.machine.state import place
 from benchtool.emulator.machine.truth import SensorTruth
 from benchtool.emulator.memory import MEASUREMENT
 from benchtool.errors import ValueRefused

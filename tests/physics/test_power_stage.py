@@ -15,7 +15,7 @@ from benchtool.emulator.machine.inverter import (
     phase_currents,
     rising_edge,
 )
-from benchtool.emulator.machine.plant import place
+from benchtool.emulator.machine.state import place
 from benchtool.emulator.machine.transducer import TRANSDUCER
 from benchtool.emulator.machine.truth import InverterTruth, MotorTruth
 from tests.physics.paper_machine import FINE, captured, make_core

@@ -10,9 +10,10 @@ from hypothesis import given, settings, strategies as st
 from pydantic import ValidationError
 
 from benchtool.emulator.machine.bounds import require_computable
+from benchtool.emulator.machine.saturation import SaturationTruth
 from benchtool.emulator.machine.truth import MotorTruth
 from benchtool.errors import EmulationError, ValueRefused
-from benchtool.profile import Inverter, Sensors, TrueMotor
+from benchtool.profile import Inverter, Saturation, Sensors, TrueMotor
 from tests.physics.paper_machine import MOTOR, make_core
 
 
@@ -52,6 +53,17 @@ def decades(lowest: int, highest: int) -> st.SearchStrategy[float]:
             "timer_Hz": decades(0, 10),
         }
     ),
+    saturation=st.fixed_dictionaries(
+        {
+            "a_dd": st.just(0.0) | decades(-3, 40),
+            "a_qq": st.just(0.0) | decades(-3, 40),
+            "a_dq": st.just(0.0) | decades(-3, 40),
+            "S": st.integers(1, 12),
+            "T": st.integers(1, 12),
+            "U": st.integers(0, 12),
+            "V": st.integers(0, 12),
+        }
+    ),
     load_Nm=st.floats(-1e6, 1e6),
     current_A=st.floats(-1e4, 1e4),
     omega_m=st.floats(-1e3, 1e3),
@@ -61,15 +73,17 @@ def decades(lowest: int, highest: int) -> st.SearchStrategy[float]:
 def test_every_run_is_finite_or_refused(
     motor: dict[str, Any],
     inverter: dict[str, float],
+    saturation: dict[str, Any],
     load_Nm: float,
     current_A: float,
     omega_m: float,
     held: bool,
     on: bool,
 ) -> None:
-    TrueMotor(**motor)  # a profile can hold it
+    TrueMotor(**motor, saturation=Saturation(**saturation))  # a profile can hold it
     Inverter(**inverter)
     try:
+        motor["saturation"] = SaturationTruth(**saturation)
         core = make_core(motor=motor, inverter=inverter)
         core.load.torque_Nm, core.load.held, core.load.omega_m_rad_s = load_Nm, held, omega_m
         core.shaft.i_d, core.shaft.omega_m = current_A, omega_m

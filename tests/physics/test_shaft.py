@@ -9,7 +9,8 @@ import pytest
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from benchtool.emulator.machine.plant import advance, fastest_rate, holding, place
+from benchtool.emulator.machine.plant import advance, fastest_rate, holding
+from benchtool.emulator.machine.state import place
 from benchtool.emulator.machine.truth import MotorTruth
 
 RUBBING = MotorTruth(
@@ -93,4 +94,5 @@ def test_dry_friction_needs_no_finer_steps() -> None:
     dry = MotorTruth(
         pole_pairs=4, R_s_ohm=1.0, L_d_H=1e-3, L_q_H=1e-3, psi_r_Wb=0.01, J_kgm2=1e-6, coulomb_Nm=0.01
     )
-    assert fastest_rate(dry.machine()) == fastest_rate(smooth.machine())
+    rest = place(0.0, 0.0, 0.0, 0.0)
+    assert fastest_rate(dry.machine(), rest) == fastest_rate(smooth.machine(), rest)

@@ -22,13 +22,13 @@ from benchtool.emulator.machine.inverter import PowerStage
 from benchtool.emulator.machine.plant import (
     MOST_TURN,
     Machine,
-    State,
     fastest_rate,
     holding,
-    place,
     turning_rate,
 )
+from benchtool.emulator.machine.saturation import Flux, Saturation
 from benchtool.emulator.machine.sensors import Sensing, measure
+from benchtool.emulator.machine.state import State, flux_of, place
 from benchtool.emulator.machine.switching import switch
 from benchtool.ticks import TICKS
 
@@ -69,12 +69,12 @@ def run_ticks(
     measurement, shaft, load = measurements[0], shafts[0], loads[0]
     capture, stream, transducer, stimulus = captures[0], streams[0], transducers[0], stimuli[0]
     driven = holding(machine, load.held != 0, False)
-    at_rest, moving = fastest_rate(driven), turning_rate(driven)
+    moving = turning_rate(driven)
     gain = moving * driven.gamma * abs(load.torque_Nm) * stage.T_s  # of the rate, by the load, in a period
     for done in range(ticks):
         omega_m = load.omega_m_rad_s if load.held != 0 else shaft.omega_m
-        x = _true_state(shaft, machine.p * omega_m, drive.tick)
-        rate = at_rest + moving * abs(x.omega_e)
+        x = _true_state(machine.saturation, shaft, machine.p * omega_m, drive.tick)
+        rate = fastest_rate(driven, x) + moving * abs(x.omega_e)
         if not (rate + gain) * stage.T_s <= MOST_TURN:  # nor is what is no number
             return done
         transducer.next_sample = 0
@@ -91,6 +91,7 @@ def run_ticks(
         )
         shaft.i_d, shaft.i_q, shaft.omega_m = x.i_d, x.i_q, x.omega_e / machine.p
         shaft.theta_e, shaft.cos_theta, shaft.sin_theta = x.theta_e, x.cos_theta, x.sin_theta
+        _keep(x.flux, shaft)
         if transducer.recording == 1 and transducer.filled >= torque.size:
             transducer.recording = 0
         drive.tick = (int(drive.tick) + 1) & _LAST_TICK
@@ -124,8 +125,17 @@ def kernel_is_cached(truth: Truth) -> bool:
 
 
 @njit
-def _true_state(shaft: Any, omega_e: float, tick: int) -> State:
+def _true_state(saturation: Saturation | None, shaft: Any, omega_e: float, tick: int) -> State:
     """Return machine's state; now and then its direction is derived from its angle, to hold both together."""
+    flux = flux_of(saturation, shaft.i_d, shaft.i_q, Flux(shaft.psi_d, shaft.psi_q))
     if tick % _TICKS_BETWEEN_DIRECTIONS == 0:
-        return place(shaft.i_d, shaft.i_q, omega_e, shaft.theta_e)
-    return State(shaft.i_d, shaft.i_q, omega_e, shaft.theta_e, 0.0, shaft.cos_theta, shaft.sin_theta)
+        return place(shaft.i_d, shaft.i_q, omega_e, shaft.theta_e, flux)
+    return State(shaft.i_d, shaft.i_q, omega_e, shaft.theta_e, 0.0, shaft.cos_theta, shaft.sin_theta, flux)
+
+
+@njit
+def _keep(flux: Flux | None, shaft: Any) -> None:
+    """Keep the flux linkages of a machine that has them as states."""
+    if flux is None:
+        return
+    shaft.psi_d, shaft.psi_q = flux.psi_d, flux.psi_q

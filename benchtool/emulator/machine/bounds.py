@@ -12,6 +12,8 @@ from typing import Any
 from benchtool.emulator.machine.asymmetry import series_resistance
 from benchtool.emulator.machine.harmonics import linkage
 from benchtool.emulator.machine.plant import MOST_TURN, fastest_rate
+from benchtool.emulator.machine.saturation import Flux, incremental, largest
+from benchtool.emulator.machine.state import flux_of, place
 from benchtool.emulator.machine.truth import MotorTruth
 from benchtool.errors import EmulationError, ValueRefused
 
@@ -22,12 +24,14 @@ def require_computable(motor: MotorTruth, T_s: float) -> None:
     Raises:
         ValueRefused: it is; the keys of the fastest process are named.
     """
-    rate = fastest_rate(motor.machine())
+    machine = motor.machine()
+    rate = fastest_rate(
+        machine, place(0.0, 0.0, 0.0, 0.0, flux_of(machine.saturation, 0.0, 0.0, Flux(machine.psi_r, 0.0)))
+    )
     if rate * T_s <= MOST_TURN:
         return
     L = min(motor.L_d_H, motor.L_q_H)
     per_inertia = motor.pole_pairs / motor.J_kgm2
-    machine = motor.machine()
     psi = machine.psi_r + linkage(machine.harmonics)
     R = motor.R_s_ohm + series_resistance(machine.asymmetry)
     stiffness = 1.5 * motor.pole_pairs * psi**2 / L
@@ -56,6 +60,12 @@ def runaway(shaft: Any, load: Any, motor: MotorTruth, time_s: float) -> Emulatio
     if not math.isfinite(shaft.i_d + shaft.i_q):
         seen = f"its currents (i_d, i_q) are ({shaft.i_d:g}, {shaft.i_q:g}) A"
         remedy = "correct R_s_ohm, L_d_H, L_q_H or u_dc_V of [emulator]"
+    elif not _has_inverse(motor, shaft):
+        seen = (
+            f"its flux linkages (psi_d, psi_q) are ({shaft.psi_d:g}, {shaft.psi_q:g}) Wb, where currents "
+            f"fall with rising flux"
+        )
+        remedy = "lower a_dq in [emulator.motor.saturation], or stay at lower currents"
     elif load.held:
         seen = f"it is held at {omega_m:.3g} rad/s"
         remedy = "hold it at a lower speed"
@@ -65,3 +75,10 @@ def runaway(shaft: Any, load: Any, motor: MotorTruth, time_s: float) -> Emulatio
     return EmulationError(
         f"the emulated machine is too fast to be computed after {time_s:.4f} s: {seen}; {remedy}"
     )
+
+
+def _has_inverse(motor: MotorTruth, shaft: Any) -> bool:
+    saturation = motor.machine().saturation
+    if saturation is None:
+        return True
+    return math.isfinite(largest(incremental(saturation, shaft.psi_d, shaft.psi_q)))

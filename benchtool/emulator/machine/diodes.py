@@ -21,17 +21,18 @@ from benchtool.emulator.machine.harmonics import linkage
 from benchtool.emulator.machine.inverter import SQRT3, PowerStage, clarke, forward_voltage, phase_currents
 from benchtool.emulator.machine.plant import (
     Machine,
-    State,
     advance,
-    derivative,
+    current_rates,
     fastest_rate,
     holding,
     inverse_inductance,
     move,
+    open_circuit_voltage,
     step,
     substep,
     turning_rate,
 )
+from benchtool.emulator.machine.state import State, with_currents
 from benchtool.emulator.machine.transducer import sample
 
 LOW, HIGH, OFF = 0, 1, 2  # modes of a leg: lower or upper switch on, or neither
@@ -71,7 +72,7 @@ def freewheel(
     torque: NDArray[np.float64],
 ) -> tuple[State, float]:
     """Integrate one PWM period with the power stage off. Returns as `integrate_conduction`."""
-    rate = fastest_rate(machine) + turning_rate(machine) * abs(x.omega_e)
+    rate = fastest_rate(machine, x) + turning_rate(machine) * abs(x.omega_e)
     return integrate_conduction(
         x, OFF, OFF, OFF, 0.0, stage.T_s, rate, u_dc, stage, machine, T_load, transducer, torque
     )
@@ -135,7 +136,7 @@ def integrate_conduction(
                     h = part * whole
                     x = step(before, u_alpha, u_beta, h, machine, T_load)
             x = _without_current(
-                x, v.floats_a or phase == 0, v.floats_b or phase == 1, v.floats_c or phase == 2
+                x, v.floats_a or phase == 0, v.floats_b or phase == 1, v.floats_c or phase == 2, machine
             )
             sample(time, h, before, x, u_alpha, u_beta, machine, T_load, transducer, torque)
             drawn = _drawn(before, mode_a, mode_b, mode_c) + _drawn(x, mode_a, mode_b, mode_c)
@@ -190,8 +191,7 @@ def _carrying(leg: Window, current: float) -> float:
 @njit
 def _phase_emf(x: State, machine: Machine) -> tuple[float, float, float]:
     """Return the voltages of the phases at which no current begins to flow."""
-    di_d, di_q, _, _, _ = derivative(0.0, 0.0, x.omega_e, x.theta_e, 0.0, 0.0, machine, 0.0)
-    e_d, e_q = -di_d * machine.L_d, -di_q * machine.L_q
+    e_d, e_q = open_circuit_voltage(x, machine)
     e_alpha = e_d * x.cos_theta - e_q * x.sin_theta
     e_beta = e_d * x.sin_theta + e_q * x.cos_theta
     return e_alpha, -0.5 * e_alpha + 0.5 * SQRT3 * e_beta, -0.5 * e_alpha - 0.5 * SQRT3 * e_beta
@@ -211,11 +211,9 @@ def _floating(
     u_alpha, u_beta = along * n_alpha - across * n_beta, along * n_beta + across * n_alpha
     n_d = n_alpha * x.cos_theta + n_beta * x.sin_theta
     n_q = n_beta * x.cos_theta - n_alpha * x.sin_theta
-    v_d = (u_alpha * x.cos_theta + u_beta * x.sin_theta) * machine.inv_L_d
-    v_q = (u_beta * x.cos_theta - u_alpha * x.sin_theta) * machine.inv_L_q
-    di_d, di_q, _, _, _ = derivative(x.i_d, x.i_q, x.omega_e, x.theta_e, v_d, v_q, machine, 0.0)
+    di_d, di_q = current_rates(x, u_alpha, u_beta, machine)
     rate = (di_d - x.omega_e * x.i_q) * n_d + (di_q + x.omega_e * x.i_d) * n_q  # of its current
-    G = inverse_inductance(x.theta_e, machine)
+    G = inverse_inductance(x, machine)
     per_volt = (n_d * n_d * G.dd + 2.0 * n_d * n_q * G.dq + n_q * n_q * G.qq) * (2.0 / 3.0)
     v -= rate / per_volt
     if v >= leg.high:
@@ -266,13 +264,13 @@ def _current(x: State, phase: int) -> float:
 
 
 @njit
-def _without_current(x: State, none_a: bool, none_b: bool, none_c: bool) -> State:
+def _without_current(x: State, none_a: bool, none_b: bool, none_c: bool, machine: Machine) -> State:
     """Return the state with no current in these phases."""
     phases = int(none_a) + int(none_b) + int(none_c)
     if phases == 0:
         return x
     if phases > 1:
-        return State(0.0, 0.0, x.omega_e, x.theta_e, x.theta_rest, x.cos_theta, x.sin_theta)
+        return with_currents(machine.saturation, x, 0.0, 0.0)
     n_alpha, n_beta = 1.0, 0.0
     if none_b:
         n_alpha, n_beta = -0.5, 0.5 * SQRT3
@@ -281,8 +279,7 @@ def _without_current(x: State, none_a: bool, none_b: bool, none_c: bool) -> Stat
     n_d = n_alpha * x.cos_theta + n_beta * x.sin_theta
     n_q = n_beta * x.cos_theta - n_alpha * x.sin_theta
     along = x.i_d * n_d + x.i_q * n_q
-    i_d, i_q = x.i_d - along * n_d, x.i_q - along * n_q
-    return State(i_d, i_q, x.omega_e, x.theta_e, x.theta_rest, x.cos_theta, x.sin_theta)
+    return with_currents(machine.saturation, x, x.i_d - along * n_d, x.i_q - along * n_q)
 
 
 @njit

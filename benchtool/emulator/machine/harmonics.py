@@ -61,6 +61,17 @@ def with_harmonic_torque(
 
 
 @njit
+def with_harmonic_slope(
+    harmonics: Harmonics | None, g_d: float, g_q: float, theta_e: float
+) -> tuple[float, float]:
+    """Return the slope of the rotor flux over theta_e, in d/q, with that of the harmonics."""
+    if harmonics is None:
+        return g_d, g_q
+    h_d, h_q = flux_slope(harmonics, theta_e)
+    return g_d + h_d, g_q + h_q
+
+
+@njit
 def flux_slope(harmonics: Harmonics, theta_e: float) -> tuple[float, float]:
     """Return the change of the harmonics' flux with theta_e, in d/q, in Wb/rad."""
     s_6, c_6 = math.sin(6.0 * theta_e), math.cos(6.0 * theta_e)

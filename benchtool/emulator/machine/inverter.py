@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from benchtool.emulator.jit import njit
 from benchtool.emulator.machine.dc_link import DcLink
-from benchtool.emulator.machine.plant import State
+from benchtool.emulator.machine.state import State
 
 NEVER = math.inf
 SQRT3 = math.sqrt(3.0)

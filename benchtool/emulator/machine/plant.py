@@ -34,8 +34,10 @@ from benchtool.emulator.machine.harmonics import (
     harmonic_turning,
     linkage,
     with_harmonic_emf,
+    with_harmonic_slope,
     with_harmonic_torque,
 )
+from benchtool.emulator.machine.saturation import Saturation, currents_of, incremental, largest
 from benchtool.emulator.machine.shaft import (
     Cogging,
     Friction,
@@ -47,6 +49,7 @@ from benchtool.emulator.machine.shaft import (
     sliding,
     stribeck_slope,
 )
+from benchtool.emulator.machine.state import State, electrical, state_at
 from benchtool.emulator.rotate import rotate
 
 MOST_TURN = 100.0  # rad of the fastest process in a PWM period: beyond, a period takes too many steps
@@ -56,7 +59,8 @@ class Machine(NamedTuple):
     """True parameters, and below them the equations' coefficients as `machine_of` derives them.
 
     Voltages are integrated divided by their axis' inductance and torques times p / J, which leaves the fewest
-    operations between one stage and the next.
+    operations between one stage and the next. Where the machine saturates its flux linkages are integrated in
+    place of the currents, by the same equations with an inductance of 1.
     """
 
     p: float
@@ -66,6 +70,7 @@ class Machine(NamedTuple):
     psi_r: float
     J: float
     B: float
+    saturation: Saturation | None
     harmonics: Harmonics | None
     asymmetry: Asymmetry | None
     cogging: Cogging | None
@@ -77,29 +82,11 @@ class Machine(NamedTuple):
     rho_q: float
     k_d: float  # L_q / L_d
     k_q: float
-    epsilon: float  # psi_r / L_q, the back EMF; zero with open terminals
+    epsilon: float  # psi_r / L_q, the back EMF; zero with open terminals, and for flux linkages
     gamma: float  # p / J; zero with held speed, as are the three below
     kappa: float  # gamma 3/2 p psi_r
     sigma: float  # gamma 3/2 p (L_d - L_q)
     beta: float  # B / J
-
-
-class State(NamedTuple):
-    """Currents, electrical speed and angle; `theta_e` never wraps, `theta_rest` is its rounding."""
-
-    i_d: float
-    i_q: float
-    omega_e: float
-    theta_e: float
-    theta_rest: float
-    cos_theta: float
-    sin_theta: float
-
-
-@njit
-def place(i_d: float, i_q: float, omega_e: float, theta_e: float) -> State:
-    """Return the state with its direction derived from the angle."""
-    return State(i_d, i_q, omega_e, theta_e, 0.0, math.cos(theta_e), math.sin(theta_e))
 
 
 @njit
@@ -111,6 +98,7 @@ def machine_of(
     psi_r: float,
     J: float,
     B: float,
+    saturation: Saturation | None,
     harmonics: Harmonics | None,
     asymmetry: Asymmetry | None,
     cogging: Cogging | None,
@@ -122,6 +110,7 @@ def machine_of(
     neither."""
     closed = 0.0 if open_terminals else 1.0
     gamma = 0.0 if speed_held else p / J
+    inv_L_d, inv_L_q, rho_d, rho_q, k_d, k_q, epsilon = _electrical(saturation, closed, R_s, L_d, L_q, psi_r)
     return Machine(
         p,
         R_s,
@@ -130,22 +119,33 @@ def machine_of(
         psi_r,
         J,
         B,
+        saturation,
         harmonics,
         asymmetry,
         cogging,
         friction,
-        closed / L_d,
-        closed / L_q,
-        R_s / L_d,
-        R_s / L_q,
-        L_q / L_d,
-        L_d / L_q,
-        closed * psi_r / L_q,
+        inv_L_d,
+        inv_L_q,
+        rho_d,
+        rho_q,
+        k_d,
+        k_q,
+        epsilon,
         gamma,
         gamma * 1.5 * p * psi_r,
         gamma * 1.5 * p * (L_d - L_q),
         gamma * B / p,
     )
+
+
+@njit
+def _electrical(
+    saturation: Saturation | None, closed: float, R_s: float, L_d: float, L_q: float, psi_r: float
+) -> tuple[float, float, float, float, float, float, float]:
+    """Return `inv_L_d` to `epsilon` of a machine."""
+    if saturation is None:
+        return closed / L_d, closed / L_q, R_s / L_d, R_s / L_q, L_q / L_d, L_d / L_q, closed * psi_r / L_q
+    return closed, closed, closed * R_s, closed * R_s, closed, closed, 0.0
 
 
 @njit
@@ -160,6 +160,7 @@ def holding(m: Machine, speed: bool, currents: bool) -> Machine:
         m.psi_r,
         m.J,
         m.B,
+        m.saturation,
         m.harmonics,
         m.asymmetry,
         m.cogging,
@@ -170,9 +171,12 @@ def holding(m: Machine, speed: bool, currents: bool) -> Machine:
 
 
 @njit
-def fastest_rate(m: Machine) -> float:
-    """Return the sum of the machine's rates at standstill, 1/s: electrical, mechanical and coupled."""
-    inv_L = max(m.inv_L_d, m.inv_L_q)
+def fastest_rate(m: Machine, x: State) -> float:
+    """Return the sum of the machine's rates at standstill, 1/s: electrical, mechanical and coupled.
+
+    The state counts where the machine saturates: its inductances are those of its flux linkages.
+    """
+    inv_L = largest_inverse_inductance(m.saturation, m, x)
     psi = m.psi_r + linkage(m.harmonics)
     stiffness = 1.5 * m.p * psi * psi * inv_L + cogging_stiffness(m.cogging)
     friction = m.B / m.p + stribeck_slope(m.friction)
@@ -193,22 +197,88 @@ def turning_rate(m: Machine) -> float:
 
 
 @njit
-def inverse_inductance(theta_e: float, m: Machine) -> Symmetric:
-    """Return by what the rates of the currents change with the voltage at the terminals, in d/q, in 1/H."""
-    return through_asymmetry(m.asymmetry, theta_e, Symmetric(m.inv_L_d, 0.0, m.inv_L_q))
+def largest_inverse_inductance(saturation: Saturation | None, m: Machine, x: State) -> float:
+    """Return the largest inverse of the machine's inductances, in 1/H."""
+    if saturation is None:
+        return max(m.inv_L_d, m.inv_L_q)
+    y_d, y_q = electrical(x.flux, x)
+    return m.inv_L_d * largest(incremental(saturation, y_d, y_q))
 
 
 @njit
-def airgap_torque(i_d: float, i_q: float, theta_e: float, m: Machine) -> float:
-    """Return the electromagnetic torque in Nm, 3/2 p (psi_s x i_s), with the torque of the flux harmonics."""
-    torque = (m.psi_r + (m.L_d - m.L_q) * i_d) * i_q
+def _inverse_inductance(saturation: Saturation | None, m: Machine, y_d: float, y_q: float) -> Symmetric:
+    """Return by what the rates of the currents change with the voltage, in 1/H."""
+    if saturation is None:
+        return Symmetric(m.inv_L_d, 0.0, m.inv_L_q)
+    G = incremental(saturation, y_d, y_q)
+    return Symmetric(m.inv_L_d * G.dd, m.inv_L_d * G.dq, m.inv_L_d * G.qq)
+
+
+@njit
+def inverse_inductance(x: State, m: Machine) -> Symmetric:
+    """Return by what the rates of the currents change with the voltage at the terminals, in d/q, in 1/H."""
+    y_d, y_q = electrical(x.flux, x)
+    return through_asymmetry(m.asymmetry, x.theta_e, _inverse_inductance(m.saturation, m, y_d, y_q))
+
+
+@njit
+def current_rates(x: State, u_alpha: float, u_beta: float, m: Machine) -> tuple[float, float]:
+    """Return the rates of i_d and i_q under a stator voltage."""
+    y_d, y_q = electrical(x.flux, x)
+    v_d, v_q = scaled_voltage(x, u_alpha, u_beta, m)
+    dy_d, dy_q, _, _, _ = derivative(y_d, y_q, x.omega_e, x.theta_e, v_d, v_q, m, 0.0)
+    return _of_currents(m.saturation, y_d, y_q, dy_d, dy_q)
+
+
+@njit
+def _of_currents(
+    saturation: Saturation | None, y_d: float, y_q: float, dy_d: float, dy_q: float
+) -> tuple[float, float]:
+    if saturation is None:
+        return dy_d, dy_q
+    G = incremental(saturation, y_d, y_q)
+    return G.dd * dy_d + G.dq * dy_q, G.dq * dy_d + G.qq * dy_q
+
+
+@njit
+def open_circuit_voltage(x: State, m: Machine) -> tuple[float, float]:
+    """Return the voltage in d/q at which no current begins to flow."""
+    g_d, g_q = with_harmonic_slope(m.harmonics, 0.0, m.psi_r, x.theta_e)
+    return x.omega_e * g_d, x.omega_e * g_q
+
+
+@njit
+def airgap_torque(y_d: float, y_q: float, theta_e: float, m: Machine) -> float:
+    """Return the electromagnetic torque in Nm, 3/2 p (psi_s x i_s), with the torque of the flux harmonics.
+
+    `y_d` and `y_q` are the electrical states.
+    """
+    i_d, i_q = currents_of(m.saturation, y_d, y_q)
+    torque = _flux_cross_current(m.saturation, y_d, y_q, i_d, i_q, m.psi_r, m.L_d - m.L_q, 1.0)
     return 1.5 * m.p * with_harmonic_torque(m.harmonics, torque, i_d, i_q, theta_e, 1.0)
 
 
 @njit
-def derivative(
+def _flux_cross_current(
+    saturation: Saturation | None,
+    y_d: float,
+    y_q: float,
     i_d: float,
     i_q: float,
+    by_rotor: float,
+    by_saliency: float,
+    gain: float,
+) -> float:
+    """Return psi_s x i_s times a gain, which is within `by_rotor` and `by_saliency` without saturation."""
+    if saturation is None:
+        return (by_rotor + by_saliency * i_d) * i_q
+    return gain * (y_d * i_q - y_q * i_d)
+
+
+@njit
+def derivative(
+    y_d: float,
+    y_q: float,
     omega_e: float,
     theta_e: float,
     v_d: float,
@@ -217,25 +287,62 @@ def derivative(
     T_load: float,
     slide: float = 0.0,
 ) -> tuple[float, float, float, float, float]:
-    """Return the rates of i_d, i_q, omega_e, v_d and v_q, where v_d = u_d / L_d and v_q = u_q / L_q.
+    """Return the rates of y_d, y_q, omega_e, v_d and v_q, where v_d = u_d / L_d and v_q = u_q / L_q.
 
-    `slide` is the direction in which a shaft with dry friction slides; by default it sticks.
+    `y_d` and `y_q` are the electrical states. `slide` is the direction in which a shaft with dry friction
+    slides; by default it sticks.
     """
+    i_d, i_q = currents_of(m.saturation, y_d, y_q)
     along, across = omega_e * m.k_d, omega_e * m.k_q
-    di_d = (v_d + along * i_q) - m.rho_d * i_d
-    di_q = (v_q - across * i_d) - (m.rho_q * i_q + omega_e * m.epsilon)
-    di_d, di_q = with_harmonic_emf(m.harmonics, di_d, di_q, omega_e, theta_e, m.inv_L_d, m.inv_L_q)
-    G = Symmetric(m.inv_L_d, 0.0, m.inv_L_q)
-    di_d, di_q = with_asymmetry(m.asymmetry, di_d, di_q, i_d, i_q, omega_e, theta_e, G)
-    domega = _acceleration(i_d, i_q, omega_e, theta_e, m, T_load)
+    dy_d = (v_d + along * y_q) - m.rho_d * i_d
+    dy_q = (v_q - across * y_d) - (m.rho_q * i_q + omega_e * m.epsilon)
+    dy_d, dy_q = with_harmonic_emf(m.harmonics, dy_d, dy_q, omega_e, theta_e, m.inv_L_d, m.inv_L_q)
+    dy_d, dy_q = _in_series(m.asymmetry, dy_d, dy_q, y_d, y_q, i_d, i_q, omega_e, theta_e, m)
+    domega = _acceleration(y_d, y_q, omega_e, theta_e, m, T_load)
     domega = less_friction(m.friction, domega, omega_e, slide, m.gamma)
-    return di_d, di_q, domega, along * v_q, -(across * v_d)
+    return dy_d, dy_q, domega, along * v_q, -(across * v_d)
 
 
 @njit
-def _acceleration(i_d: float, i_q: float, omega_e: float, theta_e: float, m: Machine, T_load: float) -> float:
+def _in_series(
+    asymmetry: Asymmetry | None,
+    dy_d: float,
+    dy_q: float,
+    y_d: float,
+    y_q: float,
+    i_d: float,
+    i_q: float,
+    omega_e: float,
+    theta_e: float,
+    m: Machine,
+) -> tuple[float, float]:
+    """Return the rates of the electrical states with what is in series with the phases."""
+    if asymmetry is None:
+        return dy_d, dy_q
+    G = _inverse_inductance(m.saturation, m, y_d, y_q)
+    di_d, di_q = _of_currents(m.saturation, y_d, y_q, dy_d, dy_q)
+    di_d, di_q = with_asymmetry(asymmetry, di_d, di_q, i_d, i_q, omega_e, theta_e, G)
+    return _of_states(m.saturation, y_d, y_q, di_d, di_q)
+
+
+@njit
+def _of_states(
+    saturation: Saturation | None, y_d: float, y_q: float, di_d: float, di_q: float
+) -> tuple[float, float]:
+    """Return the rates of the electrical states for those of the currents."""
+    if saturation is None:
+        return di_d, di_q
+    G = incremental(saturation, y_d, y_q)
+    per = 1.0 / (G.dd * G.qq - G.dq * G.dq)
+    return (G.qq * di_d - G.dq * di_q) * per, (G.dd * di_q - G.dq * di_d) * per
+
+
+@njit
+def _acceleration(y_d: float, y_q: float, omega_e: float, theta_e: float, m: Machine, T_load: float) -> float:
     """Return the rate of omega_e without dry friction."""
-    domega = (m.kappa + m.sigma * i_d) * i_q - (m.beta * omega_e + m.gamma * T_load)
+    i_d, i_q = currents_of(m.saturation, y_d, y_q)
+    torque = _flux_cross_current(m.saturation, y_d, y_q, i_d, i_q, m.kappa, m.sigma, m.gamma * 1.5 * m.p)
+    domega = torque - (m.beta * omega_e + m.gamma * T_load)
     domega = with_harmonic_torque(m.harmonics, domega, i_d, i_q, theta_e, m.gamma * 1.5 * m.p)
     return less_cogging(m.cogging, domega, theta_e, m.gamma)
 
@@ -251,17 +358,18 @@ def scaled_voltage(x: State, u_alpha: float, u_beta: float, m: Machine) -> tuple
 @njit
 def step(x: State, u_alpha: float, u_beta: float, h: float, m: Machine, T_load: float) -> State:
     """Return one Runge-Kutta step of `h` seconds under the constant voltage (u_alpha, u_beta)."""
-    i_d, i_q, w, theta = x.i_d, x.i_q, x.omega_e, x.theta_e
+    w, theta = x.omega_e, x.theta_e
+    y_d, y_q = electrical(x.flux, x)
     v_d, v_q = scaled_voltage(x, u_alpha, u_beta, m)
     half = 0.5 * h
-    slide = sliding(m.friction, w, _acceleration(i_d, i_q, w, theta, m, T_load), m.gamma)
+    slide = sliding(m.friction, w, _acceleration(y_d, y_q, w, theta, m, T_load), m.gamma)
 
-    a_d, a_q, a_w, a_vd, a_vq = derivative(i_d, i_q, w, theta, v_d, v_q, m, T_load, slide)
+    a_d, a_q, a_w, a_vd, a_vq = derivative(y_d, y_q, w, theta, v_d, v_q, m, T_load, slide)
 
     w2 = w + half * a_w
     b_d, b_q, b_w, b_vd, b_vq = derivative(
-        i_d + half * a_d,
-        i_q + half * a_q,
+        y_d + half * a_d,
+        y_q + half * a_q,
         w2,
         theta + half * w,
         v_d + half * a_vd,
@@ -273,8 +381,8 @@ def step(x: State, u_alpha: float, u_beta: float, h: float, m: Machine, T_load: 
 
     w3 = w + half * b_w
     c_d, c_q, c_w, c_vd, c_vq = derivative(
-        i_d + half * b_d,
-        i_q + half * b_q,
+        y_d + half * b_d,
+        y_q + half * b_q,
         w3,
         theta + half * w2,
         v_d + half * b_vd,
@@ -286,16 +394,17 @@ def step(x: State, u_alpha: float, u_beta: float, h: float, m: Machine, T_load: 
 
     w4 = w + h * c_w
     d_d, d_q, d_w, _, _ = derivative(
-        i_d + h * c_d, i_q + h * c_q, w4, theta + h * w3, v_d + h * c_vd, v_q + h * c_vq, m, T_load, slide
+        y_d + h * c_d, y_q + h * c_q, w4, theta + h * w3, v_d + h * c_vd, v_q + h * c_vq, m, T_load, slide
     )
 
     sixth = h * (1.0 / 6.0)
     turn = sixth * (w + 2.0 * (w2 + w3) + w4)
     cos_theta, sin_theta = rotate(x.cos_theta, x.sin_theta, turn)
     theta, theta_rest = added(x.theta_e, x.theta_rest, turn)
-    return State(
-        i_d + sixth * (a_d + 2.0 * (b_d + c_d) + d_d),
-        i_q + sixth * (a_q + 2.0 * (b_q + c_q) + d_q),
+    return state_at(
+        m.saturation,
+        y_d + sixth * (a_d + 2.0 * (b_d + c_d) + d_d),
+        y_q + sixth * (a_q + 2.0 * (b_q + c_q) + d_q),
         w + sixth * (a_w + 2.0 * (b_w + c_w) + d_w),
         theta,
         theta_rest,
@@ -312,7 +421,7 @@ def move(x: State, u_alpha: float, u_beta: float, h: float, m: Machine, T_load: 
     if part < 1.0:
         h = part * h
         y = step(x, u_alpha, u_beta, h, m, T_load)
-        after = State(y.i_d, y.i_q, 0.0, y.theta_e, y.theta_rest, y.cos_theta, y.sin_theta)
+        after = State(y.i_d, y.i_q, 0.0, y.theta_e, y.theta_rest, y.cos_theta, y.sin_theta, y.flux)
     return after, h
 
 
@@ -329,7 +438,7 @@ def advance(
     x: State, u_alpha: float, u_beta: float, duration: float, turn: float, m: Machine, T_load: float
 ) -> State:
     """Integrate over `duration` seconds, in steps of at most `turn` rad of the fastest process."""
-    at_rest, moving = fastest_rate(m), turning_rate(m)
+    at_rest, moving = fastest_rate(m, x), turning_rate(m)
     remaining, rest = duration, 0.0
     while remaining > 0.0:
         h = substep(remaining, at_rest + moving * abs(x.omega_e), turn)

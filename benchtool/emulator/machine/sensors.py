@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from benchtool.emulator.jit import njit
 from benchtool.emulator.machine.inverter import phase_currents
-from benchtool.emulator.machine.plant import State
+from benchtool.emulator.machine.state import State
 
 
 class Sensing(NamedTuple):

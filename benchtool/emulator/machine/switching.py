@@ -23,7 +23,8 @@ from benchtool.emulator.machine.inverter import (
     quantised,
     rising_edge,
 )
-from benchtool.emulator.machine.plant import Machine, State, move, substep
+from benchtool.emulator.machine.plant import Machine, largest_inverse_inductance, move, substep
+from benchtool.emulator.machine.state import State
 from benchtool.emulator.machine.transducer import sample
 
 # rad of the fastest process in one step: fourth order leaves less than 1e-8 of it
@@ -247,7 +248,7 @@ def _with_dead_time(
     leg_a = Leg(rise[0], fall[0], shaft.high_a != 0, shaft.blank_a)
     leg_b = Leg(rise[1], fall[1], shaft.high_b != 0, shaft.blank_b)
     leg_c = Leg(rise[2], fall[2], shaft.high_c != 0, shaft.blank_c)
-    inv_L = max(machine.inv_L_d, machine.inv_L_q)
+    inv_L = largest_inverse_inductance(machine.saturation, machine, x)
     small = 2.0 * dead_time.duration * inv_L * (shaft.u_dc + machine.psi_r * abs(x.omega_e))
     charge, time = 0.0, 0.0
     while time < stage.T_s:

@@ -1,7 +1,7 @@
 """A torque transducer on the bench, not part of the drive: the machine's true air-gap torque, oversampled.
 
-Between the ends of an integration step the currents are cubic Hermite polynomials through their values and
-rates, which is of fourth order like the step itself, so that sampling costs no further steps.
+Between the ends of an integration step the electrical states are cubic Hermite polynomials through their
+values and rates, which is of fourth order like the step itself, so that sampling costs no further steps.
 """
 
 from __future__ import annotations
@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 
 from benchtool.block import Block, Channel
 from benchtool.emulator.jit import njit
-from benchtool.emulator.machine.plant import Machine, State, airgap_torque, derivative, scaled_voltage
+from benchtool.emulator.machine.plant import Machine, airgap_torque, derivative, scaled_voltage
+from benchtool.emulator.machine.state import State, electrical
 from benchtool.emulator.memory import Record, record_type
 from benchtool.errors import ValueRefused
 
@@ -48,6 +49,8 @@ def sample(
     """Take the samples due within a step that started `time` seconds into the PWM period and took `h`."""
     if transducer.recording == 0 or transducer.next_sample * transducer.spacing >= time + h:
         return
+    d0, q0 = electrical(before.flux, before)
+    d1, q1 = electrical(after.flux, after)
     p0 = _rates(before, u_alpha, u_beta, machine, T_load)
     p1 = _rates(after, u_alpha, u_beta, machine, T_load)
     while transducer.next_sample < transducer.samples_per_tick:
@@ -55,10 +58,10 @@ def sample(
         if due >= time + h or transducer.filled >= torque.size:
             return
         s = (due - time) / h
-        i_d = _hermite(s, h, before.i_d, after.i_d, p0[0], p1[0])
-        i_q = _hermite(s, h, before.i_q, after.i_q, p0[1], p1[1])
+        y_d = _hermite(s, h, d0, d1, p0[0], p1[0])
+        y_q = _hermite(s, h, q0, q1, p0[1], p1[1])
         theta_e = _hermite(s, h, before.theta_e, after.theta_e, before.omega_e, after.omega_e)
-        torque[transducer.filled] = airgap_torque(i_d, i_q, theta_e, machine)
+        torque[transducer.filled] = airgap_torque(y_d, y_q, theta_e, machine)
         transducer.filled += 1
         transducer.next_sample += 1
 
@@ -68,7 +71,8 @@ def _rates(
     x: State, u_alpha: float, u_beta: float, machine: Machine, T_load: float
 ) -> tuple[float, float, float, float, float]:
     v_d, v_q = scaled_voltage(x, u_alpha, u_beta, machine)
-    return derivative(x.i_d, x.i_q, x.omega_e, x.theta_e, v_d, v_q, machine, T_load)
+    y_d, y_q = electrical(x.flux, x)
+    return derivative(y_d, y_q, x.omega_e, x.theta_e, v_d, v_q, machine, T_load)
 
 
 @njit

@@ -10,6 +10,7 @@ from benchtool.emulator.machine.dc_link import DcLink
 from benchtool.emulator.machine.harmonics import Harmonics, Unbalance
 from benchtool.emulator.machine.inverter import DeadTime, Devices, PowerStage, Timer
 from benchtool.emulator.machine.plant import Machine, machine_of
+from benchtool.emulator.machine.saturation import Saturation, SaturationTruth
 from benchtool.emulator.machine.sensors import Sensing
 from benchtool.emulator.machine.shaft import Cogging, Friction, Stribeck
 from benchtool.errors import ValueRefused
@@ -50,6 +51,7 @@ class MotorTruth:
     psi_of_phase: tuple[float, float, float] = (1.0, 1.0, 1.0)
     series_R_ohm: tuple[float, float, float] = (0.0, 0.0, 0.0)
     series_L_H: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    saturation: SaturationTruth | None = None
 
     def __post_init__(self) -> None:
         positive(pole_pairs=self.pole_pairs, L_d_H=self.L_d_H, L_q_H=self.L_q_H, J_kgm2=self.J_kgm2)
@@ -80,14 +82,16 @@ class MotorTruth:
     def machine(self, speed_held: bool = False, devices_ohm: float = 0.0) -> Machine:
         """Return the coefficients of the differential equations, with devices of this resistance in each
         phase."""
+        psi_r = self.psi_r_Wb * sequences(*self.psi_of_phase)[0]
         return machine_of(
             float(self.pole_pairs),
             self.R_s_ohm + devices_ohm,
             self.L_d_H,
             self.L_q_H,
-            self.psi_r_Wb * sequences(*self.psi_of_phase)[0],
+            psi_r,
             self.J_kgm2,
             self.friction_Nms,
+            self._saturation(psi_r),
             self._harmonics(),
             self._asymmetry(),
             self._cogging(),
@@ -95,6 +99,11 @@ class MotorTruth:
             speed_held,
             False,
         )
+
+    def _saturation(self, psi_r_Wb: float) -> Saturation | None:
+        if self.saturation is None:
+            return None
+        return self.saturation.coefficients(self.L_d_H, self.L_q_H, psi_r_Wb)
 
     def _harmonics(self) -> Harmonics | None:
         orders = (self.psi_5_Wb, self.psi_7_Wb, self.psi_11_Wb, self.psi_13_Wb)

@@ -1,0 +1,78 @@
+"""The machine's state, and its electrical states: currents, or flux linkages where it saturates."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from benchtool.emulator.jit import njit
+from benchtool.emulator.machine.saturation import Flux, Saturation, currents_of, flux_at
+
+
+class State(NamedTuple):
+    """Currents, electrical speed and angle; `theta_e` never wraps, `theta_rest` is its rounding.
+
+    A machine that saturates has flux linkages, which its currents follow from.
+    """
+
+    i_d: float
+    i_q: float
+    omega_e: float
+    theta_e: float
+    theta_rest: float
+    cos_theta: float
+    sin_theta: float
+    flux: Flux | None
+
+
+@njit
+def place(i_d: float, i_q: float, omega_e: float, theta_e: float, flux: Flux | None = None) -> State:
+    """Return the state with its direction derived from the angle."""
+    return State(i_d, i_q, omega_e, theta_e, 0.0, math.cos(theta_e), math.sin(theta_e), flux)
+
+
+@njit
+def electrical(flux: Flux | None, x: State) -> tuple[float, float]:
+    """Return the electrical states of `x`, whose flux linkages are `flux`."""
+    if flux is None:
+        return x.i_d, x.i_q
+    return flux.psi_d, flux.psi_q
+
+
+@njit
+def state_at(
+    saturation: Saturation | None,
+    y_d: float,
+    y_q: float,
+    omega_e: float,
+    theta_e: float,
+    theta_rest: float,
+    cos_theta: float,
+    sin_theta: float,
+) -> State:
+    """Return the state with these electrical states."""
+    i_d, i_q = currents_of(saturation, y_d, y_q)
+    flux = _flux_linkages(saturation, y_d, y_q)
+    return State(i_d, i_q, omega_e, theta_e, theta_rest, cos_theta, sin_theta, flux)
+
+
+@njit
+def _flux_linkages(saturation: Saturation | None, psi_d: float, psi_q: float) -> Flux | None:
+    if saturation is None:
+        return None
+    return Flux(psi_d, psi_q)
+
+
+@njit
+def with_currents(saturation: Saturation | None, x: State, i_d: float, i_q: float) -> State:
+    """Return the state with these currents instead of its own."""
+    flux = flux_of(saturation, i_d, i_q, x.flux)
+    return State(i_d, i_q, x.omega_e, x.theta_e, x.theta_rest, x.cos_theta, x.sin_theta, flux)
+
+
+@njit
+def flux_of(saturation: Saturation | None, i_d: float, i_q: float, guess: Flux | None) -> Flux | None:
+    """Return the flux linkages of these currents, where the machine saturates."""
+    if saturation is None:
+        return None
+    return flux_at(saturation, i_d, i_q, guess)
