@@ -13,6 +13,7 @@ from benchtool.emulator.control.protection import Trip
 from benchtool.emulator.core.capture_memory import CaptureRecorder
 from benchtool.emulator.core.kernel import Truth, kernel_of
 from benchtool.emulator.core.stream_ring import StreamRecorder
+from benchtool.emulator.machine.accounts import NAMES
 from benchtool.emulator.machine.bounds import require_computable, runaway
 from benchtool.emulator.machine.sensors import Noise
 from benchtool.emulator.machine.transducer import Transducer
@@ -97,6 +98,11 @@ class Core:
         """
         self.inverter = replace(self.inverter, u_dc_V=u_dc_V)
         self._truth = self._truth._replace(stage=self.inverter.power_stage(self.control_period_s))
+
+    def energies_J(self) -> dict[str, float]:
+        """Return the energy accounts since power-up in J, by their names; zeros where none are kept."""
+        record = self.transducer.record[0]
+        return {name: float(record[f"E_{name}"]) for name in NAMES}
 
     def turn_rotor(self, theta_e_rad: float) -> None:
         """Set the rotor to an electrical angle."""

@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from benchtool.emulator.jit import njit
+from benchtool.emulator.jit import called, njit
 
 
 class Symmetric(NamedTuple):
@@ -59,13 +59,27 @@ def with_asymmetry(
     """
     if asymmetry is None:
         return di_d, di_q
+    return _with_series(asymmetry, di_d, di_q, i_d, i_q, omega_e, theta_e, G)
+
+
+@called
+def _with_series(
+    asymmetry: Asymmetry,
+    di_d: float,
+    di_q: float,
+    i_d: float,
+    i_q: float,
+    omega_e: float,
+    theta_e: float,
+    G: Symmetric,
+) -> tuple[float, float]:
     R, L = _in_rotor_frame(asymmetry, theta_e)
     u_d = R.dd * i_d + R.dq * i_q + omega_e * (L.dq * i_d - L.dd * i_q)
     u_q = R.dq * i_d + R.qq * i_q + omega_e * (L.qq * i_d - L.dq * i_q)
     return _solved(G, L, di_d - G.dd * u_d - G.dq * u_q, di_q - G.dq * u_d - G.qq * u_q)
 
 
-@njit
+@called
 def through_asymmetry(asymmetry: Asymmetry | None, theta_e: float, G: Symmetric) -> Symmetric:
     """Return the inverse inductance between the terminals and a machine of inverse inductance `G`."""
     if asymmetry is None:
@@ -109,3 +123,21 @@ def series_resistance(asymmetry: Asymmetry | None) -> float:
 def asymmetric_turning(asymmetry: Asymmetry | None) -> float:
     """Return the periods of the asymmetry in an electrical one."""
     return 0.0 if asymmetry is None else 2.0
+
+
+@njit
+def loss_in_series(asymmetry: Asymmetry | None, i_d: float, i_q: float, theta_e: float) -> float:
+    """Return the power that is lost in series with the phases, in W."""
+    if asymmetry is None:
+        return 0.0
+    R, _ = _in_rotor_frame(asymmetry, theta_e)
+    return 1.5 * (R.dd * i_d * i_d + 2.0 * R.dq * i_d * i_q + R.qq * i_q * i_q)
+
+
+@njit
+def leakage_energy(asymmetry: Asymmetry | None, i_d: float, i_q: float, theta_e: float) -> float:
+    """Return the energy that is stored in series with the phases, in J."""
+    if asymmetry is None:
+        return 0.0
+    _, L = _in_rotor_frame(asymmetry, theta_e)
+    return 0.75 * (L.dd * i_d * i_d + 2.0 * L.dq * i_d * i_q + L.qq * i_q * i_q)

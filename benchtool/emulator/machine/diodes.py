@@ -16,9 +16,17 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.emulator.jit import njit, separately
+from benchtool.emulator.jit import called, njit, separately
+from benchtool.emulator.machine.accounts import Rails, account, finer
 from benchtool.emulator.machine.harmonics import linkage
-from benchtool.emulator.machine.inverter import SQRT3, PowerStage, clarke, forward_voltage, phase_currents
+from benchtool.emulator.machine.inverter import (
+    SQRT3,
+    Accounts,
+    PowerStage,
+    clarke,
+    forward_voltage,
+    phase_currents,
+)
 from benchtool.emulator.machine.plant import (
     Machine,
     advance,
@@ -107,7 +115,15 @@ def integrate_conduction(
         _window(mode_c, u_dc, drop),
     )
     all_off = mode_a == OFF and mode_b == OFF and mode_c == OFF
-    short = stage.T_s / _PARTS
+    rails = Rails(
+        u_dc if mode_a == HIGH else 0.0,
+        u_dc if mode_b == HIGH else 0.0,
+        u_dc if mode_c == HIGH else 0.0,
+        mode_a == OFF,
+        mode_b == OFF,
+        mode_c == OFF,
+    )
+    short = finer(stage.accounts, stage.T_s / _PARTS, 0.15)
     charge = 0.0
     while time < end:
         v = _potentials(x, leg_a, leg_b, leg_c, machine)
@@ -116,16 +132,18 @@ def integrate_conduction(
         if silent:
             open_machine = holding(machine, False, True)
             if all_off and _below(x, leg_a.high - leg_a.low, machine):
-                x = advance(x, 0.0, 0.0, end - time, _TURN, open_machine, T_load)
+                x = _coast(stage.accounts, x, end - time, open_machine, T_load, transducer)
                 sample(time, end - time, before, x, 0.0, 0.0, open_machine, T_load, transducer, torque)
                 return x, charge
             x, h = move(x, 0.0, 0.0, min(short, end - time), open_machine, T_load)
             sample(time, h, before, x, 0.0, 0.0, open_machine, T_load, transducer, torque)
+            account(stage.accounts, h, before, x, 0.0, 0.0, u_dc, rails, open_machine, T_load, transducer)
         else:
             u_alpha, u_beta = clarke(v.a, v.b, v.c)
-            h = substep(end - time, rate, _TURN)
+            h = substep(end - time, rate, finer(stage.accounts, _TURN, 0.4))
             if v.floats_a or v.floats_b or v.floats_c:
                 h = min(short, h)
+                u_alpha, u_beta = _holding_zero(x, v, u_alpha, u_beta, h, machine, T_load)
             x, h = move(x, u_alpha, u_beta, h, machine, T_load)
             phase = _first_to_end(before, x, leg_a, leg_b, leg_c)
             if phase != NONE:
@@ -139,10 +157,36 @@ def integrate_conduction(
                 x, v.floats_a or phase == 0, v.floats_b or phase == 1, v.floats_c or phase == 2, machine
             )
             sample(time, h, before, x, u_alpha, u_beta, machine, T_load, transducer, torque)
+            account(stage.accounts, h, before, x, u_alpha, u_beta, u_dc, rails, machine, T_load, transducer)
             drawn = _drawn(before, mode_a, mode_b, mode_c) + _drawn(x, mode_a, mode_b, mode_c)
             charge += 0.5 * h * drawn
         time = time + h if h < end - time else end
     return x, charge
+
+
+@njit
+def _coast(
+    accounts: Accounts | None, x: State, duration: float, machine: Machine, T_load: float, record: Any
+) -> State:
+    """Integrate without any current; accounts are kept step by step."""
+    if accounts is None:
+        return advance(x, 0.0, 0.0, duration, _TURN, machine, T_load)
+    return _coast_by_steps(accounts, x, duration, machine, T_load, record)
+
+
+@called
+def _coast_by_steps(
+    accounts: Accounts, x: State, duration: float, machine: Machine, T_load: float, record: Any
+) -> State:
+    rate = fastest_rate(machine, x) + turning_rate(machine) * abs(x.omega_e)
+    rails = Rails(0.0, 0.0, 0.0, True, True, True)
+    remaining = duration
+    while remaining > 0.0:
+        before = x
+        x, h = move(x, 0.0, 0.0, substep(remaining, rate, finer(accounts, _TURN, 0.4)), machine, T_load)
+        account(accounts, h, before, x, 0.0, 0.0, 0.0, rails, machine, T_load, record)
+        remaining = remaining - h if h < remaining else 0.0
+    return x
 
 
 @njit
@@ -221,6 +265,25 @@ def _floating(
     if v <= leg.low:
         return leg.low, False
     return v, True
+
+
+@called
+def _holding_zero(
+    x: State, v: Potentials, u_alpha: float, u_beta: float, h: float, machine: Machine, T_load: float
+) -> tuple[float, float]:
+    """Return the voltage (alpha, beta) with the leg that floats at the potential that has it without current
+    after a step of `h` seconds, from the one at which it has none at first."""
+    phase, n_alpha, n_beta = 2, -0.5, -0.5 * SQRT3
+    if v.floats_a:
+        phase, n_alpha, n_beta = 0, 1.0, 0.0
+    elif v.floats_b:
+        phase, n_alpha, n_beta = 1, -0.5, 0.5 * SQRT3
+    off = _current(step(x, u_alpha, u_beta, h, machine, T_load), phase)
+    n_d = n_alpha * x.cos_theta + n_beta * x.sin_theta
+    n_q = n_beta * x.cos_theta - n_alpha * x.sin_theta
+    G = inverse_inductance(x, machine)
+    u = off / (h * (n_d * n_d * G.dd + 2.0 * n_d * n_q * G.dq + n_q * n_q * G.qq))
+    return u_alpha - u * n_alpha, u_beta - u * n_beta
 
 
 @njit

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from benchtool.emulator.jit import njit
+from benchtool.emulator.jit import called, njit
 
 
 class Unbalance(NamedTuple):
@@ -34,62 +34,63 @@ class Harmonics(NamedTuple):
 @njit
 def with_harmonic_emf(
     harmonics: Harmonics | None,
-    di_d: float,
-    di_q: float,
+    dy_d: float,
+    dy_q: float,
     omega_e: float,
-    theta_e: float,
+    g_d: float,
+    g_q: float,
     inv_L_d: float,
     inv_L_q: float,
 ) -> tuple[float, float]:
-    """Return the rates of the currents, with the harmonics' EMF."""
+    """Return the rates of the currents, with the EMF of harmonics of this slope."""
     if harmonics is None:
-        return di_d, di_q
-    g_d, g_q = flux_slope(harmonics, theta_e)
-    return di_d - omega_e * g_d * inv_L_d, di_q - omega_e * g_q * inv_L_q
+        return dy_d, dy_q
+    return dy_d - omega_e * g_d * inv_L_d, dy_q - omega_e * g_q * inv_L_q
 
 
 @njit
 def with_harmonic_torque(
-    harmonics: Harmonics | None, torque: float, i_d: float, i_q: float, theta_e: float, per_flux: float
+    harmonics: Harmonics | None,
+    torque: float,
+    i_d: float,
+    i_q: float,
+    g_d: float,
+    g_q: float,
+    per_flux: float,
 ) -> float:
-    """Return the torque, or what is proportional to it, with that of the harmonics; `per_flux` is its gain,
-    3/2 p."""
+    """Return the torque, or what is proportional to it, with that of harmonics of this slope; `per_flux` is
+    its gain, 3/2 p."""
     if harmonics is None:
         return torque
-    g_d, g_q = flux_slope(harmonics, theta_e)
     return torque + per_flux * (g_d * i_d + g_q * i_q)
 
 
 @njit
-def with_harmonic_slope(
-    harmonics: Harmonics | None, g_d: float, g_q: float, theta_e: float
-) -> tuple[float, float]:
-    """Return the slope of the rotor flux over theta_e, in d/q, with that of the harmonics."""
-    if harmonics is None:
-        return g_d, g_q
-    h_d, h_q = flux_slope(harmonics, theta_e)
-    return g_d + h_d, g_q + h_q
-
-
-@njit
-def flux_slope(harmonics: Harmonics, theta_e: float) -> tuple[float, float]:
+def flux_slope(harmonics: Harmonics | None, theta_e: float) -> tuple[float, float]:
     """Return the change of the harmonics' flux with theta_e, in d/q, in Wb/rad."""
-    s_6, c_6 = math.sin(6.0 * theta_e), math.cos(6.0 * theta_e)
-    s_12, c_12 = 2.0 * s_6 * c_6, 1.0 - 2.0 * s_6 * s_6
+    return (0.0, 0.0) if harmonics is None else _slope(harmonics, theta_e)
+
+
+@called
+def _slope(harmonics: Harmonics, theta_e: float) -> tuple[float, float]:
+    c, s = math.cos(theta_e), math.sin(theta_e)
+    c_2, s_2 = c * c - s * s, 2.0 * s * c
+    c_4, s_4 = c_2 * c_2 - s_2 * s_2, 2.0 * s_2 * c_2
+    c_6, s_6 = c_4 * c_2 - s_4 * s_2, s_4 * c_2 + c_4 * s_2
+    c_12, s_12 = c_6 * c_6 - s_6 * s_6, 2.0 * s_6 * c_6
     back_5, back_11 = 5.0 * harmonics.psi_5, 11.0 * harmonics.psi_11
     forth_7, forth_13 = 7.0 * harmonics.psi_7, 13.0 * harmonics.psi_13
     g_d = -(back_5 + forth_7) * s_6 - (back_11 + forth_13) * s_12
     g_q = (forth_7 - back_5) * c_6 + (forth_13 - back_11) * c_12
-    return _with_unbalance(harmonics.unbalance, g_d, g_q, theta_e)
+    return _with_unbalance(harmonics.unbalance, g_d, g_q, c_2, s_2)
 
 
 @njit
 def _with_unbalance(
-    unbalance: Unbalance | None, g_d: float, g_q: float, theta_e: float
+    unbalance: Unbalance | None, g_d: float, g_q: float, c_2: float, s_2: float
 ) -> tuple[float, float]:
     if unbalance is None:
         return g_d, g_q
-    s_2, c_2 = math.sin(2.0 * theta_e), math.cos(2.0 * theta_e)
     g_d += unbalance.psi_beta * c_2 - unbalance.psi_alpha * s_2
     g_q -= unbalance.psi_beta * s_2 + unbalance.psi_alpha * c_2
     return g_d, g_q

@@ -38,6 +38,13 @@ class Devices(NamedTuple):
     drop: float
 
 
+class Accounts(NamedTuple):
+    """What energy accounts need of the devices: their resistance, a part of the machine's, and their drop."""
+
+    R_devices: float
+    drop: float
+
+
 class PowerStage(NamedTuple):
     """True coefficients; `u_dc` is the voltage behind the dc link's resistance `R_dc`.
 
@@ -48,6 +55,7 @@ class PowerStage(NamedTuple):
     u_dc: float
     R_dc: float
     metered: bool
+    accounts: Accounts | None
     dead_time: DeadTime | None
     timer: Timer | None
     devices: Devices | None

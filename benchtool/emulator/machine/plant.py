@@ -20,7 +20,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from benchtool.emulator.jit import njit
+from benchtool.emulator.jit import called, njit
 from benchtool.emulator.machine.asymmetry import (
     Asymmetry,
     Symmetric,
@@ -31,10 +31,10 @@ from benchtool.emulator.machine.asymmetry import (
 )
 from benchtool.emulator.machine.harmonics import (
     Harmonics,
+    flux_slope,
     harmonic_turning,
     linkage,
     with_harmonic_emf,
-    with_harmonic_slope,
     with_harmonic_torque,
 )
 from benchtool.emulator.machine.saturation import Saturation, currents_of, incremental, largest
@@ -205,7 +205,7 @@ def largest_inverse_inductance(saturation: Saturation | None, m: Machine, x: Sta
     return m.inv_L_d * largest(incremental(saturation, y_d, y_q))
 
 
-@njit
+@called
 def _inverse_inductance(saturation: Saturation | None, m: Machine, y_d: float, y_q: float) -> Symmetric:
     """Return by what the rates of the currents change with the voltage, in 1/H."""
     if saturation is None:
@@ -214,14 +214,14 @@ def _inverse_inductance(saturation: Saturation | None, m: Machine, y_d: float, y
     return Symmetric(m.inv_L_d * G.dd, m.inv_L_d * G.dq, m.inv_L_d * G.qq)
 
 
-@njit
+@called
 def inverse_inductance(x: State, m: Machine) -> Symmetric:
     """Return by what the rates of the currents change with the voltage at the terminals, in d/q, in 1/H."""
     y_d, y_q = electrical(x.flux, x)
     return through_asymmetry(m.asymmetry, x.theta_e, _inverse_inductance(m.saturation, m, y_d, y_q))
 
 
-@njit
+@called
 def current_rates(x: State, u_alpha: float, u_beta: float, m: Machine) -> tuple[float, float]:
     """Return the rates of i_d and i_q under a stator voltage."""
     y_d, y_q = electrical(x.flux, x)
@@ -240,11 +240,11 @@ def _of_currents(
     return G.dd * dy_d + G.dq * dy_q, G.dq * dy_d + G.qq * dy_q
 
 
-@njit
+@called
 def open_circuit_voltage(x: State, m: Machine) -> tuple[float, float]:
     """Return the voltage in d/q at which no current begins to flow."""
-    g_d, g_q = with_harmonic_slope(m.harmonics, 0.0, m.psi_r, x.theta_e)
-    return x.omega_e * g_d, x.omega_e * g_q
+    g_d, g_q = flux_slope(m.harmonics, x.theta_e)
+    return x.omega_e * g_d, x.omega_e * (m.psi_r + g_q)
 
 
 @njit
@@ -255,7 +255,8 @@ def airgap_torque(y_d: float, y_q: float, theta_e: float, m: Machine) -> float:
     """
     i_d, i_q = currents_of(m.saturation, y_d, y_q)
     torque = _flux_cross_current(m.saturation, y_d, y_q, i_d, i_q, m.psi_r, m.L_d - m.L_q, 1.0)
-    return 1.5 * m.p * with_harmonic_torque(m.harmonics, torque, i_d, i_q, theta_e, 1.0)
+    g_d, g_q = flux_slope(m.harmonics, theta_e)
+    return 1.5 * m.p * with_harmonic_torque(m.harmonics, torque, i_d, i_q, g_d, g_q, 1.0)
 
 
 @njit
@@ -296,9 +297,10 @@ def derivative(
     along, across = omega_e * m.k_d, omega_e * m.k_q
     dy_d = (v_d + along * y_q) - m.rho_d * i_d
     dy_q = (v_q - across * y_d) - (m.rho_q * i_q + omega_e * m.epsilon)
-    dy_d, dy_q = with_harmonic_emf(m.harmonics, dy_d, dy_q, omega_e, theta_e, m.inv_L_d, m.inv_L_q)
+    g_d, g_q = flux_slope(m.harmonics, theta_e)
+    dy_d, dy_q = with_harmonic_emf(m.harmonics, dy_d, dy_q, omega_e, g_d, g_q, m.inv_L_d, m.inv_L_q)
     dy_d, dy_q = _in_series(m.asymmetry, dy_d, dy_q, y_d, y_q, i_d, i_q, omega_e, theta_e, m)
-    domega = _acceleration(y_d, y_q, omega_e, theta_e, m, T_load)
+    domega = _acceleration(y_d, y_q, i_d, i_q, omega_e, theta_e, g_d, g_q, m, T_load)
     domega = less_friction(m.friction, domega, omega_e, slide, m.gamma)
     return dy_d, dy_q, domega, along * v_q, -(across * v_d)
 
@@ -338,12 +340,22 @@ def _of_states(
 
 
 @njit
-def _acceleration(y_d: float, y_q: float, omega_e: float, theta_e: float, m: Machine, T_load: float) -> float:
+def _acceleration(
+    y_d: float,
+    y_q: float,
+    i_d: float,
+    i_q: float,
+    omega_e: float,
+    theta_e: float,
+    g_d: float,
+    g_q: float,
+    m: Machine,
+    T_load: float,
+) -> float:
     """Return the rate of omega_e without dry friction."""
-    i_d, i_q = currents_of(m.saturation, y_d, y_q)
     torque = _flux_cross_current(m.saturation, y_d, y_q, i_d, i_q, m.kappa, m.sigma, m.gamma * 1.5 * m.p)
     domega = torque - (m.beta * omega_e + m.gamma * T_load)
-    domega = with_harmonic_torque(m.harmonics, domega, i_d, i_q, theta_e, m.gamma * 1.5 * m.p)
+    domega = with_harmonic_torque(m.harmonics, domega, i_d, i_q, g_d, g_q, m.gamma * 1.5 * m.p)
     return less_cogging(m.cogging, domega, theta_e, m.gamma)
 
 
@@ -356,13 +368,24 @@ def scaled_voltage(x: State, u_alpha: float, u_beta: float, m: Machine) -> tuple
 
 
 @njit
+def sliding_of(friction: Friction | None, x: State, m: Machine, T_load: float) -> float:
+    """Return the direction in which the shaft slides, 1 or -1, and 0 while it sticks or has no friction."""
+    if friction is None:
+        return 0.0
+    y_d, y_q = electrical(x.flux, x)
+    g_d, g_q = flux_slope(m.harmonics, x.theta_e)
+    domega = _acceleration(y_d, y_q, x.i_d, x.i_q, x.omega_e, x.theta_e, g_d, g_q, m, T_load)
+    return sliding(friction, x.omega_e, domega, m.gamma)
+
+
+@njit
 def step(x: State, u_alpha: float, u_beta: float, h: float, m: Machine, T_load: float) -> State:
     """Return one Runge-Kutta step of `h` seconds under the constant voltage (u_alpha, u_beta)."""
     w, theta = x.omega_e, x.theta_e
     y_d, y_q = electrical(x.flux, x)
     v_d, v_q = scaled_voltage(x, u_alpha, u_beta, m)
     half = 0.5 * h
-    slide = sliding(m.friction, w, _acceleration(y_d, y_q, w, theta, m, T_load), m.gamma)
+    slide = sliding_of(m.friction, x, m, T_load)
 
     a_d, a_q, a_w, a_vd, a_vq = derivative(y_d, y_q, w, theta, v_d, v_q, m, T_load, slide)
 

@@ -17,7 +17,7 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from benchtool.emulator.jit import njit
+from benchtool.emulator.jit import called, njit
 from benchtool.emulator.machine.asymmetry import Symmetric
 from benchtool.errors import ValueRefused
 
@@ -49,16 +49,20 @@ class Saturation(NamedTuple):
 @njit
 def currents_of(saturation: Saturation | None, y_d: float, y_q: float) -> tuple[float, float]:
     """Return the currents of these states: of flux linkages, or the states themselves without saturation."""
-    if saturation is None:
-        return y_d, y_q
-    d, q = abs(y_d), abs(y_q)
-    cross = saturation.a_dq * _power(d, saturation.U) * _power(q, saturation.V)
-    per_d = saturation.a_d0 + saturation.a_dd * _power(d, saturation.S) + cross * q * q / (saturation.V + 2)
-    per_q = saturation.a_q0 + saturation.a_qq * _power(q, saturation.T) + cross * d * d / (saturation.U + 2)
-    return per_d * y_d - saturation.i_f, per_q * y_q
+    return (y_d, y_q) if saturation is None else _of_flux(saturation, y_d, y_q)
 
 
-@njit
+@called
+def _of_flux(saturation: Saturation, psi_d: float, psi_q: float) -> tuple[float, float]:
+    s = saturation
+    d, q = abs(psi_d), abs(psi_q)
+    cross = s.a_dq * _power(d, s.U) * _power(q, s.V)
+    per_d = s.a_d0 + s.a_dd * _power(d, s.S) + cross * q * q / (s.V + 2)
+    per_q = s.a_q0 + s.a_qq * _power(q, s.T) + cross * d * d / (s.U + 2)
+    return per_d * psi_d - s.i_f, per_q * psi_q
+
+
+@called
 def incremental(saturation: Saturation, psi_d: float, psi_q: float) -> Symmetric:
     """Return by what the currents change with the flux linkages, in 1/H."""
     s = saturation
@@ -71,7 +75,7 @@ def incremental(saturation: Saturation, psi_d: float, psi_q: float) -> Symmetric
     )
 
 
-@njit
+@called
 def field_energy(saturation: Saturation, flux: Flux) -> float:
     """Return the energy that brings the flux linkages from zero current to these, in J of a phase."""
     return _potential(saturation, flux.psi_d, flux.psi_q) - _potential(
@@ -94,7 +98,7 @@ def unexcited(saturation: Saturation) -> Flux:
     return flux_at(saturation, 0.0, 0.0, None)
 
 
-@njit
+@called
 def flux_at(saturation: Saturation, i_d: float, i_q: float, guess: Flux | None) -> Flux:
     """Return the flux linkages of these currents, by Newton's method: `guess` itself if it is right."""
     psi_d, psi_q = _or_zero(guess)

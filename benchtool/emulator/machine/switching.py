@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.emulator.jit import njit
+from benchtool.emulator.machine.accounts import Rails, account, finer
 from benchtool.emulator.machine.diodes import HIGH, LOW, OFF, integrate_conduction
 from benchtool.emulator.machine.inverter import (
     NEVER,
@@ -152,7 +153,7 @@ def _between_edges(
     u_alpha, u_beta = leg_voltages(high_a, high_b, high_c, x, u_dc, stage)
     charge = 0.0
     while time < until:
-        h = substep(until - time, rate, _TURN)
+        h = substep(until - time, rate, finer(stage.accounts, _TURN, 0.4))
         before = x
         x, h = move(x, u_alpha, u_beta, h, machine, T_load)
         if _changes_sign(stage.devices, before, x):
@@ -176,6 +177,10 @@ def _between_edges(
             u_alpha, u_beta = leg_voltages(high_a, high_b, high_c, x, u_dc, stage)
         else:
             sample(time, h, before, x, u_alpha, u_beta, machine, T_load, transducer, torque)
+            rails = Rails(
+                u_dc if high_a else 0.0, u_dc if high_b else 0.0, u_dc if high_c else 0.0, False, False, False
+            )
+            account(stage.accounts, h, before, x, u_alpha, u_beta, u_dc, rails, machine, T_load, transducer)
             if stage.metered:
                 start = _link_current(high_a, high_b, high_c, before)
                 charge += 0.5 * h * (start + _link_current(high_a, high_b, high_c, x))

@@ -21,7 +21,7 @@ from benchtool.errors import ValueRefused
 
 MAX_TICKS = 2_000_000
 
-# `next_sample` counts within the PWM period under way.
+# `next_sample` counts within the PWM period under way. The energies are those of `accounts`, in J.
 TRANSDUCER = record_type(
     [
         ("recording", "u4"),
@@ -29,6 +29,14 @@ TRANSDUCER = record_type(
         ("next_sample", "u4"),
         ("samples_per_tick", "u4"),
         ("spacing", "f8"),
+        ("E_dc", "f8"),
+        ("E_copper", "f8"),
+        ("E_iron", "f8"),
+        ("E_inverter", "f8"),
+        ("E_friction", "f8"),
+        ("E_shaft", "f8"),
+        ("E_magnetic", "f8"),
+        ("E_kinetic", "f8"),
     ]
 )
 

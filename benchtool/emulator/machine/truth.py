@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from benchtool.emulator.machine.asymmetry import Asymmetry, sequences
 from benchtool.emulator.machine.dc_link import DcLink
 from benchtool.emulator.machine.harmonics import Harmonics, Unbalance
-from benchtool.emulator.machine.inverter import DeadTime, Devices, PowerStage, Timer
+from benchtool.emulator.machine.inverter import Accounts, DeadTime, Devices, PowerStage, Timer
 from benchtool.emulator.machine.plant import Machine, machine_of
 from benchtool.emulator.machine.saturation import Saturation, SaturationTruth
 from benchtool.emulator.machine.sensors import Sensing
@@ -143,7 +143,8 @@ class InverterTruth:
     Every conducting device, switch or diode, takes `device_drop_V` and `on_resistance_ohm` times its current.
     `timer_Hz` is the clock of the timer that counts up and down in a PWM period; 0 is as fine as you like.
     With `dc_link_C_F` the link is a capacitor that the supply feeds through `dc_link_R_ohm` and takes nothing
-    back from; `supply_ripple_V` is the amplitude of the supply's ripple.
+    back from; `supply_ripple_V` is the amplitude of the supply's ripple. `energy_accounts` keeps the accounts
+    of the whole bench.
 
     Raises:
         ValueRefused: a value is not finite or out of its range.
@@ -161,6 +162,7 @@ class InverterTruth:
     chopper_R_ohm: float = 0.0
     chopper_on_V: float = 0.0
     chopper_off_V: float = 0.0
+    energy_accounts: bool = False
 
     def __post_init__(self) -> None:
         positive(u_dc_V=self.u_dc_V)
@@ -197,6 +199,7 @@ class InverterTruth:
             R_dc=self.dc_link_R_ohm,
             metered=self.dc_link_R_ohm > 0.0,
             link=self._dc_link(),
+            accounts=Accounts(self.on_resistance_ohm, self.device_drop_V) if self.energy_accounts else None,
             dead_time=DeadTime(self.dead_time_s) if self.dead_time_s > 0.0 else None,
             timer=Timer(max(1.0, math.floor(0.5 * T_s * self.timer_Hz))) if self.timer_Hz > 0.0 else None,
             devices=Devices(self.device_drop_V) if self.device_drop_V > 0.0 else None,
