@@ -161,6 +161,8 @@ SHAFT = record_type(
         ("blank_b", "f8"),
         ("blank_c", "f8"),
         ("chopper", "u4"),  # the brake chopper is on
+        ("T_winding", "f8"),  # degC, once a tick
+        ("T_magnet", "f8"),
     ]
 )
 

@@ -22,6 +22,7 @@ from .drive import (
 )
 from .emulator import (
     Emulator as Emulator,
+    Heat as Heat,
     Inverter as Inverter,
     Saturation as Saturation,
     Sensors as Sensors,

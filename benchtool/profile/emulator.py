@@ -43,6 +43,35 @@ class Saturation(Section):
     """Exponent of the cross-coupling."""
 
 
+Capacity = Annotated[float, Field(ge=1e-3, le=1e9)]
+ThermalResistance = Annotated[float, Field(ge=1e-6, le=1e6)]
+
+
+class Heat(Section):
+    """Two thermal masses: the winding, and the body of the motor with its iron and magnets.
+
+    The resistance and the rotor flux follow the temperatures once a control period. Without the table both
+    are constants.
+    """
+
+    C_winding_J_K: Capacity
+    """Heat capacity of the winding, in J/K."""
+    C_body_J_K: Capacity
+    """Heat capacity of iron, magnets and housing, in J/K."""
+    R_winding_body_K_W: ThermalResistance
+    """Thermal resistance between the winding and the body, in K/W."""
+    R_body_ambient_K_W: ThermalResistance
+    """Thermal resistance between the body and the surroundings, in K/W."""
+    ambient_degC: Annotated[float, Field(ge=-60, le=200)] = 25.0
+    """Temperature of the surroundings, and of the motor at power-up."""
+    reference_degC: Annotated[float, Field(ge=-60, le=200)] = 25.0
+    """Temperature at which `R_s_ohm` and `psi_r_Wb` hold."""
+    alpha_R_1_K: Annotated[float, Field(ge=0, le=0.02)] = 0.00393
+    """Change of the resistance per kelvin; by default that of copper."""
+    alpha_psi_1_K: Annotated[float, Field(ge=-0.02, le=0)] = -0.0011
+    """Change of the rotor flux per kelvin; by default that of NdFeB magnets."""
+
+
 class TrueMotor(Section):
     """The true machine of the emulated bench; keys that are left out are as in `[motor]`."""
 
@@ -78,6 +107,10 @@ class TrueMotor(Section):
     """Of the phases a, b and c: resistance in series with `R_s_ohm`, such as that of a poor contact."""
     series_L_H: PerPhase[Annotated[float, Field(ge=0, le=10)]] = (0.0, 0.0, 0.0)
     """Of the phases a, b and c: inductance in series with `L_d_H` and `L_q_H`, such as that of a cable."""
+    R_fe_ohm: Annotated[float, Field(ge=1e-3, le=1e9)] | None = None
+    """Resistance across the EMF that takes the iron loss; without it there is none."""
+    heat: Heat | None = None
+    """How winding and magnets warm up; without it they stay as they are."""
     saturation: Saturation | None = None
     """How the machine saturates; without it the inductances are constants."""
     cogging_Nm: Torque = 0.0
@@ -145,3 +178,5 @@ class Emulator(Section):
     """The power stage."""
     sensors: Sensors
     """What the drive measures with."""
+    energy_accounts: bool = False
+    """Keep accounts of where the energy from the dc link goes; with `motor.heat` they are kept anyway."""

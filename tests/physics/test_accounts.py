@@ -28,7 +28,7 @@ INVERTER: dict[str, Any] = {
     "energy_accounts": True,
 }
 MOTORS: dict[str, dict[str, Any]] = {
-    "phases differ": {**MOTOR, **MECHANICS},
+    "phases differ": {**MOTOR, **MECHANICS, "R_fe_ohm": 80.0},
     "saturates": {**SYMMETRIC, **MECHANICS, "saturation": SaturationTruth(**MADE)},
 }
 

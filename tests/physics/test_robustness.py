@@ -88,6 +88,7 @@ def test_every_run_is_finite_or_refused(
             "psi_13_Wb": decades(-6, 2),
             "psi_of_phase": st.tuples(st.floats(0.0, 2.0), st.just(1.0), st.just(0.5)),
             "series_R_ohm": st.tuples(decades(-5, 4), st.just(0.0), st.just(1e-3)),
+            "R_fe_ohm": decades(-3, 9),
             "series_L_H": st.tuples(decades(-7, 1), decades(-7, 1), st.just(0.0)),
         }
     ),

@@ -15,6 +15,7 @@ from benchtool.emulator.core.kernel import Truth, kernel_of
 from benchtool.emulator.core.stream_ring import StreamRecorder
 from benchtool.emulator.machine.accounts import NAMES
 from benchtool.emulator.machine.bounds import require_computable, runaway
+from benchtool.emulator.machine.inverter import Accounts
 from benchtool.emulator.machine.sensors import Noise
 from benchtool.emulator.machine.transducer import Transducer
 from benchtool.emulator.machine.truth import InverterTruth, MotorTruth, SensorTruth
@@ -28,9 +29,11 @@ __all__ = ["Core", "Trip"]
 
 def truth_of(motor: MotorTruth, inverter: InverterTruth, sensors: SensorTruth, T_s: float = 1e-4) -> Truth:
     """Return the bench in the form that the kernel reads, for a control period of `T_s` seconds."""
-    return Truth(
-        motor.machine(devices_ohm=inverter.on_resistance_ohm), inverter.power_stage(T_s), sensors.sensing()
-    )
+    stage = inverter.power_stage(T_s)
+    if motor.heat is not None:  # which needs what is lost
+        R = inverter.on_resistance_ohm
+        stage = stage._replace(accounts=Accounts(R, inverter.device_drop_V), heat=motor.heat.heat(T_s, R))
+    return Truth(motor.machine(devices_ohm=inverter.on_resistance_ohm), stage, sensors.sensing())
 
 
 class Core:
@@ -53,7 +56,8 @@ class Core:
         load: record of the other end of the shaft: `torque_Nm` against positive rotation, or, while `held` is
             not zero, the speed `omega_m_rad_s`.
         stimulus: record of the stimulus that plays, taken over from its table by the firmware.
-        shaft: record of the machine's true state: `i_d`, `i_q`, `omega_m`, `theta_e`, `u_dc`.
+        shaft: record of the machine's true state: `i_d`, `i_q`, `omega_m`, `theta_e`, `u_dc`,
+            and with heat `T_winding` and `T_magnet` in degC.
         tick: the drive's tick, counted on past 2**32 where memory has it modulo that.
         capture, stream, transducer: the recorders.
     """
@@ -83,6 +87,8 @@ class Core:
         self.stimulus = self._stimuli[0]
         self.command.mode = int(Mode.TORQUE)
         self.shaft.u_dc = inverter.u_dc_V
+        if motor.heat is not None:
+            self.shaft.T_winding = self.shaft.T_magnet = motor.heat.ambient_degC
         self.turn_rotor(0.0)
         self.capture = CaptureRecorder(self.memory)
         self.stream = StreamRecorder(self.memory, lambda: self.tick)
@@ -97,12 +103,18 @@ class Core:
             ValueRefused: it is not positive.
         """
         self.inverter = replace(self.inverter, u_dc_V=u_dc_V)
-        self._truth = self._truth._replace(stage=self.inverter.power_stage(self.control_period_s))
+        self._truth = truth_of(self.motor, self.inverter, self.sensors, self.control_period_s)
 
     def energies_J(self) -> dict[str, float]:
         """Return the energy accounts since power-up in J, by their names; zeros where none are kept."""
         record = self.transducer.record[0]
         return {name: float(record[f"E_{name}"]) for name in NAMES}
+
+    def temperatures_degC(self) -> dict[str, float]:
+        """Return the temperatures of `winding` and `magnet`; nothing where the machine has no heat."""
+        if self.motor.heat is None:
+            return {}
+        return {"winding": float(self.shaft.T_winding), "magnet": float(self.shaft.T_magnet)}
 
     def turn_rotor(self, theta_e_rad: float) -> None:
         """Set the rotor to an electrical angle."""

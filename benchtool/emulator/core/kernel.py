@@ -18,6 +18,7 @@ from benchtool.emulator.core.stream_ring import stream_row
 from benchtool.emulator.jit import is_cached, njit, parts_of, specialised
 from benchtool.emulator.machine.dc_link import supplied
 from benchtool.emulator.machine.diodes import freewheel
+from benchtool.emulator.machine.heat import warm
 from benchtool.emulator.machine.inverter import PowerStage
 from benchtool.emulator.machine.plant import (
     MOST_TURN,
@@ -25,6 +26,7 @@ from benchtool.emulator.machine.plant import (
     fastest_rate,
     holding,
     turning_rate,
+    warmed,
 )
 from benchtool.emulator.machine.saturation import Flux, Saturation
 from benchtool.emulator.machine.sensors import Sensing, measure
@@ -68,16 +70,20 @@ def run_ticks(
     drive, command, control = memory[0], commands[0], controls[0]
     measurement, shaft, load = measurements[0], shafts[0], loads[0]
     capture, stream, transducer, stimulus = captures[0], streams[0], transducers[0], stimuli[0]
-    driven = holding(machine, load.held != 0, False)
-    moving = turning_rate(driven)
-    gain = moving * driven.gamma * abs(load.torque_Nm) * stage.T_s  # of the rate, by the load, in a period
+    cold = holding(machine, load.held != 0, False)
     for done in range(ticks):
         omega_m = load.omega_m_rad_s if load.held != 0 else shaft.omega_m
-        x = _true_state(machine.saturation, shaft, machine.p * omega_m, drive.tick)
+        driven = warmed(stage.heat, cold, shaft.T_winding, shaft.T_magnet)
+        x = _true_state(driven.saturation, shaft, machine.p * omega_m, drive.tick)
+        moving = turning_rate(driven)
         rate = fastest_rate(driven, x) + moving * abs(x.omega_e)
+        gain = (
+            moving * driven.gamma * abs(load.torque_Nm) * stage.T_s
+        )  # of the rate, by the load, in a period
         if not (rate + gain) * stage.T_s <= MOST_TURN:  # nor is what is no number
             return done
         transducer.next_sample = 0
+        copper, iron = transducer.E_copper, transducer.E_iron
         if command.pwm_enabled != 0 and control.gated != 0:
             x, charge = switch(
                 x, rate, drive, control, shaft, stage, driven, load.torque_Nm, transducer, torque
@@ -92,6 +98,7 @@ def run_ticks(
         shaft.i_d, shaft.i_q, shaft.omega_m = x.i_d, x.i_q, x.omega_e / machine.p
         shaft.theta_e, shaft.cos_theta, shaft.sin_theta = x.theta_e, x.cos_theta, x.sin_theta
         _keep(x.flux, shaft)
+        warm(stage.heat, shaft, transducer.E_copper - copper, transducer.E_iron - iron, stage.T_s)
         if transducer.recording == 1 and transducer.filled >= torque.size:
             transducer.recording = 0
         drive.tick = (int(drive.tick) + 1) & _LAST_TICK

@@ -15,10 +15,12 @@ from typing import Any, NamedTuple
 from benchtool.emulator.jit import called, njit
 from benchtool.emulator.machine.asymmetry import leakage_energy, loss_in_series
 from benchtool.emulator.machine.inverter import SQRT3, Accounts
+from benchtool.emulator.machine.iron import iron_torque
 from benchtool.emulator.machine.plant import (
     Machine,
     airgap_torque,
     derivative,
+    flux_linkages,
     scaled_voltage,
     sliding_of,
 )
@@ -37,6 +39,7 @@ class Powers(NamedTuple):
     i_beta: float
     copper: float
     devices: float
+    iron: float
     friction: float
     cogging: float
     shaft: float
@@ -107,6 +110,7 @@ def _book(
     record.E_copper += _simpson(h, p0.copper, p1.copper, p2.copper)
     record.E_inverter += accounts.drop * (abs(q_a) + abs(q_b) + abs(q_c))
     record.E_inverter += _simpson(h, p0.devices, p1.devices, p2.devices)
+    record.E_iron += _simpson(h, p0.iron, p1.iron, p2.iron)
     record.E_friction += _simpson(h, p0.friction, p1.friction, p2.friction)
     record.E_shaft += _simpson(h, p0.shaft, p1.shaft, p2.shaft)
     record.E_magnetic += _field(m.saturation, after, m) - _field(m.saturation, before, m)
@@ -135,15 +139,18 @@ def _powers(accounts: Accounts, x: State, slide: float, m: Machine, T_load: floa
     cogging = -less_cogging(m.cogging, 0.0, x.theta_e, 1.0)
     dry = -less_friction(m.friction, 0.0, x.omega_e, slide, 1.0)
     friction = m.B * omega_m + dry
+    y_d, y_q = electrical(x.flux, x)
+    psi_d, psi_q = flux_linkages(m.saturation, y_d, y_q, m)
+    iron = iron_torque(m.iron, psi_d, psi_q, x.omega_e, m.p)
     torque = T_load
     if m.gamma == 0.0:  # what holds the speed takes what is left
-        y_d, y_q = electrical(x.flux, x)
-        torque = airgap_torque(y_d, y_q, x.theta_e, m) - friction - cogging
+        torque = airgap_torque(y_d, y_q, x.theta_e, m) - iron - friction - cogging
     return Powers(
         x.i_d * x.cos_theta - x.i_q * x.sin_theta,
         x.i_d * x.sin_theta + x.i_q * x.cos_theta,
         (m.R_s - accounts.R_devices) * squared + loss_in_series(m.asymmetry, x.i_d, x.i_q, x.theta_e),
         accounts.R_devices * squared,
+        iron * omega_m,
         friction * omega_m,
         cogging * omega_m,
         torque * omega_m,

@@ -11,6 +11,7 @@ from typing import Any
 
 from benchtool.emulator.machine.asymmetry import series_resistance
 from benchtool.emulator.machine.harmonics import linkage
+from benchtool.emulator.machine.iron import iron_slope
 from benchtool.emulator.machine.plant import MOST_TURN, fastest_rate
 from benchtool.emulator.machine.saturation import Flux, incremental, largest
 from benchtool.emulator.machine.state import flux_of, place
@@ -36,14 +37,17 @@ def require_computable(motor: MotorTruth, T_s: float) -> None:
     R = motor.R_s_ohm + series_resistance(machine.asymmetry)
     stiffness = 1.5 * motor.pole_pairs * psi**2 / L
     slope = max(motor.breakaway_Nm - motor.coulomb_Nm, 0.0) / max(motor.stribeck_rad_s, 1e-300)
-    friction = (motor.friction_Nms + (slope if motor.stribeck_rad_s > 0.0 else 0.0)) / motor.pole_pairs
+    friction = (
+        motor.friction_Nms + (slope if motor.stribeck_rad_s > 0.0 else 0.0)
+    ) / motor.pole_pairs + iron_slope(machine.iron, psi, machine.p)
     cogging = motor.cogging_Nm * motor.cogging_order / motor.pole_pairs
     processes = {
         f"R_s_ohm (and series_R_ohm) = {R:g} over L_d_H or L_q_H = {L:g}": R / L,
         f"psi_r_Wb (and its harmonics) = {psi:g} with L_d_H or L_q_H = {L:g} and "
         f"J_kgm2 = {motor.J_kgm2:g}": math.sqrt(per_inertia * stiffness),
         f"cogging_Nm = {motor.cogging_Nm:g} with J_kgm2 = {motor.J_kgm2:g}": math.sqrt(per_inertia * cogging),
-        f"friction_Nms = {motor.friction_Nms:g} and stribeck_rad_s = {motor.stribeck_rad_s:g} over "
+        f"friction_Nms = {motor.friction_Nms:g}, stribeck_rad_s = {motor.stribeck_rad_s:g} and R_fe_ohm = "
+        f"{motor.R_fe_ohm:g} over "
         f"J_kgm2 = {motor.J_kgm2:g}": per_inertia * friction,
     }
     fastest = max(processes, key=lambda name: processes[name])

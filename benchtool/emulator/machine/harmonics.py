@@ -97,6 +97,23 @@ def _with_unbalance(
 
 
 @njit
+def weakened(harmonics: Harmonics | None, k: float) -> Harmonics | None:
+    """Return the harmonics of magnets that have this part of their flux."""
+    if harmonics is None:
+        return None
+    h = harmonics
+    unbalance = _weakened(h.unbalance, k)
+    return Harmonics(k * h.psi_5, k * h.psi_7, k * h.psi_11, k * h.psi_13, unbalance)
+
+
+@njit
+def _weakened(unbalance: Unbalance | None, k: float) -> Unbalance | None:
+    if unbalance is None:
+        return None
+    return Unbalance(k * unbalance.psi_alpha, k * unbalance.psi_beta)
+
+
+@njit
 def linkage(harmonics: Harmonics | None) -> float:
     """Return the largest slope of the harmonics' flux over theta_e, in Wb."""
     if harmonics is None:

@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 from benchtool.emulator.jit import njit
 from benchtool.emulator.machine.dc_link import DcLink
+from benchtool.emulator.machine.heat import Heat
 from benchtool.emulator.machine.state import State
 
 NEVER = math.inf
@@ -56,6 +57,7 @@ class PowerStage(NamedTuple):
     R_dc: float
     metered: bool
     accounts: Accounts | None
+    heat: Heat | None
     dead_time: DeadTime | None
     timer: Timer | None
     devices: Devices | None

@@ -34,10 +34,13 @@ from benchtool.emulator.machine.harmonics import (
     flux_slope,
     harmonic_turning,
     linkage,
+    weakened,
     with_harmonic_emf,
     with_harmonic_torque,
 )
-from benchtool.emulator.machine.saturation import Saturation, currents_of, incremental, largest
+from benchtool.emulator.machine.heat import Heat
+from benchtool.emulator.machine.iron import Iron, iron_slope, less_iron
+from benchtool.emulator.machine.saturation import Saturation, currents_of, incremental, largest, magnetised
 from benchtool.emulator.machine.shaft import (
     Cogging,
     Friction,
@@ -73,6 +76,7 @@ class Machine(NamedTuple):
     saturation: Saturation | None
     harmonics: Harmonics | None
     asymmetry: Asymmetry | None
+    iron: Iron | None
     cogging: Cogging | None
     friction: Friction | None
 
@@ -101,6 +105,7 @@ def machine_of(
     saturation: Saturation | None,
     harmonics: Harmonics | None,
     asymmetry: Asymmetry | None,
+    iron: Iron | None,
     cogging: Cogging | None,
     friction: Friction | None,
     speed_held: bool,
@@ -122,6 +127,7 @@ def machine_of(
         saturation,
         harmonics,
         asymmetry,
+        iron,
         cogging,
         friction,
         inv_L_d,
@@ -163,10 +169,37 @@ def holding(m: Machine, speed: bool, currents: bool) -> Machine:
         m.saturation,
         m.harmonics,
         m.asymmetry,
+        m.iron,
         m.cogging,
         m.friction,
         speed or m.gamma == 0.0,
         currents or m.inv_L_d == 0.0,
+    )
+
+
+@njit
+def warmed(heat: Heat | None, m: Machine, T_winding: float, T_magnet: float) -> Machine:
+    """Return the machine with the resistance and the rotor flux of these temperatures, in degC."""
+    if heat is None:
+        return m
+    R = 1.0 + heat.alpha_R * (T_winding - heat.T_reference)
+    k = 1.0 + heat.alpha_psi * (T_magnet - heat.T_reference)
+    return machine_of(
+        m.p,
+        heat.R_devices + (m.R_s - heat.R_devices) * max(R, 0.0),
+        m.L_d,
+        m.L_q,
+        m.psi_r * max(k, 0.0),
+        m.J,
+        m.B,
+        magnetised(m.saturation, m.psi_r * max(k, 0.0)),
+        weakened(m.harmonics, max(k, 0.0)),
+        m.asymmetry,
+        m.iron,
+        m.cogging,
+        m.friction,
+        m.gamma == 0.0,
+        m.inv_L_d == 0.0,
     )
 
 
@@ -179,7 +212,7 @@ def fastest_rate(m: Machine, x: State) -> float:
     inv_L = largest_inverse_inductance(m.saturation, m, x)
     psi = m.psi_r + linkage(m.harmonics)
     stiffness = 1.5 * m.p * psi * psi * inv_L + cogging_stiffness(m.cogging)
-    friction = m.B / m.p + stribeck_slope(m.friction)
+    friction = m.B / m.p + stribeck_slope(m.friction) + iron_slope(m.iron, psi, m.p)
     return (
         (m.R_s + series_resistance(m.asymmetry)) * inv_L + math.sqrt(m.gamma * stiffness) + m.gamma * friction
     )
@@ -356,7 +389,17 @@ def _acceleration(
     torque = _flux_cross_current(m.saturation, y_d, y_q, i_d, i_q, m.kappa, m.sigma, m.gamma * 1.5 * m.p)
     domega = torque - (m.beta * omega_e + m.gamma * T_load)
     domega = with_harmonic_torque(m.harmonics, domega, i_d, i_q, g_d, g_q, m.gamma * 1.5 * m.p)
+    psi_d, psi_q = flux_linkages(m.saturation, y_d, y_q, m)
+    domega = less_iron(m.iron, domega, psi_d, psi_q, omega_e, m.p, m.gamma)
     return less_cogging(m.cogging, domega, theta_e, m.gamma)
+
+
+@njit
+def flux_linkages(saturation: Saturation | None, y_d: float, y_q: float, m: Machine) -> tuple[float, float]:
+    """Return psi_d and psi_q of these electrical states, without harmonics."""
+    if saturation is None:
+        return m.L_d * y_d + m.psi_r, m.L_q * y_q
+    return y_d, y_q
 
 
 @njit
@@ -381,6 +424,38 @@ def sliding_of(friction: Friction | None, x: State, m: Machine, T_load: float) -
 @njit
 def step(x: State, u_alpha: float, u_beta: float, h: float, m: Machine, T_load: float) -> State:
     """Return one Runge-Kutta step of `h` seconds under the constant voltage (u_alpha, u_beta)."""
+    return _step_of(m.saturation, m.harmonics, m.asymmetry, x, u_alpha, u_beta, h, m, T_load)
+
+
+@njit
+def _step_of(
+    saturation: Saturation | None,
+    harmonics: Harmonics | None,
+    asymmetry: Asymmetry | None,
+    x: State,
+    u_alpha: float,
+    u_beta: float,
+    h: float,
+    m: Machine,
+    T_load: float,
+) -> State:
+    """Return `step`, which is repeated at every call only where the machine is simple enough for that."""
+    if saturation is not None:
+        return _step_once(x, u_alpha, u_beta, h, m, T_load)
+    if harmonics is not None:
+        return _step_once(x, u_alpha, u_beta, h, m, T_load)
+    if asymmetry is not None:
+        return _step_once(x, u_alpha, u_beta, h, m, T_load)
+    return _step(x, u_alpha, u_beta, h, m, T_load)
+
+
+@called
+def _step_once(x: State, u_alpha: float, u_beta: float, h: float, m: Machine, T_load: float) -> State:
+    return _step(x, u_alpha, u_beta, h, m, T_load)
+
+
+@njit
+def _step(x: State, u_alpha: float, u_beta: float, h: float, m: Machine, T_load: float) -> State:
     w, theta = x.omega_e, x.theta_e
     y_d, y_q = electrical(x.flux, x)
     v_d, v_q = scaled_voltage(x, u_alpha, u_beta, m)

@@ -8,7 +8,9 @@ from dataclasses import dataclass
 from benchtool.emulator.machine.asymmetry import Asymmetry, sequences
 from benchtool.emulator.machine.dc_link import DcLink
 from benchtool.emulator.machine.harmonics import Harmonics, Unbalance
+from benchtool.emulator.machine.heat import HeatTruth
 from benchtool.emulator.machine.inverter import Accounts, DeadTime, Devices, PowerStage, Timer
+from benchtool.emulator.machine.iron import Iron
 from benchtool.emulator.machine.plant import Machine, machine_of
 from benchtool.emulator.machine.saturation import Saturation, SaturationTruth
 from benchtool.emulator.machine.sensors import Sensing
@@ -52,8 +54,12 @@ class MotorTruth:
     series_R_ohm: tuple[float, float, float] = (0.0, 0.0, 0.0)
     series_L_H: tuple[float, float, float] = (0.0, 0.0, 0.0)
     saturation: SaturationTruth | None = None
+    R_fe_ohm: float = math.inf
+    heat: HeatTruth | None = None
 
     def __post_init__(self) -> None:
+        if self.R_fe_ohm < math.inf:
+            positive(R_fe_ohm=self.R_fe_ohm)
         positive(pole_pairs=self.pole_pairs, L_d_H=self.L_d_H, L_q_H=self.L_q_H, J_kgm2=self.J_kgm2)
         not_negative(
             R_s_ohm=self.R_s_ohm,
@@ -94,6 +100,7 @@ class MotorTruth:
             self._saturation(psi_r),
             self._harmonics(),
             self._asymmetry(),
+            Iron(1.0 / self.R_fe_ohm) if self.R_fe_ohm < math.inf else None,
             self._cogging(),
             self._friction(),
             speed_held,
@@ -199,6 +206,7 @@ class InverterTruth:
             R_dc=self.dc_link_R_ohm,
             metered=self.dc_link_R_ohm > 0.0,
             link=self._dc_link(),
+            heat=None,
             accounts=Accounts(self.on_resistance_ohm, self.device_drop_V) if self.energy_accounts else None,
             dead_time=DeadTime(self.dead_time_s) if self.dead_time_s > 0.0 else None,
             timer=Timer(max(1.0, math.floor(0.5 * T_s * self.timer_Hz))) if self.timer_Hz > 0.0 else None,
