@@ -24,7 +24,8 @@ from typing import Any
 from benchmarks.figures import print_figures
 from benchtool.emulator.core import Core
 from benchtool.emulator.core.kernel import run_ticks
-from benchtool.emulator.machine.truth import InverterTruth, MotorTruth, SensorTruth
+from benchtool.emulator.machine.sensor_truth import SensorTruth
+from benchtool.emulator.machine.truth import InverterTruth, MotorTruth
 from benchtool.protocol.dictionary.objects import table_from_toml
 from benchtool.protocol.modes import Mode
 from benchtool.shipped import shipped

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from benchtool.bench.wires import registry
 from benchtool.bench.wires.canopen import require_interface
@@ -24,6 +24,9 @@ from benchtool.profile import (
     Profile,
 )
 from benchtool.telemetry import ClockFit
+
+if TYPE_CHECKING:
+    from benchtool.emulator import EmulatedThermometer
 
 
 class LoadMachine(Protocol):
@@ -119,14 +122,14 @@ class Thermometer(Protocol):
 
 
 @dataclass(frozen=True)
-class ConstantTemperatures:
-    """The thermometer of an emulated bench, whose machine has no thermal model: what the profile states."""
+class EmulatedTemperatures:
+    """The thermometers of an emulated bench."""
 
-    stated: EmulatedTemperature
+    source: EmulatedThermometer
 
     def temperatures(self) -> Temperatures:
-        """See `Thermometer.temperatures`; constant."""
-        return Temperatures(self.stated.winding_degC, self.stated.ambient_degC)
+        """See `Thermometer.temperatures`."""
+        return Temperatures(*self.source.read())
 
 
 @dataclass(frozen=True)

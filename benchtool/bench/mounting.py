@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 from benchtool.bench.can_frames import BusListener, MessageListener
 from benchtool.bench.dbc import DbcSupply, DbcThermometer, DbcTransducer, factor_of
 from benchtool.bench.equipment import (
-    ConstantTemperatures,
     Declared,
+    EmulatedTemperatures,
     LoadMachine,
     Supply,
     Thermometer,
@@ -40,7 +40,7 @@ from benchtool.protocol import DbcMessage
 from benchtool.protocol.canopen import cob_id
 
 if TYPE_CHECKING:
-    from benchtool.emulator import EmulatedBench
+    from benchtool.emulator import EmulatedBench, EmulatedThermometer
 
 _OF_ALL_NODES = (0x000, 0x080, 0x100)  # NMT, SYNC, TIME
 _OF_A_NODE = (
@@ -164,12 +164,14 @@ class _Mounting:
             message = self._message(stated)
             thermometer = DbcThermometer(stated, message, partial(self._listen, stated))
             if self._emulated is not None:
-                constant = EmulatedTemperature()
-                values = {stated.winding: constant.winding_degC, stated.ambient: constant.ambient_degC}
-                told = {name: values[name] for name in stated.read_signals}
-                self._emulated.add_readings(message, stated.rate_Hz, lambda: told, self._channel(stated))
+                source = self._emulated.add_thermometer(EmulatedTemperature())
+                self._emulated.add_readings(
+                    message, stated.rate_Hz, partial(_told, stated, source), self._channel(stated)
+                )
             return thermometer
-        return ConstantTemperatures(stated) if isinstance(stated, EmulatedTemperature) else None
+        if self._emulated is None or not isinstance(stated, EmulatedTemperature):
+            return None
+        return EmulatedTemperatures(self._emulated.add_thermometer(stated))
 
     # ---- messages and buses ------------------------------------------------------------------------------
 
@@ -251,3 +253,9 @@ class _Mounting:
         """Return the virtual channel of an instrument of the emulated bench; empty for the drive's own."""
         assert self._emulated is not None
         return "" if stated.bus == DRIVES_BUS else f"{self._emulated.channel}/{stated.bus}"
+
+
+def _told(stated: CanTemperature, source: EmulatedThermometer) -> dict[str, float]:
+    """Return the readings of the signals that an instrument tells."""
+    readings = dict(zip((stated.winding, stated.ambient), source.read(), strict=True))
+    return {name: readings[name] for name in stated.read_signals}

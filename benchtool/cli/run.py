@@ -40,6 +40,7 @@ class RunOptions:
     changes: tuple[str, ...] = ()
     dry_run: bool = False
     web: bool = False
+    junit: Path | None = None
 
     @property
     def shown(self) -> tuple[str, ...]:
@@ -95,6 +96,9 @@ def run(
     page: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Write published and measured figures as Markdown.")
     ] = None,
+    junit: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Write the verdicts as JUnit XML, for a CI server.")
+    ] = None,
     jobs: Annotated[int, typer.Option(min=1, help="Emulated benches to run at a time.")] = 1,
     allow_different: Annotated[
         bool,
@@ -139,6 +143,7 @@ def run(
         tuple(set_ or ()),
         dry_run,
         web,
+        junit,
     )
     return run_named(plan, chosen)
 

@@ -22,8 +22,8 @@ from benchtool.errors import DriveError, LinkError, UsageError
 from benchtool.plan import plan_path, worst
 from benchtool.profile import load_profile, profile_path
 from benchtool.recording import require_own, write_whole
-from benchtool.report import PAGE_MARK, PlanFigures, reproduction_page
-from benchtool.results import RunResult
+from benchtool.report import PAGE_MARK, PlanFigures, reproduction_page, write_junit
+from benchtool.results import RunResult, recorded_runs
 from benchtool.run import RunInfo, bundle_folder, check_plan, run_in_processes, run_plan
 
 
@@ -55,6 +55,9 @@ def run_plans(name: str, plans: Sequence[NamedPlan], chosen: RunOptions) -> int:
             if any(folder.rglob("manifest.json")):
                 end.add_note(f"go on with: {_resumption(name, folder, chosen)}")
             raise
+        finally:
+            if chosen.junit is not None and any(folder.rglob("manifest.json")):
+                write_junit(recorded_runs(folder), chosen.junit)
         if chosen.page is not None:
             _write_page(chosen.page, name, [(each, results[each.name]) for each in todo])
         verdict = worst(result.verdict for result in results.values())
@@ -73,6 +76,7 @@ def _resumption(name: str, folder: Path, chosen: RunOptions) -> str:
     words += ["--seed", str(chosen.seed)] if chosen.seed else []
     words += ["--jobs", str(chosen.jobs)] if chosen.jobs > 1 else []
     words += ["--page", str(chosen.page)] if chosen.page is not None else []
+    words += ["--junit", str(chosen.junit)] if chosen.junit is not None else []
     words += [word for place in chosen.live for word in ("--live", place)]
     words += ["--web"] if chosen.web else []
     words += ["--note", chosen.note] if chosen.note else []

@@ -7,3 +7,4 @@ from .machine.open_loop import (
     OpenLoop as OpenLoop,
     open_loop as open_loop,
 )
+from .thermometer import EmulatedThermometer as EmulatedThermometer

@@ -17,14 +17,16 @@ from benchtool.emulator.firmware.device import Firmware
 from benchtool.emulator.instruments import CanInstrument, CanReadings, CanTorque, samples_apart
 from benchtool.emulator.machine.heat import HeatTruth
 from benchtool.emulator.machine.saturation import SaturationTruth
-from benchtool.emulator.machine.truth import InverterTruth, MotorTruth, SensorTruth
+from benchtool.emulator.machine.sensor_truth import CurrentTruth, EncoderTruth, SensorTruth, VoltageTruth
+from benchtool.emulator.machine.truth import InverterTruth, MotorTruth
 from benchtool.emulator.servers.canopen import CanopenServer
 from benchtool.emulator.servers.drive_node import DriveNode, OnGone, Server
 from benchtool.emulator.servers.serial import SerialServer
+from benchtool.emulator.thermometer import EmulatedThermometer
 from benchtool.errors import ProfileError
 from benchtool.link import PipePort, Port, pipe
 from benchtool.link.canopen import VirtualTimeBus
-from benchtool.profile import CanTransducer, Emulator, Profile
+from benchtool.profile import CanTransducer, EmulatedTemperature, Emulator, Profile, Sensors
 from benchtool.protocol import DbcMessage
 from benchtool.protocol.canopen import NmtState
 from benchtool.protocol.dictionary import (
@@ -84,6 +86,9 @@ class EmulatedBench:
         self.transducer = EmulatedTransducer(core)
         self.supply = EmulatedSupply(core)
         self._core = core
+        self._seed = seed
+        self._temperature_sensor = emulator.sensors.temperature
+        self._thermometers: list[EmulatedThermometer] = []
         self._instruments: list[CanInstrument] = []
         self._node = DriveNode(node_id, lambda emit: Firmware(table, core, node_id, stored, emit))
         if has_bus:
@@ -123,6 +128,24 @@ class EmulatedBench:
     ) -> None:
         """Have an instrument send these values, in the units of its signals, `rate_Hz` times a second."""
         self._instruments.append(CanReadings(self._instrument_bus(channel), message, rate_Hz, values))
+
+    def set_sensors(self, sensors: Sensors) -> None:
+        """Have other sensors from the next tick on, as a channel that sticks or an encoder that slips.
+
+        Raises:
+            ValueRefused: they cannot be together.
+        """
+        with self._node.lock:
+            self._core.set_sensors(_sensors(sensors))
+            self._temperature_sensor = sensors.temperature
+            for each in self._thermometers:
+                each.sensor = sensors.temperature
+
+    def add_thermometer(self, stated: EmulatedTemperature) -> EmulatedThermometer:
+        """Return thermometers of winding and surroundings at the temperatures that a profile states."""
+        made = EmulatedThermometer(self._core, stated, self._temperature_sensor, self._seed)
+        self._thermometers.append(made)
+        return made
 
     def _instrument_bus(self, channel: str) -> VirtualTimeBus:
         """Return a bus whose frames bear the moment at which they were due."""
@@ -201,6 +224,8 @@ class EmulatedBench:
         for each in self._instruments:
             each.prepare(now_s)
         self._node.advance_to(now_s)
+        for thermometer in self._thermometers:
+            thermometer.follow(now_s)
         for each in self._instruments:
             each.send_until(now_s)
 
@@ -251,7 +276,19 @@ def _truth(profile: Profile, emulator: Emulator) -> tuple[MotorTruth, InverterTr
         InverterTruth(
             **emulator.inverter.model_dump(exclude_none=True), energy_accounts=emulator.energy_accounts
         ),
-        SensorTruth(**emulator.sensors.model_dump()),
+        _sensors(emulator.sensors),
+    )
+
+
+def _sensors(stated: Sensors) -> SensorTruth:
+    tables = {"i_a", "i_b", "i_c", "u_dc", "encoder", "temperature"}
+    return SensorTruth(
+        **stated.model_dump(exclude=tables),
+        i_a=CurrentTruth(**stated.i_a.model_dump()),
+        i_b=CurrentTruth(**stated.i_b.model_dump()),
+        i_c=CurrentTruth(**stated.i_c.model_dump()),
+        u_dc=VoltageTruth(**stated.u_dc.model_dump()),
+        encoder=EncoderTruth(**stated.encoder.model_dump()),
     )
 
 

@@ -166,5 +166,20 @@ SHAFT = record_type(
     ]
 )
 
+# State of the sensors, as far as theirs have one.
+SENSOR = record_type(
+    [
+        ("warm_K", "f8"),  # current sensors above the temperature of their gains and offsets
+        ("u_dc", "f8"),  # as the sensor of the dc link follows it
+        ("low_a", "f8"),  # how long the lower switch was told to be on when the period ended, in s
+        ("low_b", "f8"),
+        ("low_c", "f8"),
+        ("counting", "i8"),  # the encoder's counter has started
+        ("edge", "i8"),  # of the disc, counted on over the revolutions
+        ("error", "i8"),  # of the counter against that
+        ("travelled", "i8"),  # edges in either direction
+    ]
+)
+
 # The load machine on the shaft.
 LOAD = record_type([("torque_Nm", "f8"), ("held", "u4"), ("omega_m_rad_s", "f8")])

@@ -25,7 +25,6 @@ from .emulator import (
     Heat as Heat,
     Inverter as Inverter,
     Saturation as Saturation,
-    Sensors as Sensors,
     TrueMotor as TrueMotor,
 )
 from .equipment import (
@@ -58,5 +57,10 @@ from .profile import (
     load_profile as load_profile,
     profile_path as profile_path,
     shipped_profiles as shipped_profiles,
+)
+from .sensors import (
+    CurrentSensor as CurrentSensor,
+    Sensors as Sensors,
+    TemperatureSensor as TemperatureSensor,
 )
 from .template import profile_text as profile_text

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Annotated, TypeVar
 
 from pydantic import Field
 
 from benchtool.document import Section
+from benchtool.profile.sensors import Sensors
 
 Resistance = Annotated[float, Field(ge=0, le=1e4)]
 Inductance = Annotated[float, Field(ge=1e-7, le=10)]
@@ -117,6 +117,8 @@ class TrueMotor(Section):
     """Amplitude of the cogging torque."""
     cogging_order: Annotated[int, Field(ge=0, le=1000)] = 0
     """Periods of the cogging torque in a mechanical revolution."""
+    power_up_angle_rad: Annotated[float, Field(ge=-100, le=100)] = 0.0
+    """Mechanical angle of the shaft at power-up; 0: the rotor flux on phase a."""
 
 
 class Inverter(Section):
@@ -146,27 +148,6 @@ class Inverter(Section):
     """Voltage of the dc link above which the chopper switches on."""
     chopper_off_V: Annotated[float, Field(ge=0, le=1e5)] = 0.0
     """Voltage of the dc link below which the chopper switches off again; above `u_dc_V`."""
-
-
-class Sensors(Section):
-    """The emulated current, voltage and position measurement."""
-
-    adc_bits: Annotated[int, Field(ge=4, le=24)] = 10
-    """Resolution of the converters of current and voltage."""
-    i_full_scale_A: Annotated[float, Field(ge=1e-3, le=1e5)]
-    """Current at the end of the converter's range; it saturates there."""
-    u_full_scale_V: Annotated[float, Field(ge=1e-3, le=1e6)]
-    """Voltage of the dc link at the end of the converter's range."""
-    current_noise_A_rms: Annotated[float, Field(ge=0, le=1e5)] = 0.0
-    """Noise of a current sample, rms."""
-    encoder_lines: Annotated[int, Field(gt=0, le=2**24)] = 2500
-    """Lines of the incremental encoder; it counts four times as many edges in a revolution."""
-    encoder_offset_rad: Annotated[float, Field(ge=-100, le=100)] = 0.0
-    """Electrical angle between the encoder's zero and phase a."""
-
-    def full_scales(self) -> Mapping[str, float]:
-        """Return the ends of the converter's ranges, by the keys of the objects that tell of them."""
-        return {"i_full_scale_A": self.i_full_scale_A, "u_dc_full_scale_V": self.u_full_scale_V}
 
 
 class Emulator(Section):

@@ -121,8 +121,13 @@ def altered(profile: Profile, emulator: Mapping[str, Number]) -> Profile:
         )
     content = profile.emulator.model_dump(exclude_none=True)
     for key, value in emulator.items():
-        section, _, name = key.partition(".")
-        content.setdefault(section, {})[name] = value
+        *sections, name = key.split(".")
+        table = content
+        for section in sections:
+            if not isinstance(table.get(section), dict):
+                table[section] = {}
+            table = table[section]
+        table[name] = value
     try:
         bench = Emulator.model_validate(content)
     except ValidationError as failed:

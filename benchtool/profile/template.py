@@ -20,6 +20,24 @@ _HEAD: Final = """\
 #   benchtool run ripple.toml                              on the emulated bench
 #   benchtool run ripple.toml --link can:socketcan:can0    on the drive
 """
+_SENSORS: Final = """
+# [emulator.sensors.i_a]      # what is wrong with the sensor of a phase; of the others likewise: i_b, i_c
+# gain = 1.01
+# offset_A = 0.02             # A
+# bandwidth_Hz = 100e3        # Hz: 3 dB
+# delay_s = 1e-6              # s
+#
+# [emulator.sensors.u_dc]     # of the dc link
+# gain = 0.99
+#
+# [emulator.sensors.encoder]  # of the encoder
+# relative = true             # it counts from zero at power-up,
+# index = true                # and from the zero of its disc once that has passed
+# eccentricity_1_rad = 1e-3   # rad: error of its position once in a revolution
+#
+# [emulator.sensors.temperature]
+# lag_s = 20.0                # s: time constant of the thermometers
+"""
 _BENCH: Final = """
 # What stands beside the drive. What is left out is emulated on an emulated bench, and absent on a real one.
 #
@@ -86,6 +104,7 @@ def profile_text(title: str, motor: Motor, given: Given, derived: Iterable[Deriv
                 ("#stribeck_rad_s", 0.0, "rad/s: over which friction falls from the one to the other"),
                 ("cogging_Nm", 0.0, "Nm: peak of the cogging torque"),
                 ("cogging_order", 0, "its periods per revolution: lcm of slots and 2 p"),
+                ("#power_up_angle_rad", 0.5, "rad: mechanical angle of the shaft at power-up"),
             ],
         ),
         commented_table(
@@ -118,7 +137,11 @@ def profile_text(title: str, motor: Motor, given: Given, derived: Iterable[Deriv
                 ),
                 ("encoder_lines", given.encoder_lines, "lines per revolution, four counts each"),
                 ("encoder_offset_rad", 0.0, "rad: mechanical angle of its zero to the rotor flux"),
+                ("#sampling_point", 1.0, "of the PWM period: where the currents are sampled"),
+                ("#shunt_settling_s", 1e-6, "s: of shunts in the lower legs, after their switches"),
+                ("#warm_up_K", 20.0, "K: by which the current sensors warm up, for their drifts"),
+                ("#warm_up_s", 600.0, "s: time constant of that"),
             ],
         ),
     )
-    return f"{_HEAD}\n{chr(10).join(sections)}{_BENCH}"
+    return f"{_HEAD}\n{chr(10).join(sections)}{_SENSORS}{_BENCH}"

@@ -22,7 +22,9 @@ from .files import (
     write_whole as write_whole,
 )
 from .integrity import (
+    HASHES as HASHES,
     Integrity as Integrity,
+    bundles_in as bundles_in,
     enlist as enlist,
     verify as verify,
 )

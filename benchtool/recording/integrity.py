@@ -41,6 +41,7 @@ class Integrity:
     damaged: Mapping[str, str] = field(default_factory=dict)
     unlisted: tuple[str, ...] = ()
     extents: Mapping[str, int] = field(default_factory=dict)
+    compared: int = field(default=0, compare=False)
 
 
 class _Hashes(Section):
@@ -53,10 +54,7 @@ def verify(folder: Path) -> Integrity:
     Raises:
         RecordingError: the folder holds no recording.
     """
-    manifests = (*folder.glob(MANIFEST), *folder.glob(f"*/{MANIFEST}"), *folder.glob(f"*/*/{MANIFEST}"))
-    bundles = [path.parent for path in sorted(manifests)]
-    if not bundles:
-        raise RecordingError(f"{folder} holds no run bundle: give the folder of a run")
+    bundles = bundles_in(folder)
     above = [] if folder in bundles else dict.fromkeys((folder, *(bundle.parent for bundle in bundles)))
     found = [(bundle, _check_recorded(bundle)) for bundle in bundles]
     made = [(place, _check_made(place)) for place in (*bundles, *above)]
@@ -70,7 +68,21 @@ def verify(folder: Path) -> Integrity:
     known = {name(place, file) for place, each in made for file in each.extents}
     unlisted = {name(place, file) for place, each in (*found, *made) for file in each.unlisted}
     sealed = all(each.sealed for _, each in found)
-    return Integrity(sealed, damaged, tuple(sorted(unlisted - known)))
+    compared = sum(each.compared for _, each in (*found, *made))
+    return Integrity(sealed, damaged, tuple(sorted(unlisted - known)), compared=compared)
+
+
+def bundles_in(folder: Path) -> list[Path]:
+    """Return the folder if it is a bundle, and the bundles up to two levels below it.
+
+    Raises:
+        RecordingError: there is none.
+    """
+    manifests = (*folder.glob(MANIFEST), *folder.glob(f"*/{MANIFEST}"), *folder.glob(f"*/*/{MANIFEST}"))
+    bundles = [path.parent for path in sorted(manifests)]
+    if not bundles:
+        raise RecordingError(f"{folder} holds no run bundle: give the folder of a run")
+    return bundles
 
 
 def check_bundle(directory: Path, manifest: Manifest, sealed: bool) -> Integrity:
@@ -93,7 +105,8 @@ def check_bundle(directory: Path, manifest: Manifest, sealed: bool) -> Integrity
     for name in unlisted:
         if name.startswith(f"{DATA}/") and name.endswith((RUNNING, FINISHED)):
             damaged[name] = "it was not there when the recording was finished"
-    return Integrity(True, damaged, tuple(name for name in unlisted if name not in damaged))
+    others = tuple(name for name in unlisted if name not in damaged)
+    return Integrity(True, damaged, others, compared=len(manifest.files) + 1)
 
 
 def enlist(folder: Path, paths: Iterable[Path]) -> None:
@@ -118,7 +131,7 @@ def _check_recorded(bundle: Path) -> Integrity:
     try:
         return check_bundle(bundle, *read_manifest(bundle))
     except RecordingError as reason:
-        return Integrity(sealed=True, damaged={MANIFEST: str(reason)})
+        return Integrity(sealed=True, damaged={MANIFEST: str(reason)}, compared=1)
 
 
 def _check_made(folder: Path) -> Integrity:
@@ -126,12 +139,13 @@ def _check_made(folder: Path) -> Integrity:
     try:
         files = _hashes(folder)
     except RecordingError as reason:
-        return Integrity(sealed=True, damaged={HASHES: str(reason)})
+        return Integrity(sealed=True, damaged={HASHES: str(reason)}, compared=1)
     made = (path for pattern in ("*", "plots/*") for path in sorted(folder.glob(pattern)) if path.is_file())
     names = (path.relative_to(folder).as_posix() for path in made)
     unlisted = () if (folder / MANIFEST).is_file() else tuple(name for name in names if name not in _OWN)
     sizes_B = {name: each.size_B for name, each in files.items()}
-    return Integrity(True, dict(_differing(folder, files)), unlisted, sizes_B)
+    compared = len(files) + (folder / HASHES).is_file()
+    return Integrity(True, dict(_differing(folder, files)), unlisted, sizes_B, compared)
 
 
 def _check_running(directory: Path) -> Integrity:
@@ -149,7 +163,7 @@ def _check_running(directory: Path) -> Integrity:
         elif not _was_replaced(directory, name, states):
             damaged[name] = _MISSING
     names = [name for name in _names(directory) if name not in _OWN and name not in states]
-    return Integrity(True, damaged, tuple(names), extents)
+    return Integrity(True, damaged, tuple(names), extents, len(states))
 
 
 def _was_replaced(directory: Path, name: str, states: Mapping[str, object]) -> bool:

@@ -1,4 +1,8 @@
 from .content import Report as Report
+from .junit import (
+    junit as junit,
+    write_junit as write_junit,
+)
 from .reproduction_page import (
     PAGE_MARK as PAGE_MARK,
     PlanFigures as PlanFigures,

@@ -44,3 +44,7 @@ from .runs import (
     is_planned as is_planned,
     recorded_runs as recorded_runs,
 )
+from .verification import (
+    Verification as Verification,
+    verify_run as verify_run,
+)

@@ -72,6 +72,20 @@ class RecordedRun:
             return {}
         return over_repetitions(plan, measured)
 
+    @cached_property
+    def missing(self) -> tuple[str, ...]:
+        """The cases of the plan that have no recording; none where the plan is not understood, or has one
+        case."""
+        carrier = next((case.bundle for case in self.cases if case.planned), None)
+        if carrier is None:
+            return ()
+        try:
+            planned = cases(recorded_plan(carrier.manifest.details["plan"]))
+        except ValidationError:
+            return ()
+        there = {case.name for case in self.cases}
+        return () if len(planned) == 1 else tuple(case.name for case in planned if case.name not in there)
+
     @property
     def verdict(self) -> Verdict:
         together = (each.verdict for group in self.repeated.values() for each in group)

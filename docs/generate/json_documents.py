@@ -9,6 +9,7 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, RootModel
 
+from docs.generate.json_gauge import GaugeStudied
 from docs.generate.json_parameters import (
     DerivedParameters,
     Differences,
@@ -31,6 +32,7 @@ from docs.generate.json_results import (
     Plans,
     Run,
     VerdictWord,
+    Verified,
 )
 from docs.generate.json_tables import AnalyzedTable
 
@@ -431,6 +433,8 @@ DOCUMENTS: dict[str, type[BaseModel]] = {
     "jog": Jogged,
     "live": LiveEnd,
     "live of a run": LiveRun,
+    "verify": Verified,
+    "gauge": GaugeStudied,
     "info": DriveInfo,
     "info --eds": FileInfo,
     "scan": Scanned,

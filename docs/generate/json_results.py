@@ -265,3 +265,24 @@ class Plans(Document):
     """The worst verdict of the plans."""
     plans: dict[str, Run]
     """Plans by name."""
+
+
+class Verified(Document):
+    """`verify`."""
+
+    verdict: Literal["pass", "fail"]
+    """Whether every file fits its hash and every result its data."""
+    folder: str
+    """Folder of the run."""
+    files: int
+    """Files that fit their hashes."""
+    recomputed: int
+    """Results that the raw data give to the bit."""
+    damaged: dict[str, str]
+    """Files that do not fit, with what is wrong."""
+    different: dict[str, str]
+    """Results that the raw data do not give, with what they give."""
+    not_recomputed: dict[str, str]
+    """Bundles whose results were not measured again, with the reason."""
+    unlisted: list[str]
+    """Files without a hash."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ast
 import inspect
+import itertools
 import textwrap
 import tomllib
 import types
@@ -37,9 +38,10 @@ _NAMES: Final = {"channels": "CHANNEL", "roles": "ROLE", "limits": "MEASUREMENT"
 """What the document chooses as a name of a table, by the key that holds such tables."""
 
 _UNITS: Final = {
-    "_A_rms": "A rms", "_rad_s": "rad/s", "_kgm2": "kg m²", "_Nms": "Nm s/rad", "_Nm": "Nm", "_ohm": "Ω",
+    "_A_rms": "A rms", "_V_rms": "V rms", "_K_rms": "K rms", "_A_K": "A/K", "_per_K": "1/K",
+    "_rad_s": "rad/s", "_kgm2": "kg m²", "_Nms": "Nm s/rad", "_Nm": "Nm", "_ohm": "Ω",
     "_degC": "°C", "_percent": "%", "_ppm": "ppm", "_Hz": "Hz", "_Wb": "Wb", "_rad": "rad", "_H": "H",
-    "_V": "V", "_A": "A", "_s": "s",
+    "_V": "V", "_A": "A", "_K": "K", "_s": "s",
 }  # fmt: skip
 _PLAIN: Final = {
     float: "number", int: "whole number", str: "text", bool: "`true` or `false`", date: "date",
@@ -129,15 +131,34 @@ def _tables(
     yield Table(heading or "The document", _sentences(text), tuple(keys))
     if model is Analyses:
         yield from _analyses(documents)
-    for name, field in fields.items():
+    for name, annotation in _alike(fields).items():
         if (model, name) in _NOT_WRITTEN or name == "case_limits":  # a limit is the same for a case
             continue
-        for found, inner, many in _sections(field.annotation, (*path, name), name):
-            dotted = ".".join(found)
-            shown = f"[[{dotted}]]" if many else f"[{dotted}]"
+        for found, inner, many in _sections(annotation, (*path, name), name):
+            dotted = [".".join((*path, *each)) for each in _each_of(found[len(path) :])]
+            shown = ", ".join(f"`[[{each}]]`" if many else f"`[{each}]`" for each in dotted)
             kind = inner.model_fields.get("kind")
             which = f', `kind = "{get_args(kind.annotation)[0]}"`' if kind is not None else ""
-            yield from _tables(f"`{shown}`{which}", inner, found, documents)
+            yield from _tables(f"{shown}{which}", inner, found, documents)
+
+
+def _alike(fields: Mapping[str, FieldInfo]) -> dict[str, Any]:
+    """The annotations of fields; tables of one model stand together, their names with | between."""
+    found: dict[str, Any] = {}
+    for name, field in fields.items():
+        stated = field.annotation
+        if isinstance(stated, type) and issubclass(stated, BaseModel):
+            together = next((each for each, other in found.items() if other is stated), "")
+            found.pop(together, None)
+            found[f"{together}|{name}" if together else name] = stated
+        else:
+            found[name] = stated
+    return found
+
+
+def _each_of(path: Sequence[str]) -> list[tuple[str, ...]]:
+    """The paths that one with alternatives stands for."""
+    return list(itertools.product(*(part.split("|") for part in path)))
 
 
 def _analyses(documents: Sequence[Mapping[str, Any]]) -> Iterator[Table]:
@@ -247,7 +268,10 @@ def _default(field: FieldInfo) -> str:
 
 
 def _values(document: Any, path: Sequence[str]) -> Iterator[Any]:
-    """What a document has at a path; a part in capitals is any name, tables of an array are gone through."""
+    """What a document has at a path; a part in capitals is any name, | stands between several.
+
+    Tables of an array are gone through.
+    """
     if isinstance(document, list):
         for each in document:
             yield from _values(each, path)
@@ -258,8 +282,8 @@ def _values(document: Any, path: Sequence[str]) -> Iterator[Any]:
         below = list(document.values()) if name.isupper() and name in _NAMES.values() else []
         if name == "offset_U" or name in ("offset_limit", "resolution"):
             below = [value for key, value in document.items() if key.startswith(name + "_")]
-        elif name in document:
-            below = [document[name]]
+        else:
+            below += [document[each] for each in name.split("|") if each in document]
         for each in below:
             yield from _values(each, rest) if rest else iter([each])
 

@@ -41,20 +41,29 @@ def require_toml(text: str) -> None:
 
 def _require_table(key: str, value: Any) -> None:
     """Check one key of a plan or a profile; a table may be shown in part."""
-    fields = {**Profile.model_fields, **Plan.model_fields}
-    assert key in fields, f"neither plan nor profile has a key '{key}'"
-    annotation: Any = fields[key].annotation
+    annotations = [
+        model.model_fields[key].annotation for model in (Profile, Plan) if key in model.model_fields
+    ]
+    assert annotations, f"neither plan nor profile has a key '{key}'"
     if key in ("limits", "case_limits"):  # their keys may end in a unit, which the plan takes off
         point = {"omega_m_rad_s": 1.0}
         record = {"duration_s": 1.0, "channels": ["torque"]}
         whole = {"title": "", "profile": "", "operating_point": point, "record": record, key: value}
         Plan.model_validate(whole)
         return
+    refusals = [_refusal(annotation, value) for annotation in annotations]
+    if all(refusals) and refusals[0] is not None:
+        raise refusals[0]
+
+
+def _refusal(annotation: Any, value: Any) -> ValidationError | None:
+    """What a type has against a value that may be shown in part."""
     try:
         TypeAdapter(annotation).validate_python(value)
     except ValidationError as failed:
         if any(each["type"] != "missing" for each in failed.errors()):
-            raise
+            return failed
+    return None
 
 
 def commands_of_yaml(text: str) -> Iterator[str]:

@@ -41,6 +41,8 @@ COMMANDS = {
     "analyze of a recording": ("analyze", "recorded"),
     "export": ("export", "recorded"),
     "jog": ("jog", "--duration", "0.1", "--speed", "1"),
+    "verify": ("verify", "folder/one"),
+    "gauge": ("gauge", "readings.csv"),
     "info": ("info",),
     "info --eds": ("info", "--eds", EDS),
     "reset": ("reset",),
@@ -65,6 +67,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (place / "plans").mkdir()
     (place / "plans" / "one.toml").write_text(PLAN, encoding="utf-8")
     (place / "table.csv").write_text(CSV, encoding="utf-8")
+    (place / "readings.csv").write_text("part,value\n1,1\n1,2\n2,3\n2,4\n", encoding="utf-8")
     return place
 
 

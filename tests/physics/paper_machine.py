@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.emulator.core import Core
-from benchtool.emulator.machine.truth import InverterTruth, MotorTruth, SensorTruth
+from benchtool.emulator.machine.sensor_truth import SensorTruth
+from benchtool.emulator.machine.truth import InverterTruth, MotorTruth
 from benchtool.protocol.dictionary.objects import ObjectTable, table_from_toml
 from benchtool.shipped import shipped
 

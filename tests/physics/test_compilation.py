@@ -92,8 +92,8 @@ def test_each_set_of_parts_has_a_kernel_of_its_own() -> None:
     perfect = core._truth
     cogged = truth_of(MotorTruth(**MOTOR, cogging_Nm=0.1, cogging_order=6), core.inverter, core.sensors)
     stronger = truth_of(MotorTruth(**MOTOR, cogging_Nm=0.2, cogging_order=12), core.inverter, core.sensors)
-    assert list(jit.parts_of(perfect)) == ["machine", "stage", "sensing"]
-    assert list(jit.parts_of(cogged)) == ["machine", "machine.cogging", "stage", "sensing"]
+    assert list(jit.parts_of(perfect)) == ["machine", "stage", "sensing", "sensing.encoder"]
+    assert list(jit.parts_of(cogged)) == ["machine", "machine.cogging", "stage", "sensing", "sensing.encoder"]
     assert kernel_of(cogged) is kernel_of(stronger)
     assert kernel_of(cogged).__qualname__ != kernel_of(perfect).__qualname__
 

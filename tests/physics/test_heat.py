@@ -10,8 +10,9 @@ import pytest
 from scipy.linalg import expm
 
 from benchtool.emulator.core.kernel import run_ticks
+from benchtool.emulator.machine.coefficients import holding, warmed
 from benchtool.emulator.machine.heat import HeatTruth
-from benchtool.emulator.machine.plant import advance, holding, warmed
+from benchtool.emulator.machine.plant import advance
 from benchtool.emulator.machine.saturation import SaturationTruth, flux_at
 from benchtool.emulator.machine.state import place
 from benchtool.emulator.machine.truth import MotorTruth
@@ -51,6 +52,7 @@ def test_two_masses_warm_as_their_closed_form() -> None:
     for _ in range(100):
         core._controls["gated"] = 1
         core._controls["duty_a"] = 1.5 * u / 60.0
+        core._controls["duty_b"] = core._controls["duty_c"] = 0.0
         core.run_with(run_ticks, 1)
     copper_W = core.energies_J()["copper"] / (100 * T_S)
     assert copper_W == pytest.approx(1.5 * 0.4 * 81.0, rel=1e-2)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from benchtool.emulator.control.laws import Law
 from benchtool.emulator.control.observer import SETTLED, track
 from benchtool.emulator.core import Core, Trip
+from benchtool.emulator.machine.sensor_truth import CurrentTruth
 from benchtool.emulator.memory import CONTROL
 from benchtool.protocol.modes import Mode
 from tests.physics.paper_machine import captured, make_core
@@ -186,13 +187,25 @@ def test_an_unknown_load_is_found() -> None:
 
 
 def test_a_standing_shaft_reads_standstill_whatever_the_current_sensors_add() -> None:
-    core = make_core(sensors={"current_offset_A": (0.3, -0.3, 0.0), "current_noise_A_rms": 0.05})
+    core = make_core(
+        sensors={
+            "i_a": CurrentTruth(offset_A=0.3),
+            "i_b": CurrentTruth(offset_A=-0.3),
+            "current_noise_A_rms": 0.05,
+        }
+    )
     assert not captured(core, ["omega_m"], 1000)["omega_m"].any()
 
 
 def test_switching_on_over_an_offset_of_the_current_sensors_starts_cleanly() -> None:
     """The offset is a torque that the shaft does not get, and the rest of it turns the shaft."""
-    core = make_core(sensors={"current_offset_A": (0.3, -0.3, 0.0), "current_noise_A_rms": 0.05})
+    core = make_core(
+        sensors={
+            "i_a": CurrentTruth(offset_A=0.3),
+            "i_b": CurrentTruth(offset_A=-0.3),
+            "current_noise_A_rms": 0.05,
+        }
+    )
     core.command.mode, core.command.pwm_enabled = int(Mode.VELOCITY), 1
     errors = []
     for _ in range(300):

@@ -7,16 +7,9 @@ import math
 import numpy as np
 import pytest
 
+from benchtool.emulator.machine.coefficients import Machine, holding
 from benchtool.emulator.machine.inverter import clarke
-from benchtool.emulator.machine.plant import (
-    Machine,
-    added,
-    advance,
-    airgap_torque,
-    derivative,
-    holding,
-    step,
-)
+from benchtool.emulator.machine.plant import added, advance, airgap_torque, derivative, step
 from benchtool.emulator.machine.state import State, place
 from benchtool.emulator.machine.truth import MotorTruth
 from benchtool.emulator.rotate import rotate

@@ -10,7 +10,8 @@ from hypothesis import given, strategies as st
 
 from benchtool.emulator.core import Core
 from benchtool.emulator.core.kernel import run_ticks
-from benchtool.emulator.machine.plant import airgap_torque, current_rates, fastest_rate, step
+from benchtool.emulator.machine.coefficients import fastest_rate
+from benchtool.emulator.machine.plant import airgap_torque, current_rates, step
 from benchtool.emulator.machine.saturation import (
     Flux,
     SaturationTruth,

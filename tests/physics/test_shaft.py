@@ -9,7 +9,8 @@ import pytest
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from benchtool.emulator.machine.plant import advance, fastest_rate, holding
+from benchtool.emulator.machine.coefficients import fastest_rate, holding
+from benchtool.emulator.machine.plant import advance
 from benchtool.emulator.machine.state import place
 from benchtool.emulator.machine.truth import MotorTruth
 

@@ -15,11 +15,22 @@ from benchtool.emulator.core.kernel import Truth, kernel_of
 from benchtool.emulator.core.stream_ring import StreamRecorder
 from benchtool.emulator.machine.accounts import NAMES
 from benchtool.emulator.machine.bounds import require_computable, runaway
-from benchtool.emulator.machine.inverter import Accounts
+from benchtool.emulator.machine.inverter import Accounts, phase_currents
+from benchtool.emulator.machine.sensor_truth import SensorTruth, going_on
 from benchtool.emulator.machine.sensors import Noise
+from benchtool.emulator.machine.state import place
 from benchtool.emulator.machine.transducer import Transducer
-from benchtool.emulator.machine.truth import InverterTruth, MotorTruth, SensorTruth
-from benchtool.emulator.memory import COMMAND, CONTROL, LOAD, MEASUREMENT, SHAFT, STIMULUS, new_memory
+from benchtool.emulator.machine.truth import InverterTruth, MotorTruth
+from benchtool.emulator.memory import (
+    COMMAND,
+    CONTROL,
+    LOAD,
+    MEASUREMENT,
+    SENSOR,
+    SHAFT,
+    STIMULUS,
+    new_memory,
+)
 from benchtool.protocol import Mode
 from benchtool.protocol.dictionary import ObjectTable
 from benchtool.ticks import wrap_tick
@@ -29,11 +40,12 @@ __all__ = ["Core", "Trip"]
 
 def truth_of(motor: MotorTruth, inverter: InverterTruth, sensors: SensorTruth, T_s: float = 1e-4) -> Truth:
     """Return the bench in the form that the kernel reads, for a control period of `T_s` seconds."""
-    stage = inverter.power_stage(T_s)
+    stage = inverter.power_stage(T_s, sensors.sampling(T_s))
     if motor.heat is not None:  # which needs what is lost
         R = inverter.on_resistance_ohm
         stage = stage._replace(accounts=Accounts(R, inverter.device_drop_V), heat=motor.heat.heat(T_s, R))
-    return Truth(motor.machine(devices_ohm=inverter.on_resistance_ohm), stage, sensors.sensing())
+    machine = motor.machine(devices_ohm=inverter.on_resistance_ohm)
+    return Truth(machine, stage, sensors.sensing(T_s, inverter.dead_time_s))
 
 
 class Core:
@@ -85,16 +97,17 @@ class Core:
         )
         self.command, self.load, self.shaft = self._commands[0], self._loads[0], self._shafts[0]
         self.stimulus = self._stimuli[0]
+        self._sensors = np.zeros(1, SENSOR)
         self.command.mode = int(Mode.TORQUE)
-        self.shaft.u_dc = inverter.u_dc_V
+        self.shaft.u_dc = self._sensors[0].u_dc = inverter.u_dc_V
         if motor.heat is not None:
             self.shaft.T_winding = self.shaft.T_magnet = motor.heat.ambient_degC
-        self.turn_rotor(0.0)
+        self.turn_rotor(motor.pole_pairs * motor.power_up_angle_rad)
         self.capture = CaptureRecorder(self.memory)
         self.stream = StreamRecorder(self.memory, lambda: self.tick)
         self.transducer = Transducer(lambda: self.tick, self.control_period_s)
         self._truth = truth_of(motor, inverter, sensors, period)
-        self._noise = Noise(sensors.current_noise_A_rms, seed)
+        self._noise = Noise(sensors.noise_rms, seed)
 
     def set_dc_link(self, u_dc_V: float) -> None:
         """Supply the dc link with another voltage, from the next tick on.
@@ -103,7 +116,9 @@ class Core:
             ValueRefused: it is not positive.
         """
         self.inverter = replace(self.inverter, u_dc_V=u_dc_V)
-        self._truth = truth_of(self.motor, self.inverter, self.sensors, self.control_period_s)
+        before = self._truth.stage
+        stage = self.inverter.power_stage(self.control_period_s, before.sampling)
+        self._truth = self._truth._replace(stage=stage._replace(accounts=before.accounts, heat=before.heat))
 
     def energies_J(self) -> dict[str, float]:
         """Return the energy accounts since power-up in J, by their names; zeros where none are kept."""
@@ -115,6 +130,34 @@ class Core:
         if self.motor.heat is None:
             return {}
         return {"winding": float(self.shaft.T_winding), "magnet": float(self.shaft.T_magnet)}
+
+    def set_sensors(self, sensors: SensorTruth) -> None:
+        """Have other sensors from the next tick on, such as one that is stuck: the flaws of a run's course.
+
+        Numbers alone change at once; a flaw that the bench did not have before may have to be compiled.
+
+        Raises:
+            ValueRefused: currents would be read more than two periods late.
+        """
+        before, T_s = self._truth, self.control_period_s
+        sensing, sampling = sensors.sensing(T_s, self.inverter.dead_time_s), sensors.sampling(T_s)
+        moved_rad = sensors.encoder_offset_rad - self.sensors.encoder_offset_rad
+        theta_m = float(self.shaft.theta_e) / self.motor.pole_pairs
+        sensing = sensing._replace(
+            encoder=going_on(before.sensing.encoder, sensing.encoder, theta_m, moved_rad)
+        )
+        if sampling is not None:
+            present = phase_currents(place(self.shaft.i_d, self.shaft.i_q, 0.0, self.shaft.theta_e))
+            sampling.begin(present, before.stage.sampling)
+        if before.sensing.u_lag is None:
+            self._sensors[0].u_dc = self.shaft.u_dc
+        self.sensors = sensors
+        self._noise.set_rms(sensors.noise_rms)
+        self._truth = before._replace(stage=before.stage._replace(sampling=sampling), sensing=sensing)
+
+    def restart_counter(self) -> None:
+        """Have the encoder's counter begin again, as when the drive is switched on."""
+        self._sensors[0].counting = self._sensors[0].travelled = 0
 
     def turn_rotor(self, theta_e_rad: float) -> None:
         """Set the rotor to an electrical angle."""
@@ -166,6 +209,7 @@ class Core:
             self._shafts,
             self._loads,
             *self._truth,
+            self._sensors,
             noise,
             capture.record,
             capture.channels,

@@ -16,11 +16,7 @@ from benchtool.emulator.control.cycle import control_tick
 from benchtool.emulator.core.capture_memory import capture_row
 from benchtool.emulator.core.stream_ring import stream_row
 from benchtool.emulator.jit import is_cached, njit, parts_of, specialised
-from benchtool.emulator.machine.dc_link import supplied
-from benchtool.emulator.machine.diodes import freewheel
-from benchtool.emulator.machine.heat import warm
-from benchtool.emulator.machine.inverter import PowerStage
-from benchtool.emulator.machine.plant import (
+from benchtool.emulator.machine.coefficients import (
     MOST_TURN,
     Machine,
     fastest_rate,
@@ -28,6 +24,10 @@ from benchtool.emulator.machine.plant import (
     turning_rate,
     warmed,
 )
+from benchtool.emulator.machine.dc_link import supplied
+from benchtool.emulator.machine.diodes import freewheel
+from benchtool.emulator.machine.heat import warm
+from benchtool.emulator.machine.inverter import PowerStage
 from benchtool.emulator.machine.saturation import Flux, Saturation
 from benchtool.emulator.machine.sensors import Sensing, measure
 from benchtool.emulator.machine.state import State, flux_of, place
@@ -52,6 +52,7 @@ def run_ticks(
     machine: Machine,
     stage: PowerStage,
     sensing: Sensing,
+    sensors: Any,
     noise: NDArray[np.float32],
     captures: Any,
     channels: NDArray[np.uint32],
@@ -68,7 +69,7 @@ def run_ticks(
     turn too fast to be computed.
     """
     drive, command, control = memory[0], commands[0], controls[0]
-    measurement, shaft, load = measurements[0], shafts[0], loads[0]
+    measurement, shaft, load, sensor = measurements[0], shafts[0], loads[0], sensors[0]
     capture, stream, transducer, stimulus = captures[0], streams[0], transducers[0], stimuli[0]
     cold = holding(machine, load.held != 0, False)
     for done in range(ticks):
@@ -84,7 +85,8 @@ def run_ticks(
             return done
         transducer.next_sample = 0
         copper, iron = transducer.E_copper, transducer.E_iron
-        if command.pwm_enabled != 0 and control.gated != 0:
+        switching = command.pwm_enabled != 0 and control.gated != 0
+        if switching:
             x, charge = switch(
                 x, rate, drive, control, shaft, stage, driven, load.torque_Nm, transducer, torque
             )
@@ -102,7 +104,18 @@ def run_ticks(
         if transducer.recording == 1 and transducer.filled >= torque.size:
             transducer.recording = 0
         drive.tick = (int(drive.tick) + 1) & _LAST_TICK
-        measure(x, shaft.u_dc, machine.p, sensing, noise[done], measurement)
+        measure(
+            x,
+            shaft.u_dc,
+            machine.p,
+            switching,
+            control,
+            stage,
+            sensing,
+            sensor,
+            noise[done],
+            measurement,
+        )
         tripped = control_tick(drive, command, control, stimulus, measurement)
         began = stimulus.began != 0
         capture_row(capture, drive, memory_words, memory_floats, channels, rows, tripped, began)

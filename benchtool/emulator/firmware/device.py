@@ -87,6 +87,7 @@ class Firmware:
         self._history.clear()
         self._capture.abort()
         self.core.command.trip = 0
+        self.core.restart_counter()
         self.supervision.configure(0)
         parameters_accepted = self._load_parameters()
         self._set_mode(self.objects["mode_of_operation"])

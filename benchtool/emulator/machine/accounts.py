@@ -14,10 +14,10 @@ from typing import Any, NamedTuple
 
 from benchtool.emulator.jit import called, njit
 from benchtool.emulator.machine.asymmetry import leakage_energy, loss_in_series
+from benchtool.emulator.machine.coefficients import Machine
 from benchtool.emulator.machine.inverter import SQRT3, Accounts
 from benchtool.emulator.machine.iron import iron_torque
 from benchtool.emulator.machine.plant import (
-    Machine,
     airgap_torque,
     derivative,
     flux_linkages,

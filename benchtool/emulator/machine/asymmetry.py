@@ -26,7 +26,7 @@ class Symmetric(NamedTuple):
 
 
 class Asymmetry(NamedTuple):
-    """Mean and vector at theta 0 of what is in series with the phases, in ohm and H."""
+    """Resistance and inductance in series with the phases: mean, and vector at theta 0, in ohm and H."""
 
     R: float
     R_alpha: float

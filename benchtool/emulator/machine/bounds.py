@@ -10,9 +10,9 @@ import math
 from typing import Any
 
 from benchtool.emulator.machine.asymmetry import series_resistance
+from benchtool.emulator.machine.coefficients import MOST_TURN, fastest_rate
 from benchtool.emulator.machine.harmonics import linkage
 from benchtool.emulator.machine.iron import iron_slope
-from benchtool.emulator.machine.plant import MOST_TURN, fastest_rate
 from benchtool.emulator.machine.saturation import Flux, incremental, largest
 from benchtool.emulator.machine.state import flux_of, place
 from benchtool.emulator.machine.truth import MotorTruth

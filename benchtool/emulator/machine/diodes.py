@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from benchtool.emulator.jit import called, njit, separately
 from benchtool.emulator.machine.accounts import Rails, account, finer
+from benchtool.emulator.machine.coefficients import Machine, fastest_rate, holding, turning_rate
 from benchtool.emulator.machine.harmonics import linkage
 from benchtool.emulator.machine.inverter import (
     SQRT3,
@@ -28,18 +29,15 @@ from benchtool.emulator.machine.inverter import (
     phase_currents,
 )
 from benchtool.emulator.machine.plant import (
-    Machine,
     advance,
     current_rates,
-    fastest_rate,
-    holding,
     inverse_inductance,
     move,
     open_circuit_voltage,
     step,
     substep,
-    turning_rate,
 )
+from benchtool.emulator.machine.sampling import observe
 from benchtool.emulator.machine.state import State, with_currents
 from benchtool.emulator.machine.transducer import sample
 
@@ -134,10 +132,12 @@ def integrate_conduction(
             if all_off and _below(x, leg_a.high - leg_a.low, machine):
                 x = _coast(stage.accounts, x, end - time, open_machine, T_load, transducer)
                 sample(time, end - time, before, x, 0.0, 0.0, open_machine, T_load, transducer, torque)
+                observe(stage.sampling, time, end - time, before, x, 0.0, 0.0, open_machine, T_load)
                 return x, charge
             x, h = move(x, 0.0, 0.0, min(short, end - time), open_machine, T_load)
             sample(time, h, before, x, 0.0, 0.0, open_machine, T_load, transducer, torque)
             account(stage.accounts, h, before, x, 0.0, 0.0, u_dc, rails, open_machine, T_load, transducer)
+            observe(stage.sampling, time, h, before, x, 0.0, 0.0, open_machine, T_load)
         else:
             u_alpha, u_beta = clarke(v.a, v.b, v.c)
             h = substep(end - time, rate, finer(stage.accounts, _TURN, 0.4))
@@ -158,6 +158,7 @@ def integrate_conduction(
             )
             sample(time, h, before, x, u_alpha, u_beta, machine, T_load, transducer, torque)
             account(stage.accounts, h, before, x, u_alpha, u_beta, u_dc, rails, machine, T_load, transducer)
+            observe(stage.sampling, time, h, before, x, u_alpha, u_beta, machine, T_load)
             drawn = _drawn(before, mode_a, mode_b, mode_c) + _drawn(x, mode_a, mode_b, mode_c)
             charge += 0.5 * h * drawn
         time = time + h if h < end - time else end

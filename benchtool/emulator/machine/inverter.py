@@ -15,6 +15,7 @@ from typing import NamedTuple
 from benchtool.emulator.jit import njit
 from benchtool.emulator.machine.dc_link import DcLink
 from benchtool.emulator.machine.heat import Heat
+from benchtool.emulator.machine.sampling import Sampling
 from benchtool.emulator.machine.state import State
 
 NEVER = math.inf
@@ -49,7 +50,8 @@ class Accounts(NamedTuple):
 class PowerStage(NamedTuple):
     """True coefficients; `u_dc` is the voltage behind the dc link's resistance `R_dc`.
 
-    `metered` says that what the dc link is drawn matters.
+    `metered` says that what the dc link is drawn matters. `sampling` is there where the timer triggers the
+    converter of the currents within the period, or their sensors lag.
     """
 
     T_s: float
@@ -62,6 +64,7 @@ class PowerStage(NamedTuple):
     timer: Timer | None
     devices: Devices | None
     link: DcLink | None
+    sampling: Sampling | None
 
 
 @njit

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from benchtool.emulator.jit import njit
 from benchtool.emulator.machine.accounts import Rails, account, finer
+from benchtool.emulator.machine.coefficients import Machine, largest_inverse_inductance
 from benchtool.emulator.machine.diodes import HIGH, LOW, OFF, integrate_conduction
 from benchtool.emulator.machine.inverter import (
     NEVER,
@@ -24,7 +25,8 @@ from benchtool.emulator.machine.inverter import (
     quantised,
     rising_edge,
 )
-from benchtool.emulator.machine.plant import Machine, largest_inverse_inductance, move, substep
+from benchtool.emulator.machine.plant import move, substep
+from benchtool.emulator.machine.sampling import observe
 from benchtool.emulator.machine.state import State
 from benchtool.emulator.machine.transducer import sample
 
@@ -181,6 +183,7 @@ def _between_edges(
                 u_dc if high_a else 0.0, u_dc if high_b else 0.0, u_dc if high_c else 0.0, False, False, False
             )
             account(stage.accounts, h, before, x, u_alpha, u_beta, u_dc, rails, machine, T_load, transducer)
+            observe(stage.sampling, time, h, before, x, u_alpha, u_beta, machine, T_load)
             if stage.metered:
                 start = _link_current(high_a, high_b, high_c, before)
                 charge += 0.5 * h * (start + _link_current(high_a, high_b, high_c, x))

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 
 from benchtool.block import Block, Channel
 from benchtool.emulator.jit import njit
-from benchtool.emulator.machine.plant import Machine, airgap_torque, derivative, scaled_voltage
+from benchtool.emulator.machine.coefficients import Machine
+from benchtool.emulator.machine.plant import airgap_torque, derivative, scaled_voltage
 from benchtool.emulator.machine.state import State, electrical
 from benchtool.emulator.memory import Record, record_type
 from benchtool.errors import ValueRefused
@@ -59,8 +60,8 @@ def sample(
         return
     d0, q0 = electrical(before.flux, before)
     d1, q1 = electrical(after.flux, after)
-    p0 = _rates(before, u_alpha, u_beta, machine, T_load)
-    p1 = _rates(after, u_alpha, u_beta, machine, T_load)
+    p0 = rates(before, u_alpha, u_beta, machine, T_load)
+    p1 = rates(after, u_alpha, u_beta, machine, T_load)
     while transducer.next_sample < transducer.samples_per_tick:
         due = transducer.next_sample * transducer.spacing
         if due >= time + h or transducer.filled >= torque.size:
@@ -75,9 +76,10 @@ def sample(
 
 
 @njit
-def _rates(
+def rates(
     x: State, u_alpha: float, u_beta: float, machine: Machine, T_load: float
 ) -> tuple[float, float, float, float, float]:
+    """Return `derivative` of a state under a stator voltage."""
     v_d, v_q = scaled_voltage(x, u_alpha, u_beta, machine)
     y_d, y_q = electrical(x.flux, x)
     return derivative(y_d, y_q, x.omega_e, x.theta_e, v_d, v_q, machine, T_load)

@@ -6,14 +6,14 @@ import math
 from dataclasses import dataclass
 
 from benchtool.emulator.machine.asymmetry import Asymmetry, sequences
+from benchtool.emulator.machine.coefficients import Machine, machine_of
 from benchtool.emulator.machine.dc_link import DcLink
 from benchtool.emulator.machine.harmonics import Harmonics, Unbalance
 from benchtool.emulator.machine.heat import HeatTruth
 from benchtool.emulator.machine.inverter import Accounts, DeadTime, Devices, PowerStage, Timer
 from benchtool.emulator.machine.iron import Iron
-from benchtool.emulator.machine.plant import Machine, machine_of
+from benchtool.emulator.machine.sampling import Sampling
 from benchtool.emulator.machine.saturation import Saturation, SaturationTruth
-from benchtool.emulator.machine.sensors import Sensing
 from benchtool.emulator.machine.shaft import Cogging, Friction, Stribeck
 from benchtool.errors import ValueRefused
 
@@ -28,7 +28,7 @@ class MotorTruth:
     `series_L_H` is what is in series with each.
     A shaft at rest sticks up to `breakaway_Nm`, which is the Coulomb torque where it is stated lower; while
     the shaft turns, what it has above the Coulomb torque fades out over `stribeck_rad_s`, or at once if that
-    is 0.
+    is 0. `power_up_angle_rad` is the shaft's mechanical angle when the drive is switched on.
 
     Raises:
         ValueRefused: a value is not finite, negative, or zero where the machine could not move.
@@ -56,6 +56,7 @@ class MotorTruth:
     saturation: SaturationTruth | None = None
     R_fe_ohm: float = math.inf
     heat: HeatTruth | None = None
+    power_up_angle_rad: float = 0.0
 
     def __post_init__(self) -> None:
         if self.R_fe_ohm < math.inf:
@@ -72,7 +73,11 @@ class MotorTruth:
             cogging_order=self.cogging_order,
         )
         finite(
-            psi_5_Wb=self.psi_5_Wb, psi_7_Wb=self.psi_7_Wb, psi_11_Wb=self.psi_11_Wb, psi_13_Wb=self.psi_13_Wb
+            psi_5_Wb=self.psi_5_Wb,
+            psi_7_Wb=self.psi_7_Wb,
+            psi_11_Wb=self.psi_11_Wb,
+            psi_13_Wb=self.psi_13_Wb,
+            power_up_angle_rad=self.power_up_angle_rad,
         )
         for phase, psi, R, L in zip(
             "abc", self.psi_of_phase, self.series_R_ohm, self.series_L_H, strict=True
@@ -198,8 +203,8 @@ class InverterTruth:
                 f"u_dc_V = {self.u_dc_V:g}: have the first above the second, and both above the supply"
             )
 
-    def power_stage(self, T_s: float) -> PowerStage:
-        """Return the coefficients for a PWM period of `T_s` seconds."""
+    def power_stage(self, T_s: float, sampling: Sampling | None = None) -> PowerStage:
+        """Return the coefficients for a PWM period of `T_s` seconds, in which the currents are so sampled."""
         return PowerStage(
             T_s=T_s,
             u_dc=self.u_dc_V,
@@ -211,6 +216,7 @@ class InverterTruth:
             dead_time=DeadTime(self.dead_time_s) if self.dead_time_s > 0.0 else None,
             timer=Timer(max(1.0, math.floor(0.5 * T_s * self.timer_Hz))) if self.timer_Hz > 0.0 else None,
             devices=Devices(self.device_drop_V) if self.device_drop_V > 0.0 else None,
+            sampling=sampling,
         )
 
     def _dc_link(self) -> DcLink | None:
@@ -223,52 +229,6 @@ class InverterTruth:
             chopper_on=self.chopper_on_V,
             chopper_off=self.chopper_off_V,
             G_chopper=1.0 / self.chopper_R_ohm if self.chopper_R_ohm > 0.0 else 0.0,
-        )
-
-
-@dataclass(frozen=True, kw_only=True)
-class SensorTruth:
-    """Current, voltage and position measurement.
-
-    A current reads gain times the true one plus offset plus Gaussian noise, converted with `adc_bits` over
-    +-`i_full_scale_A`; the dc link is converted with as many bits over 0 to `u_full_scale_V`.
-
-    Raises:
-        ValueRefused: a value is not finite or out of its range.
-    """
-
-    i_full_scale_A: float
-    u_full_scale_V: float
-    adc_bits: int = 10
-    current_noise_A_rms: float = 0.0
-    current_gain: tuple[float, float, float] = (1.0, 1.0, 1.0)
-    current_offset_A: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    encoder_lines: int = 2500
-    encoder_offset_rad: float = 0.0
-
-    def __post_init__(self) -> None:
-        positive(
-            i_full_scale_A=self.i_full_scale_A,
-            u_full_scale_V=self.u_full_scale_V,
-            adc_bits=self.adc_bits,
-            encoder_lines=self.encoder_lines,
-        )
-        not_negative(current_noise_A_rms=self.current_noise_A_rms)
-        finite(encoder_offset_rad=self.encoder_offset_rad)
-        for phase, gain, offset in zip("abc", self.current_gain, self.current_offset_A, strict=True):
-            finite(**{f"current_gain of phase {phase}": gain, f"current_offset_A of phase {phase}": offset})
-
-    def sensing(self) -> Sensing:
-        """Return the coefficients of the measurement."""
-        codes = 2.0**self.adc_bits
-        return Sensing(
-            *self.current_gain,
-            *self.current_offset_A,
-            2.0 * self.i_full_scale_A / codes,
-            codes / 2.0,
-            self.u_full_scale_V / codes,
-            4 * self.encoder_lines,
-            self.encoder_offset_rad,
         )
 
 

@@ -176,8 +176,7 @@ def circumstances(bundle: Bundle) -> Iterator[Item]:
 
 
 def _figures(case: RecordedCase, most: int | None) -> list[Item]:
-    """Return the figures of the analyses, or the first few; every channel of what was recorded, where there
-    are none."""
+    """Return the figures of the analyses, or the first few; without any, every recorded channel."""
     if case.assessment is None or not figure_names(panel_of(case.assessment)):
         return list(_every_channel(case))
     plan = plan_of(case.bundle)

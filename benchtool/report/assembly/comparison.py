@@ -1,4 +1,4 @@
-"""The report that sets runs side by side: differences of what was measured, of the drive and of the plan."""
+"""The report that sets runs side by side: differences of measurements, of drives and of plans."""
 
 from __future__ import annotations
 

@@ -8,11 +8,9 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from typing import Final
 
-from pydantic import ValidationError
-
 from benchtool.analysis import NOTHING, number, raw, with_expanded
 from benchtool.block import Block
-from benchtool.plan import Verdict, cases, recorded_plan, worst
+from benchtool.plan import Verdict, worst
 from benchtool.profile import Bench, Profile
 from benchtool.recording import MANIFEST, Bundle, Manifest, hash_of
 from benchtool.report import content
@@ -223,7 +221,7 @@ def _reasons(case: RecordedCase) -> tuple[str, ...]:
 
 def _not_run(runs: Sequence[RecordedRun], found: Sequence[RecordedCase]) -> Iterator[Item]:
     """Yield the cases of the plans that have no recording, and what cases could not be measured for."""
-    told = [f"{run.name or 'plan'}: {', '.join(missing)}" for run in runs if (missing := _missing(run))]
+    told = [f"{run.name or 'plan'}: {', '.join(run.missing)}" for run in runs if run.missing]
     if told:
         yield Text(f"Cases of the plan without a recording: {'; '.join(told)}.", "warning")
     for text, count in Counter(text for case in found for text in _open(case)).items():
@@ -239,18 +237,6 @@ def _open(case: RecordedCase) -> Iterator[str]:
     if case.assessment is None:
         yield f"Not measured: {case.failure or 'a recording without a plan'}"
     yield from unmeasured(case)
-
-
-def _missing(run: RecordedRun) -> list[str]:
-    carrier = next((case.bundle for case in run.cases if "plan" in case.bundle.manifest.details), None)
-    if carrier is None:
-        return []
-    try:
-        planned = cases(recorded_plan(carrier.manifest.details["plan"]))
-    except ValidationError:
-        return []
-    there = {case.name for case in run.cases}
-    return [] if len(planned) == 1 else [case.name for case in planned if case.name not in there]
 
 
 def _judged_together(runs: Sequence[RecordedRun]) -> Section:

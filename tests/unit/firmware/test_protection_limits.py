@@ -11,7 +11,8 @@ from hypothesis import given, strategies as st
 from benchtool.emulator.core import Core
 from benchtool.emulator.firmware.device import Firmware
 from benchtool.emulator.firmware.objects import Refused
-from benchtool.emulator.machine.truth import InverterTruth, MotorTruth, SensorTruth
+from benchtool.emulator.machine.sensor_truth import SensorTruth
+from benchtool.emulator.machine.truth import InverterTruth, MotorTruth
 from benchtool.protocol.canopen.abort import Abort
 from benchtool.protocol.canopen.emcy import Emergency
 from benchtool.protocol.cia402 import State

@@ -119,8 +119,18 @@ def test_the_laws_are_those_of_the_dictionary() -> None:
 def test_the_template_has_every_key(section: type[BaseModel]) -> None:
     text = profile_text("t", ZHU.motor, GIVEN, derived_parameters(ZHU.motor, GIVEN))
     # a true motor's circuit is that of [motor], by the same keys
-    for key in set(section.model_fields) - {"parameters"}:
-        assert f"{key} = " in text
+    for key, field in section.model_fields.items():
+        if key not in ("parameters", "i_b", "i_c"):  # the other phases are as i_a
+            is_table = isinstance(field.annotation, type) and issubclass(field.annotation, BaseModel)
+            assert (f".{key}]" if is_table else f"{key} = ") in text
+
+
+def test_the_sensors_behind_comments_are_those_of_an_emulated_bench() -> None:
+    text = profile_text("t", ZHU.motor, GIVEN, derived_parameters(ZHU.motor, GIVEN))
+    behind = text[text.index("# [emulator.sensors.i_a]") : text.index("# What stands beside the drive")]
+    found = tomllib.loads(behind.replace("\n#\n", "\n").replace("# [", "[").replace("\n# ", "\n"))
+    stated = {"i_full_scale_A": 1.0, "u_full_scale_V": 1.0, **found["emulator"]["sensors"]}
+    assert Sensors.model_validate(stated).encoder.index
 
 
 def test_the_bench_behind_comments_is_one() -> None:

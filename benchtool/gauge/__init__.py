@@ -1,0 +1,5 @@
+"""Gauge repeatability and reproducibility: how much of a spread is that of the measuring."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,0 +1,90 @@
+"""`run --junit`: verdicts as CI servers read them, of runs that end and of those that break off."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+from typer.testing import CliRunner
+
+from benchtool.cli import app
+from benchtool.recording import bundles_in
+from benchtool.report import junit
+from benchtool.results import recorded_runs
+
+PLAN = """
+title = "two laws & <more>"
+profile = "zhu2011"
+repetitions = 2
+judge = "mean"
+operating_point = { omega_m_rad_s = 15.71, load_torque_Nm = 0.65, settle_s = 0.2 }
+record = { duration_s = 0.21, channels = ["i_a", "torque"] }
+limits = { torque_ripple_pp = { max = 0.02 } }
+sweep.setup.law = ["foc", "tpc"]
+"""
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    place = tmp_path_factory.mktemp("junit")
+    (place / "two.toml").write_text(PLAN, encoding="utf-8")
+    arguments = ["run", str(place / "two.toml"), "--out", str(place / "run"), "--operator", "ann"]
+    told = CliRunner().invoke(app, [*arguments, "--junit", str(place / "reports" / "out.xml")])
+    assert told.exit_code == 1, told.output
+    return place
+
+
+def _root(document: bytes) -> ElementTree.Element:
+    return ElementTree.fromstring(document)
+
+
+def test_every_limit_is_a_test(recorded: Path) -> None:
+    root = _root((recorded / "reports" / "out.xml").read_bytes())
+    (suite,) = root
+    assert suite.get("name") == "two laws & <more>"
+    ran = [test for test in suite.iter("testcase") if test.get("name") == "run"]
+    assert len(ran) == 4  # two laws, two repetitions
+    assert suite.get("skipped") == "0"
+    together = [test for test in suite.iter("testcase") if "mean" in str(test.get("name"))]
+    assert [str(test.get("classname")).rpartition(".")[2] for test in together] == ["foc", "tpc"]
+    failures = [failure for test in together if (failure := test.find("failure")) is not None]
+    assert failures
+    assert "torque_ripple_pp is" in str(failures[0].get("message"))
+    for count, kind in (("failures", "failure"), ("errors", "error"), ("skipped", "skipped")):
+        assert int(str(suite.get(count))) == len(list(suite.iter(kind))) == int(str(root.get(count)))
+    assert int(str(suite.get("tests"))) == len(list(suite.iter("testcase")))
+    properties = {each.get("name"): each.get("value") for each in suite.iter("property")}
+    assert properties["operator"] == "ann"
+    assert properties["firmware"]
+
+
+def test_a_case_without_a_recording_is_skipped_and_a_broken_one_is_an_error(
+    recorded: Path, tmp_path: Path
+) -> None:
+    run = Path(shutil.copytree(recorded / "run", tmp_path / "run"))
+    first, second, *_ = bundles_in(run)
+    shutil.rmtree(first)
+    for stream in (second / "data").glob("capture.*"):
+        stream.unlink()
+    (suite,) = _root(junit(recorded_runs(run)))
+    assert suite.get("skipped") == "1"
+    (skipped,) = (test for test in suite.iter("testcase") if test.find("skipped") is not None)
+    assert str(skipped.get("classname")).endswith(first.name)
+    assert suite.get("errors") == "1"
+
+
+def test_the_same_recordings_give_the_same_bytes(recorded: Path) -> None:
+    written = (recorded / "reports" / "out.xml").read_bytes()
+    assert junit(recorded_runs(recorded / "run")) == written
+
+
+def test_a_place_that_takes_no_file_is_one_line(tmp_path: Path) -> None:
+    once = PLAN.replace("repetitions = 2", "repetitions = 1").replace('judge = "mean"', "")
+    (tmp_path / "two.toml").write_text(once.replace(', "tpc"', ""), encoding="utf-8")
+    (tmp_path / "file").touch()
+    arguments = ["run", str(tmp_path / "two.toml"), "--out", str(tmp_path / "run")]
+    told = CliRunner().invoke(app, [*arguments, "--junit", str(tmp_path / "file" / "out.xml")])
+    assert told.exit_code == 3
+    assert "out.xml" in told.stderr
