@@ -8,7 +8,7 @@
 extern "C" {
 #endif
 
-#define BT_DICTIONARY_HASH 0xE7089B80u
+#define BT_DICTIONARY_HASH 0x4A119F33u
 #define BT_VENDOR_ID 0x00000B7Cu
 #define BT_PRODUCT_CODE 0x00002011u
 #define BT_REVISION 0x00010000u
@@ -265,6 +265,7 @@ enum bt_role {
 #define BT_SUB_I_FULL_SCALE 3u
 #define BT_SUB_CONTROL_PERIOD 4u
 #define BT_SUB_U_DC_FULL_SCALE 5u
+#define BT_SUB_PWM_PERIOD 6u
 #define BT_SUB_TORQUE_CONTROL_COUNT 0u
 #define BT_SUB_LAW 1u
 #define BT_SUB_U_S 2u
@@ -653,12 +654,13 @@ enum bt_mode_of_operation_display {
     X(0x2000u, 6u, J, F32, RW, PARAMETER, 1, 0, 0.0f, 1000.0f, 0.0f) \
     X(0x2000u, 7u, T_N, F32, RW, PARAMETER, 0, 0, 0.001f, 100000.0f, 1.0f) \
     X(0x2000u, 8u, omega_m_N, F32, RW, PARAMETER, 0, 0, 0.1f, 100000.0f, 100.0f) \
-    X(0x2001u, 0u, sensors_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 5u) \
+    X(0x2001u, 0u, sensors_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 6u) \
     X(0x2001u, 1u, encoder_lines, U32, RW, PARAMETER, 0, 0, 1u, 1000000u, 2500u) \
     X(0x2001u, 2u, encoder_offset, F32, RW, PARAMETER, 0, 0, -6.2832f, 6.2832f, 0.0f) \
     X(0x2001u, 3u, i_full_scale, F32, RO, STATUS, 1, 0, -3.4028235e+38f, 3.4028235e+38f, 0.0f) \
     X(0x2001u, 4u, control_period, F32, RO, STATUS, 1, 0, -3.4028235e+38f, 3.4028235e+38f, 0.0001f) \
     X(0x2001u, 5u, u_dc_full_scale, F32, RO, STATUS, 1, 0, -3.4028235e+38f, 3.4028235e+38f, 0.0f) \
+    X(0x2001u, 6u, pwm_period, F32, RO, STATUS, 1, 0, -3.4028235e+38f, 3.4028235e+38f, 0.0001f) \
     X(0x2010u, 0u, torque_control_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 7u) \
     X(0x2010u, 1u, law, U8, RW, PARAMETER, 0, 0, 0u, 255u, 0u) \
     X(0x2010u, 2u, u_s, F32, RW, PARAMETER, 1, 0, 0.0f, 1000.0f, 50.0f) \
@@ -686,7 +688,7 @@ enum bt_mode_of_operation_display {
     X(0x2015u, 0u, fcs_mpc_control_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 1u) \
     X(0x2015u, 1u, flux_weight, F32, RW, PARAMETER, 1, 0, 0.0f, 1000000.0f, 1.0f) \
     X(0x2016u, 0u, foc_control_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 1u) \
-    X(0x2016u, 1u, omega_current, F32, RW, PARAMETER, 1, 0, 1.0f, 10000.0f, 1000.0f) \
+    X(0x2016u, 1u, omega_current, F32, RW, PARAMETER, 1, 0, 1.0f, 100000.0f, 1000.0f) \
     X(0x2020u, 0u, command_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 3u) \
     X(0x2020u, 1u, torque_command, F32, RW, COMMAND, 1, 0, -3.4028235e+38f, 3.4028235e+38f, 0.0f) \
     X(0x2020u, 2u, omega_m_command, F32, RW, COMMAND, 1, 0, -3.4028235e+38f, 3.4028235e+38f, 0.0f) \
@@ -700,8 +702,8 @@ enum bt_mode_of_operation_display {
     X(0x2021u, 6u, stimulus_offset, F32, RW, STATUS, 1, 0, -3.4028235e+38f, 3.4028235e+38f, 0.0f) \
     X(0x2021u, 7u, stimulus_ticks, U32, RW, STATUS, 1, 0, 1u, 1000000000u, 10000u) \
     X(0x2021u, 8u, stimulus_repetitions, U32, RW, STATUS, 1, 0, 1u, 1000000u, 1u) \
-    X(0x2021u, 9u, stimulus_frequency_start, F32, RW, STATUS, 1, 0, 0.0f, 5000.0f, 1.0f) \
-    X(0x2021u, 10u, stimulus_frequency_end, F32, RW, STATUS, 1, 0, 0.0f, 5000.0f, 100.0f) \
+    X(0x2021u, 9u, stimulus_frequency_start, F32, RW, STATUS, 1, 0, 0.0f, 40000.0f, 1.0f) \
+    X(0x2021u, 10u, stimulus_frequency_end, F32, RW, STATUS, 1, 0, 0.0f, 40000.0f, 100.0f) \
     X(0x2021u, 11u, stimulus_steps, U16, RW, STATUS, 1, 0, 1u, 10000u, 10u) \
     X(0x2021u, 12u, stimulus_prbs_clock, U32, RW, STATUS, 1, 0, 1u, 1000000u, 10u) \
     X(0x2021u, 13u, stimulus_prbs_length, U8, RW, STATUS, 1, 0, 2u, 20u, 10u) \
@@ -769,7 +771,7 @@ enum bt_mode_of_operation_display {
     X(0x2051u, 1u, stream_sequence, U32, RO, SIGNAL, 1, 0, 0u, 4294967295u, 0u) \
     X(0x2051u, 2u, rpdo_dropped, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 0u) \
     X(0x2051u, 3u, serial_dropped, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 0u) \
-    X(0x2060u, 0u, dictionary_hash, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 3876100992u) \
+    X(0x2060u, 0u, dictionary_hash, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 1242668851u) \
     X(0x6007u, 0u, abort_connection_option, I16, RW, PARAMETER, 0, 0, -32768, 32767, 1) \
     X(0x603Fu, 0u, error_code, U16, RO, STATUS, 1, 0, 0u, 65535u, 0u) \
     X(0x6040u, 0u, controlword, U16, RW, STATUS, 1, 0, 0u, 65535u, 0u) \
@@ -791,7 +793,7 @@ enum bt_mode_of_operation_display {
     X(0x6502u, 0u, supported_modes, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 65548u) \
     /* end */
 
-#define BT_ENTRY_COUNT 264u
+#define BT_ENTRY_COUNT 265u
 
 /* What an enumeration may be: X(name, value) for each of its values, in the order of BT_ENTRIES. Any other is
  * refused. */

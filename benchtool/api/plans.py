@@ -218,12 +218,13 @@ def run_plan(
         BenchError: whatever went wrong; a bundle that was begun holds what came until then.
     """
     from benchtool.bench import open_session
+    from benchtool.plan import for_motor
     from benchtool.profile import load_profile, profile_path
     from benchtool.run import check_plan
 
     read, file = _read(plan)
     place = str(profile or read.profile)
-    load_profile(place)
+    read = for_motor(read, load_profile(place).motor)
     check_plan(read, file, place, link)
     info = replace(
         _info(link, seed, ask, allow_different=allow_different, note=note),
@@ -248,6 +249,7 @@ def run_on(
     note: str,
 ) -> PlanResult:
     """See `Bench.run`."""
+    from benchtool.plan import for_motor
     from benchtool.run import check_plan
 
     read, file = _read(plan)
@@ -256,6 +258,7 @@ def run_on(
             raise UsageError(
                 "the drive is enabled, and a plan enables it itself: leave that `with` block first"
             )
+        read = for_motor(read, session.profile.motor)
         check_plan(read, file, session.profile_name, connection.link)
         info = replace(
             _info(connection.link, seed, ask, allow_different=allow_different, note=note),

@@ -9,20 +9,20 @@ from benchtool.bench import dictionary_of, equipment_of
 from benchtool.cli.listing import count, duration, measured
 from benchtool.cli.output import Output
 from benchtool.cli.run import NamedPlan
-from benchtool.plan import Case, Plan, cases, drive_time_s
-from benchtool.protocol.dictionary import Dictionary
+from benchtool.plan import Case, Plan, cases, drive_time_s, expected_period_s
+from benchtool.profile import load_profile
 
 
 def show_dry_run(plans: Sequence[NamedPlan], link: str, output: Output) -> int:
     """Print what runs of these plans, which have been checked, would do; returns the exit code."""
-    documents = {each.name: _show(each, link, output) for each in plans}
+    documents = {each.label: _show(each, link, output) for each in plans}
     output.line("nothing was opened or sent")
     output.document({"dry_run": True, "link": link, "plans": documents})
     return 0
 
 
 def _show(named: NamedPlan, link: str, output: Output) -> dict[str, Any]:
-    plan, dictionary = named.plan, dictionary_of(named.profile)
+    plan, period_s = named.plan, expected_period_s(load_profile(named.profile), dictionary_of(named.profile))
     todo = cases(plan)
     facts = {
         "profile": named.profile,
@@ -30,7 +30,7 @@ def _show(named: NamedPlan, link: str, output: Output) -> dict[str, Any]:
         **{f"bench: {name}": text for name, text in equipment_of(named.profile, link).lines().items()},
         "sent to the drive": _settings(plan.setup) or "no parameters",
         "played": _played(plan),
-        "recorded": _recorded(plan, dictionary),
+        "recorded": _recorded(plan, period_s),
         "measured": measured(plan),
         "limits": ", ".join((*plan.limits, *plan.case_limits)) or "of the operating point alone",
         "duration": f"about {duration(drive_time_s(plan))} of drive time for {count(len(todo))}",
@@ -79,11 +79,10 @@ def _played(plan: Plan) -> str:
     return f"{stimulus.shape} of {stimulus.quantity}, {reaches}{lasts}{times}"
 
 
-def _recorded(plan: Plan, dictionary: Dictionary) -> str:
+def _recorded(plan: Plan, period_s: float | None) -> str:
     record = plan.record
     listed = f"{len(record.channels)} channels for {record.duration_s:g} s"
-    period_s = dictionary["control_period"].default if "control_period" in dictionary else None
-    if not isinstance(period_s, int | float):
+    if period_s is None:
         return listed
     row_s = period_s * record.stride
     return f"{listed}, {round(record.duration_s / row_s)} rows at {1.0 / row_s:g} Hz"

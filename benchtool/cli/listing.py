@@ -10,7 +10,7 @@ from benchtool.analysis import catalogue
 from benchtool.cli import options, proposals
 from benchtool.cli.output import Output
 from benchtool.errors import PlanError
-from benchtool.plan import Plan, cases, drive_time_s, load_plan, plan_names, shipped_plans
+from benchtool.plan import Plan, cases, drive_time_s, load_plan, plan_names, profiles_of, shipped_plans
 
 
 def plans(
@@ -39,7 +39,9 @@ def plans(
             refused.append(str(error))
     width = max(map(len, found), default=0)
     for name, plan in found.items():
-        lasts = f"{count(len(cases(plan)))}, {duration(drive_time_s(plan))}"
+        runs = len(_profiles(name, plan))
+        several = f" x {runs} profiles" if runs > 1 else ""
+        lasts = f"{count(len(cases(plan)))}{several}, {duration(runs * drive_time_s(plan))}"
         output.sentence(plan.title, lead=f"{name:<{width}}  {lasts:<18}  {measured(plan):<18}  ")
     for each in refused:
         output.warning(f"no plan: {each}")
@@ -48,13 +50,22 @@ def plans(
             name: {
                 "title": plan.title,
                 "cases": len(cases(plan)),
+                "profiles": list(_profiles(name, plan)),
                 "measures": measured(plan),
-                "duration_s": drive_time_s(plan),
+                "duration_s": len(_profiles(name, plan)) * drive_time_s(plan),
             }
             for name, plan in found.items()
         }
     )
     return 0
+
+
+def _profiles(name: str, plan: Plan) -> tuple[str, ...]:
+    """Return the profiles that a plan is run with, as it names them where none fits yet."""
+    try:
+        return profiles_of(name, plan)
+    except PlanError:
+        return (plan.profile,)
 
 
 def measured(plan: Plan) -> str:

@@ -15,6 +15,7 @@ from benchtool.cli.output import Output
 from benchtool.document import closest
 from benchtool.errors import UsageError, ValueRefused
 from benchtool.profile import (
+    CONTROL_PERIOD_S,
     LAWS,
     Amplitude,
     Given,
@@ -26,6 +27,7 @@ from benchtool.profile import (
     flux_of_kt,
     flux_of_kv,
     profile_text,
+    rate_fault,
 )
 from benchtool.protocol.dictionary import parse_quantity
 
@@ -84,6 +86,12 @@ def new(
         typer.Option("--speed-rated", metavar="RPM", show_default="what --u-dc allows", help="Rated speed."),
     ] = "",
     dead_time: Annotated[str, typer.Option("--dead-time", metavar="S", help="Of the inverter.")] = "0s",
+    control_period: Annotated[
+        str, typer.Option("--control-period", metavar="S", help="Of the drive's control: 50us, 100us.")
+    ] = f"{CONTROL_PERIOD_S * 1e6:g}us",
+    double_update: Annotated[
+        bool, typer.Option("--double-update", help="Control runs at both ends of a PWM period.")
+    ] = False,
     encoder_lines: Annotated[int, typer.Option(min=1, help="Of the encoder.")] = _ENCODER_LINES,
     law: Annotated[
         str,
@@ -124,7 +132,10 @@ def new(
     plate = read_nameplate(given or _EXAMPLE)
     motor = plate.motor()
     dead_time_s = parse_quantity(dead_time, "s", "--dead-time")
-    known = Given(plate.u_dc_V, encoder_lines, dead_time_s=dead_time_s)
+    period_s = parse_quantity(control_period, "s", "--control-period")
+    if fault := rate_fault((2.0 if double_update else 1.0) * period_s):
+        raise UsageError(f"--control-period {control_period}: {fault}")
+    known = Given(plate.u_dc_V, encoder_lines, period_s, dead_time_s, double_update)
     derived = derived_parameters(motor, known, law)
     called = title or (file.stem if file is not None else "motor" if given else "example: fill in your motor")
     for each in plate.contradictions():

@@ -12,7 +12,7 @@ import typer
 
 from benchtool.cli import options, proposals
 from benchtool.errors import PlanError, UsageError
-from benchtool.plan import Plan, load_plan, plan_names, profile_of
+from benchtool.plan import Plan, for_motor, load_plan, plan_names, profiles_of
 from benchtool.profile import load_profile
 
 
@@ -50,11 +50,17 @@ class RunOptions:
 
 @dataclass(frozen=True)
 class NamedPlan:
-    """A plan by the name it was given, and the profile that it runs with."""
+    """A plan by the name it was given, and the profile that it runs with.
+
+    `label` is unique among the plans of a command, `part` is the folder of its bundles, empty of the only
+    one.
+    """
 
     name: str
     plan: Plan
     profile: str
+    label: str
+    part: str
 
 
 def run(
@@ -158,23 +164,33 @@ def run_named(name: str, chosen: RunOptions) -> int:
     names = plan_names(name)
     if not names:
         raise PlanError(f"folder {name} holds no plans: TOML files are expected, one a plan")
-    plans = [_read(each, chosen.profile, chosen.changes) for each in names]
+    single = names == (name,)
+    plans = [plan for each in names for plan in _read(each, chosen.profile, chosen.changes, single=single)]
     # Report errors in the plan before the modules that a run needs are loaded.
     from benchtool.cli.run_plans import run_plans
 
     return run_plans(name, plans, chosen)
 
 
-def _read(name: str, profile: str, given: tuple[str, ...]) -> NamedPlan:
+def _read(name: str, profile: str, given: tuple[str, ...], *, single: bool) -> Iterator[NamedPlan]:
+    """Yield the plan with each of its profiles, its values in SI for the motor of that."""
     plan = load_plan(name)
-    place = profile or profile_of(name, plan)
-    if not profile and place.endswith(".toml") and not Path(place).is_file():
-        raise PlanError(
-            f"{name}: there is no profile file {place}: a plan names it relative to itself; put it there, "
-            f"or name another with --profile"
-        )
-    load_profile(place)
-    return NamedPlan(name, _changed(name, place, given) if given else plan, place)
+    places = (profile,) if profile else profiles_of(name, plan)
+    for place in places:
+        if not profile and place.endswith(".toml") and not Path(place).is_file():
+            raise PlanError(
+                f"{name}: there is no profile file {place}: a plan names it relative to itself; put it "
+                f"there, or name another with --profile"
+            )
+        motor = load_profile(place).motor
+        in_si = for_motor(_changed(name, place, given) if given else plan, motor)
+        stem, alone = Path(name).stem, Path(place.removesuffix("/profile.toml")).stem
+        if len(places) == 1:
+            yield NamedPlan(name, in_si, place, name, "" if single else stem)
+            continue
+        in_si = in_si.model_copy(update={"case": in_si.case or alone})
+        label, part = (place, alone) if single else (f"{name} {place}", f"{stem}/{alone}")
+        yield NamedPlan(name, in_si, place, label, part)
 
 
 def _changed(name: str, profile: str, given: tuple[str, ...]) -> Plan:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 import shlex
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -35,7 +36,7 @@ def run_plans(name: str, plans: Sequence[NamedPlan], chosen: RunOptions) -> int:
     """
     if chosen.page is not None:
         require_own(chosen.page, PAGE_MARK)
-    single = [each.name for each in plans] == [name]
+    single = not plans[0].part
     output = Output(as_json=chosen.as_json)
     title = Path(name).stem if name.endswith(".toml") else name
     with noting(chosen.changes):
@@ -47,10 +48,11 @@ def run_plans(name: str, plans: Sequence[NamedPlan], chosen: RunOptions) -> int:
         live_views.open_destinations(chosen.shown, output) as where,
     ):
         try:
-            results = {
-                each.name: _run(each, folder, "" if single else Path(each.name).stem, chosen, output, where)
-                for each in todo
-            }
+            results: dict[str, RunResult] = {}
+            for shown in _shown_together(todo):
+                run = {each.label: _run(each, folder, chosen, output, where) for each in shown}
+                show_run(output, shown[0].plan.title, _joined(shown, run), shown[0].plan.tabulate)
+                results |= run
         except (KeyboardInterrupt, DriveError, LinkError) as end:
             if any(folder.rglob("manifest.json")):
                 end.add_note(f"go on with: {_resumption(name, folder, chosen)}")
@@ -59,10 +61,11 @@ def run_plans(name: str, plans: Sequence[NamedPlan], chosen: RunOptions) -> int:
             if chosen.junit is not None and any(folder.rglob("manifest.json")):
                 write_junit(recorded_runs(folder), chosen.junit)
         if chosen.page is not None:
-            _write_page(chosen.page, name, [(each, results[each.name]) for each in todo])
+            _write_page(chosen.page, name, [(each, results[each.label]) for each in todo])
         verdict = worst(result.verdict for result in results.values())
         documents = {each: result.to_json() for each, result in results.items()}
-        output.document(documents[name] if single else {"verdict": str(verdict), "plans": documents})
+        alone = next(iter(documents.values()))
+        output.document(alone if single else {"verdict": str(verdict), "plans": documents})
         where.keep_open(output, stay=chosen.web)  # a program has its document before
     return 0 if verdict.met else 1
 
@@ -103,16 +106,36 @@ def _checked(named: NamedPlan, chosen: RunOptions) -> NamedPlan:
     return named
 
 
+def _shown_together(plans: Sequence[NamedPlan]) -> list[list[NamedPlan]]:
+    """Return the plans by what is shown as one table: a plan with all of its profiles."""
+    return [list(same) for _, same in itertools.groupby(plans, key=lambda each: each.name)]
+
+
+def _joined(plans: Sequence[NamedPlan], results: Mapping[str, RunResult]) -> RunResult:
+    """Return the results of a plan with its profiles as those of one run, each case with its profile."""
+    if len(plans) == 1:
+        return results[plans[0].label]
+
+    def named(plan: NamedPlan, case: str) -> str:
+        profile = Path(plan.part).name
+        return case if case == profile else f"{profile} {case}"
+
+    found = [(plan, results[plan.label]) for plan in plans]
+    return RunResult(
+        tuple(replace(each, case=named(plan, each.case)) for plan, run in found for each in run.assessments),
+        {named(plan, case): each for plan, run in found for case, each in run.repeated.items()},
+    )
+
+
 def _run(
     checked: NamedPlan,
     folder: Path,
-    part: str,
     chosen: RunOptions,
     output: Output,
     where: live_views.LiveDestinations,
 ) -> RunResult:
-    """Run one plan; `part` names it if the command has several."""
-    plan, place, folder = checked.plan, checked.profile, folder / part
+    """Run one plan with one profile."""
+    plan, place, folder = checked.plan, checked.profile, folder / checked.part
     info = RunInfo(
         options.wall_time().isoformat(timespec="seconds"),
         chosen.seed,
@@ -128,7 +151,7 @@ def _run(
     with RunProgress(output) as bar:
         alone = chosen.as_json or chosen.jobs > 1
         info = replace(info, prompt=operator_prompt.prompt(output, bar.aside, yes=chosen.yes, alone=alone))
-        progress = RunViews(where, bar, output, part)
+        progress = RunViews(where, bar, output, checked.part)
         opener = partial(
             open_session,
             place,
@@ -150,7 +173,6 @@ def _run(
                 resume=chosen.resume,
                 observer=progress,
             )
-    show_run(output, plan.title, result, plan.tabulate)
     return result
 
 
@@ -160,7 +182,9 @@ def _write_page(page: Path, command: str, results: Sequence[tuple[NamedPlan, Run
         plan = named.plan
         measured = {each.case: each.measurements for each in result.assessments}
         published = {each.case: each.published for each in result.assessments if each.published}
-        figures.append(PlanFigures(named.name, plan.title, plan.readings, plan.tabulate, measured, published))
+        figures.append(
+            PlanFigures(named.label, plan.title, plan.readings, plan.tabulate, measured, published)
+        )
     stated = load_profile(results[-1][0].profile)
     text = reproduction_page(stated, figures, f"benchtool run {command} --page")
     write_whole(page, text.encode("utf-8"))

@@ -41,6 +41,7 @@ VERBS: Final = (
     Verb("demo", "demo", "Run a torque-ripple test on the emulated drive.", enables=True),
     Verb("run", "run", "Run a test plan: set up, capture, measure, judge.", enables=True),
     Verb("plans", "listing", "List the test plans, a line for each."),
+    Verb("profiles", "profiles", "List the profiles of motors, a line for each."),
     Verb("jog", "jog", "Turn the shaft by setpoints from this computer.", enables=True),
     Verb("shell", "shell", "Open a bench in IPython: parameters, captures, plots.", enables=True),
     Verb("record", "record", "Record the stream of a drive; nothing is enabled."),

@@ -29,8 +29,9 @@ _NEEDED: Mapping[str, tuple[str, ...]] = {
     "prbs": ("prbs_clock_s", "prbs_length", "seed"),
 }
 _OF_SHAPES = tuple(dict.fromkeys(key for keys in _NEEDED.values() for key in keys))
+_ROUNDING = 1.0 + 1e-6  # a drive has its control period as a float32
 
-Hertz = Annotated[float, Field(ge=0.0, le=5000.0)]
+Hertz = Annotated[float, Field(ge=0.0, le=40_000.0)]
 Seconds = Annotated[float, Field(gt=0.0, le=3600.0)]
 
 
@@ -184,9 +185,17 @@ class Stimulus(Section):
         """Return the values of the drive's objects by name.
 
         Raises:
-            ValueRefused: a duration is shorter than a tick.
+            ValueRefused: a duration is shorter than a tick, or a frequency above half of the control rate.
         """
         start_Hz = self.frequency_Hz if self.shape == "sine" else self.frequency_start_Hz
+        highest_Hz = 0.5 / control_period_s
+        for each_Hz in (start_Hz, self.frequency_end_Hz):
+            if each_Hz is not None and each_Hz > highest_Hz * _ROUNDING:
+                raise ValueRefused(
+                    f"the stimulus reaches {each_Hz:g} Hz, a drive that controls every "
+                    f"{control_period_s:g} s plays up to {highest_Hz:g} Hz: lower the frequency; nothing was "
+                    f"written"
+                )
         rows: dict[str, Value | None] = {
             "stimulus_quantity": self.quantity,
             "stimulus_shape": self.shape,

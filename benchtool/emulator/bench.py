@@ -18,6 +18,13 @@ from benchtool.emulator.instruments import CanInstrument, CanReadings, CanTorque
 from benchtool.emulator.machine.heat import HeatTruth
 from benchtool.emulator.machine.saturation import SaturationTruth
 from benchtool.emulator.machine.sensor_truth import CurrentTruth, EncoderTruth, SensorTruth, VoltageTruth
+from benchtool.emulator.machine.train_truth import (
+    FlangeTruth,
+    LoadMachineTruth,
+    LoadTruth,
+    ShaftTruth,
+    TrainTruth,
+)
 from benchtool.emulator.machine.truth import InverterTruth, MotorTruth
 from benchtool.emulator.servers.canopen import CanopenServer
 from benchtool.emulator.servers.drive_node import DriveNode, OnGone, Server
@@ -249,7 +256,9 @@ def is_compiled(profile: Profile) -> bool:
         ProfileError: the profile describes no emulated bench.
         ValueRefused: one that cannot be computed.
     """
-    return kernel_is_cached(truth_of(*_truth(profile, _emulator_of(profile))))
+    emulator = _emulator_of(profile)
+    truth = truth_of(*_truth(profile, emulator), _train(emulator), T_s=profile.control_period_s)
+    return kernel_is_cached(truth)
 
 
 def _emulator_of(profile: Profile) -> Emulator:
@@ -262,7 +271,14 @@ def _emulator_of(profile: Profile) -> Emulator:
 
 
 def _core(table: ObjectTable, profile: Profile, emulator: Emulator, seed: int, first_tick: int) -> Core:
-    return Core(table, *_truth(profile, emulator), seed=seed, first_tick=first_tick)
+    return Core(
+        table,
+        *_truth(profile, emulator),
+        seed=seed,
+        first_tick=first_tick,
+        train=_train(emulator),
+        control_period_s=profile.control_period_s,
+    )
 
 
 def _truth(profile: Profile, emulator: Emulator) -> tuple[MotorTruth, InverterTruth, SensorTruth]:
@@ -274,7 +290,9 @@ def _truth(profile: Profile, emulator: Emulator) -> tuple[MotorTruth, InverterTr
     return (
         MotorTruth(**{**believed, **stated, "saturation": saturation, "heat": heat}),
         InverterTruth(
-            **emulator.inverter.model_dump(exclude_none=True), energy_accounts=emulator.energy_accounts
+            **emulator.inverter.model_dump(exclude_none=True),
+            double_update=profile.drive.double_update,
+            energy_accounts=emulator.energy_accounts,
         ),
         _sensors(emulator.sensors),
     )
@@ -289,6 +307,16 @@ def _sensors(stated: Sensors) -> SensorTruth:
         i_c=CurrentTruth(**stated.i_c.model_dump()),
         u_dc=VoltageTruth(**stated.u_dc.model_dump()),
         encoder=EncoderTruth(**stated.encoder.model_dump()),
+    )
+
+
+def _train(emulator: Emulator) -> TrainTruth:
+    machine, flange = emulator.load_machine, emulator.flange
+    return TrainTruth(
+        shaft=ShaftTruth(**emulator.shaft.model_dump()),
+        load=LoadTruth(**emulator.load.model_dump()),
+        load_machine=None if machine is None else LoadMachineTruth(**machine.model_dump()),
+        flange=None if flange is None else FlangeTruth(**flange.model_dump()),
     )
 
 

@@ -21,13 +21,14 @@ class EmulatedLoad:
         self._load.held = 0
 
     def hold(self, omega_m_rad_s: float) -> None:
-        """Hold the shaft at this speed at any torque."""
+        """Hold the shaft at this speed, as far as the load machine can."""
         self._load.omega_m_rad_s = omega_m_rad_s
         self._load.held = 1
 
 
 class EmulatedTransducer:
-    """The torque transducer of an emulated bench: air-gap torque, 20 samples per drive tick."""
+    """The torque transducer of an emulated bench, 20 samples per drive tick: at the flange, or of the air-gap
+    torque where the profile states none there."""
 
     def __init__(self, core: Core) -> None:
         self._core = core
@@ -50,8 +51,8 @@ class EmulatedTransducer:
         self._core.transducer.start(round(duration_s / float(self._core.memory["control_period"][0])))
 
     def block(self, clock: object = None) -> Block:
-        """Return what was recorded, as channel `torque_transducer`; its ticks are the drive's, without a
-        `clock`."""
+        """Return what was recorded, as channel `torque_transducer`, and of one at the flange `torque_airgap`;
+        its ticks are the drive's, without a `clock`."""
         return self._core.transducer.block()
 
     def facts(self) -> dict[str, Any]:

@@ -97,7 +97,7 @@ def samples_apart(core: Core, sample_rate_Hz: float) -> int:
 
 
 class CanTorque(CanInstrument):
-    """A torque transducer: the air-gap torque of the machine, a frame for every so many samples.
+    """A torque transducer: what that of the bench reads, a frame for every so many samples.
 
     A frame is sent `delay_s` after its last sample was taken, with the samples oldest first.
 

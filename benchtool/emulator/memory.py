@@ -163,6 +163,9 @@ SHAFT = record_type(
         ("chopper", "u4"),  # the brake chopper is on
         ("T_winding", "f8"),  # degC, once a tick
         ("T_magnet", "f8"),
+        ("omega_load", "f8"),  # of the load behind an elastic coupling
+        ("twist", "f8"),  # of that coupling, theta_m - theta_load
+        ("load_torque", "f8"),  # of a load machine with a lag
     ]
 )
 
@@ -181,5 +184,5 @@ SENSOR = record_type(
     ]
 )
 
-# The load machine on the shaft.
-LOAD = record_type([("torque_Nm", "f8"), ("held", "u4"), ("omega_m_rad_s", "f8")])
+# The load machine on the shaft; `cycle` is the part of the cycle of torques over time that has passed.
+LOAD = record_type([("torque_Nm", "f8"), ("held", "u4"), ("omega_m_rad_s", "f8"), ("cycle", "f8")])

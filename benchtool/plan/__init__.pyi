@@ -28,7 +28,7 @@ from .model import (
     load_plan as load_plan,
     plan_names as plan_names,
     plan_path as plan_path,
-    profile_of as profile_of,
+    profiles_of as profiles_of,
     recorded_plan as recorded_plan,
     shipped_plans as shipped_plans,
 )
@@ -42,7 +42,14 @@ from .operating_point import (
     signals_to_read as signals_to_read,
     targets as targets,
 )
+from .rated import (
+    for_motor as for_motor,
+    require_in_si as require_in_si,
+)
 from .rating import require_rated as require_rated
 from .sensor_ranges import require_protected as require_protected
 from .template import plan_text as plan_text
-from .validation import require_known as require_known
+from .validation import (
+    expected_period_s as expected_period_s,
+    require_known as require_known,
+)

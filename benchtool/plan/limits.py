@@ -45,7 +45,8 @@ class Limit(Section):
     `margin = "U"` guards both sides of each bound with the expanded uncertainty of the measurement: a value
     further inside passes (guarded acceptance, JCGM 106:2012, 8.3.2), one further outside fails (guarded
     rejection, 8.3.3), and in between it is undecided. `unit` states the unit, or a key does (`max_Nm`); it is
-    checked before a run, and nothing is converted.
+    checked before a run, and nothing is converted. The units `T_N`, `omega_m_N` and `I_N_peak` are parts of
+    the motor's rated values (`max_T_N`).
     """
 
     min: float | None = None
@@ -55,7 +56,7 @@ class Limit(Section):
     margin: float | Literal["U"] = 0.0
     """Within this distance of a bound a value is marginal; `"U"` guards with the expanded uncertainty."""
     unit: str | None = None
-    """Unit of the bounds, which is checked; nothing is converted."""
+    """Unit of the bounds, which is checked, or `T_N`, `omega_m_N`, `I_N_peak`: parts of a rated value."""
 
     @model_validator(mode="before")
     @classmethod

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import fnmatch
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Final, Literal
 
 from pydantic import AfterValidator, Field, ValidationError, field_validator, model_validator
 from pydantic_core import InitErrorDetails
@@ -17,6 +18,7 @@ from benchtool.plan.former_names import upgraded
 from benchtool.plan.lazy_catalogue import catalogue
 from benchtool.plan.limits import Limit
 from benchtool.plan.stated_units import with_units, without_units
+from benchtool.profile import shipped_profiles
 from benchtool.protocol import Mode
 from benchtool.shipped import shipped
 
@@ -39,9 +41,20 @@ def part(value: Setting) -> str:
 
 
 Swept = Annotated[Array[float], Field(min_length=1), AfterValidator(_distinct)]
+OF_RATED: Final = {
+    "omega_m_of_rated": "omega_m_rad_s",
+    "load_torque_of_rated": "load_torque_Nm",
+    "torque_of_rated": "torque_Nm",
+    "hold_speed_of_rated": "hold_speed_rad_s",
+}
+"""Setpoints in parts of the motor's rated values, and the keys of the same in SI."""
+
 _OF_MODE = {
-    "velocity": frozenset({"omega_m_rad_s", "load_torque_Nm"}),
-    "torque": frozenset({"torque_Nm", "hold_speed_rad_s", "load_torque_Nm"}),
+    "velocity": frozenset({"omega_m_rad_s", "load_torque_Nm", "omega_m_of_rated", "load_torque_of_rated"}),
+    "torque": frozenset(
+        {"torque_Nm", "hold_speed_rad_s", "load_torque_Nm"}
+        | {"torque_of_rated", "hold_speed_of_rated", "load_torque_of_rated"}
+    ),
 }
 
 
@@ -53,7 +66,8 @@ class OperatingPoint(Section):
 
     In velocity mode the drive holds the speed and the load machine loads the shaft. In torque mode the drive
     makes the torque and the load machine holds the speed; without `hold_speed_rad_s` it loads the shaft.
-    `u_dc_V` is the dc link that this takes; without it, that of the profile's emulated bench.
+    `u_dc_V` is the dc link that this takes; without it, that of the profile's emulated bench. A key that ends
+    in `_of_rated` takes the place of the one in SI, for a plan that fits any motor.
     """
 
     mode: Literal["velocity", "torque"] = "velocity"
@@ -66,6 +80,14 @@ class OperatingPoint(Section):
     """Torque that the drive makes; torque mode only."""
     hold_speed_rad_s: float | None = None
     """Speed that the load machine holds; torque mode only."""
+    omega_m_of_rated: float | None = None
+    """Speed that the drive holds, in parts of the rated one."""
+    load_torque_of_rated: float | None = None
+    """Torque of the load, in parts of the rated one."""
+    torque_of_rated: float | None = None
+    """Torque that the drive makes, in parts of the rated one."""
+    hold_speed_of_rated: float | None = None
+    """Speed that the load machine holds, in parts of the rated one."""
     u_dc_V: Annotated[float, Field(gt=0)] | None = None
     """Voltage of the dc link that the point takes; by default that of the emulated bench."""
     settle_s: Seconds = 1.0
@@ -73,12 +95,17 @@ class OperatingPoint(Section):
 
     @model_validator(mode="after")
     def _keys_are_of_the_mode(self) -> OperatingPoint:
-        if self.mode == "velocity" and "omega_m_rad_s" not in self.model_fields_set:
+        given = {key for key in self.model_fields_set if getattr(self, key) is not None}
+        if self.mode == "velocity" and not {"omega_m_rad_s", "omega_m_of_rated"} & given:
             raise ValueError("velocity mode needs omega_m_rad_s")
+        for key, in_si in OF_RATED.items():
+            if {key, in_si} <= given:
+                raise ValueError(f"{key} and {in_si} state one thing: give one of them")
         for key in sorted(frozenset[str]().union(*_OF_MODE.values()) - _OF_MODE[self.mode]):
             if getattr(self, key):
                 raise ValueError(f"{self.mode} mode has no {key}")
-        if self.hold_speed_rad_s is not None and self.load_torque_Nm:
+        held = self.hold_speed_rad_s is not None or self.hold_speed_of_rated is not None
+        if held and (self.load_torque_Nm or self.load_torque_of_rated):
             raise ValueError("a load machine holds a speed or a torque: give one of the two")
         return self
 
@@ -116,7 +143,17 @@ class Sweep(Section):
     emulator: dict[str, Swept] = Field(default_factory=dict)
     """Values of the emulated bench, such as `inverter.dead_time_s`."""
     operating_point: dict[
-        Literal["omega_m_rad_s", "load_torque_Nm", "torque_Nm", "hold_speed_rad_s"], Swept
+        Literal[
+            "omega_m_rad_s",
+            "load_torque_Nm",
+            "torque_Nm",
+            "hold_speed_rad_s",
+            "omega_m_of_rated",
+            "load_torque_of_rated",
+            "torque_of_rated",
+            "hold_speed_of_rated",
+        ],
+        Swept,
     ] = Field(default_factory=dict)
     """Values of the operating point."""
 
@@ -157,7 +194,8 @@ class Plan(Section):
     title: str
     """One line that names the test in reports."""
     profile: str
-    """Name or file of the profile; `--profile` overrides it."""
+    """Name or file of the profile, or a pattern such as `motors/*`: the plan is run with each that fits.
+    `--profile` overrides it."""
     case: str = ""
     """Name of the case where there is one only."""
     repetitions: Annotated[int, Field(ge=1, le=1000)] = 1
@@ -299,12 +337,23 @@ def load_plan(name: str, change: Change = lambda content: content) -> Plan:
     return load_document(plan_path(name), Plan, PlanError, change)
 
 
-def profile_of(name: str, plan: Plan) -> str:
-    """Return the profile that the plan of that name asks for: a shipped one's name, or a file beside the
-    plan's."""
-    if not plan.profile.endswith(".toml"):
-        return plan.profile
-    return str(plan_path(name).parent / plan.profile)
+def profiles_of(name: str, plan: Plan) -> tuple[str, ...]:
+    """Return the profiles that the plan of that name asks for: names of shipped ones, or files beside the
+    plan's.
+
+    Raises:
+        PlanError: none fits its pattern.
+    """
+    asked = plan.profile
+    if not any(each in asked for each in "*?["):
+        return (str(plan_path(name).parent / asked) if asked.endswith(".toml") else asked,)
+    if asked.endswith(".toml"):
+        found = tuple(str(path) for path in sorted(plan_path(name).parent.glob(asked)))
+    else:
+        found = tuple(each for each in shipped_profiles() if fnmatch.fnmatchcase(each, asked))
+    if not found:
+        raise PlanError(f"{name}: no profile fits '{asked}': name one, or another pattern")
+    return found
 
 
 def shipped_plans() -> list[str]:

@@ -36,22 +36,30 @@ class CaseReadings:
     """Readings of a case besides its capture.
 
     `readings` are of the drive just before it, by signal, `u_dc_V` is the dc link of the bench that the
-    profile describes, `parameter_check` is the result of `ParameterCheck.to_json`.
+    profile describes, `parameter_check` is the result of `ParameterCheck.to_json`, `driven_Nm` the mean
+    torque that the driven machine of an emulated bench takes at the case's speed.
     """
 
     readings: Mapping[str, Sequence[float]] = field(default_factory=dict)
     u_dc_V: float | None = None
     parameter_check: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    driven_Nm: float = 0.0
 
     @classmethod
     def of(cls, details: Mapping[str, Any]) -> CaseReadings:
         """Return the readings from the details of a manifest."""
-        return cls(details.get("readings", {}), details.get("u_dc_V"), details.get("parameter_check", {}))
+        return cls(
+            details.get("readings", {}),
+            details.get("u_dc_V"),
+            details.get("parameter_check", {}),
+            details.get("driven_Nm", 0.0),
+        )
 
     def to_json(self) -> dict[str, Any]:
         """Return the fields for the manifest."""
         readings = {name: list(values) for name, values in self.readings.items()}
-        return {"readings": readings, "u_dc_V": self.u_dc_V, "parameter_check": dict(self.parameter_check)}
+        told = {"readings": readings, "u_dc_V": self.u_dc_V, "parameter_check": dict(self.parameter_check)}
+        return told | ({"driven_Nm": self.driven_Nm} if self.driven_Nm else {})
 
 
 @dataclass(frozen=True)
@@ -74,17 +82,19 @@ class Target:
         return Limit(min=self.value - self.tolerance, max=self.value + self.tolerance)
 
 
-def targets(point: OperatingPoint, motor: Motor, u_dc_V: float | None) -> tuple[Target, ...]:
-    """Return the targets of an operating point.
+def targets(
+    point: OperatingPoint, motor: Motor, u_dc_V: float | None, driven_Nm: float = 0.0
+) -> tuple[Target, ...]:
+    """Return the targets of an operating point, with a driven machine that takes a torque of its own there.
 
     The tolerance is the greater of a share of the setpoint and a share of the motor's rating: speed 2 % and
     0.5 %, torque 5 % and 1 %, load 10 % and 2 %, dc link 10 %. That of the rating is at most half of the
     setpoint, so that a missing load is detected; without load, friction may take 5 % of the rated torque.
     """
-    return tuple(_targets(point, motor, point.u_dc_V or u_dc_V))
+    return tuple(_targets(point, motor, point.u_dc_V or u_dc_V, driven_Nm))
 
 
-def _targets(point: OperatingPoint, motor: Motor, u_dc_V: float | None) -> Iterator[Target]:
+def _targets(point: OperatingPoint, motor: Motor, u_dc_V: float | None, driven_Nm: float) -> Iterator[Target]:
     speed, rated_Nm = motor.omega_m_N_rad_s, motor.T_N_Nm
     velocity = point.mode_of_operation is Mode.VELOCITY
     omega_m = point.omega_m_rad_s if velocity else point.hold_speed_rad_s
@@ -93,7 +103,7 @@ def _targets(point: OperatingPoint, motor: Motor, u_dc_V: float | None) -> Itera
     if not velocity:
         torque = point.torque_Nm
         yield Target("torque_reached", torque, "Nm", _tolerance(torque, 0.05, 0.01 * rated_Nm))
-    load = point.load_torque_Nm
+    load = point.load_torque_Nm + driven_Nm
     if velocity or load:
         least = 0.02 * rated_Nm if load else 0.05 * rated_Nm
         yield Target("load_torque_reached", load, "Nm", _tolerance(load, 0.1, least))

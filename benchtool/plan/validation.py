@@ -74,7 +74,7 @@ def require_known(
         _case_faults(plan),
         _bench_faults(plan, profile),
         _rating_faults(plan, profile),
-        _record_faults(plan, dictionary),
+        _record_faults(plan, profile, dictionary),
         _window_faults(plan, profile, dictionary),
         _as_written(naming.faults(), source.document),
     )
@@ -218,10 +218,10 @@ def _rating_faults(plan: Plan, profile: Profile) -> Faults:
                 yield ("operating_point", key), reason
 
 
-def _record_faults(plan: Plan, dictionary: Dictionary) -> Faults:
+def _record_faults(plan: Plan, profile: Profile, dictionary: Dictionary) -> Faults:
     """Yield captures longer than the drive records, and stimuli that do not fit its control period."""
     record = plan.record
-    period_s = _control_period_s(dictionary)
+    period_s = expected_period_s(profile, dictionary)
     if period_s is None:
         return
     rows = round(record.duration_s / (period_s * record.stride))
@@ -252,8 +252,11 @@ def _record_faults(plan: Plan, dictionary: Dictionary) -> Faults:
         yield ("stimulus",), str(refused)
 
 
-def _control_period_s(dictionary: Dictionary) -> float | None:
-    """Return the control period of the drive by its dictionary; None if it is not stated."""
+def expected_period_s(profile: Profile, dictionary: Dictionary) -> float | None:
+    """Return the control period by the profile, or else the usual one by the dictionary; None if neither
+    states it."""
+    if profile.drive.control_period_s is not None:
+        return profile.drive.control_period_s
     period_s = dictionary["control_period"].default if "control_period" in dictionary else None
     return period_s if isinstance(period_s, int | float) else None
 
@@ -268,7 +271,7 @@ def _window_faults(plan: Plan, profile: Profile, dictionary: Dictionary) -> Faul
             f"are recorded: begin earlier or record longer",
         )
     elif analyses.steady and _PERIODIC & set(record.channels):
-        yield from _period_faults(plan, profile, _control_period_s(dictionary) or 0.0)
+        yield from _period_faults(plan, profile, expected_period_s(profile, dictionary) or 0.0)
     stimulus = plan.stimulus
     if stimulus is None or not analyses.made(FREQUENCY_RESPONSE):
         return

@@ -17,8 +17,16 @@ from .derivation import (
     derived_parameters as derived_parameters,
 )
 from .drive import (
+    CONTROL_PERIOD_S as CONTROL_PERIOD_S,
     Drive as Drive,
     RoleObject as RoleObject,
+    rate_fault as rate_fault,
+)
+from .emulated_shaft import (
+    DrivenLoad as DrivenLoad,
+    EmulatedLoadMachine as EmulatedLoadMachine,
+    FlangeTransducer as FlangeTransducer,
+    Shaft as Shaft,
 )
 from .emulator import (
     Emulator as Emulator,

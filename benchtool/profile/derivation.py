@@ -10,10 +10,8 @@ import math
 from dataclasses import dataclass
 from typing import Final
 
+from benchtool.profile.drive import CONTROL_PERIOD_S
 from benchtool.profile.motor import Motor
-
-CONTROL_PERIOD_S: Final = 1e-4
-"""T_s of the emulated drive."""
 
 LAWS: Final = ("tpc", "tpc_stator", "svm_dtc", "dtc", "fcs_mpc", "foc", "deadbeat")
 """Control laws of the reference drive."""
@@ -53,12 +51,14 @@ class Given:
         encoder_lines: of the quadrature encoder; four counts each.
         control_period_s: T_s.
         dead_time_s: of the inverter, which the drive compensates.
+        double_update: control runs at both ends of a PWM period, which is 2 T_s then.
     """
 
     u_dc_V: float
     encoder_lines: int
     control_period_s: float = CONTROL_PERIOD_S
     dead_time_s: float = 0.0
+    double_update: bool = False
 
 
 def derived_parameters(motor: Motor, given: Given, law: str = "") -> tuple[Derived, ...]:

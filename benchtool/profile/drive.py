@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+import math
+from typing import Annotated, Any, Final
 
 from pydantic import Field, model_validator
 
 from benchtool.document import Section
+
+CONTROL_PERIOD_S: Final = 1e-4
+"""T_s of the emulated drive, where the profile states none."""
+
+_SHORTEST_NS, _LONGEST_NS = 25_000, 200_000  # of the emulated PWM
 
 
 class Drive(Section):
@@ -21,8 +27,59 @@ class Drive(Section):
     """EDS or DCF of the drive, a file beside the profile; `drive.eds` is benchtool's own dictionary."""
     allow_unsupervised: bool = False
     """Enable a drive although nothing stops it when this host falls silent; reports then say so."""
+    control_period_s: Annotated[float, Field(gt=0, le=1)] | None = None
+    """Control period T_s that the drive is to have, in whole nanoseconds; an emulated drive has it, and
+    100 us (10 kHz) where it is left out."""
+    pwm_period_s: Annotated[float, Field(gt=0, le=1)] | None = None
+    """PWM period: that of control, the default, or twice that with double update."""
     parameters: dict[str, float | str] = Field(default_factory=dict)
     """What the drive is set to: names of its dictionary with the unit appended, such as `u_s_V`."""
+
+    @model_validator(mode="after")
+    def _periods_fit(self) -> Drive:
+        period_s, pwm_s = self.control_period_s, self.pwm_period_s
+        for key, value in (("control_period_s", period_s), ("pwm_period_s", pwm_s)):
+            if value is not None and not math.isclose(value, max(1, _nanoseconds(value)) * 1e-9):
+                raise ValueError(f"{key} is {value:g}, a whole number of nanoseconds is expected: round it")
+        if pwm_s is None:
+            return self
+        if period_s is None:
+            raise ValueError("pwm_period_s is one or two control periods: state control_period_s as well")
+        if _nanoseconds(pwm_s) not in (_nanoseconds(period_s), 2 * _nanoseconds(period_s)):
+            raise ValueError(
+                f"pwm_period_s is {pwm_s:g}, control_period_s {period_s:g}: one PWM period is one control "
+                f"period, or two with double update"
+            )
+        return self
+
+    @property
+    def double_update(self) -> bool:
+        """Whether control runs at both ends of a PWM period."""
+        if self.pwm_period_s is None or self.control_period_s is None:
+            return False
+        return _nanoseconds(self.pwm_period_s) != _nanoseconds(self.control_period_s)
+
+    @property
+    def periods(self) -> dict[str, float]:
+        """What is stated of them, by TOML key: the drive tells its own, and cannot be set to another."""
+        stated = {"control_period_s": self.control_period_s}
+        if self.control_period_s is not None:
+            stated["pwm_period_s"] = self.pwm_period_s or self.control_period_s
+        return {key: value for key, value in stated.items() if value is not None}
+
+
+def rate_fault(pwm_period_s: float) -> str:
+    """Return why the emulated drive cannot have this PWM period; empty if it can."""
+    if _SHORTEST_NS <= _nanoseconds(pwm_period_s) <= _LONGEST_NS:
+        return ""
+    return (
+        f"a PWM rate of {1e-3 / pwm_period_s:.4g} kHz, the emulated drive has {1e6 / _LONGEST_NS:g} to "
+        f"{1e6 / _SHORTEST_NS:g} kHz: state a period of {_SHORTEST_NS / 1e3:g} to {_LONGEST_NS / 1e3:g} us"
+    )
+
+
+def _nanoseconds(seconds: float) -> int:
+    return round(seconds * 1e9)
 
 
 class RoleObject(Section):

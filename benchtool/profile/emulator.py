@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import Annotated, TypeVar
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
-from benchtool.document import Section
+from benchtool.document import Array, Item, Section
+from benchtool.profile.emulated_shaft import DrivenLoad, EmulatedLoadMachine, FlangeTransducer, Shaft
 from benchtool.profile.sensors import Sensors
 
 Resistance = Annotated[float, Field(ge=0, le=1e4)]
@@ -17,6 +18,23 @@ Voltage = Annotated[float, Field(ge=0.1, le=1e5)]
 Linkage = Annotated[float, Field(ge=-100, le=100)]
 Number = TypeVar("Number")
 PerPhase = Annotated[tuple[Number, Number, Number], Field(strict=False)]
+
+Phase = Annotated[float, Field(ge=-100, le=100)]
+
+
+def _whole(value: object) -> object:
+    """Take a whole number of a plan, where every value of the bench is a float, for the integer that it
+    is."""
+    return int(value) if isinstance(value, float) and value.is_integer() else value
+
+
+def _each(value: object) -> object:
+    """Take one value for an array of one."""
+    return (value,) if isinstance(value, int | float) else value
+
+
+Order = Annotated[int, BeforeValidator(_whole), Field(ge=0, le=1000)]
+Several = Annotated[Array[Item], BeforeValidator(_each), Field(max_length=16)]
 
 
 class Saturation(Section):
@@ -113,10 +131,12 @@ class TrueMotor(Section):
     """How winding and magnets warm up; without it they stay as they are."""
     saturation: Saturation | None = None
     """How the machine saturates; without it the inductances are constants."""
-    cogging_Nm: Torque = 0.0
-    """Amplitude of the cogging torque."""
-    cogging_order: Annotated[int, Field(ge=0, le=1000)] = 0
-    """Periods of the cogging torque in a mechanical revolution."""
+    cogging_Nm: Several[Torque] = ()
+    """Amplitude of the cogging torque; an array of one for each order."""
+    cogging_order: Several[Order] = ()
+    """Periods of the cogging torque in a mechanical revolution; an array of one for each order."""
+    cogging_phase_rad: Several[Phase] = ()
+    """Phase of the cogging torque at mechanical angle 0, -T sin(order theta_m + phase); without it 0."""
     power_up_angle_rad: Annotated[float, Field(ge=-100, le=100)] = 0.0
     """Mechanical angle of the shaft at power-up; 0: the rotor flux on phase a."""
 
@@ -161,3 +181,11 @@ class Emulator(Section):
     """What the drive measures with."""
     energy_accounts: bool = False
     """Keep accounts of where the energy from the dc link goes; with `motor.heat` they are kept anyway."""
+    shaft: Shaft = Shaft()
+    """Inertia and coupling of the load."""
+    load: DrivenLoad = DrivenLoad()
+    """The machine that is driven."""
+    load_machine: EmulatedLoadMachine | None = None
+    """A load machine that gives way; without it an ideal one."""
+    flange: FlangeTransducer | None = None
+    """A torque transducer at the flange; without it the air-gap torque is recorded."""

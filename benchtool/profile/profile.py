@@ -6,13 +6,13 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from pydantic import ConfigDict, Field, ValidationError
+from pydantic import ConfigDict, Field, ValidationError, model_validator
 
 from benchtool.document import Array, Section, document_path, explain, load_document
 from benchtool.errors import ProfileError
 from benchtool.profile.bench import Bench
 from benchtool.profile.claims import Choice, Claim
-from benchtool.profile.drive import Drive, RoleObject
+from benchtool.profile.drive import CONTROL_PERIOD_S, Drive, RoleObject, rate_fault
 from benchtool.profile.emulator import Emulator
 from benchtool.profile.motor import Motor
 from benchtool.shipped import shipped
@@ -42,6 +42,19 @@ class Profile(Section):
     """What a published source leaves open, and how it is read here."""
     claims: Array[Claim] = ()
     """What a published source claims of its results."""
+
+    @model_validator(mode="after")
+    def _can_be_emulated(self) -> Profile:
+        if self.emulator is not None:
+            fault = rate_fault(self.drive.pwm_period_s or self.control_period_s)
+            if fault:
+                raise ValueError(f"drive.control_period_s: {fault}")
+        return self
+
+    @property
+    def control_period_s(self) -> float:
+        """T_s that the drive is expected to have, and that an emulated one has: whole nanoseconds."""
+        return round((self.drive.control_period_s or CONTROL_PERIOD_S) * 1e9) * 1e-9
 
     @property
     def stated_parameters(self) -> dict[str, float | str]:
@@ -152,4 +165,5 @@ def eds_path(profile: Profile, source: Path) -> Path:
 
 def shipped_profiles() -> list[str]:
     """Return the names of the profiles that ship."""
-    return sorted(path.parent.name for path in shipped("profiles").glob("*/profile.toml"))
+    root = shipped("profiles")
+    return sorted(path.parent.relative_to(root).as_posix() for path in root.rglob("profile.toml"))

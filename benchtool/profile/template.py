@@ -91,6 +91,16 @@ def profile_text(title: str, motor: Motor, given: Given, derived: Iterable[Deriv
                 ("node_id", 1, "CANopen node id, 1 to 126"),
                 ("eds", "drive.eds", "object dictionary: a file beside this one, or one that ships"),
                 ("#allow_unsupervised", False, "true: enable a drive that cannot supervise its link"),
+                (
+                    "control_period_s",
+                    given.control_period_s,
+                    f"s: T_s of its control, {1e-3 / given.control_period_s:.4g} kHz",
+                ),
+                (
+                    "pwm_period_s" if given.double_update else "#pwm_period_s",
+                    2.0 * given.control_period_s,
+                    "s: of the PWM, if that is not T_s but twice as long (double update)",
+                ),
             ],
         ),
         commented_table("drive.parameters", [(each.key, each.value, each.rule) for each in parameters]),

@@ -21,7 +21,7 @@ import numpy as np
 
 from benchtool.block import Block, Channel, Gap
 from benchtool.errors import ValueRefused
-from benchtool.protocol.canopen.pdo import Pdo, most_tpdos, tpdo, tpdo_numbers
+from benchtool.protocol.canopen.pdo import Pdo, event_timer_ticks, most_tpdos, tpdo, tpdo_numbers
 from benchtool.protocol.dictionary.dictionary import Dictionary
 from benchtool.protocol.dictionary.objects import DataType
 from benchtool.protocol.dictionary.variable import Variable
@@ -42,10 +42,12 @@ _SEQUENCE = struct.Struct("<L")
 
 @dataclass(frozen=True)
 class StreamLayout:
-    """Layout of a record: its signals and PDOs, and the rate."""
+    """Layout of a record: its signals and PDOs, and the rate: what the event timers are set to, and the
+    nearest whole number of ticks, which the drive makes of it."""
 
     channels: tuple[Variable, ...]
     pdos: tuple[Pdo, ...]
+    timer_ms: int
     stride: int
     tick_s: float
 
@@ -92,7 +94,9 @@ def stream_layout(
             f"channels are '{','.join(names)}', one or more different signals are expected: name each once"
         )
     pdos = (tpdo(node_id, pair, number) for number, pair in zip(numbers, pairs, strict=True))
-    return StreamLayout(channels, tuple(pdos), round(_period_s(rate_Hz) / tick_s), tick_s)
+    timer_ms = _event_timer_ms(rate_Hz)
+    stride = max(1, event_timer_ticks(timer_ms, tick_s))
+    return StreamLayout(channels, tuple(pdos), timer_ms, stride, tick_s)
 
 
 def most_channels(node_id: int) -> int:
@@ -100,7 +104,7 @@ def most_channels(node_id: int) -> int:
     return most_tpdos(node_id) * _WORDS_PER_PDO - _FRAMING_WORDS
 
 
-def _period_s(rate_Hz: float) -> float:
+def _event_timer_ms(rate_Hz: float) -> int:
     if not 0.0 < rate_Hz < 1e6:
         raise ValueRefused(f"a rate of {rate_Hz:g} Hz is not possible: choose 0.0153 to 1000 Hz")
     ms = 1e3 / rate_Hz
@@ -110,7 +114,7 @@ def _period_s(rate_Hz: float) -> float:
             f"a rate of {rate_Hz:g} Hz is a record every {ms:g} ms, the drive counts whole ms, 1 to 65535: "
             f"choose {1e3 / whole:.6g} Hz"
         )
-    return whole * 1e-3
+    return whole
 
 
 def stream_channel(dictionary: Dictionary, name: str) -> Variable:

@@ -295,7 +295,7 @@ def assess(
     """
     this, seen, calibration = case_named(plan, case), seen or CaseReadings(), calibration or Calibration()
     point = this.operating_point
-    wanted = targets(point, motor, seen.u_dc_V)
+    wanted = targets(point, motor, seen.u_dc_V, seen.driven_Nm)
     reached = measure_reached(wanted, plan, point, motor, capture, transducer, seen)
     own = limits_alone(plan, this)
     limits = {**own, **{name: each for name, each in default_limits(wanted).items() if name not in own}}

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
+from typing import Final
 
 from benchtool.drive import RemoteDrive
 from benchtool.drive.parameters import Difference, default_of
 from benchtool.errors import ParameterMismatch, ProfileError, ValueRefused
 from benchtool.profile import Profile
 from benchtool.protocol.dictionary import Dictionary, Value, Variable, setting_of, toml_key, variable_of
+
+PERIODS: Final = frozenset({"control_period_s", "pwm_period_s"})
+"""Keys of `[drive]` that a drive tells, and that nothing sets."""
 
 _SHOWN = 6
 
@@ -42,6 +46,12 @@ class ParameterCheck:
         Raises:
             ParameterMismatch: a parameter differs.
         """
+        if periods := [each for each in self.contradicted if each.key in PERIODS]:
+            raise ParameterMismatch(
+                f"the drive has {_listed(tuple(periods), 'the profile states')}, which nothing can set: "
+                f"state that of the drive in [drive] of the profile, name the drive's profile, or give "
+                f"--allow-different; the drive was not enabled"
+            )
         if self.contradicted:
             raise ParameterMismatch(
                 f"the drive holds {_listed(self.contradicted, 'the profile states')}: set these on the drive "
@@ -96,11 +106,11 @@ def check_parameters(drive: RemoteDrive, profile: Profile, set_by_plan: Collecti
 def _stated(profile: Profile, dictionary: Dictionary) -> dict[str, tuple[Variable, int | float | str]]:
     """Return what the profile states of the parameters that the drive has."""
     found = {}
-    for key, value in profile.stated_parameters.items():
+    for key, value in {**profile.drive.periods, **profile.stated_parameters}.items():
         if not _has(dictionary, key):
             continue  # a drive of another vendor has its own names of the motor's parameters
         try:
-            variable = setting_of(dictionary, key, value)
+            variable = variable_of(dictionary, key) if key in PERIODS else setting_of(dictionary, key, value)
             held = variable.decode(variable.encode(value))
         except ValueRefused as refused:
             raise ProfileError(f"profile '{profile.title}': {refused}") from None
@@ -149,4 +159,4 @@ def _listed(differences: tuple[Difference, ...], other: str) -> str:
 
 
 def _text(value: Value | None) -> str:
-    return f"{value:.7g}" if isinstance(value, float) else str(value)
+    return f"{value:.6g}" if isinstance(value, float) else str(value)

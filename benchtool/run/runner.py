@@ -16,7 +16,7 @@ from benchtool.block import Block
 from benchtool.drive import Capability, Identity
 from benchtool.drive.parameters import snapshot, temporary
 from benchtool.errors import ValueRefused
-from benchtool.plan import Case, CaseReadings, Plan, Setting, Verdict, cases, require_rated
+from benchtool.plan import Case, CaseReadings, Plan, Setting, Verdict, cases, require_in_si, require_rated
 from benchtool.recording import (
     Bundle,
     BundleWriter,
@@ -103,6 +103,7 @@ def run_plan(
         UsageError: those cases have another provenance.
         BenchError: any failure; a bundle that was begun states it, and holds the data until then.
     """
+    require_in_si(plan)
     todo = cases(plan)
     results = run_cases(opener, plan, todo, folder, info, progress, resume=resume, observer=observer)
     draw_cases(plan, results, folder)
@@ -268,7 +269,9 @@ def _record_case(
                 progress.note("analysing")
                 certificate, stated = certify_recording(stream, {"capture": capture}, link.counters)
                 motor, quality = session.profile.motor, certificate.measurements
-                seen = CaseReadings(recorded.readings, _dc_link_V(session), check.to_json())
+                seen = CaseReadings(
+                    recorded.readings, _dc_link_V(session), check.to_json(), _driven_Nm(session, case)
+                )
                 calibration = Calibration.at(session.profile.bench, info.when)
                 result = assess(
                     plan, case.name, motor, place, capture, transducer, quality, seen, calibration
@@ -313,6 +316,14 @@ def _dc_link_V(session: Session) -> float | None:
     """Return the voltage of the dc link of the bench that the profile describes."""
     emulator = session.profile.emulator
     return None if emulator is None else emulator.inverter.u_dc_V
+
+
+def _driven_Nm(session: Session, case: Case) -> float:
+    """Return the torque that the driven machine of an emulated bench takes at the speed of a case."""
+    emulator, point = session.profile.emulator, case.operating_point
+    if emulator is None or session.load is None or point.mode != "velocity":
+        return 0.0
+    return emulator.load.mean_torque_Nm(point.omega_m_rad_s)
 
 
 class _Steps:

@@ -175,14 +175,35 @@ class ListedPlan(Document):
     """What it tests."""
     cases: int
     """Its cases."""
+    profiles: list[str]
+    """The profiles that it is run with."""
     measures: str
     """What it measures, in words."""
     duration_s: float
-    """Drive time of all cases."""
+    """Drive time of all cases with all profiles."""
 
 
 class ListedPlans(RootModel[dict[str, ListedPlan]]):
     """`plans`: plans by name."""
+
+
+class ListedProfile(Document):
+    """A shipped profile."""
+
+    title: str
+    """What a report calls its motor and bench."""
+    motor: dict[str, float | int]
+    """`[motor]` of the profile."""
+    u_dc_V: float | None
+    """Voltage of the dc link of its emulated bench; null without one."""
+    control_period_s: float
+    """Control period that its drive is to have."""
+    law: str | None
+    """The law that it states."""
+
+
+class ListedProfiles(RootModel[dict[str, ListedProfile]]):
+    """`profiles`: profiles by name."""
 
 
 class DryRun(Document):

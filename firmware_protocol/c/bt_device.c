@@ -126,6 +126,8 @@ static void identify(struct bt_device *device)
     variables->i_full_scale = config->i_full_scale;
     variables->u_dc_full_scale = config->u_dc_full_scale;
     variables->control_period = (float)config->tick_period_ns * 1e-9f;
+    variables->pwm_period =
+        config->pwm_period_ns != 0 ? (float)config->pwm_period_ns * 1e-9f : variables->control_period;
     bt_cut_to_relations(variables);
     BT_UNLOCK();
 }

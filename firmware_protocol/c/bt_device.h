@@ -42,7 +42,8 @@ enum { BT_PARAMETER_COUNT = 0 BT_ENTRIES(BT_IS_PARAMETER) };
 
 /* What is the firmware's to say. */
 struct bt_config {
-    uint32_t tick_period_ns; /* not 0 */
+    uint32_t tick_period_ns; /* of control; not 0 */
+    uint32_t pwm_period_ns;  /* 0: that of control; with double update twice that */
     uint32_t vendor_id, product_code, revision_number; /* 0: those of the table */
     uint32_t serial_number;
     uint32_t supported_modes; /* BT_MODE_BIT of each; 0: velocity and torque */

@@ -29,6 +29,7 @@ COMMANDS = {
     "run of a folder": ("run", "plans", "--out", "folder"),
     "run --dry-run": ("run", "plans/one.toml", "--dry-run"),
     "plans": ("plans",),
+    "profiles": ("profiles",),
     "profile new": ("profile", "new", "new.toml"),
     "plan new": ("plan", "new", "ripple.toml", "--profile", "new.toml"),
     "params derive": ("params", "derive", "--profile", "new.toml"),

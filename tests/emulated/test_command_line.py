@@ -134,12 +134,12 @@ def test_doctor_names_what_is_wrong(invoke: Invoke) -> None:
         (
             ("run", "zhu2011/ripple", "--profile", "zhu2012"),
             2,
-            "no profile 'zhu2012': did you mean 'zhu2011'? the names are zhu2011",
+            "no profile 'zhu2012': did you mean 'zhu2011'? the names are motors/",
         ),
         (
             ("run", "zhu2011/riple"),
             2,
-            "no plan 'zhu2011/riple': did you mean 'zhu2011/ripple'? the names are zhu2011/bode, ",
+            "no plan 'zhu2011/riple': did you mean 'zhu2011/ripple'? the names are motors/speed_and_load, ",
         ),
         (("run", "zhu2011/ripple", "--link", "can:nonsense:0"), 3, "cannot open can:nonsense:0"),
         (("run", "zhu2011/ripple", "--link", "usb0"), 2, "link 'usb0' is not known"),

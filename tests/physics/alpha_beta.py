@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -107,15 +108,17 @@ class Reference:
         end: Vector = done.y[:, -1]
         return end
 
+    def follow(self, y: Vector, legs: Sequence[Sequence[tuple[float, str]]], end: float) -> Vector:
+        """The state at the end of what the legs go through, each the times from which it is in a mode."""
+        edges = sorted({0.0, end, *(at for leg in legs for at, _ in leg if 0.0 < at < end)})
+        for start, stop in pairwise(edges):
+            middle = 0.5 * (start + stop)
+            y = self.run(y, (start, stop), [[mode for at, mode in leg if at <= middle][-1] for leg in legs])
+        return y
 
-def gates(
-    duties: Sequence[float], T_s: float, dead_time: float, *, high: bool = False
-) -> list[tuple[float, str]]:
-    """Times from which one leg is in a mode, over consecutive periods of these duties, by its own logic.
 
-    The commands of all periods are laid out first, and what does not change is left out; each change then is
-    followed by a dead time.
-    """
+def centred(duties: Sequence[float], T_s: float) -> list[tuple[float, bool]]:
+    """What a leg is told in consecutive PWM periods of these duties."""
     commands: list[tuple[float, bool]] = []
     for k, duty in enumerate(duties):
         if duty >= 1.0:
@@ -124,9 +127,28 @@ def gates(
         commands.append((k * T_s, False))
         if duty > 0.0:
             commands += [((k + 0.5 - duty / 2) * T_s, True), ((k + 0.5 + duty / 2) * T_s, False)]
+    return commands
+
+
+def in_halves(duties: Sequence[float], T_s: float) -> list[tuple[float, bool]]:
+    """The same of consecutive half periods: at the end of the first one high, from there on in the second."""
+    commands: list[tuple[float, bool]] = []
+    for k, duty in enumerate(duties):
+        second = k % 2 == 1
+        commands.append((k * T_s, duty >= 1.0 or (second and duty > 0.0)))
+        if 0.0 < duty < 1.0:
+            commands.append(((k + (duty if second else 1.0 - duty)) * T_s, not second))
+    return commands
+
+
+def gates(commands: Sequence[tuple[float, bool]], end: float, dead_time: float) -> list[tuple[float, str]]:
+    """Times from which one leg is in a mode, by what it is told until the end.
+
+    What does not change is left out; each change is followed by a dead time.
+    """
     modes = [(-1.0, LOW)]
     state, waits_until = False, -1.0
-    for at, command in [*commands, (len(duties) * T_s + 1.0, not commands[-1][1])]:
+    for at, command in [*commands, (end + 1.0, not commands[-1][1])]:
         if command == state:
             continue
         if 0.0 <= waits_until <= at:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from benchtool.emulator.core import Core
 from benchtool.emulator.machine.sensor_truth import SensorTruth
+from benchtool.emulator.machine.train_truth import NOTHING, TrainTruth
 from benchtool.emulator.machine.truth import InverterTruth, MotorTruth
 from benchtool.protocol.dictionary.objects import ObjectTable, table_from_toml
 from benchtool.shipped import shipped
@@ -57,7 +58,9 @@ def make_core(
     inverter: dict[str, Any] | None = None,
     sensors: dict[str, Any] | None = None,
     parameters: dict[str, Any] | None = None,
+    train: TrainTruth = NOTHING,
     seed: int = 0,
+    control_period_s: float = 1e-4,
 ) -> Core:
     """The paper's machine with changes."""
     core = Core(
@@ -66,6 +69,8 @@ def make_core(
         InverterTruth(**{"u_dc_V": 122.5, **(inverter or {})}),
         SensorTruth(**{"i_full_scale_A": 15.0, "u_full_scale_V": 500.0, **(sensors or {})}),
         seed,
+        train=train,
+        control_period_s=control_period_s,
     )
     level = {"i_trip": 0.96 * core.sensors.i_full_scale_A}
     for name, value in {**PARAMETERS, **level, **(parameters or {})}.items():

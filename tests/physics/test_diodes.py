@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
 import pytest
 
 from benchtool.emulator.core import Core
-from tests.physics.alpha_beta import OFF, Reference, gates
+from tests.physics.alpha_beta import OFF, Reference, centred, gates
 from tests.physics.paper_machine import FINE, captured, make_core
 
 T_S = 1e-4
@@ -63,15 +62,9 @@ def test_dead_time_agrees_with_another_inverter_over_any_duties(seed: int) -> No
     for row in duties:
         run_period(core, row)
     reference = reference_of(motor, u_dc=u_dc, drop=drop)
-    legs = [gates(list(duties[:, k]), T_S, dead_time) for k in range(3)]
-    edges = sorted(
-        {0.0, len(duties) * T_S, *(at for leg in legs for at, _ in leg if 0 < at < len(duties) * T_S)}
-    )
-    y = reference.state(i_d, i_q, omega, 0.0)
-    for start, end in pairwise(edges):
-        middle = 0.5 * (start + end)
-        modes = [[mode for at, mode in leg if at <= middle][-1] for leg in legs]
-        y = reference.run(y, (start, end), modes)
+    end = len(duties) * T_S
+    legs = [gates(centred(list(duties[:, k]), T_S), end, dead_time) for k in range(3)]
+    y = reference.follow(reference.state(i_d, i_q, omega, 0.0), legs, end)
     expected = (*reference.dq(y), y[2], y[3])
     found = (core.shaft.i_d, core.shaft.i_q, core.shaft.omega_m, core.shaft.theta_e)
     assert found == pytest.approx(expected, abs=1e-5)

@@ -7,14 +7,9 @@ import math
 import numpy as np
 import pytest
 
+from benchtool.emulator.machine.carrier import NEVER, falling_edge, rising_edge
 from benchtool.emulator.machine.diodes import freewheel
-from benchtool.emulator.machine.inverter import (
-    NEVER,
-    falling_edge,
-    leg_voltages,
-    phase_currents,
-    rising_edge,
-)
+from benchtool.emulator.machine.inverter import leg_voltages, phase_currents
 from benchtool.emulator.machine.state import place
 from benchtool.emulator.machine.transducer import TRANSDUCER
 from benchtool.emulator.machine.truth import InverterTruth, MotorTruth
@@ -105,7 +100,7 @@ def test_currents_run_out_through_the_diodes_and_stay_out(direction: float) -> N
     silent = np.zeros(1, TRANSDUCER)[0]
     largest = 8.0
     for _ in range(20):
-        x, _ = freewheel(x, 100.0, STAGE, MOTOR.machine(), 0.0, silent, np.zeros(0))
+        x, _ = freewheel(x, 100.0, STAGE, MOTOR.machine(), 0.0, silent, np.zeros((0, 1)))
         now = max(map(abs, phase_currents(x)))
         assert now <= largest
         largest = now
@@ -119,5 +114,5 @@ def test_free_wheeling_time_is_flux_over_diode_voltage() -> None:
     x = place(3.0, 0.0, 0.0, 0.0)
     silent = np.zeros(1, TRANSDUCER)[0]
     stage = STAGE._replace(T_s=5e-5)
-    x, _ = freewheel(x, 100.0, stage, motor.machine(), 0.0, silent, np.zeros(0))
+    x, _ = freewheel(x, 100.0, stage, motor.machine(), 0.0, silent, np.zeros((0, 1)))
     assert x.i_d == pytest.approx(3.0 - 2 / 3 * 103.0 / 2e-3 * 5e-5, rel=1e-9)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 from pydantic import ValidationError
@@ -12,9 +13,24 @@ from pydantic import ValidationError
 from benchtool.emulator.core.kernel import run_ticks
 from benchtool.emulator.machine.bounds import require_computable
 from benchtool.emulator.machine.saturation import SaturationTruth
+from benchtool.emulator.machine.train_truth import (
+    FlangeTruth,
+    LoadMachineTruth,
+    LoadTruth,
+    ShaftTruth,
+    TrainTruth,
+)
 from benchtool.emulator.machine.truth import MotorTruth
 from benchtool.errors import EmulationError, ValueRefused
-from benchtool.profile import Inverter, Saturation, Sensors, TrueMotor
+from benchtool.profile import (
+    DrivenLoad,
+    EmulatedLoadMachine,
+    Inverter,
+    Saturation,
+    Sensors,
+    Shaft,
+    TrueMotor,
+)
 from tests.physics.paper_machine import MOTOR, make_core
 
 
@@ -33,7 +49,7 @@ def decades(lowest: int, highest: int) -> st.SearchStrategy[float]:
             "J_kgm2": decades(-9, 4),
             "friction_Nms": decades(-9, 3),
             "coulomb_Nm": decades(-5, 4),
-            "breakaway_Nm": decades(4, 5),
+            "breakaway_Nm": st.floats(1.01e4, 1e5),  # above any Coulomb torque: one kernel for all
             "stribeck_rad_s": decades(-3, 4),
             "cogging_Nm": decades(-9, 5),
             "cogging_order": st.integers(1, 1000),
@@ -116,6 +132,58 @@ def test_every_machine_that_saturates_is_finite_or_refused(
         return
     shaft = core.shaft
     assert math.isfinite(shaft.i_d + shaft.i_q + shaft.omega_m + shaft.theta_e + shaft.u_dc)
+
+
+@settings(max_examples=30, deadline=None)
+@given(
+    shaft=st.fixed_dictionaries(
+        {
+            "J_load_kgm2": decades(-9, 4),
+            "coupling_Nm_rad": decades(-6, 9),
+            "coupling_Nms": st.just(0.0) | decades(-9, 4),
+            "backlash_rad": st.just(0.0) | decades(-9, 3),
+            "unbalance_kgm": decades(-9, 3),
+        }
+    ),
+    load=st.fixed_dictionaries(
+        {
+            "linear_Nms": decades(-9, 3),
+            "quadratic_Nms2": decades(-9, 3),
+            "over_angle_Nm": st.lists(st.floats(-1e5, 1e5), max_size=5).map(tuple),
+        }
+    ),
+    load_machine=st.fixed_dictionaries(
+        {"bandwidth_Hz": decades(-3, 5), "stiffness_Nms": decades(-9, 6), "torque_limit_Nm": decades(-3, 6)}
+    ),
+    torque_Nm=st.floats(-1e6, 1e6),
+    omega_m=st.floats(-1e3, 1e3),
+    held=st.booleans(),
+)
+def test_every_drive_train_is_computed_or_refused(
+    shaft: dict[str, float],
+    load: dict[str, Any],
+    load_machine: dict[str, float],
+    torque_Nm: float,
+    omega_m: float,
+    held: bool,
+) -> None:
+    Shaft(**shaft), DrivenLoad(**load), EmulatedLoadMachine(**load_machine)  # a profile can hold it
+    train = TrainTruth(
+        shaft=ShaftTruth(**shaft),
+        load=LoadTruth(**load),
+        load_machine=LoadMachineTruth(**load_machine),
+        flange=FlangeTruth(),
+    )
+    try:
+        core = make_core(train=train)
+        core.load.torque_Nm, core.load.held, core.load.omega_m_rad_s = torque_Nm, held, omega_m
+        core.shaft.omega_m, core.shaft.omega_load = omega_m, -omega_m
+        core.transducer.start(2)
+        core.run_with(run_ticks, 2)
+    except (ValueRefused, EmulationError):
+        return
+    assert np.isfinite(core.transducer.block().data).all()
+    assert math.isfinite(core.shaft.omega_m + core.shaft.omega_load + core.shaft.twist)
 
 
 @pytest.mark.parametrize(

@@ -35,7 +35,7 @@ def coasting(omega_m: float, theta_m: float, T_load: float, duration: float) -> 
     m = RUBBING
 
     def others(theta: float) -> float:
-        return -T_load - m.cogging_Nm * math.sin(m.cogging_order * theta)
+        return -T_load - 0.08 * math.sin(24 * theta)
 
     def rates(_: float, y: NDArray[np.float64]) -> list[float]:
         rubbing = m.coulomb_Nm + (m.breakaway_Nm - m.coulomb_Nm) * math.exp(-((y[0] / m.stribeck_rad_s) ** 2))

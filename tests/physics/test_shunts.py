@@ -13,7 +13,7 @@ from benchtool.emulator.core.kernel import run_ticks
 from benchtool.emulator.machine.shunts import Shunts, readable, reconstructed
 from benchtool.emulator.machine.truth import InverterTruth
 from benchtool.emulator.memory import CONTROL, SENSOR
-from tests.physics.alpha_beta import LOW, gates
+from tests.physics.alpha_beta import LOW, centred, gates
 from tests.physics.paper_machine import make_core
 
 T_S = 1e-4
@@ -31,7 +31,9 @@ def readings(core: Core) -> list[float]:
 
 def low_for(duties: list[float], at: float) -> float:
     """How long the lower switch of a leg was told to be on at a time, over all periods so far."""
-    since, mode = max((start, mode) for start, mode in gates(duties, T_S, 0.0) if start < at)
+    since, mode = max(
+        (start, mode) for start, mode in gates(centred(duties, T_S), len(duties) * T_S, 0.0) if start < at
+    )
     return at - since if mode == LOW else 0.0
 
 

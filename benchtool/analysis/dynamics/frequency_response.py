@@ -13,7 +13,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import fft, ndimage, signal
+from scipy import fft, ndimage
 
 from benchtool.analysis.dynamics.local_polynomial import REACH, degrees_of_freedom, local_fit
 from benchtool.analysis.validity import require_signal
@@ -230,6 +230,8 @@ def averaged_response(
             f"{len(x)} samples hold {max(0, segments)} half-overlapping segments of {size}, at least "
             f"{_FEWEST_SEGMENTS} are needed: record longer or choose shorter segments"
         )
+
+    from scipy import signal  # draws in scipy.stats, which takes longer than all else here
 
     def cross(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.complex128]:
         spectrum = signal.csd(a, b, sample_rate_Hz, window="hann", nperseg=size, noverlap=size // 2)[1]

@@ -20,7 +20,7 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import fft, signal
+from scipy import fft
 
 Floats = NDArray[np.float64]
 
@@ -102,7 +102,7 @@ class Smoother:
             mirrored = records[..., -2 : -2 - max(0, end + half - records.shape[-1]) : -1]
             window = np.concatenate([records[..., begin - half : end + half], mirrored], axis=-1)
             weights = _parabola(half).reshape((1,) * (records.ndim - 1) + (-1,))
-            curve[..., begin:end] = signal.oaconvolve(window, weights, mode="valid", axes=-1)
+            curve[..., begin:end] = _convolved(window, weights)
         return curve
 
 
@@ -160,11 +160,18 @@ class _Smoothed:
         if half not in self._curves:
             weights = _parabola(half)
             ends = np.pad(self._samples, half, mode="reflect") if half else self._samples
-            curve = signal.oaconvolve(ends, weights, mode="valid")
+            curve = _convolved(ends, weights)
             lags = min(half + 1, len(self._noise.autocovariance))
             products = weights[half : half + lags] * self._noise.autocovariance[:lags]
             self._curves[half] = curve, float(2.0 * np.sum(products) - products[0])
         return self._curves[half]
+
+
+def _convolved(samples: Floats, weights: Floats) -> Floats:
+    """Return what lies fully within the samples of their convolution along the last axis."""
+    from scipy import signal  # draws in scipy.stats, which takes longer than all else here
+
+    return np.asarray(signal.oaconvolve(samples, weights, mode="valid", axes=-1), np.float64)
 
 
 def fitted_smoothers(samples: Floats, noise: Noise) -> tuple[Smoother, Smoother]:

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve, toeplitz
-from scipy.signal import fftconvolve
 
 from benchtool.analysis.orders.angle import TURN, AngleCoverage
 from benchtool.analysis.validity import require_signal
@@ -80,6 +79,8 @@ def fit_orders(coverage: AngleCoverage, values: NDArray[np.float64], highest_ord
     full = _both_sides(products[:, : order + 1])
     factor = cho_factor(_normal(total, order))
     solution = cho_solve(factor, full.sum(axis=0))
+    from scipy.signal import fftconvolve  # draws in scipy.stats, which takes longer than all else here
+
     explained = fftconvolve(_both_sides(sums[:, : 2 * order + 1]), solution[np.newaxis], "valid", axes=1)
     scores = full - explained  # of each revolution; they add up to zero
     coefficient = np.asarray(solution[order + 1 :], dtype=np.complex128)

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 from scipy.ndimage import minimum_filter1d
-from scipy.signal import get_window
 
 from benchtool.analysis.declaration import Analysis, Findings, NoSettings, Quantity
 from benchtool.analysis.measurement import Basis, Measurement, Table
 from benchtool.analysis.quantisation import counting_step
+from benchtool.analysis.spectra.spectral_window import spectral_window
 from benchtool.analysis.uncertainty import Uncertainty
 from benchtool.analysis.validity import require_signal, require_unbroken
 from benchtool.analysis.window import Window
@@ -71,7 +71,7 @@ def spectral_lines(block: Block, channel: str, name: str = "torque") -> Spectral
     )
     require_signal(samples, channel)
     count = len(samples)
-    weights = get_window("hann", count)
+    weights = spectral_window("hann", count)
     bins = np.abs(fft.rfft((samples - np.mean(samples)) * weights)) * (2.0 / float(np.sum(weights)))
     width_Hz = rate_Hz / count
     step = counting_step(samples)

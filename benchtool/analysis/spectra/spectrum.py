@@ -5,15 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
-from scipy.signal import get_window
 
 from benchtool.analysis.orders.resampling import HALF_WIDTH, USABLE_BAND, interpolate_all
 from benchtool.analysis.periods import PhaseTrack
+from benchtool.analysis.spectra.spectral_window import WindowName, spectral_window
 from benchtool.analysis.validity import require_signal
 from benchtool.block import as_samples, read_only, require_rate
 from benchtool.errors import AnalysisError
@@ -124,7 +123,7 @@ class Component:
 
 
 def amplitude_spectrum(
-    samples: NDArray[np.float64], sample_rate_Hz: float, window: Literal["hann", "flattop"] = "hann"
+    samples: NDArray[np.float64], sample_rate_Hz: float, window: WindowName = "hann"
 ) -> Spectrum:
     """Return one-sided amplitude spectrum of the whole record, shape (n,), under an amplitude-correct window.
 
@@ -138,7 +137,7 @@ def amplitude_spectrum(
     require_rate(sample_rate_Hz)
     samples = as_samples(samples)
     require_signal(samples, "signal")
-    weights = get_window(window, len(samples))
+    weights = spectral_window(window, len(samples))
     amplitude = 2.0 * np.abs(fft.rfft(samples * weights)) / np.sum(weights)
     amplitude[0] /= 2.0
     if len(samples) % 2 == 0:

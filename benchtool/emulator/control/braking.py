@@ -23,7 +23,7 @@ _BANDWIDTH = 1.0 / 3.0  # of the disturbance observer in units of omega_observer
 _SLOW = 0.1  # of the rated speed
 _LANDING = 8.0  # tau in units of 1 / omega_observer
 _SETTLING = 3.0  # of the observer's transient, in the same units
-_TURNED_TICKS = 5
+_TURNED_S = 4.5e-4
 _REST_S = 0.08
 
 
@@ -70,7 +70,7 @@ def _count(drive: Any, control: Any, omega: float) -> None:
     """Count the ticks in which the shaft turns back, and those in which it stands."""
     if control.braking * drive.omega_observer * drive.control_period < _SETTLING:
         control.braking_sign = 1.0 if omega >= 0.0 else -1.0
-    elif control.turned_ticks < _TURNED_TICKS:
+    elif control.turned_ticks * drive.control_period < _TURNED_S:
         control.turned_ticks = control.turned_ticks + 1 if control.braking_sign * omega <= 0.0 else 0
     stands = abs(omega) <= _STANDSTILL * drive.omega_m_N
     control.rest_ticks = min(control.rest_ticks + 1, 1_000_000) if stands else 0
@@ -86,7 +86,6 @@ def is_at_standstill(control: Any) -> bool:
 @njit
 def at_rest(drive: Any, control: Any) -> bool:
     """Return whether braking is complete: the speed has reached zero, or stays near it for 80 ms."""
-    ended: bool = (
-        control.turned_ticks >= _TURNED_TICKS or control.rest_ticks * drive.control_period >= _REST_S
-    )
+    T_s = drive.control_period
+    ended: bool = control.turned_ticks * T_s >= _TURNED_S or control.rest_ticks * T_s >= _REST_S
     return ended

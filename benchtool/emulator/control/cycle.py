@@ -147,7 +147,7 @@ def _modulate(
     made = modulate(u_alpha, u_beta, u_dc)
     duty_a, duty_b, duty_c = made.duty_a, made.duty_b, made.duty_c
     if drive.dead_time_compensation > 0.0:
-        share = drive.dead_time_compensation / drive.control_period
+        share = drive.dead_time_compensation / drive.pwm_period
         i_alpha, i_beta = out_of_frame(at.i_d, at.i_q, at.cos_theta, at.sin_theta)
         across = 0.5 * math.sqrt(3.0) * i_beta
         duty_a = compensated(duty_a, i_alpha, share)

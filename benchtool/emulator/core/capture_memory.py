@@ -54,7 +54,8 @@ _ARMED, _TRIGGERED, _COMPLETE = (
 _IMMEDIATE, _SETPOINT, _RISING = int(Trigger.IMMEDIATE), int(Trigger.SETPOINT), int(Trigger.RISING)
 _FALLING, _FAULT = int(Trigger.FALLING), int(Trigger.FAULT)
 
-# `written` counts rows since arming, `first` and `end` say which are kept; `last_*` are of the tick before.
+# `written` counts rows since arming, `row` is where the next one goes; `first` and `end` say which are kept;
+# `last_*` are of the tick before.
 CAPTURE = record_type(
     [
         ("state", "u4"),
@@ -65,6 +66,7 @@ CAPTURE = record_type(
         ("armed_tick", "u4"),
         ("trigger_tick", "u4"),
         ("written", "i8"),
+        ("row", "i8"),
         ("first", "i8"),
         ("end", "i8"),
         ("trigger_word", "u4"),
@@ -107,9 +109,9 @@ def capture_row(
         capture.until_row -= 1
         return
     capture.until_row = capture.stride - 1
-    row = capture.written % rows.shape[0]
     for column in range(channels.size):
-        rows[row, column] = drive_words[channels[column]]
+        rows[capture.row, column] = drive_words[channels[column]]
+    capture.row = capture.row + 1 if capture.row + 1 < rows.shape[0] else 0
     capture.written += 1
     if capture.state == _TRIGGERED and capture.written >= capture.end:
         capture.state = _COMPLETE

@@ -13,12 +13,14 @@ from benchtool.emulator.control.protection import Trip
 from benchtool.emulator.core.capture_memory import CaptureRecorder
 from benchtool.emulator.core.kernel import Truth, kernel_of
 from benchtool.emulator.core.stream_ring import StreamRecorder
+from benchtool.emulator.first_call import call_first
 from benchtool.emulator.machine.accounts import NAMES
-from benchtool.emulator.machine.bounds import require_computable, runaway
+from benchtool.emulator.machine.bounds import machine_of_bench, require_computable, runaway
 from benchtool.emulator.machine.inverter import Accounts, phase_currents
 from benchtool.emulator.machine.sensor_truth import SensorTruth, going_on
 from benchtool.emulator.machine.sensors import Noise
 from benchtool.emulator.machine.state import place
+from benchtool.emulator.machine.train_truth import NOTHING, TrainTruth
 from benchtool.emulator.machine.transducer import Transducer
 from benchtool.emulator.machine.truth import InverterTruth, MotorTruth
 from benchtool.emulator.memory import (
@@ -31,6 +33,8 @@ from benchtool.emulator.memory import (
     STIMULUS,
     new_memory,
 )
+from benchtool.errors import ValueRefused
+from benchtool.profile import CONTROL_PERIOD_S
 from benchtool.protocol import Mode
 from benchtool.protocol.dictionary import ObjectTable
 from benchtool.ticks import wrap_tick
@@ -38,14 +42,30 @@ from benchtool.ticks import wrap_tick
 __all__ = ["Core", "Trip"]
 
 
-def truth_of(motor: MotorTruth, inverter: InverterTruth, sensors: SensorTruth, T_s: float = 1e-4) -> Truth:
-    """Return the bench in the form that the kernel reads, for a control period of `T_s` seconds."""
+def truth_of(
+    motor: MotorTruth,
+    inverter: InverterTruth,
+    sensors: SensorTruth,
+    train: TrainTruth = NOTHING,
+    *,
+    T_s: float = CONTROL_PERIOD_S,
+) -> Truth:
+    """Return the bench in the form that the kernel reads, for a control period of `T_s` seconds.
+
+    Raises:
+        ValueRefused: shunts in the lower legs, which see nothing at the peak of the carrier, with double
+            update.
+    """
+    if inverter.double_update and sensors.shunt_settling_s is not None:
+        raise ValueRefused(
+            "sensors.shunt_settling_s with double update: at the peak of the carrier no lower switch is on, "
+            "and shunts see nothing; leave it out, or state pwm_period_s = control_period_s"
+        )
+    R = inverter.on_resistance_ohm
     stage = inverter.power_stage(T_s, sensors.sampling(T_s))
     if motor.heat is not None:  # which needs what is lost
-        R = inverter.on_resistance_ohm
         stage = stage._replace(accounts=Accounts(R, inverter.device_drop_V), heat=motor.heat.heat(T_s, R))
-    machine = motor.machine(devices_ohm=inverter.on_resistance_ohm)
-    return Truth(machine, stage, sensors.sensing(T_s, inverter.dead_time_s))
+    return Truth(machine_of_bench(motor, train, R), stage, sensors.sensing(T_s, inverter.dead_time_s))
 
 
 class Core:
@@ -53,8 +73,9 @@ class Core:
 
     Args:
         table: objects, whose numbers make up the drive's memory.
-        motor, inverter, sensors: true values, which control never sees.
+        motor, inverter, sensors, train: true values, which control never sees.
         first_tick: the drive's tick at power-up, which is 0 of a drive that was not on before.
+        control_period_s: T_s, to whole nanoseconds.
         seed: of the measurement noise; the same seed and commands give the same bits, however the ticks are
             divided over calls of `run`.
 
@@ -68,8 +89,9 @@ class Core:
         load: record of the other end of the shaft: `torque_Nm` against positive rotation, or, while `held` is
             not zero, the speed `omega_m_rad_s`.
         stimulus: record of the stimulus that plays, taken over from its table by the firmware.
-        shaft: record of the machine's true state: `i_d`, `i_q`, `omega_m`, `theta_e`, `u_dc`,
-            and with heat `T_winding` and `T_magnet` in degC.
+        shaft: record of the machine's true state: `i_d`, `i_q`, `omega_m`, `theta_e`, `u_dc`, and of
+            the load behind an elastic coupling `omega_load` and `twist`; with heat `T_winding` and
+            `T_magnet` in degC.
         tick: the drive's tick, counted on past 2**32 where memory has it modulo that.
         capture, stream, transducer: the recorders.
     """
@@ -82,16 +104,17 @@ class Core:
         sensors: SensorTruth,
         seed: int = 0,
         first_tick: int = 0,
+        train: TrainTruth = NOTHING,
+        control_period_s: float = CONTROL_PERIOD_S,
     ) -> None:
         self.motor, self.inverter, self.sensors = motor, inverter, sensors
         self.memory = new_memory(table)
         self.memory["tick"] = wrap_tick(first_tick)
         self.first_tick = self.tick = first_tick
-        # As the table states it; the float32 in memory is what control computes with.
-        period = table.by_name["control_period"].default
-        assert isinstance(period, float)
-        self.control_period_s = period
-        require_computable(motor, period)
+        self.control_period_s = control_period_s
+        self.memory["control_period"] = control_period_s  # a float32, with which control computes
+        self.memory["pwm_period"] = inverter.pwm_period_s(control_period_s)
+        require_computable(motor, control_period_s, train)
         self._commands, self._controls, self._measurements, self._shafts, self._loads, self._stimuli = (
             np.zeros(1, dtype) for dtype in (COMMAND, CONTROL, MEASUREMENT, SHAFT, LOAD, STIMULUS)
         )
@@ -105,8 +128,9 @@ class Core:
         self.turn_rotor(motor.pole_pairs * motor.power_up_angle_rad)
         self.capture = CaptureRecorder(self.memory)
         self.stream = StreamRecorder(self.memory, lambda: self.tick)
-        self.transducer = Transducer(lambda: self.tick, self.control_period_s)
-        self._truth = truth_of(motor, inverter, sensors, period)
+        flange = train.flange.error(seed) if train.flange is not None else None
+        self.transducer = Transducer(lambda: self.tick, self.control_period_s, flange=flange)
+        self._truth = truth_of(motor, inverter, sensors, train, T_s=control_period_s)
         self._noise = Noise(sensors.noise_rms, seed)
 
     def set_dc_link(self, u_dc_V: float) -> None:
@@ -173,7 +197,9 @@ class Core:
         Raises:
             EmulationError: the machine has run away, to where it cannot be computed any more.
         """
-        return self.run_with(kernel_of(self._truth), ticks)
+        kernel = kernel_of(self._truth)
+        call_first(kernel, lambda: self._run(kernel, 0, self._noise.ahead()))
+        return self.run_with(kernel, ticks)
 
     def run_with(self, kernel: Callable[..., int], ticks: int) -> int:
         """`run` with another form of the kernel: the plain function `run_ticks`, to compare with."""
@@ -193,6 +219,7 @@ class Core:
     def _ran_away(self, *, complete: bool) -> bool:
         shaft = self.shaft
         state = shaft.i_d + shaft.i_q + shaft.omega_m + shaft.theta_e + shaft.u_dc
+        state += shaft.omega_load + shaft.twist + shaft.load_torque
         return not (complete and math.isfinite(state))
 
     def _run(self, kernel: Callable[..., int], ticks: int, noise: NDArray[np.float32]) -> int:

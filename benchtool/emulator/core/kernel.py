@@ -1,7 +1,7 @@
 """The kernel: machine, sensors, control, capture, stream and transducer, tick after tick.
 
-Drive tick n is at n T_s. A tick integrates the machine over one PWM period with the duties that were computed
-a tick before that period began, then samples, controls and records.
+Drive tick n is at n T_s. A tick integrates the machine over one control period with the duties that were
+computed a tick before that period began, then samples, controls and records.
 """
 
 from __future__ import annotations
@@ -19,18 +19,27 @@ from benchtool.emulator.jit import is_cached, njit, parts_of, specialised
 from benchtool.emulator.machine.coefficients import (
     MOST_TURN,
     Machine,
+    driven_by,
     fastest_rate,
-    holding,
+    rate_at,
     turning_rate,
     warmed,
 )
 from benchtool.emulator.machine.dc_link import supplied
 from benchtool.emulator.machine.diodes import freewheel
+from benchtool.emulator.machine.drive_train import (
+    Far,
+    acceleration_of,
+    asked_torque,
+    holds_rotor,
+    is_ideal,
+)
+from benchtool.emulator.machine.flange import follow
 from benchtool.emulator.machine.heat import warm
 from benchtool.emulator.machine.inverter import PowerStage
 from benchtool.emulator.machine.saturation import Flux, Saturation
 from benchtool.emulator.machine.sensors import Sensing, measure
-from benchtool.emulator.machine.state import State, flux_of, place
+from benchtool.emulator.machine.state import State, facing, flux_of, place
 from benchtool.emulator.machine.switching import switch
 from benchtool.ticks import TICKS
 
@@ -71,37 +80,36 @@ def run_ticks(
     drive, command, control = memory[0], commands[0], controls[0]
     measurement, shaft, load, sensor = measurements[0], shafts[0], loads[0], sensors[0]
     capture, stream, transducer, stimulus = captures[0], streams[0], transducers[0], stimuli[0]
-    cold = holding(machine, load.held != 0, False)
+    held = load.held != 0
+    cold = driven_by(machine, held, load.omega_m_rad_s)
     for done in range(ticks):
-        omega_m = load.omega_m_rad_s if load.held != 0 else shaft.omega_m
         driven = warmed(stage.heat, cold, shaft.T_winding, shaft.T_magnet)
-        x = _true_state(driven.saturation, shaft, machine.p * omega_m, drive.tick)
+        x = _true_state(driven.saturation, shaft, load, driven, drive.tick)
         moving = turning_rate(driven)
-        rate = fastest_rate(driven, x) + moving * abs(x.omega_e)
-        gain = (
-            moving * driven.gamma * abs(load.torque_Nm) * stage.T_s
-        )  # of the rate, by the load, in a period
+        T_load = asked_torque(machine.train, load, stage.T_s)
+        rate = rate_at(x, fastest_rate(driven, x), moving, driven)
+        gain = moving * acceleration_of(driven.train, x.far, x.omega_e, driven.gamma, T_load) * stage.T_s
         if not (rate + gain) * stage.T_s <= MOST_TURN:  # nor is what is no number
             return done
         transducer.next_sample = 0
         copper, iron = transducer.E_copper, transducer.E_iron
+        follow(driven.train, x, driven, T_load, transducer, stage.T_s)
         switching = command.pwm_enabled != 0 and control.gated != 0
         if switching:
-            x, charge = switch(
-                x, rate, drive, control, shaft, stage, driven, load.torque_Nm, transducer, torque
-            )
+            x, charge = switch(x, rate, drive, control, shaft, stage, driven, T_load, transducer, torque)
         else:
             shaft.high_a, shaft.high_b, shaft.high_c = 0, 0, 0
             shaft.blank_a, shaft.blank_b, shaft.blank_c = 0.0, 0.0, 0.0
-            x, charge = freewheel(x, shaft.u_dc, stage, driven, load.torque_Nm, transducer, torque)
+            x, charge = freewheel(x, shaft.u_dc, stage, driven, T_load, transducer, torque)
         shaft.u_dc = supplied(
             stage.link, shaft, stage.u_dc, stage.R_dc, charge, drive.tick * stage.T_s, stage.T_s
         )
         shaft.i_d, shaft.i_q, shaft.omega_m = x.i_d, x.i_q, x.omega_e / machine.p
         shaft.theta_e, shaft.cos_theta, shaft.sin_theta = x.theta_e, x.cos_theta, x.sin_theta
+        shaft.omega_load, shaft.twist, shaft.load_torque = x.far.omega, x.far.twist, x.far.torque
         _keep(x.flux, shaft)
         warm(stage.heat, shaft, transducer.E_copper - copper, transducer.E_iron - iron, stage.T_s)
-        if transducer.recording == 1 and transducer.filled >= torque.size:
+        if transducer.recording == 1 and transducer.filled >= torque.shape[0]:
             transducer.recording = 0
         drive.tick = (int(drive.tick) + 1) & _LAST_TICK
         measure(
@@ -145,12 +153,29 @@ def kernel_is_cached(truth: Truth) -> bool:
 
 
 @njit
-def _true_state(saturation: Saturation | None, shaft: Any, omega_e: float, tick: int) -> State:
-    """Return machine's state; now and then its direction is derived from its angle, to hold both together."""
+def _true_state(saturation: Saturation | None, shaft: Any, load: Any, machine: Machine, tick: int) -> State:
+    """Return the state, with what is held at the speed that it is held at.
+
+    Now and then its direction is derived from its angle, to hold both together.
+    """
+    held = load.held != 0
+    omega_m = load.omega_m_rad_s if held and holds_rotor(machine.train) else shaft.omega_m
+    omega_load = load.omega_m_rad_s if held and is_ideal(machine.train) else shaft.omega_load
+    far = Far(omega_load, shaft.twist, shaft.load_torque)
     flux = flux_of(saturation, shaft.i_d, shaft.i_q, Flux(shaft.psi_d, shaft.psi_q))
     if tick % _TICKS_BETWEEN_DIRECTIONS == 0:
-        return place(shaft.i_d, shaft.i_q, omega_e, shaft.theta_e, flux)
-    return State(shaft.i_d, shaft.i_q, omega_e, shaft.theta_e, 0.0, shaft.cos_theta, shaft.sin_theta, flux)
+        return facing(place(shaft.i_d, shaft.i_q, machine.p * omega_m, shaft.theta_e, flux), far)
+    return State(
+        shaft.i_d,
+        shaft.i_q,
+        machine.p * omega_m,
+        shaft.theta_e,
+        0.0,
+        shaft.cos_theta,
+        shaft.sin_theta,
+        far,
+        flux,
+    )
 
 
 @njit

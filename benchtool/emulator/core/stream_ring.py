@@ -20,7 +20,10 @@ from benchtool.ticks import wrap_tick
 MAX_CHANNELS = 16
 RING_ROWS = 4096
 
-STREAM = record_type([("running", "u4"), ("stride", "u4"), ("until_row", "u4"), ("written", "i8")])
+# `written` counts rows since the start, `row` is where the next one goes.
+STREAM = record_type(
+    [("running", "u4"), ("stride", "u4"), ("until_row", "u4"), ("written", "i8"), ("row", "i8")]
+)
 
 
 @njit
@@ -37,9 +40,9 @@ def stream_row(
         stream.until_row -= 1
         return
     stream.until_row = stream.stride - 1
-    row = stream.written % ring.shape[0]
     for column in range(channels.size):
-        ring[row, column] = drive_words[channels[column]]
+        ring[stream.row, column] = drive_words[channels[column]]
+    stream.row = stream.row + 1 if stream.row + 1 < ring.shape[0] else 0
     stream.written += 1
 
 

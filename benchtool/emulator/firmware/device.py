@@ -19,7 +19,7 @@ _SAVE = 0x65766173
 _LOAD = 0x64616F6C
 _FAULT_RESET_BIT = 0x80
 _HALT_BIT = 0x100
-_QUICK_STOP_POLL_TICKS = 10
+_QUICK_STOP_POLL_S = 1e-3
 _HOLDING_OPTIONS = (5, 6)
 _TARGETS = ("torque_command", "omega_m_command", "target_torque", "target_velocity")
 
@@ -59,9 +59,7 @@ class Firmware:
         self._emit = emit
         self._controlword = 0
         self._history: list[int] = []
-        self.period_s = (
-            round(float(self.objects["control_period"]) * 1e9) * 1e-9
-        )  # not as a float32 rounds it
+        self.period_s = core.control_period_s
         self._capture = CaptureObjects(self.objects, core)
         self._stimulus = StimulusObjects(self.objects, core)
         self._wire_objects()
@@ -84,6 +82,7 @@ class Firmware:
         self.objects["i_full_scale"] = self.core.sensors.i_full_scale_A
         self.objects["u_dc_full_scale"] = self.core.sensors.u_full_scale_V
         self.objects["control_period"] = self.period_s
+        self.objects["pwm_period"] = self.core.inverter.pwm_period_s(self.period_s)
         self._history.clear()
         self._capture.abort()
         self.core.command.trip = 0
@@ -122,7 +121,7 @@ class Firmware:
         while (present := self.core.tick) < tick:
             ahead = tick - present
             if self.state is State.QUICK_STOP_ACTIVE:
-                ahead = min(ahead, _QUICK_STOP_POLL_TICKS)
+                ahead = min(ahead, math.ceil(_QUICK_STOP_POLL_S / self.period_s))
             if (left_s := self.supervision.deadline_s() - self.now_s) < math.inf:
                 ahead = min(ahead, max(1, round(left_s / self.period_s)))
             self.core.run(ahead)

@@ -26,6 +26,7 @@ class StimulusObjects:
     def __init__(self, objects: ObjectStore, core: Core) -> None:
         self._objects = objects
         self._core = core
+        self._highest_Hz = (0.5 + 1e-6) / core.control_period_s
         objects.check("stimulus_control", self._check_control)
         objects.on_write("stimulus_control", self._control)
         objects.compute("stimulus_state", lambda: int(core.stimulus.state))
@@ -70,9 +71,14 @@ class StimulusObjects:
     def _is_consistent(self, shape: Shape) -> bool:
         """Return whether the entries that this shape uses go together."""
         objects = self._objects
+        frequencies = objects["stimulus_frequency_start"], objects["stimulus_frequency_end"]
         match shape:
+            case Shape.SINE:
+                return frequencies[0] <= self._highest_Hz
+            case Shape.CHIRP_LINEAR:
+                return max(frequencies) <= self._highest_Hz
             case Shape.CHIRP_LOGARITHMIC:
-                return objects["stimulus_frequency_start"] > 0 and objects["stimulus_frequency_end"] > 0
+                return min(frequencies) > 0 and max(frequencies) <= self._highest_Hz
             case Shape.PRBS:
                 return bool(int(objects["stimulus_seed"]) & (1 << int(objects["stimulus_prbs_length"])) - 1)
             case Shape.STAIRCASE:

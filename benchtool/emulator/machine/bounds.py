@@ -10,51 +10,59 @@ import math
 from typing import Any
 
 from benchtool.emulator.machine.asymmetry import series_resistance
-from benchtool.emulator.machine.coefficients import MOST_TURN, fastest_rate
+from benchtool.emulator.machine.coefficients import MOST_TURN, Machine, fastest_rate
 from benchtool.emulator.machine.harmonics import linkage
 from benchtool.emulator.machine.iron import iron_slope
 from benchtool.emulator.machine.saturation import Flux, incremental, largest
 from benchtool.emulator.machine.state import flux_of, place
+from benchtool.emulator.machine.train_truth import NOTHING, TrainTruth
 from benchtool.emulator.machine.truth import MotorTruth
 from benchtool.errors import EmulationError, ValueRefused
 
 
-def require_computable(motor: MotorTruth, T_s: float) -> None:
+def require_computable(motor: MotorTruth, T_s: float, train: TrainTruth = NOTHING) -> None:
     """Refuse a machine that is too fast at standstill already.
 
     Raises:
         ValueRefused: it is; the keys of the fastest process are named.
     """
-    machine = motor.machine()
-    rate = fastest_rate(
-        machine, place(0.0, 0.0, 0.0, 0.0, flux_of(machine.saturation, 0.0, 0.0, Flux(machine.psi_r, 0.0)))
-    )
+    machine = machine_of_bench(motor, train)
+    flux = flux_of(machine.saturation, 0.0, 0.0, Flux(machine.psi_r, 0.0))
+    rate = fastest_rate(machine, place(0.0, 0.0, 0.0, 0.0, flux))
     if rate * T_s <= MOST_TURN:
         return
     L = min(motor.L_d_H, motor.L_q_H)
-    per_inertia = motor.pole_pairs / motor.J_kgm2
+    J = motor.J_kgm2 + train.rigid_kgm2
+    per_inertia = motor.pole_pairs / J
     psi = machine.psi_r + linkage(machine.harmonics)
     R = motor.R_s_ohm + series_resistance(machine.asymmetry)
     stiffness = 1.5 * motor.pole_pairs * psi**2 / L
     slope = max(motor.breakaway_Nm - motor.coulomb_Nm, 0.0) / max(motor.stribeck_rad_s, 1e-300)
-    friction = (
-        motor.friction_Nms + (slope if motor.stribeck_rad_s > 0.0 else 0.0)
-    ) / motor.pole_pairs + iron_slope(machine.iron, psi, machine.p)
-    cogging = motor.cogging_Nm * motor.cogging_order / motor.pole_pairs
+    friction = (motor.friction_Nms + (slope if motor.stribeck_rad_s > 0.0 else 0.0)) / motor.pole_pairs
+    friction += iron_slope(machine.iron, psi, machine.p)
+    cogging = motor.cogging_stiffness_Nm / motor.pole_pairs
     processes = {
-        f"R_s_ohm (and series_R_ohm) = {R:g} over L_d_H or L_q_H = {L:g}": R / L,
-        f"psi_r_Wb (and its harmonics) = {psi:g} with L_d_H or L_q_H = {L:g} and "
+        f"motor.R_s_ohm (and series_R_ohm) = {R:g} over L_d_H or L_q_H = {L:g}": R / L,
+        f"motor.psi_r_Wb (and its harmonics) = {psi:g} with L_d_H or L_q_H = {L:g} and "
         f"J_kgm2 = {motor.J_kgm2:g}": math.sqrt(per_inertia * stiffness),
-        f"cogging_Nm = {motor.cogging_Nm:g} with J_kgm2 = {motor.J_kgm2:g}": math.sqrt(per_inertia * cogging),
-        f"friction_Nms = {motor.friction_Nms:g}, stribeck_rad_s = {motor.stribeck_rad_s:g} and R_fe_ohm = "
-        f"{motor.R_fe_ohm:g} over "
+        f"motor.cogging_Nm = {str(motor.cogging_Nm).strip('(),')} with J_kgm2 = {motor.J_kgm2:g}": math.sqrt(
+            per_inertia * cogging
+        ),
+        f"motor.friction_Nms = {motor.friction_Nms:g}, stribeck_rad_s = {motor.stribeck_rad_s:g} and "
+        f"R_fe_ohm = {motor.R_fe_ohm:g} over "
         f"J_kgm2 = {motor.J_kgm2:g}": per_inertia * friction,
+        **dict(train.processes(motor.J_kgm2)),
     }
     fastest = max(processes, key=lambda name: processes[name])
     raise ValueRefused(
-        f"emulator.motor: {fastest} makes a process of {rate:.3g} 1/s, the emulated machine can be computed "
-        f"up to {MOST_TURN / T_s:.3g} 1/s: correct them, in [emulator.motor] or in [motor]"
+        f"emulator.{fastest} makes a process of {rate:.3g} 1/s, the emulated machine can be computed "
+        f"up to {MOST_TURN / T_s:.3g} 1/s: correct them, in [emulator] or in [motor]"
     )
+
+
+def machine_of_bench(motor: MotorTruth, train: TrainTruth, devices_ohm: float = 0.0) -> Machine:
+    """Return the machine with what is beyond its rotor, and devices of this resistance in each phase."""
+    return motor.machine(False, devices_ohm, train.rigid_kgm2, train.train(motor.pole_pairs))
 
 
 def runaway(shaft: Any, load: Any, motor: MotorTruth, time_s: float) -> EmulationError:

@@ -11,6 +11,15 @@ from benchtool.emulator.machine.asymmetry import (
     asymmetric_turning,
     series_resistance,
 )
+from benchtool.emulator.machine.cogging import Cogging, cogging_stiffness, cogging_turning
+from benchtool.emulator.machine.drive_train import (
+    DriveTrain,
+    fastest_omega,
+    holds_rotor,
+    told,
+    train_rate,
+    train_turning,
+)
 from benchtool.emulator.machine.harmonics import (
     Harmonics,
     harmonic_turning,
@@ -20,13 +29,7 @@ from benchtool.emulator.machine.harmonics import (
 from benchtool.emulator.machine.heat import Heat
 from benchtool.emulator.machine.iron import Iron, iron_slope
 from benchtool.emulator.machine.saturation import Saturation, incremental, largest, magnetised
-from benchtool.emulator.machine.shaft import (
-    Cogging,
-    Friction,
-    cogging_stiffness,
-    cogging_turning,
-    stribeck_slope,
-)
+from benchtool.emulator.machine.shaft import Friction, stribeck_slope
 from benchtool.emulator.machine.state import State, electrical
 
 MOST_TURN = 100.0  # rad of the fastest process in a PWM period: beyond, a period takes too many steps
@@ -53,6 +56,8 @@ class Machine(NamedTuple):
     iron: Iron | None
     cogging: Cogging | None
     friction: Friction | None
+    J_load: float  # rigid beyond the flange
+    train: DriveTrain | None
 
     inv_L_d: float  # zero with open terminals
     inv_L_q: float
@@ -61,10 +66,10 @@ class Machine(NamedTuple):
     k_d: float  # L_q / L_d
     k_q: float
     epsilon: float  # psi_r / L_q, the back EMF; zero with open terminals, and for flux linkages
-    gamma: float  # p / J; zero with held speed, as are the three below
+    gamma: float  # p / (J + J_load); zero with held speed, as are the three below
     kappa: float  # gamma 3/2 p psi_r
     sigma: float  # gamma 3/2 p (L_d - L_q)
-    beta: float  # B / J
+    beta: float  # gamma B / p
 
 
 @njit
@@ -82,13 +87,15 @@ def machine_of(
     iron: Iron | None,
     cogging: Cogging | None,
     friction: Friction | None,
+    J_load: float,
+    train: DriveTrain | None,
     speed_held: bool,
     open_terminals: bool,
 ) -> Machine:
     """Return the coefficients of a machine, with its speed held, its currents held at zero, or both, or
     neither."""
     closed = 0.0 if open_terminals else 1.0
-    gamma = 0.0 if speed_held else p / J
+    gamma = 0.0 if speed_held else p / (J + J_load)
     inv_L_d, inv_L_q, rho_d, rho_q, k_d, k_q, epsilon = _electrical(saturation, closed, R_s, L_d, L_q, psi_r)
     return Machine(
         p,
@@ -104,6 +111,8 @@ def machine_of(
         iron,
         cogging,
         friction,
+        J_load,
+        train,
         inv_L_d,
         inv_L_q,
         rho_d,
@@ -132,6 +141,20 @@ def _electrical(
 def holding(m: Machine, speed: bool, currents: bool) -> Machine:
     """Return the machine with its speed held, or with open terminals, or both; what was held before stays
     held."""
+    return _with(m, m.train, speed, currents)
+
+
+@njit
+def driven_by(m: Machine, held: bool, omega_m: float) -> Machine:
+    """Return the machine with its load told to hold a speed, or not to.
+
+    That is the rotor's where all between is rigid; an elastic coupling or a weak load machine gives way.
+    """
+    return _with(m, told(m.train, held, omega_m), held and holds_rotor(m.train), False)
+
+
+@njit
+def _with(m: Machine, train: DriveTrain | None, speed: bool, currents: bool) -> Machine:
     return machine_of(
         m.p,
         m.R_s,
@@ -146,6 +169,8 @@ def holding(m: Machine, speed: bool, currents: bool) -> Machine:
         m.iron,
         m.cogging,
         m.friction,
+        m.J_load,
+        train,
         speed or m.gamma == 0.0,
         currents or m.inv_L_d == 0.0,
     )
@@ -172,6 +197,8 @@ def warmed(heat: Heat | None, m: Machine, T_winding: float, T_magnet: float) -> 
         m.iron,
         m.cogging,
         m.friction,
+        m.J_load,
+        m.train,
         m.gamma == 0.0,
         m.inv_L_d == 0.0,
     )
@@ -187,20 +214,22 @@ def fastest_rate(m: Machine, x: State) -> float:
     psi = m.psi_r + linkage(m.harmonics)
     stiffness = 1.5 * m.p * psi * psi * inv_L + cogging_stiffness(m.cogging)
     friction = m.B / m.p + stribeck_slope(m.friction) + iron_slope(m.iron, psi, m.p)
-    return (
-        (m.R_s + series_resistance(m.asymmetry)) * inv_L + math.sqrt(m.gamma * stiffness) + m.gamma * friction
-    )
+    resistance = m.R_s + series_resistance(m.asymmetry)
+    rate = resistance * inv_L + math.sqrt(m.gamma * stiffness) + m.gamma * friction
+    return rate + train_rate(m.train, m.gamma)
 
 
 @njit
 def turning_rate(m: Machine) -> float:
     """Return the rate in 1/s that every electrical rad/s adds to `fastest_rate`."""
-    return (
-        max(1.0, m.k_d, m.k_q)
-        + asymmetric_turning(m.asymmetry)
-        + harmonic_turning(m.harmonics)
-        + cogging_turning(m.cogging)
-    )
+    turning = max(1.0, m.k_d, m.k_q) + harmonic_turning(m.harmonics) + cogging_turning(m.cogging)
+    return turning + asymmetric_turning(m.asymmetry) + train_turning(m.train, m.gamma)
+
+
+@njit
+def rate_at(x: State, at_rest: float, moving: float, m: Machine) -> float:
+    """Return the sum of the machine's rates, of `fastest_rate` and `turning_rate`, at the speed of `x`."""
+    return at_rest + moving * fastest_omega(m.train, x.far, x.omega_e)
 
 
 @njit

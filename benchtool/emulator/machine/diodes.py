@@ -18,7 +18,13 @@ from numpy.typing import NDArray
 
 from benchtool.emulator.jit import called, njit, separately
 from benchtool.emulator.machine.accounts import Rails, account, finer
-from benchtool.emulator.machine.coefficients import Machine, fastest_rate, holding, turning_rate
+from benchtool.emulator.machine.coefficients import (
+    Machine,
+    fastest_rate,
+    holding,
+    rate_at,
+    turning_rate,
+)
 from benchtool.emulator.machine.harmonics import linkage
 from benchtool.emulator.machine.inverter import (
     SQRT3,
@@ -39,7 +45,7 @@ from benchtool.emulator.machine.plant import (
 )
 from benchtool.emulator.machine.sampling import observe
 from benchtool.emulator.machine.state import State, with_currents
-from benchtool.emulator.machine.transducer import sample
+from benchtool.emulator.machine.transducer import coasts, sample
 
 LOW, HIGH, OFF = 0, 1, 2  # modes of a leg: lower or upper switch on, or neither
 NONE = -1  # of the phases
@@ -78,7 +84,7 @@ def freewheel(
     torque: NDArray[np.float64],
 ) -> tuple[State, float]:
     """Integrate one PWM period with the power stage off. Returns as `integrate_conduction`."""
-    rate = fastest_rate(machine, x) + turning_rate(machine) * abs(x.omega_e)
+    rate = rate_at(x, fastest_rate(machine, x), turning_rate(machine), machine)
     return integrate_conduction(
         x, OFF, OFF, OFF, 0.0, stage.T_s, rate, u_dc, stage, machine, T_load, transducer, torque
     )
@@ -129,12 +135,13 @@ def integrate_conduction(
         before = x
         if silent:
             open_machine = holding(machine, False, True)
-            if all_off and _below(x, leg_a.high - leg_a.low, machine):
+            if all_off and _below(x, leg_a.high - leg_a.low, machine) and coasts(machine.train, transducer):
                 x = _coast(stage.accounts, x, end - time, open_machine, T_load, transducer)
                 sample(time, end - time, before, x, 0.0, 0.0, open_machine, T_load, transducer, torque)
                 observe(stage.sampling, time, end - time, before, x, 0.0, 0.0, open_machine, T_load)
                 return x, charge
-            x, h = move(x, 0.0, 0.0, min(short, end - time), open_machine, T_load)
+            h = min(short, substep(end - time, rate, _TURN))
+            x, h = move(x, 0.0, 0.0, h, open_machine, T_load)
             sample(time, h, before, x, 0.0, 0.0, open_machine, T_load, transducer, torque)
             account(stage.accounts, h, before, x, 0.0, 0.0, u_dc, rails, open_machine, T_load, transducer)
             observe(stage.sampling, time, h, before, x, 0.0, 0.0, open_machine, T_load)
@@ -179,7 +186,7 @@ def _coast(
 def _coast_by_steps(
     accounts: Accounts, x: State, duration: float, machine: Machine, T_load: float, record: Any
 ) -> State:
-    rate = fastest_rate(machine, x) + turning_rate(machine) * abs(x.omega_e)
+    rate = rate_at(x, fastest_rate(machine, x), turning_rate(machine), machine)
     rails = Rails(0.0, 0.0, 0.0, True, True, True)
     remaining = duration
     while remaining > 0.0:

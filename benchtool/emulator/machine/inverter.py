@@ -1,10 +1,10 @@
-"""The two-level inverter: PWM edges from duties, leg voltages from switch states.
+"""The two-level inverter: leg voltages from switch states.
 
-A leg is told to be high for duty * T_s, centred in the period. From each change of that, be it within a
-period or where one meets the next, neither of its switches is on for the dead time, and the current holds the
-leg: out of the leg (i > 0) through the lower diode, so that it goes high late; into the leg through the upper
-diode, so that it goes low late. A conducting device takes a constant voltage against its current; what it
-takes in proportion to the current is part of the machine's resistance.
+From each change of what a leg is told (`carrier`), be it within a period or where one meets the next, neither
+of its switches is on for the dead time, and the current holds the leg: out of the leg (i > 0) through the
+lower diode, so that it goes high late; into the leg through the upper diode, so that it goes low late. A
+conducting device takes a constant voltage against its current; what it takes in proportion to the current is
+part of the machine's resistance.
 """
 
 from __future__ import annotations
@@ -13,12 +13,12 @@ import math
 from typing import NamedTuple
 
 from benchtool.emulator.jit import njit
+from benchtool.emulator.machine.carrier import DoubleUpdate
 from benchtool.emulator.machine.dc_link import DcLink
 from benchtool.emulator.machine.heat import Heat
 from benchtool.emulator.machine.sampling import Sampling
 from benchtool.emulator.machine.state import State
 
-NEVER = math.inf
 SQRT3 = math.sqrt(3.0)
 
 
@@ -50,8 +50,9 @@ class Accounts(NamedTuple):
 class PowerStage(NamedTuple):
     """True coefficients; `u_dc` is the voltage behind the dc link's resistance `R_dc`.
 
-    `metered` says that what the dc link is drawn matters. `sampling` is there where the timer triggers the
-    converter of the currents within the period, or their sensors lag.
+    `T_s` is the control period, and the PWM period unless there is a double update. `metered` says that what
+    the dc link is drawn matters. `sampling` is there where the timer triggers the converter of the currents
+    within the period, or their sensors lag.
     """
 
     T_s: float
@@ -60,6 +61,7 @@ class PowerStage(NamedTuple):
     metered: bool
     accounts: Accounts | None
     heat: Heat | None
+    double_update: DoubleUpdate | None
     dead_time: DeadTime | None
     timer: Timer | None
     devices: Devices | None
@@ -87,20 +89,6 @@ def quantised(timer: Timer | None, duty: float) -> float:
     if timer is None:
         return duty
     return math.floor(duty * timer.steps + 0.5) / timer.steps
-
-
-@njit
-def rising_edge(duty: float, T_s: float) -> float:
-    """Return when a leg is told to go high, in s from the start of the period; never for duty 0."""
-    if duty <= 0.0:
-        return NEVER
-    return 0.5 * (1.0 - duty) * T_s if duty < 1.0 else 0.0
-
-
-@njit
-def falling_edge(duty: float, T_s: float) -> float:
-    """Return when a leg that has gone high is told to go low, in s from the start of the period."""
-    return 0.5 * (1.0 + duty) * T_s if duty < 1.0 else NEVER
 
 
 @njit

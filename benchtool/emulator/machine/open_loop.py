@@ -89,8 +89,9 @@ def open_loop(
     states = _switch_states(switch_states, len(edges))
     _refuse_times(edges, samples, end_time_s)
     order = np.argsort(samples, kind="stable")
-    result = np.empty((len(samples), 4))
-    result[order] = run_open_loop(
+    taken = np.empty((len(samples), 4))
+    run_open_loop(
+        taken,
         motor.machine(held_speed),
         edges,
         states * float(dc_link_V),
@@ -102,12 +103,15 @@ def open_loop(
         float(angle0_rad),
         float(load_torque_Nm),
     )
+    result = np.empty_like(taken)
+    result[order] = taken
     i_alpha, i_beta, omega_m, theta_e = result.T.copy()
     return OpenLoop(i_alpha, i_beta, omega_m, theta_e)
 
 
 @entry
 def run_open_loop(
+    result: NDArray[np.float64],
     machine: Machine,
     edges: NDArray[np.float64],
     leg_voltages: NDArray[np.float64],
@@ -118,9 +122,8 @@ def run_open_loop(
     omega_e: float,
     theta_e: float,
     T_load: float,
-) -> NDArray[np.float64]:
-    """Return the rows (i_alpha, i_beta, omega_m, theta_e) at rising sample times."""
-    result = np.empty((samples.size, 4))
+) -> None:
+    """Fill `result` with the rows (i_alpha, i_beta, omega_m, theta_e) at rising sample times."""
     c, s = math.cos(theta_e), math.sin(theta_e)
     x = place(i_alpha * c + i_beta * s, i_beta * c - i_alpha * s, omega_e, theta_e)
     time, taken = edges[0], 0
@@ -140,7 +143,6 @@ def run_open_loop(
                 result[taken, 2] = x.omega_e / machine.p
                 result[taken, 3] = x.theta_e
                 taken += 1
-    return result
 
 
 def _numbers(name: str, values: ArrayLike) -> NDArray[np.float64]:

@@ -4,15 +4,15 @@ Amplitude-invariant space vectors; the d axis lies on the rotor flux, which is a
 
     L_d d i_d/dt = u_d - R_s i_d + omega_e psi_q - e_d        psi_d = L_d i_d + psi_r
     L_q d i_q/dt = u_q - R_s i_q - omega_e psi_d - e_q        psi_q = L_q i_q
-    J d omega_m/dt = T - T_cogging - B omega_m - T_coulomb - T_load
+    J d omega_m/dt = T - T_cogging - B omega_m - T_friction - T_load
     T = 3/2 p (psi_d i_q - psi_q i_d) + harmonics
 
 Between two switching edges the stator voltage is constant in alpha/beta, so in d/q it turns at -omega_e; it
 is integrated along with the currents, in steps of the classical Runge-Kutta method of fourth order. The
 direction of the rotor flux, (cos_theta, sin_theta), is carried along and turned by the angle of each step.
 
-Harmonics of the flux, phases that differ, cogging and dry friction are optional parts of the machine, in
-modules of their own.
+Harmonics of the flux, saturation, phases that differ, iron loss, cogging, dry friction and the drive train
+beyond the rotor are optional parts of the machine, in modules of their own.
 """
 
 from __future__ import annotations
@@ -26,7 +26,18 @@ from benchtool.emulator.machine.asymmetry import (
     through_asymmetry,
     with_asymmetry,
 )
-from benchtool.emulator.machine.coefficients import Machine, fastest_rate, turning_rate
+from benchtool.emulator.machine.coefficients import Machine, fastest_rate, rate_at, turning_rate
+from benchtool.emulator.machine.cogging import less_cogging
+from benchtool.emulator.machine.coupling import Coupling, Play, distance, landed, meeting, part_until
+from benchtool.emulator.machine.drive_train import (
+    DriveTrain,
+    Far,
+    ahead,
+    beyond,
+    contact_of,
+    slip_of,
+    stepped,
+)
 from benchtool.emulator.machine.harmonics import (
     Harmonics,
     flux_slope,
@@ -37,12 +48,11 @@ from benchtool.emulator.machine.iron import less_iron
 from benchtool.emulator.machine.saturation import Saturation, currents_of, incremental
 from benchtool.emulator.machine.shaft import (
     Friction,
-    less_cogging,
     less_friction,
     part_until_rest,
     sliding,
 )
-from benchtool.emulator.machine.state import State, electrical, state_at
+from benchtool.emulator.machine.state import State, electrical, facing, state_at
 from benchtool.emulator.rotate import rotate
 
 
@@ -141,7 +151,7 @@ def derivative(
     g_d, g_q = flux_slope(m.harmonics, theta_e)
     dy_d, dy_q = with_harmonic_emf(m.harmonics, dy_d, dy_q, omega_e, g_d, g_q, m.inv_L_d, m.inv_L_q)
     dy_d, dy_q = _in_series(m.asymmetry, dy_d, dy_q, y_d, y_q, i_d, i_q, omega_e, theta_e, m)
-    domega = _acceleration(y_d, y_q, i_d, i_q, omega_e, theta_e, g_d, g_q, m, T_load)
+    domega = acceleration(y_d, y_q, i_d, i_q, omega_e, theta_e, g_d, g_q, m, T_load)
     domega = less_friction(m.friction, domega, omega_e, slide, m.gamma)
     return dy_d, dy_q, domega, along * v_q, -(across * v_d)
 
@@ -181,7 +191,7 @@ def _of_states(
 
 
 @njit
-def _acceleration(
+def acceleration(
     y_d: float,
     y_q: float,
     i_d: float,
@@ -225,7 +235,7 @@ def sliding_of(friction: Friction | None, x: State, m: Machine, T_load: float) -
         return 0.0
     y_d, y_q = electrical(x.flux, x)
     g_d, g_q = flux_slope(m.harmonics, x.theta_e)
-    domega = _acceleration(y_d, y_q, x.i_d, x.i_q, x.omega_e, x.theta_e, g_d, g_q, m, T_load)
+    domega = acceleration(y_d, y_q, x.i_d, x.i_q, x.omega_e, x.theta_e, g_d, g_q, m, T_load)
     return sliding(friction, x.omega_e, domega, m.gamma)
 
 
@@ -268,11 +278,14 @@ def _step(x: State, u_alpha: float, u_beta: float, h: float, m: Machine, T_load:
     y_d, y_q = electrical(x.flux, x)
     v_d, v_q = scaled_voltage(x, u_alpha, u_beta, m)
     half = 0.5 * h
-    slide = sliding_of(m.friction, x, m, T_load)
+    contact = contact_of(m.train, x.far, w)
+    T, a_far = beyond(m.train, x.far, w, theta, T_load, contact)
+    slide = sliding_of(m.friction, x, m, T)
 
-    a_d, a_q, a_w, a_vd, a_vq = derivative(y_d, y_q, w, theta, v_d, v_q, m, T_load, slide)
+    a_d, a_q, a_w, a_vd, a_vq = derivative(y_d, y_q, w, theta, v_d, v_q, m, T, slide)
 
     w2 = w + half * a_w
+    T, b_far = beyond(m.train, ahead(m.train, x.far, a_far, half), w2, theta + half * w, T_load, contact)
     b_d, b_q, b_w, b_vd, b_vq = derivative(
         y_d + half * a_d,
         y_q + half * a_q,
@@ -281,11 +294,12 @@ def _step(x: State, u_alpha: float, u_beta: float, h: float, m: Machine, T_load:
         v_d + half * a_vd,
         v_q + half * a_vq,
         m,
-        T_load,
+        T,
         slide,
     )
 
     w3 = w + half * b_w
+    T, c_far = beyond(m.train, ahead(m.train, x.far, b_far, half), w3, theta + half * w2, T_load, contact)
     c_d, c_q, c_w, c_vd, c_vq = derivative(
         y_d + half * b_d,
         y_q + half * b_q,
@@ -294,13 +308,14 @@ def _step(x: State, u_alpha: float, u_beta: float, h: float, m: Machine, T_load:
         v_d + half * b_vd,
         v_q + half * b_vq,
         m,
-        T_load,
+        T,
         slide,
     )
 
     w4 = w + h * c_w
+    T, d_far = beyond(m.train, ahead(m.train, x.far, c_far, h), w4, theta + h * w3, T_load, contact)
     d_d, d_q, d_w, _, _ = derivative(
-        y_d + h * c_d, y_q + h * c_q, w4, theta + h * w3, v_d + h * c_vd, v_q + h * c_vq, m, T_load, slide
+        y_d + h * c_d, y_q + h * c_q, w4, theta + h * w3, v_d + h * c_vd, v_q + h * c_vq, m, T, slide
     )
 
     sixth = h * (1.0 / 6.0)
@@ -316,19 +331,87 @@ def _step(x: State, u_alpha: float, u_beta: float, h: float, m: Machine, T_load:
         theta_rest,
         cos_theta,
         sin_theta,
+        stepped(m.train, x.far, a_far, b_far, c_far, d_far, h),
     )
 
 
 @njit
 def move(x: State, u_alpha: float, u_beta: float, h: float, m: Machine, T_load: float) -> tuple[State, float]:
-    """`step` that ends early where dry friction brings the shaft to rest. Returns its length as well."""
+    """`step` that ends early where dry friction brings the shaft to rest, or where faces of a coupling meet
+    or part. Returns its length as well."""
     after = step(x, u_alpha, u_beta, h, m, T_load)
     part = part_until_rest(m.friction, x.omega_e, after.omega_e)
     if part < 1.0:
         h = part * h
         y = step(x, u_alpha, u_beta, h, m, T_load)
-        after = State(y.i_d, y.i_q, 0.0, y.theta_e, y.theta_rest, y.cos_theta, y.sin_theta, y.flux)
-    return after, h
+        after = State(y.i_d, y.i_q, 0.0, y.theta_e, y.theta_rest, y.cos_theta, y.sin_theta, y.far, y.flux)
+    return _until_contact(m.train, x, after, u_alpha, u_beta, h, m, T_load)
+
+
+@njit
+def _until_contact(
+    train: DriveTrain | None,
+    x: State,
+    after: State,
+    u_alpha: float,
+    u_beta: float,
+    h: float,
+    m: Machine,
+    T_load: float,
+) -> tuple[State, float]:
+    """Return state and length of a step that ends where faces of a coupling meet or part, if it has play."""
+    if train is None:
+        return after, h
+    return _until_faces(train.coupling, train, x, after, u_alpha, u_beta, h, m, T_load)
+
+
+@njit
+def _until_faces(
+    coupling: Coupling | None,
+    train: DriveTrain,
+    x: State,
+    after: State,
+    u_alpha: float,
+    u_beta: float,
+    h: float,
+    m: Machine,
+    T_load: float,
+) -> tuple[State, float]:
+    if coupling is None:
+        return after, h
+    return _until_meeting(coupling.play, coupling, train, x, after, u_alpha, u_beta, h, m, T_load)
+
+
+@njit
+def _until_meeting(
+    play: Play | None,
+    coupling: Coupling,
+    train: DriveTrain,
+    x: State,
+    after: State,
+    u_alpha: float,
+    u_beta: float,
+    h: float,
+    m: Machine,
+    T_load: float,
+) -> tuple[State, float]:
+    if play is None:
+        return after, h
+    slip, slip_after = slip_of(train, x.far, x.omega_e), slip_of(train, after.far, after.omega_e)
+    contact = contact_of(train, x.far, x.omega_e)
+    what = meeting(play, coupling, x.far.twist, slip, after.far.twist, slip_after, contact)
+    if not what.happens:
+        return after, h
+    start = distance(play, coupling, what, x.far.twist, slip)
+    at = distance(play, coupling, what, after.far.twist, slip_after)
+    whole, part, slope = h, 1.0, at - start
+    for _ in range(3):
+        part = part_until(what, part - at / slope)
+        h = part * whole
+        after = step(x, u_alpha, u_beta, h, m, T_load)
+        at = distance(play, coupling, what, after.far.twist, slip_of(train, after.far, after.omega_e))
+    far = Far(after.far.omega, landed(play, what, after.far.twist), after.far.torque)
+    return facing(after, far), h
 
 
 @njit
@@ -347,7 +430,7 @@ def advance(
     at_rest, moving = fastest_rate(m, x), turning_rate(m)
     remaining, rest = duration, 0.0
     while remaining > 0.0:
-        h = substep(remaining, at_rest + moving * abs(x.omega_e), turn)
+        h = substep(remaining, rate_at(x, at_rest, moving, m), turn)
         x, h = move(x, u_alpha, u_beta, h, m, T_load)
         remaining, rest = added(remaining, rest, -h)
     return x

@@ -1,4 +1,4 @@
-"""The shaft: cogging and dry friction, optional parts of the machine.
+"""Dry friction of the shaft, an optional part of the machine.
 
 A shaft at rest sticks: it stays at rest until the torques on it exceed the breakaway torque. A shaft that
 turns is braked by the Coulomb torque and, with the Stribeck effect, by what the breakaway torque has above
@@ -15,13 +15,6 @@ from typing import NamedTuple
 from benchtool.emulator.jit import njit
 
 
-class Cogging(NamedTuple):
-    """Torque -T sin(order theta_m)."""
-
-    T: float
-    per_theta_e: float  # order over pole pairs
-
-
 class Stribeck(NamedTuple):
     """What the breakaway torque has above the Coulomb torque, and where it has faded out to 1/e."""
 
@@ -35,14 +28,6 @@ class Friction(NamedTuple):
     T_coulomb: float
     T_breakaway: float
     stribeck: Stribeck | None
-
-
-@njit
-def less_cogging(cogging: Cogging | None, domega: float, theta_e: float, gamma: float) -> float:
-    """Return the rate of the speed, less that of the cogging torque; `gamma` is its gain, p / J."""
-    if cogging is None:
-        return domega
-    return domega - gamma * cogging.T * math.sin(cogging.per_theta_e * theta_e)
 
 
 @njit
@@ -78,6 +63,17 @@ def _stribeck_torque(stribeck: Stribeck | None, omega_e: float) -> float:
 
 
 @njit
+def friction_torque(friction: Friction | None, omega_e: float, driving: float) -> float:
+    """Return the torque of dry friction against positive rotation, in Nm; a shaft at rest takes up to its
+    breakaway torque of what drives it."""
+    if friction is None:
+        return 0.0
+    if omega_e == 0.0:
+        return min(max(driving, -friction.T_breakaway), friction.T_breakaway)
+    return math.copysign(friction.T_coulomb + _stribeck_torque(friction.stribeck, omega_e), omega_e)
+
+
+@njit
 def part_until_rest(friction: Friction | None, before: float, after: float) -> float:
     """Return part of a step after which dry friction has brought the shaft to rest, by the secant; else 1."""
     if friction is None:
@@ -85,18 +81,6 @@ def part_until_rest(friction: Friction | None, before: float, after: float) -> f
     if before * after >= 0.0 and (before == 0.0 or after != 0.0):
         return 1.0
     return before / (before - after)
-
-
-@njit
-def cogging_stiffness(cogging: Cogging | None) -> float:
-    """Return the largest slope of the cogging torque over theta_e, in Nm/rad."""
-    return 0.0 if cogging is None else cogging.T * cogging.per_theta_e
-
-
-@njit
-def cogging_turning(cogging: Cogging | None) -> float:
-    """Return the periods of the cogging torque in an electrical one."""
-    return 0.0 if cogging is None else cogging.per_theta_e
 
 
 @njit

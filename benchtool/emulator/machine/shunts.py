@@ -12,7 +12,8 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from benchtool.emulator.jit import njit
-from benchtool.emulator.machine.inverter import PowerStage, falling_edge, quantised, rising_edge
+from benchtool.emulator.machine.carrier import falling_edge, rising_edge
+from benchtool.emulator.machine.inverter import PowerStage, quantised
 
 
 class Shunts(NamedTuple):

@@ -6,6 +6,7 @@ import math
 from typing import NamedTuple
 
 from benchtool.emulator.jit import njit
+from benchtool.emulator.machine.drive_train import Far
 from benchtool.emulator.machine.saturation import Flux, Saturation, currents_of, flux_at
 
 
@@ -22,13 +23,21 @@ class State(NamedTuple):
     theta_rest: float
     cos_theta: float
     sin_theta: float
+    far: Far
     flux: Flux | None
 
 
 @njit
 def place(i_d: float, i_q: float, omega_e: float, theta_e: float, flux: Flux | None = None) -> State:
-    """Return the state with its direction derived from the angle."""
-    return State(i_d, i_q, omega_e, theta_e, 0.0, math.cos(theta_e), math.sin(theta_e), flux)
+    """Return the state with its direction derived from the angle, and the load side at rest."""
+    far = Far(0.0, 0.0, 0.0)
+    return State(i_d, i_q, omega_e, theta_e, 0.0, math.cos(theta_e), math.sin(theta_e), far, flux)
+
+
+@njit
+def facing(x: State, far: Far) -> State:
+    """Return the state with another load side."""
+    return State(x.i_d, x.i_q, x.omega_e, x.theta_e, x.theta_rest, x.cos_theta, x.sin_theta, far, x.flux)
 
 
 @njit
@@ -49,11 +58,12 @@ def state_at(
     theta_rest: float,
     cos_theta: float,
     sin_theta: float,
+    far: Far,
 ) -> State:
     """Return the state with these electrical states."""
     i_d, i_q = currents_of(saturation, y_d, y_q)
     flux = _flux_linkages(saturation, y_d, y_q)
-    return State(i_d, i_q, omega_e, theta_e, theta_rest, cos_theta, sin_theta, flux)
+    return State(i_d, i_q, omega_e, theta_e, theta_rest, cos_theta, sin_theta, far, flux)
 
 
 @njit
@@ -67,7 +77,7 @@ def _flux_linkages(saturation: Saturation | None, psi_d: float, psi_q: float) ->
 def with_currents(saturation: Saturation | None, x: State, i_d: float, i_q: float) -> State:
     """Return the state with these currents instead of its own."""
     flux = flux_of(saturation, i_d, i_q, x.flux)
-    return State(i_d, i_q, x.omega_e, x.theta_e, x.theta_rest, x.cos_theta, x.sin_theta, flux)
+    return State(i_d, i_q, x.omega_e, x.theta_e, x.theta_rest, x.cos_theta, x.sin_theta, x.far, flux)
 
 
 @njit

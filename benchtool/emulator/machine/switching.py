@@ -1,4 +1,4 @@
-"""One PWM period with the power stage on, from edge to edge.
+"""One control period with the power stage on, from edge to edge, or by its mean where nothing asks for edges.
 
 The dc link holds its voltage over the period; the charge that is drawn over it sets that of the next.
 """
@@ -12,21 +12,26 @@ from numpy.typing import NDArray
 
 from benchtool.emulator.jit import njit
 from benchtool.emulator.machine.accounts import Rails, account, finer
+from benchtool.emulator.machine.asymmetry import Asymmetry
+from benchtool.emulator.machine.averaging import SLOW_ENOUGH, averaged, can_rest
+from benchtool.emulator.machine.carrier import NEVER, DoubleUpdate, ends_high, pulse, turns_on
 from benchtool.emulator.machine.coefficients import Machine, largest_inverse_inductance
 from benchtool.emulator.machine.diodes import HIGH, LOW, OFF, integrate_conduction
+from benchtool.emulator.machine.drive_train import DriveTrain
+from benchtool.emulator.machine.harmonics import Harmonics
 from benchtool.emulator.machine.inverter import (
-    NEVER,
+    Accounts,
     DeadTime,
     Devices,
     PowerStage,
-    falling_edge,
     leg_voltages,
     phase_currents,
     quantised,
-    rising_edge,
 )
+from benchtool.emulator.machine.iron import Iron
 from benchtool.emulator.machine.plant import move, substep
-from benchtool.emulator.machine.sampling import observe
+from benchtool.emulator.machine.sampling import Sampling, observe
+from benchtool.emulator.machine.saturation import Saturation
 from benchtool.emulator.machine.state import State
 from benchtool.emulator.machine.transducer import sample
 
@@ -47,18 +52,35 @@ def switch(
     transducer: Any,
     torque: NDArray[np.float64],
 ) -> tuple[State, float]:
-    """Integrate one PWM period. Returns the charge drawn from the dc link as well, in As."""
+    """Integrate one control period. Returns the charge drawn from the dc link as well, in As."""
     duty_a = quantised(stage.timer, control.duty_a)
     duty_b = quantised(stage.timer, control.duty_b)
     duty_c = quantised(stage.timer, control.duty_c)
-    drive.switching_count += _turn_on(duty_a, shaft.high_a) + _turn_on(duty_b, shaft.high_b)
-    drive.switching_count += _turn_on(duty_c, shaft.high_c)
+    update, tick = stage.double_update, drive.tick
+    drive.switching_count += (
+        turns_on(update, duty_a, tick, shaft.high_a)
+        + turns_on(update, duty_b, tick, shaft.high_b)
+        + turns_on(update, duty_c, tick, shaft.high_c)
+    )
+    rise_a, fall_a = pulse(update, duty_a, stage.T_s, tick)
+    rise_b, fall_b = pulse(update, duty_b, stage.T_s, tick)
+    rise_c, fall_c = pulse(update, duty_c, stage.T_s, tick)
     x, charge = _period(
         stage.dead_time,
+        stage.devices,
+        stage.sampling,
+        update,
+        stage.accounts,
+        machine.saturation,
+        machine.harmonics,
+        machine.asymmetry,
+        machine.iron,
+        machine.train,
         x,
         rate,
-        (rising_edge(duty_a, stage.T_s), rising_edge(duty_b, stage.T_s), rising_edge(duty_c, stage.T_s)),
-        (falling_edge(duty_a, stage.T_s), falling_edge(duty_b, stage.T_s), falling_edge(duty_c, stage.T_s)),
+        (duty_a, duty_b, duty_c),
+        (rise_a, rise_b, rise_c),
+        (fall_a, fall_b, fall_c),
         shaft,
         stage,
         machine,
@@ -66,15 +88,27 @@ def switch(
         transducer,
         torque,
     )
-    shaft.high_a, shaft.high_b, shaft.high_c = duty_a >= 1.0, duty_b >= 1.0, duty_c >= 1.0
+    shaft.high_a = ends_high(update, duty_a, tick)
+    shaft.high_b = ends_high(update, duty_b, tick)
+    shaft.high_c = ends_high(update, duty_c, tick)
     return x, charge
 
 
 @njit
 def _period(
     dead_time: DeadTime | None,
+    devices: Devices | None,
+    sampling: Sampling | None,
+    update: DoubleUpdate | None,
+    accounts: Accounts | None,
+    saturation: Saturation | None,
+    harmonics: Harmonics | None,
+    asymmetry: Asymmetry | None,
+    iron: Iron | None,
+    train: DriveTrain | None,
     x: State,
     rate: float,
+    duties: tuple[float, float, float],
     rise: tuple[float, float, float],
     fall: tuple[float, float, float],
     shaft: Any,
@@ -84,6 +118,22 @@ def _period(
     transducer: Any,
     torque: NDArray[np.float64],
 ) -> tuple[State, float]:
+    if (
+        dead_time is None
+        and devices is None
+        and sampling is None
+        and update is None
+        and accounts is None
+        and saturation is None
+        and harmonics is None
+        and asymmetry is None
+        and iron is None
+        and train is None
+    ):
+        watched = transducer.recording != 0
+        slow = rate * stage.T_s <= SLOW_ENOUGH
+        if slow and not watched and not can_rest(machine.friction, x, shaft.u_dc, stage.T_s, machine, T_load):
+            return averaged(x, duties, shaft.u_dc, stage.T_s, machine, T_load, stage.metered)
     if dead_time is None:
         return _without_dead_time(x, rate, rise, fall, shaft, stage, machine, T_load, transducer, torque)
     return _with_dead_time(dead_time, x, rate, rise, fall, shaft, stage, machine, T_load, transducer, torque)
@@ -353,12 +403,6 @@ def _next_edge(time: float, rise: float, fall: float) -> float:
     """
     second = fall if fall > time else NEVER
     return rise if rise > time else second
-
-
-@njit
-def _turn_on(duty: float, was_high: int) -> int:
-    """1 if the leg's upper switch turns on in a period of this duty."""
-    return 1 if duty > 0.0 and (duty < 1.0 or was_high == 0) else 0
 
 
 @njit

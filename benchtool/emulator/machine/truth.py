@@ -4,28 +4,35 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TypeVar
 
 from benchtool.emulator.machine.asymmetry import Asymmetry, sequences
+from benchtool.emulator.machine.carrier import DoubleUpdate
 from benchtool.emulator.machine.coefficients import Machine, machine_of
+from benchtool.emulator.machine.cogging import Cogging, cogging_of
 from benchtool.emulator.machine.dc_link import DcLink
+from benchtool.emulator.machine.drive_train import DriveTrain
 from benchtool.emulator.machine.harmonics import Harmonics, Unbalance
 from benchtool.emulator.machine.heat import HeatTruth
 from benchtool.emulator.machine.inverter import Accounts, DeadTime, Devices, PowerStage, Timer
 from benchtool.emulator.machine.iron import Iron
 from benchtool.emulator.machine.sampling import Sampling
 from benchtool.emulator.machine.saturation import Saturation, SaturationTruth
-from benchtool.emulator.machine.shaft import Cogging, Friction, Stribeck
+from benchtool.emulator.machine.shaft import Friction, Stribeck
 from benchtool.errors import ValueRefused
+
+Number = TypeVar("Number", bound=float)
 
 
 @dataclass(frozen=True, kw_only=True)
 class MotorTruth:
     """A permanent-magnet machine, amplitude-invariant and per phase.
 
-    `cogging_order` counts periods of the cogging torque per mechanical revolution. `psi_5_Wb` to `psi_13_Wb`
-    are the harmonics of the rotor flux linkage of phase a, as cosines of 5 to 13 theta_e. Of the phases a, b
-    and c, `psi_of_phase` is by what factor they link the rotor's fundamental, and `series_R_ohm` and
-    `series_L_H` is what is in series with each.
+    `cogging_order` counts periods of the cogging torque per mechanical revolution, -cogging_Nm
+    sin(cogging_order theta_m + cogging_phase_rad); several orders are a tuple of each. `psi_5_Wb` to
+    `psi_13_Wb` are the harmonics of the rotor flux linkage of phase a, as cosines of 5 to 13 theta_e. Of the
+    phases a, b and c, `psi_of_phase` is by what factor they link the rotor's fundamental, and `series_R_ohm`
+    and `series_L_H` is what is in series with each.
     A shaft at rest sticks up to `breakaway_Nm`, which is the Coulomb torque where it is stated lower; while
     the shaft turns, what it has above the Coulomb torque fades out over `stribeck_rad_s`, or at once if that
     is 0. `power_up_angle_rad` is the shaft's mechanical angle when the drive is switched on.
@@ -44,8 +51,9 @@ class MotorTruth:
     coulomb_Nm: float = 0.0
     breakaway_Nm: float = 0.0
     stribeck_rad_s: float = 0.0
-    cogging_Nm: float = 0.0
-    cogging_order: int = 0
+    cogging_Nm: float | tuple[float, ...] = ()
+    cogging_order: int | tuple[int, ...] = ()
+    cogging_phase_rad: float | tuple[float, ...] = ()
     psi_5_Wb: float = 0.0
     psi_7_Wb: float = 0.0
     psi_11_Wb: float = 0.0
@@ -69,9 +77,8 @@ class MotorTruth:
             coulomb_Nm=self.coulomb_Nm,
             breakaway_Nm=self.breakaway_Nm,
             stribeck_rad_s=self.stribeck_rad_s,
-            cogging_Nm=self.cogging_Nm,
-            cogging_order=self.cogging_order,
         )
+        self._require_cogging()
         finite(
             psi_5_Wb=self.psi_5_Wb,
             psi_7_Wb=self.psi_7_Wb,
@@ -90,9 +97,15 @@ class MotorTruth:
                 }
             )
 
-    def machine(self, speed_held: bool = False, devices_ohm: float = 0.0) -> Machine:
+    def machine(
+        self,
+        speed_held: bool = False,
+        devices_ohm: float = 0.0,
+        J_load_kgm2: float = 0.0,
+        train: DriveTrain | None = None,
+    ) -> Machine:
         """Return the coefficients of the differential equations, with devices of this resistance in each
-        phase."""
+        phase, this inertia rigid on the rotor, and what else is beyond it."""
         psi_r = self.psi_r_Wb * sequences(*self.psi_of_phase)[0]
         return machine_of(
             float(self.pole_pairs),
@@ -108,6 +121,8 @@ class MotorTruth:
             Iron(1.0 / self.R_fe_ohm) if self.R_fe_ohm < math.inf else None,
             self._cogging(),
             self._friction(),
+            J_load_kgm2,
+            train,
             speed_held,
             False,
         )
@@ -142,10 +157,35 @@ class MotorTruth:
             stribeck = Stribeck(excess, 1.0 / (self.pole_pairs * self.stribeck_rad_s))
         return Friction(self.coulomb_Nm, breakaway, stribeck)
 
+    def _require_cogging(self) -> None:
+        torques_Nm, orders, phases_rad = self._cogging_rows()
+        if not len(torques_Nm) == len(orders) == len(phases_rad):
+            raise ValueRefused(
+                f"{len(torques_Nm)} of cogging_Nm, {len(orders)} of cogging_order and {len(phases_rad)} of "
+                f"cogging_phase_rad: state each of them for every order"
+            )
+        for torque, order, phase in zip(torques_Nm, orders, phases_rad, strict=True):
+            not_negative(cogging_Nm=torque, cogging_order=order)
+            finite(cogging_phase_rad=phase)
+
     def _cogging(self) -> Cogging | None:
-        if self.cogging_Nm == 0.0 or self.cogging_order == 0:
-            return None
-        return Cogging(self.cogging_Nm, self.cogging_order / self.pole_pairs)
+        return cogging_of(*self._cogging_rows(), self.pole_pairs)
+
+    def _cogging_rows(self) -> tuple[tuple[float, ...], tuple[int, ...], tuple[float, ...]]:
+        """Return torques, orders and phases; what is left out is zero for each order."""
+        torques_Nm, orders, phases_rad = (
+            _each(self.cogging_Nm),
+            _each(self.cogging_order),
+            _each(self.cogging_phase_rad),
+        )
+        count = max(len(torques_Nm), len(orders))
+        return torques_Nm or (0.0,) * count, orders or (0,) * count, phases_rad or (0.0,) * count
+
+    @property
+    def cogging_stiffness_Nm(self) -> float:
+        """Bound of the slope of the cogging torque over theta_m, in Nm/rad."""
+        torques_Nm, orders, _ = self._cogging_rows()
+        return sum(torque * order for torque, order in zip(torques_Nm, orders, strict=True))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -153,7 +193,8 @@ class InverterTruth:
     """A two-level inverter on a dc link behind a resistance.
 
     Every conducting device, switch or diode, takes `device_drop_V` and `on_resistance_ohm` times its current.
-    `timer_Hz` is the clock of the timer that counts up and down in a PWM period; 0 is as fine as you like.
+    With `double_update` a PWM period is two control periods, whose duties it takes at either end. `timer_Hz`
+    is the clock of the timer that counts up and down in a PWM period; 0 is as fine as you like.
     With `dc_link_C_F` the link is a capacitor that the supply feeds through `dc_link_R_ohm` and takes nothing
     back from; `supply_ripple_V` is the amplitude of the supply's ripple. `energy_accounts` keeps the accounts
     of the whole bench.
@@ -163,6 +204,7 @@ class InverterTruth:
     """
 
     u_dc_V: float
+    double_update: bool = False
     dc_link_R_ohm: float = 0.0
     dead_time_s: float = 0.0
     device_drop_V: float = 0.0
@@ -204,7 +246,9 @@ class InverterTruth:
             )
 
     def power_stage(self, T_s: float, sampling: Sampling | None = None) -> PowerStage:
-        """Return the coefficients for a PWM period of `T_s` seconds, in which the currents are so sampled."""
+        """Return the coefficients for a control period of `T_s` seconds, in which the currents are so
+        sampled."""
+        T_pwm = self.pwm_period_s(T_s)
         return PowerStage(
             T_s=T_s,
             u_dc=self.u_dc_V,
@@ -213,11 +257,16 @@ class InverterTruth:
             link=self._dc_link(),
             heat=None,
             accounts=Accounts(self.on_resistance_ohm, self.device_drop_V) if self.energy_accounts else None,
+            double_update=DoubleUpdate(T_pwm) if self.double_update else None,
             dead_time=DeadTime(self.dead_time_s) if self.dead_time_s > 0.0 else None,
-            timer=Timer(max(1.0, math.floor(0.5 * T_s * self.timer_Hz))) if self.timer_Hz > 0.0 else None,
+            timer=Timer(max(1.0, math.floor(0.5 * T_pwm * self.timer_Hz))) if self.timer_Hz > 0.0 else None,
             devices=Devices(self.device_drop_V) if self.device_drop_V > 0.0 else None,
             sampling=sampling,
         )
+
+    def pwm_period_s(self, T_s: float) -> float:
+        """Return the PWM period of a drive whose control period is `T_s` seconds."""
+        return 2.0 * T_s if self.double_update else T_s
 
     def _dc_link(self) -> DcLink | None:
         if self.dc_link_C_F == 0.0:
@@ -230,6 +279,10 @@ class InverterTruth:
             chopper_off=self.chopper_off_V,
             G_chopper=1.0 / self.chopper_R_ohm if self.chopper_R_ohm > 0.0 else 0.0,
         )
+
+
+def _each(value: Number | tuple[Number, ...]) -> tuple[Number, ...]:
+    return value if isinstance(value, tuple) else (value,)
 
 
 def positive(**values: float) -> None:

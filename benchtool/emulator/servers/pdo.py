@@ -7,7 +7,16 @@ from dataclasses import dataclass
 from functools import partial
 
 from benchtool.emulator.firmware.objects import ObjectStore, Refused
-from benchtool.protocol.canopen import CAN_ID, INVALID, MAX_BITS, MAX_ENTRIES, PDO_PARAMETERS, Abort, cob_id
+from benchtool.protocol.canopen import (
+    CAN_ID,
+    INVALID,
+    MAX_BITS,
+    MAX_ENTRIES,
+    PDO_PARAMETERS,
+    Abort,
+    cob_id,
+    event_timer_ticks,
+)
 from benchtool.protocol.dictionary import Entry, Number
 from benchtool.ticks import wrap_tick
 
@@ -160,7 +169,7 @@ class ProcessData:
         can_id = int(objects[f"{name}_cob_id"]) & CAN_ID
         entries = self._entries(name, int(objects[f"{name}_mapping_count"]))
         timer_ms = int(objects[f"{name}_event_timer"]) if name.startswith("t") else 0
-        return _Active(name, can_id, entries, round(timer_ms * 1e-3 / self._period_s))
+        return _Active(name, can_id, entries, event_timer_ticks(timer_ms, self._period_s))
 
 
 def _names() -> list[str]:

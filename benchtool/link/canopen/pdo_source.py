@@ -74,7 +74,7 @@ class PdoSource:
         self._link.subscribe((pdo.can_id for pdo in self._layout.pdos), receive)
         # The first PDO last: a record begins with it, so that none begins before all are in use.
         for pdo in reversed(self._layout.pdos):
-            for label, value in pdo.set_up(self._layout.period_s):
+            for label, value in pdo.set_up(self._layout.timer_ms * 1e-3):
                 drive.write(label, value)
         self._link.nmt(NmtCommand.START)
 

@@ -15,6 +15,7 @@ from benchtool.protocol.serial import Batch, BatchDecoder, StreamFormat
 MOST_CHANNELS = 16
 _LATENCY_S = 0.02  # how long the first record of a batch may wait for the last
 _LONGEST_STRIDE = 0xFFFF
+_ROUNDING = 1e-3  # of a rate, up to which the nearest one does: 100 Hz of a drive of 33 us
 
 TimedBatch = tuple[Batch, float]
 
@@ -26,7 +27,7 @@ class BatchSource:
         drive: connected.
         link: its link.
         channels: signals of four bytes, 16 at most.
-        rate_Hz: records per second; a whole number of the drive's ticks apart.
+        rate_Hz: records per second; a whole number of the drive's ticks apart, to a thousandth.
 
     Raises:
         ValueRefused: the drive cannot stream this.
@@ -110,7 +111,7 @@ def _stride(rate_Hz: float, tick_s: float) -> int:
         raise ValueRefused(f"a rate of {rate_Hz:g} Hz is not possible: choose one up to {1.0 / tick_s:g} Hz")
     ticks = 1.0 / (rate_Hz * tick_s)
     whole = max(1, min(_LONGEST_STRIDE, round(ticks)))
-    if abs(ticks - whole) > 1e-4 * ticks:
+    if abs(ticks - whole) > _ROUNDING * ticks:
         raise ValueRefused(
             f"a rate of {rate_Hz:g} Hz is a record every {ticks:g} ticks, the drive counts whole ticks, 1 to "
             f"{_LONGEST_STRIDE}: choose {1.0 / (whole * tick_s):.6g} Hz"

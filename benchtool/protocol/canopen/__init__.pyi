@@ -29,6 +29,7 @@ from .pdo import (
     PDO_PARAMETERS as PDO_PARAMETERS,
     TPDO_COMMUNICATION as TPDO_COMMUNICATION,
     Pdo as Pdo,
+    event_timer_ticks as event_timer_ticks,
     most_tpdos as most_tpdos,
     rpdo as rpdo,
     tpdo as tpdo,

@@ -65,6 +65,16 @@ class Pdo:
         yield f"0x{self.communication:04X}:1", self.can_id
 
 
+def event_timer_ticks(timer_ms: int, tick_s: float) -> int:
+    """Return the ticks between two transmissions by an event timer: the nearest whole number, a half up.
+
+    A drive calculates it from whole nanoseconds, and so does this, or both would differ where a millisecond
+    is an odd number of half ticks: 12.5 of 80 us.
+    """
+    tick_ns = round(tick_s * 1e9)
+    return (timer_ms * 1_000_000 + tick_ns // 2) // tick_ns
+
+
 def rpdo(node_id: int, mappings: Sequence[int], number: int = 1) -> Pdo:
     """Return the drive's receive PDO with its predefined identifier."""
     return Pdo(number, cob_id.RPDO[number - 1] + node_id, tuple(mappings), transmit=False)

@@ -8,11 +8,13 @@ type: raw bytes) and named in `warnings`.
 from __future__ import annotations
 
 import difflib
+import functools
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
+from types import MappingProxyType
 
 from benchtool.errors import DictionaryError, ValueRefused
 from benchtool.protocol.dictionary.eds import read_eds
@@ -59,8 +61,7 @@ class Dictionary:
         Raises:
             DictionaryError: it is not an EDS.
         """
-        objects = EdsObjects(read_eds(data, source), node_id)
-        return cls(source, objects.identity, objects.variables, tuple(objects.warnings))
+        return _parsed(data, node_id, source)
 
     @cached_property
     def by_key(self) -> Mapping[tuple[int, int], Variable]:
@@ -116,3 +117,10 @@ class Dictionary:
             return self.variables[name]
         match = re.fullmatch(r"0[xX]([0-9A-Fa-f]{4})(?::(\d{1,3}))?", name)
         return self.by_key.get((int(match[1], 16), int(match[2] or 0))) if match else None
+
+
+@functools.lru_cache(maxsize=8)
+def _parsed(data: bytes, node_id: int, source: str) -> Dictionary:
+    """Return the dictionary of an EDS's bytes; a bench reads the same file several times."""
+    objects = EdsObjects(read_eds(data, source), node_id)
+    return Dictionary(source, objects.identity, MappingProxyType(objects.variables), tuple(objects.warnings))

@@ -54,7 +54,8 @@ def draw_orders(panel: Panel, analysis: str, title: str) -> Figure:
             level, np.array(at) - 0.5, np.array(at) + 0.5, label="limit", **LIMIT | {"linestyle": "-"}
         )
     axes.set_xlim(0.0, last + 1.0)
-    axes.set_ylim(0.0, 1.12 * max(float(np.max(amplitude + standard)), *limits.values(), 0.0))
+    highest = float(np.max(amplitude + np.nan_to_num(standard)))  # of few revolutions none is known
+    axes.set_ylim(0.0, 1.12 * max(highest, *limits.values(), 0.0))
     _number(axes, spectrum, largest)
     meanings = (order_meaning(each, found.pole_pairs, found.slots) for each in largest)
     listed = [_listed(spectrum, each, meaning) for each, meaning in zip(largest, meanings, strict=True)]

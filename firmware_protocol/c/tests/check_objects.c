@@ -136,10 +136,22 @@ static void check_relations(void)
     assert(number(BT_ID_i_trip) == 5.0f && number(BT_ID_u_dc_max) == 5.0f && number(BT_ID_u_dc_min) == 5.0f);
 }
 
+/* The PWM period is that of control, or what the firmware says. */
+static void check_periods(void)
+{
+    struct bt_config config = check_config();
+    check_power_up_as(&drive, &config);
+    assert(bt_variables(&drive)->pwm_period == bt_variables(&drive)->control_period);
+    config.pwm_period_ns = 2u * config.tick_period_ns;
+    check_power_up_as(&drive, &config);
+    assert(bt_variables(&drive)->pwm_period == 2.0f * bt_variables(&drive)->control_period);
+}
+
 void check_objects(void)
 {
     unsigned id, limited = 0;
     check_find();
+    check_periods();
     check_power_up(&drive);
     assert(host_read(&drive, BT_ID_dictionary_hash) == BT_DICTIONARY_HASH);
     for (id = 0; id < BT_ENTRY_COUNT; id++) {

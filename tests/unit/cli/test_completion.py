@@ -69,7 +69,7 @@ def test_a_bash_with_what_was_installed(tmp_path: Path, monkeypatch: pytest.Monk
         "benchtool para": "params",
         "benchtool run zhu2011/rip": "zhu2011/ripple",
         "benchtool run x --link emulated?wire=s": "serial",  # readline completes behind the =
-        "benchtool run x --set operating_point.omega_m_": "operating_point.omega_m_rad_s=",
+        "benchtool run x --set operating_point.omega_m_r": "operating_point.omega_m_rad_s=",
     }
     script = "\n".join((f"source {tmp_path}/.bashrc", _DRIVE, *(f"complete_line '{line}'" for line in lines)))
     told = subprocess.run([str(BASH), "-c", script], capture_output=True, text=True, check=True)

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from benchtool.plan.model import OperatingPoint, Plan, Record, load_plan, profile_of
+from benchtool.plan.model import OF_RATED, OperatingPoint, Plan, Record, load_plan, profiles_of
 from benchtool.plan.template import plan_text
 from benchtool.plan.validation import require_known
 from benchtool.profile import load_profile
@@ -42,7 +42,7 @@ def test_it_is_known_to_profile_and_dictionary(tmp_path: Path) -> None:
 def test_every_key_of_its_sections_is_in_it_and_what_is_behind_comments_is_right() -> None:
     text = plan_text("t", "zhu2011", PROFILE)
     for key in (*OperatingPoint.model_fields, *Record.model_fields):
-        assert f"{key} = " in text or key == "u_dc_V"
+        assert f"{key} = " in text or key == "u_dc_V" or key in OF_RATED
     for key in (
         "repetitions",
         "judge",
@@ -64,6 +64,6 @@ def test_a_profile_is_named_relative_to_the_plan(tmp_path: Path, monkeypatch: py
     path = tmp_path / "plans" / "mine.toml"
     path.write_text(plan_text("t", "../motors/own.toml", PROFILE), encoding="utf-8")
     monkeypatch.chdir(tmp_path)
-    place = profile_of("plans/mine.toml", load_plan("plans/mine.toml"))
+    (place,) = profiles_of("plans/mine.toml", load_plan("plans/mine.toml"))
     assert Path(place).resolve() == tmp_path / "motors" / "own.toml"
-    assert profile_of("zhu2011/ripple", load_plan("zhu2011/ripple")) == "zhu2011"
+    assert profiles_of("zhu2011/ripple", load_plan("zhu2011/ripple")) == ("zhu2011",)

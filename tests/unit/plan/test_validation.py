@@ -13,6 +13,7 @@ from benchtool.errors import PlanError
 from benchtool.plan.analyses import Analyses
 from benchtool.plan.cases import cases
 from benchtool.plan.model import load_plan
+from benchtool.plan.rated import for_motor
 from benchtool.plan.validation import require_known
 from benchtool.profile import load_profile
 from benchtool.results.repetitions import limits_alone
@@ -366,7 +367,8 @@ def test_what_needs_a_transducer_is_refused_where_there_is_none(tmp_path: Path) 
 @pytest.mark.parametrize("path", sorted(shipped("profiles").glob("*/*.toml")), ids=lambda path: path.stem)
 def test_every_shipped_plan_is_sound(path: Path) -> None:
     if path.name != "profile.toml":
-        require_known(load_plan(str(path)), path, PROFILE, DICTIONARY, transducer=True)
+        plan = for_motor(load_plan(str(path)), PROFILE.motor)
+        require_known(plan, path, PROFILE, DICTIONARY, transducer=True)
 
 
 def test_a_number_in_quotes_is_none_in_a_profile_either(tmp_path: Path) -> None:

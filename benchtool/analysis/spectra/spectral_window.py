@@ -1,0 +1,29 @@
+"""Windows as sums of cosines, periodic, for spectra by the discrete Fourier transform.
+
+scipy.signal has them too, and draws in scipy.stats and half a second of imports with them.
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+WindowName = Literal["hann", "flattop"]
+
+# a_k of sum a_k cos(k phi), phi from -pi to pi over the record: Harris, Proc. IEEE 66 (1978) no. 1,
+# and, of the flat top, D'Antona and Ferrero, Digital Signal Processing for Measurement Systems (2006), p. 70.
+_COEFFICIENTS: dict[WindowName, tuple[float, ...]] = {
+    "hann": (0.5, 0.5),
+    "flattop": (0.21557895, 0.41663158, 0.277263158, 0.083578947, 0.006947368),
+}
+
+
+def spectral_window(name: WindowName, count: int) -> NDArray[np.float64]:
+    """Return the weights of `count` samples, shape (count,)."""
+    phi = np.linspace(-np.pi, np.pi, count + 1)
+    weights = np.zeros(count + 1)
+    for k, coefficient in enumerate(_COEFFICIENTS[name]):
+        weights += coefficient * np.cos(k * phi)
+    return weights[:-1] if count > 1 else np.ones(count)
