@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -15,7 +14,7 @@ from benchtool.emulator.core.kernel import run_ticks
 from benchtool.emulator.machine.plant import airgap_torque, derivative
 from benchtool.emulator.machine.state import place
 from benchtool.emulator.machine.truth import MotorTruth
-from tests.physics.alpha_beta import OFF, PHASES, Reference, gates
+from tests.physics.alpha_beta import OFF, PHASES, Reference, centred, gates
 from tests.physics.paper_machine import FINE, make_core
 
 T_S = 1e-4
@@ -59,13 +58,9 @@ def state_of(core: Core) -> tuple[float, float, float, float]:
 
 def over_duties(reference: Reference, y: Any, duties: Any, dead_time: float) -> Any:
     """The reference's state after these PWM periods."""
-    legs = [gates(list(duties[:, k]), T_S, dead_time) for k in range(3)]
     end = len(duties) * T_S
-    edges = sorted({0.0, end, *(at for leg in legs for at, _ in leg if 0 < at < end)})
-    for start, stop in pairwise(edges):
-        middle = 0.5 * (start + stop)
-        y = reference.run(y, (start, stop), [[mode for at, mode in leg if at <= middle][-1] for leg in legs])
-    return y
+    legs = [gates(centred(list(duties[:, k]), T_S), end, dead_time) for k in range(3)]
+    return reference.follow(y, legs, end)
 
 
 def run_duties(core: Core, duties: NDArray[np.float64]) -> None:

@@ -16,7 +16,7 @@ from benchtool.emulator.machine.inverter import clarke
 from benchtool.emulator.machine.plant import step
 from benchtool.emulator.machine.state import State, place
 from benchtool.emulator.machine.truth import MotorTruth
-from tests.physics.alpha_beta import Reference, gates
+from tests.physics.alpha_beta import Reference, centred, gates
 from tests.physics.paper_machine import make_core
 
 ROUND = MotorTruth(pole_pairs=4, R_s_ohm=0.123, L_d_H=9.52e-3, L_q_H=9.52e-3, psi_r_Wb=0.1685, J_kgm2=13.1e-4)
@@ -44,7 +44,7 @@ def reference(motor: MotorTruth) -> Reference:
 def between_edges(motor: MotorTruth, x: State, duties: tuple[float, float, float], T_s: float) -> Any:
     """(i_d, i_q, omega_m, theta_e) after the period, by scipy in stator coordinates, from edge to edge."""
     other = reference(motor)
-    legs = [gates([duty], T_s, 0.0) for duty in duties]
+    legs = [gates(centred([duty], T_s), T_s, 0.0) for duty in duties]
     edges = sorted({0.0, T_s, *(at for leg in legs for at, _ in leg if 0.0 < at < T_s)})
     y = other.state(x.i_d, x.i_q, x.omega_e / motor.pole_pairs, x.theta_e)
     for start, end in pairwise(edges):

@@ -37,14 +37,13 @@ from benchtool.emulator.machine.inverter import (
 from benchtool.emulator.machine.plant import (
     advance,
     current_rates,
-    inverse_inductance,
     move,
-    open_circuit_voltage,
     step,
     substep,
 )
 from benchtool.emulator.machine.sampling import observe
 from benchtool.emulator.machine.state import State, with_currents
+from benchtool.emulator.machine.terminals import inverse_inductance, open_circuit_voltage
 from benchtool.emulator.machine.transducer import coasts, sample
 
 LOW, HIGH, OFF = 0, 1, 2  # modes of a leg: lower or upper switch on, or neither
@@ -90,7 +89,7 @@ def freewheel(
     )
 
 
-@njit
+@called
 def integrate_conduction(
     x: State,
     mode_a: int,

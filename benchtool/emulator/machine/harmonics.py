@@ -100,7 +100,7 @@ def _with_unbalance(
 def weakened(harmonics: Harmonics | None, k: float) -> Harmonics | None:
     """Return the harmonics of magnets that have this part of their flux."""
     if harmonics is None:
-        return None
+        return harmonics
     h = harmonics
     unbalance = _weakened(h.unbalance, k)
     return Harmonics(k * h.psi_5, k * h.psi_7, k * h.psi_11, k * h.psi_13, unbalance)
@@ -109,7 +109,7 @@ def weakened(harmonics: Harmonics | None, k: float) -> Harmonics | None:
 @njit
 def _weakened(unbalance: Unbalance | None, k: float) -> Unbalance | None:
     if unbalance is None:
-        return None
+        return unbalance
     return Unbalance(k * unbalance.psi_alpha, k * unbalance.psi_beta)
 
 

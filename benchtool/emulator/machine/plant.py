@@ -20,12 +20,7 @@ from __future__ import annotations
 import math
 
 from benchtool.emulator.jit import called, njit
-from benchtool.emulator.machine.asymmetry import (
-    Asymmetry,
-    Symmetric,
-    through_asymmetry,
-    with_asymmetry,
-)
+from benchtool.emulator.machine.asymmetry import Asymmetry
 from benchtool.emulator.machine.coefficients import Machine, fastest_rate, rate_at, turning_rate
 from benchtool.emulator.machine.cogging import less_cogging
 from benchtool.emulator.machine.coupling import Coupling, Play, distance, landed, meeting, part_until
@@ -45,7 +40,7 @@ from benchtool.emulator.machine.harmonics import (
     with_harmonic_torque,
 )
 from benchtool.emulator.machine.iron import less_iron
-from benchtool.emulator.machine.saturation import Saturation, currents_of, incremental
+from benchtool.emulator.machine.saturation import Saturation, currents_of
 from benchtool.emulator.machine.shaft import (
     Friction,
     less_friction,
@@ -53,23 +48,8 @@ from benchtool.emulator.machine.shaft import (
     sliding,
 )
 from benchtool.emulator.machine.state import State, electrical, facing, state_at
+from benchtool.emulator.machine.terminals import in_series, of_currents
 from benchtool.emulator.rotate import rotate
-
-
-@called
-def _inverse_inductance(saturation: Saturation | None, m: Machine, y_d: float, y_q: float) -> Symmetric:
-    """Return by what the rates of the currents change with the voltage, in 1/H."""
-    if saturation is None:
-        return Symmetric(m.inv_L_d, 0.0, m.inv_L_q)
-    G = incremental(saturation, y_d, y_q)
-    return Symmetric(m.inv_L_d * G.dd, m.inv_L_d * G.dq, m.inv_L_d * G.qq)
-
-
-@called
-def inverse_inductance(x: State, m: Machine) -> Symmetric:
-    """Return by what the rates of the currents change with the voltage at the terminals, in d/q, in 1/H."""
-    y_d, y_q = electrical(x.flux, x)
-    return through_asymmetry(m.asymmetry, x.theta_e, _inverse_inductance(m.saturation, m, y_d, y_q))
 
 
 @called
@@ -78,24 +58,7 @@ def current_rates(x: State, u_alpha: float, u_beta: float, m: Machine) -> tuple[
     y_d, y_q = electrical(x.flux, x)
     v_d, v_q = scaled_voltage(x, u_alpha, u_beta, m)
     dy_d, dy_q, _, _, _ = derivative(y_d, y_q, x.omega_e, x.theta_e, v_d, v_q, m, 0.0)
-    return _of_currents(m.saturation, y_d, y_q, dy_d, dy_q)
-
-
-@njit
-def _of_currents(
-    saturation: Saturation | None, y_d: float, y_q: float, dy_d: float, dy_q: float
-) -> tuple[float, float]:
-    if saturation is None:
-        return dy_d, dy_q
-    G = incremental(saturation, y_d, y_q)
-    return G.dd * dy_d + G.dq * dy_q, G.dq * dy_d + G.qq * dy_q
-
-
-@called
-def open_circuit_voltage(x: State, m: Machine) -> tuple[float, float]:
-    """Return the voltage in d/q at which no current begins to flow."""
-    g_d, g_q = flux_slope(m.harmonics, x.theta_e)
-    return x.omega_e * g_d, x.omega_e * (m.psi_r + g_q)
+    return of_currents(m.saturation, y_d, y_q, dy_d, dy_q)
 
 
 @njit
@@ -144,50 +107,74 @@ def derivative(
     `y_d` and `y_q` are the electrical states. `slide` is the direction in which a shaft with dry friction
     slides; by default it sticks.
     """
+    return _derivative_of(
+        m.saturation, m.harmonics, m.asymmetry, y_d, y_q, omega_e, theta_e, v_d, v_q, m, T_load, slide
+    )
+
+
+@njit
+def _derivative_of(
+    saturation: Saturation | None,
+    harmonics: Harmonics | None,
+    asymmetry: Asymmetry | None,
+    y_d: float,
+    y_q: float,
+    omega_e: float,
+    theta_e: float,
+    v_d: float,
+    v_q: float,
+    m: Machine,
+    T_load: float,
+    slide: float,
+) -> tuple[float, float, float, float, float]:
+    """Return `derivative`, which is repeated at every call only where the machine is simple enough for
+    that."""
+    if saturation is not None:
+        return _derivative_once(y_d, y_q, omega_e, theta_e, v_d, v_q, m, T_load, slide)
+    if harmonics is not None:
+        return _derivative_once(y_d, y_q, omega_e, theta_e, v_d, v_q, m, T_load, slide)
+    if asymmetry is not None:
+        return _derivative_once(y_d, y_q, omega_e, theta_e, v_d, v_q, m, T_load, slide)
+    return _derivative(y_d, y_q, omega_e, theta_e, v_d, v_q, m, T_load, slide)
+
+
+@called
+def _derivative_once(
+    y_d: float,
+    y_q: float,
+    omega_e: float,
+    theta_e: float,
+    v_d: float,
+    v_q: float,
+    m: Machine,
+    T_load: float,
+    slide: float,
+) -> tuple[float, float, float, float, float]:
+    return _derivative(y_d, y_q, omega_e, theta_e, v_d, v_q, m, T_load, slide)
+
+
+@njit
+def _derivative(
+    y_d: float,
+    y_q: float,
+    omega_e: float,
+    theta_e: float,
+    v_d: float,
+    v_q: float,
+    m: Machine,
+    T_load: float,
+    slide: float,
+) -> tuple[float, float, float, float, float]:
     i_d, i_q = currents_of(m.saturation, y_d, y_q)
     along, across = omega_e * m.k_d, omega_e * m.k_q
     dy_d = (v_d + along * y_q) - m.rho_d * i_d
     dy_q = (v_q - across * y_d) - (m.rho_q * i_q + omega_e * m.epsilon)
     g_d, g_q = flux_slope(m.harmonics, theta_e)
     dy_d, dy_q = with_harmonic_emf(m.harmonics, dy_d, dy_q, omega_e, g_d, g_q, m.inv_L_d, m.inv_L_q)
-    dy_d, dy_q = _in_series(m.asymmetry, dy_d, dy_q, y_d, y_q, i_d, i_q, omega_e, theta_e, m)
+    dy_d, dy_q = in_series(m.asymmetry, dy_d, dy_q, y_d, y_q, i_d, i_q, omega_e, theta_e, m)
     domega = acceleration(y_d, y_q, i_d, i_q, omega_e, theta_e, g_d, g_q, m, T_load)
     domega = less_friction(m.friction, domega, omega_e, slide, m.gamma)
     return dy_d, dy_q, domega, along * v_q, -(across * v_d)
-
-
-@njit
-def _in_series(
-    asymmetry: Asymmetry | None,
-    dy_d: float,
-    dy_q: float,
-    y_d: float,
-    y_q: float,
-    i_d: float,
-    i_q: float,
-    omega_e: float,
-    theta_e: float,
-    m: Machine,
-) -> tuple[float, float]:
-    """Return the rates of the electrical states with what is in series with the phases."""
-    if asymmetry is None:
-        return dy_d, dy_q
-    G = _inverse_inductance(m.saturation, m, y_d, y_q)
-    di_d, di_q = _of_currents(m.saturation, y_d, y_q, dy_d, dy_q)
-    di_d, di_q = with_asymmetry(asymmetry, di_d, di_q, i_d, i_q, omega_e, theta_e, G)
-    return _of_states(m.saturation, y_d, y_q, di_d, di_q)
-
-
-@njit
-def _of_states(
-    saturation: Saturation | None, y_d: float, y_q: float, di_d: float, di_q: float
-) -> tuple[float, float]:
-    """Return the rates of the electrical states for those of the currents."""
-    if saturation is None:
-        return di_d, di_q
-    G = incremental(saturation, y_d, y_q)
-    per = 1.0 / (G.dd * G.qq - G.dq * G.dq)
-    return (G.qq * di_d - G.dq * di_q) * per, (G.dd * di_q - G.dq * di_d) * per
 
 
 @njit

@@ -124,7 +124,7 @@ def _or_zero(guess: Flux | None) -> tuple[float, float]:
 def magnetised(saturation: Saturation | None, psi_r: float) -> Saturation | None:
     """Return the saturation with magnets that have this flux linkage without current."""
     if saturation is None:
-        return None
+        return saturation
     s = saturation
     i_f = (s.a_d0 + s.a_dd * _power(psi_r, s.S)) * psi_r
     return Saturation(s.a_d0, s.a_dd, s.a_q0, s.a_qq, s.a_dq, s.S, s.T, s.U, s.V, i_f)

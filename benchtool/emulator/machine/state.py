@@ -69,7 +69,7 @@ def state_at(
 @njit
 def _flux_linkages(saturation: Saturation | None, psi_d: float, psi_q: float) -> Flux | None:
     if saturation is None:
-        return None
+        return saturation
     return Flux(psi_d, psi_q)
 
 
@@ -84,5 +84,5 @@ def with_currents(saturation: Saturation | None, x: State, i_d: float, i_q: floa
 def flux_of(saturation: Saturation | None, i_d: float, i_q: float, guess: Flux | None) -> Flux | None:
     """Return the flux linkages of these currents, where the machine saturates."""
     if saturation is None:
-        return None
+        return saturation
     return flux_at(saturation, i_d, i_q, guess)

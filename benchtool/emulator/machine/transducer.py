@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.block import Block, Channel
-from benchtool.emulator.jit import njit
+from benchtool.emulator.jit import called, njit
 from benchtool.emulator.machine.coefficients import Machine
 from benchtool.emulator.machine.drive_train import DriveTrain, Far, Flange, slip_of
 from benchtool.emulator.machine.flange import flange_torque, reading
@@ -65,6 +65,22 @@ def sample(
     """Take the samples due within a step that started `time` seconds into the PWM period and took `h`."""
     if transducer.recording == 0 or transducer.next_sample * transducer.spacing >= time + h:
         return
+    _take(time, h, before, after, u_alpha, u_beta, machine, T_load, transducer, torque)
+
+
+@called
+def _take(
+    time: float,
+    h: float,
+    before: State,
+    after: State,
+    u_alpha: float,
+    u_beta: float,
+    machine: Machine,
+    T_load: float,
+    transducer: Any,
+    torque: NDArray[np.float64],
+) -> None:
     d0, q0 = electrical(before.flux, before)
     d1, q1 = electrical(after.flux, after)
     p0 = rates(before, u_alpha, u_beta, machine, T_load)
