@@ -50,7 +50,7 @@ VERBS: Final = (
     Verb("report", "report", "Write a self-contained report of a run."),
     Verb("export", "export", "Write the data of a run as CSV, MATLAB or MDF4."),
     Verb("compare", "compare", "Set recorded runs side by side, with their differences."),
-    Verb("verify", "verify", "Check a run's files by their hashes, and measure it again to the bit."),
+    Verb("verify", "verify", "Check a run by its hashes, and measure it again to the bit."),
     Verb("gauge", "gauge", "Study how repeatable and reproducible a measurement is."),
     Verb("info", "info", "Show which drive answers on a link, and its state."),
     Verb("reset", "reset", "Clear a latched fault; nothing is enabled."),

@@ -114,6 +114,7 @@ def profile_text(title: str, motor: Motor, given: Given, derived: Iterable[Deriv
                 ("#stribeck_rad_s", 0.0, "rad/s: over which friction falls from the one to the other"),
                 ("cogging_Nm", 0.0, "Nm: peak of the cogging torque"),
                 ("cogging_order", 0, "its periods per revolution: lcm of slots and 2 p"),
+                ("cogging_phase_rad", 0.0, "its phase; several orders: arrays of all three"),
                 ("#power_up_angle_rad", 0.5, "rad: mechanical angle of the shaft at power-up"),
             ],
         ),
