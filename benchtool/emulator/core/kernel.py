@@ -107,7 +107,7 @@ def run_ticks(
         shaft.i_d, shaft.i_q, shaft.omega_m = x.i_d, x.i_q, x.omega_e / machine.p
         shaft.theta_e, shaft.cos_theta, shaft.sin_theta = x.theta_e, x.cos_theta, x.sin_theta
         shaft.omega_load, shaft.twist, shaft.load_torque = x.far.omega, x.far.twist, x.far.torque
-        _keep(x.flux, shaft)
+        _keep(driven.saturation, x.flux, shaft)
         warm(stage.heat, shaft, transducer.E_copper - copper, transducer.E_iron - iron, stage.T_s)
         if transducer.recording == 1 and transducer.filled >= torque.shape[0]:
             transducer.recording = 0
@@ -179,8 +179,8 @@ def _true_state(saturation: Saturation | None, shaft: Any, load: Any, machine: M
 
 
 @njit
-def _keep(flux: Flux | None, shaft: Any) -> None:
+def _keep(saturation: Saturation | None, flux: Flux, shaft: Any) -> None:
     """Keep the flux linkages of a machine that has them as states."""
-    if flux is None:
+    if saturation is None:
         return
     shaft.psi_d, shaft.psi_q = flux.psi_d, flux.psi_q

@@ -148,7 +148,7 @@ def _powers(accounts: Accounts, x: State, slide: float, m: Machine, T: float) ->
     cogging = cogging_torque(m.cogging, x.theta_e)
     dry = -less_friction(m.friction, 0.0, x.omega_e, slide, 1.0)
     friction = m.B * omega_m + dry
-    y_d, y_q = electrical(x.flux, x)
+    y_d, y_q = electrical(m.saturation, x)
     psi_d, psi_q = flux_linkages(m.saturation, y_d, y_q, m)
     iron = iron_torque(m.iron, psi_d, psi_q, x.omega_e, m.p)
     torque = T
@@ -180,8 +180,8 @@ def _half_way(
     far: Far,
 ) -> State:
     """Return the state half-way through a step, by the cubics through both ends and their rates."""
-    d0, q0 = electrical(before.flux, before)
-    d1, q1 = electrical(after.flux, after)
+    d0, q0 = electrical(m.saturation, before)
+    d1, q1 = electrical(m.saturation, after)
     v_d, v_q = scaled_voltage(before, u_alpha, u_beta, m)
     a_d, a_q, a_w, _, _ = derivative(d0, q0, before.omega_e, before.theta_e, v_d, v_q, m, T0, slide)
     v_d, v_q = scaled_voltage(after, u_alpha, u_beta, m)
@@ -212,5 +212,5 @@ def _field(saturation: Saturation | None, x: State, m: Machine) -> float:
     leakage = leakage_energy(m.asymmetry, x.i_d, x.i_q, x.theta_e)
     if saturation is None:
         return 0.75 * (m.L_d * x.i_d * x.i_d + m.L_q * x.i_q * x.i_q) + leakage
-    psi_d, psi_q = electrical(x.flux, x)
+    psi_d, psi_q = electrical(m.saturation, x)
     return 1.5 * field_energy(saturation, Flux(psi_d, psi_q)) + leakage

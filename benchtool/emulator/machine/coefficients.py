@@ -237,5 +237,5 @@ def largest_inverse_inductance(saturation: Saturation | None, m: Machine, x: Sta
     """Return the largest inverse of the machine's inductances, in 1/H."""
     if saturation is None:
         return max(m.inv_L_d, m.inv_L_q)
-    y_d, y_q = electrical(x.flux, x)
+    y_d, y_q = electrical(m.saturation, x)
     return m.inv_L_d * largest(incremental(saturation, y_d, y_q))

@@ -37,7 +37,7 @@ def _passed_on(coupling: Coupling | None, torque: float, x: State, machine: Mach
     """Return the torque at the flange, of what the rotor feels of the load."""
     if coupling is not None:
         return torque
-    y_d, y_q = electrical(x.flux, x)
+    y_d, y_q = electrical(machine.saturation, x)
     if machine.gamma == 0.0:  # the speed is held: the flange takes whatever there is
         made = airgap_torque(y_d, y_q, x.theta_e, machine) - cogging_torque(machine.cogging, x.theta_e)
         made -= machine.B * x.omega_e / machine.p

@@ -55,7 +55,7 @@ from benchtool.emulator.rotate import rotate
 @called
 def current_rates(x: State, u_alpha: float, u_beta: float, m: Machine) -> tuple[float, float]:
     """Return the rates of i_d and i_q under a stator voltage."""
-    y_d, y_q = electrical(x.flux, x)
+    y_d, y_q = electrical(m.saturation, x)
     v_d, v_q = scaled_voltage(x, u_alpha, u_beta, m)
     dy_d, dy_q, _, _, _ = derivative(y_d, y_q, x.omega_e, x.theta_e, v_d, v_q, m, 0.0)
     return of_currents(m.saturation, y_d, y_q, dy_d, dy_q)
@@ -220,7 +220,7 @@ def sliding_of(friction: Friction | None, x: State, m: Machine, T_load: float) -
     """Return the direction in which the shaft slides, 1 or -1, and 0 while it sticks or has no friction."""
     if friction is None:
         return 0.0
-    y_d, y_q = electrical(x.flux, x)
+    y_d, y_q = electrical(m.saturation, x)
     g_d, g_q = flux_slope(m.harmonics, x.theta_e)
     domega = acceleration(y_d, y_q, x.i_d, x.i_q, x.omega_e, x.theta_e, g_d, g_q, m, T_load)
     return sliding(friction, x.omega_e, domega, m.gamma)
@@ -262,7 +262,7 @@ def _step_once(x: State, u_alpha: float, u_beta: float, h: float, m: Machine, T_
 @njit
 def _step(x: State, u_alpha: float, u_beta: float, h: float, m: Machine, T_load: float) -> State:
     w, theta = x.omega_e, x.theta_e
-    y_d, y_q = electrical(x.flux, x)
+    y_d, y_q = electrical(m.saturation, x)
     v_d, v_q = scaled_voltage(x, u_alpha, u_beta, m)
     half = 0.5 * h
     contact = contact_of(m.train, x.far, w)

@@ -9,11 +9,14 @@ from benchtool.emulator.jit import njit
 from benchtool.emulator.machine.drive_train import Far
 from benchtool.emulator.machine.saturation import Flux, Saturation, currents_of, flux_at
 
+NO_FLUX = Flux(0.0, 0.0)  # of a machine that does not saturate
+
 
 class State(NamedTuple):
     """Currents, electrical speed and angle; `theta_e` never wraps, `theta_rest` is its rounding.
 
-    A machine that saturates has flux linkages, which its currents follow from.
+    `far` is the load side and `flux` the flux linkages of a machine that saturates, from which its currents
+    follow; both are carried along untouched where they are no states.
     """
 
     i_d: float
@@ -24,11 +27,11 @@ class State(NamedTuple):
     cos_theta: float
     sin_theta: float
     far: Far
-    flux: Flux | None
+    flux: Flux
 
 
 @njit
-def place(i_d: float, i_q: float, omega_e: float, theta_e: float, flux: Flux | None = None) -> State:
+def place(i_d: float, i_q: float, omega_e: float, theta_e: float, flux: Flux = NO_FLUX) -> State:
     """Return the state with its direction derived from the angle, and the load side at rest."""
     far = Far(0.0, 0.0, 0.0)
     return State(i_d, i_q, omega_e, theta_e, 0.0, math.cos(theta_e), math.sin(theta_e), far, flux)
@@ -41,11 +44,11 @@ def facing(x: State, far: Far) -> State:
 
 
 @njit
-def electrical(flux: Flux | None, x: State) -> tuple[float, float]:
-    """Return the electrical states of `x`, whose flux linkages are `flux`."""
-    if flux is None:
+def electrical(saturation: Saturation | None, x: State) -> tuple[float, float]:
+    """Return the electrical states of `x`."""
+    if saturation is None:
         return x.i_d, x.i_q
-    return flux.psi_d, flux.psi_q
+    return x.flux.psi_d, x.flux.psi_q
 
 
 @njit
@@ -67,9 +70,9 @@ def state_at(
 
 
 @njit
-def _flux_linkages(saturation: Saturation | None, psi_d: float, psi_q: float) -> Flux | None:
+def _flux_linkages(saturation: Saturation | None, psi_d: float, psi_q: float) -> Flux:
     if saturation is None:
-        return saturation
+        return Flux(0.0, 0.0)
     return Flux(psi_d, psi_q)
 
 
@@ -81,8 +84,8 @@ def with_currents(saturation: Saturation | None, x: State, i_d: float, i_q: floa
 
 
 @njit
-def flux_of(saturation: Saturation | None, i_d: float, i_q: float, guess: Flux | None) -> Flux | None:
-    """Return the flux linkages of these currents, where the machine saturates."""
+def flux_of(saturation: Saturation | None, i_d: float, i_q: float, guess: Flux) -> Flux:
+    """Return the flux linkages of these currents, where the machine saturates; else `guess`."""
     if saturation is None:
-        return saturation
+        return guess
     return flux_at(saturation, i_d, i_q, guess)

@@ -22,7 +22,7 @@ def _inverse_inductance(saturation: Saturation | None, m: Machine, y_d: float, y
 @called
 def inverse_inductance(x: State, m: Machine) -> Symmetric:
     """Return by what the rates of the currents change with the voltage at the terminals, in d/q, in 1/H."""
-    y_d, y_q = electrical(x.flux, x)
+    y_d, y_q = electrical(m.saturation, x)
     return through_asymmetry(m.asymmetry, x.theta_e, _inverse_inductance(m.saturation, m, y_d, y_q))
 
 

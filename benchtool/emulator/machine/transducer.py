@@ -81,8 +81,8 @@ def _take(
     transducer: Any,
     torque: NDArray[np.float64],
 ) -> None:
-    d0, q0 = electrical(before.flux, before)
-    d1, q1 = electrical(after.flux, after)
+    d0, q0 = electrical(machine.saturation, before)
+    d1, q1 = electrical(machine.saturation, after)
     p0 = rates(before, u_alpha, u_beta, machine, T_load)
     p1 = rates(after, u_alpha, u_beta, machine, T_load)
     while transducer.next_sample < transducer.samples_per_tick:
@@ -174,7 +174,7 @@ def rates(
 ) -> tuple[float, float, float, float, float]:
     """Return `derivative` of a state under a stator voltage."""
     v_d, v_q = scaled_voltage(x, u_alpha, u_beta, machine)
-    y_d, y_q = electrical(x.flux, x)
+    y_d, y_q = electrical(machine.saturation, x)
     return derivative(y_d, y_q, x.omega_e, x.theta_e, v_d, v_q, machine, T_load)
 
 
