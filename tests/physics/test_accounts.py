@@ -10,6 +10,7 @@ import pytest
 from benchtool.emulator.core import Core
 from benchtool.emulator.core.kernel import run_ticks
 from benchtool.emulator.machine.saturation import SaturationTruth
+from benchtool.emulator.machine.train_truth import NOTHING, LoadTruth, ShaftTruth, TrainTruth
 from tests.physics.paper_machine import make_core
 from tests.physics.test_asymmetry import MOTOR, NO_TRIP, WIDE, run_duties
 from tests.physics.test_saturation import MADE, SYMMETRIC
@@ -33,8 +34,8 @@ MOTORS: dict[str, dict[str, Any]] = {
 }
 
 
-def core_with(motor: dict[str, Any], **inverter: Any) -> Core:
-    core = make_core(motor=motor, inverter={**INVERTER, **inverter}, sensors=WIDE, parameters=NO_TRIP)
+def core_with(motor: dict[str, Any], train: TrainTruth = NOTHING) -> Core:
+    core = make_core(motor=motor, inverter=INVERTER, sensors=WIDE, parameters=NO_TRIP, train=train)
     core.shaft.omega_m = 60.0
     return core
 
@@ -57,4 +58,15 @@ def test_accounts_balance_over_a_transient(name: str) -> None:
     core.load.held, core.load.omega_m_rad_s = 1, 500.0
     core.run_with(run_ticks, 6)
     assert core.energies_J()["dc"] != 0.0
+    assert imbalance(core) < 1e-9
+
+
+@pytest.mark.parametrize("stiffness_Nm_rad", [0.0, 50.0], ids=["rigid", "elastic"])
+def test_the_shaft_takes_what_the_drive_train_does(stiffness_Nm_rad: float) -> None:
+    """What is rigid on the rotor is in its kinetic energy, a load behind a coupling in the shaft's."""
+    shaft = ShaftTruth(J_load_kgm2=2e-3, coupling_Nm_rad=stiffness_Nm_rad)
+    core = core_with(MOTORS["phases differ"], TrainTruth(shaft=shaft, load=LoadTruth(quadratic_Nms2=1e-4)))
+    core.shaft.omega_load = 60.0
+    run_duties(core, np.random.default_rng(2).choice([0.0, 1.0, 0.5, 0.7, 0.3], (4, 3)))
+    assert core.energies_J()["shaft"] != 0.0
     assert imbalance(core) < 1e-9
