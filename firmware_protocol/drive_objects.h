@@ -8,7 +8,7 @@
 extern "C" {
 #endif
 
-#define BT_DICTIONARY_HASH 0x4A119F33u
+#define BT_DICTIONARY_HASH 0xE446D620u
 #define BT_VENDOR_ID 0x00000B7Cu
 #define BT_PRODUCT_CODE 0x00002011u
 #define BT_REVISION 0x00010000u
@@ -101,6 +101,7 @@ enum bt_role {
 #define BT_INDEX_DTC_CONTROL 0x2014u
 #define BT_INDEX_FCS_MPC_CONTROL 0x2015u
 #define BT_INDEX_FOC_CONTROL 0x2016u
+#define BT_INDEX_CURRENT_OFFSETS 0x2017u
 #define BT_INDEX_COMMAND 0x2020u
 #define BT_INDEX_STIMULUS_TABLE 0x2021u
 #define BT_INDEX_SIGNALS 0x2030u
@@ -266,6 +267,14 @@ enum bt_role {
 #define BT_SUB_CONTROL_PERIOD 4u
 #define BT_SUB_U_DC_FULL_SCALE 5u
 #define BT_SUB_PWM_PERIOD 6u
+#define BT_SUB_ENCODER_DIRECTION 7u
+#define BT_SUB_PHASE_ORDER 8u
+#define BT_SUB_CURRENT_OFFSET_A 9u
+#define BT_SUB_CURRENT_OFFSET_B 10u
+#define BT_SUB_CURRENT_OFFSET_C 11u
+#define BT_SUB_CURRENT_GAIN_A 12u
+#define BT_SUB_CURRENT_GAIN_B 13u
+#define BT_SUB_CURRENT_GAIN_C 14u
 #define BT_SUB_TORQUE_CONTROL_COUNT 0u
 #define BT_SUB_LAW 1u
 #define BT_SUB_U_S 2u
@@ -294,6 +303,10 @@ enum bt_role {
 #define BT_SUB_FLUX_WEIGHT 1u
 #define BT_SUB_FOC_CONTROL_COUNT 0u
 #define BT_SUB_OMEGA_CURRENT 1u
+#define BT_SUB_CURRENT_OFFSETS_COUNT 0u
+#define BT_SUB_OFFSET_CALIBRATION 1u
+#define BT_SUB_OFFSET_CALIBRATION_STATE 2u
+#define BT_SUB_OFFSET_CALIBRATION_TICKS 3u
 #define BT_SUB_COMMAND_COUNT 0u
 #define BT_SUB_TORQUE_COMMAND 1u
 #define BT_SUB_OMEGA_M_COMMAND 2u
@@ -316,6 +329,8 @@ enum bt_role {
 #define BT_SUB_STIMULUS_FRAME 15u
 #define BT_SUB_STIMULUS_ANGLE 16u
 #define BT_SUB_STIMULUS_START_TICK 17u
+#define BT_SUB_STIMULUS_OMEGA_E 18u
+#define BT_SUB_STIMULUS_TURN_TICKS 19u
 #define BT_SUB_SIGNALS_COUNT 0u
 #define BT_SUB_TICK 1u
 #define BT_SUB_I_A 2u
@@ -398,6 +413,16 @@ enum bt_role {
 #define BT_SUB_SUPPORTED_MODES 0u
 
 /* Enumerations */
+enum bt_encoder_direction {
+    BT_ENCODER_DIRECTION_FORWARD = 1,
+    BT_ENCODER_DIRECTION_REVERSE = -1
+};
+
+enum bt_phase_order {
+    BT_PHASE_ORDER_ABC = 0,
+    BT_PHASE_ORDER_ACB = 1
+};
+
 enum bt_law {
     BT_LAW_TPC = 0,
     BT_LAW_TPC_STATOR = 1,
@@ -423,6 +448,18 @@ enum bt_lambda_reference {
     BT_LAMBDA_REFERENCE_END = 1
 };
 
+enum bt_offset_calibration {
+    BT_OFFSET_CALIBRATION_STOP = 0,
+    BT_OFFSET_CALIBRATION_START = 1
+};
+
+enum bt_offset_calibration_state {
+    BT_OFFSET_CALIBRATION_STATE_IDLE = 0,
+    BT_OFFSET_CALIBRATION_STATE_RUNNING = 1,
+    BT_OFFSET_CALIBRATION_STATE_DONE = 2,
+    BT_OFFSET_CALIBRATION_STATE_FAILED = 3
+};
+
 enum bt_stimulus_control {
     BT_STIMULUS_CONTROL_STOP = 0,
     BT_STIMULUS_CONTROL_START = 1
@@ -438,7 +475,8 @@ enum bt_stimulus_quantity {
     BT_STIMULUS_QUANTITY_TORQUE = 0,
     BT_STIMULUS_QUANTITY_SPEED = 1,
     BT_STIMULUS_QUANTITY_D_CURRENT = 2,
-    BT_STIMULUS_QUANTITY_VOLTAGE = 3
+    BT_STIMULUS_QUANTITY_VOLTAGE = 3,
+    BT_STIMULUS_QUANTITY_CURRENT = 4
 };
 
 enum bt_stimulus_shape {
@@ -509,12 +547,14 @@ enum bt_fault_reaction_option {
 };
 
 enum bt_mode_of_operation {
+    BT_MODE_OF_OPERATION_CURRENT = -2,
     BT_MODE_OF_OPERATION_VOLTAGE = -1,
     BT_MODE_OF_OPERATION_VELOCITY = 3,
     BT_MODE_OF_OPERATION_TORQUE = 4
 };
 
 enum bt_mode_of_operation_display {
+    BT_MODE_OF_OPERATION_DISPLAY_CURRENT = -2,
     BT_MODE_OF_OPERATION_DISPLAY_VOLTAGE = -1,
     BT_MODE_OF_OPERATION_DISPLAY_VELOCITY = 3,
     BT_MODE_OF_OPERATION_DISPLAY_TORQUE = 4
@@ -654,13 +694,21 @@ enum bt_mode_of_operation_display {
     X(0x2000u, 6u, J, F32, RW, PARAMETER, 1, 0, 0.0f, 1000.0f, 0.0f) \
     X(0x2000u, 7u, T_N, F32, RW, PARAMETER, 0, 0, 0.001f, 100000.0f, 1.0f) \
     X(0x2000u, 8u, omega_m_N, F32, RW, PARAMETER, 0, 0, 0.1f, 100000.0f, 100.0f) \
-    X(0x2001u, 0u, sensors_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 6u) \
+    X(0x2001u, 0u, sensors_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 14u) \
     X(0x2001u, 1u, encoder_lines, U32, RW, PARAMETER, 0, 0, 1u, 1000000u, 2500u) \
     X(0x2001u, 2u, encoder_offset, F32, RW, PARAMETER, 0, 0, -6.2832f, 6.2832f, 0.0f) \
     X(0x2001u, 3u, i_full_scale, F32, RO, STATUS, 1, 0, -3.4028235e+38f, 3.4028235e+38f, 0.0f) \
     X(0x2001u, 4u, control_period, F32, RO, STATUS, 1, 0, -3.4028235e+38f, 3.4028235e+38f, 0.0001f) \
     X(0x2001u, 5u, u_dc_full_scale, F32, RO, STATUS, 1, 0, -3.4028235e+38f, 3.4028235e+38f, 0.0f) \
     X(0x2001u, 6u, pwm_period, F32, RO, STATUS, 1, 0, -3.4028235e+38f, 3.4028235e+38f, 0.0001f) \
+    X(0x2001u, 7u, encoder_direction, I8, RW, PARAMETER, 0, 0, -128, 127, 1) \
+    X(0x2001u, 8u, phase_order, U8, RW, PARAMETER, 0, 0, 0u, 255u, 0u) \
+    X(0x2001u, 9u, current_offset_a, F32, RW, PARAMETER, 0, 0, -10000.0f, 10000.0f, 0.0f) \
+    X(0x2001u, 10u, current_offset_b, F32, RW, PARAMETER, 0, 0, -10000.0f, 10000.0f, 0.0f) \
+    X(0x2001u, 11u, current_offset_c, F32, RW, PARAMETER, 0, 0, -10000.0f, 10000.0f, 0.0f) \
+    X(0x2001u, 12u, current_gain_a, F32, RW, PARAMETER, 0, 0, 0.5f, 2.0f, 1.0f) \
+    X(0x2001u, 13u, current_gain_b, F32, RW, PARAMETER, 0, 0, 0.5f, 2.0f, 1.0f) \
+    X(0x2001u, 14u, current_gain_c, F32, RW, PARAMETER, 0, 0, 0.5f, 2.0f, 1.0f) \
     X(0x2010u, 0u, torque_control_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 7u) \
     X(0x2010u, 1u, law, U8, RW, PARAMETER, 0, 0, 0u, 255u, 0u) \
     X(0x2010u, 2u, u_s, F32, RW, PARAMETER, 1, 0, 0.0f, 1000.0f, 50.0f) \
@@ -689,11 +737,15 @@ enum bt_mode_of_operation_display {
     X(0x2015u, 1u, flux_weight, F32, RW, PARAMETER, 1, 0, 0.0f, 1000000.0f, 1.0f) \
     X(0x2016u, 0u, foc_control_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 1u) \
     X(0x2016u, 1u, omega_current, F32, RW, PARAMETER, 1, 0, 1.0f, 100000.0f, 1000.0f) \
+    X(0x2017u, 0u, current_offsets_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 3u) \
+    X(0x2017u, 1u, offset_calibration, U8, RW, STATUS, 0, 0, 0u, 255u, 0u) \
+    X(0x2017u, 2u, offset_calibration_state, U8, RO, STATUS, 1, 0, 0u, 255u, 0u) \
+    X(0x2017u, 3u, offset_calibration_ticks, U32, RW, STATUS, 1, 0, 1u, 1000000u, 4096u) \
     X(0x2020u, 0u, command_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 3u) \
     X(0x2020u, 1u, torque_command, F32, RW, COMMAND, 1, 0, -3.4028235e+38f, 3.4028235e+38f, 0.0f) \
     X(0x2020u, 2u, omega_m_command, F32, RW, COMMAND, 1, 0, -3.4028235e+38f, 3.4028235e+38f, 0.0f) \
     X(0x2020u, 3u, psi_s_command, F32, RW, COMMAND, 1, 0, 0.0f, 10.0f, 0.0f) \
-    X(0x2021u, 0u, stimulus_table_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 17u) \
+    X(0x2021u, 0u, stimulus_table_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 19u) \
     X(0x2021u, 1u, stimulus_control, U8, RW, STATUS, 1, 0, 0u, 255u, 0u) \
     X(0x2021u, 2u, stimulus_state, U8, RO, STATUS, 1, 0, 0u, 255u, 0u) \
     X(0x2021u, 3u, stimulus_quantity, U8, RW, STATUS, 1, 0, 0u, 255u, 0u) \
@@ -711,6 +763,8 @@ enum bt_mode_of_operation_display {
     X(0x2021u, 15u, stimulus_frame, U8, RW, STATUS, 1, 0, 0u, 255u, 0u) \
     X(0x2021u, 16u, stimulus_angle, F32, RW, STATUS, 1, 0, -6.2832f, 6.2832f, 0.0f) \
     X(0x2021u, 17u, stimulus_start_tick, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 0u) \
+    X(0x2021u, 18u, stimulus_omega_e, F32, RW, STATUS, 1, 0, -20000.0f, 20000.0f, 0.0f) \
+    X(0x2021u, 19u, stimulus_turn_ticks, U32, RW, STATUS, 1, 0, 0u, 1000000000u, 0u) \
     X(0x2030u, 0u, signals_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 22u) \
     X(0x2030u, 1u, tick, U32, RO, SIGNAL, 1, 0, 0u, 4294967295u, 0u) \
     X(0x2030u, 2u, i_a, F32, RO, SIGNAL, 1, 0, -3.4028235e+38f, 3.4028235e+38f, 0.0f) \
@@ -771,7 +825,7 @@ enum bt_mode_of_operation_display {
     X(0x2051u, 1u, stream_sequence, U32, RO, SIGNAL, 1, 0, 0u, 4294967295u, 0u) \
     X(0x2051u, 2u, rpdo_dropped, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 0u) \
     X(0x2051u, 3u, serial_dropped, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 0u) \
-    X(0x2060u, 0u, dictionary_hash, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 1242668851u) \
+    X(0x2060u, 0u, dictionary_hash, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 3829847584u) \
     X(0x6007u, 0u, abort_connection_option, I16, RW, PARAMETER, 0, 0, -32768, 32767, 1) \
     X(0x603Fu, 0u, error_code, U16, RO, STATUS, 1, 0, 0u, 65535u, 0u) \
     X(0x6040u, 0u, controlword, U16, RW, STATUS, 1, 0, 0u, 65535u, 0u) \
@@ -790,14 +844,18 @@ enum bt_mode_of_operation_display {
     X(0x6078u, 0u, current_actual, I16, RO, STATUS, 1, 0, -32768, 32767, 0) \
     X(0x6079u, 0u, dc_link_voltage, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 0u) \
     X(0x60FFu, 0u, target_velocity, I32, RW, COMMAND, 1, 0, (-2147483647 - 1), 2147483647, 0) \
-    X(0x6502u, 0u, supported_modes, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 65548u) \
+    X(0x6502u, 0u, supported_modes, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 196620u) \
     /* end */
 
-#define BT_ENTRY_COUNT 265u
+#define BT_ENTRY_COUNT 279u
 
 /* What an enumeration may be: X(name, value) for each of its values, in the order of BT_ENTRIES. Any other is
  * refused. */
 #define BT_VALUES(X) \
+    X(encoder_direction, 1) \
+    X(encoder_direction, -1) \
+    X(phase_order, 0) \
+    X(phase_order, 1) \
     X(law, 0) \
     X(law, 1) \
     X(law, 2) \
@@ -811,6 +869,12 @@ enum bt_mode_of_operation_display {
     X(flux_comparator, 1) \
     X(lambda_reference, 0) \
     X(lambda_reference, 1) \
+    X(offset_calibration, 0) \
+    X(offset_calibration, 1) \
+    X(offset_calibration_state, 0) \
+    X(offset_calibration_state, 1) \
+    X(offset_calibration_state, 2) \
+    X(offset_calibration_state, 3) \
     X(stimulus_control, 0) \
     X(stimulus_control, 1) \
     X(stimulus_state, 0) \
@@ -820,6 +884,7 @@ enum bt_mode_of_operation_display {
     X(stimulus_quantity, 1) \
     X(stimulus_quantity, 2) \
     X(stimulus_quantity, 3) \
+    X(stimulus_quantity, 4) \
     X(stimulus_shape, 0) \
     X(stimulus_shape, 1) \
     X(stimulus_shape, 2) \
@@ -857,15 +922,17 @@ enum bt_mode_of_operation_display {
     X(quick_stop_option, 6) \
     X(halt_option, 3) \
     X(fault_reaction_option, 0) \
+    X(mode_of_operation, -2) \
     X(mode_of_operation, -1) \
     X(mode_of_operation, 3) \
     X(mode_of_operation, 4) \
+    X(mode_of_operation_display, -2) \
     X(mode_of_operation_display, -1) \
     X(mode_of_operation_display, 3) \
     X(mode_of_operation_display, 4) \
     /* end */
 
-#define BT_VALUE_COUNT 65u
+#define BT_VALUE_COUNT 78u
 
 /* Entries that another's value limits as well: X(name, least), and X(name, most, times) with the limit
  * most * times. A limit of 0 is not known, and none. */

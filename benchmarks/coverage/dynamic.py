@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy import optimize, signal
 
 from benchmarks.coverage.families import Family, selected
-from benchmarks.coverage.noise import coloured
+from benchmarks.coverage.noise import Kind, coloured, converted, noise_of
 from benchtool.analysis import Measurement, analyze_response, analyze_step
 from benchtool.block import Block
 
@@ -83,6 +83,9 @@ class Stepped:
     duration_s: float = 0.2
     held: bool = False
     drift: float = 0.0
+    kind: Kind = "white"
+    ripple: tuple[float, float] = (0.0, 0.0)  # relative to the step, Hz
+    bits: int = 0
 
 
 @dataclass(frozen=True)
@@ -111,11 +114,16 @@ def stepped_trial(what: Stepped, random: np.random.Generator) -> Iterator[tuple[
     reference = np.clip(time_s / what.rise_s, 0.0, 1.0) if what.rise_s else np.where(time_s >= 0.0, 1.0, 0.0)
     if math.isfinite(what.pulse_s):
         reference = np.where(time_s >= what.pulse_s, 0.0, reference)
-    noise = what.noise * coloured(random.standard_normal(len(time_s)), what.colour)
+    noise = what.noise * coloured(noise_of(what.kind, random, len(time_s)), what.colour)
+    size, ripple_Hz = what.ripple
+    noise += size * np.cos(2 * np.pi * ripple_Hz * time_s + random.uniform(0, 2 * np.pi))
+    measured = what.height * (answer(time_s) + noise + what.drift * time_s)
+    if what.bits:
+        measured = converted(measured, 2.0 * abs(what.height) / 2**what.bits, random)
     block = Block.from_arrays(
         RATE_HZ,
         {"y": "Nm", "r": "Nm"},
-        y=what.height * (answer(time_s) + noise + what.drift * time_s),
+        y=measured,
         r=what.height * reference,
     )
     fine_s = np.linspace(0.0, what.duration_s, 400_001)
@@ -142,7 +150,8 @@ def _truths(what: Stepped, time_s: Floats, y: Floats, reference: Floats) -> Mapp
         truths["peak_time"] = float(time_s[tops]) - half_s
         truths["undershoot"] = abs(what.height) * max(0.0, final - float(np.min(y[tops:])))
     outside = np.flatnonzero(np.abs(y - final) > 0.02)
-    if what.noise <= 1e-3 and len(outside):  # beyond that the band is another
+    is_fine = what.noise <= 1e-3 and not 0 < what.bits < 8
+    if is_fine and len(outside):  # else the band is another
         truths["settling_time"] = float(time_s[outside[-1]]) - half_s
     return truths
 
@@ -181,6 +190,43 @@ def excited_trial(what: Excited, random: np.random.Generator) -> Iterator[tuple[
     block = Block.from_arrays(RATE_HZ, {"x": "Nm", "y": "Nm"}, x=x, y=y)
     found = analyze_response(block, "x", "y", begin_row=period or 0, period_rows=period)
     yield from selected(found.measurements, _response_truths(what, late, found.response.frequency_Hz))
+
+
+@dataclass(frozen=True)
+class Looped:
+    """An integrator with a dead time behind unity feedback, excited by noise; `noise` of the output."""
+
+    crossover_Hz: float = 150.0
+    delay_rows: int = 6
+    noise: float = 1e-3
+    colour: float = 0.0
+    duration_s: float = 4.0
+
+
+def looped_trial(what: Looped, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
+    """Yield the stability margins of one closed loop."""
+    gain, rows = 2.0 * math.pi * what.crossover_Hz / RATE_HZ, what.delay_rows
+    ahead, behind = np.zeros(rows + 1), np.zeros(rows + 1)
+    behind[:2], ahead[rows] = (1.0, -1.0), gain
+    x = random.standard_normal(round(what.duration_s * RATE_HZ))
+    y = np.asarray(signal.lfilter(ahead, behind + ahead, x))
+    y += what.noise * float(np.std(y)) * coloured(random.standard_normal(len(y)), what.colour)
+    block = Block.from_arrays(RATE_HZ, {"x": "Nm", "y": "Nm"}, x=x, y=y)
+    grid_Hz, opened = signal.freqz(ahead, behind, worN=np.linspace(1.0, 0.45 * RATE_HZ, 200_000), fs=RATE_HZ)
+    gain_dB, phase = 20.0 * np.log10(np.abs(opened)), np.unwrap(np.angle(opened))
+    crossover_Hz = _falls_to(grid_Hz, gain_dB, 0.0)
+    truths = {
+        "crossover": crossover_Hz,
+        "phase_margin": 180.0 + math.degrees(float(np.interp(crossover_Hz, grid_Hz, phase))),
+        "gain_margin": -float(np.interp(_falls_to(grid_Hz, phase, -math.pi), grid_Hz, gain_dB)),
+        "sensitivity_peak": float(np.max(np.abs(1.0 / (1.0 + opened)))),
+    }
+    yield from selected(analyze_response(block, "x", "y").measurements, truths)
+
+
+def _falls_to(frequency_Hz: Floats, values: Floats, level: float) -> float:
+    at = int(np.argmax(values < level))
+    return float(np.interp(-level, -values[at - 1 : at + 1], frequency_Hz[at - 1 : at + 1]))
 
 
 def _held(lag: Lag, x: Floats) -> Floats:
@@ -263,6 +309,13 @@ STEPPED: Mapping[str, Stepped] = {
         )
     },
     "step_underdamped": Stepped(Lag(150.0, 0.15), 3e-3, 0.9),
+    "step_pink": Stepped(_SECOND, 1e-2, kind="pink"),
+    "step_lag1_pink": Stepped(_FIRST, 1e-2, kind="pink"),
+    "ramp_pink": Stepped(_SECOND, 1e-2, kind="pink", rise_s=0.02, held=True),
+    "step_ripple": Stepped(_SECOND, 2e-3, ripple=(0.02, 731.0), held=True),
+    "step_lag1_ripple": Stepped(_FIRST, 2e-3, ripple=(0.03, 431.0)),
+    "step_bits_8": Stepped(_SECOND, 1e-4, bits=8, held=True),
+    "step_lag1_bits_7": Stepped(_FIRST, 1e-4, bits=7, held=True),
     "step_slow_coloured": Stepped(Lag(20.0), 2e-2, 0.95, pulse_s=0.1),
 }
 EXCITED: Mapping[str, Excited] = {
@@ -295,6 +348,18 @@ EXCITED: Mapping[str, Excited] = {
 }
 
 
+LOOPED: Mapping[str, Looped] = {
+    "loop": Looped(),
+    "loop_noisy": Looped(noise=0.05),
+    "loop_coloured": Looped(noise=0.02, colour=0.95, delay_rows=3),
+    "loop_fast": Looped(crossover_Hz=300.0, delay_rows=4, noise=0.01),
+}
+
+
+def _looped(name: str, what: Looped) -> Family:
+    return Family(name, lambda random: looped_trial(what, random))
+
+
 def _stepped(name: str, what: Stepped) -> Family:
     return Family(name, lambda random: stepped_trial(what, random))
 
@@ -306,4 +371,5 @@ def _excited(name: str, what: Excited) -> Family:
 FAMILIES = (
     *(_stepped(name, what) for name, what in STEPPED.items()),
     *(_excited(name, what) for name, what in EXCITED.items()),
+    *(_looped(name, what) for name, what in LOOPED.items()),
 )

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from benchmarks.coverage import channels, dynamic, stamps, steady
+from benchmarks.coverage import channels, disturbances, dynamic, stamps
 from benchmarks.coverage.families import Family
 
 FAMILIES: Mapping[str, Family] = {
-    each.name: each for each in (*steady.FAMILIES, *channels.FAMILIES, *stamps.FAMILIES, *dynamic.FAMILIES)
+    each.name: each
+    for each in (*disturbances.FAMILIES, *channels.FAMILIES, *stamps.FAMILIES, *dynamic.FAMILIES)
 }

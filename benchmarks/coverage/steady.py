@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.coverage.families import OF_THE_ENSEMBLE, Family, selected
-from benchmarks.coverage.noise import coloured, converted
+from benchmarks.coverage.families import OF_THE_ENSEMBLE, selected
+from benchmarks.coverage.noise import Kind, coloured, converted, noise_of
 from benchtool.analysis import (
     CoherentSpectrum,
     Measurement,
@@ -45,8 +45,12 @@ class Disturbance:
     frequency_Hz: float = 20.0
     noise: float = 1e-3
     colour: float = 0.0  # pole of a first-order low-pass that the noise has passed
+    kind: Kind = "white"
     drift: float = 0.0
     swing: tuple[float, float] = (0.0, 1.0)
+    settling: tuple[float, float] = (0.0, 1.0)  # relative speed at the beginning, time constant over duration
+    speed_walk: float = 0.0  # relative deviation, rms, at the end of a random walk of the speed
+    speed_memory: tuple[float, float] = (0.0, 1.0)  # relative rms of a speed, its memory over the duration
     reverses: bool = False
     stands_still: float = 0.0  # share of the record, from 0.6 of it on
     phase_step_rad: float = 0.0  # of the current against the rotor, at 0.4 of the record
@@ -54,6 +58,9 @@ class Disturbance:
     offset: float = 0.0
     decay: tuple[float, float] = (0.0, 1.0)  # relative dc at the beginning, time constant over the duration
     amplitude_noise: tuple[float, float] = (0.0, 0.0)  # rms, correlation over periods
+    amplitude_swing: tuple[float, float] = (0.0, 1.0)  # relative, Hz
+    amplitude_ramp: float = 0.0  # relative, from the beginning to the end
+    sawtooth: tuple[float, float] = (0.0, 0.0)  # of the torque, Nm, five a period; jitter of its teeth
     ripple_noise: tuple[float, float] = (0.0, 0.0)
     second_regime: float = 1.0
     clip: float = math.inf
@@ -91,6 +98,7 @@ def record(what: Disturbance, random: np.random.Generator) -> Record:
     cycles = speed * time_s + 0.5 * speed * what.drift * (time_s**2 / duration_s - time_s)
     if deviation:
         cycles = cycles + speed * deviation / (2 * np.pi * swing_Hz) * np.sin(swing_rad)
+    cycles = cycles + _of_speed(what, time_s / duration_s, random) * speed * duration_s
     if what.reverses:
         cycles = np.where(time_s < 0.7 * duration_s, cycles, 2 * cycles[int(0.7 * count)] - cycles)
     if what.stands_still:
@@ -99,7 +107,7 @@ def record(what: Disturbance, random: np.random.Generator) -> Record:
     theta_e = cycles + random.uniform(0, 2 * np.pi)
     frequency_Hz = float(theta_e[-1] - theta_e[0]) / (2 * np.pi * (time_s[-1] - time_s[0]))
 
-    noise = coloured(random.standard_normal(count), what.colour)
+    noise = coloured(noise_of(what.kind, random, count), what.colour)
     noise_A = what.noise * what.amplitude_A * noise if what.amplitude_A else what.noise * noise
     theta_i = theta_e + np.where(time_s < 0.4 * duration_s, 0.0, what.phase_step_rad)
     current = np.cos(theta_i)
@@ -108,6 +116,9 @@ def record(what: Disturbance, random: np.random.Generator) -> Record:
     period = np.floor((theta_e - theta_e[0]) / (2 * np.pi)).astype(np.int64)
     period -= period.min()
     current *= 1.0 + _by_period(what.amplitude_noise, period, random)
+    size, swing_Hz = what.amplitude_swing
+    current *= 1.0 + size * np.cos(2 * np.pi * swing_Hz * time_s + 1.0)
+    current *= 1.0 + what.amplitude_ramp * (time_s / duration_s - 0.5)
     current *= np.where(time_s < 0.5 * duration_s, 1.0, what.second_regime)
     for place, amplitude in what.lines:
         current += amplitude * np.cos(
@@ -125,7 +136,8 @@ def record(what: Disturbance, random: np.random.Generator) -> Record:
         RIPPLE_ORDER * theta_true + 0.3
     )
     torque += COGGING_NM * np.cos(COGGING_ORDER * theta_true + 1.1)
-    torque += 0.1 * TORQUE_NM * what.noise * 10.0 * coloured(random.standard_normal(count), what.colour)
+    torque += TORQUE_NM * what.noise * coloured(noise_of(what.kind, random, count), what.colour)
+    torque += _sawtooth(what.sawtooth, 5.0 * theta_e / (2 * np.pi), random)
     clean_torque = torque
     if what.bits:
         step_A, step_Nm = 2.0 * AMPLITUDE_A / 2**what.bits * 1.02, 2.0 * TORQUE_NM / 2**what.bits
@@ -154,8 +166,20 @@ def trial(what: Disturbance, random: np.random.Generator) -> Iterator[tuple[Meas
     noise_rms = what.noise * (what.amplitude_A or 1.0)
     thd = 100.0 * math.sqrt(sum(each**2 for each in what.harmonics.values()))
     is_noise_alone = not what.lines and not what.decay[0] and not what.bits and math.isinf(what.clip)
-    is_steady = not (
-        what.drift or what.swing[0] or what.amplitude_noise[0] or what.spikes or what.time_jitter
+    is_steady = not any(
+        (
+            what.drift,
+            what.swing[0],
+            what.settling[0],
+            what.speed_walk,
+            what.speed_memory[0],
+            what.amplitude_noise[0],
+            what.amplitude_swing[0],
+            what.amplitude_ramp,
+            what.spikes,
+            what.time_jitter,
+            what.kind != "white",
+        )
     )
     truths = {
         "fundamental_frequency": made.frequency_Hz,
@@ -171,6 +195,7 @@ def trial(what: Disturbance, random: np.random.Generator) -> Iterator[tuple[Meas
         "torque_ripple_rms": math.sqrt(
             0.5 * RIPPLE_NM**2 * (1.0 + what.ripple_noise[0] ** 2)
             + 0.5 * COGGING_NM**2
+            + what.sawtooth[0] ** 2 / 12.0
             + (TORQUE_NM * what.noise) ** 2
         ),
         "current_thd_f_subgroups": OF_THE_ENSEMBLE,
@@ -223,6 +248,33 @@ def _share_between(pole: float, spectrum: CoherentSpectrum) -> float:
     return math.sqrt(float(np.mean(density)))
 
 
+def _of_speed(what: Disturbance, time: Floats, random: np.random.Generator) -> Floats:
+    """Return the phase that deviations of the speed add, over that of the whole record; time from 0 to 1."""
+    begin, constant = what.settling
+    added = begin * constant * (1.0 - np.exp(-time / constant))
+    steps = math.sqrt(1.0 / len(time))
+    if what.speed_walk:
+        walk = what.speed_walk * steps * np.cumsum(random.standard_normal(len(time)))
+        added = added + np.cumsum(walk) / len(time)
+    rms, memory = what.speed_memory
+    if rms:
+        speed = coloured(random.standard_normal(len(time)), math.exp(-1.0 / (memory * len(time))))
+        added = added + rms * np.cumsum(speed) / len(time)
+    return added
+
+
+def _sawtooth(size: tuple[float, float], place: Floats, random: np.random.Generator) -> Floats:
+    """Return teeth about zero, one for each whole number of `place`, each of which begins a little off."""
+    height, jitter = size
+    if not height:
+        return np.zeros(len(place))
+    first, last = math.floor(place.min()) - 2, math.ceil(place.max()) + 3
+    edges = np.arange(first, last) + jitter * random.standard_normal(last - first)
+    edges.sort()
+    at = np.searchsorted(edges, place, side="right") - 1
+    return np.asarray(height * ((place - edges[at]) / (edges[at + 1] - edges[at]) - 0.5))
+
+
 def _by_period(noise: tuple[float, float], period: NDArray[np.int64], random: np.random.Generator) -> Floats:
     """Return a Gauss-Markov sequence, one value a period, smooth between."""
     rms, memory = noise
@@ -230,108 +282,3 @@ def _by_period(noise: tuple[float, float], period: NDArray[np.int64], random: np
         return np.zeros(len(period))
     values = rms * coloured(random.standard_normal(int(period.max()) + 1), memory)
     return np.asarray(values[period])
-
-
-_QUIET = Disturbance()
-_DRIFT = replace(_QUIET, periods=100.3, noise=1e-4)
-DISTURBANCES: Mapping[str, Disturbance] = {
-    "plain": _QUIET,
-    "plain_no_angle": replace(_QUIET, angle=False),
-    "white_-40dB": replace(_QUIET, noise=1e-2),
-    "white_-40dB_no_angle": replace(_QUIET, noise=1e-2, angle=False),
-    "white_-80dB": replace(_QUIET, noise=1e-4),
-    "loud_white_-20dB": replace(_QUIET, noise=0.1),
-    "non_integer_periods": replace(_QUIET, periods=23.37, noise=3e-3),
-    "non_integer_no_angle": replace(_QUIET, periods=23.37, noise=3e-3, angle=False),
-    "few_periods": replace(_QUIET, periods=4.6, noise=3e-3),
-    "few_periods_no_angle": replace(_QUIET, periods=4.6, noise=3e-3, angle=False),
-    "three_periods_interharmonic": replace(_QUIET, periods=3.4, noise=3e-3, lines=((2.3, 0.02),)),
-    "many_periods": replace(_QUIET, periods=400.2, noise=1e-2, frequency_Hz=133.3),
-    "fast_fundamental": replace(_QUIET, periods=300.4, noise=3e-3, frequency_Hz=401.3),
-    "coloured": replace(_QUIET, noise=1e-2, colour=0.95),
-    "strongly_coloured": replace(_QUIET, noise=1e-2, colour=0.998),
-    "coloured_no_angle": replace(_QUIET, noise=1e-2, colour=0.98, angle=False),
-    "drift_angle": replace(_DRIFT, drift=0.05),
-    "drift_0.5_no_angle": replace(_DRIFT, drift=0.005, angle=False),
-    "drift_8_no_angle": replace(_DRIFT, drift=0.08, angle=False),
-    "drift_3_no_angle_noise": replace(_DRIFT, drift=0.03, angle=False, noise=1e-2, periods=60.7),
-    "swing_2Hz_angle": replace(_DRIFT, swing=(0.01, 2.0)),
-    "swing_2Hz_no_angle": replace(_DRIFT, swing=(0.01, 2.0), angle=False),
-    "swing_7Hz_angle": replace(_DRIFT, swing=(0.01, 7.3), noise=1e-3),
-    "swing_0.5Hz_no_angle": replace(_DRIFT, swing=(0.02, 0.5), angle=False, noise=1e-3),
-    "swing_30Hz_angle": replace(_DRIFT, swing=(0.02, 31.7), noise=1e-3),
-    "swing_encoder": replace(_DRIFT, swing=(0.005, 1.3), counts=10_000, noise=1e-3),
-    "reversal": replace(_QUIET, reverses=True, periods=80.0),
-    "reversal_no_angle": replace(_QUIET, reverses=True, periods=80.0, angle=False),
-    "slip_0.3": replace(_QUIET, slip=0.003, periods=100.0),
-    "slip_0.05": replace(_QUIET, slip=0.0005, periods=100.0),
-    "slip_0.3_noise": replace(_QUIET, slip=0.003, periods=60.3, noise=1e-2),
-    "encoder_1000": replace(_QUIET, counts=1000),
-    "encoder_4096_noise": replace(_QUIET, counts=4096, noise=1e-2),
-    "encoder_64": replace(_QUIET, counts=64, noise=3e-3),
-    "angle_noise": replace(_QUIET, angle_noise_rad=2e-3),
-    "wobble_1.48": replace(_QUIET, wobble_rad=(1.48e-3, 1), periods=80.0),
-    "wobble_10": replace(_QUIET, wobble_rad=(1e-2, 1), periods=80.0),
-    "wobble_3_order_2": replace(_QUIET, wobble_rad=(3e-3, 2), periods=80.0, noise=3e-3),
-    "interharmonic": replace(_QUIET, lines=((3.37, 0.01),), noise=1e-3),
-    "interharmonic_close": replace(_QUIET, lines=((1.18, 0.02),), noise=1e-3),
-    "interharmonic_no_angle": replace(_QUIET, lines=((1.41, 0.02), (4.63, 0.01)), angle=False),
-    "offset": replace(_QUIET, offset=0.2, noise=3e-3),
-    "offset_no_angle": replace(_QUIET, offset=0.2, periods=17.4, noise=3e-3, angle=False),
-    "decaying_dc": replace(_QUIET, decay=(0.5, 0.2), noise=1e-3),
-    "decaying_dc_slow": replace(_QUIET, decay=(0.2, 0.7), periods=12.3),
-    "decaying_dc_no_angle": replace(_QUIET, decay=(0.3, 0.1), periods=21.7, angle=False),
-    "clipped": replace(_QUIET, clip=0.93, noise=1e-4),
-    "clipped_hard": replace(_QUIET, clip=0.7),
-    "bits_8": replace(_QUIET, bits=8, noise=1e-6),
-    "bits_8_pure_sine": replace(_QUIET, bits=8, noise=0.0, harmonics={}),
-    "bits_10_noise": replace(_QUIET, bits=10, noise=1e-3),
-    "bits_12": replace(_QUIET, bits=12, noise=1e-4, frequency_Hz=19.37),
-    "amplitude_noise": replace(_QUIET, amplitude_noise=(0.01, 0.0), periods=80.0),
-    "amplitude_noise_memory": replace(_QUIET, amplitude_noise=(0.01, 0.9), periods=200.0),
-    "ripple_noise": replace(_QUIET, ripple_noise=(0.2, 0.0), periods=80.0),
-    "ripple_noise_memory": replace(_QUIET, ripple_noise=(0.2, 0.9), periods=200.0),
-    "two_regimes": replace(_QUIET, second_regime=2.2),
-    "two_regimes_no_angle": replace(_QUIET, second_regime=2.2, angle=False),
-    "no_harmonics_noise": replace(_QUIET, harmonics={}, noise=1e-2),
-    "low_distortion_noise": replace(_QUIET, harmonics={5: 0.001}, noise=1e-2),
-    "standstill_current": replace(_QUIET, amplitude_A=0.0, noise=1e-2, harmonics={}),
-    "no_mean_torque": replace(_QUIET, torque_Nm=0.0, noise=1e-2),
-    "little_mean_torque": replace(_QUIET, torque_Nm=0.004, noise=1e-2),
-    "jittered_samples": replace(_QUIET, time_jitter=0.05),
-    "spikes": replace(_QUIET, spikes=0.3),
-    "white_-60dB_long": replace(_QUIET, noise=1e-3, periods=250.6, frequency_Hz=50.0),
-    # components above half the rate alias, which no analysis can detect
-    "few_samples_a_period": replace(
-        _QUIET, noise=3e-3, periods=500.3, frequency_Hz=811.7, harmonics={5: HARMONICS[5]}
-    ),
-    "two_periods": replace(_QUIET, periods=2.9, noise=3e-3),
-    "six_periods_coloured": replace(_QUIET, periods=6.45, noise=1e-2, colour=0.98, angle=False),
-    "standstill_within": replace(_QUIET, stands_still=0.1, periods=80.0),
-    "standstill_within_no_angle": replace(_QUIET, stands_still=0.06, periods=80.0, angle=False),
-    "phase_step": replace(_QUIET, phase_step_rad=0.6),
-    "phase_step_no_angle": replace(_QUIET, phase_step_rad=0.6, angle=False),
-    "offset_and_interharmonic": replace(_QUIET, offset=0.3, lines=((2.61, 0.01),), periods=31.3, noise=3e-3),
-    "decaying_dc_fast": replace(_QUIET, decay=(1.0, 0.03), periods=60.2),
-    "swing_and_interharmonic": replace(_DRIFT, swing=(0.01, 3.1), lines=((1.63, 0.01),), noise=1e-3),
-    "swing_coloured_no_angle": replace(_DRIFT, swing=(0.005, 1.1), noise=1e-2, colour=0.95, angle=False),
-    "drift_encoder": replace(_DRIFT, drift=0.04, counts=4096, noise=1e-3),
-    "wobble_and_noise": replace(_QUIET, wobble_rad=(5e-3, 1), angle_noise_rad=1e-3, periods=80.0, noise=3e-3),
-    "bits_6": replace(_QUIET, bits=6, noise=1e-3),
-    "bits_8_drift": replace(_DRIFT, bits=8, drift=0.01, noise=1e-3),
-    "bits_10_fast": replace(_QUIET, bits=10, noise=1e-4, frequency_Hz=133.3, periods=200.4),
-    "bits_16": replace(_QUIET, bits=16, noise=1e-5),
-    **{
-        f"bits_{bits}_{noise:g}": replace(_QUIET, bits=bits, noise=noise, frequency_Hz=21.7, periods=33.3)
-        for bits in (12, 14, 16, 18)
-        for noise in (1e-6, 1e-5, 1e-4)
-    },
-    "ripple_noise_some_memory": replace(_QUIET, ripple_noise=(0.1, 0.6), periods=60.0),
-}  # fmt: skip
-
-
-def _family(name: str, what: Disturbance) -> Family:
-    return Family(name, lambda random: trial(what, random))
-
-
-FAMILIES = tuple(_family(name, what) for name, what in DISTURBANCES.items())

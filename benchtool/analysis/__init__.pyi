@@ -146,6 +146,7 @@ from .uncertainty import (
     Contribution as Contribution,
     InstrumentError as InstrumentError,
     Uncertainty as Uncertainty,
+    combined as combined,
     of_difference as of_difference,
 )
 from .validity import (

@@ -11,6 +11,8 @@ from functools import cache
 from importlib.metadata import entry_points
 from typing import Any, Final
 
+from benchtool.analysis.balances.flux_balance import FLUX_BALANCE
+from benchtool.analysis.balances.motion_balance import MOTION_BALANCE
 from benchtool.analysis.declaration import (
     Analysis,
     Drawing,
@@ -53,6 +55,8 @@ BUILT_IN: Final[tuple[Analysis[Any], ...]] = (
     CURRENT_UNBALANCE,
     STEP,
     FREQUENCY_RESPONSE,
+    FLUX_BALANCE,
+    MOTION_BALANCE,
 )
 """Every kind of analysis that comes with benchtool."""
 

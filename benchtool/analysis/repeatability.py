@@ -8,24 +8,27 @@ import numpy as np
 from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
-from benchtool.analysis.scatter import MeanError
+from benchtool.analysis.scatter import MeanError, error_of_series
 
 _MOST_VALUES = 4096
 _FEWEST_VALUES = 6
 _FITTED = 3  # unknowns of a quadratic
-_LAG, _LAGS = 12, 2  # a lag is a twelfth of the record, the shorter one half of that
-_STEADIEST, _LOOSEST = 1.0, 2.0  # how much faster the mean square grows than not at all, or in proportion
+_PARTS, _FEWEST_PARTS = 64, 16
+_LONGEST = 8  # such part of the record is the longest lag
+_LET_GO = 0.4  # exponent of time with which the mean square of differences grows: held 0, random walk 1
+_DOF_OF_ONE = 3.0
 
 
 def wander_of_difference(phase_rad: NDArray[np.float64]) -> MeanError:
     """Return the standard deviation, over records, of the phase from the first to the last value, rad.
 
     `phase_rad`, shape (n,), are phases at equal times. What a quadratic leaves of them is rms sigma: of a
-    phase that a control holds on to a constant speed the difference of its ends scatters by sqrt(2) sigma. Of
-    one that it lets go, because the speed itself wanders, the mean square of differences grows with the time
-    between them: from a twenty-fourth to a twelfth of the record by a factor of 1 (held) to 2 (random walk
-    of the phase), which is continued to the whole of it. A speed that keeps its value for longer than that
-    does not show in one record. nan with fewer than six values.
+    phase that a control holds on to a constant speed the difference of its ends scatters by sqrt(2) sigma,
+    however long it is, and the mean square of differences does not grow with the time between them. Where it
+    does, over an eighth of the record, the control lets the phase go, because the speed itself wanders: then
+    it is the scatter of the mean of the speeds of 64 parts, with their correlation. A speed that keeps its
+    value for so long that the record holds few of them scatters by itself, as one value. nan with fewer than
+    six values.
     """
     step = max(1, len(phase_rad) // _MOST_VALUES)
     phase_rad = phase_rad[::step]
@@ -35,15 +38,23 @@ def wander_of_difference(phase_rad: NDArray[np.float64]) -> MeanError:
     number = np.arange(count, dtype=np.float64)
     left = phase_rad - Polynomial.fit(number, phase_rad, 2)(number)
     freedom = float(count - _FITTED)
-    held = 2.0 * float(left @ left) / freedom
-    lag = count // _LAG
-    if lag < _LAGS:
-        return MeanError(math.sqrt(held), freedom)
-    longer, shorter = _mean_square(left, lag), _mean_square(left, lag // _LAGS)
-    growth = min(max(longer / shorter, _STEADIEST), _LOOSEST) if shorter > 0.0 else _STEADIEST
-    let_go = longer * growth ** math.log2(_LAG)
-    return MeanError(math.sqrt(max(held, let_go)), min(freedom, 0.5 * _LAG))
+    held = MeanError(math.sqrt(2.0 * float(left @ left) / freedom), freedom)
+    marks = left[:: max(1, (count - 1) // _PARTS)]
+    parts = len(marks) - 1
+    if parts < _FEWEST_PARTS or not held.standard > 0.0 or _growth(marks) < _LET_GO:
+        return held
+    turned = np.diff(marks)
+    of_mean = error_of_series(turned)
+    let_go = MeanError(parts * of_mean.standard, of_mean.dof)
+    if not math.isfinite(of_mean.standard):
+        let_go = MeanError(parts * float(np.std(turned)) / math.sqrt(2.0), _DOF_OF_ONE)
+    return max(held, let_go, key=lambda each: each.standard)
 
 
-def _mean_square(values: NDArray[np.float64], lag: int) -> float:
-    return float(np.mean((values[lag:] - values[:-lag]) ** 2))
+def _growth(marks: NDArray[np.float64]) -> float:
+    """Return the exponent of the time with which the mean square of differences grows."""
+    lags = 2 ** np.arange(1 + int(math.log2(len(marks) // _LONGEST)))
+    squares = np.array([float(np.mean((marks[lag:] - marks[:-lag]) ** 2)) for lag in lags])
+    if not np.all(squares > 0.0):
+        return 0.0
+    return float(np.polyfit(np.log(lags), np.log(squares), 1)[0])

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from benchtool.analysis.crop import crop_to
 from benchtool.analysis.declaration import Analysis, Findings, NoSettings, Quantity
 from benchtool.analysis.measurement import Basis, Measurement
-from benchtool.analysis.scatter import MeanError, error_of_record, error_of_root, means_of_parts
+from benchtool.analysis.scatter import MeanError, error_of_record, error_of_root
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
 from benchtool.analysis.validity import require_unbroken
 from benchtool.analysis.window import Window
@@ -169,7 +169,8 @@ def _mean_and_rms(residual_Nm: Floats, name: str, what: str, basis: Basis) -> It
     text = f"mean of {what}"
     yield Measurement(f"{name}_mean", mean, "Nm", text, basis, _uncertain(error_of_record(residual_Nm)))
     rms = float(np.sqrt(np.mean(residual_Nm**2)))
-    uncertain = _uncertain(error_of_root(means_of_parts(residual_Nm**2), rms))
+    square = residual_Nm**2
+    uncertain = _uncertain(error_of_root(square, rms, error_of_record(square)))
     yield Measurement(f"{name}_rms", rms, "Nm", f"rms, with the mean, of {what}", basis, uncertain)
 
 

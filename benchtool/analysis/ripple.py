@@ -8,15 +8,26 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
+from scipy import fft
 
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.quantisation import counting_step
-from benchtool.analysis.scatter import MeanError, error_of_root, error_of_series, scatter_of_largest
+from benchtool.analysis.repeated_steps import RepeatedSteps, noise_beside, repeated_steps
+from benchtool.analysis.scatter import (
+    MeanError,
+    at_lowest_frequencies,
+    error_of_root,
+    error_of_series,
+    scatter_of_largest,
+)
 from benchtool.analysis.uncertainty import Contribution, combined
 from benchtool.analysis.validity import clipping, require_signal, require_unbroken
 from benchtool.block import Block, as_samples
+
+Floats = NDArray[np.float64]
 
 _SMALLEST_MEAN = 0.02  # share of the peak-to-peak ripple below which "percent of mean" has no meaning
 _SIGNIFICANT = 5.0  # standard uncertainties of the mean, from which a ratio to it is one
@@ -42,8 +53,8 @@ class Ripple:
 class _Scatter:
     """Uncertainties of mean, rms and percentile range, and the standard deviation of a peak-to-peak.
 
-    `incomplete_mean` and `incomplete_rms` are what the part of a period at the record's end moves. `noise` is
-    the rms of white noise that makes the means of neighbouring periods differ as they do.
+    `incomplete_mean` and `incomplete_rms` are what the part of a period at the record's end moves, `steps`
+    the errors of a converter's steps that repeat.
     """
 
     periods: int
@@ -55,7 +66,7 @@ class _Scatter:
     mean_peak_to_peak: float
     incomplete_mean: float
     incomplete_rms: float
-    noise: float
+    steps: RepeatedSteps | None
 
 
 def ripple(samples: NDArray[np.float64], unit: str, name: str = "signal") -> Ripple:
@@ -152,8 +163,9 @@ def ripple_of_rows(
         AnalysisError: too short, not finite, or constant.
     """
     whole = ripple(samples, unit, channel or what)
-    scatter = None if begins is None else _scatter(samples, whole, begins, repeated)
-    return tuple(_numbers(samples, whole, scatter, name, what, rated, basis))
+    step = counting_step(samples)
+    scatter = None if begins is None else _scatter(samples, whole, begins, repeated, step)
+    return tuple(_numbers(samples, whole, scatter, step, name, what, rated, basis))
 
 
 def peak_to_peak_number(
@@ -174,12 +186,13 @@ def _numbers(
     samples: NDArray[np.float64],
     whole: Ripple,
     scatter: _Scatter | None,
+    step: float,
     name: str,
     what: str,
     rated: float | None,
     basis: Basis,
 ) -> Iterator[Measurement]:
-    unit, step = whole.unit, counting_step(samples)
+    unit = whole.unit
     clipped = clipping(samples)
 
     def measured(
@@ -205,11 +218,11 @@ def _numbers(
 
     # ripple that spans several steps turns quantization into noise, which the scatter holds already
     of_mean = step / math.sqrt(12.0) if whole.rms < step else 0.0
-    if scatter is not None and step > 0.0:
-        of_mean = max(of_mean, _of_repeated_steps(len(samples) / scatter.periods, whole, scatter, step))
-    # what repeats is weighted with the deviation, of a sine up to sqrt(2) rms; and step^2 / 12 is added to
-    # the mean square
-    of_rms = max(math.sqrt(2.0) * of_mean, step**2 / (24.0 * whole.rms) if whole.rms > 0.0 else 0.0)
+    of_rms = math.sqrt(2.0) * of_mean
+    if scatter is not None and scatter.steps is not None:
+        of_mean, of_rms = max(of_mean, scatter.steps.of_mean()), max(of_rms, scatter.steps.of_rms)
+    # steps add a twelfth of their square to the mean square
+    of_rms = math.hypot(of_rms, step**2 / (24.0 * whole.rms) if whole.rms > 0.0 else 0.0)
     mean = measured(
         "mean",
         f"mean of {what}",
@@ -248,18 +261,25 @@ def _numbers(
             yield _percent(number, f"{name}_ripple", "of_rated", rated, base, reason)
 
 
-def _of_repeated_steps(per_period: float, whole: Ripple, scatter: _Scatter, step: float) -> float:
-    """Return the standard uncertainty of the mean by steps that are the same in every period.
-
-    A quarter of those that a period crosses on its way up and down are independent, and of its samples a
-    sixth: three phases repeat what they do within it.
-    Noise of s rms moves them by chance and leaves exp(-2 pi^2 s^2 / step^2) of that (Widrow and Kollar,
-    Quantization Noise, ch. 4 and 19): what the steps themselves scatter by, as the samples slip along the
-    periods, is no such noise.
-    """
-    independent = max(1.0, min(per_period / 6.0, 0.5 * whole.peak_to_peak / step))
-    noise2 = max(0.0, scatter.noise**2 - step**2 / 12.0)
-    return step / math.sqrt(12.0 * independent) * math.exp(-2.0 * math.pi**2 * noise2 / step**2)
+def _repeated_steps(samples: Floats, begins: NDArray[np.int64], step: float) -> RepeatedSteps | None:
+    """Return the errors of a converter's steps that are the same in every period; None where noise hides
+    them."""
+    periods = len(begins) - 1
+    points = round((begins[-1] - begins[0]) / periods)
+    at = begins[:-1, np.newaxis] + np.diff(begins)[:, np.newaxis] * (np.arange(points) / points)
+    table = np.interp(at.ravel(), np.arange(len(samples)), samples).reshape(at.shape)
+    phasors = fft.rfft(np.mean(table, axis=0))[1:] * (2.0 / points)
+    if points % 2 == 0:
+        phasors[-1] *= 0.5
+    # periods begin within a sample: what the slope makes of that is no noise
+    number = np.arange(periods + 1)
+    within2 = float(np.var(begins - Polynomial.fit(number, begins, min(2, periods))(number)))
+    slope = phasors * np.arange(1, len(phasors) + 1) * (2.0 * np.pi / points)
+    left = float(np.mean(np.var(table, axis=0, ddof=1))) - within2 * float(np.sum(np.abs(slope) ** 2))
+    # nor are periods that the track does not follow closely, which leave neighbouring samples alike
+    noise2 = min(left, float(np.mean(np.diff(samples, 2) ** 2)) / 6.0)
+    mean, covered = float(np.mean(table)), float(begins[-1] - begins[0])
+    return repeated_steps(mean, phasors, step, noise_beside(noise2, step), covered, periods)
 
 
 def _no_base(mean: Measurement, whole: Ripple, name: str) -> str:
@@ -329,6 +349,7 @@ def _scatter(
     whole: Ripple,
     rows: NDArray[np.int64],
     repeated: str = "electrical periods",
+    step: float = 0.0,
     *,
     percentiles: bool = True,
 ) -> _Scatter | None:
@@ -338,15 +359,15 @@ def _scatter(
         return None
     begin, within, counts = rows[:-1], samples[: rows[-1]], np.diff(rows)
     means = np.add.reduceat(within, begin) / counts
-    deviation = within - whole.mean
-    squares = np.add.reduceat(np.square(deviation, out=deviation), begin) / counts
+    square = np.square(within - whole.mean)
+    squares = np.add.reduceat(square, begin) / counts
     largest, least = np.maximum.reduceat(within, begin), np.minimum.reduceat(within, begin)
     rms = math.sqrt(float(np.average(squares, weights=counts)))
     return _Scatter(
         periods=periods,
         repeated=repeated,
-        mean=error_of_series(means),
-        rms=error_of_root(squares, rms),
+        mean=at_lowest_frequencies(within, error_of_series(means)),
+        rms=error_of_root(squares, rms, at_lowest_frequencies(square, error_of_series(squares))),
         percentile_range=_percentile_scatter(within, begin, counts)
         if percentiles
         else MeanError(math.nan, math.nan),
@@ -359,7 +380,7 @@ def _scatter(
         # the record ends within a period: what that part moves is no scatter, but it is not known either
         incomplete_mean=float(np.average(means, weights=counts)) - whole.mean,
         incomplete_rms=rms - whole.rms,
-        noise=math.sqrt(0.5 * float(np.mean(np.diff(means) ** 2) * np.mean(counts))),
+        steps=_repeated_steps(within, rows, step) if percentiles and step > 0.0 else None,
     )
 
 

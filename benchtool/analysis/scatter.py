@@ -12,7 +12,10 @@ from scipy import fft
 _PARTS, _MOST_PARTS = 10, 64
 _FEWEST_VALUES = 3
 _FEWEST_EXTREMES = 4
-_BY_CHANCE = 2.5  # standard deviations of a correlation
+_BY_CHANCE, _CLEARLY, _WITHOUT_DOUBT = 2.5, 2.0, 3.5  # standard deviations of a correlation
+_FEWEST_INDEPENDENT = 4.0  # values that a record must hold
+_LOWEST, _FEWEST_OF_LOWEST, _BLOCKS, _FAR_BELOW = 5, 5, 2048, 5.0
+_ROUNDS, _MOST_CORRELATED = 4, 0.4
 _NEIGHBOURS = 2  # values that count as one by chance alone
 _LEAST_SPARE = 0.5  # degrees of freedom beyond two: with fewer the deviation has no bound
 _GUMBEL = math.pi / math.sqrt(6.0)
@@ -44,18 +47,49 @@ def error_of_series(values: NDArray[np.float64]) -> MeanError:
     covariance = fft.irfft(power, padded)[:count] / count
     if not covariance[0] > 0.0:
         return MeanError(0.0, math.inf)
-    correlation = covariance / covariance[0]
-    pairs = correlation[: count - count % 2].reshape(-1, 2).sum(axis=1)
-    ended = np.flatnonzero(pairs <= 0.0)
-    last = int(ended[0]) if len(ended) else len(pairs)
-    tau = 2.0 * float(np.sum(np.minimum.accumulate(pairs[:last]))) - 1.0
-    if correlation[1] > -_BY_CHANCE / math.sqrt(count):
+    neighbours = float(covariance[1] / covariance[0])
+    tau = _counting_as_one(covariance)
+    if neighbours > -_BY_CHANCE / math.sqrt(count):
         tau = max(tau, 1.0)
+    # of independent values it is -1 / n on average, with this deviation (von Neumann, 1941)
+    correlated = (neighbours + 1.0 / count) / math.sqrt((count - 2.0) / (count**2 - 1.0))
+    if correlated > _CLEARLY:
+        tau = max(tau, _of_a_memory(neighbours, count), _without_bias(covariance, tau))
+        if tau > count / _FEWEST_INDEPENDENT and correlated > _WITHOUT_DOUBT:
+            return MeanError(math.nan, max(1.0, count / tau - 1.0))
     tau = min(max(tau, 1.0 / count), 0.5 * count)
+    dof = max(1.0, count / max(tau, 1.0) - 1.0)
     # the deviations are from the mean of these values, and so too small by that mean's own variance
     standard = math.sqrt(covariance[0] * tau / (count - max(tau, 1.0)))
-    dof = max(1.0, count / max(tau, 1.0) - 1.0)
-    return MeanError(standard * students_deviation(dof), dof)
+    return _without_oscillations(values, MeanError(standard * students_deviation(dof), dof))
+
+
+def _counting_as_one(covariance: NDArray[np.float64]) -> float:
+    """Return how many values count as one, by the initial positive sequence."""
+    count = len(covariance)
+    pairs = covariance[: count - count % 2].reshape(-1, 2).sum(axis=1) / covariance[0]
+    ended = np.flatnonzero(pairs <= 0.0)
+    last = int(ended[0]) if len(ended) else len(pairs)
+    return 2.0 * float(np.sum(np.minimum.accumulate(pairs[:last]))) - 1.0
+
+
+def _of_a_memory(neighbours: float, count: int) -> float:
+    """Return how many values of a Gauss-Markov sequence count as one, by the correlation r of neighbours,
+    less its bias (1 + 3 r) / n (Kendall, Biometrika 41 (1954) 403)."""
+    memory = min(neighbours + (1.0 + 3.0 * neighbours) / count, 1.0 - 1.0 / count)
+    return (1.0 + memory) / (1.0 - memory)
+
+
+def _without_bias(covariance: NDArray[np.float64], tau: float) -> float:
+    """Return how many values count as one, with the covariances about the mean of all records: about that of
+    the values themselves they are smaller by its variance."""
+    count = len(covariance)
+    share = 1.0 - np.arange(count) / count
+    for _ in range(_ROUNDS):
+        within = min(tau, _MOST_CORRELATED * count)
+        of_mean = covariance[0] * within / (count - within)
+        tau = max(tau, _counting_as_one(covariance + of_mean * share))
+    return tau
 
 
 def students_deviation(dof: float) -> float:
@@ -63,21 +97,51 @@ def students_deviation(dof: float) -> float:
     return math.sqrt(dof / max(dof - 2.0, _LEAST_SPARE)) if math.isfinite(dof) else 1.0
 
 
-def error_of_root(squares: NDArray[np.float64], root: float) -> MeanError:
-    """Return the error of the root mean square `root` of squares, shape (n,), one for each period.
+def error_of_root(squares: NDArray[np.float64], root: float, of_mean: MeanError | None = None) -> MeanError:
+    """Return the error of the root mean square `root` of squares, shape (n,), one for each period, whose mean
+    has the error `of_mean`, by default that of a series.
 
     A mean square that is low by chance has squares that scatter little: the uncertainty is that of a mean
     square two standard uncertainties above.
     """
-    error = error_of_series(squares)
+    error = of_mean or error_of_series(squares)
     if not root > 0.0:
         return MeanError(0.0 * error.standard, error.dof)
     return MeanError(error.standard / (2.0 * root) * (1.0 + 2.0 * error.standard / root**2), error.dof)
 
 
 def error_of_record(samples: NDArray[np.float64]) -> MeanError:
-    """Return the error of the mean of samples, shape (n,), at equal times, by the means of up to 64 parts."""
-    return error_of_series(means_of_parts(samples))
+    """Return the error of the mean of samples, shape (n,), at equal times, by the means of up to 64 parts, or
+    by the lowest frequencies where these hold much less."""
+    return at_lowest_frequencies(samples, error_of_series(means_of_parts(samples)))
+
+
+def at_lowest_frequencies(samples: NDArray[np.float64], by_parts: MeanError) -> MeanError:
+    """Return the error of the mean of samples, shape (n,), at equal times: that by parts of them, less what
+    the parts cut out of oscillations.
+
+    The variance of a mean of n is the density at zero frequency over n. Parts that are no whole periods of a
+    ripple differ by it, and the mean of all does not: then the density at the lowest five frequencies of the
+    record is far below what the parts say, by a fifth once in two hundred records by chance.
+    """
+    if not math.isfinite(by_parts.standard):
+        by_parts = error_of_series(means_of_parts(samples))
+    size = max(1, len(samples) // _BLOCKS)
+    blocks = len(samples) // size
+    return _without_oscillations(np.mean(samples[: blocks * size].reshape(blocks, size), axis=1), by_parts)
+
+
+def _without_oscillations(values: NDArray[np.float64], by_parts: MeanError) -> MeanError:
+    """Return the error of the mean by the lowest frequencies of values, shape (n,), where it is clearly
+    less."""
+    if len(values) < _FEWEST_OF_LOWEST * _LOWEST or not by_parts.standard > 0.0:
+        return by_parts
+    bins = fft.rfft(values - np.mean(values))[1 : _LOWEST + 1] / len(values)
+    standard = math.sqrt(float(np.mean(bins.real**2 + bins.imag**2)))
+    dof = 2.0 * _LOWEST
+    if _FAR_BELOW * standard**2 >= (by_parts.standard / students_deviation(by_parts.dof)) ** 2:
+        return by_parts
+    return MeanError(standard * students_deviation(dof), dof)
 
 
 def means_of_parts(samples: NDArray[np.float64]) -> NDArray[np.float64]:

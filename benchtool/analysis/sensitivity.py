@@ -55,6 +55,14 @@ def _own(found: Found) -> float:
     return found.value
 
 
+def _third(found: Found) -> float:
+    return found.value / 3.0
+
+
+def _minus_third(found: Found) -> float:
+    return -found.value / 3.0
+
+
 def _one(_: Found) -> float:
     return 1.0
 
@@ -184,6 +192,20 @@ def _sequences() -> Iterator[Declared]:
         yield Declared(pattern, phases, bound=True)
 
 
+def _balances() -> Iterator[Declared]:
+    """Yield the parameters of a flux balance and of one of torque.
+
+    Voltages scale with that of the dc link; a third of the error of each phase's gain is common to all.
+    """
+    link = Sensitivity("u_dc", _own)
+    yield Declared("flux_balance_(psi_r|dead_time_voltage)", (link,))
+    by_currents = tuple(Sensitivity(phase, _minus_third) for phase in ("i_a", "i_b", "i_c"))
+    yield Declared("flux_balance_(R_s|L_d|L_q)", (link, *by_currents))
+    torque = tuple(Sensitivity(phase, _third) for phase in ("i_a", "i_b", "i_c"))
+    yield Declared("motion_balance_(J|friction|coulomb)", (link, *torque))
+    yield Declared("flux_balance_(encoder_offset|current_gain_[abc]|(belief_)?error_rms)")
+
+
 def _all() -> Iterator[Declared]:
     for name, channel in (
         ("torque", "torque"),
@@ -215,6 +237,7 @@ def _all() -> Iterator[Declared]:
         r"current_thd_(r|f(_noise_corrected|_plus_noise|_groups|_subgroups)?)", (Sensitivity("i_a"),), "band"
     )
     yield from _sequences()
+    yield from _balances()
     for signal in ("omega_m", "torque", "u_dc"):
         yield Declared(f"{signal}_reached", (Sensitivity(signal, _own, _one, _of_mean_step),))
 

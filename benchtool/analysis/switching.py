@@ -193,7 +193,8 @@ SWITCHING_FREQUENCY: Final = Analysis(
             ("switching_frequency_mean",),
             "Hz",
             "turn-ons of the three upper switches / (3 x duration)",
-            "one count, `1 / (3 sqrt(3) duration)`, and the scatter over 64 parts with their correlation",
+            "one count, `1 / (3 sqrt(3) duration)`, and the scatter over 64 parts with their correlation, or "
+            "the five lowest frequencies where these hold less than a fifth of that",
         ),
     ),
     settings=NoSettings,

@@ -93,7 +93,8 @@ _NUMBERS: Final = (
         ("mean",),
         "Nm",
         "mean(x)",
-        "s of the periods' means x sqrt(tau / N_p), and what the incomplete last period moves",
+        "s of the periods' means x sqrt(tau / N_p), or by the five lowest frequencies where these hold less "
+        "than a fifth of that; what the incomplete last period moves; resolution that repeats",
     ),
     (
         ("ripple_pp",),
@@ -108,7 +109,7 @@ _NUMBERS: Final = (
         ("ripple_rms",),
         "Nm",
         "sqrt(mean((x - mean(x))^2))",
-        "s of the periods' mean squares x sqrt(tau / N_p) / (2 rms), and the incomplete last period",
+        "likewise of the periods' mean squares, over 2 rms",
     ),
     (
         ("ripple_percentile_range",),

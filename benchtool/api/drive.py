@@ -124,7 +124,7 @@ class Drive:
         """Return the drive enabled in a mode for the length of a `with` block, and disabled on every way out.
 
         Args:
-            mode: "velocity", "torque" or "voltage".
+            mode: "velocity", "torque", "voltage" or "current".
 
         Raises:
             ValueRefused: no such mode; in the `with` statement also: the drive has it not.

@@ -139,7 +139,7 @@ _NEEDS: Final[Mapping[Capability, _Needs]] = {
             *_written("stimulus_offset", "stimulus_ticks", "stimulus_repetitions"),
             *_written("stimulus_frequency_start", "stimulus_frequency_end", "stimulus_steps"),
             *_written("stimulus_prbs_clock", "stimulus_prbs_length", "stimulus_seed"),
-            *_written("stimulus_frame", "stimulus_angle"),
+            *_written("stimulus_frame", "stimulus_angle", "stimulus_omega_e", "stimulus_turn_ticks"),
             *_read("stimulus_state", "torque_limit", "i_trip", "u_dc", "omega_m_command"),
             *_read(Role.MODE_OF_OPERATION_DISPLAY),
         ),

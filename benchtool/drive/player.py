@@ -76,7 +76,7 @@ def _require_within_limits(drive: RemoteDrive, stimulus: Stimulus, motor: Motor)
         case "speed":
             setpoint = abs(drive.number("omega_m_command"))
             stimulus.require_within(motor.omega_m_N_rad_s - setpoint, "the rated speed less the setpoint")
-        case "d_current":
+        case "d_current" | "current":
             stimulus.require_within(drive.number("i_trip"), "the drive's i_trip")
         case "voltage":
             drive.wait(_POLL_S)  # for a measurement with the power stage on

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Annotated, Literal
 
@@ -13,13 +14,14 @@ from benchtool.profile import Motor
 from benchtool.protocol import Mode
 from benchtool.protocol.dictionary import Value
 
-_SUFFIXES = {"torque": "Nm", "speed": "rad_s", "d_current": "A", "voltage": "V"}
+_SUFFIXES = {"torque": "Nm", "speed": "rad_s", "d_current": "A", "voltage": "V", "current": "A"}
 _UNITS = {**_SUFFIXES, "speed": "rad/s"}
 _MODES = {
     "torque": (Mode.TORQUE,),
     "speed": (Mode.VELOCITY,),
     "d_current": (Mode.TORQUE, Mode.VELOCITY),
     "voltage": (Mode.VOLTAGE,),
+    "current": (Mode.CURRENT,),
 }
 _NEEDED: Mapping[str, tuple[str, ...]] = {
     "staircase": ("steps",),
@@ -28,6 +30,8 @@ _NEEDED: Mapping[str, tuple[str, ...]] = {
     "chirp_logarithmic": ("frequency_start_Hz", "frequency_end_Hz"),
     "prbs": ("prbs_clock_s", "prbs_length", "seed"),
 }
+_OF_VECTORS = ("voltage", "current")
+_OVERLOAD = 1.1  # of the rated current, what an injected one may be
 _OF_SHAPES = tuple(dict.fromkeys(key for keys in _NEEDED.values() for key in keys))
 _ROUNDING = 1.0 + 1e-6  # a drive has its control period as a float32
 
@@ -40,8 +44,9 @@ class Stimulus(Section):
 
     Amplitude and offset are in the unit of the quantity: Nm, rad/s, A peak, V peak. A torque plays in torque
     mode, a speed in velocity mode, a d_current in either, by way of the flux reference that every law of the
-    reference drive follows; a voltage takes the place of the law in voltage mode, along `angle_rad` against
-    phase a or, with `frame = "rotor"`, along the rotor flux.
+    reference drive follows. A voltage takes the place of the law in voltage mode, a current in current mode,
+    along `angle_rad` against phase a or, with `frame = "rotor"`, along the rotor flux. Against phase a either
+    may turn with `omega_e_rad_s`, to which it comes up within `turn_s`.
 
     Shapes over the ticks of one repetition: `constant` 1; `step` 1, and 0 from the middle on; `staircase`
     1/n, 2/n to 1 in n `steps`; `ramp` from 0 towards 1; `sine`, `chirp_linear` and `chirp_logarithmic` from
@@ -49,7 +54,7 @@ class Stimulus(Section):
     one bit per `prbs_clock_s`. `duration_s` is that of one repetition; a prbs without it lasts one period.
     """
 
-    quantity: Literal["torque", "speed", "d_current", "voltage"]
+    quantity: Literal["torque", "speed", "d_current", "voltage", "current"]
     """What is played."""
     shape: Literal[
         "constant", "step", "staircase", "ramp", "sine", "chirp_linear", "chirp_logarithmic", "prbs"
@@ -60,15 +65,15 @@ class Stimulus(Section):
     amplitude_rad_s: float | None = None
     """Amplitude of a speed."""
     amplitude_A: float | None = None
-    """Amplitude of a d-current, peak."""
+    """Amplitude of a d-current or a current, peak."""
     amplitude_V: float | None = None
-    """Amplitude of a voltage, peak; no operating point of a plan is in voltage mode yet."""
+    """Amplitude of a voltage, peak; no operating point of a plan is in voltage or current mode yet."""
     offset_Nm: float | None = None
     """Offset of a torque."""
     offset_rad_s: float | None = None
     """Offset of a speed."""
     offset_A: float | None = None
-    """Offset of a d-current, peak."""
+    """Offset of a d-current or a current, peak."""
     offset_V: float | None = None
     """Offset of a voltage, peak."""
     duration_s: Seconds | None = None
@@ -90,9 +95,13 @@ class Stimulus(Section):
     seed: Annotated[int, Field(ge=1, le=0xFFFFF)] | None = None
     """Start of the shift register of a PRBS."""
     frame: Literal["stator", "rotor"] = "stator"
-    """Frame of a voltage: phase a, or the rotor flux."""
+    """Frame of a voltage or current: phase a, or the rotor flux."""
     angle_rad: Annotated[float, Field(ge=-6.2832, le=6.2832)] = 0.0
-    """Angle of a voltage in its frame."""
+    """Electrical angle of a voltage or current against phase a."""
+    omega_e_rad_s: Annotated[float, Field(ge=-20_000.0, le=20_000.0)] = 0.0
+    """Electrical speed with which a voltage or current turns."""
+    turn_s: Annotated[float, Field(ge=0.0, le=3600.0)] = 0.0
+    """Time in which a voltage or current comes up to that speed, evenly."""
 
     @model_validator(mode="after")
     def _keys_fit(self) -> Stimulus:
@@ -109,6 +118,8 @@ class Stimulus(Section):
             raise ValueError(f"shape '{self.shape}' needs {', '.join(missing)}")
         if unused := [key for key in _OF_SHAPES if key in given and key not in needed]:
             raise ValueError(f"shape '{self.shape}' has no {', '.join(unused)}")
+        if self.quantity not in _OF_VECTORS and (self.omega_e_rad_s or self.turn_s):
+            raise ValueError(f"a {self.quantity} does not turn: it has no omega_e_rad_s and no turn_s")
         if self.duration_s is None and self.shape != "prbs":
             raise ValueError(f"shape '{self.shape}' needs duration_s")
         if self.shape == "chirp_logarithmic" and 0.0 in (self.frequency_start_Hz, self.frequency_end_Hz):
@@ -148,13 +159,17 @@ class Stimulus(Section):
         """Check that the motor may have it.
 
         Raises:
-            ValueRefused: it is a torque or a speed beyond the profile's rating.
+            ValueRefused: it is a torque or a speed beyond the profile's rating, or a current beyond 1.1
+                times the rated one.
         """
         match self.quantity:
             case "torque":
                 self.require_within(motor.T_N_Nm, "the profile's rated torque T_N")
             case "speed":
                 self.require_within(motor.omega_m_N_rad_s, "the profile's rated speed omega_m_N")
+            case "current":
+                most_A = _OVERLOAD * math.sqrt(2.0) * motor.I_N_A_rms
+                self.require_within(most_A, f"{_OVERLOAD:g} times the profile's rated current, peak,")
 
     def require_within(self, limit: float, name: str) -> None:
         """Check that it stays within a limit in `unit`.
@@ -211,6 +226,9 @@ class Stimulus(Section):
             "stimulus_frame": self.frame,
             "stimulus_angle": self.angle_rad,
         }
+        if self.quantity in _OF_VECTORS:
+            rows["stimulus_omega_e"] = self.omega_e_rad_s
+            rows["stimulus_turn_ticks"] = round(self.turn_s / control_period_s)
         if self.prbs_clock_s is not None:
             rows["stimulus_prbs_clock"] = _ticks("prbs_clock_s", self.prbs_clock_s, control_period_s)
         return {name: value for name, value in rows.items() if value is not None}

@@ -321,8 +321,9 @@ def _train(emulator: Emulator) -> TrainTruth:
 
 
 def _stored_parameters(profile: Profile, emulator: Emulator) -> dict[str, Number]:
-    """Return the raw values that the drive was commissioned with: motor data, encoder and parameters."""
-    given: Mapping[str, Value] = profile.commissioned()
+    """Return the raw values of the parameters that the drive has stored; none of them comes from the
+    truth."""
+    given: Mapping[str, Value] = profile.stated_parameters if emulator.commissioned else {}
     dictionary = Dictionary.from_eds(shipped("firmware_protocol") / "drive.eds", profile.drive.node_id)
     variables = {key: setting_of(dictionary, key, value) for key, value in given.items()}
     if breach := first_breach(dictionary, given, emulator.sensors.full_scales()):

@@ -54,6 +54,12 @@ COMMAND = record_type(
         ("halt", "u4"),  # stand still, or make no torque, for as long as this is set
         ("trip", "u4"),  # mask of `Trip`, latched by control, cleared by the firmware
         ("standstill", "u4"),  # a quick stop or a halt has come to that
+        ("calibration", "i4"),  # of the current sensors: a `CalibrationState`
+        ("calibration_left", "i8"),  # ticks
+        ("calibration_ticks", "i8"),
+        ("sum_a", "f8"),  # of what the sensors read in them, in A
+        ("sum_b", "f8"),
+        ("sum_c", "f8"),
     ]
 )
 
@@ -78,6 +84,9 @@ STIMULUS = record_type(
         ("in_rotor_frame", "i8"),
         ("cos_angle", "f8"),
         ("sin_angle", "f8"),
+        ("angle", "f8"),  # at the start, against phase a
+        ("turn", "f8"),  # electrical, per tick
+        ("turn_ticks", "i8"),  # over which it comes up to that
         ("k", "i8"),  # tick within the repetition that is next
         ("played", "i8"),  # repetitions
         ("register", "i8"),
@@ -117,6 +126,7 @@ CONTROL = record_type(
         ("turned_ticks", "i8"),
         ("rest_ticks", "i8"),
         ("limited", "u4"),  # the voltage computed last was beyond the hexagon
+        ("injecting", "u4"),  # the current mode ran last, no law
         # Of the laws, cleared while the power stage is off.
         ("torque_state", "i4"),
         ("flux_state", "i4"),

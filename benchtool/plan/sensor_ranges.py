@@ -26,7 +26,7 @@ def require_protected(plan: Plan, path: Path | None, profile: Profile, dictionar
         bench = altered(profile, case.emulator).emulator
         if bench is None:
             return
-        powered = profile.commissioned()
+        powered = profile.stated_parameters
         ranges = bench.sensors.full_scales()
         breach = first_breach(dictionary, powered, ranges) or first_breach(
             dictionary, {**powered, **plan.setup, **case.setup}, ranges

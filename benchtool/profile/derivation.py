@@ -90,6 +90,7 @@ def derived_parameters(motor: Motor, given: Given, law: str = "") -> tuple[Deriv
         Derived("u_s_V", u_s, "2/3 u_dc, the length of a basic vector (Zhu, Xiao, Li 2011, II-C)"),
         Derived("T_k_ratio", _T_K_RATIO, "T_k / T_s, tested by Zhu, Xiao, Li 2011, II-C"),
         Derived("dead_time_compensation_s", given.dead_time_s, "the dead time of the inverter"),
+        Derived("encoder_lines", given.encoder_lines, "of the encoder; four counts each"),
         Derived(
             "omega_current_rad_s",
             omega_current,

@@ -171,7 +171,7 @@ class Inverter(Section):
 
 
 class Emulator(Section):
-    """The emulated bench: true values, which control never sees."""
+    """The emulated bench: true values, which neither control nor the host ever sees."""
 
     motor: TrueMotor = TrueMotor()
     """The machine as it really is, where it differs from `[motor]`."""
@@ -181,6 +181,9 @@ class Emulator(Section):
     """What the drive measures with."""
     energy_accounts: bool = False
     """Keep accounts of where the energy from the dc link goes; with `motor.heat` they are kept anyway."""
+    commissioned: bool = True
+    """Whether the drive has stored what the profile states of it; false: it starts with the defaults of its
+    dictionary, as it comes out of its box."""
     shaft: Shaft = Shaft()
     """Inertia and coupling of the load."""
     load: DrivenLoad = DrivenLoad()

@@ -61,13 +61,6 @@ class Profile(Section):
         """What the drive is to hold, by TOML key: the motor, and `[drive.parameters]`."""
         return {**self.motor.parameters, **self.drive.parameters}
 
-    def commissioned(self) -> Mapping[str, float | str]:
-        """Return what a drive of this profile is set to: what the profile states and, on an emulated bench,
-        the encoder."""
-        encoder = {"encoder_lines", "encoder_offset_rad"}
-        sensors = self.emulator.sensors.model_dump(include=encoder) if self.emulator else {}
-        return {**sensors, **self.stated_parameters}
-
 
 class _BenchOfDocument(Section):
     """`[bench]` of a document, whatever else that holds."""

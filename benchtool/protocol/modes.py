@@ -6,8 +6,10 @@ from enum import IntEnum
 
 
 class Mode(IntEnum):
-    """Mode of operation. VOLTAGE is specific to this drive: no law runs, a stimulus sets the voltage."""
+    """Mode of operation. CURRENT and VOLTAGE are specific to this drive: no law runs, a stimulus sets the
+    current or the voltage."""
 
+    CURRENT = -2
     VOLTAGE = -1
     VELOCITY = 3
     TORQUE = 4

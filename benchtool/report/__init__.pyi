@@ -1,4 +1,5 @@
 from .content import Report as Report
+from .figures.twin import draw_twin as draw_twin
 from .junit import (
     junit as junit,
     write_junit as write_junit,

@@ -44,6 +44,11 @@ from .runs import (
     is_planned as is_planned,
     recorded_runs as recorded_runs,
 )
+from .twin import (
+    Signal as Signal,
+    Twin as Twin,
+    twins as twins,
+)
 from .verification import (
     Verification as Verification,
     verify_run as verify_run,

@@ -103,25 +103,37 @@ def recorded_runs(folder: Path, selection: Selection | None = None) -> tuple[Rec
         RecordingError: it holds none, or one cannot be read.
         PlugInError: an analysis of another package cannot be used.
     """
-    if folder.exists() and not folder.is_dir():
-        raise RecordingError(f"{folder} is a file: give the folder of a run")
-    if not folder.exists():
-        raise RecordingError(f"{folder} does not exist: give the folder of a run")
-    if (folder / _MANIFEST).is_file():
-        return (RecordedRun("", folder, tuple(_cases(Bundle.open(folder), selection))),)
+    bundles = recorded_bundles(folder)
+    if bundles[0].directory == folder:
+        return (RecordedRun("", folder, tuple(_cases(bundles[0], selection))),)
     if selection is not None and not selection.everything:
         raise UsageError(
             f"{folder} is no single bundle, of which a part can be measured: give one of those in it"
         )
     groups: dict[Path, list[Bundle]] = {}
-    for path in sorted((*folder.glob(f"*/{_MANIFEST}"), *folder.glob(f"*/*/{_MANIFEST}"))):
-        place = path.parent
-        if not _PUT_ASIDE.search(place.name):
-            groups.setdefault(place.parent, []).append(Bundle.open(place))
-    if not groups:
-        raise RecordingError(f"{folder} holds no run bundle: give the folder of a run")
+    for bundle in bundles:
+        groups.setdefault(bundle.directory.parent, []).append(bundle)
     runs = [run for place, bundles in sorted(groups.items()) for run in _of_one_plan(folder, place, bundles)]
     return tuple(runs) if len(runs) > 1 else (RecordedRun("", runs[0].folder, runs[0].cases),)
+
+
+def recorded_bundles(folder: Path) -> tuple[Bundle, ...]:
+    """Return the bundle in `folder`, or those of a run of several cases or plans, by their path.
+
+    Raises:
+        RecordingError: it holds none, or one cannot be read.
+    """
+    if folder.exists() and not folder.is_dir():
+        raise RecordingError(f"{folder} is a file: give the folder of a run")
+    if not folder.exists():
+        raise RecordingError(f"{folder} does not exist: give the folder of a run")
+    if (folder / _MANIFEST).is_file():
+        return (Bundle.open(folder),)
+    paths = sorted((*folder.glob(f"*/{_MANIFEST}"), *folder.glob(f"*/*/{_MANIFEST}")))
+    found = tuple(Bundle.open(path.parent) for path in paths if not _PUT_ASIDE.search(path.parent.name))
+    if not found:
+        raise RecordingError(f"{folder} holds no run bundle: give the folder of a run")
+    return found
 
 
 def complete_cases(folder: Path, selection: Selection | None = None) -> list[Assessment]:

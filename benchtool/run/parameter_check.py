@@ -81,8 +81,7 @@ def check_parameters(drive: RemoteDrive, profile: Profile, set_by_plan: Collecti
 
     Args:
         drive: connected.
-        profile: its motor and its `[drive.parameters]`; the sensors of its emulated bench are what an
-            encoder's parameters are to be.
+        profile: its motor and its `[drive.parameters]`.
         set_by_plan: TOML keys that the plan sets, whatever the drive holds.
 
     Raises:
@@ -94,7 +93,7 @@ def check_parameters(drive: RemoteDrive, profile: Profile, set_by_plan: Collecti
         for key, (variable, held) in stated.items()
         if key not in set_by_plan and (now := _read(drive, variable)) != held
     ]
-    expected = _expected(profile, drive.dictionary)
+    expected = _expected(drive.dictionary)
     unstated = [
         Difference(key, held, now)
         for key, (variable, held) in expected.items()
@@ -133,17 +132,15 @@ def _has(dictionary: Dictionary, key: str) -> bool:
     return any(toml_key(variable) == key for variable in dictionary)
 
 
-def _expected(profile: Profile, dictionary: Dictionary) -> Mapping[str, tuple[Variable, int | float | str]]:
-    """Return the values of parameters that were not set: defaults, and the encoder of the emulated bench."""
-    sensors = {} if profile.emulator is None else profile.emulator.sensors.model_dump()
+def _expected(dictionary: Dictionary) -> Mapping[str, tuple[Variable, int | float | str]]:
+    """Return the values of parameters that were not set: the defaults."""
     found = {}
     for variable in dictionary:
         if variable.role != "parameter" or not variable.readable:
             continue
-        key = toml_key(variable)
-        value = variable.decode(variable.encode(sensors[key])) if key in sensors else default_of(variable)
+        value = default_of(variable)
         if value is not None and not isinstance(value, bytes):
-            found[key] = variable, value
+            found[toml_key(variable)] = variable, value
     return found
 
 

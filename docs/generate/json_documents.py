@@ -9,6 +9,7 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, RootModel
 
+from docs.generate.json_commissioning import Commissioned, PlannedCommissioning
 from docs.generate.json_gauge import GaugeStudied
 from docs.generate.json_parameters import (
     DerivedParameters,
@@ -36,6 +37,7 @@ from docs.generate.json_results import (
     Verified,
 )
 from docs.generate.json_tables import AnalyzedTable
+from docs.generate.json_twin import Twins
 
 
 class Kinds(Document):
@@ -432,9 +434,12 @@ DOCUMENTS: dict[str, type[BaseModel]] = {
     "report": Reported,
     "record": Recorded,
     "export": Exported,
+    "commission": Commissioned,
+    "commission --dry-run": PlannedCommissioning,
     "jog": Jogged,
     "live": LiveEnd,
     "live of a run": LiveRun,
+    "twin": Twins,
     "verify": Verified,
     "gauge": GaugeStudied,
     "info": DriveInfo,

@@ -64,6 +64,13 @@ static inline void bt_trip(struct bt_drive *drive, uint16_t code)
     bt_device_trip(&drive->node.device, code);
 }
 
+/* What the current sensors of the outputs a, b and c read, in A: sets i_a, i_b and i_c, by the offsets, gains and phase
+ * order that the host has set, and serves the calibration of the offsets. */
+static inline void bt_take_currents(struct bt_drive *drive, const float reading[3])
+{
+    bt_device_take_currents(&drive->node.device, reading);
+}
+
 static inline bool bt_may_switch(const struct bt_drive *drive)
 {
     return bt_device_may_switch(&drive->node.device);

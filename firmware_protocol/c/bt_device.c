@@ -152,6 +152,9 @@ void bt_device_reset(struct bt_device *device)
     identify(device);
     device->history_count = 0;
     bt_capture_abort(&device->capture);
+    BT_LOCK();
+    bt_currents_stop(&device->currents);
+    BT_UNLOCK();
     bt_watchdog_configure(&device->watchdog, 0, device->config.tick_period_ns);
 }
 
@@ -317,6 +320,12 @@ float bt_device_torque_setpoint(const struct bt_device *device)
 float bt_device_omega_m_setpoint(const struct bt_device *device)
 {
     return follows_setpoints(device) ? device->variables.omega_m_command : 0.0f;
+}
+
+void bt_device_take_currents(struct bt_device *device, const float reading[3])
+{
+    bt_currents_take(&device->currents, &device->variables, reading,
+                     bt_cia402_power_stage_on((enum bt_state)device->state));
 }
 
 static float magnitude(float value)

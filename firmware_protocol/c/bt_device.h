@@ -14,6 +14,7 @@
 
 #include "bt_capture.h"
 #include "bt_cia402.h"
+#include "bt_currents.h"
 #include "bt_dictionary.h"
 #include "bt_version.h"
 #include "bt_watchdog.h"
@@ -63,6 +64,7 @@ struct bt_device {
     struct bt_config config;
     struct bt_watchdog watchdog;
     struct bt_capture capture;
+    struct bt_currents currents;
     volatile uint32_t tick_wraps; /* of the variable `tick`; of the control interrupt */
     volatile uint8_t state;       /* enum bt_state */
     volatile bool standstill;     /* a quick stop has braked */
@@ -109,6 +111,9 @@ void bt_device_trip(struct bt_device *device, uint16_t code);
 bool bt_device_may_switch(const struct bt_device *device);
 bool bt_device_is_quick_stopping(const struct bt_device *device);
 void bt_device_standstill(struct bt_device *device);
+
+/* Control interrupt: what the current sensors of the three outputs read, in A; see bt_currents.h. */
+void bt_device_take_currents(struct bt_device *device, const float reading[3]);
 
 /* Control interrupt: looks at the signals of this tick. */
 void bt_device_tick(struct bt_device *device);

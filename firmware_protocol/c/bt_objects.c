@@ -58,6 +58,9 @@ uint32_t bt_number(const struct bt_device *device, enum bt_id id, union bt_numbe
     case BT_ID_capture_state:
         number->u = device->capture.state;
         break;
+    case BT_ID_offset_calibration_state:
+        number->u = device->currents.state;
+        break;
     case BT_ID_capture_rows_done:
         number->u = device->capture.rows_done;
         break;
@@ -235,6 +238,12 @@ static void follow(struct bt_device *device, enum bt_id id, union bt_number numb
         if (variables->mode_of_operation_display != number.i)
             bt_device_zero_targets(device);
         variables->mode_of_operation_display = (int8_t)number.i;
+        break;
+    case BT_ID_offset_calibration:
+        if (number.u == BT_OFFSET_CALIBRATION_START)
+            bt_currents_start(&device->currents, variables);
+        else
+            bt_currents_stop(&device->currents);
         break;
     case BT_ID_target_torque:
         variables->torque_command = (float)number.i * 1e-3f * variables->T_N;

@@ -219,7 +219,7 @@ def test_a_plan_runs_to_its_measurements(session: Session, tmp_path: Path) -> No
         operating_point={"omega_m_rad_s": 31.42, "load_torque_Nm": 0.0, "settle_s": 0.8},
         record={"duration_s": 0.5, "channels": CHANNELS},
     )
-    with temporary(session.drive, session.profile.commissioned()):
+    with temporary(session.drive, session.profile.stated_parameters):
         result = run_plan(lambda *_: nullcontext(session), plan, tmp_path, INFO, RunObserver())
     (assessment,) = result.assessments
     block = Bundle.open(assessment.bundle).block("capture")

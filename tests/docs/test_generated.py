@@ -14,7 +14,7 @@ from docs.generate.__main__ import REFERENCE, main
 from docs.generate.models import EXAMPLES, documents_of, tables
 from docs.generate.pages import all_pages
 
-WITHOUT_EXAMPLE = {"amplitude_V", "offset_V", "frame", "angle_rad"}
+WITHOUT_EXAMPLE = {"amplitude_V", "offset_V", "frame", "angle_rad", "omega_e_rad_s", "turn_s"}
 """Keys of a voltage stimulus, which no operating point of a plan plays yet."""
 
 

@@ -41,6 +41,8 @@ COMMANDS = {
     "record": ("record", "--duration", "0.2", "--out", "recorded"),
     "analyze of a recording": ("analyze", "recorded"),
     "export": ("export", "recorded"),
+    "commission": ("commission", "offsets", "--yes"),
+    "commission --dry-run": ("commission", "--dry-run"),
     "jog": ("jog", "--duration", "0.1", "--speed", "1"),
     "verify": ("verify", "folder/one"),
     "gauge": ("gauge", "readings.csv"),
@@ -57,9 +59,9 @@ COMMANDS = {
     "params save": ("params", "save"),
     "params restore": ("params", "restore"),
 }
-ELSEWHERE = {"completion install", "demo", "run", "live", "live of a run", "emulate", "scan"}
+ELSEWHERE = {"completion install", "demo", "run", "live", "live of a run", "emulate", "scan", "twin"}
 """`demo` and `run` print what `analyze` does; `completion` writes into the home folder; tests/emulated tries
-what needs a viewer or a second process."""
+what needs a viewer, a second process or an excited machine."""
 
 
 @pytest.fixture(scope="module")

@@ -40,6 +40,7 @@ _HALF_POWER_DB = 20.0 * math.log10(math.sqrt(0.5))
 _QUARTER_TURN = -0.5 * math.pi
 _FEWEST_FOR_A_LINE = 3
 _MOST_OF_THE_LEVEL = 0.3  # of the 3 dB: with a less certain gain at zero frequency there is no bandwidth
+_STANDS_OUT = 2.0  # standard uncertainties of a peak
 _STATISTICAL = "random error of H1 from coherence and number of averages"
 
 Floats = NDArray[np.float64]
@@ -144,10 +145,7 @@ def _measurements(found: FrequencyResponse, unit: str, basis: Basis) -> Iterator
     turned = ResponseCurve(frequency_Hz, phase, error, -_QUARTER_TURN).falls_to(_QUARTER_TURN)
     yield _frequency("bandwidth_90deg", text, turned, reason, basis)
 
-    peak_dB, standard_dB = relative.greatest()
-    text = f"greatest gain over response_gain, at least 0 dB, up to {frequency_Hz[-1]:.4g} Hz"
-    peak_error = Uncertainty(math.hypot(standard_dB, rest_dB), _STATISTICAL)
-    yield Measurement("resonance_peak", max(0.0, peak_dB), "dB", text, basis, peak_error)
+    yield _resonance(relative, rest_dB, down, basis)
 
     limit_Hz = (
         down.frequency_Hz if down is not None and not down.undefined_because else float(frequency_Hz[-1])
@@ -171,6 +169,26 @@ def _frequency(name: str, definition: str, found: Point | None, reason: str, bas
     source = f"{_STATISTICAL}, over the slope, and the length of the local fit"
     uncertainty = Uncertainty(found.standard_Hz, source)
     return Measurement(name, found.frequency_Hz, "Hz", definition, basis, uncertainty)
+
+
+def _resonance(relative: ResponseCurve, rest_dB: float, down: Point | None, basis: Basis) -> Measurement:
+    """Return the greatest gain; undefined where errors hide it, or where it may be above the frequencies
+    used."""
+    last_Hz = float(relative.frequency_Hz[-1])
+    text = f"greatest gain over response_gain, at least 0 dB, up to {last_Hz:.4g} Hz"
+    peak_dB, of_peak_dB = relative.greatest()
+    standard_dB = math.hypot(of_peak_dB, rest_dB)
+    reason = ""
+    if standard_dB > -_MOST_OF_THE_LEVEL * _HALF_POWER_DB:
+        reason = f"it is uncertain by {standard_dB:.2g} dB: raise the stimulus, or play more frequencies"
+    elif down is None and not peak_dB > _STANDS_OUT * standard_dB:
+        reason = f"the gain has not fallen by 3 dB up to {last_Hz:.4g} Hz: a peak may be above that"
+    elif down is None and int(np.argmax(relative.smooth)) == len(relative.smooth) - 1:
+        reason = f"the gain still rises at {last_Hz:.4g} Hz, the highest frequency used"
+    if reason:
+        return Measurement.undefined("resonance_peak", "dB", text, reason, basis)
+    uncertain = Uncertainty(standard_dB, _STATISTICAL)
+    return Measurement("resonance_peak", max(0.0, peak_dB), "dB", text, basis, uncertain)
 
 
 def _delay(frequency_Hz: Floats, phase: Floats, error: Floats, limit_Hz: float, basis: Basis) -> Measurement:
@@ -272,7 +290,9 @@ FREQUENCY_RESPONSE: Final = Analysis(
         Quantity(
             ("resonance_peak",),
             "dB",
-            "greatest gain over `response_gain`, less what its errors add on average; at least 0",
+            "greatest gain over `response_gain`, less what its errors add on average; at least 0. Undefined "
+            "where it is uncertain by more than 0.9 dB, and where the gain neither shows a peak nor falls by "
+            "3 dB in the frequencies used",
         ),
         Quantity(
             ("response_delay",),
@@ -294,7 +314,8 @@ FREQUENCY_RESPONSE: Final = Analysis(
             ("sensitivity_peak",),
             "",
             "`M_s`, greatest magnitude of `S = 1 - T` (Aastroem and Murray, *Feedback Systems*, 2nd ed., "
-            "12.1)",
+            "12.1). Undefined where it is below 1, which it reaches above the frequencies used, and where it "
+            "is uncertain by more than a tenth",
         ),
     ),
     settings=ResponseSettings,

@@ -20,6 +20,7 @@ from benchtool.analysis.uncertainty import Uncertainty
 Floats = NDArray[np.float64]
 
 _LEAST = 1e-9  # of 1 - T: a loop that is perfect except for rounding
+_MOST_UNCERTAIN = 0.1  # of the sensitivity
 _SMALL_DB = 1.0
 _SMALL_RAD = 0.1
 _SOURCE = "random error of H1, propagated to the open loop"
@@ -76,15 +77,29 @@ def margins(
             "gain_margin", -level_dB, "dB", text, basis, Uncertainty(math.hypot(level_error, along), _SOURCE)
         )
 
-    own_error = error * np.abs(closed) / magnitude
-    peak_dB, peak_error = ResponseCurve(
-        frequency_Hz, decibels(sensitivity), NEPER_DB * own_error, _SMALL_DB
+    yield _sensitivity_peak(frequency_Hz, magnitude, error * np.abs(closed) / magnitude, basis)
+
+
+def _sensitivity_peak(frequency_Hz: Floats, magnitude: Floats, error: Floats, basis: Basis) -> Measurement:
+    """Return the greatest sensitivity, of magnitudes with their relative errors.
+
+    Far above the crossover every loop opens and S tends to 1, so that a greatest value below 1 is not that of
+    the loop but of the frequencies used.
+    """
+    name, text = "sensitivity_peak", "greatest magnitude of the sensitivity 1 - T, M_s"
+    peak_dB, peak_error_dB = ResponseCurve(
+        frequency_Hz, decibels(magnitude), NEPER_DB * error, _SMALL_DB
     ).greatest()
-    peak = 10.0 ** (peak_dB / 20.0)
-    text = "greatest magnitude of the sensitivity 1 - T, M_s"
-    yield Measurement(
-        "sensitivity_peak", peak, "", text, basis, Uncertainty(peak * peak_error / NEPER_DB, _SOURCE)
-    )
+    peak, relative = 10.0 ** (peak_dB / 20.0), peak_error_dB / NEPER_DB
+    reason = ""
+    if not relative <= _MOST_UNCERTAIN:
+        reason = f"it is uncertain by {100.0 * relative:.2g} %: raise the stimulus"
+    elif peak < 1.0:
+        last_Hz = frequency_Hz[-1]
+        reason = f"it is {peak:.2g} up to {last_Hz:.4g} Hz and reaches 1 above that: play higher frequencies"
+    if reason:
+        return Measurement.undefined(name, "", text, reason, basis)
+    return Measurement(name, peak, "", text, basis, Uncertainty(peak * relative, _SOURCE))
 
 
 def _why_not(found: Point | None, frequency_Hz: Floats, otherwise: str) -> str:

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.dynamics.smoothing import Noise, fitted_smoothers
+from benchtool.analysis.quantisation import counting_step
 
 Floats = NDArray[np.float64]
 
@@ -23,6 +24,8 @@ _DRAWS = 80
 _FEWEST_DRAWS = 20
 _MOST_VALUES = 1 << 24  # of all draws together, 128 MiB
 _SEED = 20_110_301
+_FEWEST_LEVELS = 16
+_HIDES = 0.5  # of a step: noise of so much rms leaves hardly anything of its errors in a mean
 _TIED = 3.0  # standard deviations below the greatest value that may also be the greatest
 _SURE = 2.0  # standard deviations beyond a level that noise does not reach
 _LEAST_DEFINED = 0.9  # of the draws, for an instant that the noise leaves certain
@@ -52,17 +55,24 @@ class NoisyCurve:
 
     @classmethod
     def through(cls, samples: Floats, noise: Noise) -> NoisyCurve:
-        """Return the curve through samples, shape (n,), the first of which is where a transient begins."""
-        count = len(samples)
+        """Return the curve through samples, shape (n,), the first of which is where a transient begins.
+
+        Where noise does not hide the steps of a converter, what is read as one of its levels may be anywhere
+        within half a step of it.
+        """
+        count, step = len(samples), counting_step(samples)
+        if len(np.unique(samples)) < _FEWEST_LEVELS:  # a curve that was drawn, not measured
+            step = 0.0
         smoother, longer = fitted_smoothers(samples, noise)
-        if noise.rms == 0.0:
-            return cls(samples, np.empty((0, count)))
         draws = max(_FEWEST_DRAWS, min(_DRAWS, _MOST_VALUES // count))
         random = np.random.default_rng(_SEED)
+        of_steps = 0.0 if noise.rms >= _HIDES * step else _within_steps(random, samples, step, draws)
+        if noise.rms == 0.0:
+            return cls(samples, np.empty((0, count)) if step == 0.0 else np.asarray(of_steps))
         errors = smoother.apply(noise.draw(random, (draws, count)))
         curve = smoother.apply(samples)
         bias = longer.apply(samples) - curve
-        return cls(curve, errors + random.standard_normal((draws, 1)) * bias)
+        return cls(curve, errors + of_steps + random.standard_normal((draws, 1)) * bias)
 
     @cached_property
     def standard(self) -> Floats:
@@ -82,9 +92,10 @@ class NoisyCurve:
         curve as it is: the mean of the two. What the parabola through the greatest value adds is added.
         """
         top = int(np.argmax(self.values))
-        between = _beyond_samples(self.values, top)
+        vertex = _top(self.values, top)
+        between, unknown = vertex.above, vertex.above_error
         if not len(self.errors):
-            return float(self.values[top]) + between, between
+            return float(self.values[top]) + between, unknown
         standard = self.standard
         tied = self.values >= np.max(self.values - _TIED * standard)
         highest = np.max(self.errors[:, tied], axis=1)
@@ -92,13 +103,21 @@ class NoisyCurve:
         as_it_is = float(np.mean(np.max(self.values + self.errors, axis=1))) - float(self.values[top])
         bias = 0.5 * (if_equal + as_it_is)
         of_noise = math.hypot(float(np.std(highest, ddof=1)), 0.5 * (if_equal - as_it_is))
-        return float(self.values[top]) + between - bias, math.hypot(of_noise, between)
+        return float(self.values[top]) + between - bias, math.hypot(of_noise, unknown)
 
     def place_of_greatest(self) -> Instant:
-        """Return where the greatest value is, to within a sample."""
+        """Return where the greatest value is, between samples by a parabola."""
         top = int(np.argmax(self.values))
-        moved = np.argmax(self.values + self.errors, axis=1) - top if len(self.errors) else np.zeros(1)
-        return Instant(float(top), math.hypot(float(np.sqrt(np.mean(moved**2))), 1.0 / math.sqrt(12.0)))
+        alike = int(np.argmin(np.append(self.values[top:] == self.values[top], False)))
+        if alike > 1:  # on one level of a converter
+            return Instant(top + 0.5 * (alike - 1), alike / math.sqrt(12.0))
+        vertex = _top(self.values, top)
+        place = top + vertex.beside
+        drawn = self.values + self.errors
+        tops = np.argmax(drawn, axis=1) if len(drawn) else np.empty(0, dtype=np.int64)
+        moved = [at + _top(each, int(at)).beside - place for each, at in zip(drawn, tops, strict=True)]
+        of_noise = float(np.sqrt(np.mean(np.square(moved)))) if moved else 0.0
+        return Instant(place, math.hypot(of_noise, vertex.beside_within / math.sqrt(3.0)))
 
     def first_above(self, level: float | Floats) -> Instant | None:
         """Return where the curve first rises to a level, or to one that is of shape (n,); None if it does
@@ -125,6 +144,23 @@ class NoisyCurve:
             return Instant(found.place, math.inf)
         noise = float(np.sqrt(np.mean((places - found.place) ** 2))) if len(places) else 0.0
         return Instant(found.place, math.hypot(noise, found.reach / math.sqrt(3.0)))
+
+
+def _within_steps(random: np.random.Generator, samples: Floats, step: float, draws: int) -> Floats:
+    """Return errors, shape (draws, n), the same for all samples on one level and independent otherwise."""
+    level = np.round((samples - np.min(samples)) / step).astype(np.int64)
+    return np.asarray(step * random.uniform(-0.5, 0.5, (draws, int(np.max(level)) + 1))[:, level])
+
+
+@dataclass(frozen=True)
+class _Top:
+    """How far a curve goes above its greatest sample, and how far from it, in samples; with the uncertainty
+    of the one and a bound of the error of the other."""
+
+    above: float
+    above_error: float
+    beside: float
+    beside_within: float
 
 
 @dataclass(frozen=True)
@@ -188,15 +224,19 @@ def _cubic_zero(four: Floats, start: float) -> float:
     return place
 
 
-def _beyond_samples(values: Floats, top: int) -> float:
-    """Return the correction of the greatest value by the parabola through its neighbours; 0 beside an edge.
+def _top(values: Floats, top: int) -> _Top:
+    """Return the vertex of the parabola through the greatest value and its neighbours; the greatest value
+    itself beside an edge.
 
-    Between samples a curve goes on as it bends only where it bends the same way at both neighbours.
+    Between samples a curve goes on as it bends only where it bends the same way at both neighbours. How much
+    differently it does there is known: a third difference moves the height by at most a sixteenth of it.
     """
     if not 1 < top < len(values) - 2:
-        return 0.0
+        return _Top(0.0, 0.0, 0.0, 0.5)
     bends = np.diff(values[top - 2 : top + 3], 2)
+    bend, slope = float(bends[1]), 0.5 * float(values[top + 1] - values[top - 1])
     if np.max(bends) >= 0.0:
-        return 0.0
-    slope = float(values[top + 1] - values[top - 1])
-    return -(slope**2) / (8.0 * float(bends[1]))
+        return _Top(0.0, 0.0, 0.0, 0.5)
+    uneven = float(np.max(np.abs(bends - bend)))
+    place = min(max(-slope / bend, -0.5), 0.5)
+    return _Top(-(slope**2) / (2.0 * bend), uneven / 8.0, place, min(0.5, uneven / (4.0 * abs(bend))))

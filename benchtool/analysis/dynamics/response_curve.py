@@ -26,7 +26,7 @@ _CLEAR = 3.0  # standard uncertainties of a smooth value beyond which it is off 
 _REACH = 0.7  # of the frequency: a local fit goes at most so far to either side
 _FITS = 2.0  # standard deviations of the mean squared residual above 1: a fit that describes its points
 _AT_THE_TOP = 3  # second differences: the greatest value and its neighbours
-_OF_A_PARABOLA, _OF_A_CUSP = 1.0 / 8.0, 1.0 / 3.0  # of the second difference: how much higher the peak is
+_OF_A_CUSP = 1.0 / 3.0  # of the second difference: how much higher the peak is
 _SURE = 0.25  # of the smallest movement that matters: what is left of the error of a smooth curve
 _MOST_SMOOTHED = 8  # a smoothing window is at most this part of the frequencies
 _TERMS_OF_CUBIC = 4
@@ -122,8 +122,8 @@ class ResponseCurve:
     def greatest(self) -> tuple[float, float]:
         """Return the greatest value, less what the errors add to it, and its standard uncertainty.
 
-        An eighth of the second difference is part of that: by as much a parabola bends between two
-        frequencies. Of a peak that few show, where its neighbours bend the other way, it is a third.
+        Of a peak that few frequencies show, where its neighbours bend the other way, a third of its second
+        difference is part of that: it may be a cusp.
         """
         widths = self._widths
         random = np.random.default_rng(_SEED)
@@ -134,8 +134,8 @@ class ResponseCurve:
         bends = np.diff(self.smooth[max(0, top - 2) : top + 3], 2)
         if len(bends) < _AT_THE_TOP:
             return value, standard
-        part = _OF_A_PARABOLA if np.max(bends) < 0.0 else _OF_A_CUSP
-        return value, math.hypot(standard, part * float(np.abs(bends[1])))
+        cusp = _OF_A_CUSP * abs(float(bends[1])) if np.max(bends) >= 0.0 else 0.0
+        return value, math.hypot(standard, cusp)
 
     @cached_property
     def smooth(self) -> Floats:

@@ -37,6 +37,7 @@ _CALM = 5.0  # standard uncertainties of the curve that noise alone hardly ever 
 _TO_THE_PARABOLA = 1.5  # standard uncertainties to a start along a parabola
 _EXTREME = 4.0  # standard uncertainties of an overshoot that has a peak time
 _OF_SAMPLES = "plateau_", "tracking_error_"  # what the samples are, whatever moves them
+_FEWEST_SAMPLES = 20  # whose scatter says something
 _ROUNDING = 1e-7  # of the step: a smaller overshoot is rounding
 
 
@@ -259,7 +260,10 @@ def _value(
 def _of_mean(values: Floats) -> Uncertainty | None:
     error = error_of_record(values)
     if not math.isfinite(error.standard):
-        return None
+        if len(values) < _FEWEST_SAMPLES:
+            return None
+        source = "scatter of these samples, too few of which are independent for that of a mean"
+        return Uncertainty(float(np.std(values)), source)
     return Uncertainty(
         error.standard, "scatter over parts of these samples, and their correlation", error.dof
     )

@@ -27,13 +27,15 @@ _PIECE = 256  # samples whose powers stay in the cache
 class AngleFit:
     """Orders 1 to K: `coefficient`, complex, shape (K,), is half the peak amplitude, with the phase.
 
-    `standard` is the standard uncertainty of the peak amplitude, shape (K,), by `uncertainty_source`.
+    `standard` is the standard uncertainty of the peak amplitude, shape (K,), by `uncertainty_source`;
+    `left_rms` is what the fit does not explain.
     """
 
     coefficient: NDArray[np.complex128]
     standard: NDArray[np.float64]
     uncertainty_source: str
     mean: float
+    left_rms: float
 
 
 def fit_orders(coverage: AngleCoverage, values: NDArray[np.float64], highest_order: int) -> AngleFit:
@@ -86,6 +88,7 @@ def fit_orders(coverage: AngleCoverage, values: NDArray[np.float64], highest_ord
     coefficient = np.asarray(solution[order + 1 :], dtype=np.complex128)
     towards = coefficient / np.maximum(np.abs(coefficient), np.finfo(float).tiny)
     revolutions = len(scores)
+    power = max(0.0, float(weights @ values**2 - np.real(np.vdot(solution, full.sum(axis=0)))))
     if revolutions >= _FEWEST_REVOLUTIONS:
         shift = cho_solve(factor, scores.T)[order + 1 :]
         along = np.real(np.conj(towards)[:, np.newaxis] * shift)
@@ -93,11 +96,11 @@ def fit_orders(coverage: AngleCoverage, values: NDArray[np.float64], highest_ord
         what = "revolutions" if revolutions < MOST_GROUPS else "groups of revolutions"
         source = f"scatter of the amplitude over {revolutions} {what}, as standard error of its mean"
     else:
-        power = float(weights @ values**2 - np.real(np.vdot(solution, full.sum(axis=0))))
         freedom = max(1.0, 1.0 / float(weights @ weights) - (2 * order + 1))
-        standard = np.full(order, math.sqrt(2.0 * max(power, 0.0) / freedom))
+        standard = np.full(order, math.sqrt(2.0 * power / freedom))
         source = "noise about the fit, taken as white: with fewer than 4 revolutions none from their scatter"
-    return AngleFit(coefficient, standard, source, float(np.real(solution[order])))
+    mean = float(np.real(solution[order]))
+    return AngleFit(coefficient, standard, source, mean, math.sqrt(power))
 
 
 def sector_means(

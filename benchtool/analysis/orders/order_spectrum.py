@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,11 +12,12 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.measurement import Basis
 from benchtool.analysis.orders.angle import TURN, AngleCoverage
-from benchtool.analysis.orders.angle_orders import MOST_GROUPS, fit_orders
+from benchtool.analysis.orders.angle_orders import MOST_GROUPS, AngleFit, fit_orders
 from benchtool.analysis.periods import PhaseTrack, track_angle
 from benchtool.analysis.quantisation import counting_step, resolution
+from benchtool.analysis.repeated_steps import noise_beside, repeated_steps
 from benchtool.analysis.spectra.noise import line_noise, repeated_quantisation
-from benchtool.analysis.spectra.spectrum import coherent_spectrum
+from benchtool.analysis.spectra.spectrum import CoherentSamples, coherent_samples_of_all, spectrum_of
 from benchtool.analysis.validity import require_unbroken
 from benchtool.block import Block
 from benchtool.errors import AnalysisError
@@ -53,18 +55,28 @@ class OrderSpectrum:
         return self.order[np.argsort(-self.amplitude, kind="stable")]
 
 
-def resampled_orders(
-    block: Block, channel: str, angle: str = "theta_m", largest_wobble_rad: float = LARGEST_WOBBLE_RAD
-) -> OrderSpectrum:
-    """Return orders of a uniformly sampled channel: bin k x revolutions of its coherent spectrum is order k.
+@dataclass(frozen=True)
+class Revolutions:
+    """Channels at equal steps of a smooth track of the rotor's angle, over the same whole revolutions.
 
-    The uncertainty is from the bins beside each order (`line_noise`), and from the wobble of the angle about
-    its smooth track, which may be a motion of the rotor or an error of the encoder: the samples do not show
-    which.
+    The angle wobbles about `track` by `wobble_rad`, rms; None where the speed was stated, not measured.
+    """
+
+    track: PhaseTrack
+    wobble_rad: float | None
+    samples: Mapping[str, CoherentSamples]
+
+
+def revolutions_of(
+    block: Block,
+    channels: Iterable[str],
+    angle: str = "theta_m",
+    largest_wobble_rad: float = LARGEST_WOBBLE_RAD,
+) -> Revolutions:
+    """Return some channels along the angle, for little more than one takes.
 
     Raises:
-        AnalysisError: as `track_angle` and `coherent_spectrum`, a gap, or an angle that is off its smooth
-            track by more than `largest_wobble_rad`, rms, so that orders by time are not orders by angle.
+        AnalysisError: as `resampled_orders`.
     """
     require_unbroken(block)
     theta_m = np.ascontiguousarray(block.column(angle))
@@ -76,7 +88,35 @@ def resampled_orders(
             f"is allowed: fit orders to the angle itself"
         )
     step_rad = resolution(theta_m)
-    return _orders_on(block, channel, track, math.sqrt(max(0.0, wobble_rad**2 - step_rad**2 / 12.0)))
+    return _along(block, channels, track, math.sqrt(max(0.0, wobble_rad**2 - step_rad**2 / 12.0)))
+
+
+def _along(block: Block, channels: Iterable[str], track: PhaseTrack, wobble_rad: float | None) -> Revolutions:
+    columns = {name: np.ascontiguousarray(block.column(name)) for name in channels}
+    samples = coherent_samples_of_all(columns, block.sample_rate_Hz, track)
+    return Revolutions(track, wobble_rad, dict(zip(columns, samples, strict=True)))
+
+
+def resampled_orders(
+    block: Block,
+    channel: str,
+    angle: str = "theta_m",
+    largest_wobble_rad: float = LARGEST_WOBBLE_RAD,
+    known: Revolutions | None = None,
+) -> OrderSpectrum:
+    """Return orders of a uniformly sampled channel: bin k x revolutions of its coherent spectrum is order k.
+
+    The uncertainty is from the bins beside each order (`line_noise`), and from the wobble of the angle about
+    its smooth track, which may be a motion of the rotor or an error of the encoder: the samples do not show
+    which. `known` are the revolutions where the channel is among those resampled already.
+
+    Raises:
+        AnalysisError: as `track_angle` and `coherent_spectrum`, a gap, or an angle that is off its smooth
+            track by more than `largest_wobble_rad`, rms, so that orders by time are not orders by angle.
+    """
+    if known is None or channel not in known.samples:
+        known = revolutions_of(block, (channel,), angle, largest_wobble_rad)
+    return _orders_on(block, channel, known)
 
 
 def orders_at_speed(block: Block, channel: str, omega_m_rad_s: float) -> OrderSpectrum:
@@ -99,19 +139,20 @@ def orders_at_speed(block: Block, channel: str, omega_m_rad_s: float) -> OrderSp
             f"least {FEWEST_REVOLUTIONS:g} are needed for orders: record a longer window"
         )
     source = f"stated constant speed of {omega_m_rad_s:.6g} rad/s"
-    return _orders_on(block, channel, PhaseTrack(Polynomial([0.0, omega]), len(block.data), source), None)
+    track = PhaseTrack(Polynomial([0.0, omega]), len(block.data), source)
+    return _orders_on(block, channel, _along(block, (channel,), track, None))
 
 
-def _orders_on(block: Block, channel: str, track: PhaseTrack, wobble_rad: float | None) -> OrderSpectrum:
-    """Return the orders along a mechanical phase, measured with the given wobble, or stated (None)."""
-    samples = np.ascontiguousarray(block.column(channel))
-    spectrum = coherent_spectrum(samples, block.sample_rate_Hz, track, channel)
+def _orders_on(block: Block, channel: str, along: Revolutions) -> OrderSpectrum:
+    """Return the orders of a channel along a mechanical phase."""
+    samples, track, wobble_rad = block.column(channel), along.track, along.wobble_rad
+    spectrum = spectrum_of(along.samples[channel])
     turns = spectrum.periods
     count = min(HIGHEST_ORDER, (len(spectrum.amplitude) - 1) // turns)
     orders = np.arange(1, count + 1)
     amplitude = spectrum.amplitude[orders * turns]
     noise = line_noise(spectrum, orders * turns)
-    by_steps = repeated_quantisation(spectrum, counting_step(samples))
+    by_steps = repeated_quantisation(spectrum, counting_step(samples))[0][:count]
     largest = int(np.argmax(amplitude)) if count else 0
     resampling = np.array(
         [
@@ -178,16 +219,17 @@ def fitted_orders(
     # values are averaged over a step of the angle, which lowers them by this factor
     low = np.sinc(order * coverage.resolution_rad / TURN)
     amplitude = 2.0 * np.abs(fit.coefficient) / low
+    by_steps = _repeated_steps(fit, counting_step(values), coverage)
     return OrderSpectrum(
         signal=signal,
         unit=unit,
         order=order,
         amplitude=amplitude,
-        standard=np.hypot(fit.standard / low, _lost(amplitude, order, wobble_rad)),
+        standard=np.sqrt((fit.standard**2 + by_steps**2) / low**2 + _lost(amplitude, order, wobble_rad) ** 2),
         mean=fit.mean,
         revolutions=coverage.revolutions,
         method=method,
-        uncertainty_source=fit.uncertainty_source,
+        uncertainty_source=f"{fit.uncertainty_source}, and resolution",
         dof=np.full(count, max(1.0, min(coverage.revolutions, MOST_GROUPS) - 1.0)),
         basis=replace(
             basis or Basis(len(values)),
@@ -195,6 +237,16 @@ def fitted_orders(
             harmonics=count,
         ),
     )
+
+
+def _repeated_steps(fit: AngleFit, step: float, coverage: AngleCoverage) -> NDArray[np.float64]:
+    """Return what the steps of a quantised signal, alike in every revolution, do to each amplitude."""
+    if step <= 0.0:
+        return np.zeros(len(fit.coefficient))
+    lines, noise = 2.0 * fit.coefficient, noise_beside(fit.left_rms**2, step)
+    samples, turns = float(len(coverage.angle_rad)), max(1, round(coverage.revolutions))
+    found = repeated_steps(fit.mean, lines, step, noise, samples, turns)
+    return np.zeros(len(lines)) if found is None else found.of_lines(lines)[0]
 
 
 def _lost(amplitude: NDArray[np.float64], order: NDArray[np.int64], wobble_rad: float) -> NDArray[np.float64]:

@@ -14,15 +14,17 @@ from pydantic import Field
 
 from benchtool.analysis.declaration import Analysis, Drawing, Findings, Quantity
 from benchtool.analysis.measurement import Basis, Measurement, Table
-from benchtool.analysis.orders.angle import AngleCoverage, angle_coverage
+from benchtool.analysis.orders.angle import TURN, AngleCoverage, angle_coverage
 from benchtool.analysis.orders.angle_orders import sector_means
 from benchtool.analysis.orders.order_spectrum import (
     FEWEST_REVOLUTIONS,
     HIGHEST_ORDER,
     LARGEST_WOBBLE_RAD,
     OrderSpectrum,
+    Revolutions,
     fitted_orders,
     resampled_orders,
+    revolutions_of,
 )
 from benchtool.analysis.periods import track_angle
 from benchtool.analysis.uncertainty import Uncertainty
@@ -32,6 +34,7 @@ from benchtool.document import Array, Section
 from benchtool.errors import AnalysisError
 
 _LARGEST_LISTED = 10
+_CHANNELS: Final = "torque", "omega_m"
 _SECTORS = 72
 _FEWEST_TO_REPEAT = 4  # revolutions
 _STANDS_OUT = 4.5  # standard uncertainties: by chance once in a hundred records of 200 orders (Rayleigh)
@@ -69,6 +72,7 @@ def order_analysis(
     pole_pairs: int | None = None,
     slots: int | None = None,
     orders: Sequence[int] | None = None,
+    known: Revolutions | None = None,
 ) -> Orders:
     """Return the orders of one channel of a recording with a mechanical angle, over at least two revolutions.
 
@@ -85,12 +89,13 @@ def order_analysis(
         pole_pairs: p, to name the cause of an order in the definitions.
         slots: Q of the stator, for the same.
         orders: those to measure; None for the ten largest.
+        known: channels that are resampled along the angle already.
 
     Raises:
         AnalysisError: no such channel, a dead signal, fewer than two mechanical revolutions.
     """
     try:
-        spectrum = resampled_orders(block, channel, angle)
+        spectrum = resampled_orders(block, channel, angle, known=known)
     except AnalysisError:  # a gap or a change of speed: orders by angle do not need time, and refuse the rest
         spectrum = _by_angle(block, channel, angle)
     return describe_orders(spectrum, name, pole_pairs, slots, orders)
@@ -275,12 +280,26 @@ class OrderSettings(Section):
     """Orders per mechanical revolution that are measured in any case."""
 
 
+def _revolutions(window: Window) -> float:
+    theta_m = np.unwrap(window.block.column("theta_m"))
+    return abs(float(theta_m[-1] - theta_m[0])) / TURN
+
+
+def _resampled(window: Window) -> Revolutions | None:
+    """Return both channels along the angle; None where one is missing or cannot be resampled."""
+    if not set(_CHANNELS) <= set(window.block.names):
+        return None
+    try:
+        return revolutions_of(window.block, _CHANNELS)
+    except AnalysisError:  # said by the analysis that it concerns
+        return None
+
+
 def _orders_of(channel: str, name: str, unit: str) -> Analysis[OrderSettings]:
     """Return the analysis of a channel's orders, measurements named after `name`."""
 
     def measure(window: Window, settings: OrderSettings) -> Findings:
-        theta_m = np.unwrap(window.block.column("theta_m"))
-        if abs(float(theta_m[-1] - theta_m[0])) < FEWEST_REVOLUTIONS * 2.0 * np.pi:
+        if window.cached(_revolutions) < FEWEST_REVOLUTIONS:
             return Findings(())
         slots = None if window.motor is None else window.motor.slots
         found = order_analysis(
@@ -290,6 +309,7 @@ def _orders_of(channel: str, name: str, unit: str) -> Analysis[OrderSettings]:
             pole_pairs=window.pole_pairs,
             slots=slots,
             orders=settings.orders,
+            known=window.cached(_resampled),
         )
         unknown = tuple(
             Measurement.undefined(
@@ -338,5 +358,5 @@ def _orders_of(channel: str, name: str, unit: str) -> Analysis[OrderSettings]:
     )
 
 
-TORQUE_ORDERS: Final = _orders_of("torque", "torque", "Nm")
-SPEED_ORDERS: Final = _orders_of("omega_m", "speed", "rad/s")
+TORQUE_ORDERS: Final = _orders_of(_CHANNELS[0], "torque", "Nm")
+SPEED_ORDERS: Final = _orders_of(_CHANNELS[1], "speed", "rad/s")

@@ -13,26 +13,18 @@ from benchtool.analysis.declaration import Analysis, Drawing, Findings, NoSettin
 from benchtool.analysis.measurement import Basis, Measurement, Table
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.quantisation import resolution
-from benchtool.analysis.scatter import MeanError
+from benchtool.analysis.spectra.distortions import distortions, group_basis, group_distortions
 from benchtool.analysis.spectra.fundamental import frequency, soundness
 from benchtool.analysis.spectra.groups import (
-    PERIODS_PER_WINDOW,
-    GroupDistortion,
-    HarmonicGroups,
-    group_distortion,
     group_table,
     harmonic_groups,
 )
 from benchtool.analysis.spectra.harmonics import (
     HIGHEST_HARMONIC,
-    Distortion,
     LineErrors,
-    Reference,
-    distortion_and_noise,
     harmonic_table,
     harmonics,
     line_errors,
-    total_harmonic_distortion,
 )
 from benchtool.analysis.spectra.noise import NoiseFloor, line_noise, noise_floor
 from benchtool.analysis.spectra.phase_following import follow
@@ -101,8 +93,8 @@ def current_spectrum(
     found = (
         frequency(spectrum, track, seen, basis, rate_relative, sound.of_ratios),
         *_refused(_lines(spectrum, errors, unit, basis), sound.of_amplitudes),
-        *_refused(_distortions(spectrum, errors, basis, current_rated_A_rms, unit), sound.of_ratios),
-        *_refused(_group_distortions(coherent, spectrum, errors, groups, basis), sound.of_ratios),
+        *_refused(distortions(spectrum, errors, basis, current_rated_A_rms, unit), sound.of_ratios),
+        *_refused(group_distortions(coherent, spectrum, errors, groups, basis), sound.of_ratios),
         *_refused(_noise(floor, unit, basis), sound.of_amplitudes),
     )
     tables = [
@@ -111,7 +103,7 @@ def current_spectrum(
     if sound.of_amplitudes:
         tables = [_without_uncertainty(tables[0], sound.of_amplitudes)]
     if groups is not None:
-        tables.append(group_table(groups, "current_groups", unit, _group_basis(coherent, groups, basis)))
+        tables.append(group_table(groups, "current_groups", unit, group_basis(coherent, groups, basis)))
     return CurrentSpectrum(found, tuple(tables), spectrum, track, coherent)
 
 
@@ -166,10 +158,9 @@ def _of_largest(spectrum: CoherentSpectrum, largest: Component, errors: LineErro
     order = place / spectrum.periods
     noise = line_noise(spectrum, np.array([place]))
     floor = noise_floor(spectrum, 0, _LOW_ORDER)
-    alone = (
-        math.nan if floor is None else floor.amplitude * math.sqrt(math.log(_LOW_ORDER * spectrum.periods))
-    )
-    bias = largest.amplitude - math.sqrt(max(0.0, largest.amplitude**2 - alone**2))
+    alone2 = math.nan if floor is None else floor.amplitude**2 * math.log(_LOW_ORDER * spectrum.periods)
+    alone2 += float(np.sum(errors.steps2[1:_LOW_ORDER])) / _LOW_ORDER * math.log(_LOW_ORDER)
+    bias = largest.amplitude - math.sqrt(max(0.0, largest.amplitude**2 - alone2))
     nearest = min(max(round(order), 1), len(errors.phase)) - 1
     lines = (
         Contribution("noise and leakage beside the line", "A", float(noise.in_phase[0]), float(noise.dof[0])),
@@ -182,127 +173,6 @@ def _of_largest(spectrum: CoherentSpectrum, largest: Component, errors: LineErro
 
 def _beside(errors: LineErrors, index: int) -> float:
     return math.hypot(float(errors.phase[index]), float(errors.resolution[index]))
-
-
-def _distortions(
-    spectrum: CoherentSpectrum,
-    errors: LineErrors,
-    basis: Basis,
-    current_rated_A_rms: float | None,
-    unit: str,
-) -> Iterator[Measurement]:
-    bases = [
-        ("current_thd_f", Reference.FUNDAMENTAL, 0.0, "fundamental"),
-        ("current_thd_r", Reference.TOTAL, 0.0, Reference.TOTAL.value),
-    ]
-    if current_rated_A_rms is not None:
-        rated, peak = (
-            f"rated current of {current_rated_A_rms:g} {unit} rms",
-            math.sqrt(2.0) * current_rated_A_rms,
-        )
-        bases.append(("current_tdd", Reference.STATED, peak, rated))
-    for name, reference, stated, base in bases:
-        distortion = total_harmonic_distortion(spectrum, HIGHEST_HARMONIC, reference, stated, errors)
-        last = distortion.highest_harmonic
-        text = f"100 x root of the sum of squares of harmonics 2 to {last} / {base}"
-        to_last = replace(basis, bandwidth_Hz=last * spectrum.fundamental_Hz, harmonics=last, reference=base)
-        if last < 2 or math.isnan(distortion.ratio):
-            reason = "no harmonic is within the band" if last < 2 else f"the {base} is zero"
-            yield Measurement.undefined(name, "%", text, reason, to_last)
-            continue
-        source = (
-            f"noise beside each harmonic, which alone would read {100 * distortion.noise:.2g} %, the "
-            f"{100 * distortion.bias:.2g} % that it adds, resampling, phase and resolution"
-        )
-        at_most = "; at most: less than twice what noise alone reads" if distortion.is_upper_bound else ""
-        uncertain = _with_bias(distortion, source)
-        yield Measurement(name, 100.0 * distortion.ratio, "%", text + at_most, to_last, uncertain)
-        if reference is Reference.FUNDAMENTAL:
-            yield _corrected(distortion, last, to_last)
-
-    yield from _with_noise(spectrum, basis)
-
-
-def _corrected(distortion: Distortion, last: int, basis: Basis) -> Measurement:
-    name = "current_thd_f_noise_corrected"
-    text = (
-        f"100 x root of (sum of squares of harmonics 2 to {last} - what the noise floor around them adds to "
-        f"it), at least 0, / fundamental"
-    )
-    if math.isnan(distortion.corrected):
-        reason = "fewer than 8 bins are between harmonics"
-        return Measurement.undefined(name, "%", text, reason, basis)
-    source = "scatter of the noise in the harmonics, and of the floor that is taken out"
-    uncertain = _percent(distortion.corrected_budget, source)
-    return Measurement(name, 100.0 * distortion.corrected, "%", text, basis, uncertain)
-
-
-def _with_noise(spectrum: CoherentSpectrum, basis: Basis) -> Iterator[Measurement]:
-    value = 100.0 * distortion_and_noise(spectrum)
-    text = "100 x rms of all in the band but dc and the fundamental, noise included / fundamental"
-    to_end = replace(basis, reference="fundamental")
-    if math.isnan(value):
-        yield Measurement.undefined("current_thd_f_plus_noise", "%", text, "the fundamental is zero", to_end)
-    else:
-        yield Measurement("current_thd_f_plus_noise", value, "%", text, to_end)
-
-
-def _group_distortions(
-    coherent: CoherentSamples,
-    spectrum: CoherentSpectrum,
-    errors: LineErrors,
-    groups: HarmonicGroups | None,
-    basis: Basis,
-) -> Iterator[Measurement]:
-    distortion = total_harmonic_distortion(spectrum, HIGHEST_HARMONIC, errors=errors)
-    lines = [each for each in distortion.budget[:-1] if each.name != "fundamental"]
-    by_noise = combined(lines, "")
-    noise = None if by_noise is None else MeanError(by_noise.standard, by_noise.dof)
-    of_order_1 = _relative(errors, spectrum.fundamental)
-    for name, kind in (("current_thd_f_groups", "group"), ("current_thd_f_subgroups", "subgroup")):
-        base = f"{kind} of order 1"
-        if groups is None:
-            text = f"100 x rms of harmonic {kind}s of order 2 and above / {base}, after IEC 61000-4-7"
-            reason = "four periods, and two harmonics in the band, are needed"
-            yield Measurement.undefined(name, "%", text, reason, replace(basis, reference=base))
-            continue
-        squares = groups.group2 if kind == "group" else groups.subgroup2
-        value: GroupDistortion = group_distortion(squares, noise, of_order_1)
-        text = f"100 x rms of harmonic {kind}s of order 2 to {groups.orders} / {base}, after IEC 61000-4-7"
-        if groups.periods_per_window < PERIODS_PER_WINDOW:
-            text += (
-                f", over the {groups.periods_per_window} periods there are in place of {PERIODS_PER_WINDOW}"
-            )
-        own = replace(_group_basis(coherent, groups, basis), reference=base)
-        if math.isnan(value.ratio):
-            yield Measurement.undefined(name, "%", text, "order 1 is zero, or alone in the band", own)
-        else:
-            source = f"scatter over {groups.windows} windows, or the noise beside the lines"
-            scatter = Contribution(source, "A", value.standard, value.dof)
-            uncertain = _percent((scatter,), source)
-            yield Measurement(name, 100.0 * value.ratio, "%", text, own, uncertain)
-
-
-def _relative(errors: LineErrors, fundamental: float) -> float:
-    """Return the relative standard uncertainty of the fundamental; nan where it is not known."""
-    own = combined(errors.budget(0), "")
-    return own.standard / fundamental if own is not None and fundamental > 0.0 else math.nan
-
-
-def _group_basis(coherent: CoherentSamples, groups: HarmonicGroups, basis: Basis) -> Basis:
-    periods = groups.windows * groups.periods_per_window
-    return replace(
-        basis,
-        samples=coherent.samples * periods / coherent.periods,
-        duration_s=periods / coherent.fundamental_Hz,
-        bandwidth_Hz=(groups.orders + 1) * coherent.fundamental_Hz,
-        window=f"rectangular, {groups.periods_per_window} whole periods; {_over(groups.windows)}",
-        harmonics=groups.orders,
-    )
-
-
-def _over(windows: int) -> str:
-    return "one of them" if windows == 1 else f"rms over {windows} of them"
 
 
 def _noise(floor: NoiseFloor | None, unit: str, basis: Basis) -> Iterator[Measurement]:
@@ -320,22 +190,6 @@ def _noise(floor: NoiseFloor | None, unit: str, basis: Basis) -> Iterator[Measur
         yield Measurement(
             name, value, of, text, basis, Uncertainty(value * floor.relative_error, source, floor.dof)
         )
-
-
-def _with_bias(distortion: Distortion, source: str) -> Uncertainty | None:
-    """Return the uncertainty of a ratio that noise biases upwards: the interval of the rest, and the bias
-    once."""
-    *rest, bias = distortion.budget
-    random = combined(rest, source)
-    if random is None or not math.isfinite(bias.standard):
-        return None
-    found = combined(distortion.budget, source, half_width=math.hypot(random.expanded, bias.standard))
-    return None if found is None else found.scaled(100.0)
-
-
-def _percent(budget: Iterable[Contribution], source: str) -> Uncertainty | None:
-    found = combined(budget, source)
-    return None if found is None else found.scaled(100.0)
 
 
 def current_of(window: Window) -> CurrentSpectrum:

@@ -79,13 +79,14 @@ def frequency(
         return Measurement.undefined(name, "Hz", text, reason, basis)
     rate_Hz = spectrum.samples / spectrum.duration_s
     per_rad_Hz = rate_Hz / (2.0 * math.pi * (track.samples - 1))
-    if not by_tone and track.departure is not None and track.measured_rad is not None:
+    random, source = _random(spectrum, track, seen, by_tone)
+    by_ends = track.departure is not None or not math.isfinite(random.standard)
+    if not by_tone and by_ends and track.measured_rad is not None:
         turned_rad, of_ends = _by_ends(track, track.measured_rad)
         budget = [replace(each, standard=per_rad_Hz * each.standard) for each in of_ends]
         source = "noise, bend and resolution of the angle at both ends"
     else:
         turned_rad = 2.0 * math.pi * track.periods
-        random, source = _random(spectrum, track, seen, by_tone)
         budget = [Contribution(source, "A", random.standard, random.dof)]
     clock = "; the clock is left out" if rate_relative is None else ", and of the rate by the time stamps"
     # residue of Newton's method and rounding in a phase

@@ -37,7 +37,8 @@ class LineErrors:
 
     `noise`, of `dof` degrees of freedom, is by noise and leakage beside the line; `resampling` by that;
     `phase` what a phase that wanders by `wander_rad`, rms, takes off the line; `resolution` by the steps of a
-    quantised signal, as far as they repeat with the period. `floor` is that of white noise around the line.
+    quantised signal, as far as they repeat with the period; `steps2` is the mean square of the amplitude that
+    they add. `floor` is that of white noise around the line.
     """
 
     noise: NDArray[np.float64]
@@ -46,6 +47,7 @@ class LineErrors:
     resampling: NDArray[np.float64]
     phase: NDArray[np.float64]
     resolution: NDArray[np.float64]
+    steps2: NDArray[np.float64]
 
     @property
     def standard(self) -> NDArray[np.float64]:
@@ -105,13 +107,15 @@ class Distortion:
 class _Content:
     """Root of the sum of squares of the harmonics, in the signal's unit, and the effect of noise on it.
 
-    `budget` is without the bias of the noise, `alone` is the root of the noise's expected sum of squares.
+    `budget` is without the bias of the noise, `alone` is the root of the noise's expected sum of squares, the
+    steps' included; `least` is left where the steps add twice as much as expected.
     """
 
     measured: float
     alone: float
     corrected: float
     corrected_random: float
+    least: float
     budget: tuple[Contribution, ...]
 
 
@@ -122,6 +126,7 @@ def line_errors(
     order = np.arange(1, orders + 1)
     amplitude = harmonics(spectrum)[:orders]
     noise = line_noise(spectrum, spectrum.periods * order)
+    resolution, steps2 = repeated_quantisation(spectrum, step)
     return LineErrors(
         noise=noise.in_phase,
         dof=noise.dof,
@@ -130,7 +135,8 @@ def line_errors(
             [spectrum.resampling_error(float(a), float(k)) for a, k in zip(amplitude, order, strict=True)]
         ),
         phase=np.maximum(amplitude * np.minimum(1.0, 0.5 * (order * wander_rad) ** 2), noise.lost),
-        resolution=np.full(orders, repeated_quantisation(spectrum, step)),
+        resolution=resolution[:orders],
+        steps2=steps2[:orders],
     )
 
 
@@ -199,7 +205,7 @@ def total_harmonic_distortion(
 
     ratio, slope, by_fundamental = over(content.measured)
     corrected, corrected_slope, corrected_by = over(content.corrected)
-    bias = Contribution("power that the noise adds", "B", ratio - corrected)
+    bias = Contribution("power that the noise adds", "B", ratio - over(content.least)[0])
     random = Contribution("noise in the harmonics and the floor", "A", content.corrected_random)
     systematic = [each for each in content.budget if each.evaluation == "B"]
     return Distortion(
@@ -220,7 +226,7 @@ def _content(spectrum: CoherentSpectrum, amplitude: NDArray[np.float64], errors:
     """
     square, own = amplitude[1:] ** 2, errors.noise[1:]
     noise2 = 2.0 * np.maximum(own, errors.floor[1:]) ** 2
-    repeated2 = 2.0 * float(np.sum(errors.resolution[1:] ** 2))
+    repeated2 = float(np.sum(errors.steps2[1:]))
     measured = math.sqrt(float(np.sum(square)))
     alone2 = float(np.sum(2.0 * errors.floor[1:] ** 2)) + repeated2
     alone4 = float(np.sum(noise2**2))
@@ -256,6 +262,7 @@ def _content(spectrum: CoherentSpectrum, amplitude: NDArray[np.float64], errors:
         math.sqrt(alone2),
         corrected,
         0.5 * max(above, below),
+        math.sqrt(max(left - repeated2, 0.0)),
         tuple(each for each in budget if each.standard != 0.0),
     )
 

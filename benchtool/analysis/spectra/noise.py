@@ -10,13 +10,14 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
+from benchtool.analysis.repeated_steps import noise_beside, repeated_steps
 from benchtool.analysis.spectra.spectrum import CoherentSpectrum
 
 _FEWEST_BINS = 8
 _LOCAL_BINS = 20  # at least, around each harmonic
 _BAND_BINS = 16
 _PAIRS, _NEAREST = 8, 3
-_QUANTISATION_LINES = 100
+_LAST_DIGIT = 1e-6  # of the strongest line: a smaller step is rounding
 _CLEARLY = 6.0  # a ratio of variances, of 16 degrees of freedom each: by chance once in two thousand
 _LARGE = 1000
 _STEEP = 0.25  # change of the logarithm of the density over a band, above which it is taken into account
@@ -215,40 +216,24 @@ def line_noise(spectrum: CoherentSpectrum, lines: NDArray[np.int64]) -> LineNois
     )
 
 
-def repeated_quantisation(spectrum: CoherentSpectrum, step: float) -> float:
-    """Return the standard uncertainty of each line by the steps of a quantised signal, as far as they repeat
-    with it.
+def repeated_quantisation(
+    spectrum: CoherentSpectrum, step: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return what the steps of a quantised signal, as far as they repeat with it, do to harmonics 1, 2 ...
 
-    Quantisation has the mean square step^2 / 12 (JCGM 100:2008, F.2.2.1). What of that is not in the bins
-    between the lines is in these: evenly over as many as those below the step are worth, a hundred at most.
-    Where noise hides what is missing, the lines themselves tell that repeat with the strong ones and are
-    weaker than the step: by twice the power that they are above the noise, because a strong line has more
-    of it. That is no more than all of the quantisation, and noise of rms s leaves but exp(-(2 pi s / step)^2)
-    of it that repeats (Widrow and Kollar, Quantization Noise, 2008, 4.3: the characteristic function of the
-    noise at 1 / step).
+    The standard uncertainty of the amplitude of each, and the mean square of the amplitude that is added to
+    each, both of shape (harmonics,). What is between the harmonics is the noise that hides the steps.
     """
-    if step <= 0.0:
-        return 0.0
+    periods, lines = spectrum.periods, spectrum.phasor[spectrum.periods :: spectrum.periods]
+    none = np.zeros(len(lines))
+    if not step > _LAST_DIGIT * float(np.max(np.abs(lines), initial=0.0)):
+        return none, none
     square = np.square(spectrum.amplitude)
-    between = 0.5 * float(np.sum(square[1:]) - np.sum(square[spectrum.periods :: spectrum.periods]))
+    between = 0.5 * float(np.sum(square[1:]) - np.sum(square[periods::periods]))
     in_band = 2.0 * (len(spectrum.amplitude) / spectrum.samples)
-    whole = in_band * step**2 / 12.0
-    missing = max(0.0, whole - between)
-    lines = square[spectrum.periods :: spectrum.periods]
-    small = lines[lines < step**2]
-    fourth = float(np.sum(small**2))
-    held = float(np.sum(small)) ** 2 / fourth if fourth > 0.0 else 1.0
-    even = math.sqrt(missing / max(1.0, min(held, _QUANTISATION_LINES)))
-    strong = np.flatnonzero(lines > step**2) + 1
-    repeats = int(np.gcd.reduce(strong)) if len(strong) else 1
-    weak = lines[repeats - 1 :: repeats]
-    weak = weak[weak < step**2]
-    if not len(weak):
-        return even
-    noise = float(np.median(square[1:])) / math.log(2.0)
-    seen = min(max(0.0, float(np.mean(weak)) - noise), 2.0 * whole / len(weak))
-    undithered = math.exp(-4.0 * math.pi**2 * max(0.0, between - whole) / step**2)
-    return max(even, math.sqrt(2.0 * seen * undithered))
+    noise = noise_beside(between / in_band, step)
+    found = repeated_steps(float(spectrum.phasor[0].real), lines, step, noise, spectrum.samples, periods)
+    return (none, none) if found is None else found.of_lines(lines)
 
 
 def _lost(

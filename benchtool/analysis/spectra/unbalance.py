@@ -80,8 +80,11 @@ def current_unbalance(
     )
     a = np.exp(2j * np.pi / 3.0)
     sequences = np.array([[1.0, a, a**2], [1.0, a**2, a], [1.0, 1.0, 1.0]]) @ phases / 3.0
-    one, other, zero = (_component(each) for each in sequences)
-    positive, negative = (one, other) if one.magnitude >= other.magnitude else (other, one)
+    if abs(np.mean(sequences[0])) < abs(np.mean(sequences[1])):
+        # in reverse rotation positive and negative sequence change places
+        sequences = sequences[[1, 0, 2]]
+    components = [_component(each) for each in sequences]
+    ratios = [_component(each, sequences[0]) for each in sequences[1:]] if np.mean(sequences[0]) else []
     basis = Basis(
         samples=first.samples,
         sample_rate_Hz=block.sample_rate_Hz,
@@ -91,18 +94,21 @@ def current_unbalance(
         reference="positive sequence of the fundamental",
         gaps=0,
     )
-    larger = np.abs(sequences[0] if one.magnitude >= other.magnitude else sequences[1])
     reason = next(filter(None, map(clipping, columns)), "")
-    # in reverse rotation positive and negative sequence change places
-    reason = reason or change_of_regime(larger, "the positive-sequence current")
-    return tuple(_numbers((positive, negative, zero), channels, block.unit(channels[0]), basis, reason))
+    reason = reason or change_of_regime(np.abs(sequences[0]), "the positive-sequence current")
+    return tuple(_numbers(components, ratios, channels, block.unit(channels[0]), basis, reason))
 
 
-def _component(phasors: Phasors) -> _Component:
-    mean = complex(np.mean(phasors))
-    towards = np.conj(mean) / abs(mean) if mean else 1.0
-    along, across = error_of_series((phasors * towards).real), error_of_series((phasors * towards).imag)
-    magnitude = abs(mean)
+def _component(phasors: Phasors, reference: Phasors | None = None) -> _Component:
+    """Return the magnitude of the mean; as the numerator of a ratio to that of a `reference`, with the budget
+    of the ratio times the latter: what both do alike cancels in it."""
+    turned, magnitude = _turned(phasors)
+    if reference is not None:
+        base, size = _turned(reference)
+        turned = turned - magnitude / size * base.real
+    along, across = error_of_series(turned.real), error_of_series(turned.imag)
+    if not math.isfinite(across.standard):  # a track that is a little off turns it steadily
+        across = along
     # noise across the phasor makes its magnitude larger (Rice distribution)
     bias = magnitude - math.sqrt(max(0.0, magnitude**2 - across.standard**2))
     # noise is isotropic: both components together give a better estimate from few periods
@@ -118,8 +124,19 @@ def _component(phasors: Phasors) -> _Component:
     )
 
 
+def _turned(phasors: Phasors) -> tuple[Phasors, float]:
+    """Return phasors along their mean, and its magnitude."""
+    mean = complex(np.mean(phasors))
+    return (phasors * np.conj(mean) / abs(mean), abs(mean)) if mean else (phasors, 0.0)
+
+
 def _numbers(
-    components: Sequence[_Component], channels: Sequence[str], unit: str, basis: Basis, reason: str
+    components: Sequence[_Component],
+    ratios: Sequence[_Component],
+    channels: Sequence[str],
+    unit: str,
+    basis: Basis,
+    reason: str,
 ) -> Iterator[Measurement]:
     of = f"sequence component of the fundamental of {', '.join(channels)} (Fortescue), peak"
     positive = components[0]
@@ -135,24 +152,17 @@ def _numbers(
     lost = positive.magnitude <= 0.0 or (own is not None and positive.magnitude < _STANDS_OUT * own.standard)
     if lost and not reason:
         reason = "the positive sequence does not stand out of the noise"
-    for component, name, short in (
-        (components[1], "current_unbalance_percent", "negative"),
-        (components[2], "current_unbalance_zero_percent", "zero"),
+    for index, name, short in (
+        (0, "current_unbalance_percent", "negative"),
+        (1, "current_unbalance_zero_percent", "zero"),
     ):
         text = f"100 x {short}- over positive-{of}; unbalance after IEC 61000-4-30"
         if reason:
             yield Measurement.undefined(name, "%", text, reason, basis)
             continue
-        ratio = component.magnitude / positive.magnitude
-        shares = [(each, 1.0) for each in component.budget]
-        shares += [(each, ratio) for each in positive.budget]
-        budget = (
-            Contribution(
-                each.name, each.evaluation, 100.0 * share * each.standard / positive.magnitude, each.dof
-            )
-            for each, share in shares
-        )
-        yield Measurement(name, 100.0 * ratio, "%", text, basis, combined(budget, _SOURCE))
+        scale, ratio = 100.0 / positive.magnitude, ratios[index]
+        uncertain = combined((each.scaled(scale) for each in ratio.budget), _SOURCE)
+        yield Measurement(name, scale * ratio.magnitude, "%", text, basis, uncertain)
 
 
 def _measure(window: Window, _: NoSettings) -> Findings:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from benchtool.emulator.control.current_sensors import calibrate, correct
 from benchtool.emulator.control.estimation import (
     StateEstimate,
     clarke,
@@ -14,17 +15,19 @@ from benchtool.emulator.control.estimation import (
     state_estimate,
 )
 from benchtool.emulator.control.field_weakening import reference
+from benchtool.emulator.control.injection import current_vector
 from benchtool.emulator.control.laws import demand, limits, reset_law
 from benchtool.emulator.control.observer import accelerating_torque, rotor_angle, track
 from benchtool.emulator.control.protection import trips
 from benchtool.emulator.control.speed import torque_reference
-from benchtool.emulator.control.stimulus import Quantity, play, voltage_of
+from benchtool.emulator.control.stimulus import Quantity, direction_of, play
 from benchtool.emulator.control.svpwm import compensated, modulate
 from benchtool.emulator.control.vectors import MODULATED, held
 from benchtool.emulator.jit import njit, separately
 from benchtool.protocol import Mode
 
-_VOLTAGE_MODE = int(Mode.VOLTAGE)
+_VOLTAGE_MODE, _CURRENT_MODE = int(Mode.VOLTAGE), int(Mode.CURRENT)
+_ACB = 1  # of `phase_order`
 _TORQUE, _SPEED, _D_CURRENT = int(Quantity.TORQUE), int(Quantity.SPEED), int(Quantity.D_CURRENT)
 
 
@@ -32,6 +35,8 @@ _TORQUE, _SPEED, _D_CURRENT = int(Quantity.TORQUE), int(Quantity.SPEED), int(Qua
 def control_tick(drive: Any, command: Any, control: Any, stimulus: Any, measurement: Any) -> bool:
     """Run control once. Returns whether a trip was raised that was not there before."""
     _load_shadow(control)
+    calibrate(drive, command, measurement)
+    correct(drive, measurement)
     now = _observe(drive, command, control, measurement)
     new_trip = _protect(drive, command, measurement)
     if command.pwm_enabled == 0:
@@ -42,9 +47,18 @@ def control_tick(drive: Any, command: Any, control: Any, stimulus: Any, measurem
     at = now
     if drive.delay_compensation != 0:
         at = predict(now, control.u_alpha, control.u_beta, drive)
+    _begin_injection(command, control)
     if command.mode == _VOLTAGE_MODE and command.quick_stop == 0:
         command.standstill = command.halt
-        _apply_voltage(added, stimulus, at, drive, control, measurement.u_dc)
+        cosine, sine = direction_of(stimulus, at.cos_theta, at.sin_theta)
+        reset_law(control)
+        _inject(added * cosine, added * sine, at, drive, control, measurement.u_dc)
+        return new_trip
+    if control.injecting != 0:
+        command.standstill = command.halt
+        cosine, sine = direction_of(stimulus, now.cos_theta, now.sin_theta)
+        u_alpha, u_beta = current_vector(added, cosine, sine, now, drive, control)
+        _inject(u_alpha, u_beta, now, drive, control, measurement.u_dc)
         return new_trip
     torque_added = added if stimulus.quantity == _TORQUE else 0.0
     omega_added = added if stimulus.quantity == _SPEED else 0.0
@@ -58,7 +72,7 @@ def control_tick(drive: Any, command: Any, control: Any, stimulus: Any, measurem
     if asked.vector == MODULATED:
         limited = _modulate(asked.u_alpha, asked.u_beta, at, drive, control, measurement.u_dc)
     else:
-        limited = _hold(asked.vector, control, measurement.u_dc)
+        limited = _hold(asked.vector, drive, control, measurement.u_dc)
     drive.torque_reference = torque
     drive.psi_s_reference = psi_s
     drive.law_angle = asked.angle
@@ -128,10 +142,17 @@ def _stand_by(drive: Any, command: Any, control: Any) -> None:
 
 
 @njit
-def _apply_voltage(u: float, stimulus: Any, at: StateEstimate, drive: Any, control: Any, u_dc: float) -> None:
-    """Put out the voltage of a stimulus; no law runs, and there are no references."""
-    u_alpha, u_beta = voltage_of(u, stimulus, at.cos_theta, at.sin_theta)
-    reset_law(control)
+def _begin_injection(command: Any, control: Any) -> None:
+    """Have neither the current mode nor a law go on with what the other remembers."""
+    injecting = 1 if command.mode == _CURRENT_MODE and command.quick_stop == 0 else 0
+    if control.injecting != injecting:
+        reset_law(control)
+        control.injecting = injecting
+
+
+@njit
+def _inject(u_alpha: float, u_beta: float, at: StateEstimate, drive: Any, control: Any, u_dc: float) -> None:
+    """Put out the voltage of a stimulus, or of its current; no law runs, and there are no references."""
     if _modulate(u_alpha, u_beta, at, drive, control, u_dc):
         drive.law_clipped += 1
     control.speed_integral = 0.0
@@ -153,7 +174,7 @@ def _modulate(
         duty_a = compensated(duty_a, i_alpha, share)
         duty_b = compensated(duty_b, across - 0.5 * i_alpha, share)
         duty_c = compensated(duty_c, -across - 0.5 * i_alpha, share)
-    control.duty_a_next, control.duty_b_next, control.duty_c_next = duty_a, duty_b, duty_c
+    _load_duties(duty_a, duty_b, duty_c, drive, control)
     control.u_alpha_next, control.u_beta_next = made.u_alpha, made.u_beta
     control.gated_next = 1
     control.limited = 1 if made.limited else 0
@@ -161,11 +182,19 @@ def _modulate(
 
 
 @njit
-def _hold(vector: int, control: Any, u_dc: float) -> bool:
+def _hold(vector: int, drive: Any, control: Any, u_dc: float) -> bool:
     """Put a vector for the whole period into the shadow register. It is within the hexagon: never limited."""
     made = held(vector, u_dc)
-    control.duty_a_next, control.duty_b_next, control.duty_c_next = made.duty_a, made.duty_b, made.duty_c
+    _load_duties(made.duty_a, made.duty_b, made.duty_c, drive, control)
     control.u_alpha_next, control.u_beta_next = made.u_alpha, made.u_beta
     control.gated_next = 1
     control.limited = 0
     return False
+
+
+@njit
+def _load_duties(duty_a: float, duty_b: float, duty_c: float, drive: Any, control: Any) -> None:
+    """Put the duties of the motor's phases on the outputs that they are on."""
+    if drive.phase_order == _ACB:
+        duty_b, duty_c = duty_c, duty_b
+    control.duty_a_next, control.duty_b_next, control.duty_c_next = duty_a, duty_b, duty_c

@@ -27,7 +27,8 @@ def wrapped(angle: float) -> float:
 def rotor_angle(count: int, drive: Any) -> float:
     """Return the mechanical angle of the rotor flux against phase a, 0 to 2 pi: the middle of the encoder's
     step."""
-    angle: float = (count + 0.5) * TWO_PI / (4.0 * drive.encoder_lines) - drive.encoder_offset
+    counted = drive.encoder_direction * (count + 0.5) * TWO_PI / (4.0 * drive.encoder_lines)
+    angle: float = counted - drive.encoder_offset
     return angle - TWO_PI * math.floor(angle * _TURNS)
 
 

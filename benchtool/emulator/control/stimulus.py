@@ -28,6 +28,7 @@ class Quantity(IntEnum):
     SPEED = 1
     D_CURRENT = 2
     VOLTAGE = 3
+    CURRENT = 4
 
 
 class Shape(IntEnum):
@@ -44,7 +45,7 @@ class Shape(IntEnum):
 
 
 class Frame(IntEnum):
-    """Object `stimulus_frame`: what the direction of a voltage is fixed to."""
+    """Object `stimulus_frame`: what the direction of a voltage or current is fixed to."""
 
     STATOR = 0
     ROTOR = 1
@@ -169,12 +170,26 @@ def play(stimulus: Any, tick: int) -> float:
 
 
 @njit
-def voltage_of(value: float, stimulus: Any, cos_theta: float, sin_theta: float) -> tuple[float, float]:
-    """Return the alpha and beta of a voltage along the stimulus's angle, or along the rotor flux at (cos,
-    sin)."""
+def direction_of(stimulus: Any, cos_theta: float, sin_theta: float) -> tuple[float, float]:
+    """Return the direction (cosine, sine) of a voltage or current in the tick that was played last.
+
+    It is that of the rotor flux, (cos_theta, sin_theta), or the stimulus's angle, which turns if it is told
+    to and stays where it is when the stimulus ends.
+    """
     if stimulus.in_rotor_frame != 0:
-        return value * cos_theta, value * sin_theta
-    return value * stimulus.cos_angle, value * stimulus.sin_angle
+        return cos_theta, sin_theta
+    if stimulus.turn != 0.0 and stimulus.state == _RUNNING:
+        n = stimulus.played * stimulus.ticks + stimulus.k - 1
+        angle = stimulus.angle + stimulus.turn * turned_ticks(n, stimulus.turn_ticks)
+        stimulus.cos_angle, stimulus.sin_angle = math.cos(angle), math.sin(angle)
+    return stimulus.cos_angle, stimulus.sin_angle
+
+
+@njit
+def turned_ticks(n: int, ramp: int) -> float:
+    """Return the ticks' worth of turning at full speed, n ticks after a start whose speed rises over `ramp`
+    ticks."""
+    return 0.5 * n * n / ramp if n < ramp else n - 0.5 * ramp
 
 
 def halt(stimulus: Any) -> None:

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 
 from benchtool.emulator.core.core import Core, Trip
+from benchtool.emulator.firmware.calibration_objects import CalibrationObjects
 from benchtool.emulator.firmware.capture_objects import CaptureObjects
 from benchtool.emulator.firmware.objects import ObjectStore, Refused
 from benchtool.emulator.firmware.stimulus_objects import StimulusObjects
@@ -62,6 +63,7 @@ class Firmware:
         self.period_s = core.control_period_s
         self._capture = CaptureObjects(self.objects, core)
         self._stimulus = StimulusObjects(self.objects, core)
+        self._calibration = CalibrationObjects(self.objects, core)
         self._wire_objects()
         self.reset()
 
@@ -85,6 +87,7 @@ class Firmware:
         self.objects["pwm_period"] = self.core.inverter.pwm_period_s(self.period_s)
         self._history.clear()
         self._capture.abort()
+        self._calibration.stop()
         self.core.command.trip = 0
         self.core.restart_counter()
         self.supervision.configure(0)

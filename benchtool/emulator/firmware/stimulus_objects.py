@@ -17,6 +17,7 @@ _MODES = {
     Quantity.SPEED: (Mode.VELOCITY,),
     Quantity.D_CURRENT: (Mode.TORQUE, Mode.VELOCITY),
     Quantity.VOLTAGE: (Mode.VOLTAGE,),
+    Quantity.CURRENT: (Mode.CURRENT,),
 }
 
 
@@ -63,7 +64,7 @@ class StimulusObjects:
                 return objects["torque_limit"]
             case Quantity.SPEED:
                 return objects["omega_m_trip"] - abs(objects["omega_m_command"])
-            case Quantity.D_CURRENT:
+            case Quantity.D_CURRENT | Quantity.CURRENT:
                 return objects["i_trip"]
             case Quantity.VOLTAGE:
                 return objects["u_dc"] / math.sqrt(3.0)
@@ -101,5 +102,8 @@ class StimulusObjects:
         stimulus.seed = int(objects["stimulus_seed"]) & (1 << length) - 1
         stimulus.in_rotor_frame = objects["stimulus_frame"] == Frame.ROTOR
         stimulus.cos_angle, stimulus.sin_angle = math.cos(angle), math.sin(angle)
+        stimulus.angle = angle
+        stimulus.turn = objects["stimulus_omega_e"] * self._core.control_period_s
+        stimulus.turn_ticks = objects["stimulus_turn_ticks"]
         stimulus.k = stimulus.played = 0
         stimulus.state = StimulusState.RUNNING

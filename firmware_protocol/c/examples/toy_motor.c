@@ -81,11 +81,13 @@ static void measure(struct bt_drive *drive)
     const float torque = torque_Nm * (1.0f + RIPPLE * cosf(6.0f * theta_e));
     const float i_q = v->psi_r > 0.0f ? torque / (1.5f * p * v->psi_r) : 0.0f;
     const float u_d = -p * omega_m * v->L_q * i_q, u_q = v->R_s * i_q + p * omega_m * v->psi_r;
+    float reading[3];
     v->i_d = 0.0f;
     v->i_q = i_q;
-    v->i_a = sampled(v, -i_q * s);
-    v->i_b = sampled(v, 0.5f * i_q * s + 0.8660254f * i_q * c);
-    v->i_c = sampled(v, 0.5f * i_q * s - 0.8660254f * i_q * c);
+    reading[0] = sampled(v, -i_q * s);
+    reading[1] = sampled(v, 0.5f * i_q * s + 0.8660254f * i_q * c);
+    reading[2] = sampled(v, 0.5f * i_q * s - 0.8660254f * i_q * c);
+    bt_take_currents(drive, reading);
     v->u_alpha = u_d * c - u_q * s;
     v->u_beta = u_d * s + u_q * c;
     v->u_dc = U_DC_V;

@@ -40,6 +40,7 @@ int main(void)
     check_control();
     check_targets();
     check_storage();
+    check_currents();
     check_wrap();
     check_records();
     printf("all content\n");

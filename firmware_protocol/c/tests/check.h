@@ -18,6 +18,7 @@ void check_objects(void);
 void check_control(void);
 void check_targets(void);
 void check_storage(void);
+void check_currents(void);
 void check_wrap(void);
 void check_records(void);
 

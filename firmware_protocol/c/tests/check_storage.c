@@ -145,6 +145,11 @@ static void check_modes(void)
     check_power_up_as(&drive, &config);
     assert(host_write(&drive, BT_ID_mode_of_operation, (uint8_t)-1) == BT_OK);
     assert(host_read(&drive, BT_ID_mode_of_operation_display) == 0xFFu);
+    assert(host_write(&drive, BT_ID_mode_of_operation, (uint8_t)BT_MODE_OF_OPERATION_CURRENT) == BT_ABORT_VALUE);
+
+    config.supported_modes = 0x3000Cu;
+    check_power_up_as(&drive, &config);
+    assert(host_write(&drive, BT_ID_mode_of_operation, (uint8_t)BT_MODE_OF_OPERATION_CURRENT) == BT_OK);
 }
 
 void check_storage(void)

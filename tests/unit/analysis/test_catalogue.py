@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -23,6 +24,7 @@ from benchtool.report.figures.drawings import BY_HAND
 from benchtool.results.analyses import measure_all, planned
 
 from .example_capture import EXAMPLE_MOTOR, response_capture, steady_capture, step_capture
+from .excited_machine import excited_capture
 
 PAGE = (Path(__file__).parents[3] / "docs" / "reference" / "measurements.md").read_text(encoding="utf-8")
 by_name = pytest.mark.parametrize("analysis", BUILT_IN, ids=lambda analysis: analysis.name)
@@ -36,7 +38,12 @@ def _only(block: Block, names: tuple[str, ...]) -> Block:
 def _specimen(analysis: Analysis[Any]) -> tuple[Block, Block | None]:
     if analysis.measured is Measured.STEADY_STATE:
         return steady_capture()
-    asked = {"step": step_capture, "frequency_response": response_capture}
+    asked: dict[str, Callable[[], Block]] = {
+        "step": step_capture,
+        "frequency_response": response_capture,
+        "flux_balance": excited_capture,
+        "motion_balance": excited_capture,
+    }
     return (asked[analysis.name](), None) if analysis.name in asked else steady_capture()
 
 

@@ -353,6 +353,17 @@ def test_margins_of_a_loop_with_a_delay() -> None:
         assert found[name].value == pytest.approx(value, rel=0.02), name
 
 
+def test_what_the_frequencies_used_do_not_show_is_null_with_a_reason() -> None:
+    """A lag far above the frequencies played neither peaks nor falls in them, nor does its S reach 1."""
+    x = signal.lfilter(*signal.butter(6, 0.02), _noise(20_000, 1.0, seed=2))
+    omega_T = 2.0 * math.pi * 1000.0 / RATE_HZ
+    y = signal.lfilter([1.0 - math.exp(-omega_T)], [1.0, -math.exp(-omega_T)], x)
+    found = {each.name: each for each in _bode(x, y + _noise(len(x), 1e-4)).measurements}
+    for name, reason in (("sensitivity_peak", "reaches 1 above"), ("resonance_peak", "may be above")):
+        assert math.isnan(found[name].value)
+        assert reason in found[name].reason, found[name]
+
+
 def test_a_drift_is_no_response() -> None:
     x = _prbs(11)
     y = _filtered(x) + np.linspace(0.0, 2.0, len(x))

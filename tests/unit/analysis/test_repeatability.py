@@ -7,20 +7,24 @@ from typing import Literal
 
 import numpy as np
 import pytest
+from scipy import signal
 
 from benchtool.analysis.quantisation import counting_step
 from benchtool.analysis.repeatability import wander_of_difference
 
 
-@pytest.mark.parametrize("kind", ["held", "let go"])
-def test_the_wander_is_the_scatter_over_records(kind: Literal["held", "let go"]) -> None:
+@pytest.mark.parametrize("kind", ["held", "let go", "of a memory"])
+def test_the_wander_is_the_scatter_over_records(kind: Literal["held", "let go", "of a memory"]) -> None:
     random = np.random.default_rng(4)
     records = random.standard_normal((80, 2000))
-    if kind == "let go":
+    if kind == "of a memory":  # of a fifteenth of the record
+        memory = math.exp(-15.0 / 2000)
+        records = signal.lfilter([1.0], [1.0, -memory], random.standard_normal((80, 4000)), axis=1)[:, 2000:]
+    if kind != "held":
         records = np.cumsum(records, axis=1)
     turned = records[:, -1] - records[:, 0]
     stated = np.array([wander_of_difference(each).standard for each in records])
-    assert 0.7 < float(np.sqrt(np.mean(turned**2 / stated**2))) < 1.8
+    assert 0.6 < float(np.sqrt(np.mean(turned**2 / stated**2))) < 1.3
 
 
 def test_a_steady_drift_is_no_wander_and_few_values_tell_none() -> None:

@@ -10,6 +10,8 @@ from functools import cache
 import pytest
 
 from benchtool.analysis import Measurement
+from benchtool.analysis.balances.flux_balance import FLUX_BALANCE
+from benchtool.analysis.balances.motion_balance import MOTION_BALANCE
 from benchtool.analysis.catalogue import catalogue
 from benchtool.analysis.instruments import Instruments, Perturbed
 from benchtool.analysis.sensitivity import DECLARED, Found, declared
@@ -100,7 +102,7 @@ def test_each_declaration_is_the_derivative_of_its_measurement(channel: str, err
 
 def test_each_declaration_is_of_a_measurement_that_there_is() -> None:
     """Those of a table's current and speed are not of a steady state, and looked at with tables."""
-    names = list(_base())
+    names = [*_base(), *(name for analysis in (FLUX_BALANCE, MOTION_BALANCE) for name in analysis.names)]
     for each in DECLARED:
         if not each.pattern.startswith(("current_", "speed_")) and not each.pattern.endswith("_reached"):
             assert any(declared(name) is each for name in names), each.pattern

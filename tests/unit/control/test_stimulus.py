@@ -15,11 +15,11 @@ from benchtool.emulator.control.stimulus import (
     Shape,
     StimulusState,
     chirp_cycles,
+    direction_of,
     feedback,
     halt,
     play,
     shifted,
-    voltage_of,
     waveform,
 )
 from benchtool.emulator.memory import STIMULUS
@@ -162,8 +162,23 @@ def test_halting_ends_what_runs_and_nothing_else() -> None:
     assert done.state == StimulusState.DONE
 
 
-def test_a_voltage_lies_along_its_angle_or_along_the_rotor() -> None:
+def test_a_vector_lies_along_its_angle_or_along_the_rotor() -> None:
     stimulus = _stimulus(cos_angle=0.6, sin_angle=0.8)
-    assert voltage_of(10.0, stimulus, 0.0, 1.0) == (6.0, 8.0)
+    assert direction_of(stimulus, 0.0, 1.0) == (0.6, 0.8)
     stimulus.in_rotor_frame = 1
-    assert voltage_of(10.0, stimulus, 0.0, 1.0) == (0.0, 10.0)
+    assert direction_of(stimulus, 0.0, 1.0) == (0.0, 1.0)
+
+
+@pytest.mark.parametrize(("turn", "ramp"), [(0.01, 0), (-0.02, 40), (0.03, 500)])
+def test_a_turning_one_comes_up_to_its_speed_and_stays_where_it_ends(turn: float, ramp: int) -> None:
+    """The angle is the sum of the speeds so far, each in the middle between two ticks."""
+    stimulus = _stimulus(ticks=60, repetitions=3, cos_angle=1.0, angle=0.7, turn=turn, turn_ticks=ramp)
+    angles = []
+    for tick in range(200):
+        play(stimulus, tick)
+        cosine, sine = direction_of(stimulus, 1.0, 0.0)
+        angles.append(np.arctan2(sine, cosine))
+    speed = turn * np.minimum(1.0, (np.arange(179) + 0.5) / max(ramp, 0.5))
+    expected = 0.7 + np.concatenate(([0.0], np.cumsum(speed)))
+    assert np.unwrap(angles)[:180] == pytest.approx(expected, abs=1e-9)
+    assert angles[180:] == [angles[179]] * 20

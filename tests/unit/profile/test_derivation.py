@@ -58,10 +58,9 @@ def test_what_is_derived_is_a_profile_that_a_drive_takes(motor: Motor, u_dc_V: f
     profile = Profile.model_validate(tomllib.loads(text))
     assert profile.title == 'a "quoted" motor\\'
     assert profile.emulator is not None
-    commissioned = profile.commissioned()
-    for key, value in commissioned.items():
+    for key, value in profile.stated_parameters.items():
         setting_of(DICTIONARY, key, value)
-    assert first_breach(DICTIONARY, commissioned, profile.emulator.sensors.full_scales()) == ""
+    assert first_breach(DICTIONARY, profile.stated_parameters, profile.emulator.sensors.full_scales()) == ""
     assert profile.motor.psi_r_Wb == pytest.approx(motor.psi_r_Wb, rel=1e-5)
     assert set(profile.drive.parameters) == {each.key for each in derived}
     assert all(each.rule for each in derived)

@@ -1,0 +1,421 @@
+"""Parameters of machine and inverter from the flux balance of an excited capture.
+
+Over each tick the balance of the stator flux (`flux_model`) predicts the current at its end. The parameters
+are those of the least prediction errors (L. Ljung, System Identification, 2nd ed., 7.2), by the method of
+Gauss and Newton. Measured currents stand on both sides of the balance; in the prediction error the current at
+the end of a tick is the predicted one, which the noise of the measured one does not reach, so that noise does
+not pull the inductances towards zero.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Annotated, Final
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from benchtool.analysis.balances.flux_model import NEEDED, Electrical, Ticks, flux_of
+from benchtool.analysis.balances.space_vectors import Complex, Floats
+from benchtool.analysis.balances.unknowns import Solution, solve
+from benchtool.analysis.balances.whitening import Whitening, likeliest
+from benchtool.analysis.declaration import Analysis, Findings, Measured, Quantity
+from benchtool.analysis.measurement import Basis, Measurement, Table
+from benchtool.analysis.quantisation import counting_step
+from benchtool.analysis.uncertainty import Contribution, Uncertainty
+from benchtool.analysis.validity import clipping, require_unbroken
+from benchtool.analysis.window import Window
+from benchtool.block import Block
+from benchtool.document import Section
+from benchtool.errors import AnalysisError
+from benchtool.profile import Motor
+
+ESTIMATED: Final = (
+    "R_s",
+    "L_d",
+    "L_q",
+    "psi_r",
+    "encoder_offset",
+    "dead_time_voltage",
+    "current_gain_a",
+    "current_gain_b",
+    "current_gain_c",
+)
+"""What a flux balance estimates, by the names of the dictionary where it has them."""
+
+UNITS: Final = {
+    "R_s": "ohm",
+    "L_d": "H",
+    "L_q": "H",
+    "psi_r": "Wb",
+    "encoder_offset": "rad",
+    "dead_time_voltage": "V",
+    "current_gain_a": "",
+    "current_gain_b": "",
+    "current_gain_c": "",
+}
+
+_FEWEST, _LEAST_SHARE = 500, 1.0 / 6.0  # periods; of all of them
+_ITERATIONS, _SEARCHES = 15, 3
+_FIRST_SHARE = 0.1  # of the voltage's errors in those of the flux, until the data tell
+_CONVERGED = 0.02  # standard uncertainties
+_STEPS_UNSURE, _DROPS_UNSURE = 2.0, 2.0  # of the sign of a current: in steps of the converter, in dead times
+_UNEXPLAINED, _STRETCH = 0.04, 50  # of the voltage, over so many periods
+_LEAST_FLUX, _MOST_GAIN = 0.2, 0.5  # of the rotor flux believed; of an error of a gain
+_PHASE_OF_ERROR = 0.5 * math.sqrt(1.5)  # noise of a phase over that of a predicted current: of two vectors
+_BY_CHANCE = 2.0  # standard uncertainties
+_SPAN_ANGLE_RAD, _SPAN_VOLTAGE, _SPAN_GAIN = 0.4, 0.04, 0.2
+_LEAST_SPAN = 1e-3  # of the voltage over the current, for a resistance of zero
+_STEP_OF_PARAMETER = 0.5  # most that one iteration changes an inductance or a flux by
+
+
+@dataclass(frozen=True)
+class FluxBalance:
+    """What a flux balance came to.
+
+    Attributes:
+        ticks: the capture.
+        belief: the parameters that were believed.
+        solution: of the unknowns of `Electrical`, and of the gain of phase c.
+        left_out: the periods of which the balance is not used, shape (n,).
+        error_A: rms error of the current predicted a tick ahead with the estimate, and with the belief.
+    """
+
+    ticks: Ticks
+    belief: Electrical
+    solution: Solution
+    left_out: NDArray[np.bool_]
+    error_A: tuple[float, float]
+
+    @property
+    def estimate(self) -> Electrical:
+        """The estimated parameters; those that the capture does not tell are as they are believed."""
+        found = Electrical(*(self.solution.value(name) for name in Electrical._fields))
+        return found._replace(
+            **{
+                name: getattr(self.belief, name)
+                for name in Electrical._fields[: len(ESTIMATED) - 1]
+                if not self.solution.told(name)
+            }
+        )
+
+    def torque(self, p: Electrical, pole_pairs: int) -> Floats:
+        """Return the torque of the measured currents at the ticks, with some parameters, shape (n + 1,)."""
+        i_dq = self.ticks.currents(p) * np.conj(self.ticks.direction(p))
+        return np.asarray(1.5 * pole_pairs * np.imag(np.conj(flux_of(i_dq, p)) * i_dq))
+
+
+class FluxBalanceSettings(Section):
+    """When the voltage of a row acts."""
+
+    delay_ticks: Annotated[int, Field(ge=0, le=3)] = 1
+    """Ticks from a row to the period over which the voltage in it acts: 1 where a drive computes it in one
+    period and applies it in the next."""
+
+
+def flux_balance(block: Block, motor: Motor, *, delay_ticks: int = 1) -> FluxBalance:
+    """Return the parameters under which the flux of a capture is balanced.
+
+    Periods are left out in which a phase current is close to zero at an edge of its leg, and those without
+    voltage, in which the power stage may be off.
+
+    Args:
+        block: a capture without gaps, every tick, with the channels `NEEDED`.
+        motor: the parameters as they are believed, and the pole pairs.
+        delay_ticks: from a row to the period over which its voltage acts.
+
+    Raises:
+        AnalysisError: a gap, a clipped current, ticks that were left out, too few periods with voltage, or no
+            parameters that explain the currents.
+    """
+    require_unbroken(block)
+    if block.stride != 1:
+        raise AnalysisError(
+            f"the capture holds one tick in {block.stride}, each is needed to balance the flux: record with "
+            f"stride = 1"
+        )
+    for name in ("i_a", "i_b", "i_c"):
+        if clipped := clipping(block.column(name)):
+            raise AnalysisError(f"'{name}': {clipped}: lower the current, or widen its range")
+    if len(block.data) < _FEWEST:
+        raise AnalysisError(
+            f"{len(block.data)} rows to balance the flux in, at least {_FEWEST} are needed: record longer"
+        )
+    ticks = Ticks.of(block, motor.pole_pairs, delay_ticks)
+    silent = int(np.count_nonzero(ticks.u_s == 0.0))
+    if len(ticks.u_s) - silent < _FEWEST:
+        raise AnalysisError(
+            f"the drive asked for a voltage in {len(ticks.u_s) - silent} of {len(ticks.u_s)} periods, at "
+            f"least {_FEWEST} are needed: record an enabled drive"
+        )
+    return _balance(ticks, Electrical.of(motor))
+
+
+def _balance(ticks: Ticks, belief: Electrical) -> FluxBalance:
+    spans = _spans(ticks, belief)
+    solution, p, weighting = _iterate(ticks, belief, spans)
+    left_out, errors = _errors(ticks, p)
+    error_A = _rms(errors, p, left_out)
+    share = _unexplained(ticks, p, errors, left_out)
+    if share > _UNEXPLAINED or float(np.max(np.abs(p.gains - 1.0))) > _MOST_GAIN:
+        raise AnalysisError(
+            f"{100.0 * share:.2g} % of the voltage are not explained by any parameters of a machine of this "
+            f"kind: check the order of the phases, the direction of the encoder, the pole pairs and "
+            f"delay_ticks, and raise a current that hardly overcomes the dead time"
+        )
+    if solution.told("psi_r") and p.psi_r < _LEAST_FLUX * belief.psi_r:
+        raise AnalysisError(
+            f"no rotor flux turns with pole pairs times theta_m: the balance finds {p.psi_r:.3g} Wb, "
+            f"{belief.psi_r:.3g} Wb is believed: check the pole pairs, the encoder's lines and direction"
+        )
+    # as much noise again moves the estimate by as much as the noise that is there
+    noisy, _, _ = _iterate(ticks.with_noise(_PHASE_OF_ERROR * error_A), p, spans, weighting)
+    moved = np.abs(noisy.values - solution.values)
+    bias = np.maximum(0.0, moved - _BY_CHANCE * np.sqrt(np.diag(noisy.covariance)))
+    of_belief = _rms(ticks.errors(belief, _signs(ticks, p)[0]), belief, left_out)
+    found = replace(solution, bias=bias)
+    return FluxBalance(ticks, belief, _with_phase_c(found), left_out, (error_A, of_belief))
+
+
+def _iterate(
+    ticks: Ticks, belief: Electrical, spans: Floats, share: float | None = None
+) -> tuple[Solution, Electrical, float]:
+    """Return the solution, its parameters, and the share of the voltage's errors by which it was weighted:
+    the likeliest, or the one that is given."""
+    p, believed, before = belief, np.array(belief), None
+    given, share = share is not None, share if share is not None else _FIRST_SHARE
+    for iteration in range(_ITERATIONS):
+        signs, left_out = _signs(ticks, p)
+        used = len(left_out) - int(np.count_nonzero(left_out))
+        if used < max(_FEWEST, _LEAST_SHARE * len(left_out)):
+            raise AnalysisError(
+                f"in {len(left_out) - used} of {len(left_out)} periods a phase current is close to zero at "
+                f"an edge of its leg, or there is no voltage; {_FEWEST} others and a sixth of all are "
+                f"needed: turn the shaft, raise the current or record longer"
+            )
+        errors = ticks.errors(p, signs)
+        search = 0 < iteration <= _SEARCHES and not given
+        whitening = likeliest(errors, left_out) if search else Whitening.of(left_out, share)
+        share = whitening.share
+        rows, innovations_A = _prediction(ticks, p, ticks.derivatives(p, signs), errors, whitening)
+        solution = solve(Electrical._fields, rows, innovations_A, np.array(p), believed, spans)
+        p = _bounded(Electrical(*solution.values.tolist()), p)
+        if before is not None and (given or iteration > _SEARCHES):
+            moved = np.abs(solution.values - before.values)
+            if np.all(moved <= _CONVERGED * np.sqrt(np.diag(solution.covariance))):
+                break
+        before = solution
+    return solution, p, share
+
+
+def _signs(ticks: Ticks, p: Electrical) -> tuple[Complex, NDArray[np.bool_]]:
+    """Return the mean signs of the currents, and the periods that are left out."""
+    L = 0.5 * (p.L_d + p.L_q)
+    least_A = _STEPS_UNSURE * ticks.step_A + _DROPS_UNSURE * abs(p.dead_time_voltage) * ticks.T_s / L
+    shortest_s = _DROPS_UNSURE * abs(p.dead_time_voltage) * ticks.T_s / float(np.mean(ticks.u_dc))
+    return ticks.edges.signs(ticks.currents(p), L, least_A, shortest_s)
+
+
+def _errors(ticks: Ticks, p: Electrical) -> tuple[NDArray[np.bool_], Complex]:
+    signs, left_out = _signs(ticks, p)
+    return left_out, ticks.errors(p, signs)
+
+
+def _prediction(
+    ticks: Ticks, p: Electrical, derivatives: Complex, errors: Complex, whitening: Whitening
+) -> tuple[Floats, Floats]:
+    """Return derivatives and errors of the predicted current in the rotor's frame, each over its scale,
+    shapes (2, n, unknowns) and (2, n)."""
+    filtered = whitening.filtered(np.column_stack([derivatives, errors]))
+    filtered *= np.conj(ticks.direction(p)[1:])[:, np.newaxis]
+    along, across = filtered.real / p.L_d, filtered.imag / p.L_q
+    # the flux at the end of a tick is that of the predicted current, not of the measured one
+    along[:, 1] += along[:, -1] / p.L_d
+    across[:, 2] += across[:, -1] / p.L_q
+    scaled = np.stack([along, across]) / whitening.scale[:, np.newaxis]
+    return scaled[:, :, :-1], scaled[:, :, -1]
+
+
+def _bounded(found: Electrical, before: Electrical) -> Electrical:
+    """Return the parameters with inductances and flux that moved by no more than half, so that they stay
+    above zero."""
+    bounds = {
+        name: min(
+            max(getattr(found, name), (1.0 - _STEP_OF_PARAMETER) * getattr(before, name)),
+            (1.0 + _STEP_OF_PARAMETER) * getattr(before, name),
+        )
+        for name in ("L_d", "L_q", "psi_r")
+    }
+    angle = min(max(found.encoder_offset - before.encoder_offset, -_STEP_OF_PARAMETER), _STEP_OF_PARAMETER)
+    return found._replace(**bounds, encoder_offset=before.encoder_offset + angle)
+
+
+def _unexplained(ticks: Ticks, p: Electrical, errors_Vs: Complex, left_out: NDArray[np.bool_]) -> float:
+    """Return the share of the voltage, in the rotor's frame over stretches long enough for noise to be small,
+    that the parameters do not explain."""
+    turned = np.where(left_out, 0.0, np.conj(ticks.direction(p)[1:]))
+    starts = np.arange(0, len(turned), _STRETCH)
+    left, whole = (
+        math.sqrt(float(np.mean(np.abs(np.add.reduceat(turned * each, starts)) ** 2)))
+        for each in (errors_Vs, ticks.T_s * ticks.u_s)
+    )
+    return left / whole if whole > 0.0 else math.inf
+
+
+def _rms(errors_Vs: Complex, p: Electrical, left_out: NDArray[np.bool_]) -> float:
+    """Return the rms error of the current at the end of a tick, predicted from its measured beginning."""
+    L = math.sqrt(p.L_d * p.L_q)
+    return math.sqrt(float(np.mean(np.abs(errors_Vs[~left_out]) ** 2))) / L
+
+
+def _spans(ticks: Ticks, belief: Electrical) -> Floats:
+    """Return what each unknown is, or could be, in a machine of this rating."""
+    u_dc = float(np.mean(ticks.u_dc))
+    current = math.sqrt(float(np.mean(np.abs(ticks.phases) ** 2))) or 1.0
+    voltage = max(_SPAN_VOLTAGE * u_dc, np.finfo(np.float64).tiny)
+    return np.array(
+        Electrical(
+            R_s=max(belief.R_s, _LEAST_SPAN * voltage / current),
+            L_d=belief.L_d,
+            L_q=belief.L_q,
+            psi_r=belief.psi_r,
+            encoder_offset=_SPAN_ANGLE_RAD,
+            dead_time_voltage=voltage,
+            current_gain_a=_SPAN_GAIN,
+            current_gain_b=_SPAN_GAIN,
+            u_alpha_offset=voltage,
+            u_beta_offset=voltage,
+        )
+    )
+
+
+def _with_phase_c(found: Solution) -> Solution:
+    """Return the solution with the gain of phase c, which is minus those of the others together."""
+    count = len(found.names)
+    turn = np.vstack([np.eye(count), np.zeros(count)])
+    a, b = (found.names.index(f"current_gain_{phase}") for phase in "ab")
+    turn[count, [a, b]] = -1.0
+    return replace(
+        found,
+        names=(*found.names, "current_gain_c"),
+        values=turn @ found.values,
+        covariance=turn @ found.covariance @ turn.T,
+        spans=np.append(found.spans, found.spans[a]),
+        certain=turn @ found.certain @ turn.T,
+        bias=np.append(found.bias, math.hypot(found.bias[a], found.bias[b])),
+    )
+
+
+@dataclass(frozen=True)
+class _Balanced:
+    """Computes the flux balance of a window, for all analyses that rest on it."""
+
+    delay_ticks: int
+
+    def __call__(self, window: Window) -> FluxBalance:
+        if window.motor is None:
+            raise AnalysisError(
+                "no motor is known, whose parameters are believed: give a profile with [motor]"
+            )
+        return flux_balance(window.block, window.motor, delay_ticks=self.delay_ticks)
+
+
+def balance_of(window: Window, delay_ticks: int) -> FluxBalance:
+    """Return the flux balance of a window, computed once.
+
+    Raises:
+        AnalysisError: no motor is known, or the data do not allow it.
+    """
+    return window.cached(_Balanced(delay_ticks))
+
+
+def _measure(window: Window, settings: FluxBalanceSettings) -> Findings:
+    found = balance_of(window, settings.delay_ticks)
+    basis = _basis(found, window.block)
+    return Findings(tuple(_measurements(found, basis)), (_correlations(found, basis),), found)
+
+
+def _basis(found: FluxBalance, block: Block) -> Basis:
+    used = len(found.left_out) - int(np.count_nonzero(found.left_out))
+    p = found.belief
+    return Basis(
+        samples=used,
+        sample_rate_Hz=block.sample_rate_Hz,
+        duration_s=len(block.data) / block.sample_rate_Hz,
+        bandwidth_Hz=0.5 * block.sample_rate_Hz,
+        window=f"{used} of {len(found.left_out)} periods",
+        reference=f"believed: R_s {p.R_s:g} ohm, L_d {p.L_d:g} H, L_q {p.L_q:g} H, psi_r {p.psi_r:g} Wb",
+        gaps=0,
+    )
+
+
+def _measurements(found: FluxBalance, basis: Basis) -> Iterator[Measurement]:
+    step_V = counting_step(found.ticks.u_dc)
+    relative = step_V / (math.sqrt(12.0) * max(float(np.mean(found.ticks.u_dc)), step_V)) if step_V else 0.0
+    for name in ESTIMATED:
+        definition, unit, full = _DEFINITIONS[name], UNITS[name], f"flux_balance_{name}"
+        if reason := found.solution.why_not(name):
+            yield Measurement.undefined(full, unit, definition, reason, basis)
+            continue
+        value = found.solution.value(name)
+        scaled = 0.0 if name in _ANGLES_AND_GAINS else relative * abs(value)
+        further = Contribution("resolution of u_dc", "B", scaled)
+        yield Measurement(full, value, unit, definition, basis, found.solution.uncertainty(name, further))
+    what = "rms error of the current predicted a tick ahead"
+    names = ("flux_balance_error_rms", "flux_balance_belief_error_rms")
+    for name, value, with_ in zip(names, found.error_A, ("estimated", "believed"), strict=True):
+        uncertain = Uncertainty(value / math.sqrt(2.0 * (basis.samples or 1.0)), "number of periods")
+        yield Measurement(name, value, "A", f"{what}, with the {with_} parameters", basis, uncertain)
+
+
+def _correlations(found: FluxBalance, basis: Basis) -> Table:
+    places = [found.solution.names.index(name) for name in ESTIMATED]
+    rows = found.solution.correlation[np.ix_(places, places)]
+    return Table(
+        "flux_balance_correlations",
+        "correlation of the errors of the estimates, a row and a column for each in the same order",
+        tuple((name, "") for name in ESTIMATED),
+        tuple(tuple(float(cell) for cell in row) for row in rows),
+        basis,
+    )
+
+
+_ANGLES_AND_GAINS: Final = frozenset({"encoder_offset", "current_gain_a", "current_gain_b", "current_gain_c"})
+_GAIN = "gain of the current sensor of phase {}, over the mean of the three, minus 1"
+_DEFINITIONS: Final = {
+    "R_s": "resistance of a phase, with that of its devices, that balances the flux from tick to tick",
+    "L_d": "inductance along the rotor flux that balances the flux from tick to tick",
+    "L_q": "inductance across the rotor flux that balances the flux from tick to tick",
+    "psi_r": "rotor flux linkage, peak, that balances the flux from tick to tick",
+    "encoder_offset": "electrical angle by which the rotor flux is ahead of that of theta_m",
+    "dead_time_voltage": "what dead time and devices take from the mean voltage of a phase against the sign "
+    "of its current, beyond what the drive compensates",
+    **{f"current_gain_{phase}": _GAIN.format(phase) for phase in "abc"},
+}
+
+_BY_SCATTER = "scatter of the errors of the balance over blocks, with their correlation; resolution of `u_dc`"
+
+FLUX_BALANCE: Final = Analysis(
+    name="flux_balance",
+    title="flux balance",
+    measure=_measure,
+    quantities=(
+        *(
+            Quantity((f"flux_balance_{name}",), UNITS[name], _DEFINITIONS[name], _BY_SCATTER)
+            for name in ESTIMATED
+        ),
+        Quantity(
+            ("flux_balance_error_rms", "flux_balance_belief_error_rms"),
+            "A",
+            "rms error of the current predicted a tick ahead, with the estimated and the believed parameters",
+            "`1 / sqrt(2 n)` of it",
+        ),
+    ),
+    settings=FluxBalanceSettings,
+    measured=Measured.ON_REQUEST,
+    channels=NEEDED,
+    every_tick=True,
+)

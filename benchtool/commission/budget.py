@@ -1,0 +1,41 @@
+"""Uncertainty of an estimate: the scatter about the fit, the dc link's converter, the moment of sampling."""
+
+from __future__ import annotations
+
+import math
+
+from benchtool.analysis import Contribution, Uncertainty, combined
+from benchtool.commission.known import Known
+
+_CODES = 2.0**10  # of a converter of the dc link, at the least
+
+
+def of_fit(value: float, standard: float, dof: float, scatter: str, known: Known) -> Uncertainty:
+    """Return the uncertainty of a value that is in proportion to the voltage of the dc link.
+
+    The drive makes its voltages with the dc link as its converter reads it: within half a step of the true
+    one, a rectangular distribution (JCGM 100:2008, 4.3.7). Of a converter of unknown steps ten bits are
+    assumed. Its gain, like that common to the current sensors, is not contained: no current tells of it.
+
+    A current is sampled where the pulses of the period are symmetric about it; the dead time, by V_drop no
+    longer than V_drop / u_dc T_s, moves them by up to half of it, and the sample off the mean by what the
+    current changes meanwhile, R_s / L of the voltage.
+
+    Args:
+        value: the estimate; 0 for one to which neither matters.
+        standard: by the fit, with `dof`.
+        scatter: what that was estimated from.
+    """
+    step = known.u_dc_full_scale_V / _CODES / known.u_dc_V
+    late_s = 0.5 * known.drop_V / known.u_dc_V * known.control_period_s
+    L = min(known.value("L_d", known.motor.L_d_H), known.value("L_q", known.motor.L_q_H))
+    lines = [Contribution(scatter, "A", standard, dof)]
+    for name, relative in (
+        ("step of the converter of the dc link", step / math.sqrt(12.0)),
+        ("moment of sampling", abs(late_s) * known.R_s_ohm / L / math.sqrt(3.0)),
+    ):
+        if value * relative != 0.0:
+            lines.append(Contribution(name, "B", abs(value) * relative))
+    found = combined(lines, scatter)
+    assert found is not None  # every line is a number
+    return found

@@ -1,0 +1,59 @@
+"""One excitation: what the drive plays and captures meanwhile, and what it costs the winding."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Final
+
+from benchtool.drive import CaptureRequest, Stimulus
+from benchtool.errors import ValueRefused
+from benchtool.profile import Motor
+from benchtool.protocol.dictionary import Value
+
+MOST_RISE_K: Final = 10.0
+"""By how much a step may warm the winding."""
+
+OVERLOAD: Final = 1.1
+"""Of the rated current, what is injected at most."""
+
+_RATED_RISE_K: Final = 100.0  # at the rated current for ever, of insulation class F (IEC 60034-1: 105 K)
+_TIME_CONSTANT_S: Final = 60.0  # of a winding against its iron: of a small motor, the shortest that is usual
+
+
+@dataclass(frozen=True)
+class Excitation:
+    """A stimulus, or none with the power stage off, what is captured, and parameters held meanwhile.
+
+    `squares_A2s` is the integral of the squared length of the current vector that is expected.
+    """
+
+    name: str
+    stimulus: Stimulus | None
+    request: CaptureRequest
+    squares_A2s: float = 0.0
+    parameters: Mapping[str, Value] = field(default_factory=lambda: MappingProxyType({}))
+
+    def energy_J(self, R_s_ohm: float) -> float:
+        """Return the heat in the winding, 3/2 R_s times the integral."""
+        return 1.5 * R_s_ohm * self.squares_A2s
+
+
+def require_bearable(excitations: Iterable[Excitation], motor: Motor) -> None:
+    """Check the heat of a step by I2t: at most 10 K if none of it left the winding.
+
+    A winding that the rated current warms by 100 K with a time constant of 60 s takes 1.67 K/s at first, in
+    proportion to the square of the current.
+
+    Raises:
+        ValueRefused: it is too much; nothing was sent.
+    """
+    squares = sum(each.squares_A2s for each in excitations)
+    rise_K = squares / (2.0 * motor.I_N_A_rms**2) * _RATED_RISE_K / _TIME_CONSTANT_S
+    if rise_K > MOST_RISE_K or not math.isfinite(rise_K):
+        raise ValueRefused(
+            f"the step would warm the winding by {rise_K:.3g} K, at most {MOST_RISE_K:g} K is allowed: lower "
+            f"its current or its duration; nothing was sent"
+        )

@@ -1,0 +1,142 @@
+"""Inductances of both axes around zero current, with the rotor at rest where it was aligned."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+from benchtool.analysis import Basis, Measurement
+from benchtool.block import Block
+from benchtool.commission.budget import of_fit
+from benchtool.commission.estimators.inductance import Turning, inductance
+from benchtool.commission.excitation import Excitation
+from benchtool.commission.known import Known
+from benchtool.commission.steps.offsets import CURRENTS
+from benchtool.commission.steps.step import Finding
+from benchtool.drive import CaptureRequest, Stimulus
+
+_ALIGN_S = 0.8
+_ALIGN_SHARE = 0.6  # of the rated current, at the end of the ramp that aligns the rotor
+_SHARE = 0.6  # of the rated current, peak, at the end of the ramp
+_LEAST_SHARE = 0.3  # below which the converter's steps show, and the vector turns more slowly
+_VOLTAGE_SHARE = 0.5  # of u_dc / sqrt(3)
+_PERIODS = (14.0, 31.0)  # control periods in a turn of the vector
+_ROWS = 1200
+_CREST = 4.0 / math.pi  # fundamental of what dead time and devices take of a phase, over V_drop
+_FACTOR = 2.5
+
+
+class TurningVoltage:
+    """Align the rotor with phase a, then turn a growing voltage vector too fast for it to follow; twice.
+
+    Begun with nothing, the currents have no constant part that would kick the rotor, and on the average a
+    turning vector makes no torque, in a salient machine neither. Two speeds tell the inductance from what the
+    shaken rotor induces. The amplitude is that of a share of the rated current through the nameplate's
+    impedance, or what the dc link allows; where that is too small a current to be read, the vector turns more
+    slowly.
+    """
+
+    name = "inductance"
+    needs: tuple[str, ...] = ("resistance",)
+    sets: tuple[str, ...] = ("L_d", "L_q")
+
+    def plan(self, known: Known) -> tuple[Excitation, ...]:
+        """Return an alignment and a turning vector for each speed."""
+        align = Excitation(
+            "alignment",
+            Stimulus(
+                quantity="current",
+                shape="ramp",
+                amplitude_A=_ALIGN_SHARE * known.I_N_A,
+                duration_s=_ALIGN_S,
+            ),
+            CaptureRequest(CURRENTS, rows=10),
+            (_ALIGN_SHARE * known.I_N_A) ** 2 * _ALIGN_S / 3.0,
+            {
+                "omega_current": known.damping_bandwidth_rad_s,
+                "dead_time_compensation": 0.0,
+                **known.offsets,
+            },
+        )
+        return tuple(each for periods in _PERIODS for each in (align, _turning(known, periods)))
+
+    def estimate(self, blocks: Sequence[Block], known: Known) -> Mapping[str, Measurement]:
+        """Return `L_d` and `L_q`.
+
+        Raises:
+            AnalysisError: the captures do not define them.
+        """
+        found = inductance(
+            [_directed(block) for block in blocks[1::2]],
+            T_s=known.control_period_s,
+            R_s_ohm=known.R_s_ohm,
+            drop_V=known.drop_V,
+            gains=known.gains,
+            aligned_rad=0.0,
+        )
+        rows = sum(len(block.data) for block in blocks[1::2])
+        basis = Basis(samples=rows, sample_rate_Hz=1.0 / known.control_period_s)
+        scatter = f"scatter of {rows} samples about the fit"
+        both = (
+            ("L_d", found.L_d_H, found.L_d_standard_H, "along"),
+            ("L_q", found.L_q_H, found.L_q_standard_H, "across"),
+        )
+        return {
+            name: Measurement(
+                name,
+                value,
+                "H",
+                f"flux linkage over current {side} the rotor flux, by a voltage vector that turns fast",
+                basis,
+                of_fit(value, standard, found.dof, scatter, known),
+            )
+            for name, value, standard, side in both
+        }
+
+    def findings(self, found: Mapping[str, Measurement], known: Known) -> tuple[Finding, ...]:
+        """Return what the inductances say of the nameplate."""
+        findings = []
+        for name, stated in (("L_d", known.motor.L_d_H), ("L_q", known.motor.L_q_H)):
+            ratio = found[name].value / stated
+            if not 1.0 / _FACTOR < ratio < _FACTOR:
+                findings.append(
+                    Finding(
+                        f"{name} is {found[name].value:.4g} H, {ratio:.3g} times the nameplate's",
+                        "another motor, an inductance line to line, or a filter in the cable",
+                        f"check motor.{name}_H of the profile",
+                        fails=False,
+                    )
+                )
+        return tuple(findings)
+
+
+def _turning(known: Known, periods: float) -> Excitation:
+    """Return the vector that turns once in so many control periods, or more slowly."""
+    T_s, L = known.control_period_s, min(known.motor.L_d_H, known.motor.L_q_H)
+    most_V = _VOLTAGE_SHARE * known.u_dc_V / math.sqrt(3.0)
+    a_turn_Vs = 2.0 * math.pi * L * known.I_N_A
+    slower = max(1.0, _LEAST_SHARE * a_turn_Vs / (most_V * _PERIODS[0] * T_s))
+    turn_s = slower * periods * T_s
+    impedance_ohm = math.hypot(known.R_s_ohm, 2.0 * math.pi * L / turn_s)
+    u_V = min(most_V, _SHARE * known.I_N_A * impedance_ohm + _CREST * known.drop_V)
+    duration_s = (_ROWS + 2) * T_s
+    return Excitation(
+        f"{u_V:.3g} V at {1.0 / turn_s:.4g} Hz",
+        Stimulus(
+            quantity="voltage",
+            shape="ramp",
+            amplitude_V=u_V,
+            duration_s=duration_s,
+            omega_e_rad_s=2.0 * math.pi / turn_s,
+        ),
+        CaptureRequest((*CURRENTS, "u_alpha", "u_beta"), rows=_ROWS),
+        (_SHARE * known.I_N_A) ** 2 * duration_s / 3.0,
+        {"dead_time_compensation": 0.0, **known.offsets},
+    )
+
+
+def _directed(block: Block) -> Turning:
+    """Return voltages and currents of a capture: what a row asks for acts from the next row on to the one
+    after."""
+    u_V = block.column("u_alpha") + 1j * block.column("u_beta")
+    return Turning(u_V[:-2], block.data[1:, :3])

@@ -1,0 +1,97 @@
+"""What `commission` prints with `--json`.
+
+The description of a key is the string literal below it. A key that may be left out has None as its default.
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from docs.generate.json_results import Document
+
+
+class EstimateUncertainty(Document):
+    """The uncertainty of an estimate in the terms of the GUM (JCGM 100:2008)."""
+
+    standard: float
+    """Combined standard uncertainty u."""
+    k: float
+    """Coverage factor of 95 %."""
+    dof: float | None
+    """Effective degrees of freedom; null for infinitely many."""
+
+
+class Estimate(Document):
+    """One estimate; without a value only `value` and `reason` are there."""
+
+    value: float | None
+    """Value per phase, peak; null where the data do not define it."""
+    unit: str | None = None
+    """Its unit."""
+    uncertainty: EstimateUncertainty | None = None
+    """Its uncertainty; null where the data give none."""
+    method: str | None = None
+    """What it is by."""
+    nameplate: float | None = None
+    """What the profile states, as a nameplate; null where it does not."""
+    reason: str | None = None
+    """Why there is no value."""
+
+
+class CommissionedStep(Document):
+    """What became of a step."""
+
+    verdict: Literal["pass", "fail", "skipped"]
+    """Whether it passed; skipped: a step that it needs did not."""
+    reason: str
+    """Why it did not pass; empty if it did."""
+    energy_J: float
+    """Heat in the winding, as planned with the resistance known then."""
+
+
+class FoundDeviation(Document):
+    """Something that is not as it should be."""
+
+    what: str
+    """What was seen, and what was expected."""
+    cause: str
+    """What probably causes it."""
+    remedy: str
+    """What to do about it."""
+
+
+class Commissioned(Document):
+    """`commission`."""
+
+    verdict: Literal["pass", "fail"]
+    """pass: every step passed and nothing was found that is not as it should be."""
+    steps: dict[str, CommissionedStep]
+    """The steps by name, in their order."""
+    estimates: dict[str, Estimate]
+    """Estimates by the dictionary's names."""
+    findings: list[FoundDeviation]
+    """What is not as it should be."""
+    profile: str | None
+    """New profile; null, as none is written yet."""
+    bundle: str | None
+    """Folder of the recording; null, as none is written yet."""
+
+
+class PlannedStep(Document):
+    """What a step would put in, and for which parameters."""
+
+    energy_J: float
+    """Heat in the winding, by the nameplate's resistance."""
+    sets: list[str]
+    """Parameters that its estimates are for."""
+
+
+class PlannedCommissioning(Document):
+    """`commission --dry-run`."""
+
+    dry_run: bool
+    """true."""
+    steps: dict[str, PlannedStep]
+    """The steps by name, in their order."""
+    energy_J: float
+    """Heat of all steps."""

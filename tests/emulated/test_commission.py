@@ -1,0 +1,109 @@
+"""A motor identified over the wire, by a drive that knows nothing of it."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from benchtool.bench.session import open_session
+from benchtool.cli import app
+from benchtool.commission import Commissioning, commission, document, steps_for
+from benchtool.commission.execution import STEPS, StepVerdict
+from benchtool.drive.parameters import snapshot
+from benchtool.errors import UsageError
+from benchtool.shipped import shipped
+
+from .conftest import over_both_wires
+
+NAMEPLATE = {
+    "R_s_ohm = 0.123": "R_s_ohm = 0.16",
+    "L_d_H = 9.52e-3": "L_d_H = 7e-3",
+    "L_q_H = 9.52e-3": "L_q_H = 7e-3",
+}
+TRUTH = "[emulator.motor]\nR_s_ohm = 0.123\nL_d_H = 9.52e-3\nL_q_H = 9.52e-3\n"
+
+
+@pytest.fixture(scope="module")
+def boxed(tmp_path_factory: pytest.TempPathFactory) -> str:
+    """The paper's machine with a nameplate that is off, on a drive as it comes out of its box."""
+    text = (shipped("profiles") / "zhu2011" / "profile.toml").read_text(encoding="utf-8")
+    for old, new in NAMEPLATE.items():
+        assert text.count(old) == 1
+        text = text.replace(old, new)
+    text = text.split("[[choices]]")[0].replace(
+        "[emulator.motor]\n", f"[emulator]\ncommissioned = false\n\n{TRUTH}"
+    )
+    path = tmp_path_factory.mktemp("boxed") / "profile.toml"
+    path.write_text(text, encoding="utf-8")
+    return str(path)
+
+
+def commissioned(profile: str, options: str, *names: str) -> Commissioning:
+    """Run steps, and hold that the drive is as it was."""
+    with open_session(profile, f"emulated?{options}", seed=2) as session:
+        drive = session.drive
+        drive.connect()
+        before = snapshot(drive)
+        done = commission(drive, session.profile, steps_for(names))
+        assert not drive.state().power_stage_on
+        assert snapshot(drive) == before
+    return done
+
+
+@over_both_wires
+def test_a_motor_is_identified(boxed: str, link_options: str) -> None:
+    done = commissioned(boxed, link_options.removeprefix("&"))
+    assert [(each.name, each.verdict) for each in done.results] == [
+        (step.name, StepVerdict.PASS) for step in STEPS
+    ]
+    estimates = {name: each for result in done.results for name, each in result.estimates.items()}
+    for name, true, tolerance in (("R_s", 0.123, 0.02), ("L_d", 9.52e-3, 0.03), ("L_q", 9.52e-3, 0.03)):
+        found = estimates[name]
+        assert found.uncertainty is not None
+        assert found.value == pytest.approx(true, rel=tolerance)
+        assert abs(found.value - true) < 4.0 * found.uncertainty.standard
+    assert estimates["dead_time_voltage"].value == pytest.approx(0.0, abs=0.05)
+
+
+def test_a_step_brings_those_that_it_needs() -> None:
+    assert [each.name for each in steps_for(["inductance"])] == ["offsets", "resistance", "inductance"]
+    assert [each.name for each in steps_for(["offsets"])] == ["offsets"]
+    with pytest.raises(UsageError, match="no step 'flux'"):
+        steps_for(["flux"])
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "reason"),
+    [
+        ("i_trip_A = 12.0", "i_trip_A = 9.4", "i_trip is 9.4 A"),
+        ("u_dc_min_V = 50.0", "u_dc_min_V = 130.0", "0x3220"),
+    ],
+)
+def test_a_step_that_fails_leaves_out_those_that_need_it(
+    boxed: str, tmp_path: Path, old: str, new: str, reason: str
+) -> None:
+    tripping = tmp_path / "profile.toml"
+    tripping.write_text(Path(boxed).read_text(encoding="utf-8").replace(old, new))
+    done = commissioned(str(tripping), "")
+    content = document(done)
+    assert [each["verdict"] for each in content["steps"].values()] == ["pass", "fail", "skipped"]
+    assert reason in content["steps"]["resistance"]["reason"]
+    assert content["estimates"]["L_d"] == {"value": None, "reason": "step inductance: it needs resistance"}
+    assert content["verdict"] == "fail"
+
+
+def test_the_command_prints_one_document_and_needs_a_yes(boxed: str) -> None:
+    runner = CliRunner()
+    asked = runner.invoke(app, ["commission", "resistance", "--profile", boxed])
+    assert asked.exit_code == 2
+    of_resistance = ("commission", "resistance", "--profile", boxed, "--json")
+    planned = json.loads(runner.invoke(app, [*of_resistance, "--dry-run"]).stdout)
+    assert list(planned["steps"]) == ["offsets", "resistance"]
+    result = runner.invoke(app, [*of_resistance, "--yes"])
+    assert result.exit_code == 0, result.output
+    content = json.loads(result.stdout)
+    assert content["estimates"]["R_s"]["nameplate"] == 0.16
+    assert sum(each["energy_J"] for each in content["steps"].values()) == pytest.approx(planned["energy_J"])

@@ -1,0 +1,49 @@
+"""What a converter's steps repeat, against readings of the same waveform with levels in many places."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from benchtool.analysis.repeated_steps import noise_beside, repeated_steps
+
+PER_PERIOD, PERIODS, STEP = 461.3, 33, 0.04
+
+
+@pytest.mark.parametrize(("noise", "per_period"), [(0.0, PER_PERIOD), (0.0, 500.0), (0.25 * STEP, 500.0)])
+def test_the_stated_errors_are_those_of_readings_with_levels_anywhere(
+    noise: float, per_period: float
+) -> None:
+    random = np.random.default_rng(3)
+    phasors = np.zeros(40, dtype=np.complex128)
+    phasors[0], phasors[4] = 1.3 * np.exp(0.3j), 0.05 * np.exp(1j)
+    stated = repeated_steps(0.1, phasors, STEP, noise, per_period * PERIODS, PERIODS)
+    assert stated is not None
+    theta = 2.0 * np.pi / per_period * np.arange(round(per_period * PERIODS))
+    clean = 0.1 + 1.3 * np.cos(theta + 0.3) + 0.05 * np.cos(5.0 * theta + 1.0)
+    of_means, of_rms, of_fifth = [], [], []
+    towards = np.exp(-1j * (5.0 * theta + 1.0))
+    for _ in range(150):
+        offset = STEP * random.uniform(-0.5, 0.5)
+        signal = clean + noise * random.standard_normal(len(clean))
+        read = STEP * np.round((signal - offset) / STEP) + offset
+        of_means.append(np.mean(read - signal))
+        of_rms.append(np.std(read) - np.std(signal))
+        of_fifth.append(2.0 * np.mean((read - signal) * towards).real)
+    lines, _ = stated.of_lines(phasors)
+    # beside what repeats readings err by noise of a twelfth of the step's square
+    rest = STEP / np.sqrt(12.0 * len(clean))
+    for measured, expected, of_rest in (
+        (of_means, stated.of_mean(), rest),
+        (of_rms, stated.of_rms, rest),
+        (of_fifth, lines[4], np.sqrt(2.0) * rest),
+    ):
+        found = float(np.sqrt(np.mean(np.square(measured))))
+        assert 0.75 * float(expected) < found < 1.25 * float(np.hypot(expected, of_rest))
+
+
+def test_noise_hides_the_steps() -> None:
+    phasors = np.array([1.0 + 0j])
+    assert repeated_steps(0.0, phasors, STEP, STEP, 10_000.0, 20) is None
+    assert noise_beside(STEP**2 / 12.0, STEP) == 0.0
+    assert noise_beside(STEP**2 / 12.0 + 9.0, STEP) == pytest.approx(3.0)
