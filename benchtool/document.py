@@ -286,7 +286,7 @@ def unit_suffix(unit: str) -> str:
     return re.sub(r"\W+", "_", unit.replace("%", "percent")).strip("_").removeprefix("1")
 
 
-Literal = float | str | bool | Sequence[str] | Mapping[str, float]
+Literal = float | str | bool | Sequence[str] | Sequence[float] | Mapping[str, float]
 
 
 def commented_table(name: str, rows: Sequence[tuple[str, Literal, str]]) -> str:

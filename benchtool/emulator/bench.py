@@ -15,6 +15,7 @@ from benchtool.emulator.core.kernel import kernel_is_cached
 from benchtool.emulator.equipment import EmulatedLoad, EmulatedSupply, EmulatedTransducer
 from benchtool.emulator.firmware.device import Firmware
 from benchtool.emulator.instruments import CanInstrument, CanReadings, CanTorque, samples_apart
+from benchtool.emulator.machine.heat import HeatTruth
 from benchtool.emulator.machine.sensor_truth import CurrentTruth, EncoderTruth, SensorTruth, VoltageTruth
 from benchtool.emulator.machine.train_truth import (
     FlangeTruth,
@@ -193,6 +194,14 @@ class EmulatedBench:
         """Run the first tick, which may compile for some seconds, before the clock starts."""
         self._node.advance_to(self._node.firmware.period_s)
 
+    def energies_J(self) -> Mapping[str, float]:
+        """Return the energy accounts since power-up: `dc`, and what it went to; zeros where none are kept."""
+        return self._core.energies_J()
+
+    def temperatures_degC(self) -> Mapping[str, float]:
+        """Return the true temperatures of `winding` and `magnet`; nothing where they are constants."""
+        return self._core.temperatures_degC()
+
     @property
     def enabled(self) -> bool:
         """Whether the power stage is on."""
@@ -274,10 +283,14 @@ def _core(table: ObjectTable, profile: Profile, emulator: Emulator, seed: int, f
 def _truth(profile: Profile, emulator: Emulator) -> tuple[MotorTruth, InverterTruth, SensorTruth]:
     motor, true = profile.motor, emulator.motor
     believed = motor.model_dump(include={"pole_pairs", "R_s_ohm", "L_d_H", "L_q_H", "psi_r_Wb", "J_kgm2"})
+    stated = true.model_dump(exclude_none=True, exclude={"heat"})
+    heat = HeatTruth(**true.heat.model_dump()) if true.heat else None
     return (
-        MotorTruth(**{**believed, **true.model_dump(exclude_none=True)}),
+        MotorTruth(**{**believed, **stated, "heat": heat}),
         InverterTruth(
-            **emulator.inverter.model_dump(exclude_none=True), double_update=profile.drive.double_update
+            **emulator.inverter.model_dump(exclude_none=True),
+            double_update=profile.drive.double_update,
+            energy_accounts=emulator.energy_accounts,
         ),
         _sensors(emulator.sensors),
     )

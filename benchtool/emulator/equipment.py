@@ -56,8 +56,9 @@ class EmulatedTransducer:
         return self._core.transducer.block()
 
     def facts(self) -> dict[str, Any]:
-        """Return nothing beside its samples: it loses none."""
-        return {}
+        """Return the bench's energy accounts since power-up, where it keeps them; no sample is lost."""
+        energies = self._core.energies_J()
+        return {"energies_J": energies} if any(energies.values()) else {}
 
 
 class EmulatedSupply:

@@ -51,6 +51,16 @@ def njit(function: F) -> F:
     return function
 
 
+def called(function: F) -> F:
+    """Compile a function that compiled functions call: once, where `njit` repeats it at every call.
+
+    It is for what is long and would be repeated often, which takes minutes to compile. In Python it stays the
+    plain function that it is.
+    """
+    register_jitable(no_cfunc_wrapper=True, **_OPTIONS)(function)
+    return function
+
+
 def entry(function: F) -> F:
     """Compile a function that Python calls, and keep it on disk; `py_func` of it is the plain function.
 

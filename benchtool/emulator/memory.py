@@ -157,6 +157,8 @@ SHAFT = record_type(
     [
         ("i_d", "f8"),
         ("i_q", "f8"),
+        ("psi_d", "f8"),  # of a machine that saturates
+        ("psi_q", "f8"),
         ("omega_m", "f8"),
         ("theta_e", "f8"),  # never wrapped
         ("cos_theta", "f8"),
@@ -169,6 +171,8 @@ SHAFT = record_type(
         ("blank_b", "f8"),
         ("blank_c", "f8"),
         ("chopper", "u4"),  # the brake chopper is on
+        ("T_winding", "f8"),  # degC, once a tick
+        ("T_magnet", "f8"),
         ("omega_load", "f8"),  # of the load behind an elastic coupling
         ("twist", "f8"),  # of that coupling, theta_m - theta_load
         ("load_torque", "f8"),  # of a load machine with a lag

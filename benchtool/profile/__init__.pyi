@@ -30,6 +30,7 @@ from .emulated_shaft import (
 )
 from .emulator import (
     Emulator as Emulator,
+    Heat as Heat,
     Inverter as Inverter,
     TrueMotor as TrueMotor,
 )

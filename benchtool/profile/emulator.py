@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, TypeVar
 
 from pydantic import BeforeValidator, Field
 
@@ -15,6 +15,10 @@ Inductance = Annotated[float, Field(ge=1e-7, le=10)]
 Inertia = Annotated[float, Field(ge=1e-9, le=1e4)]
 Torque = Annotated[float, Field(ge=0, le=1e5)]
 Voltage = Annotated[float, Field(ge=0.1, le=1e5)]
+Linkage = Annotated[float, Field(ge=-100, le=100)]
+Number = TypeVar("Number")
+PerPhase = Annotated[tuple[Number, Number, Number], Field(strict=False)]
+
 Phase = Annotated[float, Field(ge=-100, le=100)]
 
 
@@ -31,6 +35,34 @@ def _each(value: object) -> object:
 
 Order = Annotated[int, BeforeValidator(_whole), Field(ge=0, le=1000)]
 Several = Annotated[Array[Item], BeforeValidator(_each), Field(max_length=16)]
+
+Capacity = Annotated[float, Field(ge=1e-3, le=1e9)]
+ThermalResistance = Annotated[float, Field(ge=1e-6, le=1e6)]
+
+
+class Heat(Section):
+    """Two thermal masses: the winding, and the body of the motor with its iron and magnets.
+
+    The resistance and the rotor flux follow the temperatures once a control period. Without the table both
+    are constants.
+    """
+
+    C_winding_J_K: Capacity
+    """Heat capacity of the winding, in J/K."""
+    C_body_J_K: Capacity
+    """Heat capacity of iron, magnets and housing, in J/K."""
+    R_winding_body_K_W: ThermalResistance
+    """Thermal resistance between the winding and the body, in K/W."""
+    R_body_ambient_K_W: ThermalResistance
+    """Thermal resistance between the body and the surroundings, in K/W."""
+    ambient_degC: Annotated[float, Field(ge=-60, le=200)] = 25.0
+    """Temperature of the surroundings, and of the motor at power-up."""
+    reference_degC: Annotated[float, Field(ge=-60, le=200)] = 25.0
+    """Temperature at which `R_s_ohm` and `psi_r_Wb` hold."""
+    alpha_R_1_K: Annotated[float, Field(ge=0, le=0.02)] = 0.00393
+    """Change of the resistance per kelvin; by default that of copper."""
+    alpha_psi_1_K: Annotated[float, Field(ge=-0.02, le=0)] = -0.0011
+    """Change of the rotor flux per kelvin; by default that of NdFeB magnets."""
 
 
 class TrueMotor(Section):
@@ -54,6 +86,24 @@ class TrueMotor(Section):
     """Torque up to which a shaft at rest stays at rest; at least `coulomb_Nm`."""
     stribeck_rad_s: Annotated[float, Field(ge=0, le=1e4)] = 0.0
     """Mechanical speed at which 1/e is left of what `breakaway_Nm` has above `coulomb_Nm`; 0: nothing."""
+    psi_5_Wb: Linkage = 0.0
+    """Fifth harmonic of the rotor flux linkage of phase a, as a cosine of five times the electrical angle."""
+    psi_7_Wb: Linkage = 0.0
+    """Seventh harmonic of the rotor flux linkage of phase a."""
+    psi_11_Wb: Linkage = 0.0
+    """Eleventh harmonic of the rotor flux linkage of phase a."""
+    psi_13_Wb: Linkage = 0.0
+    """Thirteenth harmonic of the rotor flux linkage of phase a."""
+    psi_of_phase: PerPhase[Annotated[float, Field(ge=0, le=2)]] = (1.0, 1.0, 1.0)
+    """Of the phases a, b and c: by what factor they link the fundamental of the rotor flux."""
+    series_R_ohm: PerPhase[Resistance] = (0.0, 0.0, 0.0)
+    """Of the phases a, b and c: resistance in series with `R_s_ohm`, such as that of a poor contact."""
+    series_L_H: PerPhase[Annotated[float, Field(ge=0, le=10)]] = (0.0, 0.0, 0.0)
+    """Of the phases a, b and c: inductance in series with `L_d_H` and `L_q_H`, such as that of a cable."""
+    R_fe_ohm: Annotated[float, Field(ge=1e-3, le=1e9)] | None = None
+    """Resistance across the EMF that takes the iron loss; without it there is none."""
+    heat: Heat | None = None
+    """How winding and magnets warm up; without it they stay as they are."""
     cogging_Nm: Several[Torque] = ()
     """Amplitude of the cogging torque; an array of one for each order."""
     cogging_order: Several[Order] = ()
@@ -102,6 +152,8 @@ class Emulator(Section):
     """The power stage."""
     sensors: Sensors
     """What the drive measures with."""
+    energy_accounts: bool = False
+    """Keep accounts of where the energy from the dc link goes; with `motor.heat` they are kept anyway."""
     commissioned: bool = True
     """Whether the drive has stored what the profile states of it; false: it starts with the defaults of its
     dictionary, as it comes out of its box."""

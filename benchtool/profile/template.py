@@ -38,6 +38,12 @@ _SENSORS: Final = """
 # [emulator.sensors.temperature]
 # lag_s = 20.0                # s: time constant of the thermometers
 """
+_HEAT: Final = {
+    "C_winding_J_K": 100.0,
+    "C_body_J_K": 800.0,
+    "R_winding_body_K_W": 0.5,
+    "R_body_ambient_K_W": 1.5,
+}
 _BENCH: Final = """
 # What stands beside the drive. What is left out is emulated on an emulated bench, and absent on a real one.
 #
@@ -115,6 +121,15 @@ def profile_text(title: str, motor: Motor, given: Given, derived: Iterable[Deriv
                 ("cogging_Nm", 0.0, "Nm: peak of the cogging torque"),
                 ("cogging_order", 0, "its periods per revolution: lcm of slots and 2 p"),
                 ("cogging_phase_rad", 0.0, "its phase; several orders: arrays of all three"),
+                ("#psi_5_Wb", 1e-3 * motor.psi_r_Wb, "Wb: fifth harmonic of the rotor flux of phase a"),
+                ("#psi_7_Wb", -1e-3 * motor.psi_r_Wb, "Wb: seventh"),
+                ("#psi_11_Wb", 2e-4 * motor.psi_r_Wb, "Wb: eleventh"),
+                ("#psi_13_Wb", 1e-4 * motor.psi_r_Wb, "Wb: thirteenth"),
+                ("#psi_of_phase", (1.0, 1.01, 0.99), "of a, b, c: how they link the rotor flux"),
+                ("#series_R_ohm", (0.0, 0.05 * motor.R_s_ohm, 0.0), "ohm: in series with a, b, c"),
+                ("#series_L_H", (0.0, 0.01 * motor.L_d_H, 0.0), "H: in series with a, b, c"),
+                ("#R_fe_ohm", 1e3 * motor.R_s_ohm, "ohm: across the EMF, for the iron loss"),
+                ("#heat", _HEAT, "of winding and magnets"),
                 ("#power_up_angle_rad", 0.5, "rad: mechanical angle of the shaft at power-up"),
             ],
         ),

@@ -24,7 +24,10 @@ Vector = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Reference:
-    """A machine on an inverter; `harmonics` maps the order of a cosine in psi_a(theta_e) to its amplitude."""
+    """A machine on an inverter; `harmonics` maps the order of a cosine in psi_a(theta_e) to its amplitude.
+
+    Of the phases: what factor they link the fundamental by, and resistance and inductance in series.
+    """
 
     p: int
     R: float
@@ -37,15 +40,28 @@ class Reference:
     u_dc: float = 100.0
     drop: float = 0.0
     held: bool = False
+    psi_of_phase: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    series_R: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    series_L: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    def resistance(self) -> Vector:
+        R = np.diag(np.add(self.R, self.series_R))
+        return np.asarray(2.0 / 3.0 * PHASES.T @ R @ PHASES, np.float64)
 
     def inductance(self, theta: float) -> Vector:
         mean, half = 0.5 * (self.L_d + self.L_q), 0.5 * (self.L_d - self.L_q)
         c, s = math.cos(2.0 * theta), math.sin(2.0 * theta)
-        return np.array([[mean + half * c, half * s], [half * s, mean - half * c]])
+        rotor = np.array([[mean + half * c, half * s], [half * s, mean - half * c]])
+        return np.asarray(rotor + 2.0 / 3.0 * PHASES.T @ np.diag(self.series_L) @ PHASES, np.float64)
 
     def rotor_flux(self, theta: float) -> Vector:
         phases = [theta - 2.0 * math.pi * k / 3.0 for k in range(3)]
-        psi = np.array([sum(a * math.cos(n * at) for n, a in self.harmonics.items()) for at in phases])
+        psi = np.array(
+            [
+                sum((factor if n == 1 else 1.0) * a * math.cos(n * at) for n, a in self.harmonics.items())
+                for factor, at in zip(self.psi_of_phase, phases, strict=True)
+            ]
+        )
         return np.asarray(2.0 / 3.0 * PHASES.T @ psi, np.float64)
 
     def current(self, y: Vector) -> Vector:
@@ -77,12 +93,14 @@ class Reference:
     def run(self, y: Vector, span: tuple[float, float], modes: Sequence[str]) -> Vector:
         """The state after a span in which each leg stays in its mode."""
 
+        resistance = self.resistance()
+
         def rates(_: float, y: Vector) -> list[float]:
             i = self.current(y)
             v = np.array([self.potential(mode, ik) for mode, ik in zip(modes, PHASES @ i, strict=True)])
             u = 2.0 / 3.0 * PHASES.T @ v
             torque = self.torque(i, y[3]) - self.B * y[2] - self.T_load
-            return [*(u - self.R * i), 0.0 if self.held else torque / self.J, self.p * y[2]]
+            return [*(u - resistance @ i), 0.0 if self.held else torque / self.J, self.p * y[2]]
 
         if span[1] <= span[0]:
             return y

@@ -13,7 +13,8 @@ from hypothesis import given, settings, strategies as st
 from benchtool.emulator.core.kernel import run_ticks
 from benchtool.emulator.machine.averaging import averaged, first_moment, overlap
 from benchtool.emulator.machine.inverter import clarke
-from benchtool.emulator.machine.plant import State, place, step
+from benchtool.emulator.machine.plant import step
+from benchtool.emulator.machine.state import State, place
 from benchtool.emulator.machine.truth import MotorTruth
 from tests.physics.alpha_beta import Reference, centred, gates
 from tests.physics.paper_machine import make_core

@@ -10,7 +10,8 @@ import pytest
 from numpy.typing import NDArray
 
 from benchtool.emulator.core import Core
-from benchtool.emulator.machine.plant import airgap_torque, place, step
+from benchtool.emulator.machine.plant import airgap_torque, step
+from benchtool.emulator.machine.state import place
 from benchtool.emulator.machine.transducer import TRANSDUCER, sample
 from benchtool.emulator.machine.truth import MotorTruth
 from benchtool.errors import ValueRefused

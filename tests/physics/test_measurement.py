@@ -9,9 +9,9 @@ import pytest
 from numpy.typing import NDArray
 
 from benchtool.emulator.machine.encoder import encoder_count
-from benchtool.emulator.machine.plant import State, place
 from benchtool.emulator.machine.sensor_truth import CurrentTruth, SensorTruth, VoltageTruth
 from benchtool.emulator.machine.sensors import Noise, measure
+from benchtool.emulator.machine.state import State, place
 from benchtool.emulator.machine.truth import InverterTruth
 from benchtool.emulator.memory import CONTROL, MEASUREMENT, SENSOR
 from benchtool.errors import ValueRefused

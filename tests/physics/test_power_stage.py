@@ -10,7 +10,7 @@ import pytest
 from benchtool.emulator.machine.carrier import NEVER, falling_edge, rising_edge
 from benchtool.emulator.machine.diodes import freewheel
 from benchtool.emulator.machine.inverter import leg_voltages, phase_currents
-from benchtool.emulator.machine.plant import place
+from benchtool.emulator.machine.state import place
 from benchtool.emulator.machine.transducer import TRANSDUCER
 from benchtool.emulator.machine.truth import InverterTruth, MotorTruth
 from tests.physics.paper_machine import FINE, captured, make_core

@@ -12,6 +12,7 @@ from pydantic import ValidationError
 
 from benchtool.emulator.core.kernel import run_ticks
 from benchtool.emulator.machine.bounds import require_computable
+from benchtool.emulator.machine.saturation import SaturationTruth
 from benchtool.emulator.machine.train_truth import (
     FlangeTruth,
     LoadMachineTruth,
@@ -21,7 +22,14 @@ from benchtool.emulator.machine.train_truth import (
 )
 from benchtool.emulator.machine.truth import MotorTruth
 from benchtool.errors import EmulationError, ValueRefused
-from benchtool.profile import DrivenLoad, EmulatedLoadMachine, Inverter, Sensors, Shaft, TrueMotor
+from benchtool.profile import (
+    DrivenLoad,
+    EmulatedLoadMachine,
+    Inverter,
+    Sensors,
+    Shaft,
+    TrueMotor,
+)
 from tests.physics.paper_machine import MOTOR, make_core
 
 
@@ -80,6 +88,45 @@ def test_every_run_is_finite_or_refused(
         core.command.pwm_enabled = on
         core.memory["torque_command"] = 5.0
         core.run(4)
+    except (ValueRefused, EmulationError):
+        return
+    shaft = core.shaft
+    assert math.isfinite(shaft.i_d + shaft.i_q + shaft.omega_m + shaft.theta_e + shaft.u_dc)
+
+
+@settings(max_examples=10, deadline=None)
+@given(
+    motor=st.fixed_dictionaries(
+        {
+            "psi_r_Wb": decades(-5, 2),
+            "psi_5_Wb": st.floats(-100.0, 100.0) | st.just(1e-3),
+            "psi_13_Wb": decades(-6, 2),
+            "psi_of_phase": st.tuples(st.floats(0.0, 2.0), st.just(1.0), st.just(0.5)),
+            "series_R_ohm": st.tuples(decades(-5, 4), st.just(0.0), st.just(1e-3)),
+            "R_fe_ohm": decades(-3, 9),
+            "series_L_H": st.tuples(decades(-7, 1), decades(-7, 1), st.just(0.0)),
+        }
+    ),
+    saturation=st.fixed_dictionaries(
+        {
+            **dict.fromkeys(("a_dd", "a_qq", "a_dq"), st.just(0.0) | decades(-3, 40)),
+            **dict.fromkeys(("S", "T"), st.integers(1, 12)),
+            **dict.fromkeys(("U", "V"), st.integers(0, 12)),
+        }
+    ),
+    current_A=st.floats(-1e4, 1e4),
+    omega_m=st.floats(-1e3, 1e3),
+    on=st.booleans(),
+)
+def test_every_machine_that_saturates_is_finite_or_refused(
+    motor: dict[str, Any], saturation: dict[str, Any], current_A: float, omega_m: float, on: bool
+) -> None:
+    TrueMotor(**motor)  # a profile can hold it
+    try:
+        core = make_core(motor={**motor, "saturation": SaturationTruth(**saturation)})
+        core.shaft.i_d, core.shaft.i_q, core.shaft.omega_m = current_A, 1.0, omega_m
+        core.command.pwm_enabled = on
+        core.run_with(run_ticks, 1)
     except (ValueRefused, EmulationError):
         return
     shaft = core.shaft

@@ -10,7 +10,9 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from benchtool.emulator.core.kernel import run_ticks
-from benchtool.emulator.machine.plant import advance, fastest_rate, holding, place
+from benchtool.emulator.machine.coefficients import fastest_rate, holding
+from benchtool.emulator.machine.plant import advance
+from benchtool.emulator.machine.state import place
 from benchtool.emulator.machine.truth import MotorTruth
 from tests.physics.paper_machine import make_core
 
@@ -95,7 +97,8 @@ def test_dry_friction_needs_no_finer_steps() -> None:
     dry = MotorTruth(
         pole_pairs=4, R_s_ohm=1.0, L_d_H=1e-3, L_q_H=1e-3, psi_r_Wb=0.01, J_kgm2=1e-6, coulomb_Nm=0.01
     )
-    assert fastest_rate(dry.machine()) == fastest_rate(smooth.machine())
+    rest = place(0.0, 0.0, 0.0, 0.0)
+    assert fastest_rate(dry.machine(), rest) == fastest_rate(smooth.machine(), rest)
 
 
 @pytest.mark.parametrize("load", [0.05, -0.05, 0.05 + 1e-6, -0.05 - 1e-6])

@@ -14,11 +14,12 @@ from benchtool.emulator.core.capture_memory import CaptureRecorder
 from benchtool.emulator.core.kernel import Truth, kernel_of
 from benchtool.emulator.core.stream_ring import StreamRecorder
 from benchtool.emulator.first_call import call_first
+from benchtool.emulator.machine.accounts import NAMES
 from benchtool.emulator.machine.bounds import machine_of_bench, require_computable, runaway
-from benchtool.emulator.machine.inverter import phase_currents
-from benchtool.emulator.machine.plant import place
+from benchtool.emulator.machine.inverter import Accounts, phase_currents
 from benchtool.emulator.machine.sensor_truth import SensorTruth, going_on
 from benchtool.emulator.machine.sensors import Noise
+from benchtool.emulator.machine.state import place
 from benchtool.emulator.machine.train_truth import NOTHING, TrainTruth
 from benchtool.emulator.machine.transducer import Transducer
 from benchtool.emulator.machine.truth import InverterTruth, MotorTruth
@@ -60,11 +61,11 @@ def truth_of(
             "sensors.shunt_settling_s with double update: at the peak of the carrier no lower switch is on, "
             "and shunts see nothing; leave it out, or state pwm_period_s = control_period_s"
         )
-    return Truth(
-        machine_of_bench(motor, train, inverter.on_resistance_ohm),
-        inverter.power_stage(T_s, sensors.sampling(T_s)),
-        sensors.sensing(T_s, inverter.dead_time_s),
-    )
+    R = inverter.on_resistance_ohm
+    stage = inverter.power_stage(T_s, sensors.sampling(T_s))
+    if motor.heat is not None:  # which needs what is lost
+        stage = stage._replace(accounts=Accounts(R, inverter.device_drop_V), heat=motor.heat.heat(T_s, R))
+    return Truth(machine_of_bench(motor, train, R), stage, sensors.sensing(T_s, inverter.dead_time_s))
 
 
 class Core:
@@ -89,7 +90,8 @@ class Core:
             not zero, the speed `omega_m_rad_s`.
         stimulus: record of the stimulus that plays, taken over from its table by the firmware.
         shaft: record of the machine's true state: `i_d`, `i_q`, `omega_m`, `theta_e`, `u_dc`, and of
-            the load behind an elastic coupling `omega_load` and `twist`.
+            the load behind an elastic coupling `omega_load` and `twist`; with heat `T_winding` and
+            `T_magnet` in degC.
         tick: the drive's tick, counted on past 2**32 where memory has it modulo that.
         capture, stream, transducer: the recorders.
     """
@@ -121,6 +123,8 @@ class Core:
         self._sensors = np.zeros(1, SENSOR)
         self.command.mode = int(Mode.TORQUE)
         self.shaft.u_dc = self._sensors[0].u_dc = inverter.u_dc_V
+        if motor.heat is not None:
+            self.shaft.T_winding = self.shaft.T_magnet = motor.heat.ambient_degC
         self.turn_rotor(motor.pole_pairs * motor.power_up_angle_rad)
         self.capture = CaptureRecorder(self.memory)
         self.stream = StreamRecorder(self.memory, lambda: self.tick)
@@ -136,8 +140,20 @@ class Core:
             ValueRefused: it is not positive.
         """
         self.inverter = replace(self.inverter, u_dc_V=u_dc_V)
-        stage = self.inverter.power_stage(self.control_period_s, self._truth.stage.sampling)
-        self._truth = self._truth._replace(stage=stage)
+        before = self._truth.stage
+        stage = self.inverter.power_stage(self.control_period_s, before.sampling)
+        self._truth = self._truth._replace(stage=stage._replace(accounts=before.accounts, heat=before.heat))
+
+    def energies_J(self) -> dict[str, float]:
+        """Return the energy accounts since power-up in J, by their names; zeros where none are kept."""
+        record = self.transducer.record[0]
+        return {name: float(record[f"E_{name}"]) for name in NAMES}
+
+    def temperatures_degC(self) -> dict[str, float]:
+        """Return the temperatures of `winding` and `magnet`; nothing where the machine has no heat."""
+        if self.motor.heat is None:
+            return {}
+        return {"winding": float(self.shaft.T_winding), "magnet": float(self.shaft.T_magnet)}
 
     def set_sensors(self, sensors: SensorTruth) -> None:
         """Have other sensors from the next tick on, such as one that is stuck: the flaws of a run's course.

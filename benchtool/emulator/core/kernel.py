@@ -16,6 +16,15 @@ from benchtool.emulator.control.cycle import control_tick
 from benchtool.emulator.core.capture_memory import capture_row
 from benchtool.emulator.core.stream_ring import stream_row
 from benchtool.emulator.jit import is_cached, njit, parts_of, specialised
+from benchtool.emulator.machine.coefficients import (
+    MOST_TURN,
+    Machine,
+    driven_by,
+    fastest_rate,
+    rate_at,
+    turning_rate,
+    warmed,
+)
 from benchtool.emulator.machine.dc_link import supplied
 from benchtool.emulator.machine.diodes import freewheel
 from benchtool.emulator.machine.drive_train import (
@@ -26,19 +35,11 @@ from benchtool.emulator.machine.drive_train import (
     is_ideal,
 )
 from benchtool.emulator.machine.flange import follow
+from benchtool.emulator.machine.heat import warm
 from benchtool.emulator.machine.inverter import PowerStage
-from benchtool.emulator.machine.plant import (
-    MOST_TURN,
-    Machine,
-    State,
-    driven_by,
-    facing,
-    fastest_rate,
-    place,
-    rate_at,
-    turning_rate,
-)
+from benchtool.emulator.machine.saturation import Flux, Saturation
 from benchtool.emulator.machine.sensors import Sensing, measure
+from benchtool.emulator.machine.state import State, facing, flux_of, place
 from benchtool.emulator.machine.switching import switch
 from benchtool.ticks import TICKS
 
@@ -80,16 +81,18 @@ def run_ticks(
     measurement, shaft, load, sensor = measurements[0], shafts[0], loads[0], sensors[0]
     capture, stream, transducer, stimulus = captures[0], streams[0], transducers[0], stimuli[0]
     held = load.held != 0
-    driven = driven_by(machine, held, load.omega_m_rad_s)
-    at_rest, moving = fastest_rate(driven), turning_rate(driven)
+    cold = driven_by(machine, held, load.omega_m_rad_s)
     for done in range(ticks):
-        x = _true_state(shaft, load, machine, drive.tick)
+        driven = warmed(stage.heat, cold, shaft.T_winding, shaft.T_magnet)
+        x = _true_state(driven.saturation, shaft, load, driven, drive.tick)
+        moving = turning_rate(driven)
         T_load = asked_torque(machine.train, load, stage.T_s)
-        rate = rate_at(x, at_rest, moving, driven)
+        rate = rate_at(x, fastest_rate(driven, x), moving, driven)
         gain = moving * acceleration_of(driven.train, x.far, x.omega_e, driven.gamma, T_load) * stage.T_s
         if not (rate + gain) * stage.T_s <= MOST_TURN:  # nor is what is no number
             return done
         transducer.next_sample = 0
+        copper, iron = transducer.E_copper, transducer.E_iron
         follow(driven.train, x, driven, T_load, transducer, stage.T_s)
         switching = command.pwm_enabled != 0 and control.gated != 0
         if switching:
@@ -104,6 +107,8 @@ def run_ticks(
         shaft.i_d, shaft.i_q, shaft.omega_m = x.i_d, x.i_q, x.omega_e / machine.p
         shaft.theta_e, shaft.cos_theta, shaft.sin_theta = x.theta_e, x.cos_theta, x.sin_theta
         shaft.omega_load, shaft.twist, shaft.load_torque = x.far.omega, x.far.twist, x.far.torque
+        _keep(driven.saturation, x.flux, shaft)
+        warm(stage.heat, shaft, transducer.E_copper - copper, transducer.E_iron - iron, stage.T_s)
         if transducer.recording == 1 and transducer.filled >= torque.shape[0]:
             transducer.recording = 0
         drive.tick = (int(drive.tick) + 1) & _LAST_TICK
@@ -148,7 +153,7 @@ def kernel_is_cached(truth: Truth) -> bool:
 
 
 @njit
-def _true_state(shaft: Any, load: Any, machine: Machine, tick: int) -> State:
+def _true_state(saturation: Saturation | None, shaft: Any, load: Any, machine: Machine, tick: int) -> State:
     """Return the state, with what is held at the speed that it is held at.
 
     Now and then its direction is derived from its angle, to hold both together.
@@ -157,8 +162,9 @@ def _true_state(shaft: Any, load: Any, machine: Machine, tick: int) -> State:
     omega_m = load.omega_m_rad_s if held and holds_rotor(machine.train) else shaft.omega_m
     omega_load = load.omega_m_rad_s if held and is_ideal(machine.train) else shaft.omega_load
     far = Far(omega_load, shaft.twist, shaft.load_torque)
+    flux = flux_of(saturation, shaft.i_d, shaft.i_q, Flux(shaft.psi_d, shaft.psi_q))
     if tick % _TICKS_BETWEEN_DIRECTIONS == 0:
-        return facing(place(shaft.i_d, shaft.i_q, machine.p * omega_m, shaft.theta_e), far)
+        return facing(place(shaft.i_d, shaft.i_q, machine.p * omega_m, shaft.theta_e, flux), far)
     return State(
         shaft.i_d,
         shaft.i_q,
@@ -168,4 +174,13 @@ def _true_state(shaft: Any, load: Any, machine: Machine, tick: int) -> State:
         shaft.cos_theta,
         shaft.sin_theta,
         far,
+        flux,
     )
+
+
+@njit
+def _keep(saturation: Saturation | None, flux: Flux, shaft: Any) -> None:
+    """Keep the flux linkages of a machine that has them as states."""
+    if saturation is None:
+        return
+    shaft.psi_d, shaft.psi_q = flux.psi_d, flux.psi_q

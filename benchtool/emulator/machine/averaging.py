@@ -19,9 +19,11 @@ there is no order of edges. What is left out is of the fifth order in the period
 from __future__ import annotations
 
 from benchtool.emulator.jit import njit
+from benchtool.emulator.machine.coefficients import Machine
 from benchtool.emulator.machine.inverter import SQRT3, clarke, phase_currents
-from benchtool.emulator.machine.plant import Machine, State, added, derivative, move, scaled_voltage
+from benchtool.emulator.machine.plant import added, derivative, move, scaled_voltage
 from benchtool.emulator.machine.shaft import Friction
+from benchtool.emulator.machine.state import State
 from benchtool.emulator.rotate import rotate
 
 SLOW_ENOUGH = 0.1  # rad of the fastest process in a period; a step of half of it leaves less than 1e-8
@@ -95,7 +97,15 @@ def rippled(
     cos_theta, sin_theta = rotate(x.cos_theta, x.sin_theta, turn)
     theta_e, theta_rest = added(x.theta_e, x.theta_rest, turn)
     return State(
-        x.i_d + di_d, x.i_q + di_q, x.omega_e + domega, theta_e, theta_rest, cos_theta, sin_theta, x.far
+        x.i_d + di_d,
+        x.i_q + di_q,
+        x.omega_e + domega,
+        theta_e,
+        theta_rest,
+        cos_theta,
+        sin_theta,
+        x.far,
+        x.flux,
     )
 
 

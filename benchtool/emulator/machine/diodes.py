@@ -16,23 +16,34 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.emulator.jit import njit, separately
-from benchtool.emulator.machine.harmonics import linkage
-from benchtool.emulator.machine.inverter import SQRT3, PowerStage, clarke, forward_voltage, phase_currents
-from benchtool.emulator.machine.plant import (
+from benchtool.emulator.jit import called, njit, separately
+from benchtool.emulator.machine.accounts import Rails, account, finer
+from benchtool.emulator.machine.coefficients import (
     Machine,
-    State,
-    advance,
-    derivative,
     fastest_rate,
     holding,
-    move,
     rate_at,
-    step,
-    substep,
     turning_rate,
 )
+from benchtool.emulator.machine.harmonics import linkage
+from benchtool.emulator.machine.inverter import (
+    SQRT3,
+    Accounts,
+    PowerStage,
+    clarke,
+    forward_voltage,
+    phase_currents,
+)
+from benchtool.emulator.machine.plant import (
+    advance,
+    current_rates,
+    move,
+    step,
+    substep,
+)
 from benchtool.emulator.machine.sampling import observe
+from benchtool.emulator.machine.state import State, with_currents
+from benchtool.emulator.machine.terminals import inverse_inductance, open_circuit_voltage
 from benchtool.emulator.machine.transducer import coasts, sample
 
 LOW, HIGH, OFF = 0, 1, 2  # modes of a leg: lower or upper switch on, or neither
@@ -72,13 +83,13 @@ def freewheel(
     torque: NDArray[np.float64],
 ) -> tuple[State, float]:
     """Integrate one PWM period with the power stage off. Returns as `integrate_conduction`."""
-    rate = rate_at(x, fastest_rate(machine), turning_rate(machine), machine)
+    rate = rate_at(x, fastest_rate(machine, x), turning_rate(machine), machine)
     return integrate_conduction(
         x, OFF, OFF, OFF, 0.0, stage.T_s, rate, u_dc, stage, machine, T_load, transducer, torque
     )
 
 
-@njit
+@called
 def integrate_conduction(
     x: State,
     mode_a: int,
@@ -107,7 +118,15 @@ def integrate_conduction(
         _window(mode_c, u_dc, drop),
     )
     all_off = mode_a == OFF and mode_b == OFF and mode_c == OFF
-    short = stage.T_s / _PARTS
+    rails = Rails(
+        u_dc if mode_a == HIGH else 0.0,
+        u_dc if mode_b == HIGH else 0.0,
+        u_dc if mode_c == HIGH else 0.0,
+        mode_a == OFF,
+        mode_b == OFF,
+        mode_c == OFF,
+    )
+    short = finer(stage.accounts, stage.T_s / _PARTS, 0.15)
     charge = 0.0
     while time < end:
         v = _potentials(x, leg_a, leg_b, leg_c, machine)
@@ -116,19 +135,21 @@ def integrate_conduction(
         if silent:
             open_machine = holding(machine, False, True)
             if all_off and _below(x, leg_a.high - leg_a.low, machine) and coasts(machine.train, transducer):
-                x = advance(x, 0.0, 0.0, end - time, _TURN, open_machine, T_load)
+                x = _coast(stage.accounts, x, end - time, open_machine, T_load, transducer)
                 sample(time, end - time, before, x, 0.0, 0.0, open_machine, T_load, transducer, torque)
                 observe(stage.sampling, time, end - time, before, x, 0.0, 0.0, open_machine, T_load)
                 return x, charge
             h = min(short, substep(end - time, rate, _TURN))
             x, h = move(x, 0.0, 0.0, h, open_machine, T_load)
             sample(time, h, before, x, 0.0, 0.0, open_machine, T_load, transducer, torque)
+            account(stage.accounts, h, before, x, 0.0, 0.0, u_dc, rails, open_machine, T_load, transducer)
             observe(stage.sampling, time, h, before, x, 0.0, 0.0, open_machine, T_load)
         else:
             u_alpha, u_beta = clarke(v.a, v.b, v.c)
-            h = substep(end - time, rate, _TURN)
+            h = substep(end - time, rate, finer(stage.accounts, _TURN, 0.4))
             if v.floats_a or v.floats_b or v.floats_c:
                 h = min(short, h)
+                u_alpha, u_beta = _holding_zero(x, v, u_alpha, u_beta, h, machine, T_load)
             x, h = move(x, u_alpha, u_beta, h, machine, T_load)
             phase = _first_to_end(before, x, leg_a, leg_b, leg_c)
             if phase != NONE:
@@ -139,14 +160,40 @@ def integrate_conduction(
                     h = part * whole
                     x = step(before, u_alpha, u_beta, h, machine, T_load)
             x = _without_current(
-                x, v.floats_a or phase == 0, v.floats_b or phase == 1, v.floats_c or phase == 2
+                x, v.floats_a or phase == 0, v.floats_b or phase == 1, v.floats_c or phase == 2, machine
             )
             sample(time, h, before, x, u_alpha, u_beta, machine, T_load, transducer, torque)
+            account(stage.accounts, h, before, x, u_alpha, u_beta, u_dc, rails, machine, T_load, transducer)
             observe(stage.sampling, time, h, before, x, u_alpha, u_beta, machine, T_load)
             drawn = _drawn(before, mode_a, mode_b, mode_c) + _drawn(x, mode_a, mode_b, mode_c)
             charge += 0.5 * h * drawn
         time = time + h if h < end - time else end
     return x, charge
+
+
+@njit
+def _coast(
+    accounts: Accounts | None, x: State, duration: float, machine: Machine, T_load: float, record: Any
+) -> State:
+    """Integrate without any current; accounts are kept step by step."""
+    if accounts is None:
+        return advance(x, 0.0, 0.0, duration, _TURN, machine, T_load)
+    return _coast_by_steps(accounts, x, duration, machine, T_load, record)
+
+
+@called
+def _coast_by_steps(
+    accounts: Accounts, x: State, duration: float, machine: Machine, T_load: float, record: Any
+) -> State:
+    rate = rate_at(x, fastest_rate(machine, x), turning_rate(machine), machine)
+    rails = Rails(0.0, 0.0, 0.0, True, True, True)
+    remaining = duration
+    while remaining > 0.0:
+        before = x
+        x, h = move(x, 0.0, 0.0, substep(remaining, rate, finer(accounts, _TURN, 0.4)), machine, T_load)
+        account(accounts, h, before, x, 0.0, 0.0, 0.0, rails, machine, T_load, record)
+        remaining = remaining - h if h < remaining else 0.0
+    return x
 
 
 @njit
@@ -195,8 +242,7 @@ def _carrying(leg: Window, current: float) -> float:
 @njit
 def _phase_emf(x: State, machine: Machine) -> tuple[float, float, float]:
     """Return the voltages of the phases at which no current begins to flow."""
-    di_d, di_q, _, _, _ = derivative(0.0, 0.0, x.omega_e, x.theta_e, 0.0, 0.0, machine, 0.0)
-    e_d, e_q = -di_d * machine.L_d, -di_q * machine.L_q
+    e_d, e_q = open_circuit_voltage(x, machine)
     e_alpha = e_d * x.cos_theta - e_q * x.sin_theta
     e_beta = e_d * x.sin_theta + e_q * x.cos_theta
     return e_alpha, -0.5 * e_alpha + 0.5 * SQRT3 * e_beta, -0.5 * e_alpha - 0.5 * SQRT3 * e_beta
@@ -216,17 +262,35 @@ def _floating(
     u_alpha, u_beta = along * n_alpha - across * n_beta, along * n_beta + across * n_alpha
     n_d = n_alpha * x.cos_theta + n_beta * x.sin_theta
     n_q = n_beta * x.cos_theta - n_alpha * x.sin_theta
-    v_d = (u_alpha * x.cos_theta + u_beta * x.sin_theta) * machine.inv_L_d
-    v_q = (u_beta * x.cos_theta - u_alpha * x.sin_theta) * machine.inv_L_q
-    di_d, di_q, _, _, _ = derivative(x.i_d, x.i_q, x.omega_e, x.theta_e, v_d, v_q, machine, 0.0)
+    di_d, di_q = current_rates(x, u_alpha, u_beta, machine)
     rate = (di_d - x.omega_e * x.i_q) * n_d + (di_q + x.omega_e * x.i_d) * n_q  # of its current
-    per_volt = (n_d * n_d * machine.inv_L_d + n_q * n_q * machine.inv_L_q) * (2.0 / 3.0)
+    G = inverse_inductance(x, machine)
+    per_volt = (n_d * n_d * G.dd + 2.0 * n_d * n_q * G.dq + n_q * n_q * G.qq) * (2.0 / 3.0)
     v -= rate / per_volt
     if v >= leg.high:
         return leg.high, False
     if v <= leg.low:
         return leg.low, False
     return v, True
+
+
+@called
+def _holding_zero(
+    x: State, v: Potentials, u_alpha: float, u_beta: float, h: float, machine: Machine, T_load: float
+) -> tuple[float, float]:
+    """Return the voltage (alpha, beta) with the leg that floats at the potential that has it without current
+    after a step of `h` seconds, from the one at which it has none at first."""
+    phase, n_alpha, n_beta = 2, -0.5, -0.5 * SQRT3
+    if v.floats_a:
+        phase, n_alpha, n_beta = 0, 1.0, 0.0
+    elif v.floats_b:
+        phase, n_alpha, n_beta = 1, -0.5, 0.5 * SQRT3
+    off = _current(step(x, u_alpha, u_beta, h, machine, T_load), phase)
+    n_d = n_alpha * x.cos_theta + n_beta * x.sin_theta
+    n_q = n_beta * x.cos_theta - n_alpha * x.sin_theta
+    G = inverse_inductance(x, machine)
+    u = off / (h * (n_d * n_d * G.dd + 2.0 * n_d * n_q * G.dq + n_q * n_q * G.qq))
+    return u_alpha - u * n_alpha, u_beta - u * n_beta
 
 
 @njit
@@ -270,13 +334,13 @@ def _current(x: State, phase: int) -> float:
 
 
 @njit
-def _without_current(x: State, none_a: bool, none_b: bool, none_c: bool) -> State:
+def _without_current(x: State, none_a: bool, none_b: bool, none_c: bool, machine: Machine) -> State:
     """Return the state with no current in these phases."""
     phases = int(none_a) + int(none_b) + int(none_c)
     if phases == 0:
         return x
     if phases > 1:
-        return State(0.0, 0.0, x.omega_e, x.theta_e, x.theta_rest, x.cos_theta, x.sin_theta, x.far)
+        return with_currents(machine.saturation, x, 0.0, 0.0)
     n_alpha, n_beta = 1.0, 0.0
     if none_b:
         n_alpha, n_beta = -0.5, 0.5 * SQRT3
@@ -285,8 +349,7 @@ def _without_current(x: State, none_a: bool, none_b: bool, none_c: bool) -> Stat
     n_d = n_alpha * x.cos_theta + n_beta * x.sin_theta
     n_q = n_beta * x.cos_theta - n_alpha * x.sin_theta
     along = x.i_d * n_d + x.i_q * n_q
-    i_d, i_q = x.i_d - along * n_d, x.i_q - along * n_q
-    return State(i_d, i_q, x.omega_e, x.theta_e, x.theta_rest, x.cos_theta, x.sin_theta, x.far)
+    return with_currents(machine.saturation, x, x.i_d - along * n_d, x.i_q - along * n_q)
 
 
 @njit

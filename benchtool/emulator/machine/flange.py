@@ -11,11 +11,15 @@ import math
 from typing import Any
 
 from benchtool.emulator.jit import njit
+from benchtool.emulator.machine.coefficients import Machine
 from benchtool.emulator.machine.cogging import cogging_torque
 from benchtool.emulator.machine.coupling import Coupling
 from benchtool.emulator.machine.drive_train import DriveTrain, Flange, beyond, contact_of
-from benchtool.emulator.machine.plant import Machine, State, acceleration, airgap_torque
+from benchtool.emulator.machine.harmonics import flux_slope
+from benchtool.emulator.machine.iron import iron_torque
+from benchtool.emulator.machine.plant import acceleration, airgap_torque, flux_linkages
 from benchtool.emulator.machine.shaft import friction_torque, less_friction, sliding
+from benchtool.emulator.machine.state import State, electrical
 
 
 @njit
@@ -33,11 +37,15 @@ def _passed_on(coupling: Coupling | None, torque: float, x: State, machine: Mach
     """Return the torque at the flange, of what the rotor feels of the load."""
     if coupling is not None:
         return torque
+    y_d, y_q = electrical(machine.saturation, x)
     if machine.gamma == 0.0:  # the speed is held: the flange takes whatever there is
-        made = airgap_torque(x.i_d, x.i_q, x.theta_e, machine) - cogging_torque(machine.cogging, x.theta_e)
+        made = airgap_torque(y_d, y_q, x.theta_e, machine) - cogging_torque(machine.cogging, x.theta_e)
         made -= machine.B * x.omega_e / machine.p
+        psi_d, psi_q = flux_linkages(machine.saturation, y_d, y_q, machine)
+        made -= iron_torque(machine.iron, psi_d, psi_q, x.omega_e, machine.p)
         return made - friction_torque(machine.friction, x.omega_e, made)
-    domega = acceleration(x.i_d, x.i_q, x.omega_e, x.theta_e, machine, torque)
+    g_d, g_q = flux_slope(machine.harmonics, x.theta_e)
+    domega = acceleration(y_d, y_q, x.i_d, x.i_q, x.omega_e, x.theta_e, g_d, g_q, machine, torque)
     slide = sliding(machine.friction, x.omega_e, domega, machine.gamma)
     domega = less_friction(machine.friction, domega, x.omega_e, slide, machine.gamma)
     return torque + machine.J_load * domega / machine.p

@@ -15,8 +15,9 @@ from typing import NamedTuple
 from benchtool.emulator.jit import njit
 from benchtool.emulator.machine.carrier import DoubleUpdate
 from benchtool.emulator.machine.dc_link import DcLink
-from benchtool.emulator.machine.plant import State
+from benchtool.emulator.machine.heat import Heat
 from benchtool.emulator.machine.sampling import Sampling
+from benchtool.emulator.machine.state import State
 
 SQRT3 = math.sqrt(3.0)
 
@@ -39,6 +40,13 @@ class Devices(NamedTuple):
     drop: float
 
 
+class Accounts(NamedTuple):
+    """What energy accounts need of the devices: their resistance, a part of the machine's, and their drop."""
+
+    R_devices: float
+    drop: float
+
+
 class PowerStage(NamedTuple):
     """True coefficients; `u_dc` is the voltage behind the dc link's resistance `R_dc`.
 
@@ -51,6 +59,8 @@ class PowerStage(NamedTuple):
     u_dc: float
     R_dc: float
     metered: bool
+    accounts: Accounts | None
+    heat: Heat | None
     double_update: DoubleUpdate | None
     dead_time: DeadTime | None
     timer: Timer | None

@@ -9,8 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from benchtool.emulator.jit import entry
+from benchtool.emulator.machine.coefficients import Machine
 from benchtool.emulator.machine.inverter import clarke
-from benchtool.emulator.machine.plant import Machine, advance, place
+from benchtool.emulator.machine.plant import advance
+from benchtool.emulator.machine.state import place
 from benchtool.emulator.machine.truth import MotorTruth, finite, not_negative, positive
 from benchtool.errors import ValueRefused
 

@@ -11,22 +11,18 @@ Between two switching edges the stator voltage is constant in alpha/beta, so in 
 is integrated along with the currents, in steps of the classical Runge-Kutta method of fourth order. The
 direction of the rotor flux, (cos_theta, sin_theta), is carried along and turned by the angle of each step.
 
-Harmonics of the flux, cogging, dry friction and the drive train beyond the rotor are optional parts of the
-machine, in modules of their own.
+Harmonics of the flux, saturation, phases that differ, iron loss, cogging, dry friction and the drive train
+beyond the rotor are optional parts of the machine, in modules of their own.
 """
 
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
-from benchtool.emulator.jit import njit
-from benchtool.emulator.machine.cogging import (
-    Cogging,
-    cogging_stiffness,
-    cogging_turning,
-    less_cogging,
-)
+from benchtool.emulator.jit import called, njit
+from benchtool.emulator.machine.asymmetry import Asymmetry
+from benchtool.emulator.machine.coefficients import Machine, fastest_rate, rate_at, turning_rate
+from benchtool.emulator.machine.cogging import less_cogging
 from benchtool.emulator.machine.coupling import Coupling, Play, distance, landed, meeting, part_until
 from benchtool.emulator.machine.drive_train import (
     DriveTrain,
@@ -34,210 +30,70 @@ from benchtool.emulator.machine.drive_train import (
     ahead,
     beyond,
     contact_of,
-    fastest_omega,
-    holds_rotor,
     slip_of,
     stepped,
-    told,
-    train_rate,
-    train_turning,
 )
 from benchtool.emulator.machine.harmonics import (
     Harmonics,
-    harmonic_turning,
-    linkage,
+    flux_slope,
     with_harmonic_emf,
     with_harmonic_torque,
 )
+from benchtool.emulator.machine.iron import less_iron
+from benchtool.emulator.machine.saturation import Saturation, currents_of
 from benchtool.emulator.machine.shaft import (
     Friction,
     less_friction,
     part_until_rest,
     sliding,
-    stribeck_slope,
 )
+from benchtool.emulator.machine.state import State, electrical, facing, state_at
+from benchtool.emulator.machine.terminals import in_series, of_currents
 from benchtool.emulator.rotate import rotate
 
-MOST_TURN = 100.0  # rad of the fastest process in a PWM period: beyond, a period takes too many steps
+
+@called
+def current_rates(x: State, u_alpha: float, u_beta: float, m: Machine) -> tuple[float, float]:
+    """Return the rates of i_d and i_q under a stator voltage."""
+    y_d, y_q = electrical(m.saturation, x)
+    v_d, v_q = scaled_voltage(x, u_alpha, u_beta, m)
+    dy_d, dy_q, _, _, _ = derivative(y_d, y_q, x.omega_e, x.theta_e, v_d, v_q, m, 0.0)
+    return of_currents(m.saturation, y_d, y_q, dy_d, dy_q)
 
 
-class Machine(NamedTuple):
-    """True parameters, and below them the equations' coefficients as `machine_of` derives them.
+@njit
+def airgap_torque(y_d: float, y_q: float, theta_e: float, m: Machine) -> float:
+    """Return the electromagnetic torque in Nm, 3/2 p (psi_s x i_s), with the torque of the flux harmonics.
 
-    Voltages are integrated divided by their axis' inductance and torques times p / J, which leaves the fewest
-    operations between one stage and the next.
+    `y_d` and `y_q` are the electrical states.
     """
-
-    p: float
-    R_s: float
-    L_d: float
-    L_q: float
-    psi_r: float
-    J: float
-    B: float
-    harmonics: Harmonics | None
-    cogging: Cogging | None
-    friction: Friction | None
-    J_load: float  # rigid beyond the flange
-    train: DriveTrain | None
-
-    inv_L_d: float  # zero with open terminals
-    inv_L_q: float
-    rho_d: float  # R_s / L_d
-    rho_q: float
-    k_d: float  # L_q / L_d
-    k_q: float
-    epsilon: float  # psi_r / L_q, the back EMF; zero with open terminals
-    gamma: float  # p / (J + J_load); zero with held speed, as are the three below
-    kappa: float  # gamma 3/2 p psi_r
-    sigma: float  # gamma 3/2 p (L_d - L_q)
-    beta: float  # gamma B / p
-
-
-class State(NamedTuple):
-    """Currents, electrical speed and angle; `theta_e` never wraps, `theta_rest` is its rounding."""
-
-    i_d: float
-    i_q: float
-    omega_e: float
-    theta_e: float
-    theta_rest: float
-    cos_theta: float
-    sin_theta: float
-    far: Far
+    i_d, i_q = currents_of(m.saturation, y_d, y_q)
+    torque = _flux_cross_current(m.saturation, y_d, y_q, i_d, i_q, m.psi_r, m.L_d - m.L_q, 1.0)
+    g_d, g_q = flux_slope(m.harmonics, theta_e)
+    return 1.5 * m.p * with_harmonic_torque(m.harmonics, torque, i_d, i_q, g_d, g_q, 1.0)
 
 
 @njit
-def place(i_d: float, i_q: float, omega_e: float, theta_e: float) -> State:
-    """Return the state with its direction derived from the angle, and the load side at rest."""
-    return State(i_d, i_q, omega_e, theta_e, 0.0, math.cos(theta_e), math.sin(theta_e), Far(0.0, 0.0, 0.0))
-
-
-@njit
-def facing(x: State, far: Far) -> State:
-    """Return the state with another load side."""
-    return State(x.i_d, x.i_q, x.omega_e, x.theta_e, x.theta_rest, x.cos_theta, x.sin_theta, far)
-
-
-@njit
-def machine_of(
-    p: float,
-    R_s: float,
-    L_d: float,
-    L_q: float,
-    psi_r: float,
-    J: float,
-    B: float,
-    harmonics: Harmonics | None,
-    cogging: Cogging | None,
-    friction: Friction | None,
-    J_load: float,
-    train: DriveTrain | None,
-    speed_held: bool,
-    open_terminals: bool,
-) -> Machine:
-    """Return the coefficients of a machine, with its speed held, its currents held at zero, or both, or
-    neither."""
-    closed = 0.0 if open_terminals else 1.0
-    gamma = 0.0 if speed_held else p / (J + J_load)
-    return Machine(
-        p,
-        R_s,
-        L_d,
-        L_q,
-        psi_r,
-        J,
-        B,
-        harmonics,
-        cogging,
-        friction,
-        J_load,
-        train,
-        closed / L_d,
-        closed / L_q,
-        R_s / L_d,
-        R_s / L_q,
-        L_q / L_d,
-        L_d / L_q,
-        closed * psi_r / L_q,
-        gamma,
-        gamma * 1.5 * p * psi_r,
-        gamma * 1.5 * p * (L_d - L_q),
-        gamma * B / p,
-    )
-
-
-@njit
-def holding(m: Machine, speed: bool, currents: bool) -> Machine:
-    """Return the machine with its speed held, or with open terminals, or both; what was held before stays
-    held."""
-    return _with(m, m.train, speed, currents)
-
-
-@njit
-def driven_by(m: Machine, held: bool, omega_m: float) -> Machine:
-    """Return the machine with its load told to hold a speed, or not to.
-
-    That is the rotor's where all between is rigid; an elastic coupling or a weak load machine gives way.
-    """
-    return _with(m, told(m.train, held, omega_m), held and holds_rotor(m.train), False)
-
-
-@njit
-def _with(m: Machine, train: DriveTrain | None, speed: bool, currents: bool) -> Machine:
-    return machine_of(
-        m.p,
-        m.R_s,
-        m.L_d,
-        m.L_q,
-        m.psi_r,
-        m.J,
-        m.B,
-        m.harmonics,
-        m.cogging,
-        m.friction,
-        m.J_load,
-        train,
-        speed or m.gamma == 0.0,
-        currents or m.inv_L_d == 0.0,
-    )
-
-
-@njit
-def fastest_rate(m: Machine) -> float:
-    """Return the sum of the machine's rates at standstill, 1/s: electrical, mechanical and coupled."""
-    inv_L = max(m.inv_L_d, m.inv_L_q)
-    psi = m.psi_r + linkage(m.harmonics)
-    stiffness = 1.5 * m.p * psi * psi * inv_L + cogging_stiffness(m.cogging)
-    friction = m.B / m.p + stribeck_slope(m.friction)
-    rate = m.R_s * inv_L + math.sqrt(m.gamma * stiffness) + m.gamma * friction
-    return rate + train_rate(m.train, m.gamma)
-
-
-@njit
-def turning_rate(m: Machine) -> float:
-    """Return the rate in 1/s that every electrical rad/s adds to `fastest_rate`."""
-    turning = max(1.0, m.k_d, m.k_q) + harmonic_turning(m.harmonics) + cogging_turning(m.cogging)
-    return turning + train_turning(m.train, m.gamma)
-
-
-@njit
-def rate_at(x: State, at_rest: float, moving: float, m: Machine) -> float:
-    """Return the sum of the machine's rates, of `fastest_rate` and `turning_rate`, at the speed of `x`."""
-    return at_rest + moving * fastest_omega(m.train, x.far, x.omega_e)
-
-
-@njit
-def airgap_torque(i_d: float, i_q: float, theta_e: float, m: Machine) -> float:
-    """Return the electromagnetic torque in Nm, 3/2 p (psi_s x i_s), with the torque of the flux harmonics."""
-    torque = (m.psi_r + (m.L_d - m.L_q) * i_d) * i_q
-    return 1.5 * m.p * with_harmonic_torque(m.harmonics, torque, i_d, i_q, theta_e, 1.0)
+def _flux_cross_current(
+    saturation: Saturation | None,
+    y_d: float,
+    y_q: float,
+    i_d: float,
+    i_q: float,
+    by_rotor: float,
+    by_saliency: float,
+    gain: float,
+) -> float:
+    """Return psi_s x i_s times a gain, which is within `by_rotor` and `by_saliency` without saturation."""
+    if saturation is None:
+        return (by_rotor + by_saliency * i_d) * i_q
+    return gain * (y_d * i_q - y_q * i_d)
 
 
 @njit
 def derivative(
-    i_d: float,
-    i_q: float,
+    y_d: float,
+    y_q: float,
     omega_e: float,
     theta_e: float,
     v_d: float,
@@ -246,25 +102,109 @@ def derivative(
     T_load: float,
     slide: float = 0.0,
 ) -> tuple[float, float, float, float, float]:
-    """Return the rates of i_d, i_q, omega_e, v_d and v_q, where v_d = u_d / L_d and v_q = u_q / L_q.
+    """Return the rates of y_d, y_q, omega_e, v_d and v_q, where v_d = u_d / L_d and v_q = u_q / L_q.
 
-    `slide` is the direction in which a shaft with dry friction slides; by default it sticks.
+    `y_d` and `y_q` are the electrical states. `slide` is the direction in which a shaft with dry friction
+    slides; by default it sticks.
     """
-    along, across = omega_e * m.k_d, omega_e * m.k_q
-    di_d = (v_d + along * i_q) - m.rho_d * i_d
-    di_q = (v_q - across * i_d) - (m.rho_q * i_q + omega_e * m.epsilon)
-    di_d, di_q = with_harmonic_emf(m.harmonics, di_d, di_q, omega_e, theta_e, m.inv_L_d, m.inv_L_q)
-    domega = acceleration(i_d, i_q, omega_e, theta_e, m, T_load)
-    domega = less_friction(m.friction, domega, omega_e, slide, m.gamma)
-    return di_d, di_q, domega, along * v_q, -(across * v_d)
+    return _derivative_of(
+        m.saturation, m.harmonics, m.asymmetry, y_d, y_q, omega_e, theta_e, v_d, v_q, m, T_load, slide
+    )
 
 
 @njit
-def acceleration(i_d: float, i_q: float, omega_e: float, theta_e: float, m: Machine, T_load: float) -> float:
+def _derivative_of(
+    saturation: Saturation | None,
+    harmonics: Harmonics | None,
+    asymmetry: Asymmetry | None,
+    y_d: float,
+    y_q: float,
+    omega_e: float,
+    theta_e: float,
+    v_d: float,
+    v_q: float,
+    m: Machine,
+    T_load: float,
+    slide: float,
+) -> tuple[float, float, float, float, float]:
+    """Return `derivative`, which is repeated at every call only where the machine is simple enough for
+    that."""
+    if saturation is not None:
+        return _derivative_once(y_d, y_q, omega_e, theta_e, v_d, v_q, m, T_load, slide)
+    if harmonics is not None:
+        return _derivative_once(y_d, y_q, omega_e, theta_e, v_d, v_q, m, T_load, slide)
+    if asymmetry is not None:
+        return _derivative_once(y_d, y_q, omega_e, theta_e, v_d, v_q, m, T_load, slide)
+    return _derivative(y_d, y_q, omega_e, theta_e, v_d, v_q, m, T_load, slide)
+
+
+@called
+def _derivative_once(
+    y_d: float,
+    y_q: float,
+    omega_e: float,
+    theta_e: float,
+    v_d: float,
+    v_q: float,
+    m: Machine,
+    T_load: float,
+    slide: float,
+) -> tuple[float, float, float, float, float]:
+    return _derivative(y_d, y_q, omega_e, theta_e, v_d, v_q, m, T_load, slide)
+
+
+@njit
+def _derivative(
+    y_d: float,
+    y_q: float,
+    omega_e: float,
+    theta_e: float,
+    v_d: float,
+    v_q: float,
+    m: Machine,
+    T_load: float,
+    slide: float,
+) -> tuple[float, float, float, float, float]:
+    i_d, i_q = currents_of(m.saturation, y_d, y_q)
+    along, across = omega_e * m.k_d, omega_e * m.k_q
+    dy_d = (v_d + along * y_q) - m.rho_d * i_d
+    dy_q = (v_q - across * y_d) - (m.rho_q * i_q + omega_e * m.epsilon)
+    g_d, g_q = flux_slope(m.harmonics, theta_e)
+    dy_d, dy_q = with_harmonic_emf(m.harmonics, dy_d, dy_q, omega_e, g_d, g_q, m.inv_L_d, m.inv_L_q)
+    dy_d, dy_q = in_series(m.asymmetry, dy_d, dy_q, y_d, y_q, i_d, i_q, omega_e, theta_e, m)
+    domega = acceleration(y_d, y_q, i_d, i_q, omega_e, theta_e, g_d, g_q, m, T_load)
+    domega = less_friction(m.friction, domega, omega_e, slide, m.gamma)
+    return dy_d, dy_q, domega, along * v_q, -(across * v_d)
+
+
+@njit
+def acceleration(
+    y_d: float,
+    y_q: float,
+    i_d: float,
+    i_q: float,
+    omega_e: float,
+    theta_e: float,
+    g_d: float,
+    g_q: float,
+    m: Machine,
+    T_load: float,
+) -> float:
     """Return the rate of omega_e without dry friction."""
-    domega = (m.kappa + m.sigma * i_d) * i_q - (m.beta * omega_e + m.gamma * T_load)
-    domega = with_harmonic_torque(m.harmonics, domega, i_d, i_q, theta_e, m.gamma * 1.5 * m.p)
+    torque = _flux_cross_current(m.saturation, y_d, y_q, i_d, i_q, m.kappa, m.sigma, m.gamma * 1.5 * m.p)
+    domega = torque - (m.beta * omega_e + m.gamma * T_load)
+    domega = with_harmonic_torque(m.harmonics, domega, i_d, i_q, g_d, g_q, m.gamma * 1.5 * m.p)
+    psi_d, psi_q = flux_linkages(m.saturation, y_d, y_q, m)
+    domega = less_iron(m.iron, domega, psi_d, psi_q, omega_e, m.p, m.gamma)
     return less_cogging(m.cogging, domega, theta_e, m.gamma)
+
+
+@njit
+def flux_linkages(saturation: Saturation | None, y_d: float, y_q: float, m: Machine) -> tuple[float, float]:
+    """Return psi_d and psi_q of these electrical states, without harmonics."""
+    if saturation is None:
+        return m.L_d * y_d + m.psi_r, m.L_q * y_q
+    return y_d, y_q
 
 
 @njit
@@ -276,22 +216,66 @@ def scaled_voltage(x: State, u_alpha: float, u_beta: float, m: Machine) -> tuple
 
 
 @njit
+def sliding_of(friction: Friction | None, x: State, m: Machine, T_load: float) -> float:
+    """Return the direction in which the shaft slides, 1 or -1, and 0 while it sticks or has no friction."""
+    if friction is None:
+        return 0.0
+    y_d, y_q = electrical(m.saturation, x)
+    g_d, g_q = flux_slope(m.harmonics, x.theta_e)
+    domega = acceleration(y_d, y_q, x.i_d, x.i_q, x.omega_e, x.theta_e, g_d, g_q, m, T_load)
+    return sliding(friction, x.omega_e, domega, m.gamma)
+
+
+@njit
 def step(x: State, u_alpha: float, u_beta: float, h: float, m: Machine, T_load: float) -> State:
     """Return one Runge-Kutta step of `h` seconds under the constant voltage (u_alpha, u_beta)."""
-    i_d, i_q, w, theta = x.i_d, x.i_q, x.omega_e, x.theta_e
+    return _step_of(m.saturation, m.harmonics, m.asymmetry, x, u_alpha, u_beta, h, m, T_load)
+
+
+@njit
+def _step_of(
+    saturation: Saturation | None,
+    harmonics: Harmonics | None,
+    asymmetry: Asymmetry | None,
+    x: State,
+    u_alpha: float,
+    u_beta: float,
+    h: float,
+    m: Machine,
+    T_load: float,
+) -> State:
+    """Return `step`, which is repeated at every call only where the machine is simple enough for that."""
+    if saturation is not None:
+        return _step_once(x, u_alpha, u_beta, h, m, T_load)
+    if harmonics is not None:
+        return _step_once(x, u_alpha, u_beta, h, m, T_load)
+    if asymmetry is not None:
+        return _step_once(x, u_alpha, u_beta, h, m, T_load)
+    return _step(x, u_alpha, u_beta, h, m, T_load)
+
+
+@called
+def _step_once(x: State, u_alpha: float, u_beta: float, h: float, m: Machine, T_load: float) -> State:
+    return _step(x, u_alpha, u_beta, h, m, T_load)
+
+
+@njit
+def _step(x: State, u_alpha: float, u_beta: float, h: float, m: Machine, T_load: float) -> State:
+    w, theta = x.omega_e, x.theta_e
+    y_d, y_q = electrical(m.saturation, x)
     v_d, v_q = scaled_voltage(x, u_alpha, u_beta, m)
     half = 0.5 * h
     contact = contact_of(m.train, x.far, w)
     T, a_far = beyond(m.train, x.far, w, theta, T_load, contact)
-    slide = sliding(m.friction, w, acceleration(i_d, i_q, w, theta, m, T), m.gamma)
+    slide = sliding_of(m.friction, x, m, T)
 
-    a_d, a_q, a_w, a_vd, a_vq = derivative(i_d, i_q, w, theta, v_d, v_q, m, T, slide)
+    a_d, a_q, a_w, a_vd, a_vq = derivative(y_d, y_q, w, theta, v_d, v_q, m, T, slide)
 
     w2 = w + half * a_w
     T, b_far = beyond(m.train, ahead(m.train, x.far, a_far, half), w2, theta + half * w, T_load, contact)
     b_d, b_q, b_w, b_vd, b_vq = derivative(
-        i_d + half * a_d,
-        i_q + half * a_q,
+        y_d + half * a_d,
+        y_q + half * a_q,
         w2,
         theta + half * w,
         v_d + half * a_vd,
@@ -304,8 +288,8 @@ def step(x: State, u_alpha: float, u_beta: float, h: float, m: Machine, T_load: 
     w3 = w + half * b_w
     T, c_far = beyond(m.train, ahead(m.train, x.far, b_far, half), w3, theta + half * w2, T_load, contact)
     c_d, c_q, c_w, c_vd, c_vq = derivative(
-        i_d + half * b_d,
-        i_q + half * b_q,
+        y_d + half * b_d,
+        y_q + half * b_q,
         w3,
         theta + half * w2,
         v_d + half * b_vd,
@@ -318,16 +302,17 @@ def step(x: State, u_alpha: float, u_beta: float, h: float, m: Machine, T_load: 
     w4 = w + h * c_w
     T, d_far = beyond(m.train, ahead(m.train, x.far, c_far, h), w4, theta + h * w3, T_load, contact)
     d_d, d_q, d_w, _, _ = derivative(
-        i_d + h * c_d, i_q + h * c_q, w4, theta + h * w3, v_d + h * c_vd, v_q + h * c_vq, m, T, slide
+        y_d + h * c_d, y_q + h * c_q, w4, theta + h * w3, v_d + h * c_vd, v_q + h * c_vq, m, T, slide
     )
 
     sixth = h * (1.0 / 6.0)
     turn = sixth * (w + 2.0 * (w2 + w3) + w4)
     cos_theta, sin_theta = rotate(x.cos_theta, x.sin_theta, turn)
     theta, theta_rest = added(x.theta_e, x.theta_rest, turn)
-    return State(
-        i_d + sixth * (a_d + 2.0 * (b_d + c_d) + d_d),
-        i_q + sixth * (a_q + 2.0 * (b_q + c_q) + d_q),
+    return state_at(
+        m.saturation,
+        y_d + sixth * (a_d + 2.0 * (b_d + c_d) + d_d),
+        y_q + sixth * (a_q + 2.0 * (b_q + c_q) + d_q),
         w + sixth * (a_w + 2.0 * (b_w + c_w) + d_w),
         theta,
         theta_rest,
@@ -346,7 +331,7 @@ def move(x: State, u_alpha: float, u_beta: float, h: float, m: Machine, T_load: 
     if part < 1.0:
         h = part * h
         y = step(x, u_alpha, u_beta, h, m, T_load)
-        after = State(y.i_d, y.i_q, 0.0, y.theta_e, y.theta_rest, y.cos_theta, y.sin_theta, y.far)
+        after = State(y.i_d, y.i_q, 0.0, y.theta_e, y.theta_rest, y.cos_theta, y.sin_theta, y.far, y.flux)
     return _until_contact(m.train, x, after, u_alpha, u_beta, h, m, T_load)
 
 
@@ -429,7 +414,7 @@ def advance(
     x: State, u_alpha: float, u_beta: float, duration: float, turn: float, m: Machine, T_load: float
 ) -> State:
     """Integrate over `duration` seconds, in steps of at most `turn` rad of the fastest process."""
-    at_rest, moving = fastest_rate(m), turning_rate(m)
+    at_rest, moving = fastest_rate(m, x), turning_rate(m)
     remaining, rest = duration, 0.0
     while remaining > 0.0:
         h = substep(remaining, rate_at(x, at_rest, moving, m), turn)

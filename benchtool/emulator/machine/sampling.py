@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.emulator.jit import njit
-from benchtool.emulator.machine.plant import Machine, State
-from benchtool.emulator.machine.transducer import rates
+from benchtool.emulator.machine.coefficients import Machine
+from benchtool.emulator.machine.plant import current_rates
+from benchtool.emulator.machine.state import State
 
 _AXES = ((1.0, 0.0), (-0.5, 0.5 * math.sqrt(3.0)), (-0.5, -0.5 * math.sqrt(3.0)))  # of the phases
 _LAGGED, _TAKEN, _BEFORE, _DONE = 0, 1, 2, 3  # rows of `values`
@@ -135,7 +136,7 @@ def _stationary(
     x: State, u_alpha: float, u_beta: float, machine: Machine, T_load: float
 ) -> tuple[float, float, float, float]:
     """Return alpha and beta of the current, and their rates."""
-    di_d, di_q, _, _, _ = rates(x, u_alpha, u_beta, machine, T_load)
+    di_d, di_q = current_rates(x, u_alpha, u_beta, machine)
     di_d, di_q = di_d - x.omega_e * x.i_q, di_q + x.omega_e * x.i_d
     return (
         x.i_d * x.cos_theta - x.i_q * x.sin_theta,

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from benchtool.emulator.jit import njit
 from benchtool.emulator.machine.encoder import Encoder, encoder_count
 from benchtool.emulator.machine.inverter import PowerStage, phase_currents
-from benchtool.emulator.machine.plant import State
 from benchtool.emulator.machine.sampling import sampled
 from benchtool.emulator.machine.shunts import Shunts, readable, reconstructed, through_shunts
+from benchtool.emulator.machine.state import State
 
 
 class Drift(NamedTuple):

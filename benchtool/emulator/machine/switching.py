@@ -11,12 +11,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.emulator.jit import njit
+from benchtool.emulator.machine.accounts import Rails, account, finer
+from benchtool.emulator.machine.asymmetry import Asymmetry
 from benchtool.emulator.machine.averaging import SLOW_ENOUGH, averaged, can_rest
 from benchtool.emulator.machine.carrier import NEVER, DoubleUpdate, ends_high, pulse, turns_on
+from benchtool.emulator.machine.coefficients import Machine, largest_inverse_inductance
 from benchtool.emulator.machine.diodes import HIGH, LOW, OFF, integrate_conduction
 from benchtool.emulator.machine.drive_train import DriveTrain
 from benchtool.emulator.machine.harmonics import Harmonics
 from benchtool.emulator.machine.inverter import (
+    Accounts,
     DeadTime,
     Devices,
     PowerStage,
@@ -24,8 +28,11 @@ from benchtool.emulator.machine.inverter import (
     phase_currents,
     quantised,
 )
-from benchtool.emulator.machine.plant import Machine, State, move, substep
+from benchtool.emulator.machine.iron import Iron
+from benchtool.emulator.machine.plant import move, substep
 from benchtool.emulator.machine.sampling import Sampling, observe
+from benchtool.emulator.machine.saturation import Saturation
+from benchtool.emulator.machine.state import State
 from benchtool.emulator.machine.transducer import sample
 
 # rad of the fastest process in one step: fourth order leaves less than 1e-8 of it
@@ -63,7 +70,11 @@ def switch(
         stage.devices,
         stage.sampling,
         update,
+        stage.accounts,
+        machine.saturation,
         machine.harmonics,
+        machine.asymmetry,
+        machine.iron,
         machine.train,
         x,
         rate,
@@ -89,7 +100,11 @@ def _period(
     devices: Devices | None,
     sampling: Sampling | None,
     update: DoubleUpdate | None,
+    accounts: Accounts | None,
+    saturation: Saturation | None,
     harmonics: Harmonics | None,
+    asymmetry: Asymmetry | None,
+    iron: Iron | None,
     train: DriveTrain | None,
     x: State,
     rate: float,
@@ -108,7 +123,11 @@ def _period(
         and devices is None
         and sampling is None
         and update is None
+        and accounts is None
+        and saturation is None
         and harmonics is None
+        and asymmetry is None
+        and iron is None
         and train is None
     ):
         watched = transducer.recording != 0
@@ -186,7 +205,7 @@ def _between_edges(
     u_alpha, u_beta = leg_voltages(high_a, high_b, high_c, x, u_dc, stage)
     charge = 0.0
     while time < until:
-        whole = substep(until - time, rate, _TURN)
+        whole = substep(until - time, rate, finer(stage.accounts, _TURN, 0.4))
         before = x
         x, h = move(x, u_alpha, u_beta, whole, machine, T_load)
         if _changes_sign(stage.devices, before, x):
@@ -211,6 +230,10 @@ def _between_edges(
             u_alpha, u_beta = leg_voltages(high_a, high_b, high_c, x, u_dc, stage)
         else:
             sample(time, h, before, x, u_alpha, u_beta, machine, T_load, transducer, torque)
+            rails = Rails(
+                u_dc if high_a else 0.0, u_dc if high_b else 0.0, u_dc if high_c else 0.0, False, False, False
+            )
+            account(stage.accounts, h, before, x, u_alpha, u_beta, u_dc, rails, machine, T_load, transducer)
             observe(stage.sampling, time, h, before, x, u_alpha, u_beta, machine, T_load)
             if stage.metered:
                 start = _link_current(high_a, high_b, high_c, before)
@@ -284,7 +307,7 @@ def _with_dead_time(
     leg_a = Leg(rise[0], fall[0], shaft.high_a != 0, shaft.blank_a)
     leg_b = Leg(rise[1], fall[1], shaft.high_b != 0, shaft.blank_b)
     leg_c = Leg(rise[2], fall[2], shaft.high_c != 0, shaft.blank_c)
-    inv_L = max(machine.inv_L_d, machine.inv_L_q)
+    inv_L = largest_inverse_inductance(machine.saturation, machine, x)
     small = 2.0 * dead_time.duration * inv_L * (shaft.u_dc + machine.psi_r * abs(x.omega_e))
     charge, time = 0.0, 0.0
     while time < stage.T_s:

@@ -1,8 +1,8 @@
 """A torque transducer on the bench, not part of the drive, oversampled.
 
 It tells the machine's true air-gap torque, or, where the bench has one at the flange, what that reads.
-Between the ends of an integration step the currents are cubic Hermite polynomials through their values and
-rates, which is of fourth order like the step itself, so that sampling costs no further steps.
+Between the ends of an integration step the electrical states are cubic Hermite polynomials through their
+values and rates, which is of fourth order like the step itself, so that sampling costs no further steps.
 """
 
 from __future__ import annotations
@@ -15,16 +15,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.block import Block, Channel
-from benchtool.emulator.jit import njit
+from benchtool.emulator.jit import called, njit
+from benchtool.emulator.machine.coefficients import Machine
 from benchtool.emulator.machine.drive_train import DriveTrain, Far, Flange, slip_of
 from benchtool.emulator.machine.flange import flange_torque, reading
-from benchtool.emulator.machine.plant import Machine, State, airgap_torque, derivative, scaled_voltage
+from benchtool.emulator.machine.plant import airgap_torque, derivative, scaled_voltage
+from benchtool.emulator.machine.state import State, electrical, state_at
 from benchtool.emulator.memory import Record, record_type
 from benchtool.errors import ValueRefused
 
 MAX_TICKS = 2_000_000
 
-# `next_sample` counts within the PWM period under way.
+# `next_sample` counts within the PWM period under way. The energies are those of `accounts`, in J.
 TRANSDUCER = record_type(
     [
         ("recording", "u4"),
@@ -32,6 +34,14 @@ TRANSDUCER = record_type(
         ("next_sample", "u4"),
         ("samples_per_tick", "u4"),
         ("spacing", "f8"),
+        ("E_dc", "f8"),
+        ("E_copper", "f8"),
+        ("E_iron", "f8"),
+        ("E_inverter", "f8"),
+        ("E_friction", "f8"),
+        ("E_shaft", "f8"),
+        ("E_magnetic", "f8"),
+        ("E_kinetic", "f8"),
         ("flange", "f8"),  # what a transducer at the flange reads
         ("flange_before", "f8"),  # the torque there that it read last
         ("until_next", "f8"),  # s from then to what it reads next; 0 if it has read nothing
@@ -55,6 +65,24 @@ def sample(
     """Take the samples due within a step that started `time` seconds into the PWM period and took `h`."""
     if transducer.recording == 0 or transducer.next_sample * transducer.spacing >= time + h:
         return
+    _take(time, h, before, after, u_alpha, u_beta, machine, T_load, transducer, torque)
+
+
+@called
+def _take(
+    time: float,
+    h: float,
+    before: State,
+    after: State,
+    u_alpha: float,
+    u_beta: float,
+    machine: Machine,
+    T_load: float,
+    transducer: Any,
+    torque: NDArray[np.float64],
+) -> None:
+    d0, q0 = electrical(machine.saturation, before)
+    d1, q1 = electrical(machine.saturation, after)
     p0 = rates(before, u_alpha, u_beta, machine, T_load)
     p1 = rates(after, u_alpha, u_beta, machine, T_load)
     while transducer.next_sample < transducer.samples_per_tick:
@@ -62,12 +90,12 @@ def sample(
         if due >= time + h or transducer.filled >= torque.shape[0]:
             return
         s = (due - time) / h
-        i_d = _hermite(s, h, before.i_d, after.i_d, p0[0], p1[0])
-        i_q = _hermite(s, h, before.i_q, after.i_q, p0[1], p1[1])
+        y_d = _hermite(s, h, d0, d1, p0[0], p1[0])
+        y_q = _hermite(s, h, q0, q1, p0[1], p1[1])
         theta_e = _hermite(s, h, before.theta_e, after.theta_e, before.omega_e, after.omega_e)
         row = torque[transducer.filled]
-        row[0] = airgap_torque(i_d, i_q, theta_e, machine)
-        _take_flange(machine.train, row, i_d, i_q, theta_e, s, h, before, after, machine, T_load, transducer)
+        row[0] = airgap_torque(y_d, y_q, theta_e, machine)
+        _take_flange(machine.train, row, y_d, y_q, theta_e, s, h, before, after, machine, T_load, transducer)
         transducer.filled += 1
         transducer.next_sample += 1
 
@@ -76,8 +104,8 @@ def sample(
 def _take_flange(
     train: DriveTrain | None,
     row: NDArray[np.float64],
-    i_d: float,
-    i_q: float,
+    y_d: float,
+    y_q: float,
     theta_e: float,
     s: float,
     h: float,
@@ -91,7 +119,7 @@ def _take_flange(
     if train is None:
         return
     _take_reading(
-        train.flange, train, row, i_d, i_q, theta_e, s, h, before, after, machine, T_load, transducer
+        train.flange, train, row, y_d, y_q, theta_e, s, h, before, after, machine, T_load, transducer
     )
 
 
@@ -100,8 +128,8 @@ def _take_reading(
     flange: Flange | None,
     train: DriveTrain,
     row: NDArray[np.float64],
-    i_d: float,
-    i_q: float,
+    y_d: float,
+    y_q: float,
     theta_e: float,
     s: float,
     h: float,
@@ -120,7 +148,8 @@ def _take_reading(
         _line(s, before.far.torque, after.far.torque),
     )
     omega_e = _line(s, before.omega_e, after.omega_e)
-    x = State(i_d, i_q, omega_e, theta_e, 0.0, before.cos_theta, before.sin_theta, far)
+    cos_theta, sin_theta = before.cos_theta, before.sin_theta
+    x = state_at(machine.saturation, y_d, y_q, omega_e, theta_e, 0.0, cos_theta, sin_theta, far)
     row[1] = reading(flange, flange_torque(train, x, machine, T_load), transducer)
     transducer.until_next = transducer.spacing
 
@@ -145,7 +174,8 @@ def rates(
 ) -> tuple[float, float, float, float, float]:
     """Return `derivative` of a state under a stator voltage."""
     v_d, v_q = scaled_voltage(x, u_alpha, u_beta, machine)
-    return derivative(x.i_d, x.i_q, x.omega_e, x.theta_e, v_d, v_q, machine, T_load)
+    y_d, y_q = electrical(machine.saturation, x)
+    return derivative(y_d, y_q, x.omega_e, x.theta_e, v_d, v_q, machine, T_load)
 
 
 @njit

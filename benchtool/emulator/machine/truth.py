@@ -6,14 +6,18 @@ import math
 from dataclasses import dataclass
 from typing import TypeVar
 
+from benchtool.emulator.machine.asymmetry import Asymmetry, sequences
 from benchtool.emulator.machine.carrier import DoubleUpdate
+from benchtool.emulator.machine.coefficients import Machine, machine_of
 from benchtool.emulator.machine.cogging import Cogging, cogging_of
 from benchtool.emulator.machine.dc_link import DcLink
 from benchtool.emulator.machine.drive_train import DriveTrain
-from benchtool.emulator.machine.harmonics import Harmonics
-from benchtool.emulator.machine.inverter import DeadTime, Devices, PowerStage, Timer
-from benchtool.emulator.machine.plant import Machine, machine_of
+from benchtool.emulator.machine.harmonics import Harmonics, Unbalance
+from benchtool.emulator.machine.heat import HeatTruth
+from benchtool.emulator.machine.inverter import Accounts, DeadTime, Devices, PowerStage, Timer
+from benchtool.emulator.machine.iron import Iron
 from benchtool.emulator.machine.sampling import Sampling
+from benchtool.emulator.machine.saturation import Saturation, SaturationTruth
 from benchtool.emulator.machine.shaft import Friction, Stribeck
 from benchtool.errors import ValueRefused
 
@@ -25,9 +29,10 @@ class MotorTruth:
     """A permanent-magnet machine, amplitude-invariant and per phase.
 
     `cogging_order` counts periods of the cogging torque per mechanical revolution, -cogging_Nm
-    sin(cogging_order theta_m + cogging_phase_rad); several orders are a tuple of each. `psi_5_Wb` and
-    `psi_7_Wb` are the fifth and seventh harmonic of the rotor flux linkage of phase a, as cosines of 5 and 7
-    theta_e.
+    sin(cogging_order theta_m + cogging_phase_rad); several orders are a tuple of each. `psi_5_Wb` to
+    `psi_13_Wb` are the harmonics of the rotor flux linkage of phase a, as cosines of 5 to 13 theta_e. Of the
+    phases a, b and c, `psi_of_phase` is by what factor they link the rotor's fundamental, and `series_R_ohm`
+    and `series_L_H` is what is in series with each.
     A shaft at rest sticks up to `breakaway_Nm`, which is the Coulomb torque where it is stated lower; while
     the shaft turns, what it has above the Coulomb torque fades out over `stribeck_rad_s`, or at once if that
     is 0. `power_up_angle_rad` is the shaft's mechanical angle when the drive is switched on.
@@ -51,9 +56,19 @@ class MotorTruth:
     cogging_phase_rad: float | tuple[float, ...] = ()
     psi_5_Wb: float = 0.0
     psi_7_Wb: float = 0.0
+    psi_11_Wb: float = 0.0
+    psi_13_Wb: float = 0.0
+    psi_of_phase: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    series_R_ohm: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    series_L_H: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    saturation: SaturationTruth | None = None
+    R_fe_ohm: float = math.inf
+    heat: HeatTruth | None = None
     power_up_angle_rad: float = 0.0
 
     def __post_init__(self) -> None:
+        if self.R_fe_ohm < math.inf:
+            positive(R_fe_ohm=self.R_fe_ohm)
         positive(pole_pairs=self.pole_pairs, L_d_H=self.L_d_H, L_q_H=self.L_q_H, J_kgm2=self.J_kgm2)
         not_negative(
             R_s_ohm=self.R_s_ohm,
@@ -67,8 +82,20 @@ class MotorTruth:
         finite(
             psi_5_Wb=self.psi_5_Wb,
             psi_7_Wb=self.psi_7_Wb,
+            psi_11_Wb=self.psi_11_Wb,
+            psi_13_Wb=self.psi_13_Wb,
             power_up_angle_rad=self.power_up_angle_rad,
         )
+        for phase, psi, R, L in zip(
+            "abc", self.psi_of_phase, self.series_R_ohm, self.series_L_H, strict=True
+        ):
+            not_negative(
+                **{
+                    f"psi_of_phase of phase {phase}": psi,
+                    f"series_R_ohm of phase {phase}": R,
+                    f"series_L_H of phase {phase}": L,
+                }
+            )
 
     def machine(
         self,
@@ -79,15 +106,19 @@ class MotorTruth:
     ) -> Machine:
         """Return the coefficients of the differential equations, with devices of this resistance in each
         phase, this inertia rigid on the rotor, and what else is beyond it."""
+        psi_r = self.psi_r_Wb * sequences(*self.psi_of_phase)[0]
         return machine_of(
             float(self.pole_pairs),
             self.R_s_ohm + devices_ohm,
             self.L_d_H,
             self.L_q_H,
-            self.psi_r_Wb,
+            psi_r,
             self.J_kgm2,
             self.friction_Nms,
+            self._saturation(psi_r),
             self._harmonics(),
+            self._asymmetry(),
+            Iron(1.0 / self.R_fe_ohm) if self.R_fe_ohm < math.inf else None,
             self._cogging(),
             self._friction(),
             J_load_kgm2,
@@ -96,10 +127,25 @@ class MotorTruth:
             False,
         )
 
-    def _harmonics(self) -> Harmonics | None:
-        if self.psi_5_Wb == 0.0 and self.psi_7_Wb == 0.0:
+    def _saturation(self, psi_r_Wb: float) -> Saturation | None:
+        if self.saturation is None:
             return None
-        return Harmonics(self.psi_5_Wb, self.psi_7_Wb)
+        return self.saturation.coefficients(self.L_d_H, self.L_q_H, psi_r_Wb)
+
+    def _harmonics(self) -> Harmonics | None:
+        orders = (self.psi_5_Wb, self.psi_7_Wb, self.psi_11_Wb, self.psi_13_Wb)
+        _, alpha, beta = sequences(*self.psi_of_phase)
+        unbalance = None
+        if alpha != 0.0 or beta != 0.0:
+            unbalance = Unbalance(self.psi_r_Wb * alpha, self.psi_r_Wb * beta)
+        if unbalance is None and not any(orders):
+            return None
+        return Harmonics(*orders, unbalance)
+
+    def _asymmetry(self) -> Asymmetry | None:
+        if not any(self.series_R_ohm) and not any(self.series_L_H):
+            return None
+        return Asymmetry(*sequences(*self.series_R_ohm), *sequences(*self.series_L_H))
 
     def _friction(self) -> Friction | None:
         breakaway = max(self.breakaway_Nm, self.coulomb_Nm)
@@ -150,7 +196,8 @@ class InverterTruth:
     With `double_update` a PWM period is two control periods, whose duties it takes at either end. `timer_Hz`
     is the clock of the timer that counts up and down in a PWM period; 0 is as fine as you like.
     With `dc_link_C_F` the link is a capacitor that the supply feeds through `dc_link_R_ohm` and takes nothing
-    back from; `supply_ripple_V` is the amplitude of the supply's ripple.
+    back from; `supply_ripple_V` is the amplitude of the supply's ripple. `energy_accounts` keeps the accounts
+    of the whole bench.
 
     Raises:
         ValueRefused: a value is not finite or out of its range.
@@ -169,6 +216,7 @@ class InverterTruth:
     chopper_R_ohm: float = 0.0
     chopper_on_V: float = 0.0
     chopper_off_V: float = 0.0
+    energy_accounts: bool = False
 
     def __post_init__(self) -> None:
         positive(u_dc_V=self.u_dc_V)
@@ -207,6 +255,8 @@ class InverterTruth:
             R_dc=self.dc_link_R_ohm,
             metered=self.dc_link_R_ohm > 0.0,
             link=self._dc_link(),
+            heat=None,
+            accounts=Accounts(self.on_resistance_ohm, self.device_drop_V) if self.energy_accounts else None,
             double_update=DoubleUpdate(T_pwm) if self.double_update else None,
             dead_time=DeadTime(self.dead_time_s) if self.dead_time_s > 0.0 else None,
             timer=Timer(max(1.0, math.floor(0.5 * T_pwm * self.timer_Hz))) if self.timer_Hz > 0.0 else None,
