@@ -35,7 +35,7 @@ from benchtool.emulator.machine.drive_train import (
     is_ideal,
 )
 from benchtool.emulator.machine.flange import follow
-from benchtool.emulator.machine.heat import warm
+from benchtool.emulator.machine.heat import Heat, warm
 from benchtool.emulator.machine.inverter import PowerStage
 from benchtool.emulator.machine.saturation import Flux, Saturation
 from benchtool.emulator.machine.sensors import Sensing, measure
@@ -82,12 +82,14 @@ def run_ticks(
     capture, stream, transducer, stimulus = captures[0], streams[0], transducers[0], stimuli[0]
     held = load.held != 0
     cold = driven_by(machine, held, load.omega_m_rad_s)
+    at_rest = fastest_rate(cold, _true_state(cold.saturation, shaft, load, cold, drive.tick))
+    moving = turning_rate(cold)
     for done in range(ticks):
         driven = warmed(stage.heat, cold, shaft.T_winding, shaft.T_magnet)
         x = _true_state(driven.saturation, shaft, load, driven, drive.tick)
-        moving = turning_rate(driven)
         T_load = asked_torque(machine.train, load, stage.T_s)
-        rate = rate_at(x, fastest_rate(driven, x), moving, driven)
+        at_rest, moving = _rates(stage.heat, driven.saturation, at_rest, moving, driven, x)
+        rate = rate_at(x, at_rest, moving, driven)
         gain = moving * acceleration_of(driven.train, x.far, x.omega_e, driven.gamma, T_load) * stage.T_s
         if not (rate + gain) * stage.T_s <= MOST_TURN:  # nor is what is no number
             return done
@@ -131,6 +133,17 @@ def run_ticks(
         if tripped:
             return done + 1
     return ticks
+
+
+@njit
+def _rates(
+    heat: Heat | None, saturation: Saturation | None, at_rest: float, moving: float, m: Machine, x: State
+) -> tuple[float, float]:
+    """Return the machine's rates of now; they stay as they were where neither heat nor saturation moves
+    them."""
+    if heat is None and saturation is None:
+        return at_rest, moving
+    return fastest_rate(m, x), turning_rate(m)
 
 
 class Truth(NamedTuple):

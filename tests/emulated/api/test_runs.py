@@ -13,7 +13,7 @@ CONTENT = {
     "title": "Ripple of two laws",
     "profile": "zhu2011",
     "operating_point": {"omega_m_rad_s": 78.5, "load_torque_Nm": 1.0, "settle_s": 0.5},
-    "record": {"duration_s": 0.1, "channels": ["torque", "theta_m"]},
+    "record": {"duration_s": 0.3, "channels": ["torque", "theta_m"]},
     "limits": {"torque_ripple_pp_Nm": {"max": 0.5}},
 }
 TWO = {**CONTENT, "sweep": {"setup": {"law": ["tpc", "foc"]}}}
