@@ -1,4 +1,4 @@
-"""Uncertainty of an estimate: the scatter about the fit, the dc link's converter, the moment of sampling."""
+"""Uncertainty of an estimate: the scatter about the fit, and what is known beside it."""
 
 from __future__ import annotations
 
@@ -10,7 +10,9 @@ from benchtool.commission.known import Known
 _CODES = 2.0**10  # of a converter of the dc link, at the least
 
 
-def of_fit(value: float, standard: float, dof: float, scatter: str, known: Known) -> Uncertainty:
+def of_fit(
+    value: float, standard: float, dof: float, scatter: str, known: Known, left_out: float = 0.0
+) -> Uncertainty:
     """Return the uncertainty of a value that is in proportion to the voltage of the dc link.
 
     The drive makes its voltages with the dc link as its converter reads it: within half a step of the true
@@ -25,6 +27,8 @@ def of_fit(value: float, standard: float, dof: float, scatter: str, known: Known
         value: the estimate; 0 for one to which neither matters.
         standard: by the fit, with `dof`.
         scatter: what that was estimated from.
+        left_out: largest relative deviation by what the equation of the fit leaves out, a rectangular
+            distribution as well.
     """
     step = known.u_dc_full_scale_V / _CODES / known.u_dc_V
     late_s = 0.5 * known.drop_V / known.u_dc_V * known.control_period_s
@@ -33,6 +37,7 @@ def of_fit(value: float, standard: float, dof: float, scatter: str, known: Known
     for name, relative in (
         ("step of the converter of the dc link", step / math.sqrt(12.0)),
         ("moment of sampling", abs(late_s) * known.R_s_ohm / L / math.sqrt(3.0)),
+        ("what the equation leaves out", left_out / math.sqrt(3.0)),
     ):
         if value * relative != 0.0:
             lines.append(Contribution(name, "B", abs(value) * relative))
