@@ -21,7 +21,7 @@ from benchtool.cli import app
 from benchtool.cli.live_views import LiveDestinations
 from benchtool.cli.output import Output
 from benchtool.errors import EnvironmentFailure
-from benchtool.live import CAPTURE, STREAM, TRANSDUCER, LiveView, RecordingSink, Viewer, names
+from benchtool.live import CAPTURE, STREAM, TRANSDUCER, LiveView, RecordingSink, Viewer, names, sinks
 from benchtool.live.messages import Message
 from benchtool.live.sinks import picture
 from benchtool.live.sinks.picture import headless_viewer
@@ -338,7 +338,7 @@ def test_the_page_shows_its_data_and_contacts_no_other_host(invoke: Invoke) -> N
 def test_pictures_of_a_run_are_named_as_its_recordings(
     invoke: Invoke, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(picture, "take_picture", lambda recording: recording.read_bytes()[:4])
+    monkeypatch.setattr(sinks, "take_picture", lambda recording: recording.read_bytes()[:4])
     assert invoke("run", "short.toml", "--out", "run").exit_code == 0
     shown = invoke("live", "run", "--png", "one.png", "--json")
     assert shown.exit_code == 0, shown.output
