@@ -52,3 +52,12 @@ def _svg(figure: Figure) -> bytes:
 
 def _uri(kind: str, data: bytes) -> str:
     return f"data:{kind};base64,{base64.b64encode(data).decode('ascii')}"
+
+
+def png(figure: Figure) -> bytes:
+    """Return the figure as PNG, of the screen's resolution."""
+    settle(figure)
+    file = io.BytesIO()
+    figure.set_canvas(FigureCanvasAgg(figure))
+    figure.savefig(file, format="png", dpi=PNG_DPI // 2, metadata={"Software": None})
+    return file.getvalue()

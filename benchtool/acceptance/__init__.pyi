@@ -1,0 +1,2 @@
+from .measuring import Measure as Measure
+from .notes import Attach as Attach
