@@ -37,10 +37,14 @@ def conduct(
             prefix = f"{each.case}: " if len(result) > 1 else ""
             for name, limit in each.limits.items():
                 found = each.found.get(name)
-                value, unit, spread = (None, limit.unit or "", None) if found is None else (
-                    found.value,
-                    found.unit,
-                    found.uncertainty,
+                value, unit, spread = (
+                    (None, limit.unit or "", None)
+                    if found is None
+                    else (
+                        found.value,
+                        found.unit,
+                        found.uncertainty,
+                    )
                 )
                 why = "" if found is None else found.reason
                 notes.judged.append(held(f"{prefix}{name}", value, unit, limit, spread, "", why))

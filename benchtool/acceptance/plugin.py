@@ -42,16 +42,39 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     add = group.addoption
     add("--bench", metavar="PROFILE", default="", help="profile of motor, drive and bench: a name or a file")
     add("--link", metavar="URL", default="emulated", help="address of the drive; emulated by default")
-    add("--bench-out", metavar="DIR", default="", help="folder of the session; runs/<time>-acceptance by default")
+    add(
+        "--bench-out",
+        metavar="DIR",
+        default="",
+        help="folder of the session; runs/<time>-acceptance by default",
+    )
     add("--bench-seed", type=int, default=0, help="seed of an emulated bench's noise")
     add("--bench-real-time", action="store_true", help="pace an emulated bench by the wall clock")
-    add("--bench-alter", metavar="KEY=VALUE", action="append", default=[], help="what differs on an emulated bench")
+    add(
+        "--bench-alter",
+        metavar="KEY=VALUE",
+        action="append",
+        default=[],
+        help="what differs on an emulated bench",
+    )
     add("--bench-operator", metavar="NAME", default="", help="who tests, for the report")
     add("--bench-serial-number", metavar="TEXT", default="", help="of the motor under test, for the report")
     add("--bench-temperature", metavar="DEGC", type=float, help="of the surroundings, for the report")
-    add("--bench-instrument", metavar="TEXT", action="append", default=[], help="an instrument, with certificate")
+    add(
+        "--bench-instrument",
+        metavar="TEXT",
+        action="append",
+        default=[],
+        help="an instrument, with certificate",
+    )
     add("--bench-waivers", metavar="FILE", default="", help="TOML file of tests that may fail")
-    add("--bench-history", metavar="N", type=int, default=10, help="earlier sessions that the report compares with")
+    add(
+        "--bench-history",
+        metavar="N",
+        type=int,
+        default=10,
+        help="earlier sessions that the report compares with",
+    )
     add("--bench-pdf", action="store_true", help="write the report as PDF, too")
     add("--bench-bare", action="store_true", help="verdicts alone: no report, no pictures, no recorded data")
 
@@ -118,7 +141,9 @@ def _notes(request: pytest.FixtureRequest) -> Notes:
     """
     found = request.node.stash.get(_NOTES, None)
     if found is None:
-        pytest.fail("this test needs a bench: give --bench PROFILE, and --link URL for a real drive", pytrace=False)
+        pytest.fail(
+            "this test needs a bench: give --bench PROFILE, and --link URL for a real drive", pytrace=False
+        )
     return found
 
 
@@ -128,12 +153,14 @@ def bench(request: pytest.FixtureRequest) -> Iterator[Bench]:
     from benchtool.acceptance.stand import NotHealthy, standing
     from benchtool.errors import BenchError
 
-    notes = _notes(request)
+    notes, complaint = _notes(request), ""
     try:
         with standing(request.config.stash[_SETTINGS], notes) as opened:
             yield opened
     except (BenchError, NotHealthy) as failed:
-        pytest.fail("\n".join((str(failed), *getattr(failed, "__notes__", ()))), pytrace=False)
+        complaint = "\n".join((str(failed), *getattr(failed, "__notes__", ())))
+    if complaint:
+        pytest.fail(complaint, pytrace=False)
 
 
 @pytest.fixture
@@ -240,4 +267,3 @@ def pytest_runtest_makereport(
 def name_of_test(item: pytest.Item) -> str:
     """Return the name of a test by which waivers, reports and earlier sessions know it."""
     return f"{item.path.stem}::{item.nodeid.partition('::')[2]}"
-

@@ -90,7 +90,9 @@ class SessionLog:
 
         settings = self._settings
         tests = tuple(sorted(self._tests.values(), key=lambda each: each.name))
-        profile = self._facts.get("profile_toml") or profile_path(settings.profile).read_text(encoding="utf-8")
+        profile = self._facts.get("profile_toml") or profile_path(settings.profile).read_text(
+            encoding="utf-8"
+        )
         return SessionRecord(
             when=self._begun.isoformat(timespec="seconds"),
             profile_name=settings.profile,
@@ -157,5 +159,3 @@ def _interruption(exitstatus: int) -> str:
     if exitstatus == pytest.ExitCode.INTERRUPTED:
         return "the session was interrupted"
     return "pytest failed" if exitstatus == pytest.ExitCode.INTERNAL_ERROR else ""
-
-

@@ -20,7 +20,6 @@ class _Waivers(Section):
     waiver: Array[Waiver] = ()
 
 
-
 def load_waivers(path: Path) -> tuple[Waiver, ...]:
     """Return the waivers in a TOML file.
 
@@ -34,7 +33,9 @@ def load_waivers(path: Path) -> tuple[Waiver, ...]:
         if bool(each.test) == bool(each.requirement):
             raise UsageError(f"{place}: one of test and requirement is expected: state which one is waived")
         if not each.reason.strip() or not each.by.strip():
-            raise UsageError(f"{place}: reason and by are empty, a sentence and a name are expected: state both")
+            raise UsageError(
+                f"{place}: reason and by are empty, a sentence and a name are expected: state both"
+            )
         if each.until:
             _day(each.until, place)
     return found
@@ -65,7 +66,9 @@ def of_marker(reason: str, by: str, until: str = "") -> Waiver:
     except ValidationError as failed:
         raise UsageError(f"marker waived: {failed.errors()[0]['msg']}; text is expected") from None
     if not reason.strip() or not by.strip():
-        raise UsageError("marker waived: reason and by are empty, a sentence and a name are expected: state both")
+        raise UsageError(
+            "marker waived: reason and by are empty, a sentence and a name are expected: state both"
+        )
     if until:
         _day(until, "marker waived")
     return waiver
@@ -75,4 +78,6 @@ def _day(text: str, place: str) -> date:
     try:
         return date.fromisoformat(text)
     except ValueError:
-        raise UsageError(f"{place}: until is {text!r}, a date such as 2027-03-01 is expected: correct it") from None
+        raise UsageError(
+            f"{place}: until is {text!r}, a date such as 2027-03-01 is expected: correct it"
+        ) from None

@@ -127,7 +127,11 @@ class TestRecord(Section):
         found = worst(Verdict(each.verdict) for each in self.judged)
         if self.outcome in (Outcome.FAILED, Outcome.ERROR):
             return found if found is Verdict.UNDECIDED else Verdict.FAIL
-        return Verdict.NONE if self.outcome in (Outcome.NOT_RUN, Outcome.WAIVED) else worst((found, Verdict.PASS))
+        return (
+            Verdict.NONE
+            if self.outcome in (Outcome.NOT_RUN, Outcome.WAIVED)
+            else worst((found, Verdict.PASS))
+        )
 
 
 class SuiteScore(Section):
@@ -212,7 +216,9 @@ def read_session(folder: Path) -> SessionRecord:
     path = folder / SESSION
     document, fits = read_sealed_json(path)
     if not fits:
-        raise RecordingError(f"{path} does not fit its seal: it was changed or damaged; restore it from a copy")
+        raise RecordingError(
+            f"{path} does not fit its seal: it was changed or damaged; restore it from a copy"
+        )
     document.pop("seal", None)
     try:
         return SessionRecord.model_validate(document)
@@ -261,6 +267,8 @@ def values_of(records: Sequence[SessionRecord], test: str, name: str) -> tuple[f
     """Return the values that sessions measured of one limit of a test; None where one has none."""
     found = []
     for record in records:
-        judged = [each for one in record.tests if one.name == test for each in one.judged if each.name == name]
+        judged = [
+            each for one in record.tests if one.name == test for each in one.judged if each.name == name
+        ]
         found.append(judged[-1].value if judged else None)
     return tuple(found)

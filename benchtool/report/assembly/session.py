@@ -201,7 +201,9 @@ def _trend_items(record: SessionRecord, earlier: Sequence[SessionRecord]) -> Ite
     items: list[Item] = [Grid.of(headings, rows, caption, shown=12)]
     for trend in figures:
         figure = draw_trend(trend, f"{trend.measurement} over the sessions")
-        items.append(Picture(figure, "Sessions in their order, this one last.", content.describe_figure(figure)))
+        items.append(
+            Picture(figure, "Sessions in their order, this one last.", content.describe_figure(figure))
+        )
     yield Section("Trend", tuple(items), listed=True)
 
 
@@ -241,9 +243,12 @@ def _trend(now: Judged, before: Sequence[float | None]) -> Trend:
 def _test_section(folder: Path, test: TestRecord) -> Section:
     items: list[Item] = [Text(f"{test.title}." if test.title else test.name)]
     verdict = Cell(str(test.outcome), _MARKS[test.outcome])
-    items.append(Grid.of(("outcome", "requirements", ">time in s"), [
-        (verdict, ", ".join(test.requirements) or NOTHING, f"{test.duration_s:.2f}")
-    ]))
+    items.append(
+        Grid.of(
+            ("outcome", "requirements", ">time in s"),
+            [(verdict, ", ".join(test.requirements) or NOTHING, f"{test.duration_s:.2f}")],
+        )
+    )
     if test.outcome is not Outcome.PASSED and test.reason:
         items.append(Text(test.reason, "warning" if test.outcome is not Outcome.NOT_RUN else "note"))
     items += [Text(f"{line[0].upper()}{line[1:]}.", "note") for line in test.notes if line]
@@ -294,8 +299,12 @@ def _appendix(folder: Path, record: SessionRecord) -> Iterator[Item]:
     versions = Facts(tuple(record.versions.items()))
     yield Section("Software", (versions, Text(f"pytest {' '.join(record.command_line)}", "code")))
     try:
-        lines = [(each.path, hash_of(folder / each.path).sha256) for test in record.tests
-                 for each in test.attachments if (folder / each.path).is_file()]
+        lines = [
+            (each.path, hash_of(folder / each.path).sha256)
+            for test in record.tests
+            for each in test.attachments
+            if (folder / each.path).is_file()
+        ]
     except RecordingError as unreadable:
         yield Text(str(unreadable), "warning")
         return

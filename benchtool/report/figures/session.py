@@ -41,7 +41,9 @@ def draw_map(
     return figure
 
 
-def draw_traces(block: Block, groups: Sequence[Sequence[str]], title: str, at_s: Mapping[str, float]) -> Figure:
+def draw_traces(
+    block: Block, groups: Sequence[Sequence[str]], title: str, at_s: Mapping[str, float]
+) -> Figure:
     """Return channels of a block against time, those of a group in one panel; `at_s` marks moments by name,
     from the first row on."""
     figure = new_figure(_TRACE_IN * len(groups) + 0.4, title, "")
