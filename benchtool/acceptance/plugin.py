@@ -18,8 +18,7 @@ if TYPE_CHECKING:
     from benchtool.acceptance.measuring import Measure
     from benchtool.acceptance.notes import Attach, Notes
     from benchtool.acceptance.settings import Settings
-    from benchtool.api import Bench, Drive
-    from benchtool.api import PlanResult
+    from benchtool.api import Bench, Drive, PlanResult
     from benchtool.bench import Session
     from benchtool.plan import Plan
 

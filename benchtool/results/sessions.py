@@ -1,4 +1,4 @@
-"""Records of acceptance sessions: tests, what they measured, their verdicts, and earlier sessions of a drive."""
+"""Records of acceptance sessions: tests, what they measured, their verdicts, and earlier sessions."""
 
 from __future__ import annotations
 

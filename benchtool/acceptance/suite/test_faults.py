@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from dataclasses import dataclass
 
 import numpy as np
@@ -105,10 +106,8 @@ def test_fault_that_stays(bench_session: Session, measure: Measure) -> None:
     before = drive.number("u_dc_max")
     drive.write("u_dc_max", 0.7 * drive.number("u_dc"))
     quiet(bench_session, 0.05)
-    try:
+    with contextlib.suppress(BenchError):
         drive.reset_fault()
-    except BenchError:
-        pass
     quiet(bench_session, 0.05)
     enabled = _enables(bench_session)
     drive.write("u_dc_max", before)

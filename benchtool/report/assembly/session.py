@@ -57,7 +57,7 @@ def _object(record: SessionRecord) -> str:
     return f"{name}, motor {serial}" if serial else name
 
 
-# ---- the first page ------------------------------------------------------------------------------------------
+# ---- the first page --------------------------------------------------------------------------------------
 
 
 def _front(record: SessionRecord, profile: Profile | None) -> Iterator[Item]:
@@ -182,7 +182,7 @@ def _rules(record: SessionRecord) -> Iterator[str]:
     yield "What was not measured, or is no number, fails (JCGM 106:2012 for the rules)."
 
 
-# ---- trend -----------------------------------------------------------------------------------------------------
+# ---- trend -----------------------------------------------------------------------------------------------
 
 
 def _trend_items(record: SessionRecord, earlier: Sequence[SessionRecord]) -> Iterator[Item]:
@@ -237,7 +237,7 @@ def _trend(now: Judged, before: Sequence[float | None]) -> Trend:
     return Trend(now.name, now.unit, "", {"sessions": points})
 
 
-# ---- tests -----------------------------------------------------------------------------------------------------
+# ---- tests -----------------------------------------------------------------------------------------------
 
 
 def _test_section(folder: Path, test: TestRecord) -> Section:
