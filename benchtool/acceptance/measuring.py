@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 if TYPE_CHECKING:
     from benchtool.acceptance.notes import Notes
@@ -80,6 +80,7 @@ def held(
     from benchtool.results import Judged
 
     known = value is not None and math.isfinite(value)
+    spread: dict[str, Any] = _stated(uncertainty) if known else {}
     found = Judged(
         name=name,
         value=float(value) if known and value is not None else None,
@@ -87,7 +88,7 @@ def held(
         limit=limit,
         requirement=requirement,
         reason=reason or ("" if known else "no finite value"),
-        **(_stated(uncertainty) if known else {}),
+        **spread,
     )
     return found.model_copy(update={"verdict": str(found.judge())})
 

@@ -138,7 +138,7 @@ def _notes(request: pytest.FixtureRequest) -> Notes:
     Raises:
         Failed: there is no bench.
     """
-    found = request.node.stash.get(_NOTES, None)
+    found: Notes | None = request.node.stash.get(_NOTES, None)
     if found is None:
         pytest.fail(
             "this test needs a bench: give --bench PROFILE, and --link URL for a real drive", pytrace=False
@@ -245,12 +245,12 @@ def pytest_runtest_makereport(
     from benchtool.acceptance.records import record_of, requirements_of, waiver_for
 
     stages = item.stash.setdefault(_STAGES, {})
-    stages[report.when or ""] = report
+    stages[report.when] = report
     notes.failed = notes.failed or report.failed
     waiver = waiver_for(item, notes, item.config.stash[_SETTINGS].waivers, date.today())
     if report.when == "call" and report.failed and waiver is not None:
         report.outcome = "skipped"
-        report.wasxfail = f"waived by {waiver.by}: {waiver.reason}"  # type: ignore[attr-defined]
+        report.wasxfail = f"waived by {waiver.by}: {waiver.reason}"
     if report.when == "call" or not report.passed:
         item.user_properties[:] = [
             *(("requirement", each) for each in requirements_of(item)),

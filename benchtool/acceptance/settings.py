@@ -65,11 +65,11 @@ def alterations(given: Sequence[str]) -> dict[str, float]:
     Raises:
         UsageError: one is not of this form.
     """
-    found = {}
+    found: dict[str, float] = {}
     for each in given:
         key, _, value = each.partition("=")
         try:
-            found[key] = float(value)
+            found[key] = int(value) if value.lstrip("-").isdecimal() else float(value)
         except ValueError:
             raise UsageError(
                 f"--bench-alter {each}: KEY=VALUE with a number is expected, such as inverter.u_dc_V=110"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from typing import Final
 
@@ -15,8 +15,11 @@ from numpy.typing import NDArray
 from benchtool.bench import LoadMachine, Session
 from benchtool.block import Block
 from benchtool.drive import TORQUE_SETPOINT, Capture, CaptureRequest, in_si
+from benchtool.errors import SdoAbort
 from benchtool.plan import Record
 from benchtool.protocol import Mode
+from benchtool.protocol.canopen import NmtCommand
+from benchtool.protocol.dictionary import Role
 from benchtool.run import capture
 
 SETTLE_S: Final = 0.15
@@ -123,7 +126,7 @@ def making_torque(session: Session, torque_Nm: float, omega_m_rad_s: float) -> I
 
 
 def recorded(session: Session, duration_s: float, channels: Sequence[str]) -> tuple[Block, Block | None]:
-    """Return what the drive captures from now on, at most some thousand rows, and the transducer meanwhile."""
+    """Return what the drive captures from now on, some thousand rows at most, and the transducer beside."""
     record = Record.model_construct(
         duration_s=duration_s, channels=tuple(channels), stride=_stride(session, duration_s)
     )
@@ -147,6 +150,35 @@ def quiet(session: Session, duration_s: float) -> None:
     session.clock.wait(duration_s)
 
 
+def starts(session: Session) -> bool:
+    """Return whether the drive starts by the commands of CiA 402 alone, of a host that neither resets faults
+    nor sends a heartbeat; it is disabled again."""
+    drive = session.drive
+    word = drive.dictionary[Role.CONTROLWORD]
+    drive.link.nmt(NmtCommand.START)
+    for command in (0x06, 0x07, 0x0F):
+        with suppress(SdoAbort):
+            drive.link.download(word.index, word.sub, word.encode(command))
+        quiet(session, 0.005)
+    on = drive.state().power_stage_on
+    drive.link.download(word.index, word.sub, word.encode(0x00))
+    return on
+
+
+def torque_ends_s(block: Block, threshold_Nm: float, tick: int) -> float | None:
+    """Return when the torque falls below a threshold for good, after a tick; None if it does not."""
+    above = np.flatnonzero(np.abs(block.column("torque")) > threshold_Nm)
+    if not len(above) or above[-1] == len(block.data) - 1:
+        return None
+    return float(times_s(block, tick)[above[-1] + 1])
+
+
+def times_s(block: Block, tick: int) -> NDArray[np.float64]:
+    """Return the times of the rows from a tick on."""
+    found: NDArray[np.float64] = np.asarray((block.ticks() - tick) * block.tick_s, dtype=np.float64)
+    return found
+
+
 def phasor(values: NDArray[np.float64], theta_e: NDArray[np.float64]) -> complex:
     """Return the fundamental of a signal over whole periods of an angle, peak."""
     inside = _whole_periods(theta_e)
@@ -163,7 +195,8 @@ def mean_of_periods(values: NDArray[np.float64], theta_e: NDArray[np.float64]) -
 
 def _whole_periods(theta_e: NDArray[np.float64]) -> NDArray[np.bool_]:
     turns = np.abs(theta_e - theta_e[0]) / (2.0 * np.pi)
-    return turns < math.floor(float(turns[-1]))
+    inside: NDArray[np.bool_] = turns < math.floor(float(turns[-1]))
+    return inside
 
 
 def electrical_angle(block: Block, pole_pairs: int) -> NDArray[np.float64]:

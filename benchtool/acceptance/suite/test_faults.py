@@ -3,13 +3,22 @@
 from __future__ import annotations
 
 import contextlib
+import math
 from dataclasses import dataclass
 
-import numpy as np
 import pytest
 
 from benchtool.acceptance import Attach, Measure
-from benchtool.acceptance.suite.conditions import armed, making_torque, number, quiet, rating, require_objects
+from benchtool.acceptance.suite.conditions import (
+    armed,
+    making_torque,
+    number,
+    quiet,
+    rating,
+    require_objects,
+    starts,
+    torque_ends_s,
+)
 from benchtool.bench import Session
 from benchtool.errors import BenchError
 from benchtool.protocol import Mode
@@ -70,7 +79,7 @@ def test_fault(bench_session: Session, measure: Measure, attach: Attach, fault: 
         code = int(drive.number(Role.ERROR_CODE))
         noted = number(bench_session, "error_history_count", 0.0) and drive.number("error_1")
         block = capture.read()
-        enabled = _enables(bench_session)
+        enabled = starts(bench_session)
         drive.write(provoked.level, before)
         drive.reset_fault()
         after = drive.number(Role.ERROR_CODE)
@@ -87,7 +96,7 @@ def test_fault(bench_session: Session, measure: Measure, attach: Attach, fault: 
     )
     measure("tripped_within_its_level", tripped_within, max=0)
     measure("in_fault", state.value.startswith("fault"), min=1)
-    measure("time_to_no_torque", _off_s(block, told, 0.05 * limits.T_N_Nm), "s", min=-0.002, max=0.01)
+    measure("time_to_no_torque", torque_ends_s(block, 0.05 * limits.T_N_Nm, told), "s", min=-0.002, max=0.01)
     measure("emergencies", len(emergencies), min=1, max=1)
     measure("emergency_code", emergencies[0] if emergencies else None, min=provoked.code, max=provoked.code)
     measure("error_code", code, min=provoked.code, max=provoked.code)
@@ -109,7 +118,7 @@ def test_fault_that_stays(bench_session: Session, measure: Measure) -> None:
     with contextlib.suppress(BenchError):
         drive.reset_fault()
     quiet(bench_session, 0.05)
-    enabled = _enables(bench_session)
+    enabled = starts(bench_session)
     drive.write("u_dc_max", before)
     quiet(bench_session, 0.02)
     drive.reset_fault()
@@ -120,8 +129,7 @@ def test_fault_that_stays(bench_session: Session, measure: Measure) -> None:
 def _present(session: Session, provoked: Provoked) -> float:
     """Return the value that the level is held against, now."""
     if provoked.of == "current":
-        names = ("i_d", "i_q")
-        return float(np.hypot(*(session.drive.number(name) for name in names)))
+        return math.hypot(session.drive.number("i_d"), session.drive.number("i_q"))
     return abs(session.drive.number(provoked.of))
 
 
@@ -134,23 +142,3 @@ def _highest(session: Session, provoked: Provoked) -> float:
     if highest is None or highest not in drive.dictionary or not (most := drive.number(highest)):
         return float("inf")
     return most
-
-
-def _enables(session: Session) -> bool:
-    """Return whether the drive can be enabled."""
-    try:
-        with session.drive.enabled(Mode.TORQUE):
-            return True
-    except BenchError:
-        return False
-
-
-def _off_s(block: object, tick: int, threshold_Nm: float) -> float | None:
-    """Return when the torque is gone for good, after a tick; None if it is not."""
-    from benchtool.block import Block
-
-    assert isinstance(block, Block)
-    above = np.flatnonzero(np.abs(block.column("torque")) > threshold_Nm)
-    if not len(above) or above[-1] == len(block.data) - 1:
-        return None
-    return float((block.ticks()[above[-1] + 1] - tick) * block.tick_s)

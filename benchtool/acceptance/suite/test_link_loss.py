@@ -14,11 +14,13 @@ from benchtool.acceptance.suite.conditions import (
     quiet,
     rating,
     require_objects,
+    starts,
+    times_s,
+    torque_ends_s,
 )
 from benchtool.bench import Session
 from benchtool.block import Block
 from benchtool.drive import TORQUE_SETPOINT, in_si
-from benchtool.errors import BenchError
 from benchtool.protocol import Mode, State
 from benchtool.protocol.canopen import ErrorCode, NmtCommand
 from benchtool.protocol.dictionary import Role
@@ -27,6 +29,7 @@ from benchtool.report import draw_traces
 _CHANNELS = ("torque", "omega_m", "switching_count")
 _OF_RATED = 0.05
 _AFTER_S = 0.1
+_HOST = 127  # node id of a host
 
 
 @pytest.mark.requirement("ACC-WATCHDOG", "ACC-LINK-LOSS")
@@ -56,11 +59,11 @@ def test_silent_host(bench_session: Session, measure: Measure, attach: Attach) -
         quiet(bench_session, 0.05)
         latched = drive.state() is state and drive.read("link_state") == link
         block = capture.read()
-        again = _enables(bench_session)
+        again = starts(bench_session)
         drive.reset_fault()
     last_tick = drive.tick_at(last_s)
     assert last_tick is not None
-    off_s = _torque_ends_s(block, _OF_RATED * limits.T_N_Nm, last_tick)
+    off_s = torque_ends_s(block, _OF_RATED * limits.T_N_Nm, last_tick)
     attach.picture(
         "link_loss",
         lambda: draw_traces(
@@ -106,6 +109,19 @@ def test_restart_after_a_loss(bench_session: Session, measure: Measure) -> None:
     measure("torque_made_again", made, "", min=0.8, max=1.2)
 
 
+@pytest.mark.requirement("ACC-WATCHDOG")
+def test_no_start_without_a_host(bench_session: Session, measure: Measure) -> None:
+    """A drive that is to watch a host does not start before it has heard one."""
+    drive = bench_session.drive
+    if Role.CONSUMER_HEARTBEAT not in drive.dictionary:
+        pytest.skip("the drive's dictionary has no supervision of the host")
+    drive.write(Role.CONSUMER_HEARTBEAT, _HOST << 16 | 500)
+    started = starts(bench_session)
+    drive.write(Role.CONSUMER_HEARTBEAT, 0)
+    drive.emergencies()
+    measure("started_without_a_host", started, max=0)
+
+
 @pytest.mark.requirement("ACC-STOP")
 @pytest.mark.parametrize("how", ["disable", "nmt_stop"])
 def test_torque_off(bench_session: Session, measure: Measure, how: str) -> None:
@@ -127,7 +143,7 @@ def test_torque_off(bench_session: Session, measure: Measure, how: str) -> None:
         block = capture.read()
         state = drive.state()
     assert told is not None
-    off_s = _torque_ends_s(block, _OF_RATED * limits.T_N_Nm, told)
+    off_s = torque_ends_s(block, _OF_RATED * limits.T_N_Nm, told)
     measure("time_to_no_torque", off_s, "s", min=-0.002, max=0.02)
     measure("power_stage_on", state.power_stage_on, max=0)
     measure("switched_afterwards", _switched_after(block, told, 0.03), max=0)
@@ -155,7 +171,7 @@ def test_quick_stop(bench_session: Session, measure: Measure, attach: Attach, di
         quiet(bench_session, 2.0 * longest_s)
         after, block = drive.state(), capture.read()
     assert told is not None
-    time_s, omega = _times_s(block, told), direction * block.column("omega_m")
+    time_s, omega = times_s(block, told), direction * block.column("omega_m")
     fast = time_s[np.abs(omega) > 0.03 * abs(speed)]
     attach.picture(
         "quick_stop",
@@ -200,30 +216,7 @@ def test_halt(bench_session: Session, measure: Measure) -> None:
     measure("speed_after_halt", again, "", min=0.97, max=1.03)
 
 
-def _enables(session: Session) -> bool:
-    """Return whether the drive can be enabled though its fault was not reset."""
-    try:
-        with session.drive.enabled(Mode.TORQUE):
-            return True
-    except BenchError:
-        return False
-
-
-def _times_s(block: Block, tick: int) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-    """Return the times of the rows from a tick on."""
-    found: np.ndarray[tuple[int], np.dtype[np.float64]] = (block.ticks() - tick) * block.tick_s
-    return found
-
-
-def _torque_ends_s(block: Block, threshold_Nm: float, tick: int) -> float | None:
-    """Return when the torque falls below a threshold for good, after a tick; None if it does not."""
-    above = np.flatnonzero(np.abs(block.column("torque")) > threshold_Nm)
-    if not len(above) or above[-1] == len(block.data) - 1:
-        return None
-    return float(_times_s(block, tick)[above[-1] + 1])
-
-
 def _switched_after(block: Block, tick: int, after_s: float) -> float:
     """Return how often the power stage switched later than some time after a tick."""
-    count = block.column("switching_count")[_times_s(block, tick) > after_s]
+    count = block.column("switching_count")[times_s(block, tick) > after_s]
     return float(count[-1] - count[0]) if len(count) else float("nan")
