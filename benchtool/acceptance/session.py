@@ -35,6 +35,10 @@ def run_suite(arguments: Sequence[str], *, quiet: bool = False) -> tuple[int, Se
         raise EnvironmentFailure(
             "the acceptance suite needs pytest, which is not installed: pip install 'benchtool[acceptance]'"
         )
+    if "-n" in arguments and importlib.util.find_spec("xdist") is None:
+        raise EnvironmentFailure(
+            "several benches at a time need pytest-xdist, which is not installed: pip install pytest-xdist"
+        )
     import pytest
 
     gathered = _Gathered()

@@ -24,6 +24,7 @@ class Ran:
     code: int
     text: str
     record: SessionRecord | None
+    config: pytest.Config
 
     def __getitem__(self, name: str) -> TestRecord:
         assert self.record is not None
@@ -33,13 +34,15 @@ class Ran:
 
 class _Gathered:
     record: SessionRecord | None = None
+    config: pytest.Config | None = None
 
     def pytest_sessionfinish(self, session: pytest.Session) -> None:
+        self.config = session.config
         log: Any = session.config.pluginmanager.get_plugin(f"{NAME}.session")
         self.record = None if log is None else log.record()
 
 
-def run_pytest(folder: Path, source: str, *words: str) -> Ran:
+def run_pytest(folder: Path, source: str, *words: str, plugins: tuple[object, ...] = ()) -> Ran:
     """Run the tests in a source with further options; the file lies in `folder`."""
     file = folder / f"test_{next(_numbers)}_it.py"  # modules stay imported in this process
     file.write_text(source, encoding="utf-8")
@@ -47,5 +50,8 @@ def run_pytest(folder: Path, source: str, *words: str) -> Ran:
     gathered, text = _Gathered(), io.StringIO()
     own = ["-c", str(folder / "pytest.ini"), f"--rootdir={folder}", "-p", NAME, "-p", "no:cacheprovider"]
     with redirect_stdout(text), redirect_stderr(text):
-        code = pytest.main([*own, "-p", "no:xdist", str(file), *words], plugins=[gathered])
-    return Ran(int(code), text.getvalue(), gathered.record)
+        code = pytest.main([*own, "-p", "no:xdist", str(file), *words], plugins=[gathered, *plugins])
+    config = gathered.config
+    if config is None:  # the session did not begin
+        config = pytest.Config.fromdictargs({}, [])
+    return Ran(int(code), text.getvalue(), gathered.record, config)

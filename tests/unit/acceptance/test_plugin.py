@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree
 
 import pytest
 
-from benchtool.acceptance.settings import require_usable
+from benchtool.acceptance.session_log import SessionLog
+from benchtool.acceptance.settings import Settings, require_usable
 from benchtool.errors import RecordingError, UsageError
 from benchtool.plan import Verdict
 from benchtool.results import SESSION, Outcome, read_session, verify_run
@@ -208,21 +208,36 @@ def test_a_file_of_waivers(tmp_path: Path) -> None:
     assert "a sentence and a name are expected" in ran.text
 
 
-def test_workers_have_a_drive_each(tmp_path: Path) -> None:
-    source = "def test_a(drive): assert drive.identity\ndef test_b(drive): assert drive.identity\n"
-    (tmp_path / "test_two.py").write_text(source, encoding="utf-8")
-    (tmp_path / "pytest.ini").write_text("[pytest]\n", encoding="utf-8")
-    words = ["-n", "2", "--dist=load", "-p", "no:cacheprovider", "-p", "benchtool.acceptance.plugin"]
-    words += ["--bench", "zhu2011", "--bench-out", "out", "-q", "test_two.py"]
-    done = subprocess.run(
-        [sys.executable, "-m", "pytest", *words], cwd=tmp_path, capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 0, done.stdout + done.stderr
-    record = read_session(tmp_path / "out")
-    assert [each.outcome for each in record.tests] == [Outcome.PASSED] * 2
-    assert (
-        json.loads((tmp_path / "out" / SESSION).read_text(encoding="utf-8"))["identity"]["vendor_id"] == 2940
-    )
+class _AsWorker:
+    """Has a session be that of a worker of pytest-xdist, and keeps what it would send."""
+
+    def __init__(self, out: Path) -> None:
+        self._out = out
+        self.sent: list[dict[str, Any]] = []
+
+    @pytest.hookimpl(tryfirst=True)
+    def pytest_configure(self, config: pytest.Config) -> None:
+        config.workerinput = {"benchtool_out": str(self._out)}  # type: ignore[attr-defined]
+        self._config = config
+
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        hook = self._config.hook
+        self.sent.append(hook.pytest_report_to_serializable(config=self._config, report=report))
+
+
+def test_a_worker_sends_its_records_to_the_process_that_reports(tmp_path: Path) -> None:
+    """Each worker opens a bench of its own, as every test does; the report is written once."""
+    worker = _AsWorker(tmp_path / "out")
+    source = "def test_a(drive, measure): measure('vendor', drive.identity.vendor_id, min=1)\n"
+    ran = run_pytest(tmp_path, source, "--bench", "zhu2011", plugins=(worker,))
+    assert ran.record is None
+    assert not (tmp_path / "out" / SESSION).exists()
+    log = SessionLog(Settings("zhu2011", "emulated", tmp_path / "out"), ran.config)
+    for each in json.loads(json.dumps(worker.sent)):  # execnet carries plain values only
+        log.pytest_runtest_logreport(pytest.TestReport._from_json(each))
+    (test,) = log.record().tests
+    assert test.outcome is Outcome.PASSED
+    assert test.judged[0].value == log.record().identity["vendor_id"] == 2940
 
 
 def test_workers_do_not_share_a_real_drive() -> None:
