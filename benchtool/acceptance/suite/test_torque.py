@@ -104,7 +104,7 @@ def test_step(bench_session: Session, measure: Measure, attach: Attach, directio
     measure("time_to_90_percent", reach_s, "s", max=30.0 * T_s + 3.0 * lag_s)
     measure("overshoot", float(after.max()) - 1.0, "", max=0.3)
     measure("torque_after_the_step", float(np.mean(after[-150:])), "", min=0.95, max=1.05)
-    measure("torque_before_the_step", float(np.mean(torque[:45])), "", min=-0.05, max=0.05)
+    measure("torque_before_the_step", float(np.mean(torque[:45])), "", min=-0.1, max=0.1)
 
 
 @pytest.mark.requirement("ACC-LIMITS")

