@@ -18,7 +18,7 @@ class Measure:
         measure("torque_error", error_Nm, "Nm", min=-0.1, max=0.1)
         measure(results["torque_ripple_pp"], max=0.06, margin="U", requirement="REQ-12")
 
-    A value that is None or not finite was not measured, and fails. A test that asks for this fixture and
+    None, or a value that is not finite, was not measured, and fails. A test that asks for this fixture and
     measures nothing fails, too.
     """
 
@@ -76,7 +76,7 @@ def held(
     requirement: str = "",
     reason: str = "",
 ) -> Judged:
-    """Return a value with its limit and verdict; one that is None or not finite was not measured."""
+    """Return a value with its limit and verdict; None, or one that is not finite, was not measured."""
     from benchtool.results import Judged
 
     known = value is not None and math.isfinite(value)

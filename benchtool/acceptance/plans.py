@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from benchtool.plan import Plan
 
 
-def conduct(
+def run_on_bench(
     bench: Bench, plan: str | Path | Plan, notes: Notes, *, judge: bool, allow_different: bool
 ) -> PlanResult:
     """Run a plan on an open bench, and keep its bundle with the test.

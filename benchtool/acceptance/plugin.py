@@ -200,9 +200,9 @@ def run_plan(request: pytest.FixtureRequest, bench: Bench) -> Callable[..., Plan
 
     def run(plan: str | Path | Plan, *, judge: bool = True, allow_different: bool = False) -> PlanResult:
         """Run a plan; its limits become those of the test unless `judge` is false."""
-        from benchtool.acceptance.plans import conduct
+        from benchtool.acceptance.plans import run_on_bench
 
-        return conduct(bench, plan, notes, judge=judge, allow_different=allow_different)
+        return run_on_bench(bench, plan, notes, judge=judge, allow_different=allow_different)
 
     return run
 

@@ -26,7 +26,7 @@ def waiver_for(item: pytest.Item, notes: Notes, waivers: Sequence[Waiver], today
     """Return the waiver that holds for a test today, of the session or of its own.
 
     Raises:
-        UsageError: the marker states no reason, nobody, or no date.
+        UsageError: the marker states no reason, no name, or no date.
     """
     own = [of_marker(*marker.args, **marker.kwargs) for marker in item.iter_markers("waived")]
     return waiver_of((*waivers, *own), notes.name, requirements_of(item), today)

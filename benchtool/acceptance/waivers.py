@@ -24,7 +24,7 @@ def load_waivers(path: Path) -> tuple[Waiver, ...]:
     """Return the waivers in a TOML file.
 
     Raises:
-        UsageError: it cannot be read, a key is wrong, or a waiver has no test, no reason or nobody who
+        UsageError: it cannot be read, a key is wrong, or a waiver has no test, no reason or no name of who
             consents.
     """
     found = load_document(path, _Waivers, UsageError).waiver

@@ -86,7 +86,9 @@ def test_the_same_recordings_give_the_same_bytes(recorded: Path) -> None:
 def test_a_waived_limit_is_skipped_told_and_does_not_count(tmp_path: Path) -> None:
     once = PLAN.replace("repetitions = 2", 'requirements = ["SRS-1"]').replace('judge = "mean"', "")
     waived = 'max = 0.02, requirement = "SRS-2", waived = { reason = "new filter", by = "ann" }'
-    once = once.replace("max = 0.02", waived).replace(', "tpc"', "").replace("settle_s = 0.2", "settle_s = 1.5")
+    once = (
+        once.replace("max = 0.02", waived).replace(', "tpc"', "").replace("settle_s = 0.2", "settle_s = 1.5")
+    )
     (tmp_path / "two.toml").write_text(once, encoding="utf-8")
     arguments = ["run", str(tmp_path / "two.toml"), "--out", str(tmp_path / "run"), "--json"]
     told = CliRunner().invoke(app, [*arguments, "--junit", str(tmp_path / "out.xml")])

@@ -100,7 +100,7 @@ def require_objects(session: Session, *names: str) -> None:
 def load_machine(session: Session) -> LoadMachine:
     """Return the load machine; a bench without one skips the test."""
     if session.load is None:
-        pytest.skip("this bench has no load machine, and an unattended test asks nobody to turn the shaft")
+        pytest.skip("this bench has no load machine, and an unattended test asks no person to turn the shaft")
     return session.load
 
 

@@ -42,27 +42,27 @@ def _of_core(name: str, change: Callable[[Core, float], float]) -> tuple[Substit
 CONTROL: Final = (
     Mutant(
         "i_trip_doubled",
-        "an over-current level of twice what is set",
+        "an over-current level at twice the one set",
         substitutions=_of_core("i_trip", _times(2.0)),
     ),
     Mutant(
         "omega_m_trip_doubled",
-        "an over-speed level of twice what is set",
+        "an over-speed level at twice the one set",
         substitutions=_of_core("omega_m_trip", _times(2.0)),
     ),
     Mutant(
         "u_dc_max_doubled",
-        "an over-voltage level of twice what is set",
+        "an over-voltage level at twice the one set",
         substitutions=_of_core("u_dc_max", _times(2.0)),
     ),
     Mutant(
         "u_dc_min_halved",
-        "an under-voltage level of half of what is set",
+        "an under-voltage level at half of the one set",
         substitutions=_of_core("u_dc_min", _times(0.5)),
     ),
     Mutant(
         "torque_limit_doubled",
-        "a torque limit of twice what is set",
+        "a torque limit at twice the one set",
         substitutions=_of_core("torque_limit", _times(2.0)),
     ),
     Mutant(

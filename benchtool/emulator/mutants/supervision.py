@@ -1,4 +1,4 @@
-"""Mutants of the watchdog, of faults and of what is reported."""
+"""Mutants of the watchdog, of faults and of messages."""
 
 from __future__ import annotations
 

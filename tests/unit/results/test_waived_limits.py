@@ -35,6 +35,6 @@ def test_a_limit_says_in_json_who_waives_it() -> None:
 
 
 @pytest.mark.parametrize("waived", [{"reason": "", "by": "ann"}, {"reason": "x"}, {"by": "ann"}])
-def test_a_waiver_has_a_reason_and_somebody_who_consents(waived: dict[str, str]) -> None:
+def test_a_waiver_has_a_reason_and_a_name(waived: dict[str, str]) -> None:
     with pytest.raises(ValidationError):
         Limit.model_validate({"max": 1.0, "waived": waived})
