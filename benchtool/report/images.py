@@ -46,9 +46,7 @@ def _uri(kind: str, data: bytes) -> str:
 
 
 def png(figure: Figure) -> bytes:
-    """Return the figure as PNG, of the screen's resolution."""
-    settle(figure)
+    """Return the figure as PNG, at its own resolution; the same figure, the same bytes."""
     file = io.BytesIO()
-    figure.set_canvas(FigureCanvasAgg(figure))
-    figure.savefig(file, format="png", dpi=PNG_DPI // 2, metadata={"Software": None})
+    write_png(figure, file, metadata={"Software": None})
     return file.getvalue()

@@ -19,12 +19,14 @@ from .nested import Ran, run_pytest
 
 TESTS = '''
 import pytest
+from matplotlib.figure import Figure
 
 @pytest.mark.requirement("R-1", "R-2")
 def test_passes(drive, measure, attach):
     """The drive is one of ours."""
     measure("vendor_id", drive.identity.vendor_id, min=2940, max=2940, requirement="R-3")
     attach.text("answer.txt", "forty-two")
+    attach.picture("empty", lambda: Figure(figsize=(2, 1)))
 
 @pytest.mark.requirement("R-2")
 def test_limits(measure):
@@ -149,6 +151,13 @@ def test_the_first_page_has_what_is_signed(ran: Ran, place: Path) -> None:
         "0 earlier sessions",
     ):
         assert text in page
+
+
+def test_pictures_and_texts_are_kept_with_the_test(ran: Ran, place: Path) -> None:
+    paths = {each.name: place / "out" / each.path for each in ran["test_passes"].attachments}
+    assert paths["answer.txt"].read_text(encoding="utf-8") == "forty-two"
+    assert paths["empty.png"].read_bytes().startswith(b"\x89PNG")
+    assert "state: " in paths["log"].read_text(encoding="utf-8")
 
 
 def test_junit_names_drive_operator_and_requirements(ran: Ran, place: Path) -> None:
