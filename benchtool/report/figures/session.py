@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from benchtool.block import Block
 from benchtool.report.figures.envelope import trace
 from benchtool.report.figures.labels import channel_label
-from benchtool.report.figures.style import LIMIT, SERIES, add_legend, dress, literal, new_figure
+from benchtool.report.figures.style import LIMIT, SERIES, WIDTH_IN, add_legend, dress, literal, new_figure
 
 _HEIGHT_IN = 3.4
 _TRACE_IN = 1.7
@@ -65,6 +65,8 @@ def figure_of_png(data: bytes) -> Figure:
     """Return a figure that shows a picture as it is."""
     pixels = mpl.image.imread(io.BytesIO(data), format="png")
     height, width = pixels.shape[:2]
-    figure = Figure(figsize=(7.0, 7.0 * height / width), dpi=width / 7.0)
-    figure.figimage(pixels, resize=False)
+    figure = Figure(figsize=(WIDTH_IN, WIDTH_IN * height / width), dpi=width / WIDTH_IN)
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    axes.imshow(pixels, aspect="auto", interpolation="none")
+    axes.set_axis_off()
     return figure

@@ -77,7 +77,9 @@ def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def ran(place: Path) -> Ran:
     words = ("--bench", "zhu2011", "--bench-out", str(place / "out"), "--junitxml", str(place / "j.xml"))
-    return run_pytest(place, TESTS, *words, "--bench-operator", "ann", "--bench-serial-number", "M-7")
+    return run_pytest(
+        place, TESTS, *words, "--bench-operator", "ann", "--bench-serial-number", "M-7", "--bench-pdf"
+    )
 
 
 @pytest.mark.parametrize(
@@ -127,6 +129,7 @@ def test_the_record_is_sealed_and_verified(ran: Ran, place: Path) -> None:
     found = verify_run(folder)
     assert found.holds, (found.damaged, found.different)
     assert verify_run(folder / "report.html").holds
+    assert verify_run(folder / "report.pdf").holds
     content = (folder / SESSION).read_bytes()
     try:
         (folder / SESSION).write_bytes(content.replace(b'"guarded"', b'"guardee"'))

@@ -16,8 +16,8 @@ from benchtool.profile import load_profile
 
 
 def test_a_sound_drive_passes() -> None:
-    trial = run_trial(Trial("zhu2011", "", 3), only="faults or silent_host or alike")
-    assert trial.ran == 7
+    trial = run_trial(Trial("zhu2011", "", 3), only="test_fault or silent_host")
+    assert trial.ran == 6
     assert trial.found == ()
 
 
@@ -26,9 +26,7 @@ def test_a_sound_drive_passes() -> None:
     [
         ("phase_gain", "test_phases_are_alike"),
         ("watchdog_sleeps", "test_silent_host"),
-        ("emcy_missing", "test_fault[overcurrent]"),
         ("save_drops_a_key", "test_saved_parameters_survive_a_reset"),
-        ("quick_stop_coasts", "test_quick_stop[forward]"),
     ],
 )
 def test_a_mutant_is_found(mutant: str, by: str) -> None:
@@ -74,9 +72,9 @@ def test_the_verb_prints_one_document(tmp_path: pytest.TempPathFactory) -> None:
 
 
 def test_the_verb_tries_the_suite() -> None:
-    words = ["acceptance", "--mutants", "--mutant", "u_dc_gain", "--clean", "0", "--json"]
+    words = ["acceptance", "--mutants", "--mutant", "emcy_missing", "--clean", "0", "--json"]
     told = CliRunner().invoke(app, words)
     assert told.exit_code == 0, told.output
     document = json.loads(told.stdout)
     assert document["score"]["caught"] == document["score"]["mutants"] == 1
-    assert document["mutants"]["u_dc_gain"]["found"]
+    assert document["mutants"]["emcy_missing"]["by"] == ["test_faults::test_fault[overcurrent]"]
