@@ -159,7 +159,7 @@ def test_the_first_page_has_what_is_signed(ran: Ran, place: Path) -> None:
 def test_pictures_and_texts_are_kept_with_the_test(ran: Ran, place: Path) -> None:
     paths = {each.name: place / "out" / each.path for each in ran["test_passes"].attachments}
     assert paths["answer.txt"].read_text(encoding="utf-8") == "forty-two"
-    assert paths["empty.png"].read_bytes().startswith(b"\x89PNG")
+    assert paths["empty"].read_bytes().startswith(b"\x89PNG")
     assert "state: " in paths["log"].read_text(encoding="utf-8")
 
 
