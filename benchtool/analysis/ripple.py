@@ -366,8 +366,8 @@ def _scatter(
     return _Scatter(
         periods=periods,
         repeated=repeated,
-        mean=at_lowest_frequencies(within, error_of_series(means)),
-        rms=error_of_root(squares, rms, at_lowest_frequencies(square, error_of_series(squares))),
+        mean=at_lowest_frequencies(within, error_of_series(means), periods),
+        rms=error_of_root(squares, rms, at_lowest_frequencies(square, error_of_series(squares), periods)),
         percentile_range=_percentile_scatter(within, begin, counts)
         if percentiles
         else MeanError(math.nan, math.nan),

@@ -9,12 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
+from benchtool.analysis.lowest_frequencies import slow_noise
+
 _PARTS, _MOST_PARTS = 10, 64
 _FEWEST_VALUES = 3
 _FEWEST_EXTREMES = 4
 _BY_CHANCE, _CLEARLY, _WITHOUT_DOUBT = 2.5, 2.0, 3.5  # standard deviations of a correlation
 _FEWEST_INDEPENDENT = 4.0  # values that a record must hold
-_LOWEST, _FEWEST_OF_LOWEST, _BLOCKS, _FAR_BELOW = 5, 5, 2048, 5.0
+_LOWEST, _FEWEST_OF_LOWEST, _BLOCKS, _FAR_BELOW = 5, 5, 4096, 5.0
+_CLEARLY_MORE = 1.4  # times the error by parts: by chance both differ by less
 _ROUNDS, _MOST_CORRELATED = 4, 0.4
 _NEIGHBOURS = 2  # values that count as one by chance alone
 _LEAST_SPARE = 0.5  # degrees of freedom beyond two: with fewer the deviation has no bound
@@ -116,19 +119,28 @@ def error_of_record(samples: NDArray[np.float64]) -> MeanError:
     return at_lowest_frequencies(samples, error_of_series(means_of_parts(samples)))
 
 
-def at_lowest_frequencies(samples: NDArray[np.float64], by_parts: MeanError) -> MeanError:
+def at_lowest_frequencies(samples: NDArray[np.float64], by_parts: MeanError, periods: int = 0) -> MeanError:
     """Return the error of the mean of samples, shape (n,), at equal times: that by parts of them, less what
-    the parts cut out of oscillations.
+    the parts cut out of oscillations, or that by noise whose density rises towards zero frequency.
 
     The variance of a mean of n is the density at zero frequency over n. Parts that are no whole periods of a
     ripple differ by it, and the mean of all does not: then the density at the lowest five frequencies of the
-    record is far below what the parts say, by a fifth once in two hundred records by chance.
+    record is far below what the parts say, by a fifth once in two hundred records by chance. Where the
+    density rises below the lowest frequency of the record (`slow_noise`) and gives clearly more than the
+    parts, it stands for them; where it rises more steeply than that of 1/f noise, the error is unknown (nan).
+
+    `periods` are the whole periods that the samples hold of what repeats.
     """
     if not math.isfinite(by_parts.standard):
         by_parts = error_of_series(means_of_parts(samples))
     size = max(1, len(samples) // _BLOCKS)
     blocks = len(samples) // size
-    return _without_oscillations(np.mean(samples[: blocks * size].reshape(blocks, size), axis=1), by_parts)
+    values = np.mean(samples[: blocks * size].reshape(blocks, size), axis=1)
+    by_parts = _without_oscillations(values, by_parts)
+    slow = slow_noise(values, periods)
+    if slow is None or slow.standard < _CLEARLY_MORE * by_parts.standard:
+        return by_parts
+    return MeanError(math.nan if slow.is_lost else slow.standard, slow.dof)
 
 
 def _without_oscillations(values: NDArray[np.float64], by_parts: MeanError) -> MeanError:
