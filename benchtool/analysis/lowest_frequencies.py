@@ -108,8 +108,8 @@ def _before_a_rise(place: Floats, mean: Floats, count: Floats) -> int:
 
 @dataclass(frozen=True)
 class _Models:
-    """What densities of noise make of the lowest bins 1 to `_SINGLE`, shape (exponents, corners, bins), and of
-    the variance of the mean, shape (exponents, corners)."""
+    """What densities of noise make of the lowest `_SINGLE` bins, shape (exponents, corners, bins), and of the
+    variance of the mean, shape (exponents, corners)."""
 
     in_bins: Floats
     of_mean: Floats
