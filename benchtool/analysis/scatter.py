@@ -211,8 +211,8 @@ def tail_index(deviations: NDArray[np.float64]) -> float:
     exponential tails and for lighter ones, and where the values are too few to tell.
 
     The moment estimator over the largest hundredth of the magnitudes (Dekkers, Einmahl and de Haan, Ann.
-    Statist. 17 (1989) 1833), which of normal values is below zero; where it is above, and with its own
-    standard deviation added, since a tail that is found too light gives an extreme that is far too certain.
+    Statist. 17 (1989) 1833), which of normal values is below zero; where it is above by its own standard
+    deviation, with that added: a tail that is found too light gives an extreme that is far too certain.
     """
     size = np.abs(deviations)
     top = min(len(size) // _OF_TAIL, _MOST_OF_TAIL)
@@ -227,4 +227,5 @@ def tail_index(deviations: NDArray[np.float64]) -> float:
     if not second > 0.0 or first**2 >= second:
         return 0.0
     index = first + 1.0 - 0.5 / (1.0 - first**2 / second)
-    return index + math.sqrt((1.0 + index**2) / top) if index > 0.0 else 0.0
+    standard = math.sqrt((1.0 + index**2) / top)
+    return index + standard if index > standard else 0.0
