@@ -127,9 +127,10 @@ def record(what: Disturbance, random: np.random.Generator) -> Record:
         current += amplitude * np.cos(
             2 * np.pi * place * what.frequency_Hz * time_s + random.uniform(0, 6.28)
         )
-    size, first, last = what.chirp
-    turned = (first + 0.5 * (last - first) * time_s / duration_s) * what.frequency_Hz * time_s
-    current += size * np.cos(2 * np.pi * turned + random.uniform(0, 2 * np.pi))
+    if what.chirp[0]:
+        size, first, last = what.chirp
+        turned = (first + 0.5 * (last - first) * time_s / duration_s) * what.frequency_Hz * time_s
+        current += size * np.cos(2 * np.pi * turned + random.uniform(0, 2 * np.pi))
     start, constant = what.decay
     current += what.offset + start * random.choice([-1, 1]) * np.exp(-time_s / (constant * duration_s))
     if what.spikes:

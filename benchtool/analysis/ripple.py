@@ -391,7 +391,8 @@ def _scatter(
     squares = np.add.reduceat(square, begin) / counts
     largest, least = np.maximum.reduceat(within, begin), np.minimum.reduceat(within, begin)
     rms = math.sqrt(float(np.average(squares, weights=counts)))
-    tail = tail_index(_deviations(within, begin, counts))
+    # edges that repeat leave no deviations, and a slope that falls beside its place no second differences
+    tail = min(tail_index(_deviations(within, begin, counts)), tail_index(np.diff(within, 2)))
     return _Scatter(
         periods=periods,
         repeated=repeated,

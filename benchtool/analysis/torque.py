@@ -104,8 +104,8 @@ _NUMBERS: Final = (
         "max(x) - min(x)",
         "how much the peak-to-peak of another record of this length differs: of maximum and minimum pi / "
         "sqrt(6) times the mean excess of the sqrt(N_p) largest periods' maxima over the next (Gumbel's "
-        "distribution; of heavy tails Fréchet's); and resolution / sqrt(6), in U a whole step. Without periods "
-        "that alone, or none where the resolution is less than a hundred-thousandth of the ripple",
+        "distribution; of heavy tails Fréchet's); and resolution / sqrt(6), in U a whole step. Without "
+        "periods that alone, or none where the resolution is less than a hundred-thousandth of the ripple",
     ),
     (
         ("ripple_rms",),
