@@ -13,6 +13,7 @@ from benchtool.clock import VirtualClock
 from benchtool.emulator.core.core import Core, truth_of
 from benchtool.emulator.core.kernel import kernel_is_cached
 from benchtool.emulator.equipment import EmulatedLoad, EmulatedSupply, EmulatedTransducer
+from benchtool.emulator.faults import FaultInjector
 from benchtool.emulator.firmware.device import Firmware
 from benchtool.emulator.instruments import CanInstrument, CanReadings, CanTorque, samples_apart
 from benchtool.emulator.machine.heat import HeatTruth
@@ -96,13 +97,15 @@ class EmulatedBench:
         self._temperature_sensor = emulator.sensors.temperature
         self._thermometers: list[EmulatedThermometer] = []
         self._instruments: list[CanInstrument] = []
-        self._node = DriveNode(node_id, lambda emit: Firmware(table, core, node_id, stored, emit))
+        self._node = DriveNode(node_id, lambda emit: Firmware(table, core, node_id, stored, emit), seed)
+        self.faults = FaultInjector(self._node, core)
         if has_bus:
             # Frames bear the drive's time: the clock stands still while the drive runs up to it.
             bus = VirtualTimeBus(self.channel, clock=self.clock, preserve_timestamps=True)
             self.add_can(bus)
             self.clock.register(bus.settle)
         self.clock.follow(self._advance_to)
+        self.clock.carry(self._node.is_under_way)
 
     def host_bus(self, channel: str = "") -> VirtualTimeBus:
         """Return a bus for the host, on this bench's channel or on another one, in its time."""

@@ -5,12 +5,13 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from functools import partial
 
 import can
 import canopen
 from canopen.sdo.exceptions import SdoAbortedError, SdoCommunicationError
 
-from benchtool.clock import Clock
+from benchtool.clock import Clock, drained
 from benchtool.errors import LinkError, NoAnswer, SdoAbort
 from benchtool.link.canopen.process_data import PdoProcessData
 from benchtool.link.canopen.reception import FAILING_S, receive_frames
@@ -65,7 +66,7 @@ class CanopenLink(ReceivingLink):
         self._receivers: dict[int, FrameReceiver] = {cob_id.EMCY + node_id: self._on_emergency}
         self._network = canopen.Network()
         self._network.bus = bus
-        self._sdo = SdoClient(self._network, node_id, sdo_timeout_s, clock.settle)
+        self._sdo = SdoClient(self._network, node_id, sdo_timeout_s, partial(drained, clock))
         self._network.subscribe(cob_id.SDO_RESPONSE + node_id, self._on_sdo_response)
         self._network.subscribe(cob_id.HEARTBEAT + node_id, self._on_heartbeat)
         self._transfer_lock = threading.Lock()
