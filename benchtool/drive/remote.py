@@ -12,13 +12,16 @@ from benchtool.drive.identity import Identity
 from benchtool.drive.reconnection import Reconnection
 from benchtool.drive.states import Cia402Node
 from benchtool.drive.supervision import LINK_TIMEOUT_S, LinkSupervision
+from benchtool.drive.watch import Watch, require_alone
 from benchtool.errors import BenchError, LinkClosed, LinkError, StateError
 from benchtool.link import Link
-from benchtool.protocol import Mode
+from benchtool.protocol import Command, Mode, State
 from benchtool.protocol.dictionary import Dictionary
 
 _REOPEN_S = 0.2
 _WATCH_S = 0.05
+_QUICK_STOP_S = 1.0
+_QUICK_STOP_POLL_S = 0.01
 
 
 class RemoteDrive(Cia402Node):
@@ -46,6 +49,7 @@ class RemoteDrive(Cia402Node):
         super().__init__(link, dictionary, source, clock)
         self.supervision = LinkSupervision(self, allow_unsupervised=allow_unsupervised)
         self._reopen = reopen
+        self._watch = Watch(self)
         self._watches: list[Callable[[], None]] = []
 
     def __enter__(self) -> Self:
@@ -125,7 +129,7 @@ class RemoteDrive(Cia402Node):
         """Let drive time pass; a fault or an exception of a watch ends it.
 
         Raises:
-            DriveFault: an emergency arrived.
+            DriveFault, StateError, NoAnswer: as `raise_emergencies`.
         """
         remaining_s = duration_s
         while remaining_s > 0.0:
@@ -135,6 +139,17 @@ class RemoteDrive(Cia402Node):
             self.raise_emergencies()
             for check in self._watches:
                 check()
+
+    def raise_emergencies(self) -> None:
+        """As `Cia402Node.raise_emergencies`; of an enabled drive also what it cannot report itself.
+
+        Raises:
+            DriveFault: it reported an error, or is in fault.
+            StateError: it restarted, or is not enabled any more.
+            NoAnswer: it is not heard any more.
+        """
+        super().raise_emergencies()
+        self._watch.check()
 
     @contextmanager
     def watched(self, check: Callable[[], None]) -> Iterator[None]:
@@ -173,13 +188,28 @@ class RemoteDrive(Cia402Node):
         self.supervision.stop_sending()
 
     def enable(self, mode: Mode) -> None:
-        """As `Cia402Node.enable`, of a drive that watches this host.
+        """As `Cia402Node.enable`, of a drive that watches this host, and whose number is its own.
 
         Raises:
-            CapabilityMissing, SdoAbort, WriteNotVerified, StateError: it does not watch; it was not enabled.
+            CapabilityMissing, SdoAbort, WriteNotVerified, StateError: it does not watch, or two nodes have
+                its number; it was not enabled.
         """
         self.supervision.require()
+        require_alone(self)
         super().enable(mode)
+        self._watch.begin()
+
+    def quick_stop(self) -> None:
+        """Brake to standstill as the drive's quick stop does it, for a second at most; `disable` follows it.
+
+        Raises:
+            BenchError: the drive does not answer, or refuses.
+        """
+        self._watch.end()
+        self._ask(Command.QUICK_STOP)
+        end_s = self.clock.now_s() + _QUICK_STOP_S
+        while self.state() is State.QUICK_STOP_ACTIVE and self.clock.now_s() < end_s:
+            self.clock.wait(_QUICK_STOP_POLL_S)
 
     def disable(self) -> None:
         """As `Cia402Node.disable`; a drive that does not confirm keeps watching, and the heartbeat stops.
@@ -187,6 +217,7 @@ class RemoteDrive(Cia402Node):
         Raises:
             StateError, LinkClosed: as there.
         """
+        self._watch.end()
         try:
             super().disable()
         except BenchError:

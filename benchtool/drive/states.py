@@ -170,7 +170,7 @@ class Cia402Node(RemoteNode):
         self._ask(Command.FAULT_RESET)
         if (state := self.state()) in (State.FAULT, State.FAULT_REACTION_ACTIVE):
             raise StateError(
-                f"the drive is still in '{state.value}', {self._last_error()}: remove the cause first"
+                f"the drive is still in '{state.value}', {self.last_error()}: remove the cause first"
             )
 
     def _code_of(self, mode: Mode) -> int:
@@ -197,7 +197,7 @@ class Cia402Node(RemoteNode):
             command = next_command(state, target)
             if state in (State.FAULT, State.FAULT_REACTION_ACTIVE):
                 raise DriveFault(
-                    f"the drive is in fault: {self._last_error()}; remove the cause, then reset it"
+                    f"the drive is in fault: {self.last_error()}; remove the cause, then reset it"
                 )
             if command is not None and (state, command) != asked:
                 asked = (state, command)
@@ -216,6 +216,7 @@ class Cia402Node(RemoteNode):
             for word in command.controlwords:
                 self.link.download(variable.index, variable.sub, variable.encode(word))
 
-    def _last_error(self) -> str:
+    def last_error(self) -> str:
+        """Return the drive's last error, in words."""
         code = self.optional_number(Role.ERROR_CODE)
         return "no error code" if code is None else f"0x{code:04X} {error_text(code)}"

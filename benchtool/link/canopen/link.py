@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import partial
 
 import can
@@ -28,6 +28,7 @@ from benchtool.protocol.canopen import (
     sdo,
 )
 
+_SECOND_ANSWER_S = 0.02
 _CHECK_SENDING = "that the bus is powered and terminated and that another node acknowledges"
 
 
@@ -95,6 +96,15 @@ class CanopenLink(ReceivingLink):
         write = self._sdo.block_download if block else self._sdo.download
         with self._transfer_lock, self._translating(f"writing 0x{index:04X}:{sub}, asked once"):
             write(index, sub, data)
+
+    def answers(self, index: int, sub: int) -> int:
+        """See `CountsAnswers.answers`; a refusal is an answer."""
+        with self._transfer_lock, self._translating(f"reading 0x{index:04X}:{sub}, asked twice"):
+            with suppress(SdoAbortedError):
+                self._read(index, sub, False, None)
+            if not self.clock.settle():
+                self.clock.wait(_SECOND_ANSWER_S)
+            return 1 + self._sdo.more_answers(index, sub)
 
     def nmt(self, command: NmtCommand) -> None:
         """See `Link.nmt`."""

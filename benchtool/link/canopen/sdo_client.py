@@ -123,6 +123,14 @@ class SdoClient(client.SdoClient):
         except queue.Empty:
             raise SdoTimeoutError("no answer") from None
 
+    def more_answers(self, index: int, sub: int) -> int:
+        """Return how many answers to the last request are left, which are dropped: of other nodes."""
+        more = 0
+        while not self.responses.empty():
+            more += sdo.key(self.responses.get_nowait()) == (index, sub)
+            self.stale += 1
+        return more
+
     def _has_response(self) -> bool:
         return not self.responses.empty()
 
