@@ -9,6 +9,7 @@ from typing import Self
 
 from benchtool.clock import Clock
 from benchtool.drive.identity import Identity
+from benchtool.drive.quantities import SPEED, in_si
 from benchtool.drive.reconnection import Reconnection
 from benchtool.drive.states import Cia402Node
 from benchtool.drive.supervision import LINK_TIMEOUT_S, LinkSupervision
@@ -21,7 +22,9 @@ from benchtool.protocol.dictionary import Dictionary
 _REOPEN_S = 0.2
 _WATCH_S = 0.05
 _QUICK_STOP_S = 1.0
-_QUICK_STOP_POLL_S = 0.01
+_QUICK_STOP_POLL_S = 0.005
+_BRAKES_WITHIN_S = 0.1
+_SLOWER = 0.95
 
 
 class RemoteDrive(Cia402Node):
@@ -200,16 +203,32 @@ class RemoteDrive(Cia402Node):
         self._watch.begin()
 
     def quick_stop(self) -> None:
-        """Brake to standstill as the drive's quick stop does it, for a second at most; `disable` follows it.
+        """Brake to standstill as the drive's quick stop does it, for a second at most, and disable the drive.
+
+        A drive whose rotor angle is wrong does not brake the shaft: one that is not slower after a tenth of a
+        second, or after the next, is disabled at once.
 
         Raises:
-            BenchError: the drive does not answer, or refuses.
+            BenchError: the drive does not answer, or refuses; it is disabled if it can be.
         """
         self._watch.end()
-        self._ask(Command.QUICK_STOP)
-        end_s = self.clock.now_s() + _QUICK_STOP_S
-        while self.state() is State.QUICK_STOP_ACTIVE and self.clock.now_s() < end_s:
-            self.clock.wait(_QUICK_STOP_POLL_S)
+        try:
+            speed = in_si(self, SPEED)
+            before = abs(self.number(speed))
+            self._ask(Command.QUICK_STOP)
+            begin_s = looked_s = self.clock.now_s()
+            while self.state() is State.QUICK_STOP_ACTIVE:
+                self.clock.wait(_QUICK_STOP_POLL_S)
+                now_s = self.clock.now_s()
+                if now_s - begin_s >= _QUICK_STOP_S:
+                    break
+                if now_s - looked_s >= _BRAKES_WITHIN_S:
+                    looked_s, present = now_s, abs(self.number(speed))
+                    if not present < _SLOWER * before:
+                        break
+                    before = present
+        finally:
+            self.disable()
 
     def disable(self) -> None:
         """As `Cia402Node.disable`; a drive that does not confirm keeps watching, and the heartbeat stops.

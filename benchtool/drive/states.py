@@ -9,13 +9,14 @@ from typing import Protocol
 
 from benchtool.clock import Clock
 from benchtool.drive.node import RemoteNode
-from benchtool.errors import BenchError, DriveFault, LinkClosed, LinkError, SdoAbort, StateError
+from benchtool.errors import BenchError, DriveFault, LinkClosed, LinkError, NoAnswer, SdoAbort, StateError
 from benchtool.link import Link
 from benchtool.protocol import Command, Mode, State, next_command, state_of
 from benchtool.protocol.canopen import Abort, Emergency, NmtCommand, error_text
 from benchtool.protocol.dictionary import Dictionary, Role
 
 _TRANSITION_TIMEOUT_S = 1.0
+_DISABLING_TRIES = 3
 _POLL_S = 0.001
 _POLL_PERIOD_S = 0.5
 _TARGETS: tuple[Role | str, ...] = (
@@ -122,7 +123,7 @@ class Cia402Node(RemoteNode):
             LinkClosed: likewise, as the link has gone.
         """
         try:
-            self._walk_to(State.SWITCH_ON_DISABLED)
+            self._walk_down()
         except DriveFault:
             self._touched = False
             return
@@ -209,6 +210,14 @@ class Cia402Node(RemoteNode):
                     f"check supply, enable input and link supervision"
                 )
             self.clock.wait(_POLL_S)
+
+    def _walk_down(self) -> None:
+        """Walk to switch on disabled; ask again where an answer was lost, as that does no harm here."""
+        for _ in range(_DISABLING_TRIES - 1):
+            with suppress(NoAnswer):
+                self._walk_to(State.SWITCH_ON_DISABLED)
+                return
+        self._walk_to(State.SWITCH_ON_DISABLED)
 
     def _ask(self, command: Command) -> None:
         variable = self.dictionary[Role.CONTROLWORD]

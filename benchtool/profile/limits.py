@@ -19,6 +19,9 @@ class Limits(Section):
     """Phase currents, peak, either way."""
     current_sum_A: Positive | None = None
     """Sum of the three phase currents, either way; what a wrong current sensor makes."""
+    current_unbalance_percent: Positive | None = None
+    """Difference between the largest and the smallest rms of the phase currents, of the largest, over 0.4 s
+    in which the shaft turns; what an open phase makes."""
     omega_m_rad_s: Positive | None = None
     """Mechanical speed, either way."""
     temperature_degC: Positive | None = None
@@ -30,8 +33,8 @@ class Limits(Section):
         needed: list[str] = []
         if self.torque_Nm is not None:
             needed.append("torque")
-        if self.omega_m_rad_s is not None:
+        if self.omega_m_rad_s is not None or self.current_unbalance_percent is not None:
             needed.append("omega_m")
-        if self.current_sum_A is not None or self.current_A is not None:
+        if any((self.current_sum_A, self.current_A, self.current_unbalance_percent)):
             needed += ["i_a", "i_b", "i_c"]
         return tuple(needed)

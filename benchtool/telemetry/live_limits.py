@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections import deque
+
 import numpy as np
+from numpy.typing import NDArray
 
 from benchtool.block import Block
 from benchtool.errors import LimitTrip
@@ -10,6 +13,9 @@ from benchtool.profile import Limits
 from benchtool.telemetry.fanout import Sink
 
 _PHASES = ("i_a", "i_b", "i_c")
+_WINDOW_S = 0.4 - 1e-6  # two blocks of the stream
+_TURNS_RAD_S = 10.0  # slower, the currents may hardly alternate within the window
+_LEAST_A = 0.1
 
 
 class LiveLimits:
@@ -23,6 +29,7 @@ class LiveLimits:
     def __init__(self, limits: Limits) -> None:
         self._limits = limits
         self._found = ""
+        self._squares: deque[tuple[NDArray[np.float64], float]] = deque()
         self.sinks = (Sink("limits", self._take, lossless=True),) if limits.channels else ()
 
     def check(self) -> None:
@@ -62,6 +69,34 @@ class LiveLimits:
                 tick = int(block.ticks()[row])
                 self._found = f"{_told(name, float(columns[name][row]), limit, unit)}, at tick {tick}"
                 return
+        if limits.current_unbalance_percent is not None and {*_PHASES, "omega_m"} <= set(columns):
+            self._compare_phases(
+                np.column_stack([columns[name] for name in _PHASES]),
+                float(np.min(np.abs(columns["omega_m"]))),
+                len(block.data) * block.stride * block.tick_s,
+                limits.current_unbalance_percent,
+            )
+
+    def _compare_phases(
+        self, currents: NDArray[np.float64], slowest_rad_s: float, duration_s: float, limit: float
+    ) -> None:
+        """Compare the rms of the phases over the last 0.4 s in which the shaft turned throughout."""
+        if slowest_rad_s < _TURNS_RAD_S:
+            self._squares.clear()
+            return
+        self._squares.append((currents**2, duration_s))
+        past_s = sum(duration for _, duration in self._squares)
+        if past_s < _WINDOW_S:
+            return
+        while past_s - self._squares[0][1] >= _WINDOW_S:
+            past_s -= self._squares.popleft()[1]
+        rms = np.sqrt(np.mean(np.vstack([squares for squares, _ in self._squares]), axis=0))
+        if not rms.max() >= _LEAST_A:
+            return
+        unbalance = float(100.0 * (rms.max() - rms.min()) / rms.max())
+        if not unbalance <= limit:
+            shown = ", ".join(f"{name} {value:.3g} A" for name, value in zip(_PHASES, rms, strict=True))
+            self._found = _told(f"unbalance of the phase currents ({shown})", unbalance, limit, "%")
 
 
 def _told(name: str, value: float, limit: float, unit: str) -> str:

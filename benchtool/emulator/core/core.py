@@ -229,6 +229,17 @@ class Core:
         mirrored = encoder._replace(edges=-encoder.edges, zero=-encoder.zero)
         self._truth = self._truth._replace(sensing=self._truth.sensing._replace(encoder=mirrored))
 
+    @property
+    def disc_rad(self) -> float:
+        """Angle of the encoder's disc with the shaft at zero."""
+        return self._truth.sensing.encoder.zero
+
+    @disc_rad.setter
+    def disc_rad(self, angle_rad: float) -> None:
+        sensing = self._truth.sensing
+        encoder = sensing.encoder._replace(zero=angle_rad)
+        self._truth = self._truth._replace(sensing=sensing._replace(encoder=encoder))
+
     def restart_counter(self) -> None:
         """Have the encoder's counter begin again, as when the drive is switched on."""
         self._sensors[0].counting = self._sensors[0].travelled = 0

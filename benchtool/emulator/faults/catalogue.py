@@ -76,7 +76,7 @@ _KINDS = (
     ),
     Kind(
         *("duplicate_node", Place.WIRE, "A second node with the drive's number is switched on.", _ENDED),
-        "two nodes answer as node N; a boot-up was heard",
+        "the drive restarted, or another node with its number was switched on; nodes answer as node N",
         (_duration(),),
         can_only=True,
     ),
@@ -124,8 +124,8 @@ _KINDS = (
         f"{_RESTARTED}; then: the dictionary of the drive is another one",
     ),
     Kind(
-        *("wrong_parameter", Place.DRIVE, "A parameter of the drive changes by itself.", _ENDED),
-        "the next run names parameter, both values and the profile",
+        *("wrong_parameter", Place.DRIVE, "A parameter of the drive changes by itself.", _ON),
+        "not noticed while it runs; the next run names parameter, both values and the profile",
         (
             Parameter("name", "psi_r", "", "of the dictionary"),
             Parameter("times", 1.5, "", "factor on its value", -1e6, 1e6),
@@ -139,12 +139,12 @@ _KINDS = (
     ),
     Kind(
         *("encoder_offset", Place.PLANT, "The encoder's disc turns on its shaft.", _ENDED),
-        "speed or torque does not follow",
+        "torque_Nm or omega_m_rad_s of the profile's [limits], or 0x2310 overcurrent",
         (Parameter("angle_rad", 0.39, "rad", "mechanical angle that it turns by", -6.3, 6.3),),
     ),
     Kind(
         *("encoder_slip", Place.PLANT, "The encoder's disc slips on its shaft.", _ENDED),
-        "speed or torque does not follow",
+        "torque_Nm or omega_m_rad_s of the profile's [limits], or 0x2310 overcurrent",
         (
             Parameter("share", 0.02, "", "of the shaft's angle by which the disc stays behind", 0.0, 1.0),
             _duration(),
@@ -152,7 +152,7 @@ _KINDS = (
     ),
     Kind(
         *("phase_open", Place.PLANT, "The cable of a phase is off.", _ENDED),
-        "the currents of the phases are unequal",
+        "current_unbalance_percent of the profile's [limits]",
         (
             _PHASE,
             Parameter("R_ohm", 1000.0, "ohm", "of the open end", 1.0, 1e5),
@@ -161,22 +161,22 @@ _KINDS = (
         compiles=True,
     ),
     Kind(
-        *("phases_swapped", Place.PLANT, "The cables of phases b and c are swapped.", _STOP),
-        "0x8400 speed outside its limits, 0x2310 overcurrent, or the torque has the wrong sign",
+        *("phases_swapped", Place.PLANT, "The cables of phases b and c are swapped.", _ENDED),
+        "a limit of the profile ([limits]), 0x8400 speed outside its limits or 0x2310 overcurrent",
     ),
     Kind(
         *("current_gain", Place.PLANT, "A current sensor's gain is wrong.", _ENDED),
-        "the currents of the phases do not sum to zero",
+        "current_sum_A of the profile's [limits]",
         (_PHASE, Parameter("gain", 0.5, "", "of what it ought to read", -10.0, 10.0), _duration()),
     ),
     Kind(
         *("current_offset", Place.PLANT, "A current sensor's offset jumps.", _ENDED),
-        "the currents of the phases do not sum to zero",
+        "current_sum_A of the profile's [limits]",
         (_PHASE, Parameter("offset_A", 2.0, "A", "that is added", -1e3, 1e3), _duration()),
     ),
     Kind(
         *("current_stuck", Place.PLANT, "A current sensor reads one value.", _ENDED),
-        "the currents of the phases do not sum to zero, or 0x2310 overcurrent",
+        "current_sum_A of the profile's [limits], or 0x2310 overcurrent",
         (_PHASE, Parameter("value_A", 0.0, "A", "that it reads", -1e3, 1e3), _duration()),
     ),
     Kind(
@@ -205,7 +205,7 @@ _KINDS = (
     ),
     Kind(
         *("overspeed", Place.PLANT, "The load machine drives the shaft.", _STOP),
-        "the drive reports 0x8400 speed outside its limits",
+        "the drive reports 0x8400 speed outside its limits, or 0x2310 overcurrent",
         (
             Parameter("of_level", 1.2, "", "speed, of the level omega_m_trip", -2.0, 2.0),
             _duration(0.05),

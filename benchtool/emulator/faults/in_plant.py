@@ -55,11 +55,14 @@ def _encoder_offset(context: Context, fault: Fault) -> Undo:
 
 
 def _encoder_slip(context: Context, fault: Fault) -> Undo:
-    before = context.core.sensors.encoder
-    _replace_sensor(context, "encoder", replace(before, slip=fault.number("share")))
-    return lambda: _replace_sensor(
-        context, "encoder", replace(context.core.sensors.encoder, slip=before.slip)
-    )
+    core, slip, disc_rad = context.core, context.core.sensors.encoder.slip, context.core.disc_rad
+    _replace_sensor(context, "encoder", replace(core.sensors.encoder, slip=fault.number("share")))
+
+    def tighten() -> None:
+        _replace_sensor(context, "encoder", replace(core.sensors.encoder, slip=slip))
+        core.disc_rad = disc_rad
+
+    return tighten
 
 
 def _with_motor(context: Context, motor: MotorTruth) -> Undo:

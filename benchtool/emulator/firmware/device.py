@@ -21,6 +21,7 @@ _LOAD = 0x64616F6C
 _FAULT_RESET_BIT = 0x80
 _HALT_BIT = 0x100
 _POLL_S = 1e-3
+_REACTION_TICKS = 3  # the period under way, the one that the stage is off for, and its currents' end
 _HOLDING_OPTIONS = (5, 6)
 _TARGETS = ("torque_command", "omega_m_command", "target_torque", "target_velocity")
 
@@ -57,7 +58,7 @@ class Firmware:
         emit: Callable[[Emergency], None],
     ) -> None:
         self.core = core
-        self.supervision = LinkSupervision()
+        self.supervision = LinkSupervision(_REACTION_TICKS * core.control_period_s)
         self.objects = ObjectStore(table, core.memory, lambda: self.state.power_stage_on)
         self.state = State.SWITCH_ON_DISABLED
         self.hung = False
