@@ -10,6 +10,7 @@ import threading
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from functools import cache
 from typing import Any, Final
 
 import numpy as np
@@ -69,8 +70,9 @@ _EXPECTED: Final = {
 }
 """What the host is to say of a fault, as a pattern."""
 
-_LOST_ANSWER: Final = "did not answer|out of protocol"
-"""What ends the work on a wire that loses frames: a write whose answer is lost is not repeated."""
+_LOST_ANSWER: Final = "did not answer|out of protocol|0x8130"
+"""What may end the work on a wire that loses frames: a write whose answer is lost is not repeated, and
+heartbeats that are lost in a row are a lost link."""
 
 
 @dataclass
@@ -92,6 +94,7 @@ class Outcomes:
     remarks: list[str] = field(default_factory=list)
 
 
+@cache
 def profile() -> Profile:
     """Return the machine of the paper with a passive load and limits of the host."""
     return altered(load_profile("zhu2011"), {"motor.friction_Nms": FRICTION_NMS}).model_copy(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cache
 
 import can
 import numpy as np
@@ -51,6 +52,12 @@ from benchtool.shipped import shipped
 _channels = itertools.count(1)
 
 
+@cache
+def _objects() -> ObjectTable:
+    """Return the objects of the drive, which every emulated one has."""
+    return load_table(shipped("firmware_protocol") / "objects.toml")
+
+
 class EmulatedBench:
     """A powered-up bench in virtual time.
 
@@ -83,7 +90,7 @@ class EmulatedBench:
         has_bus: bool = True,
     ) -> None:
         emulator = _emulator_of(profile)
-        table = load_table(shipped("firmware_protocol") / "objects.toml")
+        table = _objects()
         core = _core(table, profile, emulator, seed, first_tick)
         stored = _stored_parameters(profile, emulator)
         node_id = profile.drive.node_id
