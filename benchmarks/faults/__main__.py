@@ -30,10 +30,10 @@ def measure(
     """Yield the figures of these faults, of each wire that has them."""
     with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
         for name in names:
-            for wire in _WIRES:
-                if not applies(name, wire):
-                    continue
-                count = link_losses if name in _LINK_LOSSES else repetitions
+            wires = [wire for wire in _WIRES if applies(name, wire)]
+            total = link_losses if name in _LINK_LOSSES else repetitions
+            for wire in wires:
+                count = -(-total // len(wires))
                 seeds = range(seed, seed + count)
                 trials: list[Outcomes] = list(
                     pool.map(run_trial, [name] * count, [wire] * count, seeds, chunksize=5)
@@ -57,7 +57,7 @@ def main() -> int:
     """Measure, print, and exit with 1 if something that must hold does not."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.faults", description=__doc__)
     parser.add_argument("--json", action="store_true", help="print one JSON document")
-    parser.add_argument("--repetitions", type=int, default=60)
+    parser.add_argument("--repetitions", type=int, default=60, help="of each fault, on both wires together")
     parser.add_argument("--link-losses", type=int, default=299, help="repetitions of a lost link")
     parser.add_argument("--fault", action="append", choices=sorted(FAULTS), help="only this; may be repeated")
     parser.add_argument("--processes", type=int, default=1)

@@ -80,7 +80,12 @@ class Watch:
             self._require_enabled()
 
     def _require_enabled(self) -> None:
-        state = self._drive.state()
+        try:
+            state = self._drive.state()
+        except NoAnswer:
+            if self._silence_s is None:
+                raise
+            return  # its heartbeat, its boot-up or its emergency will tell more
         if state.power_stage_on:
             return
         self.end()
