@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import given, strategies as st
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from benchtool.emulator.faults.catalogue import FAULTS
 from benchtool.emulator.faults.declaration import Fault, Parameter
@@ -31,6 +32,7 @@ def _faults(draw: st.DrawFn) -> Fault:
     return Fault(kind, values, float(draw(st.integers(0, 10_000))) / 100.0)
 
 
+@settings(max_examples=30)
 @given(_faults())
 def test_what_is_spelled_is_what_is_read(fault: Fault) -> None:
     assert parse_fault(str(fault)) == fault

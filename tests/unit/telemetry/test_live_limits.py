@@ -15,9 +15,8 @@ TIMES_S = np.arange(20) * 0.01
 
 
 def _block(first_tick: int = 0, **columns: ArrayLike) -> Block:
-    data = np.column_stack(
-        [np.broadcast_to(np.asarray(each, float), TIMES_S.shape) for each in columns.values()]
-    )
+    rows = [np.broadcast_to(np.asarray(each, float), TIMES_S.shape) for each in columns.values()]
+    data = np.column_stack(rows)
     return Block(tuple(Channel(name, "") for name in columns), first_tick, 100, 1e-4, data)
 
 
@@ -49,7 +48,7 @@ def test_what_is_no_number_is_beyond_every_limit() -> None:
 
 
 def test_currents_that_do_not_sum_to_zero_are_told() -> None:
-    with pytest.raises(LimitTrip, match="i_a . i_b . i_c is 0.6"):
+    with pytest.raises(LimitTrip, match=r"i_a \+ i_b \+ i_c is 0.6"):
         _judged(Limits(current_sum_A=0.5), _block(i_a=1.0, i_b=1.0, i_c=-1.4))
     _judged(Limits(current_sum_A=0.5), _block(i_a=1.0, i_b=1.0, i_c=-1.6))
 
