@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import random
 
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from benchtool.emulator.servers.disturbance import NEVER_S, Disturbance, Disturbances, Harm, Stage, Way
 

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from benchtool.emulator.faults.catalogue import FAULTS
 from benchtool.emulator.faults.declaration import Fault, Parameter
