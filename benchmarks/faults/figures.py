@@ -10,9 +10,8 @@ from typing import Any
 import numpy as np
 
 from benchmarks.faults.trial import NAMED_WITHIN_S, WATCHDOG_S, Outcomes
-from benchtool.emulator.faults import FAULTS, Outcome, Place
+from benchtool.emulator.faults import FAULTS, Outcome
 
-_TICK_S = 1e-4
 _HOST_S = 1.0  # for a host that stops what the drive does not notice
 
 
@@ -62,16 +61,13 @@ class Figures:
 def limit_s(name: str) -> float | None:
     """Return the time in which the torque must end; None of a fault that the work survives.
 
-    A lost link: the watchdog's time. What the drive reports: 5 ms, ten of the inputs that it polls each
-    millisecond. What only the host can notice: a second.
+    What the drive notices: the time of the watchdog. What only the host can notice: a second.
     """
     kind = FAULTS[name]
     if kind.outcome is Outcome.GOES_ON:
         return None
     if kind.outcome is Outcome.ENDED:
         return _HOST_S
-    if kind.place in (Place.WIRE, Place.HOST):
-        return WATCHDOG_S + 2.0 * _TICK_S
     return WATCHDOG_S
 
 

@@ -34,12 +34,13 @@ def _current_stuck(context: Context, fault: Fault) -> Undo:
 
 
 def _encoder_loss(context: Context, fault: Fault) -> Undo:
-    before = context.core.sensors.encoder
-    _replace_sensor(context, "encoder", replace(before, stuck=True))
+    core, stuck, disc_rad = context.core, context.core.sensors.encoder.stuck, context.core.disc_rad
+    _replace_sensor(context, "encoder", replace(core.sensors.encoder, stuck=True))
     context.firmware.encoder_connected = False
 
     def plug_in() -> None:
-        _replace_sensor(context, "encoder", replace(context.core.sensors.encoder, stuck=before.stuck))
+        _replace_sensor(context, "encoder", replace(core.sensors.encoder, stuck=stuck))
+        core.disc_rad = disc_rad  # where it was: what was not counted meanwhile is set right as well
         context.firmware.encoder_connected = True
 
     return plug_in

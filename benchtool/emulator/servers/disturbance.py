@@ -53,7 +53,7 @@ class Disturbance:
 
 @dataclass
 class Disturbances:
-    """What disturbs all wires of a drive at present; `seed` is of what is drawn."""
+    """What disturbs all wires of a drive at present; `seed` is of the random draws."""
 
     seed: int = 0
     active: tuple[Disturbance, ...] = ()
