@@ -14,7 +14,7 @@ from benchtool.telemetry.live_limits import LiveLimits
 TIMES_S = np.arange(20) * 0.01
 
 
-def _block(first_tick: int = 0, **columns: ArrayLike) -> Block:
+def _block(first_tick: int = 0, /, **columns: ArrayLike) -> Block:
     rows = [np.broadcast_to(np.asarray(each, float), TIMES_S.shape) for each in columns.values()]
     data = np.column_stack(rows)
     return Block(tuple(Channel(name, "") for name in columns), first_tick, 100, 1e-4, data)
