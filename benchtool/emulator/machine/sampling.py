@@ -35,8 +35,8 @@ class Sampling(NamedTuple):
 
     `moments` counts in s from the start of a control period, 0 excluded and its end included; `periods` is
     how many control periods before the one that ends with the control tick, 0 or 1. `values`, of shape
-    (4, 3), has for each phase what its sensor reads now, what was read in this period and in the one before, and whether
-    it was read in this one yet.
+    (4, 3), has for each phase what its sensor reads now, what was read in this period and in the one before,
+    and whether it was read in this one yet.
     """
 
     moments: tuple[float, float, float]
