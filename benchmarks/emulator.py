@@ -118,7 +118,7 @@ def speeds_with_parts() -> dict[str, float]:
     cores = {
         "ideal": paper_machine(),
         **{f"speed_with_{name}": paper_machine(*part) for name, part in PARTS.items()},
-        "speed_with_all_parts": paper_machine(*whole),
+        "speed_with_all_parts": paper_machine(whole[0], whole[1]),
     }
     best = dict.fromkeys(cores, math.inf)
     for _ in range(RUNS):

@@ -102,7 +102,7 @@ class _Registration(LoweringPass):
         functions: list[None] = []
         key = (
             functions.append
-        )  # numba keeps functions by what Python calls, a built-in method; nobody calls it
+        )  # numba keeps functions by what Python calls, a built-in method; it is never called
         state.targetctx.insert_user_function(key, state["cr"].fndesc, [state.library])
         state["cr"] = state["cr"]._replace(cfunc=key)
         return True

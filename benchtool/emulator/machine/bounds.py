@@ -1,4 +1,4 @@
-"""What can be computed: machines whose fastest process turns by no more than so much in a PWM period.
+"""What can be computed: machines whose fastest process turns by no more than so much in a control period.
 
 A step of the integration covers a small part of a radian of the fastest process, so that beyond this bound
 a period takes thousands of them, and a run has no end that is worth waiting for.

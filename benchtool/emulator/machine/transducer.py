@@ -27,7 +27,7 @@ from benchtool.errors import ValueRefused
 
 MAX_TICKS = 2_000_000
 
-# `next_sample` counts within the PWM period under way. The energies are those of `accounts`, in J.
+# `next_sample` counts within the control period under way. The energies are those of `accounts`, in J.
 TRANSDUCER = record_type(
     [
         ("recording", "u4"),
@@ -63,7 +63,7 @@ def sample(
     transducer: Any,
     torque: NDArray[np.float64],
 ) -> None:
-    """Take the samples due within a step that started `time` seconds into the PWM period and took `h`."""
+    """Take the samples due within a step that started `time` seconds into the control period and took `h`."""
     if transducer.recording == 0 or transducer.next_sample * transducer.spacing >= time + h:
         return
     _take(time, h, before, after, u_alpha, u_beta, machine, T_load, transducer, torque)
