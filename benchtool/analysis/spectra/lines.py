@@ -148,9 +148,9 @@ def _candidates(bins: Floats) -> NDArray[np.int64]:
     if len(blocks) * size <= 2 * reach + 1:
         return places
     third = np.partition(blocks, size // 3, axis=1)[:, size // 3]
-    beside = math.ceil(reach / size)
-    padded = np.pad(third, beside, mode="edge")
-    lowest = np.min(np.lib.stride_tricks.sliding_window_view(padded, 2 * beside + 1), axis=1)
+    within = math.ceil(reach / size)
+    padded = np.pad(third, within, mode="edge")
+    lowest = np.min(np.lib.stride_tricks.sliding_window_view(padded, 2 * within + 1), axis=1)
     level = _STANDS_OUT / _RAYLEIGH * _LEAST_RESPONSE
 
     def at_end() -> NDArray[np.bool_]:
