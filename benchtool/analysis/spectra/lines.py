@@ -150,7 +150,7 @@ def _candidates(bins: Floats) -> NDArray[np.int64]:
     third = np.partition(blocks, size // 3, axis=1)[:, size // 3]
     within = math.ceil(reach / size)
     padded = np.pad(third, within, mode="edge")
-    lowest = np.min(np.lib.stride_tricks.sliding_window_view(padded, 2 * within + 1), axis=1)
+    lowest: Floats = np.min(np.lib.stride_tricks.sliding_window_view(padded, 2 * within + 1), axis=1)
     level = _STANDS_OUT / _RAYLEIGH * _LEAST_RESPONSE
 
     def at_end() -> NDArray[np.bool_]:
