@@ -76,7 +76,7 @@ def _says_alive(original: Any) -> Any:
 
 def _only_reported(_original: Any) -> Any:
     def lose(self: Firmware) -> None:
-        self._report(ErrorCode.HEARTBEAT)
+        self.report(ErrorCode.HEARTBEAT)
 
     return lose
 
@@ -177,8 +177,8 @@ SUPERVISION: Final = (
         "a link state that always says alive",
         substitutions=of_firmware("_wire_objects", _says_alive),
     ),
-    Mutant("emcy_missing", "no emergency message", substitutions=of_firmware("_report", _silent)),
-    Mutant("emcy_twice", "every emergency message twice", substitutions=of_firmware("_report", _twice)),
+    Mutant("emcy_missing", "no emergency message", substitutions=of_firmware("report", _silent)),
+    Mutant("emcy_twice", "every emergency message twice", substitutions=of_firmware("report", _twice)),
     Mutant(
         "voltages_swapped",
         "over-voltage is called under-voltage",
@@ -187,12 +187,12 @@ SUPERVISION: Final = (
     Mutant(
         "history_stuck",
         "an error history that takes nothing",
-        substitutions=of_firmware("_report", _without_history),
+        substitutions=of_firmware("report", _without_history),
     ),
     Mutant(
         "error_code_stays",
         "an error code that outlives the reset",
-        substitutions=of_firmware("_report", _error_stays),
+        substitutions=of_firmware("report", _error_stays),
     ),
     Mutant(
         "fault_not_latched",
