@@ -46,6 +46,7 @@ from .equipment import (
     EmulatedTemperature as EmulatedTemperature,
     Operator as Operator,
 )
+from .limits import Limits as Limits
 from .motor import Motor as Motor
 from .nameplate import (
     Amplitude as Amplitude,
