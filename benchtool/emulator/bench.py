@@ -18,6 +18,7 @@ from benchtool.emulator.faults import FaultInjector
 from benchtool.emulator.firmware.device import Firmware
 from benchtool.emulator.instruments import CanInstrument, CanReadings, CanTorque, samples_apart
 from benchtool.emulator.machine.heat import HeatTruth
+from benchtool.emulator.machine.saturation import SaturationTruth
 from benchtool.emulator.machine.sensor_truth import CurrentTruth, EncoderTruth, SensorTruth, VoltageTruth
 from benchtool.emulator.machine.train_truth import (
     FlangeTruth,
@@ -293,10 +294,11 @@ def _core(table: ObjectTable, profile: Profile, emulator: Emulator, seed: int, f
 def _truth(profile: Profile, emulator: Emulator) -> tuple[MotorTruth, InverterTruth, SensorTruth]:
     motor, true = profile.motor, emulator.motor
     believed = motor.model_dump(include={"pole_pairs", "R_s_ohm", "L_d_H", "L_q_H", "psi_r_Wb", "J_kgm2"})
-    stated = true.model_dump(exclude_none=True, exclude={"heat"})
+    stated = true.model_dump(exclude_none=True, exclude={"saturation", "heat"})
+    saturation = SaturationTruth(**true.saturation.model_dump()) if true.saturation else None
     heat = HeatTruth(**true.heat.model_dump()) if true.heat else None
     return (
-        MotorTruth(**{**believed, **stated, "heat": heat}),
+        MotorTruth(**{**believed, **stated, "saturation": saturation, "heat": heat}),
         InverterTruth(
             **emulator.inverter.model_dump(exclude_none=True),
             double_update=profile.drive.double_update,

@@ -32,6 +32,7 @@ from .emulator import (
     Emulator as Emulator,
     Heat as Heat,
     Inverter as Inverter,
+    Saturation as Saturation,
     TrueMotor as TrueMotor,
 )
 from .equipment import (
