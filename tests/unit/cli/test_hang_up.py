@@ -1,4 +1,4 @@
-"""A closed terminal interrupts a command like Ctrl-C, unless the command was started to outlive it (nohup)."""
+"""A closed terminal interrupts a command like Ctrl-C, unless it was started to outlive it (nohup)."""
 
 from __future__ import annotations
 
