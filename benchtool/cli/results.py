@@ -34,6 +34,7 @@ def show_run(output: Output, title: str, result: RunResult, tabulate: Sequence[s
     warn_overdue(output, result.overdue)
     output.verdict(result.verdict, result.verdict_by_transducer, overdue_text(result.overdue))
     show_missed(output, result.assessments)
+    show_waived(output, result.assessments)
     for case, missed in result.missed:
         output.sentence(
             f"{missed.verdict}: {case}, {missed}", lead="  ", style=VERDICT_COLOURS[missed.verdict]
@@ -47,6 +48,17 @@ def show_missed(output: Output, cases: Sequence[Assessment]) -> None:
         for each in case.missed:
             output.sentence(
                 f"{each.verdict}: {_of(case, cases)}{each}", lead="  ", style=VERDICT_COLOURS[each.verdict]
+            )
+
+
+def show_waived(output: Output, cases: Sequence[Assessment]) -> None:
+    """Print each limit that was not met and is waived, with who consents and why."""
+    for case in cases:
+        for each in case.waived:
+            waived = case.limits[each.name].waived
+            assert waived is not None  # or it would count
+            output.sentence(
+                f"{_of(case, cases)}{each} ({waived.reason}, {waived.by})", lead="  waived: ", style="yellow"
             )
 
 

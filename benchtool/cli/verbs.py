@@ -40,6 +40,7 @@ class Verb:
 VERBS: Final = (
     Verb("demo", "demo", "Run a torque-ripple test on the emulated drive.", enables=True),
     Verb("run", "run", "Run a test plan: set up, capture, measure, judge.", enables=True),
+    Verb("acceptance", "acceptance", "Run the acceptance suite on a drive.", enables=True),
     Verb("plans", "listing", "List the test plans, a line for each."),
     Verb("profiles", "profiles", "List the profiles of motors, a line for each."),
     Verb("commission", "commission", "Identify a motor, step by step.", enables=True),

@@ -222,6 +222,8 @@ class Plan(Section):
     """What the limits hold for: each repetition, their mean with its uncertainty, or the worst."""
     published: dict[str, dict[str, float]] = Field(default_factory=dict)
     """Figures of a publication to print beside the measured ones, by case."""
+    requirements: Array[str] = ()
+    """Requirements that the plan is evidence for, by their numbers; a limit may name its own."""
     readings: Array[str] = ()
     """What that publication leaves open, and how it is read here."""
     figure: str = "none"

@@ -34,6 +34,7 @@ OUTSIDE: Final = {
         "ls",
         "lsusb",
         "make",
+        "pytest",
     ),
     *("pip", "pipx", "python", "python3", "rerun", "slcand", "stty", "sudo", "usermod"),
     *(".venv/bin/pip", ".venv/bin/pre-commit", ".venv/bin/pytest", ".venv/bin/python"),
