@@ -76,7 +76,7 @@ def _says_alive(original: Any) -> Any:
 
 def _only_reported(_original: Any) -> Any:
     def lose(self: Firmware) -> None:
-        self._report(ErrorCode.HEARTBEAT)
+        self.report(ErrorCode.HEARTBEAT)
 
     return lose
 
