@@ -16,6 +16,9 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
+from scipy.special import ndtr
+
+from benchtool.analysis.uncertainty import COVERAGE
 
 Floats = NDArray[np.float64]
 
@@ -32,7 +35,9 @@ _FEWEST = 5  # bins
 _RISES = 1e-3  # probability that white noise rises as much from one octave to the next
 _NEAR_HARMONIC = 0.2  # of the distance between harmonics
 _LOST = 4.5  # octaves by which the density rises below the lowest bin: 1/f noise does by five at most
-_WEIGHTLESS = 1e-9
+_WEIGHTLESS = 1e-4  # of all models
+_HALVINGS = 24
+_K, _DOF = 2.0, 60.0  # of Student's distribution, for 95 %
 
 
 @dataclass(frozen=True)
@@ -56,6 +61,8 @@ def slow_noise(samples: Floats, periods: int = 0) -> SlowNoise | None:
     `periods` are the whole periods that the samples hold of what repeats, whose harmonics are left out.
     """
     count = len(samples)
+    if len(samples) < 2 * _FEWEST:
+        return None
     bins = fft.rfft(samples - np.mean(samples))[1 : (count - 1) // 2 + 1] / count
     number = np.arange(1, len(bins) + 1)
     power = bins.real**2 + bins.imag**2
@@ -160,9 +167,22 @@ def _averaged(place: Floats, mean: Floats, count: Floats) -> SlowNoise:
     weight = prior * np.exp(fits - np.max(fits))
     weight /= np.sum(weight)
     square = of_mean * scaled / max(bins - 1.0, 0.5)
-    expected = float(np.sum(weight * square))
-    varies = float(np.sum(weight * square**2)) * (1.0 + 1.0 / max(bins - 2.0, 0.5)) / expected**2 - 1.0
-    return SlowNoise(math.sqrt(expected), 2.0 / max(varies, _WEIGHTLESS), float(np.sum(weight * rise)))
+    return SlowNoise(_half_width(weight, np.sqrt(square)) / _K, _DOF, float(np.sum(weight * rise)))
+
+
+def _half_width(weight: Floats, standard: Floats) -> float:
+    """Return half of the interval that holds 95 % of a mixture of normal distributions about zero.
+
+    Its standard deviation would be that of the steepest of the models, however little they weigh.
+    """
+    kept = weight > _WEIGHTLESS
+    weight, standard = weight[kept] / np.sum(weight[kept]), standard[kept]
+    low, high = 0.0, 4.0 * float(np.max(standard))
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        within = float(np.sum(weight * (2.0 * ndtr(middle / standard) - 1.0)))
+        low, high = (middle, high) if within < COVERAGE else (low, middle)
+    return high
 
 
 def _prior(corners: int, floors: int) -> Floats:
