@@ -27,6 +27,8 @@ _EXPONENTS = np.array([0.5, 1.0, 1.5, 2.0])  # of the density's fall with freque
 _CORNERS = _LOWEST * 2.0 ** np.arange(17)  # cycles in the record, below which the density is flat
 _FLOORS = 2.0 ** np.arange(0.0, 12.0, 1.5)  # cycles in the record, above which white noise hides the fall
 _WHITE = 0.7  # probability of white noise before the record is seen
+_FLAT = 0.02  # octaves of rise below the lowest bin, up to which the record shows all of the density
+_STILL_FLAT = 0.02  # probability of that, above which the few lowest bins are high by chance
 _SCALELESS = 0.5  # probability that such a density has no corner
 _SINGLE = 8  # bins that count by themselves
 _BANDS_PER_OCTAVE = 3.0
@@ -57,7 +59,8 @@ class SlowNoise:
 
 
 def slow_noise(samples: Floats, periods: int = 0) -> SlowNoise | None:
-    """Return the error of the mean of samples, shape (n,), at equal times; None of too few.
+    """Return the error of the mean of samples, shape (n,), at equal times; None of too few, and of
+    noise whose density may be flat below the lowest frequency of the record.
 
     `periods` are the whole periods that the samples hold of what repeats, whose harmonics are left out.
     """
@@ -144,8 +147,9 @@ def _density(place: Floats) -> Floats:
     return np.asarray((place**2 + corners**2) ** (-0.5 * exponents))
 
 
-def _averaged(place: Floats, mean: Floats, count: Floats) -> SlowNoise:
-    """Return the error by all models, each of any size, with the weight that the bands give it."""
+def _averaged(place: Floats, mean: Floats, count: Floats) -> SlowNoise | None:
+    """Return the error by all models, each of any size, with the weight that the bands give it; None where
+    they do not rule out that the density rises no further."""
     models, single = _models(), int(np.count_nonzero(place <= _SINGLE))
     falling = _density(place)
     falling[:, :, :single] = models.in_bins[:, :, np.round(place[:single]).astype(np.int64) - 1]
@@ -169,6 +173,8 @@ def _averaged(place: Floats, mean: Floats, count: Floats) -> SlowNoise:
     prior = _prior(int(np.count_nonzero(usable)), len(floors))
     weight = prior * np.exp(fits - np.max(fits))
     weight /= np.sum(weight)
+    if float(np.sum(weight[rise <= _FLAT])) > _STILL_FLAT:
+        return None
     square = of_mean * scaled / max(bins - 1.0, 0.5)
     return SlowNoise(_half_width(weight, np.sqrt(square)) / _K, _DOF, float(np.sum(weight * rise)))
 
