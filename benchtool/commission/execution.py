@@ -15,6 +15,7 @@ from benchtool.commission.known import Known
 from benchtool.commission.steps.encoder import DraggedRotor
 from benchtool.commission.steps.flux_linkage import BackEmf
 from benchtool.commission.steps.inductance import TurningVoltage
+from benchtool.commission.steps.mechanics import Reversals
 from benchtool.commission.steps.offsets import Offsets
 from benchtool.commission.steps.resistance import StandingCurrents
 from benchtool.commission.steps.step import Finding, Step
@@ -35,7 +36,7 @@ from benchtool.profile import Profile
 from benchtool.protocol import Mode, State
 from benchtool.protocol.dictionary import Role, Value, setting_of
 
-STEPS: tuple[Step, ...] = (Offsets(), StandingCurrents(), TurningVoltage(), DraggedRotor(), BackEmf())
+STEPS: tuple[Step, ...] = (Offsets(), StandingCurrents(), TurningVoltage(), DraggedRotor(), BackEmf(), Reversals())
 """Every step, in the order in which they are run."""
 
 _QUIET: Mapping[str, Value] = MappingProxyType({"quick_stop_option": "disable"})
