@@ -17,8 +17,9 @@ from benchtool.commission.steps.flux_linkage import BackEmf
 from benchtool.commission.steps.inductance import TurningVoltage
 from benchtool.commission.steps.mechanics import Reversals
 from benchtool.commission.steps.offsets import Offsets
+from benchtool.commission.steps.preflight import Preflight
 from benchtool.commission.steps.resistance import StandingCurrents
-from benchtool.commission.steps.step import Finding, Step
+from benchtool.commission.steps.step import Finding, Step, Trial
 from benchtool.drive import Capability, Capture, RemoteDrive, play
 from benchtool.drive.parameters import held
 from benchtool.errors import (
@@ -36,7 +37,7 @@ from benchtool.profile import Profile
 from benchtool.protocol import Mode, State
 from benchtool.protocol.dictionary import Role, Value, setting_of
 
-STEPS: tuple[Step, ...] = (Offsets(), StandingCurrents(), TurningVoltage(), DraggedRotor(), BackEmf(), Reversals())
+STEPS: tuple[Step, ...] = (Preflight(), Offsets(), StandingCurrents(), TurningVoltage(), DraggedRotor(), BackEmf(), Reversals())
 """Every step, in the order in which they are run."""
 
 _QUIET: Mapping[str, Value] = MappingProxyType({"quick_stop_option": "disable"})
@@ -164,6 +165,8 @@ def _attempt(
             note(f"{step.name}: {each.name}")
             blocks.append(_played(drive, each, known))
         estimates = step.estimate(blocks, known)
+        if isinstance(step, Trial):
+            estimates = {**estimates, **step.attempt(drive, known)}
     except SetUpError as wrong:
         found = (Finding(wrong.what, wrong.cause, wrong.remedy),)
         return StepResult(step.name, step.sets, StepVerdict.FAIL, wrong.what, {}, found, heat_J)
