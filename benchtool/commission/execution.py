@@ -37,7 +37,15 @@ from benchtool.profile import Profile
 from benchtool.protocol import Mode, State
 from benchtool.protocol.dictionary import Role, Value, setting_of
 
-STEPS: tuple[Step, ...] = (Preflight(), Offsets(), StandingCurrents(), TurningVoltage(), DraggedRotor(), BackEmf(), Reversals())
+STEPS: tuple[Step, ...] = (
+    Preflight(),
+    Offsets(),
+    StandingCurrents(),
+    DraggedRotor(),
+    TurningVoltage(),
+    BackEmf(),
+    Reversals(),
+)
 """Every step, in the order in which they are run."""
 
 _QUIET: Mapping[str, Value] = MappingProxyType({"quick_stop_option": "disable"})

@@ -18,6 +18,7 @@ from benchtool.profile import Motor
 from benchtool.protocol.dictionary import Value
 
 _SAMPLED_S = 0.01
+_MOST_DEAD_TIME_S = 1e-5  # that a drive compensates
 _OF_THE_SWING = 0.7
 _SLOWEST_RAD_S = 30.0  # so that a level of some tenths of a second settles
 _OF_MOTOR: Mapping[str, str] = MappingProxyType(
@@ -134,15 +135,19 @@ class Known:
             found["pole_pairs"] = self.identified.pole_pairs
         return found
 
+    def without_eccentricity(self, theta_m_rad: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the mechanical angle of the shaft, shape (n,), from what an eccentric encoder shows."""
+        shaft = np.array(theta_m_rad)
+        for n in (1, 2):
+            shaft -= self.value(f"eccentricity_{n}_cos", 0.0) * np.cos(n * theta_m_rad)
+            shaft -= self.value(f"eccentricity_{n}_sin", 0.0) * np.sin(n * theta_m_rad)
+        return shaft
+
     @property
-    def eccentricity(self) -> tuple[complex, complex]:
-        """By what the encoder is ahead of the shaft, rad, once and twice in a revolution of theta_m: the real
-        part of each times exp(-j n theta_m)."""
-        once, twice = (
-            complex(self.value(f"eccentricity_{n}_cos", 0.0), self.value(f"eccentricity_{n}_sin", 0.0))
-            for n in (1, 2)
-        )
-        return once, twice
+    def compensation_s(self) -> float:
+        """Dead time by which the drive takes off what dead time and devices take of a phase, as far as
+        estimated."""
+        return min(max(0.0, self.drop_V / self.u_dc_V * self.control_period_s), _MOST_DEAD_TIME_S)
 
     @property
     def offsets(self) -> dict[str, Value]:

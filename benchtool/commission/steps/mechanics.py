@@ -120,9 +120,7 @@ def _course(block: Block, known: Known, share: float) -> Course:
     """Return angle and torque of a capture; the drive has corrected its currents."""
     omega = share * known.motor.omega_m_N_rad_s
     motor = known.identified
-    theta = np.unwrap(block.column("theta_m"))
-    for n, z in enumerate(known.eccentricity, start=1):
-        theta = theta - (z * np.exp(-1j * n * block.column("theta_m"))).real
+    theta = known.without_eccentricity(np.unwrap(block.column("theta_m")))
     i = vector_of(np.column_stack([block.column(name) for name in CURRENTS]))
     i_dq = i * np.exp(-1j * motor.pole_pairs * theta)
     flux = motor.psi_r_Wb + (motor.L_d_H - motor.L_q_H) * i_dq.real
