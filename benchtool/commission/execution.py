@@ -209,7 +209,7 @@ def _played(drive: RemoteDrive, excitation: Excitation, known: Known) -> Block:
 
 
 def _leave_fault_of_the_link(drive: RemoteDrive, note: Callable[[str], None]) -> None:
-    """Reset a fault of the dc link's voltage where that is within the profile's limits, which are in force now:
+    """Reset a fault of the dc link's voltage where that is within the profile's limits, which are in force:
     the drive came with others."""
     if drive.state() is not State.FAULT or drive.optional_number(Role.ERROR_CODE) not in _OF_THE_LINK:
         return

@@ -38,8 +38,8 @@ _NONE: Mapping[str, Measurement] = MappingProxyType({})
 class Known:
     """The host's knowledge of motor and drive; nothing of it is the truth of an emulated bench.
 
-    `motor` is the nameplate; `estimates` has what was estimated, by the dictionary's names. `encoder_lines` are
-    those that the drive counts by, `travel_rad` is how far the shaft may turn from where it stands.
+    `motor` is the nameplate; `estimates` has what was estimated, by the dictionary's names. `encoder_lines`
+    are those that the drive counts by, `travel_rad` is how far the shaft may turn from where it stands.
     """
 
     motor: Motor
@@ -121,9 +121,7 @@ class Known:
     @property
     def electrical(self) -> dict[str, Value]:
         """Parameters of the drive for its current loop, as far as estimated."""
-        return {
-            name: self.estimates[name].value for name in ("R_s", "L_d", "L_q") if name in self.estimates
-        }
+        return {name: self.estimates[name].value for name in ("R_s", "L_d", "L_q") if name in self.estimates}
 
     @property
     def encoder(self) -> dict[str, Value]:
@@ -131,7 +129,9 @@ class Known:
         found: dict[str, Value] = {}
         if "encoder_offset" in self.estimates:
             found["encoder_offset"] = self.estimates["encoder_offset"].value
-            found["encoder_direction"] = "forward" if self.value("encoder_direction", 1.0) > 0.0 else "reverse"
+            found["encoder_direction"] = (
+                "forward" if self.value("encoder_direction", 1.0) > 0.0 else "reverse"
+            )
             found["pole_pairs"] = self.identified.pole_pairs
         return found
 

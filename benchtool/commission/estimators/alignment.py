@@ -65,10 +65,10 @@ class Motion:
 class Alignment:
     """Angles in rad; `offset_rad` is mechanical, within half an electrical revolution of zero.
 
-    `lag_rad` is the electrical angle by which friction holds the rotor back at the nominal current. `errors_rad` are the complex
-    amplitudes of the encoder's error once and twice in a revolution, the real part of each times
-    exp(-j n theta_m); None where less than a revolution was turned. `ripple_rad` is the rms electrical
-    deviation from all of these.
+    `lag_rad` is the electrical angle by which friction holds the rotor back at the nominal current.
+    `errors_rad` are the complex amplitudes of the encoder's error once and twice in a revolution, the real
+    part of each times exp(-j n theta_m); None where less than a revolution was turned. `ripple_rad` is the
+    rms electrical deviation from all of these.
     """
 
     offset_rad: float
@@ -155,9 +155,7 @@ def alignment(spins: Sequence[Spin], pole_pairs: int, direction: int) -> Alignme
     )
 
 
-def _fitted(
-    x: NDArray[np.float64], y: NDArray[np.float64], sense: NDArray[np.float64], whole: bool
-) -> Fit:
+def _fitted(x: NDArray[np.float64], y: NDArray[np.float64], sense: NDArray[np.float64], whole: bool) -> Fit:
     columns = [np.ones(len(x)), -sense]
     if whole:
         columns += [wave(n * x) for n in _HARMONICS for wave in (np.cos, np.sin)]

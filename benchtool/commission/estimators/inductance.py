@@ -44,8 +44,8 @@ _FEWEST = 40
 class Turning:
     """One capture: voltages asked for, shape (n,), and phase currents, shape (n + 1, 3).
 
-    u_V[k] acts from readings_A[k] to readings_A[k + 1]. `rotor_rad` is the electrical angle of the rotor by the
-    encoder, or 0 where it is not known: of captures between which the rotor moved it has to be.
+    u_V[k] acts from readings_A[k] to readings_A[k + 1]. `rotor_rad` is the electrical angle of the rotor by
+    the encoder, or 0 where it is not known: of captures between which the rotor moved it has to be.
     """
 
     u_V: NDArray[np.complex128]
@@ -57,8 +57,9 @@ class Turning:
 class Inductance:
     """L_d and L_q in H with standard uncertainties and degrees of freedom.
 
-    `axis_rad` is the electrical angle of the d-axis against phase a, or against the encoder's, modulo pi: the axis of the anisotropy
-    nearest to where the rotor was aligned; nan where that is no clearer than its noise.
+    `axis_rad` is the electrical angle of the d-axis against phase a, or against the encoder's, modulo pi: the
+    axis of the anisotropy nearest to where the rotor was aligned; nan where that is no clearer than its
+    noise.
     """
 
     L_d_H: float

@@ -92,7 +92,8 @@ class DraggedRotor:
         return (align, *turns)
 
     def estimate(self, blocks: Sequence[Block], known: Known) -> Mapping[str, Measurement]:
-        """Return `pole_pairs`, `encoder_direction`, `encoder_offset`, and the encoder's error in a revolution.
+        """Return `pole_pairs`, `encoder_direction`, `encoder_offset`, and the encoder's error in a
+        revolution.
 
         Raises:
             AnalysisError: the captures do not define them.
@@ -122,7 +123,8 @@ class DraggedRotor:
                 Finding(
                     "the encoder counts down while the current turns from phase a to b",
                     "the encoder is reversed (its tracks A and B are exchanged), or two phases are swapped",
-                    "if the shaft turned the right way on `turning on`, exchange A and B, else two phases; or "
+                    "if the shaft turned the right way on `turning on`, exchange A and B, else two "
+                    "phases; or "
                     'state encoder_direction = "reverse" in [drive.parameters] of the profile',
                     fails=False,
                 )
@@ -131,7 +133,8 @@ class DraggedRotor:
         if once > _ECCENTRIC_RAD:
             findings.append(
                 Finding(
-                    f"the encoder's angle is off by up to {math.degrees(once):.2g} degrees once in a revolution",
+                    f"the encoder's angle is off by up to {math.degrees(once):.2g} degrees once in a "
+                    f"revolution",
                     "its disc is eccentric to the shaft",
                     "centre the encoder's disc, or mount it anew",
                     fails=False,
@@ -171,25 +174,27 @@ class _Turning:
         most = 0.8 * p * known.travel_rad
         omega_e = min(_OF_SWING * swing, _OF_RATED * p * motor.omega_m_N_rad_s)
         if math.isfinite(most):
-            omega_e = min(omega_e, swing * math.sqrt(0.4 * most * _ACCELERATION))
+            omega_e = min(omega_e, swing * math.sqrt(0.3 * most * _ACCELERATION))
         lead_s = omega_e / (_ACCELERATION * swing**2)
         lead = 0.5 * omega_e * lead_s
         a_turn = 2.0 * math.pi * p
         turns = min(max(1, round(_SPUN_S * omega_e / a_turn)), _MOST_TURNS)
-        turned = min(turns * a_turn * _REVOLUTIONS, most - lead)
-        return cls(omega_e, lead_s, lead_s + turned / omega_e, lead + turned)
+        turned = min(turns * a_turn * _REVOLUTIONS, most - 2.0 * lead)
+        return cls(omega_e, lead_s, 2.0 * lead_s + turned / omega_e, 2.0 * lead + turned)
 
 
 def _spin(block: Block, known: Known, sense: int) -> Spin:
     """Return the part of a capture in which the current turns evenly."""
-    lead = _lead_rows(block, known)
-    i = vector_of(np.column_stack([block.column(name) for name in CURRENTS])[lead:] * known.gains)
+    even = _even_rows(block, known)
+    i = vector_of(np.column_stack([block.column(name) for name in CURRENTS])[even] * known.gains)
     share = np.abs(i) / (_SHARE * known.I_N_A)
-    return Spin(block.column("theta_m")[lead:], np.angle(i), share, sense)
+    return Spin(block.column("theta_m")[even], np.angle(i), share, sense)
 
 
-def _lead_rows(block: Block, known: Known) -> int:
-    return math.ceil(_Turning.of(known).lead_s / (block.tick_s * block.stride))
+def _even_rows(block: Block, known: Known) -> slice:
+    """Return the rows between coming up to speed and coming to rest."""
+    lead = math.ceil(_Turning.of(known).lead_s / (block.tick_s * block.stride))
+    return slice(lead, len(block.data) - lead)
 
 
 def _flux_seen(blocks: Sequence[Block], known: Known) -> float:
@@ -197,9 +202,9 @@ def _flux_seen(blocks: Sequence[Block], known: Known) -> float:
     seen = []
     omega_e = _Turning.of(known).omega_e_rad_s
     for block, sense in zip(blocks, (1, -1), strict=True):
-        lead = _lead_rows(block, known)
-        i = vector_of(np.column_stack([block.column(name) for name in CURRENTS])[lead:] * known.gains)
-        u = (block.column("u_alpha") + 1j * block.column("u_beta"))[lead:]
+        even = _even_rows(block, known)
+        i = vector_of(np.column_stack([block.column(name) for name in CURRENTS])[even] * known.gains)
+        u = (block.column("u_alpha") + 1j * block.column("u_beta"))[even]
         across = np.mean((u * np.conj(i / np.abs(i))).imag)
         L = 0.5 * (known.identified.L_d_H + known.identified.L_q_H)
         seen.append(across / (sense * omega_e) - L * float(np.mean(np.abs(i))))
@@ -218,7 +223,8 @@ def _require_motion(moved: Motion, flux_Wb: float, known: Known) -> None:
             "check the encoder's cable, supply and coupling",
         )
     raise SetUpError(
-        f"theta_m changes by {math.degrees(moved.moved_rad):.2g} degrees while a current of {_SHARE:.0%} of the "
+        f"theta_m changes by {math.degrees(moved.moved_rad):.2g} degrees while a current of "
+        f"{_SHARE:.0%} of the "
         f"rated one turns, and the motor induces no voltage",
         "the rotor is locked, by a brake, a load, or a tool that was left in",
         "release the brake and see that the shaft turns freely by hand",
@@ -237,7 +243,8 @@ def _pole_pairs(moved: Motion, known: Known) -> int:
     unsure = max(_WHOLE_NUMBER * ratio, _SURE * moved.per_rad_scatter * ratio**2)
     if abs(moved.jump_rad) > _LEAP_RAD:
         raise SetUpError(
-            f"theta_m leaps by {math.degrees(moved.jump_rad):.1f} degrees once in a revolution, and the current "
+            f"theta_m leaps by {math.degrees(moved.jump_rad):.1f} degrees once in a revolution, and "
+            f"the current "
             f"turns {ratio:.4g} times for one of theta_m, where {stated} pole pairs are stated",
             f"the encoder has not the {lines} lines that encoder_lines states: about "
             f"{lines * stated / ratio:.0f} by the pole pairs",
@@ -245,11 +252,13 @@ def _pole_pairs(moved: Motion, known: Known) -> int:
         )
     if abs(ratio - nearest) > unsure:
         raise SetUpError(
-            f"the current turns {ratio:.4g} times for one revolution of theta_m, a whole number of pole pairs "
+            f"the current turns {ratio:.4g} times for one revolution of theta_m, a whole number of "
+            f"pole pairs "
             f"is expected, {stated} by the nameplate",
             f"the encoder slips on its shaft or loses counts, or it has not {lines} lines (about "
             f"{lines * stated / ratio:.0f} by the pole pairs), or a gearbox is between it and the rotor",
-            "tighten the encoder's coupling, check its cable and shield, and compare encoder_lines with its label",
+            "tighten the encoder's coupling, check its cable and shield, and compare encoder_lines "
+            "with its label",
         )
     if nearest != stated:
         raise SetUpError(
@@ -261,9 +270,7 @@ def _pole_pairs(moved: Motion, known: Known) -> int:
     return nearest
 
 
-def _measurements(
-    found: Alignment, pole_pairs: int, direction: int, known: Known
-) -> tuple[Measurement, ...]:
+def _measurements(found: Alignment, pole_pairs: int, direction: int, known: Known) -> tuple[Measurement, ...]:
     p = pole_pairs
     basis = Basis(samples=found.dof)
     count_rad = 2.0 * math.pi / (4.0 * known.encoder_lines)
@@ -277,7 +284,8 @@ def _measurements(
         "encoder_offset",
         found.offset_rad,
         "rad",
-        "mechanical angle of the encoder's zero against the rotor flux on phase a, mean of both ways of turning",
+        "mechanical angle of the encoder's zero against the rotor flux on phase a, mean of both ways "
+        "of turning",
         basis,
         combined(lines, source),
     )

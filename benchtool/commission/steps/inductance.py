@@ -140,7 +140,7 @@ def _turning(known: Known, periods: float) -> Excitation:
 
 def _directed(block: Block, known: Known) -> Turning:
     """Return voltages and currents of a capture: what a row asks for acts from the next row on to the one
-    after. The rotor is where the encoder says, which friction may have kept from the direction of alignment."""
+    after. The rotor is where the encoder says: friction may have kept it from where it was aligned."""
     u_V = block.column("u_alpha") + 1j * block.column("u_beta")
     turned = known.identified.pole_pairs * known.without_eccentricity(block.column("theta_m"))
     rotor_rad = float(np.angle(np.mean(np.exp(1j * turned))))

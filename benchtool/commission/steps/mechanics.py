@@ -10,6 +10,7 @@ import numpy as np
 
 from benchtool.analysis import Basis, Contribution, Measurement, combined
 from benchtool.block import Block
+from benchtool.commission.estimators.flux_linkage import HARMONICS
 from benchtool.commission.estimators.mechanics import Course, Mechanics, mechanics
 from benchtool.commission.estimators.vectors import vector_of
 from benchtool.commission.excitation import Excitation
@@ -80,9 +81,7 @@ class Reversals:
                 name: Measurement.undefined(name, unit, definition, reason)
                 for name, (unit, definition) in _DEFINITIONS.items()
             }
-        courses = [
-            _course(block, known, share) for block, share in zip(blocks, _SPEEDS, strict=True)
-        ]
+        courses = [_course(block, known, share) for block, share in zip(blocks, _SPEEDS, strict=True)]
         found = mechanics(courses)
         return {each.name: each for each in _measurements(found, blocks, known)}
 
@@ -94,7 +93,9 @@ class Reversals:
             findings.append(
                 Finding(
                     f"the inertia is {found['J'].value:.4g} kgm2, {ratio:.3g} times the nameplate's",
-                    "a load on the shaft" if ratio > 1.0 else "another rotor, or an inertia stated with a load",
+                    "a load on the shaft"
+                    if ratio > 1.0
+                    else "another rotor, or an inertia stated with a load",
                     "uncouple the load to commission the motor alone, or state its inertia in motor.J_kgm2",
                     fails=False,
                 )
@@ -125,6 +126,10 @@ def _course(block: Block, known: Known, share: float) -> Course:
     i_dq = i * np.exp(-1j * motor.pole_pairs * theta)
     flux = motor.psi_r_Wb + (motor.L_d_H - motor.L_q_H) * i_dq.real
     torque = 1.5 * motor.pole_pairs * flux * i_dq.imag
+    for order in HARMONICS:  # currents that the harmonics of the EMF drive brake the shaft
+        psi = complex(*(known.value(f"psi_{abs(order)}_{part}", 0.0) for part in ("cos", "sin")))
+        of_angle = 1j * order * psi * np.exp(1j * order * motor.pole_pairs * theta)
+        torque += 1.5 * motor.pole_pairs * (of_angle * np.conj(i)).real
     step_s = block.tick_s * block.stride
     level = _level_s(known, omega) / step_s
     steady_s = max(_LEAST_S, _REVOLUTIONS * 2.0 * math.pi / omega)
