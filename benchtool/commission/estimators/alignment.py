@@ -139,11 +139,16 @@ def alignment(spins: Sequence[Spin], pole_pairs: int, direction: int) -> Alignme
     fit = _fitted(x, y, sense, whole)
     offset = (around + fit.x[0]) / pole_pairs
     period = 2.0 * math.pi / pole_pairs
-    offset -= period * math.floor(offset / period + 0.5)
+    whole_periods = period * math.floor(offset / period + 0.5)
+    offset -= whole_periods  # and theta_m is so much more
     found = None
     if whole:
         by_p = fit.x[2:] / pole_pairs
-        found = (complex(by_p[0], by_p[1]), complex(by_p[2], by_p[3]))
+        turned = np.exp(1j * whole_periods)
+        found = (
+            complex(complex(by_p[0], by_p[1]) * turned),
+            complex(complex(by_p[2], by_p[3]) * turned**2),
+        )
     return Alignment(
         offset,
         fit.standard(0) / pole_pairs,
