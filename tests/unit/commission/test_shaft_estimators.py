@@ -75,7 +75,7 @@ def turning(omega_e: float) -> tuple[NDArray[np.complex128], NDArray[np.float64]
     i = i_dq * rotor
     u = np.diff(flux) / T_S + R_S * 0.5 * (i[1:] + i[:-1]) + (0.05 - 0.02j)
     phases = np.column_stack([(i * np.exp(-2j * np.pi * k / 3.0)).real for k in range(3)])
-    return u, phases, theta
+    return np.asarray(u, np.complex128), phases, np.asarray(theta, np.float64)
 
 
 @pytest.mark.parametrize("omega_e", [900.0, -400.0])
@@ -96,7 +96,7 @@ def test_the_rotor_flux_needs_no_angle_and_no_exact_inductance(omega_e: float) -
 def test_a_motor_that_stands_has_no_circle() -> None:
     rng = np.random.default_rng(2)
     phases = rng.normal(0.0, 0.1, (1000, 3))
-    u = rng.normal(0.0, 0.1, 999) + 0.1j
+    u = np.asarray(rng.normal(0.0, 0.1, 999) + 0.1j, np.complex128)
     with pytest.raises(AnalysisError, match="does not turn"):
         turning_flux(u, phases, T_s=T_S, R_s_ohm=R_S, L_d_H=L_D, L_q_H=L_Q, drop_V=0.0, gains=np.ones(3))
 
