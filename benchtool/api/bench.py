@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterable, Mapping
-from contextlib import ExitStack
+from contextlib import AbstractContextManager, ExitStack
 from pathlib import Path
 from types import MappingProxyType, TracebackType
 from typing import TYPE_CHECKING, Self
@@ -17,7 +17,7 @@ from benchtool.api.waiting import wait
 if TYPE_CHECKING:
     from benchtool.api.bundles import Bundle
     from benchtool.api.plans import PlanResult
-    from benchtool.bench import Supply, Thermometer
+    from benchtool.bench import Session, Supply, Thermometer
     from benchtool.plan import Plan
     from benchtool.profile import Profile
 
@@ -221,6 +221,17 @@ class Bench:
 
     def _repr_html_(self) -> str:
         return self.drive._repr_html_()
+
+
+def session_of(bench: Bench) -> AbstractContextManager[Session]:
+    """Return the session beneath a bench, for one caller alone and the length of a `with` block.
+
+    For packages above this one; scripts have `Bench` and `Drive`.
+
+    Raises:
+        UsageError: in the `with` statement: the bench is closed, or of another process.
+    """
+    return bench._connection.use()
 
 
 def _tell(text: str) -> None:

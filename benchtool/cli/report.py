@@ -13,8 +13,17 @@ from benchtool.errors import RecordingError, UsageError
 from benchtool.plan import worst
 from benchtool.recording import enlist
 from benchtool.report import Report, write_report as write_documents
-from benchtool.report.assembly import case_label, run_report
-from benchtool.results import overdue_text, recorded_runs, stated_overdue
+from benchtool.report.assembly import case_label, run_report, session_report
+from benchtool.results import (
+    SESSION,
+    earlier_sessions,
+    overdue_text,
+    read_session,
+    recorded_runs,
+    stated_overdue,
+)
+
+_HISTORY = 10
 
 
 def report(
@@ -39,6 +48,8 @@ def report(
     if out is not None and out.suffix.lower() == ".pdf" and not pdf:
         raise UsageError(f"--out {out} names a PDF, the page is HTML: add --pdf, or name the page")
     output = Output(as_json=as_json)
+    if (run / SESSION).is_file():
+        return _session(run, out, pdf=pdf, output=output)
     runs = recorded_runs(run, chosen.selection(stream, from_, to, analysis))
     warn_unsealed(output, [case.bundle for each in runs for case in each.cases])
     page, document = write_report(run_report(run, runs), out or run / "report.html", pdf=pdf, output=output)
@@ -69,6 +80,24 @@ def report(
     if damaged:
         raise damaged[0]
     return 0 if verdict.met else 1
+
+
+def _session(folder: Path, out: Path | None, *, pdf: bool, output: Output) -> int:
+    """Write the report of an acceptance session again."""
+    record = read_session(folder)
+    report = session_report(folder, record, earlier_sessions(folder, record, _HISTORY))
+    page, document = write_report(report, out or folder / "report.html", pdf=pdf, output=output)
+    enlist(folder, [page] if document is None else [page, document])
+    output.verdict(str(record.verdict))
+    output.document(
+        {
+            "report": str(page),
+            "pdf": None if document is None else str(document),
+            "verdict": str(record.verdict),
+            "cases": {},
+        }
+    )
+    return 0 if record.verdict.met else 1
 
 
 def write_report(report: Report, page: Path, *, pdf: bool, output: Output) -> tuple[Path, Path | None]:

@@ -17,6 +17,7 @@ from .limits import (
     Limit as Limit,
     Missed as Missed,
     Verdict as Verdict,
+    Waived as Waived,
     missed as missed,
     worst as worst,
 )

@@ -9,9 +9,9 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import TYPE_CHECKING, Any, Final, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
 
-from pydantic import field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from benchtool.document import Section, unit_suffix
 
@@ -38,6 +38,15 @@ class Verdict(StrEnum):
         return self not in (Verdict.UNDECIDED, Verdict.FAIL)
 
 
+class Waived(Section):
+    """Consent to a limit that is not met: why, and by whom."""
+
+    reason: Annotated[str, Field(min_length=1)]
+    """Why it need not be met."""
+    by: Annotated[str, Field(min_length=1)]
+    """Who consents."""
+
+
 class Limit(Section):
     """Bounds of one measurement in its own unit, and the decision rule.
 
@@ -57,6 +66,10 @@ class Limit(Section):
     """Within this distance of a bound a value is marginal; `"U"` guards with the expanded uncertainty."""
     unit: str | None = None
     """Unit of the bounds, which is checked, or `T_N`, `omega_m_N`, `I_N_peak`: parts of a rated value."""
+    requirement: str | None = None
+    """Requirement that this limit is evidence for, as a specification numbers it."""
+    waived: Waived | None = None
+    """Consent to a value that does not meet the limit: it is reported, and does not count."""
 
     @model_validator(mode="before")
     @classmethod
@@ -106,6 +119,10 @@ class Limit(Section):
         if room < 0:
             return Verdict.FAIL
         return Verdict.MARGINAL if room < self.margin else Verdict.PASS
+
+    def counted(self, verdict: Verdict) -> Verdict:
+        """Return a verdict on this limit as it counts for the whole: none where it is not met, and waived."""
+        return Verdict.NONE if self.waived is not None and not verdict.met else verdict
 
     def conformance(self, value: float | None, uncertainty: Uncertainty | None) -> float | None:
         """Return the probability that the true value lies within the bounds (JCGM 106:2012, 7), by the

@@ -222,6 +222,8 @@ class Plan(Section):
     """What the limits hold for: each repetition, their mean with its uncertainty, or the worst."""
     published: dict[str, dict[str, float]] = Field(default_factory=dict)
     """Figures of a publication to print beside the measured ones, by case."""
+    requirements: Array[str] = ()
+    """Requirements that the plan is evidence for, by their numbers; a limit may name its own."""
     readings: Array[str] = ()
     """What that publication leaves open, and how it is read here."""
     figure: str = "none"
@@ -232,6 +234,9 @@ class Plan(Section):
     """Measurements of a table with a row for each case."""
     emulator: dict[str, float] = Field(default_factory=dict)
     """Keys of the emulated bench that the plan alters, such as `inverter.u_dc_V`."""
+    faults: Array[str] = ()
+    """Faults of the emulated bench, `NAME[:key=value,...][@SECONDS]`, the seconds from the beginning of the
+    capture on; `benchtool emulate --faults` lists them."""
 
     @field_validator("limits", mode="before")
     @classmethod

@@ -34,12 +34,14 @@ class Instrument(Section):
     """Its serial number."""
     certificate: str = ""
     """Number of its calibration certificate."""
+    calibrated: date | None = None
+    """Day of its calibration."""
     due: date | None = None
     """Day of its next calibration; reports tell of one that is overdue."""
     k: Annotated[float, Field(ge=1.0, le=5.0)] = 2.0
     """Coverage factor of the expanded uncertainties that the certificate states."""
 
-    @field_validator("due", mode="before")
+    @field_validator("calibrated", "due", mode="before")
     @classmethod
     def _is_a_date(cls, due: object) -> object:
         if isinstance(due, str):

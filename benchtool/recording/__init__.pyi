@@ -37,5 +37,9 @@ from .manifest import (
     software_versions as software_versions,
 )
 from .reader import Bundle as Bundle
-from .seal import hash_of as hash_of
+from .seal import (
+    hash_of as hash_of,
+    read_sealed_json as read_sealed_json,
+    write_json as write_json,
+)
 from .writer import BundleWriter as BundleWriter

@@ -34,7 +34,7 @@ class Integrity:
 
     `damaged` has the reason for each file, half a sentence. `unlisted` files lie beside the recording without
     a hash. `extents` is the acknowledged size of files that may be longer. Bundles that are not `sealed`, of
-    an older version, cannot be checked.
+    an older version, cannot be checked. A folder of an acceptance session may have no bundles.
     """
 
     sealed: bool
@@ -42,6 +42,7 @@ class Integrity:
     unlisted: tuple[str, ...] = ()
     extents: Mapping[str, int] = field(default_factory=dict)
     compared: int = field(default=0, compare=False)
+    has_bundles: bool = field(default=True, compare=False)
 
 
 class _Hashes(Section):
@@ -54,7 +55,7 @@ def verify(folder: Path) -> Integrity:
     Raises:
         RecordingError: the folder holds no recording.
     """
-    bundles = bundles_in(folder)
+    bundles = [] if _has_hashes_alone(folder) else bundles_in(folder)
     above = [] if folder in bundles else dict.fromkeys((folder, *(bundle.parent for bundle in bundles)))
     found = [(bundle, _check_recorded(bundle)) for bundle in bundles]
     made = [(place, _check_made(place)) for place in (*bundles, *above)]
@@ -69,7 +70,18 @@ def verify(folder: Path) -> Integrity:
     unlisted = {name(place, file) for place, each in (*found, *made) for file in each.unlisted}
     sealed = all(each.sealed for _, each in found)
     compared = sum(each.compared for _, each in (*found, *made))
-    return Integrity(sealed, damaged, tuple(sorted(unlisted - known)), compared=compared)
+    return Integrity(
+        sealed, damaged, tuple(sorted(unlisted - known)), compared=compared, has_bundles=bool(bundles)
+    )
+
+
+def _has_hashes_alone(folder: Path) -> bool:
+    """Return whether a folder has hashes of its files, and no bundle in it."""
+    return (folder / HASHES).is_file() and not _manifests(folder)
+
+
+def _manifests(folder: Path) -> list[Path]:
+    return sorted((*folder.glob(MANIFEST), *folder.glob(f"*/{MANIFEST}"), *folder.glob(f"*/*/{MANIFEST}")))
 
 
 def bundles_in(folder: Path) -> list[Path]:
@@ -78,8 +90,7 @@ def bundles_in(folder: Path) -> list[Path]:
     Raises:
         RecordingError: there is none.
     """
-    manifests = (*folder.glob(MANIFEST), *folder.glob(f"*/{MANIFEST}"), *folder.glob(f"*/*/{MANIFEST}"))
-    bundles = [path.parent for path in sorted(manifests)]
+    bundles = [path.parent for path in _manifests(folder)]
     if not bundles:
         raise RecordingError(f"{folder} holds no run bundle: give the folder of a run")
     return bundles

@@ -1,5 +1,11 @@
 from .content import Report as Report
+from .figures.overview import draw_channels as draw_channels
+from .figures.session import (
+    draw_map as draw_map,
+    draw_traces as draw_traces,
+)
 from .figures.twin import draw_twin as draw_twin
+from .images import png as png
 from .junit import (
     junit as junit,
     write_junit as write_junit,

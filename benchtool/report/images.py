@@ -43,3 +43,10 @@ def _svg(figure: Figure) -> bytes:
 
 def _uri(kind: str, data: bytes) -> str:
     return f"data:{kind};base64,{base64.b64encode(data).decode('ascii')}"
+
+
+def png(figure: Figure) -> bytes:
+    """Return the figure as PNG, at its own resolution; the same figure, the same bytes."""
+    file = io.BytesIO()
+    write_png(figure, file, metadata={"Software": None})
+    return file.getvalue()

@@ -14,7 +14,7 @@ from typing import Final
 from xml.etree import ElementTree
 
 from benchtool.analysis import with_expanded
-from benchtool.plan import Verdict
+from benchtool.plan import Limit, Verdict
 from benchtool.recording import writing
 from benchtool.report.provenance import run_facts
 from benchtool.results import Assessment, RecordedCase, RecordedRun
@@ -61,7 +61,10 @@ def _suite(run: RecordedRun) -> ElementTree.Element:
                 test = _test(
                     suite, f"{title}.{_text(group)}", f"{each.name} {each.limit.bounds}, {each.judge}"
                 )
-                _judge(test, each.verdict, str(each.missed or ""), f"{value} {each.unit}, {each.limit.rule}")
+                _judge(
+                    *(test, each.verdict, str(each.missed or "")),
+                    *(f"{value} {each.unit}, {each.limit.rule}", each.limit),
+                )
     for name in run.missing:
         test = _test(suite, f"{title}.{_text(name)}", "run")
         ElementTree.SubElement(test, "skipped", message="the case has no recording")
@@ -82,11 +85,14 @@ def _tests_of(suite: ElementTree.Element, place: str, case: RecordedCase) -> Non
     output.text = _text(f"bundle: {case.bundle.directory}")
     if case.assessment is None:
         return
-    missed = {each.name: str(each) for each in case.assessment.missed}
+    result = case.assessment
+    missed = {each.name: str(each) for each in (*result.missed, *result.waived)}
     for name, verdict in case.assessment.verdicts.items():
         limit = case.assessment.limits[name]
         test = _test(suite, place, f"{name} {limit.bounds}")
-        _judge(test, verdict, missed.get(name, ""), f"{_measured(case.assessment, name)}, {limit.rule}")
+        _judge(
+            test, verdict, missed.get(name, ""), f"{_measured(case.assessment, name)}, {limit.rule}", limit
+        )
 
 
 def _measured(result: Assessment, name: str) -> str:
@@ -97,8 +103,14 @@ def _measured(result: Assessment, name: str) -> str:
     return f"{name}: {value} {measurement.unit}".rstrip()
 
 
-def _judge(test: ElementTree.Element, verdict: Verdict, missed: str, measured: str) -> None:
-    if not verdict.met:
+def _judge(test: ElementTree.Element, verdict: Verdict, missed: str, measured: str, limit: Limit) -> None:
+    if limit.requirement:
+        properties = ElementTree.SubElement(test, "properties")
+        ElementTree.SubElement(properties, "property", name="requirement", value=_text(limit.requirement))
+    if not verdict.met and limit.waived is not None:
+        why = _text(f"waived by {limit.waived.by}: {limit.waived.reason}: {missed}")
+        ElementTree.SubElement(test, "skipped", message=why)
+    elif not verdict.met:
         failure = ElementTree.SubElement(test, "failure", message=_text(missed), type=str(verdict))
         failure.text = _text(missed)
     output = ElementTree.SubElement(test, "system-out")

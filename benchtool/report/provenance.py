@@ -58,8 +58,13 @@ def run_facts(manifest: Manifest, plan_name: str = "") -> Facts:
 
 def profile_of(manifest: Manifest) -> Profile | None:
     """Return the profile that a bundle carries; None if this version does not understand it."""
+    return profile_of_text(manifest.profile_toml)
+
+
+def profile_of_text(text: str) -> Profile | None:
+    """Return the profile in a text; None if this version does not understand it."""
     try:
-        return Profile.model_validate(tomllib.loads(manifest.profile_toml))
+        return Profile.model_validate(tomllib.loads(text))
     except (tomllib.TOMLDecodeError, RecursionError, ValidationError):
         return None
 

@@ -1,3 +1,6 @@
+from .agreement import (
+    Disagreement as Disagreement,
+)
 from .assessment import (
     Assessment as Assessment,
     Recorded as Recorded,
@@ -43,6 +46,21 @@ from .runs import (
     complete_cases as complete_cases,
     is_planned as is_planned,
     recorded_runs as recorded_runs,
+)
+from .sessions import (
+    SESSION as SESSION,
+    Attachment as Attachment,
+    Judged as Judged,
+    Outcome as Outcome,
+    SessionRecord as SessionRecord,
+    SuiteScore as SuiteScore,
+    TestRecord as TestRecord,
+    Waiver as Waiver,
+    differing_verdicts as differing_verdicts,
+    earlier_sessions as earlier_sessions,
+    read_session as read_session,
+    values_of as values_of,
+    write_session as write_session,
 )
 from .twin import (
     Signal as Signal,

@@ -174,10 +174,22 @@ class Assessment:
 
     @property
     def missed(self) -> tuple[Missed, ...]:
-        """The limits that were not met, or within their margin only."""
+        """The limits that were not met and count, or were met within their margin only."""
+        return tuple(each for each in self._missed if not self._is_waived(each))
+
+    @property
+    def waived(self) -> tuple[Missed, ...]:
+        """The limits that were not met, and are waived."""
+        return tuple(each for each in self._missed if self._is_waived(each))
+
+    @property
+    def _missed(self) -> tuple[Missed, ...]:
         found = self.found
         judged = (missed(name, limit, found.get(name)) for name, limit in self.limits.items())
         return tuple(each for each in judged if each is not None)
+
+    def _is_waived(self, each: Missed) -> bool:
+        return self.limits[each.name].waived is not None and not each.verdict.met
 
     @property
     def disagreements(self) -> tuple[Disagreement, ...]:
@@ -186,7 +198,11 @@ class Assessment:
 
     @property
     def verdict(self) -> Verdict:
-        return worst(self.verdicts.values())
+        return self._whole(self.verdicts)
+
+    def _whole(self, verdicts: Mapping[str, Verdict]) -> Verdict:
+        """Return the worst verdict, limits that are waived aside."""
+        return worst(self.limits[name].counted(each) for name, each in verdicts.items())
 
     @property
     def verdict_by_transducer(self) -> Verdict | None:
@@ -194,7 +210,7 @@ class Assessment:
         if self.transducer is None:
             return None
         shaft = {each.name: each.verdict for each in self.disagreements if each.verdict is not None}
-        return worst({**self.verdicts, **shaft}.values())
+        return self._whole({**self.verdicts, **shaft})
 
     def to_json(self) -> dict[str, Any]:
         """Return the case as the JSON document of a run lists it."""
@@ -204,6 +220,7 @@ class Assessment:
             "verdict": str(self.verdict),
             "verdict_by_transducer": self.verdict_by_transducer,
             "missed": [str(each) for each in self.missed],
+            "waived": {each.name: str(each) for each in self.waived},
             "limits": {name: limit.to_json(self.found.get(name)) for name, limit in self.limits.items()},
             "disagreements": {each.name: each.to_json() for each in self.disagreements},
             "refusal": self.refusal,
@@ -246,7 +263,7 @@ class RunResult:
 
     @property
     def _verdict_together(self) -> Verdict:
-        return worst(each.verdict for together in self.repeated.values() for each in together)
+        return worst(each.counted for together in self.repeated.values() for each in together)
 
     @property
     def verdict_by_transducer(self) -> Verdict | None:

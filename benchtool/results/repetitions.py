@@ -62,6 +62,11 @@ class Repeated:
         return self.limit.judge(self.judged.value, self.judged.uncertainty)
 
     @property
+    def counted(self) -> Verdict:
+        """The verdict as it counts for the whole: none where the limit is not met, and waived."""
+        return self.verdict if self.limit is None else self.limit.counted(self.verdict)
+
+    @property
     def verdict_by_transducer(self) -> Verdict:
         """The verdict with the transducer's number where that contradicts the estimate."""
         by_transducer = None if self.disagreement is None else self.disagreement.verdict

@@ -88,7 +88,7 @@ class RecordedRun:
 
     @property
     def verdict(self) -> Verdict:
-        together = (each.verdict for group in self.repeated.values() for each in group)
+        together = (each.counted for group in self.repeated.values() for each in group)
         return worst((*(case.verdict for case in self.cases), *together))
 
 

@@ -14,6 +14,7 @@ from benchtool.errors import AnalysisError, RecordingError
 from benchtool.recording import HASHES, MANIFEST, Bundle, bundles_in, verify
 from benchtool.results.assessment import Assessment, assess_bundle
 from benchtool.results.runs import is_planned
+from benchtool.results.sessions import SESSION, differing_verdicts, read_session
 
 _KEPT: Final = (MANIFEST, HASHES)
 
@@ -61,8 +62,15 @@ def verify_run(place: Path) -> Verification:
     damaged = dict(integrity.damaged)
     if folder != place and (name := place.relative_to(folder).as_posix()) in integrity.unlisted:
         damaged[name] = "it has no hash in its folder, so that it cannot be told from another: write it again"
-    recomputed, different, not_recomputed = 0, {}, {}
-    for directory in bundles_in(folder):
+    recomputed = 0
+    different: dict[str, str] = {}
+    not_recomputed: dict[str, str] = {}
+    if (folder / SESSION).is_file() and SESSION not in damaged:
+        record = read_session(folder)
+        wrong = dict(differing_verdicts(record))
+        different |= wrong
+        recomputed += sum(len(test.judged) for test in record.tests) - len(wrong)
+    for directory in bundles_in(folder) if integrity.has_bundles else ():
         name = directory.relative_to(folder).as_posix()
         try:
             bundle = Bundle.open(directory)

@@ -11,11 +11,10 @@ from pathlib import Path
 from benchtool.bench import Session, open_session
 from benchtool.errors import BenchError
 from benchtool.plan import Case, Plan, cases
-from benchtool.recording import Bundle
 from benchtool.report.assembly import draw_cases
-from benchtool.results import RunResult, assess_bundle, over_repetitions
+from benchtool.results import Assessment, RunResult, over_repetitions
 from benchtool.run.case import Progress
-from benchtool.run.resumption import Provenance, case_folder, require_same_provenance
+from benchtool.run.resumption import Provenance, require_same_provenance
 from benchtool.run.runner import RunInfo, run_cases
 
 
@@ -65,21 +64,26 @@ def run_in_processes(
     with ProcessPoolExecutor(max_workers=min(jobs, len(todo)), mp_context=context) as pool:
         tasks = [pool.submit(_run, _Task(plan, case, profile_name, folder, info, resume)) for case in todo]
         for number, done in enumerate(as_completed(tasks), start=1):
-            progress.begin(done.result(), number, len(todo))
+            progress.begin(done.result().case, number, len(todo))
             progress.note("done")
-    results = [assess_bundle(Bundle.open(case_folder(plan, case, folder))) for case in todo]
+    results = [task.result() for task in tasks]
     draw_cases(plan, results, folder)
     measured = {each.case: each.measurements for each in results}
     return RunResult(tuple(results), over_repetitions(plan, measured))
 
 
-def _run(task: _Task) -> str:
+def _run(task: _Task) -> Assessment:
+    """Run one case; its assessment crosses to the parent, two megabytes of it, because to make it again costs
+    a third of what the case did."""
+
     def opener(case: Case, seed: int) -> AbstractContextManager[Session]:
         return open_session(task.profile_name, seed=seed, alter=case.emulator)
 
     try:
-        run_cases(opener, task.plan, [task.case], task.folder, task.info, _Silent(), resume=task.resume)
+        (assessment,) = run_cases(
+            opener, task.plan, [task.case], task.folder, task.info, _Silent(), resume=task.resume
+        )
     except BenchError as error:
         error.add_note(f"in case {task.case.name}")
         raise
-    return task.case.name
+    return assessment

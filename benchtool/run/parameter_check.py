@@ -105,8 +105,9 @@ def check_parameters(drive: RemoteDrive, profile: Profile, set_by_plan: Collecti
 def _stated(profile: Profile, dictionary: Dictionary) -> dict[str, tuple[Variable, int | float | str]]:
     """Return what the profile states of the parameters that the drive has."""
     found = {}
+    names = {toml_key(variable) for variable in dictionary}
     for key, value in {**profile.drive.periods, **profile.stated_parameters}.items():
-        if not _has(dictionary, key):
+        if key not in names:
             continue  # a drive of another vendor has its own names of the motor's parameters
         try:
             variable = variable_of(dictionary, key) if key in PERIODS else setting_of(dictionary, key, value)
@@ -126,10 +127,6 @@ def _absent(profile: Profile, dictionary: Dictionary) -> dict[str, str]:
         except ValueRefused as refused:
             found[key] = str(refused)
     return found
-
-
-def _has(dictionary: Dictionary, key: str) -> bool:
-    return any(toml_key(variable) == key for variable in dictionary)
 
 
 def _expected(dictionary: Dictionary) -> Mapping[str, tuple[Variable, int | float | str]]:

@@ -9,6 +9,7 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, RootModel
 
+from docs.generate.json_acceptance import Accepted, TriedSuite
 from docs.generate.json_commissioning import Commissioned, PlannedCommissioning
 from docs.generate.json_gauge import GaugeStudied
 from docs.generate.json_parameters import (
@@ -442,6 +443,8 @@ DOCUMENTS: dict[str, type[BaseModel]] = {
     "twin": Twins,
     "verify": Verified,
     "gauge": GaugeStudied,
+    "acceptance": Accepted,
+    "acceptance --mutants": TriedSuite,
     "info": DriveInfo,
     "info --eds": FileInfo,
     "scan": Scanned,

@@ -153,6 +153,10 @@ class LimitDocument(Document):
     """Verdict on the measurement."""
     conformance: float | None = None
     """Probability that the true value lies within the bounds."""
+    requirement: str | None = None
+    """Requirement that the limit is evidence for."""
+    waived: dict[str, str] | None = None
+    """Of a limit that need not be met: `reason`, and `by` whom."""
 
 
 class DisagreementDocument(Document):
@@ -204,6 +208,8 @@ class Case(Document):
     """Verdict by the torque transducer, where there is one."""
     missed: list[str]
     """A sentence for each limit that was not clearly met."""
+    waived: dict[str, str]
+    """A sentence for each limit that was not met and does not count, by measurement."""
     limits: dict[str, LimitDocument]
     """Limits by measurement."""
     disagreements: dict[str, DisagreementDocument]

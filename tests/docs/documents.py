@@ -14,8 +14,8 @@ from pydantic import TypeAdapter, ValidationError
 from benchtool.plan.model import Plan
 from benchtool.profile import Profile
 
-ELSEWHERE: Final = frozenset({"project", "benchtool", "dependency-groups"})
-"""Tables of other documents than plans and profiles: pyproject.toml, parameter files."""
+ELSEWHERE: Final = frozenset({"project", "benchtool", "dependency-groups", "waiver"})
+"""Tables of other documents than plans and profiles: pyproject.toml, parameter files, waivers."""
 
 _NUMBER: Final = re.compile(r"(?<![A-Za-z_])[-+−]?\d[\d.,:eE+−-]*(?:\s*×\s*10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)?|(?<=\s)–(?=\s)")
 _RULES: Final = re.compile(r"[━┃│╇┼─]+")

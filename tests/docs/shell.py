@@ -8,6 +8,7 @@ import shlex
 import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import cache
 from typing import Any, Final
 
 import typer
@@ -33,6 +34,7 @@ OUTSIDE: Final = {
         "ls",
         "lsusb",
         "make",
+        "pytest",
     ),
     *("pip", "pipx", "python", "python3", "rerun", "slcand", "stty", "sudo", "usermod"),
     *(".venv/bin/pip", ".venv/bin/pre-commit", ".venv/bin/pytest", ".venv/bin/python"),
@@ -97,13 +99,25 @@ def require_parsed(words: tuple[str, ...]) -> None:
         parse(links)
 
 
+@cache
+def _application() -> Any:
+    return typer.main.get_command(app)
+
+
+@cache
+def _subcommand(command: Any, name: str) -> Any:
+    """To make one takes typer a twentieth of a second, and pages name many. Nothing runs these."""
+    return command.get_command(command.context_class(command), name)
+
+
+@cache
 def require_options(words: tuple[str, ...]) -> None:
     """Check that a command named in the text has that verb and its options; other words may stand for any."""
-    command: Any = typer.main.get_command(app)
+    command: Any = _application()
     rest = list(words)
     while hasattr(command, "list_commands") and rest and not rest[0].startswith("-"):
         name = rest.pop(0)
-        found = command.get_command(command.context_class(command), name)
+        found = _subcommand(command, name)
         assert found is not None, f"no verb '{name}' in: benchtool {' '.join(words)}"
         command = found
     parameters = command.get_params(command.context_class(command))

@@ -46,6 +46,8 @@ COMMANDS = {
     "jog": ("jog", "--duration", "0.1", "--speed", "1"),
     "verify": ("verify", "folder/one"),
     "gauge": ("gauge", "readings.csv"),
+    "acceptance": ("acceptance", "--only", "test_periods", "--out", "session"),
+    "acceptance --mutants": ("acceptance", "--mutants", "--mutant", "captures_not_counted", "--clean", "0"),
     "info": ("info",),
     "info --eds": ("info", "--eds", EDS),
     "reset": ("reset",),

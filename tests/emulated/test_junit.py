@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import shutil
 from pathlib import Path
 from xml.etree import ElementTree
@@ -12,6 +13,8 @@ from typer.testing import CliRunner
 from benchtool.cli import app
 from benchtool.recording import bundles_in
 from benchtool.report import junit
+from benchtool.report.assembly import run_report
+from benchtool.report.html import html_page
 from benchtool.results import recorded_runs
 
 PLAN = """
@@ -78,6 +81,30 @@ def test_a_case_without_a_recording_is_skipped_and_a_broken_one_is_an_error(
 def test_the_same_recordings_give_the_same_bytes(recorded: Path) -> None:
     written = (recorded / "reports" / "out.xml").read_bytes()
     assert junit(recorded_runs(recorded / "run")) == written
+
+
+def test_a_waived_limit_is_skipped_told_and_does_not_count(tmp_path: Path) -> None:
+    once = PLAN.replace("repetitions = 2", 'requirements = ["SRS-1"]').replace('judge = "mean"', "")
+    waived = 'max = 0.02, requirement = "SRS-2", waived = { reason = "new filter", by = "ann" }'
+    once = (
+        once.replace("max = 0.02", waived).replace(', "tpc"', "").replace("settle_s = 0.2", "settle_s = 1.5")
+    )
+    (tmp_path / "two.toml").write_text(once, encoding="utf-8")
+    arguments = ["run", str(tmp_path / "two.toml"), "--out", str(tmp_path / "run"), "--json"]
+    told = CliRunner().invoke(app, [*arguments, "--junit", str(tmp_path / "out.xml")])
+    assert told.exit_code == 0, told.output
+    (case,) = json.loads(told.stdout)["cases"].values()
+    assert case["verdict"] == "pass"
+    assert case["missed"] == []
+    assert "torque_ripple_pp is" in case["waived"]["torque_ripple_pp"]
+    assert "waived: torque_ripple_pp is" in told.stderr
+    (suite,) = _root((tmp_path / "out.xml").read_bytes())
+    (skipped,) = (test for test in suite.iter("testcase") if test.find("skipped") is not None)
+    assert str(skipped.find("skipped").get("message")).startswith("waived by ann: new filter: ")  # type: ignore[union-attr]
+    assert [each.get("value") for each in skipped.iter("property")] == ["SRS-2"]
+    page = html_page(run_report(tmp_path / "run", recorded_runs(tmp_path / "run")))
+    for text in ("SRS-1", "SRS-2", "new filter", "torque_ripple_pp (waived)"):
+        assert text in page
 
 
 def test_a_place_that_takes_no_file_is_one_line(tmp_path: Path) -> None:

@@ -13,7 +13,6 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from scipy.linalg import solveh_banded
 
 from benchtool.analysis.balances.space_vectors import Floats
 from benchtool.analysis.quantisation import counting_step
@@ -41,6 +40,8 @@ def smooth_angle(theta_m: Floats) -> Floats:
 
 def _smooth(angle: Floats, step: float) -> Floats:
     """Return the smooth curve through the samples of an encoder of this step."""
+    from scipy.linalg import solveh_banded
+
     differences = _squared_differences(len(angle))
     curves = [angle] * (_LESS + 1)
     for smoothing in _SMOOTHINGS:

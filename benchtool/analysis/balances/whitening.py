@@ -15,7 +15,6 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import solve_banded
 
 from benchtool.analysis.balances.space_vectors import Complex, Floats
 
@@ -45,6 +44,8 @@ class Whitening:
 
     def filtered(self, columns: Complex) -> Complex:
         """Return the innovations of columns, shape (n,) or (n, m), not yet over `scale`."""
+        from scipy.linalg import solve_banded
+
         bands = np.ones((2, len(self.carried)))
         bands[1, :-1] = -self.carried[1:]
         found: Complex = solve_banded((1, 0), bands, columns, overwrite_ab=True, check_finite=False)

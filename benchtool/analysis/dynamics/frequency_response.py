@@ -13,7 +13,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import fft, ndimage
+from scipy import fft
 
 from benchtool.analysis.dynamics.local_polynomial import REACH, degrees_of_freedom, local_fit
 from benchtool.analysis.validity import require_signal
@@ -322,6 +322,8 @@ def _noise_power(found: NDArray[np.float64]) -> NDArray[np.float64]:
     At one frequency it scatters, and a fit that weights by it would follow where it is small by chance: the
     mean of a frequency and its neighbours, or its own where that stands out as a line does.
     """
+    from scipy import ndimage
+
     mean = ndimage.uniform_filter1d(found, min(2 * REACH + 1, len(found)), mode="nearest")
     return np.asarray(np.where(found > _LINE * mean, found, mean))
 

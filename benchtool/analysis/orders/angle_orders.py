@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cho_factor, cho_solve, toeplitz
 
 from benchtool.analysis.orders.angle import TURN, AngleCoverage
 from benchtool.analysis.validity import require_signal
@@ -77,12 +76,13 @@ def fit_orders(coverage: AngleCoverage, values: NDArray[np.float64], highest_ord
             f"the angles leave out an arc of {math.degrees(coverage.largest_arc_rad):.3g} degrees, so that "
             f"order 1 is not told from the mean: record angles all round"
         )
+    from scipy.linalg import cho_factor, cho_solve
+    from scipy.signal import fftconvolve  # draws in scipy.stats, which takes longer than all else here
+
     # the unknowns c of exp(1j k angle), k = -order ... order
     full = _both_sides(products[:, : order + 1])
     factor = cho_factor(_normal(total, order))
     solution = cho_solve(factor, full.sum(axis=0))
-    from scipy.signal import fftconvolve  # draws in scipy.stats, which takes longer than all else here
-
     explained = fftconvolve(_both_sides(sums[:, : 2 * order + 1]), solution[np.newaxis], "valid", axes=1)
     scores = full - explained  # of each revolution; they add up to zero
     coefficient = np.asarray(solution[order + 1 :], dtype=np.complex128)
@@ -187,4 +187,6 @@ def _well_conditioned(normal: NDArray[np.complex128]) -> bool:
 def _normal(sums: NDArray[np.complex128], order: int) -> NDArray[np.complex128]:
     """Return the normal matrix of unknowns -order ... order: row j, column k is the sum of w exp(1j (k - j)
     angle)."""
+    from scipy.linalg import toeplitz
+
     return np.asarray(toeplitz(sums[: 2 * order + 1], np.conj(sums[: 2 * order + 1])))

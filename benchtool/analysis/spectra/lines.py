@@ -9,7 +9,6 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
-from scipy.ndimage import minimum_filter1d
 
 from benchtool.analysis.declaration import Analysis, Findings, NoSettings, Quantity
 from benchtool.analysis.measurement import Basis, Measurement, Table
@@ -149,7 +148,9 @@ def _candidates(bins: Floats) -> NDArray[np.int64]:
     if len(blocks) * size <= 2 * reach + 1:
         return places
     third = np.partition(blocks, size // 3, axis=1)[:, size // 3]
-    lowest = minimum_filter1d(third, 2 * math.ceil(reach / size) + 1, mode="nearest")
+    within = math.ceil(reach / size)
+    padded = np.pad(third, within, mode="edge")
+    lowest: Floats = np.min(np.lib.stride_tricks.sliding_window_view(padded, 2 * within + 1), axis=1)
     level = _STANDS_OUT / _RAYLEIGH * _LEAST_RESPONSE
 
     def at_end() -> NDArray[np.bool_]:

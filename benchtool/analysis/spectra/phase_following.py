@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline, make_smoothing_spline
 from scipy.special import fdtri
 
 from benchtool.analysis.periods import PhaseTrack
@@ -131,6 +130,8 @@ def _by_angle(track: PhaseTrack, samples_per_period: float) -> PhaseTrack | None
     departure = means - np.asarray(track.phase(number))
     if count < _FEWEST_KNOTS or not float(np.std(departure)) > _OFF_RAD:
         return None
+    from scipy.interpolate import CubicSpline  # draws in scipy.optimize, which most runs do not need
+
     spline = CubicSpline(number, departure)
     return replace(track, departure=spline, source=f"{track.source}, and the measured angle about it")
 
@@ -150,6 +151,8 @@ def _by_tone(
     begin = float(track.at(np.array([float(FIRST_ROW)]))[0])
     middle = begin + 2 * np.pi * (np.arange(coherent.periods, dtype=np.float64) + 0.5)
     numbers = track.sample_numbers(middle)
+    from scipy.interpolate import make_smoothing_spline  # draws in scipy.optimize, as above
+
     # the polynomial takes a drift, because the spline is straight at its ends
     drift = Polynomial.fit(numbers, seen.phase_rad - np.mean(seen.phase_rad), 2)
     spline = make_smoothing_spline(numbers, seen.phase_rad - np.mean(seen.phase_rad) - drift(numbers))

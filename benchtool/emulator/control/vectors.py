@@ -1,4 +1,4 @@
-"""The inverter's eight switch states, held for a whole PWM period.
+"""The inverter's eight switch states, held for a whole control period.
 
 Vector k = 1 ... 6 lies at (k - 1) 60 degrees: 100, 110, 010, 011, 001, 101; the zero vectors are 0 (000)
 and 7 (111).

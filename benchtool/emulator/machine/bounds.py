@@ -1,4 +1,4 @@
-"""What can be computed: machines whose fastest process turns by no more than so much in a PWM period.
+"""What can be computed: machines whose fastest process turns by no more than so much in a control period.
 
 A step of the integration covers a small part of a radian of the fastest process, so that beyond this bound
 a period takes thousands of them, and a run has no end that is worth waiting for.
@@ -77,7 +77,7 @@ def runaway(shaft: Any, load: Any, motor: MotorTruth, time_s: float) -> Emulatio
             f"its flux linkages (psi_d, psi_q) are ({shaft.psi_d:g}, {shaft.psi_q:g}) Wb, where currents "
             f"fall with rising flux"
         )
-        remedy = "lower a_dq of its saturation, or stay at lower currents"
+        remedy = "lower a_dq in [emulator.motor.saturation], or stay at lower currents"
     elif load.held:
         seen = f"it is held at {omega_m:.3g} rad/s"
         remedy = "hold it at a lower speed"

@@ -32,7 +32,7 @@ from benchtool.emulator.machine.saturation import Saturation, incremental, large
 from benchtool.emulator.machine.shaft import Friction, stribeck_slope
 from benchtool.emulator.machine.state import State, electrical
 
-MOST_TURN = 100.0  # rad of the fastest process in a PWM period: beyond, a period takes too many steps
+MOST_TURN = 100.0  # rad of the fastest process in a control period: beyond, a period takes too many steps
 
 
 class Machine(NamedTuple):

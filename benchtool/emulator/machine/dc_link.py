@@ -2,8 +2,8 @@
 
     C du/dt = max(u_s - u, 0) / R - i_legs - u / R_chopper (while the chopper is on)
 
-The supply is a rectifier of voltage u_s behind R: it feeds and never takes back. Over a PWM period u_s and
-the mean current of the legs are constant, for which the equation has a closed form on either side of u_s.
+The supply is a rectifier of voltage u_s behind R: it feeds and never takes back. Over a control period u_s
+and the mean current of the legs are constant, for which the equation has a closed form on either side of u_s.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ class DcLink(NamedTuple):
 def supplied(
     link: DcLink | None, shaft: Any, u_s: float, R: float, charge: float, time: float, T_s: float
 ) -> float:
-    """Return the voltage of the dc link after a PWM period that began at `time` and drew this charge.
+    """Return the voltage of the dc link after a control period that began at `time` and drew this charge.
 
     Without a capacitor it is what the mean current leaves of the supply's.
     """

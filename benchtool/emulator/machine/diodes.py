@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from benchtool.emulator.in_place import in_place, value_of
 from benchtool.emulator.jit import called, njit, separately
 from benchtool.emulator.machine.accounts import Rails, account, finer
 from benchtool.emulator.machine.coefficients import (
@@ -50,7 +51,7 @@ LOW, HIGH, OFF = 0, 1, 2  # modes of a leg: lower or upper switch on, or neither
 NONE = -1  # of the phases
 
 _ZERO = 1e-9  # A, below which a phase has no current
-_PARTS = 50  # short steps of a PWM period
+_PARTS = 50  # short steps of a control period
 _TURN = 0.05  # rad of the fastest process in one step
 
 
@@ -82,7 +83,7 @@ def freewheel(
     transducer: Any,
     torque: NDArray[np.float64],
 ) -> tuple[State, float]:
-    """Integrate one PWM period with the power stage off. Returns as `integrate_conduction`."""
+    """Integrate one control period with the power stage off. Returns as `integrate_conduction`."""
     rate = rate_at(x, fastest_rate(machine, x), turning_rate(machine), machine)
     return integrate_conduction(
         x, OFF, OFF, OFF, 0.0, stage.T_s, rate, u_dc, stage, machine, T_load, transducer, torque
@@ -105,7 +106,7 @@ def integrate_conduction(
     transducer: Any,
     torque: NDArray[np.float64],
 ) -> tuple[State, float]:
-    """Integrate from `start` to `end`, in s of the PWM period, with legs in these modes.
+    """Integrate from `start` to `end`, in s of the control period, with legs in these modes.
 
     `rate` is the machine's fastest, in 1/s. While a leg floats it is looked at in short steps; a current that
     ends is found within a long one. Returns the charge drawn from the dc link as well, in As.
@@ -133,7 +134,7 @@ def integrate_conduction(
         silent = v.floats_a and v.floats_b and v.floats_c
         before = x
         if silent:
-            open_machine = holding(machine, False, True)
+            open_machine = in_place(holding(value_of(machine), False, True))
             if all_off and _below(x, leg_a.high - leg_a.low, machine) and coasts(machine.train, transducer):
                 x = _coast(stage.accounts, x, end - time, open_machine, T_load, transducer)
                 sample(time, end - time, before, x, 0.0, 0.0, open_machine, T_load, transducer, torque)
@@ -295,7 +296,7 @@ def _holding_zero(
 
 @njit
 def _below(x: State, u: float, machine: Machine) -> bool:
-    """Return whether no line EMF can come above this voltage while the machine coasts for a PWM period."""
+    """Return whether no line EMF can come above this voltage in a control period of coasting."""
     return SQRT3 * (machine.psi_r + 2.0 * linkage(machine.harmonics)) * abs(x.omega_e) < 0.99 * u
 
 

@@ -1,4 +1,4 @@
-"""Current sensors with a bandwidth and a delay, read by the converter at a moment within the PWM period.
+"""Current sensors with a bandwidth and a delay, read by the converter at a moment within the control period.
 
 A sensor is a lag of first order, y' = omega (i - y), behind the phase's current. Within an integration step
 the current is the cubic through its values and rates at both ends, for which the lag is solved exactly. A
@@ -33,10 +33,10 @@ class Lag(NamedTuple):
 class Sampling(NamedTuple):
     """When the currents of phases a, b and c are read.
 
-    `moments` counts in s from the start of a PWM period, 0 excluded and its end included; `periods` is how
-    many PWM periods before the one that ends with the control tick, 0 or 1. `values`, of shape (4, 3), has
-    for each phase what its sensor reads now, what was read in this period and in the one before, and whether
-    it was read in this one yet.
+    `moments` counts in s from the start of a control period, 0 excluded and its end included; `periods` is
+    how many control periods before the one that ends with the control tick, 0 or 1. `values`, of shape
+    (4, 3), has for each phase what its sensor reads now, what was read in this period and in the one before,
+    and whether it was read in this one yet.
     """
 
     moments: tuple[float, float, float]
@@ -56,7 +56,7 @@ def sampling_of(
     frequencies.
 
     Args:
-        T_s: PWM period in s.
+        T_s: control period in s.
         ages: of phases a, b and c in s, 0 or more and less than two periods.
         omega: in rad/s, infinite without a lag.
     """
@@ -80,8 +80,10 @@ def observe(
     machine: Machine,
     T_load: float,
 ) -> None:
-    """Have the sensors follow an integration step that started `time` seconds into the PWM period and took
-    `h`, and read what is due within it."""
+    """Have the sensors follow an integration step, and read what is due within it.
+
+    It started `time` seconds into the control period and took `h`.
+    """
     if sampling is None:
         return
     _follow(sampling.lag, sampling, time, h, before, after, u_alpha, u_beta, machine, T_load)

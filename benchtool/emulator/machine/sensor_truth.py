@@ -227,7 +227,7 @@ class SensorTruth:
         return a, b, c, self.u_dc.rms
 
     def sensing(self, T_s: float, dead_time_s: float = 0.0) -> Sensing:
-        """Return the coefficients of the measurement for a PWM period of `T_s` seconds."""
+        """Return the coefficients of the measurement for a control period of `T_s` seconds."""
         codes = 2.0**self.adc_bits
         (gain_a, offset_a), (gain_b, offset_b), (gain_c, offset_c) = (phase.line for phase in self.phases)
         gain_u, offset_u = self.u_dc.line
@@ -260,7 +260,7 @@ class SensorTruth:
         return Drift(gain_a, gain_b, gain_c, offset_a, offset_b, offset_c, self.warm_up_K, share)
 
     def sampling(self, T_s: float) -> Sampling | None:
-        """Return how the currents are read within a PWM period of `T_s` seconds.
+        """Return how the currents are read within a control period of `T_s` seconds.
 
         Raises:
             ValueRefused: one is read more than two periods late.

@@ -8,7 +8,7 @@ import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
-from functools import cached_property
+from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -173,9 +173,13 @@ class ObjectTable:
 
 
 def load_table(path: Path) -> ObjectTable:
-    """Return the table of the file at `path`."""
-    with path.open("rb") as file:
-        return table_from_toml(tomllib.load(file))
+    """Return the table of the file at `path`; the same content is parsed once."""
+    return _parsed(path.read_text(encoding="utf-8"))
+
+
+@lru_cache(maxsize=4)
+def _parsed(text: str) -> ObjectTable:
+    return table_from_toml(tomllib.loads(text))
 
 
 def table_from_toml(document: Mapping[str, Any]) -> ObjectTable:

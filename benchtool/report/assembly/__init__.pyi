@@ -6,6 +6,7 @@ from .figures import (
 )
 from .plan import case_label as case_label
 from .run import run_report as run_report
+from .session import session_report as session_report
 from .table import (
     keep as keep,
     table_report as table_report,

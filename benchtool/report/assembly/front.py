@@ -52,7 +52,9 @@ def front_items(runs: Sequence[RecordedRun]) -> Iterator[Item]:
             yield limits_section((*result.measurements, *result.quality), case_bounds(result))
     elif not all(case.assessment and case.assessment.recorded for case in found):
         yield _judged_together(runs)
-    yield Section("Not run or not measured", tuple(_not_run(runs, found)))
+    if (requirements := requirements_section(runs)) is not None:
+        yield requirements
+    yield Section("Not run, not measured or waived", tuple(_not_run(runs, found)))
     yield Signatures(ROLES)
 
 
@@ -226,10 +228,50 @@ def _not_run(runs: Sequence[RecordedRun], found: Sequence[RecordedCase]) -> Iter
         yield Text(f"Cases of the plan without a recording: {'; '.join(told)}.", "warning")
     for text, count in Counter(text for case in found for text in _open(case)).items():
         yield Text(f"{text}{'' if len(found) == 1 else f' ({count} of {len(found)} cases)'}.")
+    waived = tuple(_waived(found))
+    yield from waived
     judged = any(case.assessment and case.assessment.limits for case in found)
-    if not told and not any(True for case in found for _ in _open(case)):
+    if not told and not waived and not any(True for case in found for _ in _open(case)):
         whole = "Every case of the plan was run, and every limit was put to a number."
         yield Text(whole if judged else "Nothing was left out.", "note")
+
+
+def _waived(found: Sequence[RecordedCase]) -> Iterator[Item]:
+    """Yield the limits that were not met and are waived: by whom, why, and what was seen."""
+    rows = [
+        (each.name, case.name, waived.reason, waived.by, str(each))
+        for case in found
+        if case.assessment
+        for each in case.assessment.waived
+        if (waived := case.assessment.limits[each.name].waived) is not None
+    ]
+    if rows:
+        yield Grid.of(("waived limit", "case", "why", "by", "what was seen"), rows)
+
+
+def requirements_section(runs: Sequence[RecordedRun]) -> Section | None:
+    """Return each requirement that the plans and their limits are evidence for, with its worst verdict; None
+    without any."""
+    found: dict[str, list[tuple[str, Verdict]]] = {}
+    for run in runs:
+        for case in run.cases:
+            result = case.assessment
+            of_plan = case.bundle.manifest.details.get("plan", {}).get("requirements", ())
+            for requirement in of_plan:
+                found.setdefault(str(requirement), []).append((case.name, case.verdict))
+            for name, limit in () if result is None else result.limits.items():
+                if limit.requirement:
+                    verdict = result.verdicts[name] if result is not None else Verdict.NONE
+                    waived = limit.counted(verdict) is Verdict.NONE
+                    place = f"{case.name}: {name}{' (waived)' if waived else ''}"
+                    found.setdefault(limit.requirement, []).append((place, limit.counted(verdict)))
+    if not found:
+        return None
+    rows = []
+    for requirement, evidence in sorted(found.items()):
+        verdict = worst(each for _, each in evidence)
+        rows.append((requirement, Cell(str(verdict), mark(verdict)), ", ".join(name for name, _ in evidence)))
+    return Section("Requirements", (Grid.of(("requirement", "verdict", "evidence"), rows),))
 
 
 def _open(case: RecordedCase) -> Iterator[str]:

@@ -20,7 +20,7 @@ def lay_out(figure: Figure, passes: int = 1) -> None:
     drawn twice.
     """
     engine = figure.get_layout_engine()
-    if isinstance(engine, ConstrainedLayoutEngine):
+    if figure.axes and isinstance(engine, ConstrainedLayoutEngine):
         for _ in range(passes):
             engine.execute(figure)
         figure.set_layout_engine("none")

@@ -13,6 +13,7 @@ from typing import Any, Final
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.font_manager import FontProperties, findfont, get_font
 from matplotlib.text import Text
 
 BLACK: Final = "#1a1a1a"
@@ -33,6 +34,7 @@ WIDTH_IN: Final = 7.0
 DPI: Final = 220
 _FONT_PT: Final = 9
 _LINE_IN: Final = 0.2
+_MISSING: Final = "\N{REPLACEMENT CHARACTER}"
 _BESIDE: Final = 6  # entries of a legend that begins on the left
 _ON_THE_RIGHT: Final = 4
 _HANDLE_EM, _APART_EM = 1.8, 1.4  # of an entry of a legend
@@ -59,7 +61,15 @@ def new_figure(height_in: float, title: str, summary: str, width_in: float = WID
 
 
 def literal(text: str) -> str:
-    """Return external text with the characters escaped that matplotlib takes for a formula."""
+    """Return external text with the characters escaped that matplotlib takes for a formula.
+
+    Those that the font has not become the sign for that, of which Matplotlib would draw a box and warn.
+    """
+    if not text.isascii():
+        font = get_font(findfont(FontProperties()))
+        text = "".join(
+            each if each.isascii() or font.get_char_index(ord(each)) else _MISSING for each in text
+        )
     return text.replace("$", r"\$")
 
 

@@ -21,6 +21,7 @@ from benchtool.block import Block, Channel, Gap
 from benchtool.errors import AnalysisError, RecordingError
 from benchtool.report.figures.drawings import draw_of_case
 from benchtool.report.figures.files import save_figures
+from benchtool.report.figures.style import literal, new_figure
 from benchtool.report.figures.waveforms import fundamental, last_periods
 
 SAMPLES = 3000
@@ -212,6 +213,14 @@ def test_files_are_pictures_and_the_same_each_time(tmp_path: Path) -> None:
     assert all(path.read_bytes().startswith(b"\x89PNG") for path in paths)
     repeated = save_figures(again, tmp_path / "again")
     assert [path.read_bytes() for path in paths] == [path.read_bytes() for path in repeated]
+
+
+def test_letters_that_the_font_has_not_are_drawn_without_a_warning(tmp_path: Path) -> None:
+    """A warning fails the test. Greek is in the font, what a user writes beside it may not be."""
+    assert literal("ψ_r = 0.1685 Wb, $5") == r"ψ_r = 0.1685 Wb, \$5"
+    title = "\N{CJK UNIFIED IDEOGRAPH-96FB}\N{CJK UNIFIED IDEOGRAPH-6A5F} 2.2 kW"
+    assert literal(title) == "\N{REPLACEMENT CHARACTER}\N{REPLACEMENT CHARACTER} 2.2 kW"
+    save_figures({"empty": new_figure(1.0, title, "")}, tmp_path)
 
 
 def test_a_folder_that_cannot_be_written_is_one_line(tmp_path: Path) -> None:

@@ -1,0 +1,1 @@
+"""The tests that ship: `pytest --pyargs benchtool.acceptance --bench PROFILE --link URL`."""

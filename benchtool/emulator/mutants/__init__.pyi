@@ -1,0 +1,2 @@
+from .mutant import Mutant as Mutant
+from .table import MUTANTS as MUTANTS
