@@ -18,7 +18,10 @@ from benchtool.errors import UsageError
 def commission(
     steps: Annotated[
         list[str] | None,
-        typer.Argument(metavar="[STEP]...", help="offsets, resistance, inductance; all of them without."),
+        typer.Argument(
+            metavar="[STEP]...",
+            help="preflight, offsets, resistance, encoder, inductance, flux_linkage, mechanics; all without.",
+        ),
     ] = None,
     profile: options.Profile = "zhu2011",
     link: options.Link = "emulated",

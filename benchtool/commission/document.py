@@ -9,7 +9,14 @@ from typing import Any
 from benchtool.analysis import Measurement
 from benchtool.commission.execution import Commissioning, StepResult, StepVerdict
 
-_NAMEPLATE: Mapping[str, str] = {"R_s": "R_s_ohm", "L_d": "L_d_H", "L_q": "L_q_H"}
+_NAMEPLATE: Mapping[str, str] = {
+    "R_s": "R_s_ohm",
+    "L_d": "L_d_H",
+    "L_q": "L_q_H",
+    "psi_r": "psi_r_Wb",
+    "pole_pairs": "pole_pairs",
+    "J": "J_kgm2",
+}
 """Keys of `[motor]` that an estimate is compared with."""
 
 

@@ -27,7 +27,8 @@ _TIME_CONSTANT_S: Final = 60.0  # of a winding against its iron: of a small moto
 class Excitation:
     """A stimulus, or none with the power stage off, what is captured, and parameters held meanwhile.
 
-    `squares_A2s` is the integral of the squared length of the current vector that is expected.
+    `squares_A2s` is the integral of the squared length of the current vector that is expected. Of a stimulus
+    in velocity mode `omega_m_rad_s` is the setpoint that it adds to, reached `settle_s` before it begins.
     """
 
     name: str
@@ -35,6 +36,8 @@ class Excitation:
     request: CaptureRequest
     squares_A2s: float = 0.0
     parameters: Mapping[str, Value] = field(default_factory=lambda: MappingProxyType({}))
+    omega_m_rad_s: float = 0.0
+    settle_s: float = 0.0
 
     def energy_J(self, R_s_ohm: float) -> float:
         """Return the heat in the winding, 3/2 R_s times the integral."""

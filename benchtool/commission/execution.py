@@ -12,10 +12,14 @@ from benchtool.analysis import Measurement
 from benchtool.block import Block
 from benchtool.commission.excitation import Excitation, require_bearable
 from benchtool.commission.known import Known
+from benchtool.commission.steps.encoder import DraggedRotor
+from benchtool.commission.steps.flux_linkage import BackEmf
 from benchtool.commission.steps.inductance import TurningVoltage
+from benchtool.commission.steps.mechanics import Reversals
 from benchtool.commission.steps.offsets import Offsets
+from benchtool.commission.steps.preflight import Preflight
 from benchtool.commission.steps.resistance import StandingCurrents
-from benchtool.commission.steps.step import Finding, Step
+from benchtool.commission.steps.step import Finding, Step, Trial
 from benchtool.drive import Capability, Capture, RemoteDrive, play
 from benchtool.drive.parameters import held
 from benchtool.errors import (
@@ -24,17 +28,30 @@ from benchtool.errors import (
     CaptureError,
     DriveFault,
     SdoAbort,
+    SetUpError,
     StimulusError,
     UsageError,
     ValueRefused,
 )
 from benchtool.profile import Profile
-from benchtool.protocol.dictionary import Value, setting_of
+from benchtool.protocol import Mode, State
+from benchtool.protocol.dictionary import Role, Value, setting_of
 
-STEPS: tuple[Step, ...] = (Offsets(), StandingCurrents(), TurningVoltage())
+STEPS: tuple[Step, ...] = (
+    Preflight(),
+    Offsets(),
+    StandingCurrents(),
+    DraggedRotor(),
+    TurningVoltage(),
+    BackEmf(),
+    Reversals(),
+)
 """Every step, in the order in which they are run."""
 
 _QUIET: Mapping[str, Value] = MappingProxyType({"quick_stop_option": "disable"})
+_OF_THE_LINK = (0x3210, 0x3220)  # error codes
+_AT_REST = 0.01  # of the rated speed
+_LONGEST_BRAKING_S, _BRAKING_POLL_S = 5.0, 0.02
 _FAIL_A_STEP = (AnalysisError, CaptureError, DriveFault, SdoAbort, StimulusError, ValueRefused)
 
 
@@ -126,10 +143,11 @@ def commission(
     drive.capabilities.require(
         Capability.STIMULUS, Capability.CAPTURE, Capability.SUPERVISED, purpose="a commissioning"
     )
-    known = Known.of(drive, profile.motor)
-    planned(steps, known)
     results: list[StepResult] = []
     with held(drive, {**_stated(drive, profile), **_QUIET}):
+        _leave_fault_of_the_link(drive, note)
+        known = Known.of(drive, profile.motor)
+        planned(steps, known)
         for step in steps:
             result = _attempt(drive, step, known, results, note)
             results.append(result)
@@ -155,6 +173,11 @@ def _attempt(
             note(f"{step.name}: {each.name}")
             blocks.append(_played(drive, each, known))
         estimates = step.estimate(blocks, known)
+        if isinstance(step, Trial):
+            estimates = {**estimates, **step.attempt(drive, known)}
+    except SetUpError as wrong:
+        found = (Finding(wrong.what, wrong.cause, wrong.remedy),)
+        return StepResult(step.name, step.sets, StepVerdict.FAIL, wrong.what, {}, found, heat_J)
     except _FAIL_A_STEP as reason:
         return StepResult(step.name, step.sets, StepVerdict.FAIL, str(reason), planned_J=heat_J)
     findings = step.findings(estimates, known)
@@ -172,12 +195,39 @@ def _played(drive: RemoteDrive, excitation: Excitation, known: Known) -> Block:
             capture = Capture(drive, excitation.request)
             capture.wait()
             return capture.read()
-        (mode,) = excitation.stimulus.modes
+        mode = excitation.stimulus.modes[-1]  # a d-current plays at a speed
         stack.enter_context(drive.enabled(mode))
+        if mode is Mode.VELOCITY:
+            drive.write("omega_m_command", excitation.omega_m_rad_s)
+            drive.wait(excitation.settle_s)
         block = play(drive, excitation.stimulus, excitation.request, motor=known.motor)
+        if mode is Mode.VELOCITY:
+            _bring_to_rest(drive, known)
     if block is None:
         raise BenchError(f"the excitation '{excitation.name}' was not captured")
     return block
+
+
+def _leave_fault_of_the_link(drive: RemoteDrive, note: Callable[[str], None]) -> None:
+    """Reset a fault of the dc link's voltage where that is within the profile's limits, which are in force:
+    the drive came with others."""
+    if drive.state() is not State.FAULT or drive.optional_number(Role.ERROR_CODE) not in _OF_THE_LINK:
+        return
+    if drive.number("u_dc_min") <= drive.number("u_dc") <= drive.number("u_dc_max"):
+        note("the dc link is within the limits of the profile, not within those that the drive had")
+        drive.reset_fault()
+        drive.emergencies()
+
+
+def _bring_to_rest(drive: RemoteDrive, known: Known) -> None:
+    """Have the speed controller brake, so that the next excitation finds a shaft at rest; a shaft that does
+    not come to rest is left to coast."""
+    drive.write("omega_m_command", 0.0)
+    slow_rad_s = _AT_REST * known.motor.omega_m_N_rad_s
+    waited_s = 0.0
+    while abs(drive.number("omega_m")) > slow_rad_s and waited_s < _LONGEST_BRAKING_S:
+        drive.wait(_BRAKING_POLL_S)
+        waited_s += _BRAKING_POLL_S
 
 
 def _stated(drive: RemoteDrive, profile: Profile) -> dict[str, Value]:

@@ -18,8 +18,19 @@ from benchtool.profile import Motor
 from benchtool.protocol.dictionary import Value
 
 _SAMPLED_S = 0.01
+_MOST_DEAD_TIME_S = 1e-5  # that a drive compensates
 _OF_THE_SWING = 0.7
 _SLOWEST_RAD_S = 30.0  # so that a level of some tenths of a second settles
+_OF_MOTOR: Mapping[str, str] = MappingProxyType(
+    {
+        "R_s": "R_s_ohm",
+        "L_d": "L_d_H",
+        "L_q": "L_q_H",
+        "psi_r": "psi_r_Wb",
+        "J": "J_kgm2",
+        "pole_pairs": "pole_pairs",
+    }
+)
 _NONE: Mapping[str, Measurement] = MappingProxyType({})
 
 
@@ -27,13 +38,16 @@ _NONE: Mapping[str, Measurement] = MappingProxyType({})
 class Known:
     """The host's knowledge of motor and drive; nothing of it is the truth of an emulated bench.
 
-    `motor` is the nameplate; `estimates` has what was estimated, by the dictionary's names.
+    `motor` is the nameplate; `estimates` has what was estimated, by the dictionary's names. `encoder_lines`
+    are those that the drive counts by, `travel_rad` is how far the shaft may turn from where it stands.
     """
 
     motor: Motor
     control_period_s: float
     u_dc_V: float
     u_dc_full_scale_V: float = 0.0
+    encoder_lines: int = 2500
+    travel_rad: float = math.inf
     estimates: Mapping[str, Measurement] = field(default_factory=lambda: _NONE)
 
     @classmethod
@@ -49,7 +63,8 @@ class Known:
         if not u_dc_V > 0.0:
             raise ValueRefused(f"the drive reads a dc link of {u_dc_V:g} V: power it; nothing was sent")
         period_s = round(drive.number("control_period") * 1e9) * 1e-9  # the drive has it as a float32
-        return cls(motor, period_s, u_dc_V, drive.number("u_dc_full_scale"))
+        lines = int(drive.number("encoder_lines"))
+        return cls(motor, period_s, u_dc_V, drive.number("u_dc_full_scale"), lines)
 
     def with_estimates(self, found: Mapping[str, Measurement]) -> Self:
         """Return this with more estimates; those without a value are left out."""
@@ -96,9 +111,54 @@ class Known:
         return self.value("dead_time_voltage", 0.0)
 
     @property
+    def identified(self) -> Motor:
+        """The nameplate with what was estimated in its place."""
+        found = {key: self.estimates[name].value for name, key in _OF_MOTOR.items() if name in self.estimates}
+        if "pole_pairs" in found:
+            found["pole_pairs"] = round(found["pole_pairs"])
+        return self.motor.model_copy(update=found)
+
+    @property
+    def electrical(self) -> dict[str, Value]:
+        """Parameters of the drive for its current loop, as far as estimated."""
+        return {name: self.estimates[name].value for name in ("R_s", "L_d", "L_q") if name in self.estimates}
+
+    @property
+    def encoder(self) -> dict[str, Value]:
+        """Parameters of the drive for the rotor's angle, as far as estimated."""
+        found: dict[str, Value] = {}
+        if "encoder_offset" in self.estimates:
+            found["encoder_offset"] = self.estimates["encoder_offset"].value
+            found["encoder_direction"] = (
+                "forward" if self.value("encoder_direction", 1.0) > 0.0 else "reverse"
+            )
+            found["pole_pairs"] = self.identified.pole_pairs
+        return found
+
+    def without_eccentricity(self, theta_m_rad: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the mechanical angle of the shaft, shape (n,), from what an eccentric encoder shows."""
+        shaft = np.array(theta_m_rad)
+        for n in (1, 2):
+            shaft -= self.value(f"eccentricity_{n}_cos", 0.0) * np.cos(n * theta_m_rad)
+            shaft -= self.value(f"eccentricity_{n}_sin", 0.0) * np.sin(n * theta_m_rad)
+        return shaft
+
+    @property
+    def compensation_s(self) -> float:
+        """Dead time by which the drive takes off what dead time and devices take of a phase, as far as
+        estimated."""
+        return min(max(0.0, self.drop_V / self.u_dc_V * self.control_period_s), _MOST_DEAD_TIME_S)
+
+    @property
     def offsets(self) -> dict[str, Value]:
         """Parameters of the drive that take the offsets of the current sensors off, as far as estimated."""
         names = [f"current_offset_{phase}" for phase in "abc"]
+        return {name: self.estimates[name].value for name in names if name in self.estimates}
+
+    @property
+    def sensor_gains(self) -> dict[str, Value]:
+        """Parameters of the drive that make its current sensors agree, as far as estimated."""
+        names = [f"current_gain_{phase}" for phase in "abc"]
         return {name: self.estimates[name].value for name in names if name in self.estimates}
 
     @property

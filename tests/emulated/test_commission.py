@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 
 import pytest
@@ -60,17 +61,33 @@ def test_a_motor_is_identified(boxed: str, link_options: str) -> None:
         (step.name, StepVerdict.PASS) for step in STEPS
     ]
     estimates = {name: each for result in done.results for name, each in result.estimates.items()}
-    for name, true, tolerance in (("R_s", 0.123, 0.02), ("L_d", 9.52e-3, 0.03), ("L_q", 9.52e-3, 0.03)):
+    for name, true, tolerance in (
+        ("R_s", 0.123, 0.02),
+        ("L_d", 9.52e-3, 0.03),
+        ("L_q", 9.52e-3, 0.03),
+        ("psi_r", 0.1685, 0.01),
+        ("J", 13.1e-4, 0.05),
+    ):
         found = estimates[name]
         assert found.uncertainty is not None
         assert found.value == pytest.approx(true, rel=tolerance)
         assert abs(found.value - true) < 4.0 * found.uncertainty.standard
     assert estimates["dead_time_voltage"].value == pytest.approx(0.0, abs=0.05)
+    assert estimates["pole_pairs"].value == 4.0
+    assert estimates["encoder_direction"].value == 1.0
+    assert abs(estimates["encoder_offset"].value) < math.radians(1.0) / 4.0
+    assert 0.3 < estimates["link_loss_time"].value < 0.6
 
 
 def test_a_step_brings_those_that_it_needs() -> None:
-    assert [each.name for each in steps_for(["inductance"])] == ["offsets", "resistance", "inductance"]
-    assert [each.name for each in steps_for(["offsets"])] == ["offsets"]
+    assert [each.name for each in steps_for(["inductance"])] == [
+        "preflight",
+        "offsets",
+        "resistance",
+        "encoder",
+        "inductance",
+    ]
+    assert [each.name for each in steps_for(["offsets"])] == ["preflight", "offsets"]
     with pytest.raises(UsageError, match="no step 'flux'"):
         steps_for(["flux"])
 
@@ -101,7 +118,7 @@ def test_the_command_prints_one_document_and_needs_a_yes(boxed: str) -> None:
     assert asked.exit_code == 2
     of_resistance = ("commission", "resistance", "--profile", boxed, "--json")
     planned = json.loads(runner.invoke(app, [*of_resistance, "--dry-run"]).stdout)
-    assert list(planned["steps"]) == ["offsets", "resistance"]
+    assert list(planned["steps"]) == ["preflight", "offsets", "resistance"]
     result = runner.invoke(app, [*of_resistance, "--yes"])
     assert result.exit_code == 0, result.output
     content = json.loads(result.stdout)

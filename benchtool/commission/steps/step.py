@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 from benchtool.analysis import Measurement
 from benchtool.block import Block
 from benchtool.commission.excitation import Excitation
 from benchtool.commission.known import Known
+from benchtool.drive import RemoteDrive
 
 
 @dataclass(frozen=True)
@@ -52,3 +53,12 @@ class Step(Protocol):
 
     def findings(self, found: Mapping[str, Measurement], known: Known) -> tuple[Finding, ...]:
         """Return what the estimates say about the set-up."""
+
+
+@runtime_checkable
+class Trial(Protocol):
+    """A step that also tries what no excitation can: it drives the drive itself, and leaves it disabled and
+    supervised on every exit."""
+
+    def attempt(self, drive: RemoteDrive, known: Known) -> Mapping[str, Measurement]:
+        """Return the estimates by name."""
