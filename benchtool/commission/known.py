@@ -20,6 +20,7 @@ from benchtool.protocol.dictionary import Value
 _SAMPLED_S = 0.01
 _OF_THE_SWING = 0.7
 _SLOWEST_RAD_S = 30.0  # so that a level of some tenths of a second settles
+_LONGEST_DEAD_TIME_S = 2e-5  # that a drive compensates
 _NONE: Mapping[str, Measurement] = MappingProxyType({})
 
 
@@ -34,6 +35,7 @@ class Known:
     control_period_s: float
     u_dc_V: float
     u_dc_full_scale_V: float = 0.0
+    pwm_period_s: float = 0.0
     estimates: Mapping[str, Measurement] = field(default_factory=lambda: _NONE)
 
     @classmethod
@@ -49,7 +51,8 @@ class Known:
         if not u_dc_V > 0.0:
             raise ValueRefused(f"the drive reads a dc link of {u_dc_V:g} V: power it; nothing was sent")
         period_s = round(drive.number("control_period") * 1e9) * 1e-9  # the drive has it as a float32
-        return cls(motor, period_s, u_dc_V, drive.number("u_dc_full_scale"))
+        pwm_s = round(drive.number("pwm_period") * 1e9) * 1e-9
+        return cls(motor, period_s, u_dc_V, drive.number("u_dc_full_scale"), pwm_s)
 
     def with_estimates(self, found: Mapping[str, Measurement]) -> Self:
         """Return this with more estimates; those without a value are left out."""
@@ -64,6 +67,20 @@ class Known:
         """Return the estimate of a parameter, or what the nameplate says."""
         found = self.estimates.get(name)
         return nameplate if found is None else found.value
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """What was estimated, by the names of the drive's parameters that it is for; what the drive has not
+        is left out by the caller.
+
+        The drive compensates dead time and drop by a time: that in which the dc link makes the voltage they
+        take.
+        """
+        found = {name: each.value for name, each in self.estimates.items()}
+        if "dead_time_voltage" in found:
+            lost_s = max(0.0, found["dead_time_voltage"]) * (self.pwm_period_s or self.control_period_s)
+            found["dead_time_compensation"] = min(lost_s / self.u_dc_V, _LONGEST_DEAD_TIME_S)
+        return found
 
     @property
     def I_N_A(self) -> float:

@@ -17,6 +17,7 @@ from .settings import (
     settings as settings,
 )
 from .storage import (
+    reset as reset,
     restore_defaults as restore_defaults,
     store as store,
 )
