@@ -26,6 +26,7 @@ from benchtool.commission import (
     commissioned_profile,
     document,
     planned,
+    stated_parameters,
     step_bundles,
     steps_for,
 )
@@ -200,7 +201,8 @@ def _show(output: Output, profile: str, done: Commissioning, content: dict[str, 
 
 def _show_plan(session: Session, steps: Sequence[Step], output: Output) -> int:
     """Print what the steps would play and what energy that takes, by the nameplate."""
-    known = Known.of(session.drive, session.profile.motor)
+    stated = stated_parameters(session.drive, session.profile)
+    known = Known.of(session.drive, session.profile.motor, stated)
     plan = planned(steps, known)
     energy_J = {
         name: sum(each.energy_J(known.R_s_ohm) for each in excitations) for name, excitations in plan.items()

@@ -3,6 +3,7 @@ from .execution import (
     STEPS as STEPS,
     commission as commission,
     planned as planned,
+    stated_parameters as stated_parameters,
     steps_for as steps_for,
 )
 from .known import Known as Known

@@ -13,11 +13,13 @@ from benchtool.commission.known import Known
 from benchtool.commission.playing import played, spent_J
 from benchtool.commission.recorder import StepRecorder
 from benchtool.commission.results import Commissioning, StepResult, StepVerdict
-from benchtool.commission.saving import parameters_of, save, settings_by_key, trial
+from benchtool.commission.saving import save, settings_by_key, trial
+from benchtool.commission.steps.current_loop import CurrentControl
 from benchtool.commission.steps.inductance import TurningVoltage
 from benchtool.commission.steps.offsets import Offsets
 from benchtool.commission.steps.resistance import StandingCurrents
-from benchtool.commission.steps.step import Step
+from benchtool.commission.steps.speed_loop import SpeedControl
+from benchtool.commission.steps.step import LoopStep, Step
 from benchtool.drive import Capability, RemoteDrive
 from benchtool.drive.parameters import held
 from benchtool.errors import (
@@ -32,7 +34,13 @@ from benchtool.errors import (
 from benchtool.profile import Profile
 from benchtool.protocol.dictionary import Value, setting_of
 
-STEPS: tuple[Step, ...] = (Offsets(), StandingCurrents(), TurningVoltage())
+STEPS: tuple[Step, ...] = (
+    Offsets(),
+    StandingCurrents(),
+    TurningVoltage(),
+    CurrentControl(),
+    SpeedControl(),
+)
 """Every step, in the order in which they are run."""
 
 _QUIET: Mapping[str, Value] = MappingProxyType({"quick_stop_option": "disable"})
@@ -105,10 +113,10 @@ def commission(
     )
     if keep:
         drive.capabilities.require(Capability.STORAGE, purpose="keeping what a commissioning finds")
-    began = known = Known.of(drive, profile.motor)
+    stated = stated_parameters(drive, profile)
+    began = known = Known.of(drive, profile.motor, stated)
     planned(steps, known)
     results: list[StepResult] = []
-    stated = _stated(drive, profile)
     with trial(drive), held(drive, {**stated, **_QUIET}):
         for step in steps:
             done = recorder.finished(step) if recorder is not None else None
@@ -118,7 +126,7 @@ def commission(
             results.append(result)
             if result.verdict is StepVerdict.PASS:
                 known = known.with_estimates(result.estimates)
-    values = parameters_of(drive, stated, known)
+    values = {**stated, **known.in_force}
     found = Commissioning(tuple(results), began, settings_by_key(drive, values))
     if not keep:
         return replace(found, not_saved="it was not asked for")
@@ -156,7 +164,7 @@ def _attempt(
     with nullcontext() if recorder is None else recorder.recording(step):
         result = _run(drive, step, known, note, recorder)
         if recorder is not None:
-            recorder.finish(result)
+            recorder.finish(result, step.loops(known) if isinstance(step, LoopStep) else ())
     return result
 
 
@@ -192,7 +200,7 @@ def _run(
     )
 
 
-def _stated(drive: RemoteDrive, profile: Profile) -> dict[str, Value]:
+def stated_parameters(drive: RemoteDrive, profile: Profile) -> dict[str, Value]:
     """Return what the profile states, by the dictionary's names; what this drive has not is left out.
 
     Raises:

@@ -1,24 +1,26 @@
 """Steps as bundles: the captures of each with its estimates, and what an earlier session has finished.
 
-A commissioning's folder has a bundle for every step that was begun. A finished one has its estimates, findings
-and verdict; a step that was cut short leaves a bundle that says so. A later session takes over what passed, as
-long as it is of the same drive, link and profile.
+A commissioning's folder has a bundle for every step that was begun. A finished one has its estimates,
+findings and verdict; a step that was cut short leaves a bundle that says so. A later session takes over what
+passed, as long as it is of the same drive, link and profile.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import asdict
 from pathlib import Path
 from typing import Final
 
 from benchtool.analysis import measurements_from_json, measurements_to_json
 from benchtool.block import Block
 from benchtool.commission.results import StepResult, StepVerdict
-from benchtool.commission.steps.step import Finding, Step
+from benchtool.commission.steps.step import Finding, Loop, Step
 from benchtool.errors import RecordingError, UsageError
 from benchtool.recording import MANIFEST, Bundle, BundleWriter, Manifest
+from benchtool.report.assembly import LOOPS
 
 DETAILS: Final = "commissioned_step"
 """Key of a step's result in the details of its bundle's manifest."""
@@ -45,7 +47,7 @@ class StepRecorder:
         self.folder = folder
         self._manifest = manifest
         self._bundle: BundleWriter | None = None
-        self._streams = 0
+        self._streams: list[str] = []
         self._finished: dict[str, Bundle] = {}
         if resume:
             self._finished = {
@@ -86,7 +88,7 @@ class StepRecorder:
         place = self.folder / step.name
         if place.exists():
             _put_aside(place)
-        self._streams = 0
+        self._streams = []
         self._begun += 1
         began = self._manifest(step.name)
         began = began.model_copy(update={"details": began.details | {NUMBER: self._begun}})
@@ -108,11 +110,11 @@ class StepRecorder:
         """
         assert self._bundle is not None  # called while a step is recorded
         words = re.sub(r"[^A-Za-z0-9]+", "-", name).strip("-")
-        self._bundle.append(f"{self._streams:02d}-{words}", block)
-        self._streams += 1
+        self._streams.append(f"{len(self._streams):02d}-{words}")
+        self._bundle.append(self._streams[-1], block)
 
-    def finish(self, result: StepResult) -> None:
-        """Complete the bundle of a step.
+    def finish(self, result: StepResult, loops: Sequence[Loop] = ()) -> None:
+        """Complete the bundle of a step; `loops` says which captures hold responses.
 
         Raises:
             RecordingError: it cannot be written.
@@ -129,7 +131,8 @@ class StepRecorder:
                     "findings": [{**each.to_json(), "fails": each.fails} for each in result.findings],
                     "planned_J": result.planned_J,
                     "spent_J": result.spent_J,
-                }
+                },
+                LOOPS: {self._streams[each.capture]: asdict(each) for each in loops if result.estimates},
             },
         )
 

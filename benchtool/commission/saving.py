@@ -1,8 +1,8 @@
-"""Parameters of a commissioning on the drive: tried while its host is there, and kept all at once or not at all.
+"""Parameters of a commissioning on the drive: tried while its host is there, kept all at once or not at all.
 
 A drive keeps its parameters by one command (CiA 301, object 0x1010), so that what it has stored is old until
-that command and new after it. What is in force meanwhile is a trial (object `parameter_trial`): should the host
-die, however it dies, the drive switches off by its link supervision and puts in force what it has stored.
+that command and new after it. What is in force meanwhile is a trial (object `parameter_trial`): should the
+host die, however it dies, the drive switches off by its link supervision and puts in force what it has stored.
 """
 
 from __future__ import annotations
@@ -11,13 +11,10 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from typing import Final
 
-import numpy as np
-
-from benchtool.commission.known import Known
 from benchtool.drive import Capability, RemoteDrive
 from benchtool.drive.parameters import reset, snapshot, store, write_all
 from benchtool.errors import BenchError, WriteNotVerified
-from benchtool.protocol.dictionary import Value, Variable, toml_key
+from benchtool.protocol.dictionary import Value, toml_key
 
 _TRIAL: Final = "parameter_trial"
 _HEARD_S: Final = 0.05
@@ -50,27 +47,6 @@ def trial(drive: RemoteDrive) -> Iterator[None]:
     drive.write(_TRIAL, "off")
 
 
-def parameters_of(drive: RemoteDrive, stated: Mapping[str, Value], known: Known) -> dict[str, Value]:
-    """Return what the drive is to keep, by name: what the profile states, and each estimate in its place.
-
-    An estimate that is no parameter of this drive, or that nothing defined, is left out.
-    """
-    wanted: dict[str, Value] = dict(stated)
-    for name, value in known.parameters.items():
-        variable = drive.dictionary.get(name)
-        if variable is not None and variable.role == "parameter" and variable.writable:
-            wanted[name] = _as_held(variable, value)
-    return wanted
-
-
-def _as_held(variable: Variable, value: float) -> Value:
-    """Return a number as a drive reads it back: rounded to its type, an enumeration by name."""
-    if variable.values is not None:
-        return next(name for name, number in variable.values.items() if number == round(value))
-    whole = variable.type.numpy is not None and np.issubdtype(variable.type.numpy, np.integer)
-    return variable.decode(variable.encode(round(value) if whole and variable.factor == 1.0 else value))
-
-
 def save(drive: RemoteDrive, values: Mapping[str, Value]) -> None:
     """Write values by name, read each back, store them by one command, and read all back after a reset.
 
@@ -78,7 +54,7 @@ def save(drive: RemoteDrive, values: Mapping[str, Value]) -> None:
     has been reset: it is not supervised, and has to be connected again before it is enabled.
 
     Raises:
-        CapabilityMissing, ValueRefused, SdoAbort: the drive cannot store, or refused; it keeps the old values.
+        CapabilityMissing, ValueRefused, SdoAbort: the drive cannot store, or refused: it keeps what it had.
         WriteNotVerified: what is in force after the reset is not what was stored.
         LinkError: it does not answer; what it has stored is old or new, all of it.
     """

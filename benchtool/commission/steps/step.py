@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 from benchtool.analysis import Measurement
 from benchtool.block import Block
@@ -27,6 +27,18 @@ class Finding:
     def to_json(self) -> dict[str, str]:
         """Return its sentences."""
         return {"what": self.what, "cause": self.cause, "remedy": self.remedy}
+
+
+@dataclass(frozen=True)
+class Loop:
+    """A capture that holds the response of a closed loop: by its number, with its title, the channels of the
+    reference and of what follows it, and the rows of `analyze_response`."""
+
+    capture: int
+    title: str
+    input: str
+    output: str
+    rows: Mapping[str, int]
 
 
 class Step(Protocol):
@@ -52,3 +64,11 @@ class Step(Protocol):
 
     def findings(self, found: Mapping[str, Measurement], known: Known) -> tuple[Finding, ...]:
         """Return what the estimates say about the set-up."""
+
+
+@runtime_checkable
+class LoopStep(Protocol):
+    """A step that measures a closed loop, which a report draws."""
+
+    def loops(self, known: Known) -> tuple[Loop, ...]:
+        """Return which of its captures hold responses."""

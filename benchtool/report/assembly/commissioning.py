@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Final
 
 from benchtool.analysis import NOTHING, analyze_response, measurements_from_json, number, with_expanded
+from benchtool.block import Block
 from benchtool.errors import AnalysisError
 from benchtool.recording import Bundle
 from benchtool.report import content
@@ -44,7 +45,7 @@ def commissioning_report(document: Mapping[str, Any], bundles: Sequence[Bundle])
     appendix: list[Item] = []
     if manifest is not None:
         command = f"benchtool {' '.join(manifest.command_line)}"
-        named = [(f"{bundle.directory.name}/", bundle, {}) for bundle in bundles]
+        named: list[tuple[str, Bundle, Mapping[str, Block]]] = [(f"{bundle.directory.name}/", bundle, {}) for bundle in bundles]
         appendix.append(files_section(named, [command], by="the command"))
     profile = manifest.profile_name if manifest else ""
     return Report(

@@ -1,0 +1,184 @@
+"""A commissioning killed at random moments: `python -m benchmarks.killed_commissioning [--kills 100] [--json]`.
+
+An emulated drive runs in a process of its own, in real time, beside what commissions it: a process that is ended
+by SIGKILL, two thirds of the times at a moment that is uniform over its whole run, else within the second in
+which it writes, stores and reads back. A third process's view, on another wire, is what counts: how long after
+the last sign of life the power stage is off and no current flows, and whether the drive holds all of its old
+parameters or all of the new ones, in force then and after a reset.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import random
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, Final
+
+from benchmarks.figures import print_figures
+from benchtool.bench import open_session
+from benchtool.drive import RemoteDrive
+from benchtool.drive.parameters import reset, snapshot
+from benchtool.errors import BenchError
+from benchtool.shipped import shipped
+
+TIMEOUT_S: Final = 0.5
+"""What a host arms the drive's supervision with."""
+
+POLL_S: Final = 0.01
+SLACK_S: Final = 0.1  # of heartbeats, polling and a busy machine
+NO_CURRENT: Final = 0.05  # A, of the vector: two steps of the converter
+SAVING: Final = "storing the parameters"
+COMMISSION: Final = ("-m", "benchtool", "commission", "--yes", "--save", "--json")
+
+
+def boxed(folder: Path) -> Path:
+    """Return a profile whose drive knows nothing of its motor, and whose nameplate is off."""
+    text = (shipped("profiles") / "zhu2011" / "profile.toml").read_text(encoding="utf-8")
+    truth = "[emulator]\ncommissioned = false\n\n[emulator.motor]\n"
+    for key, true, stated in (("R_s_ohm", "0.123", "0.14"), ("L_d_H", "9.52e-3", "8e-3"), ("L_q_H", "9.52e-3", "8e-3")):
+        text = text.replace(f"{key} = {true}", f"{key} = {stated}")
+        truth += f"{key} = {true}\n"
+    path = folder / "boxed.toml"
+    path.write_text(text.split("[[choices]]")[0].replace("[emulator.motor]\n", truth), encoding="utf-8")
+    return path
+
+
+@contextmanager
+def served(profile: Path) -> Iterator[dict[str, str]]:
+    """Run the emulated drive; yield the links of its two wires."""
+    command = (sys.executable, "-m", "benchtool", "emulate", "--json", "--profile", str(profile))
+    process = subprocess.Popen((*command, "--tcp", "0", "--slcan-tcp", "0"), stdout=subprocess.PIPE, text=True)
+    try:
+        assert process.stdout is not None
+        wires = json.loads(process.stdout.readline())["wires"]
+        yield {each["wire"]: each["link"] for each in wires if "socket:" in each["place"]}
+    finally:
+        process.terminate()
+        process.wait()
+
+
+def host(profile: Path, link: str, steps: list[str], out: Path) -> subprocess.Popen[str]:
+    """Start a commissioning."""
+    command = (sys.executable, *COMMISSION, *steps, "--profile", str(profile), "--link", link, "--out", str(out))
+    return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+
+
+def until_saving(process: subprocess.Popen[str]) -> None:
+    """Return when a commissioning begins to store."""
+    assert process.stderr is not None
+    for line in process.stderr:
+        if SAVING in line:
+            return
+
+
+def kill(process: subprocess.Popen[str], rng: random.Random, lasts_s: float, saves_s: float, *, saving: bool) -> None:
+    """End a commissioning at a random moment."""
+    try:
+        if saving:
+            until_saving(process)
+        process.wait(rng.uniform(0.0, saves_s if saving else lasts_s))
+    except subprocess.TimeoutExpired:
+        pass
+    process.kill()
+    process.wait()
+    if process.stderr is not None:
+        process.stderr.close()
+
+
+def time_to_zero_s(drive: RemoteDrive) -> float:
+    """Return the time from now until the power stage is off and no current flows; infinity beyond 5 s."""
+    began_s = time.monotonic()
+    while (past_s := time.monotonic() - began_s) < 5.0:
+        off = not drive.state().power_stage_on
+        if off and max(abs(drive.number(f"i_{phase}")) for phase in "abc") < NO_CURRENT:
+            return past_s
+        drive.clock.wait(POLL_S)
+    return float("inf")
+
+
+def of_one_kind(held: Mapping[str, Any], old: Mapping[str, Any], new: Mapping[str, Any]) -> str:
+    """Return whether parameters are the old ones, the new ones, or a mixture.
+
+    New are those that a whole commissioning has stored, whatever the numbers that this one found.
+    """
+    if held == old:
+        return "old"
+    changed = [key for key in old if old[key] != new[key]]
+    kept = [key for key in old if old[key] == new[key]]
+    if all(held[key] != old[key] for key in changed) and all(held[key] == old[key] for key in kept):
+        return "new"
+    return "mixture"
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--kills", type=int, default=100)
+    parser.add_argument("--steps", default="offsets,resistance,inductance")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--json", action="store_true")
+    asked = parser.parse_args()
+    rng = random.Random(asked.seed)
+    steps = asked.steps.split(",")
+    times_s: list[float] = []
+    kinds: list[tuple[str, str]] = []
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        profile = boxed(folder)
+        with served(profile) as links, open_session(str(profile), links["slcan"]) as watching:
+            drive = watching.drive
+            before = snapshot(drive)
+            began_s = time.monotonic()
+            whole = host(profile, links["serial"], steps, folder / "whole")
+            until_saving(whole)
+            saves_s = time.monotonic() - began_s
+            whole.communicate()
+            lasts_s = time.monotonic() - began_s
+            after = snapshot(drive)
+            for number in range(asked.kills):
+                restored(drive, before)
+                process = host(profile, links["serial"], steps, folder / str(number))
+                kill(process, rng, lasts_s, lasts_s - saves_s, saving=number % 3 == 2)
+                times_s.append(time_to_zero_s(drive))
+                drive.clock.wait(TIMEOUT_S + SLACK_S)
+                in_force = of_one_kind(snapshot(drive), before, after)
+                reset(drive)
+                kinds.append((in_force, of_one_kind(snapshot(drive), before, after)))
+                print(f"{number + 1}: off in {times_s[-1]:.3f} s, {kinds[-1][1]}", file=sys.stderr, flush=True)
+    whole_kinds = [one for one, other in kinds if one == other != "mixture"]
+    figures = {
+        "kills": asked.kills,
+        "run_s": round(lasts_s, 2),
+        "torque_zero_within_timeout": sum(each <= TIMEOUT_S + SLACK_S for each in times_s),
+        "longest_to_zero_s": round(max(times_s), 3),
+        "old": whole_kinds.count("old"),
+        "new": whole_kinds.count("new"),
+        "mixture": len(kinds) - len(whole_kinds),
+    }
+    print_figures(figures, as_json=asked.json)
+
+
+def restored(drive: RemoteDrive, values: Mapping[str, Any]) -> None:
+    """Have the drive store what it had at first."""
+    from benchtool.drive.parameters import store, write_all
+    from benchtool.protocol.dictionary import variable_of
+
+    try:
+        drive.reset_fault()
+    except BenchError:
+        pass
+    by_name = {variable_of(drive.dictionary, key).name: value for key, value in values.items()}
+    held = {name: value for name, value in by_name.items() if drive.dictionary[name].writable}
+    write_all(drive, {name: value for name, value in held.items() if drive.read(name) != value})
+    store(drive)
+
+
+if __name__ == "__main__":
+    main()
