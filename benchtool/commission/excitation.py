@@ -30,7 +30,7 @@ class Excitation:
 
     `squares_A2s` is the integral of the squared length of the current vector that is expected, `work_J` the
     mechanical energy. The drive is enabled in `mode`, by default that of the stimulus, and not at all without
-    either. `setpoint_rad_s` and `settle_s` are a speed that it runs at in velocity mode, and how long it takes
+    either. `omega_m_rad_s` and `settle_s` are a speed that it runs at in velocity mode, and how long it takes
     to get there, before it plays and captures.
     """
 
@@ -41,7 +41,7 @@ class Excitation:
     parameters: Mapping[str, Value] = field(default_factory=lambda: MappingProxyType({}))
     work_J: float = 0.0
     mode: Mode | None = None
-    setpoint_rad_s: float = 0.0
+    omega_m_rad_s: float = 0.0
     settle_s: float = 0.0
 
     def energy_J(self, R_s_ohm: float) -> float:

@@ -14,11 +14,11 @@ from benchtool.commission.playing import played, spent_J
 from benchtool.commission.recorder import StepRecorder
 from benchtool.commission.results import Commissioning, StepResult, StepVerdict
 from benchtool.commission.saving import save, settings_by_key, trial
-from benchtool.commission.steps.current_loop import CurrentControl
+from benchtool.commission.steps.current_control import CurrentControl
 from benchtool.commission.steps.inductance import TurningVoltage
 from benchtool.commission.steps.offsets import Offsets
 from benchtool.commission.steps.resistance import StandingCurrents
-from benchtool.commission.steps.speed_loop import SpeedControl
+from benchtool.commission.steps.speed_control import SpeedControl
 from benchtool.commission.steps.step import LoopStep, Step
 from benchtool.drive import Capability, RemoteDrive
 from benchtool.drive.parameters import held

@@ -27,8 +27,8 @@ def played(drive: RemoteDrive, excitation: Excitation, known: Known) -> Block:
         mode = excitation.power_mode
         if mode is not None:
             stack.enter_context(drive.enabled(mode))
-        if excitation.setpoint_rad_s:
-            drive.write(in_si(drive, SPEED_SETPOINT), excitation.setpoint_rad_s)
+        if excitation.omega_m_rad_s:
+            drive.write(in_si(drive, SPEED_SETPOINT), excitation.omega_m_rad_s)
         if excitation.settle_s:
             drive.wait(excitation.settle_s)
         if excitation.stimulus is None:

@@ -9,7 +9,7 @@ from benchtool.analysis import Measurement
 from benchtool.block import Block
 from benchtool.commission.excitation import Excitation
 from benchtool.commission.known import Known
-from benchtool.commission.steps.current_loop import current_loop
+from benchtool.commission.steps.current_control import current_loop
 from benchtool.commission.steps.step import Finding, Loop
 from benchtool.commission.tuning.bode_check import ExcitedRows, deviations, measured, numbers
 from benchtool.commission.tuning.loops import SpeedLoop, inner_loop, tuned_speed_loop
@@ -67,7 +67,7 @@ class SpeedControl:
                 {**known.in_force, **gains(known)},
                 work_J=friction * omega * duration_s,
                 mode=Mode.VELOCITY,
-                setpoint_rad_s=omega,
+                omega_m_rad_s=omega,
                 settle_s=_RUN_UP_S,
             ),
         )
