@@ -44,7 +44,7 @@ _PROFILE, _DOCUMENT, _REPORT = "profile.toml", "commissioning.json", "report.htm
 def commission(
     steps: Annotated[
         list[str] | None,
-        typer.Argument(metavar="[STEP]...", help="offsets, resistance, inductance; all of them without."),
+        typer.Argument(metavar="[STEP]...", help="A step, and those that it needs; all of them without."),
     ] = None,
     profile: options.Profile = "zhu2011",
     link: options.Link = "emulated",

@@ -39,10 +39,10 @@ class Excitation:
     request: CaptureRequest
     squares_A2s: float = 0.0
     parameters: Mapping[str, Value] = field(default_factory=lambda: MappingProxyType({}))
-    work_J: float = 0.0
-    mode: Mode | None = None
     omega_m_rad_s: float = 0.0
     settle_s: float = 0.0
+    work_J: float = 0.0
+    mode: Mode | None = None
 
     def energy_J(self, R_s_ohm: float) -> float:
         """Return the heat in the winding, 3/2 R_s times the integral, and the mechanical work."""
@@ -53,7 +53,7 @@ class Excitation:
         """Mode in which the drive is enabled; None with the power stage off."""
         if self.mode is not None or self.stimulus is None:
             return self.mode
-        return self.stimulus.modes[0]
+        return self.stimulus.modes[-1]  # a d-current plays at a speed
 
 
 def require_bearable(excitations: Iterable[Excitation], motor: Motor) -> None:

@@ -15,11 +15,14 @@ from benchtool.commission.recorder import StepRecorder
 from benchtool.commission.results import Commissioning, StepResult, StepVerdict
 from benchtool.commission.saving import save, settings_by_key, trial
 from benchtool.commission.steps.current_control import CurrentControl
+from benchtool.commission.steps.encoder import DraggedRotor
+from benchtool.commission.steps.flux_linkage import BackEmf
 from benchtool.commission.steps.inductance import TurningVoltage
+from benchtool.commission.steps.mechanics import Reversals
 from benchtool.commission.steps.offsets import Offsets
 from benchtool.commission.steps.resistance import StandingCurrents
 from benchtool.commission.steps.speed_control import SpeedControl
-from benchtool.commission.steps.step import LoopStep, Step
+from benchtool.commission.steps.step import Finding, LoopStep, Step
 from benchtool.drive import Capability, RemoteDrive
 from benchtool.drive.parameters import held
 from benchtool.errors import (
@@ -27,23 +30,29 @@ from benchtool.errors import (
     CaptureError,
     DriveFault,
     SdoAbort,
+    SetUpError,
     StimulusError,
     UsageError,
     ValueRefused,
 )
 from benchtool.profile import Profile
-from benchtool.protocol.dictionary import Value, setting_of
+from benchtool.protocol import State
+from benchtool.protocol.dictionary import Role, Value, setting_of
 
 STEPS: tuple[Step, ...] = (
     Offsets(),
     StandingCurrents(),
     TurningVoltage(),
+    DraggedRotor(),
+    BackEmf(),
+    Reversals(),
     CurrentControl(),
     SpeedControl(),
 )
 """Every step, in the order in which they are run."""
 
 _QUIET: Mapping[str, Value] = MappingProxyType({"quick_stop_option": "disable"})
+_OF_THE_LINK = (0x3210, 0x3220)  # error codes
 _FAIL_A_STEP = (AnalysisError, CaptureError, DriveFault, SdoAbort, StimulusError, ValueRefused)
 
 
@@ -114,10 +123,11 @@ def commission(
     if keep:
         drive.capabilities.require(Capability.STORAGE, purpose="keeping what a commissioning finds")
     stated = stated_parameters(drive, profile)
-    began = known = Known.of(drive, profile.motor, stated)
-    planned(steps, known)
     results: list[StepResult] = []
     with trial(drive), held(drive, {**stated, **_QUIET}):
+        _leave_fault_of_the_link(drive, note)
+        began = known = Known.of(drive, profile.motor)
+        planned(steps, known)
         for step in steps:
             done = recorder.finished(step) if recorder is not None else None
             if done is not None:
@@ -184,6 +194,9 @@ def _run(
                 recorder.append(each.name, blocks[-1])
         result = replace(result, spent_J=spent_J(excitations, blocks, known.R_s_ohm))
         estimates = step.estimate(blocks, known)
+    except SetUpError as wrong:
+        found = (Finding(wrong.what, wrong.cause, wrong.remedy),)
+        return replace(result, reason=wrong.what, findings=found)
     except _FAIL_A_STEP as reason:
         return replace(result, reason=str(reason))
     findings = step.findings(estimates, known)
@@ -198,6 +211,17 @@ def _run(
         findings=findings,
         spent_J=spent_J(excitations, blocks, R_s_ohm),
     )
+
+
+def _leave_fault_of_the_link(drive: RemoteDrive, note: Callable[[str], None]) -> None:
+    """Reset a fault of the dc link's voltage where that is within the profile's limits, which are in force now:
+    the drive came with others."""
+    if drive.state() is not State.FAULT or drive.optional_number(Role.ERROR_CODE) not in _OF_THE_LINK:
+        return
+    if drive.number("u_dc_min") <= drive.number("u_dc") <= drive.number("u_dc_max"):
+        note("the dc link is within the limits of the profile, not within those that the drive had")
+        drive.reset_fault()
+        drive.emergencies()
 
 
 def stated_parameters(drive: RemoteDrive, profile: Profile) -> dict[str, Value]:

@@ -22,8 +22,17 @@ _OF_THE_SWING = 0.7
 _SLOWEST_RAD_S = 30.0  # so that a level of some tenths of a second settles
 _LONGEST_DEAD_TIME_S = 2e-5  # that a drive compensates
 _READ = ("law", "encoder_lines")
-_USUAL_LINES = 2500
 _SEEN = 3.0  # standard uncertainties, below which nothing is compensated
+_OF_MOTOR: Mapping[str, str] = MappingProxyType(
+    {
+        "R_s": "R_s_ohm",
+        "L_d": "L_d_H",
+        "L_q": "L_q_H",
+        "psi_r": "psi_r_Wb",
+        "J": "J_kgm2",
+        "pole_pairs": "pole_pairs",
+    }
+)
 _NONE: Mapping[str, Measurement] = MappingProxyType({})
 
 
@@ -32,13 +41,16 @@ class Known:
     """The host's knowledge of motor and drive; nothing of it is the truth of an emulated bench.
 
     `motor` is the nameplate; `variables` are the parameters of the drive that can be set, `held` what it holds
-    while steps are run, and `estimates` what was estimated, by the dictionary's names.
+    while steps are run, and `estimates` what was estimated, by the dictionary's names. `encoder_lines` are
+    those that the drive counts by, `travel_rad` is how far the shaft may turn from where it stands.
     """
 
     motor: Motor
     control_period_s: float
     u_dc_V: float
     u_dc_full_scale_V: float = 0.0
+    encoder_lines: int = 2500
+    travel_rad: float = math.inf
     pwm_period_s: float = 0.0
     variables: Mapping[str, Variable] = field(default_factory=lambda: MappingProxyType({}))
     held: Mapping[str, Value] = field(default_factory=lambda: MappingProxyType({}))
@@ -66,8 +78,17 @@ class Known:
         variables = {
             each.name: each for each in drive.dictionary if each.role == "parameter" and each.writable
         }
-        held = {name: drive.read(name) for name in _READ if name in variables} | dict(stated or {})
-        return cls(motor, period_s, u_dc_V, drive.number("u_dc_full_scale"), pwm_s, variables, held)
+        held = {name: drive.read(name) for name in _READ} | dict(stated or {})
+        return cls(
+            motor,
+            period_s,
+            u_dc_V,
+            drive.number("u_dc_full_scale"),
+            encoder_lines=int(held["encoder_lines"]),
+            pwm_period_s=pwm_s,
+            variables=variables,
+            held=held,
+        )
 
     def with_estimates(self, found: Mapping[str, Measurement]) -> Self:
         """Return this with more estimates; those without a value are left out."""
@@ -108,11 +129,6 @@ class Known:
         return str(self.held.get("law", ""))
 
     @property
-    def encoder_lines(self) -> int:
-        """Lines of the encoder, four counts each."""
-        return int(self.held.get("encoder_lines", _USUAL_LINES))
-
-    @property
     def pole_pairs(self) -> int:
         """Pole pairs, as found or as stated."""
         return round(self.value("pole_pairs", self.motor.pole_pairs))
@@ -148,9 +164,50 @@ class Known:
         return self.value("dead_time_voltage", 0.0)
 
     @property
+    def identified(self) -> Motor:
+        """The nameplate with what was estimated in its place."""
+        found = {key: self.estimates[name].value for name, key in _OF_MOTOR.items() if name in self.estimates}
+        if "pole_pairs" in found:
+            found["pole_pairs"] = round(found["pole_pairs"])
+        return self.motor.model_copy(update=found)
+
+    @property
+    def electrical(self) -> dict[str, Value]:
+        """Parameters of the drive for its current loop, as far as estimated."""
+        return {name: self.estimates[name].value for name in ("R_s", "L_d", "L_q") if name in self.estimates}
+
+    @property
+    def encoder(self) -> dict[str, Value]:
+        """Parameters of the drive for the rotor's angle, as far as estimated."""
+        found: dict[str, Value] = {}
+        if "encoder_offset" in self.estimates:
+            found["encoder_offset"] = self.estimates["encoder_offset"].value
+            found["encoder_direction"] = (
+                "forward" if self.value("encoder_direction", 1.0) > 0.0 else "reverse"
+            )
+            found["pole_pairs"] = self.identified.pole_pairs
+        return found
+
+    @property
+    def eccentricity(self) -> tuple[complex, complex]:
+        """By what the encoder is ahead of the shaft, rad, once and twice in a revolution of theta_m: the real
+        part of each times exp(-j n theta_m)."""
+        once, twice = (
+            complex(self.value(f"eccentricity_{n}_cos", 0.0), self.value(f"eccentricity_{n}_sin", 0.0))
+            for n in (1, 2)
+        )
+        return once, twice
+
+    @property
     def offsets(self) -> dict[str, Value]:
         """Parameters of the drive that take the offsets of the current sensors off, as far as estimated."""
         names = [f"current_offset_{phase}" for phase in "abc"]
+        return {name: self.estimates[name].value for name in names if name in self.estimates}
+
+    @property
+    def sensor_gains(self) -> dict[str, Value]:
+        """Parameters of the drive that make its current sensors agree, as far as estimated."""
+        names = [f"current_gain_{phase}" for phase in "abc"]
         return {name: self.estimates[name].value for name in names if name in self.estimates}
 
     @property

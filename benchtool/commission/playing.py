@@ -11,13 +11,16 @@ import numpy as np
 from benchtool.block import Block
 from benchtool.commission.excitation import Excitation
 from benchtool.commission.known import Known
-from benchtool.drive import SPEED_SETPOINT, Capture, RemoteDrive, in_si, play
+from benchtool.drive import SPEED, SPEED_SETPOINT, Capture, RemoteDrive, in_si, play
 from benchtool.drive.parameters import held
 from benchtool.errors import BenchError
+from benchtool.protocol import Mode
 
 _PHASES: Final = ("i_a", "i_b", "i_c")
 _DQ: Final = ("i_d", "i_q")
 _POWER: Final = ("torque", "omega_m")
+_AT_REST = 0.01  # of the rated speed
+_LONGEST_BRAKING_S, _BRAKING_POLL_S = 5.0, 0.02
 
 
 def played(drive: RemoteDrive, excitation: Excitation, known: Known) -> Block:
@@ -27,18 +30,32 @@ def played(drive: RemoteDrive, excitation: Excitation, known: Known) -> Block:
         mode = excitation.power_mode
         if mode is not None:
             stack.enter_context(drive.enabled(mode))
-        if excitation.omega_m_rad_s:
+        if mode is Mode.VELOCITY:
             drive.write(in_si(drive, SPEED_SETPOINT), excitation.omega_m_rad_s)
         if excitation.settle_s:
             drive.wait(excitation.settle_s)
         if excitation.stimulus is None:
             capture = Capture(drive, excitation.request)
             capture.wait()
-            return capture.read()
-        block = play(drive, excitation.stimulus, excitation.request, motor=known.motor)
+            block: Block | None = capture.read()
+        else:
+            block = play(drive, excitation.stimulus, excitation.request, motor=known.motor)
+        if mode is Mode.VELOCITY:
+            _bring_to_rest(drive, known)
     if block is None:
         raise BenchError(f"the excitation '{excitation.name}' was not captured")
     return block
+
+
+def _bring_to_rest(drive: RemoteDrive, known: Known) -> None:
+    """Have the speed controller brake, so that the next excitation finds a shaft at rest; a shaft that does
+    not come to rest is left to coast."""
+    drive.write(in_si(drive, SPEED_SETPOINT), 0.0)
+    slow_rad_s = _AT_REST * known.motor.omega_m_N_rad_s
+    waited_s = 0.0
+    while abs(drive.number(in_si(drive, SPEED))) > slow_rad_s and waited_s < _LONGEST_BRAKING_S:
+        drive.wait(_BRAKING_POLL_S)
+        waited_s += _BRAKING_POLL_S
 
 
 def spent_J(excitations: Sequence[Excitation], blocks: Sequence[Block], R_s_ohm: float) -> float:

@@ -34,7 +34,7 @@ class CurrentControl:
     """
 
     name = "current_loop"
-    needs: tuple[str, ...] = ("inductance",)
+    needs: tuple[str, ...] = ("mechanics",)
     sets: tuple[str, ...] = ("omega_current",)
 
     def plan(self, known: Known) -> tuple[Excitation, ...]:
