@@ -253,9 +253,7 @@ def main() -> int:
             bench = flawed(motor, rng) if options.series == "flaws" else clean(motor)
             link = _LINKS[(k + place) % len(_LINKS)]
             made = commissioned(bench, steps, link, seed=options.seed + k)
-            runs.append(
-                {"motor": motor, "document": made, "errors": errors(made["estimates"], bench.truth)}
-            )
+            runs.append({"motor": motor, "document": made, "errors": errors(made["estimates"], bench.truth)})
             if options.each:
                 shares = {name: round(each["of_tolerance"], 2) for name, each in runs[-1]["errors"].items()}
                 z = {name: round(each["z"], 1) for name, each in runs[-1]["errors"].items() if "z" in each}

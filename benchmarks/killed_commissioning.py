@@ -42,7 +42,11 @@ def boxed(folder: Path) -> Path:
     """Return a profile whose drive knows nothing of its motor, and whose nameplate is off."""
     text = (shipped("profiles") / "zhu2011" / "profile.toml").read_text(encoding="utf-8")
     truth = "[emulator]\ncommissioned = false\n\n[emulator.motor]\n"
-    for key, true, stated in (("R_s_ohm", "0.123", "0.14"), ("L_d_H", "9.52e-3", "8e-3"), ("L_q_H", "9.52e-3", "8e-3")):
+    for key, true, stated in (
+        ("R_s_ohm", "0.123", "0.14"),
+        ("L_d_H", "9.52e-3", "8e-3"),
+        ("L_q_H", "9.52e-3", "8e-3"),
+    ):
         text = text.replace(f"{key} = {true}", f"{key} = {stated}")
         truth += f"{key} = {true}\n"
     path = folder / "boxed.toml"
@@ -54,7 +58,9 @@ def boxed(folder: Path) -> Path:
 def served(profile: Path) -> Iterator[dict[str, str]]:
     """Run the emulated drive; yield the links of its two wires."""
     command = (sys.executable, "-m", "benchtool", "emulate", "--json", "--profile", str(profile))
-    process = subprocess.Popen((*command, "--tcp", "0", "--slcan-tcp", "0"), stdout=subprocess.PIPE, text=True)
+    process = subprocess.Popen(
+        (*command, "--tcp", "0", "--slcan-tcp", "0"), stdout=subprocess.PIPE, text=True
+    )
     try:
         assert process.stdout is not None
         wires = json.loads(process.stdout.readline())["wires"]
@@ -66,7 +72,17 @@ def served(profile: Path) -> Iterator[dict[str, str]]:
 
 def host(profile: Path, link: str, steps: list[str], out: Path) -> subprocess.Popen[str]:
     """Start a commissioning."""
-    command = (sys.executable, *COMMISSION, *steps, "--profile", str(profile), "--link", link, "--out", str(out))
+    command = (
+        sys.executable,
+        *COMMISSION,
+        *steps,
+        "--profile",
+        str(profile),
+        "--link",
+        link,
+        "--out",
+        str(out),
+    )
     return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
 
 
@@ -78,7 +94,9 @@ def until_saving(process: subprocess.Popen[str]) -> None:
             return
 
 
-def kill(process: subprocess.Popen[str], rng: random.Random, lasts_s: float, saves_s: float, *, saving: bool) -> None:
+def kill(
+    process: subprocess.Popen[str], rng: random.Random, lasts_s: float, saves_s: float, *, saving: bool
+) -> None:
     """End a commissioning at a random moment."""
     try:
         if saving:
@@ -151,7 +169,8 @@ def main() -> None:
                 in_force = of_one_kind(snapshot(drive), before, after)
                 reset(drive)
                 kinds.append((in_force, of_one_kind(snapshot(drive), before, after)))
-                print(f"{number + 1}: off in {times_s[-1]:.3f} s, {kinds[-1][1]}", file=sys.stderr, flush=True)
+                shown = " then ".join(kinds[-1])
+                print(f"{number + 1}: off in {times_s[-1]:.3f} s, {shown}", file=sys.stderr, flush=True)
     whole_kinds = [one for one, other in kinds if one == other != "mixture"]
     figures = {
         "kills": asked.kills,

@@ -21,8 +21,10 @@ from benchtool.commission.steps.inductance import TurningVoltage
 from benchtool.commission.steps.mechanics import Reversals
 from benchtool.commission.steps.offsets import Offsets
 from benchtool.commission.steps.resistance import StandingCurrents
+from benchtool.commission.steps.ripple_run import RippleRun
 from benchtool.commission.steps.speed_control import SpeedControl
 from benchtool.commission.steps.step import Finding, LoopStep, Step
+from benchtool.commission.steps.verification import Verification
 from benchtool.drive import Capability, RemoteDrive
 from benchtool.drive.parameters import held
 from benchtool.errors import (
@@ -48,6 +50,8 @@ STEPS: tuple[Step, ...] = (
     Reversals(),
     CurrentControl(),
     SpeedControl(),
+    RippleRun(),
+    Verification(),
 )
 """Every step, in the order in which they are run."""
 
@@ -192,7 +196,7 @@ def _run(
             blocks.append(played(drive, each, known))
             if recorder is not None:
                 recorder.append(each.name, blocks[-1])
-        result = replace(result, spent_J=spent_J(excitations, blocks, known.R_s_ohm))
+        result = replace(result, spent_J=spent_J(excitations, blocks, known))
         estimates = step.estimate(blocks, known)
     except SetUpError as wrong:
         found = (Finding(wrong.what, wrong.cause, wrong.remedy),)
@@ -203,13 +207,12 @@ def _run(
     fatal = next((each for each in findings if each.fails), None)
     if fatal is not None:
         return replace(result, reason=fatal.what, findings=findings)
-    R_s_ohm = known.with_estimates(estimates).R_s_ohm
     return replace(
         result,
         verdict=StepVerdict.PASS,
         estimates=estimates,
         findings=findings,
-        spent_J=spent_J(excitations, blocks, R_s_ohm),
+        spent_J=spent_J(excitations, blocks, known.with_estimates(estimates)),
     )
 
 

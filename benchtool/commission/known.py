@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Self
@@ -21,7 +21,8 @@ _SAMPLED_S = 0.01
 _OF_THE_SWING = 0.7
 _SLOWEST_RAD_S = 30.0  # so that a level of some tenths of a second settles
 _LONGEST_DEAD_TIME_S = 2e-5  # that a drive compensates
-_READ = ("law", "encoder_lines")
+_READ = ("law", "encoder_lines", "u_s", "T_k_ratio", "i_trip", "torque_limit")
+_FRICTION_SHARE = 0.02  # of the rated torque, until friction is known
 _SEEN = 3.0  # standard uncertainties, below which nothing is compensated
 _OF_MOTOR: Mapping[str, str] = MappingProxyType(
     {
@@ -78,13 +79,13 @@ class Known:
         variables = {
             each.name: each for each in drive.dictionary if each.role == "parameter" and each.writable
         }
-        held = {name: drive.read(name) for name in _READ} | dict(stated or {})
+        held = {name: drive.read(name) for name in _READ if name in drive.dictionary} | dict(stated or {})
         return cls(
             motor,
             period_s,
             u_dc_V,
             drive.number("u_dc_full_scale"),
-            encoder_lines=int(held["encoder_lines"]),
+            encoder_lines=int(held.get("encoder_lines", cls.encoder_lines)),
             pwm_period_s=pwm_s,
             variables=variables,
             held=held,
@@ -127,6 +128,29 @@ class Known:
     def law(self) -> str:
         """Control law that the drive is to run with."""
         return str(self.held.get("law", ""))
+
+    @property
+    def vector_A(self) -> float:
+        """By how much one voltage vector of a law of fixed voltage changes the current; 0 for another law."""
+        if self.law not in ("tpc", "tpc_stator"):
+            return 0.0
+        motor = self.identified
+        volt_seconds = float(self.held["u_s"]) * float(self.held["T_k_ratio"]) * self.control_period_s
+        return volt_seconds / min(motor.L_d_H, motor.L_q_H)
+
+    @property
+    def friction_Nm(self) -> Callable[[float], float]:
+        """Torque of friction at a speed in rad/s; until it is known, a share of the rated torque."""
+        coulomb = self.value(
+            "coulomb", _FRICTION_SHARE * self.motor.T_N_Nm if "J" not in self.estimates else 0.0
+        )
+        viscous = self.value("friction", 0.0)
+        return lambda omega_m: coulomb + viscous * abs(omega_m)
+
+    @property
+    def torque_per_A(self) -> float:
+        """Torque per ampere of i_q, peak: 3/2 p psi_r."""
+        return 1.5 * self.identified.pole_pairs * self.identified.psi_r_Wb
 
     @property
     def pole_pairs(self) -> int:

@@ -58,12 +58,14 @@ def _bring_to_rest(drive: RemoteDrive, known: Known) -> None:
         waited_s += _BRAKING_POLL_S
 
 
-def spent_J(excitations: Sequence[Excitation], blocks: Sequence[Block], R_s_ohm: float) -> float:
-    """Return heat in the winding and mechanical work of captures: 3/2 R_s |i|^2 and T omega_m over time.
+def spent_J(excitations: Sequence[Excitation], blocks: Sequence[Block], known: Known) -> float:
+    """Return heat in the winding and work against friction of captures: 3/2 R_s |i|^2, and T omega_m less
+    what the rotor has of it at the end.
 
-    An excitation whose capture has no currents, or comes after a time of settling, counts as it was planned,
-    in proportion to that time.
+    An excitation whose capture has no currents counts as it was planned. What runs the shaft up before a
+    capture is in neither.
     """
+    R_s_ohm, J = known.R_s_ohm, known.identified.J_kgm2
     total = 0.0
     for excitation, block in zip(excitations, blocks, strict=True):
         names, row_s = block.names, block.stride * block.tick_s
@@ -78,5 +80,7 @@ def spent_J(excitations: Sequence[Excitation], blocks: Sequence[Block], R_s_ohm:
             continue
         total += 1.5 * R_s_ohm * squares * row_s
         if set(_POWER) <= set(names):
-            total += float(np.sum(block.column("torque") * block.column("omega_m"))) * row_s
+            omega_m = block.column("omega_m")
+            total += float(np.sum(block.column("torque") * omega_m)) * row_s
+            total -= 0.5 * J * float(omega_m[-1] ** 2 - omega_m[0] ** 2)
     return total

@@ -12,7 +12,7 @@ from benchtool.commission.known import Known
 from benchtool.commission.steps.current_control import current_loop
 from benchtool.commission.steps.step import Finding, Loop
 from benchtool.commission.tuning.bode_check import ExcitedRows, deviations, measured, numbers
-from benchtool.commission.tuning.loops import SpeedLoop, inner_loop, tuned_speed_loop
+from benchtool.commission.tuning.loops import SpeedLoop, inner_loop, mean_square_of_sequence, tuned_speed_loop
 from benchtool.drive import CaptureRequest, Stimulus
 from benchtool.protocol import Mode
 
@@ -27,7 +27,7 @@ _BITS, _REPETITIONS = 8, 6
 _CLOCKS = 20.0  # in a period of the crossover
 _ROWS_OF_A_CLOCK = 10
 _RUN_UP_S = 1.0
-_FRICTION_SHARE = 0.1  # of the rated torque, until it is known
+_RIPPLE = 0.5  # rms ripple of the current over what one vector changes
 
 
 class SpeedControl:
@@ -49,11 +49,10 @@ class SpeedControl:
         ticks = stimulus.ticks(known.control_period_s) * _REPETITIONS
         duration_s = ticks * known.control_period_s
         omega = _SPEED_SHARE * known.motor.omega_m_N_rad_s
-        friction = known.value("coulomb", _FRICTION_SHARE * known.motor.T_N_Nm)
-        friction += known.value("friction", 0.0) * omega
-        psi_r = known.value("psi_r", known.motor.psi_r_Wb)
-        shaken = loop.K_p_Nms_rad * stimulus.amplitude
-        squares = (friction**2 + shaken**2) / (1.5 * known.pole_pairs * psi_r) ** 2
+        friction = known.friction_Nm(omega)
+        assert stimulus.prbs_clock_s is not None
+        shaken = mean_square_of_sequence(loop, stimulus.amplitude, stimulus.prbs_clock_s, _BITS)
+        squares = (friction**2 + shaken) / known.torque_per_A**2 + (_RIPPLE * known.vector_A) ** 2
         return (
             Excitation(
                 "sequence of the speed",

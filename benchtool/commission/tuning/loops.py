@@ -14,6 +14,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from benchtool.commission.tuning.margins import Complex, Margins, margins
 from benchtool.errors import ValueRefused
@@ -24,6 +25,7 @@ MOST_SENSITIVITY = 2.0
 _LAWS_OF_CURRENT = ("foc",)
 _STEP = 0.9
 _STEPS = 40
+_CHIRP_POINTS = 100
 
 
 @dataclass(frozen=True)
@@ -69,9 +71,18 @@ class SpeedLoop:
         pole = math.exp(-self.friction_Nms / self.J_kgm2 * self.T_s)
         return np.asarray(torque * self.T_s / self.J_kgm2 / (z - pole))
 
+    def controller(self, z: Complex) -> Complex:
+        """Return the torque reference over the error of the speed."""
+        return np.asarray(self.K_p_Nms_rad + self.K_i_Nm_rad * self.T_s * z / (z - 1.0))
+
     def open(self, z: Complex) -> Complex:
         """Return the open loop."""
-        return np.asarray((self.K_p_Nms_rad + self.K_i_Nm_rad * self.T_s * z / (z - 1.0)) * self.plant(z))
+        return np.asarray(self.controller(z) * self.plant(z))
+
+    def torque(self, omega_rad_s: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return torque over the reference of the speed at angular frequencies, Nm per rad/s."""
+        z = np.exp(1j * omega_rad_s * self.T_s)
+        return np.abs(self.controller(z) / (1.0 + self.open(z)))
 
     @property
     def margins(self) -> Margins:
@@ -132,3 +143,21 @@ def tuned_speed_loop(
 def inner_loop(law: str, omega_current_rad_s: float, T_s: float) -> CurrentLoop | None:
     """Return the loop that makes the torque of a law; None of one that makes it within the delay."""
     return CurrentLoop(omega_current_rad_s, T_s) if law in _LAWS_OF_CURRENT else None
+
+
+def mean_square_of_sequence(loop: SpeedLoop, amplitude_rad_s: float, clock_s: float, bits: int) -> float:
+    """Return the mean square of the torque, Nm^2, while a binary sequence is added to the reference.
+
+    Its lines are a^2 (N + 1) / N^2 sinc^2(f T_c) each, with N = 2^bits - 1 (Godfrey, Perturbation Signals for
+    System Identification, 1993, 1.3.2).
+    """
+    length = 2**bits - 1
+    f_Hz = np.arange(1.0, math.floor(0.5 * length * clock_s / loop.T_s)) / (length * clock_s)
+    lines = 2.0 * amplitude_rad_s**2 * (length + 1) / length**2 * np.sinc(f_Hz * clock_s) ** 2
+    return float(np.sum(lines * loop.torque(2.0 * math.pi * f_Hz) ** 2))
+
+
+def mean_square_of_chirp(loop: SpeedLoop, amplitude_rad_s: float, first_Hz: float, last_Hz: float) -> float:
+    """Return the mean square of the torque, Nm^2, while a linear chirp is added to the reference."""
+    omega = 2.0 * math.pi * np.linspace(first_Hz, last_Hz, _CHIRP_POINTS)
+    return 0.5 * float(np.mean((amplitude_rad_s * loop.torque(omega)) ** 2))

@@ -45,7 +45,9 @@ def commissioning_report(document: Mapping[str, Any], bundles: Sequence[Bundle])
     appendix: list[Item] = []
     if manifest is not None:
         command = f"benchtool {' '.join(manifest.command_line)}"
-        named: list[tuple[str, Bundle, Mapping[str, Block]]] = [(f"{bundle.directory.name}/", bundle, {}) for bundle in bundles]
+        named: list[tuple[str, Bundle, Mapping[str, Block]]] = [
+            (f"{bundle.directory.name}/", bundle, {}) for bundle in bundles
+        ]
         appendix.append(files_section(named, [command], by="the command"))
     profile = manifest.profile_name if manifest else ""
     return Report(
