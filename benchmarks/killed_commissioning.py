@@ -1,9 +1,9 @@
-"""A commissioning killed at random moments: `python -m benchmarks.killed_commissioning [--kills 100] [--json]`.
+"""A commissioning killed at random moments: `python -m benchmarks.killed_commissioning [--json]`.
 
-An emulated drive runs in a process of its own, in real time, beside what commissions it: a process that is ended
-by SIGKILL, two thirds of the times at a moment that is uniform over its whole run, else within the second in
-which it writes, stores and reads back. A third process's view, on another wire, is what counts: how long after
-the last sign of life the power stage is off and no current flows, and whether the drive holds all of its old
+An emulated drive runs in a process of its own, in real time, beside what commissions it: a process that is
+ended by SIGKILL, two thirds of the times at a moment that is uniform over its whole run, else within the
+second in which it writes, stores and reads back. A third process's view, on another wire, is what counts:
+how long after the kill the power stage is off and no current flows, and whether the drive holds all of its old
 parameters or all of the new ones, in force then and after a reset.
 """
 
@@ -17,15 +17,16 @@ import sys
 import tempfile
 import time
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, Final
 
 from benchmarks.figures import print_figures
 from benchtool.bench import open_session
 from benchtool.drive import RemoteDrive
-from benchtool.drive.parameters import reset, snapshot
+from benchtool.drive.parameters import reset, snapshot, store, write_all
 from benchtool.errors import BenchError
+from benchtool.protocol.dictionary import variable_of
 from benchtool.shipped import shipped
 
 TIMEOUT_S: Final = 0.5
@@ -186,13 +187,8 @@ def main() -> None:
 
 def restored(drive: RemoteDrive, values: Mapping[str, Any]) -> None:
     """Have the drive store what it had at first."""
-    from benchtool.drive.parameters import store, write_all
-    from benchtool.protocol.dictionary import variable_of
-
-    try:
+    with suppress(BenchError):
         drive.reset_fault()
-    except BenchError:
-        pass
     by_name = {variable_of(drive.dictionary, key).name: value for key, value in values.items()}
     held = {name: value for name, value in by_name.items() if drive.dictionary[name].writable}
     write_all(drive, {name: value for name, value in held.items() if drive.read(name) != value})

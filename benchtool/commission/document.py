@@ -19,7 +19,7 @@ def document(
     bundle: Path | None = None,
     report: Path | None = None,
 ) -> dict[str, Any]:
-    """Return verdict, steps, estimates and findings, what the drive stores, and the files that were written."""
+    """Return verdict, steps, estimates and findings, what the drive stores, and what was written."""
     motor = done.known.motor
     estimates: dict[str, Any] = {}
     for result in done.results:

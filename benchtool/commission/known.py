@@ -41,8 +41,8 @@ _NONE: Mapping[str, Measurement] = MappingProxyType({})
 class Known:
     """The host's knowledge of motor and drive; nothing of it is the truth of an emulated bench.
 
-    `motor` is the nameplate; `variables` are the parameters of the drive that can be set, `held` what it holds
-    while steps are run, and `estimates` what was estimated, by the dictionary's names. `encoder_lines` are
+    `motor` is the nameplate; `variables` are the parameters of the drive that can be set, `held` what it
+    holds while steps are run, and `estimates` what was estimated, by its names. `encoder_lines` are
     those that the drive counts by, `travel_rad` is how far the shaft may turn from where it stands.
     """
 

@@ -1,4 +1,4 @@
-"""A profile as a commissioning leaves it: the file it began with, its numbers replaced, all else as it was."""
+"""A profile as a commissioning leaves it: the file it began with, its numbers replaced."""
 
 from __future__ import annotations
 
@@ -71,7 +71,8 @@ def _edited(
             there = there or inside
         elif inside and (entry := _ENTRY.match(line)) and entry[2] in left:
             key = entry[2]
-            line = _line(key, left.pop(key), remarks.get(key, ""), entry[6] or "")
+            found.append(_line(key, left.pop(key), remarks.get(key, ""), entry[6] or ""))
+            continue
         found.append(line)
     if inside and add:
         found = _with_more(found, left, remarks)
@@ -137,8 +138,8 @@ def _require_written(text: str, motor: Mapping[str, Value], parameters: Mapping[
         lost = [*motor, *parameters]
     if lost:
         raise ProfileError(
-            f"{', '.join(lost)} could not be written into the profile: it is edited line by line, with [motor] "
-            f"and [drive.parameters] as tables of one key a line; write it so"
+            f"{', '.join(lost)} could not be written into the profile: it is edited line by line, with "
+            f"[motor] and [drive.parameters] as tables of one key a line; write it so"
         )
 
 

@@ -2,7 +2,7 @@
 
 A drive keeps its parameters by one command (CiA 301, object 0x1010), so that what it has stored is old until
 that command and new after it. What is in force meanwhile is a trial (object `parameter_trial`): should the
-host die, however it dies, the drive switches off by its link supervision and puts in force what it has stored.
+host die, the drive switches off by its link supervision, and has in force what it has stored.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""A run at a steady speed with the profile's control law: whether its settings suit motor, link and sensors."""
+"""A run at a steady speed with the profile's law: whether its settings suit motor, link and sensors."""
 
 from __future__ import annotations
 
@@ -109,7 +109,7 @@ class RippleRun:
                 Finding(
                     f"a phase current reaches {found['current_peak'].value:.4g} A without load, i_trip is "
                     f"{trip_A:.4g} A, {found['adc_saturated'].value:.0f} readings were at the sensor's end",
-                    "the voltage of the law is large for this inductance, or the range of the sensors is small",
+                    "the law's voltage is large for this inductance, or the sensors' range is small",
                     "lower u_s or T_k_ratio, choose another law, or raise i_trip within the sensors' range",
                 )
             )

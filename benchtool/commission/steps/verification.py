@@ -126,7 +126,7 @@ class Verification:
         if found["speed_reached"].value < _FOLLOWS * asked.amplitude:
             findings.append(
                 Finding(
-                    f"the speed reached {found['speed_reached'].value:.4g} rad/s of {asked.amplitude:.4g} rad/s",
+                    f"the speed reached {found['speed_reached'].value:.4g} of {asked.amplitude:.4g} rad/s",
                     "the shaft is loaded or held, or the torque limit is low",
                     "free the shaft, check torque_limit",
                 )

@@ -1,4 +1,4 @@
-"""The report of a commissioning: estimates beside the nameplate, the drive's parameters, each step's captures."""
+"""The report of a commissioning: estimates beside the nameplate, parameters, each step's captures."""
 
 from __future__ import annotations
 
@@ -121,8 +121,8 @@ def _steps(document: Mapping[str, Any]) -> Section:
     ]
     headings = ("step", "verdict", ">planned (J)", ">spent (J)", "remark")
     caption = (
-        "Energy: heat in the winding and mechanical work, as planned with what was known before the step, and "
-        "of its captures."
+        "Energy: heat in the winding and mechanical work, as planned with what was known before, and of "
+        "the captures."
     )
     return Section("Steps", (Grid.of(headings, rows, caption),), listed=True)
 
