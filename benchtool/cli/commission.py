@@ -6,7 +6,8 @@ import json
 import shutil
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from datetime import datetime
 from pathlib import Path
 from typing import Annotated, Any
@@ -15,7 +16,7 @@ import typer
 
 from benchtool.analysis import with_expanded
 from benchtool.bench import Session, open_session
-from benchtool.cli import options
+from benchtool.cli import live_views, options
 from benchtool.cli.output import Output, significant
 from benchtool.commission import (
     Commissioning,
@@ -30,13 +31,14 @@ from benchtool.commission import (
     step_bundles,
     steps_for,
 )
-from benchtool.drive import Identity
+from benchtool.drive import Capability, Identity
 from benchtool.errors import UsageError
 from benchtool.profile import eds_path, load_profile, profile_path
 from benchtool.recording import Conditions, Manifest, enlist, write_whole
 from benchtool.report import write_report
 from benchtool.report.assembly import commissioning_report
 from benchtool.run import bundle_folder, manifest_of
+from benchtool.telemetry import DEFAULT_CHANNELS, DEFAULT_RATE_HZ, TelemetryStream, keep_journal
 
 _PROFILE, _DOCUMENT, _REPORT = "profile.toml", "commissioning.json", "report.html"
 
@@ -78,6 +80,7 @@ def commission(
         bool, typer.Option("--force", help="Store it although something is not as it should be.")
     ] = False,
     pdf: Annotated[bool, typer.Option("--pdf", help="Write the report as PDF too.")] = False,
+    live: options.Live = None,
     seed: options.Seed = 0,
     real_time: options.RealTime = False,
     as_json: options.Json = False,
@@ -111,7 +114,10 @@ def commission(
             session.drive.connect()
             return _show_plan(session, wanted, output)
     name = f"commission-{Path(profile).stem if profile.endswith('.toml') else profile}"
-    with bundle_folder(resume or out, when, name) as folder:
+    with (
+        bundle_folder(resume or out, when, name) as folder,
+        live_views.open_destinations(live or (), output) as where,
+    ):
         with opened() as session:
             identity = session.drive.connect()
             manifest = _manifests(session, identity, when, link, seed)
@@ -124,9 +130,11 @@ def commission(
                 recorder=recorder,
                 keep=keep,
                 force=force,
+                watching=_shown_live(session, where, manifest, output),
             )
         content = _written(folder, profile, done, pdf=pdf)
-    _show(output, profile, done, content)
+        _show(output, profile, done, content)
+        where.keep_open(output)
     return 0 if done.passed else 1
 
 
@@ -149,6 +157,27 @@ def _manifests(
         )
 
     return manifest
+
+
+@contextmanager
+def _shown_live(
+    session: Session,
+    where: live_views.LiveDestinations,
+    manifest: Callable[[str], Manifest],
+    output: Output,
+) -> Iterator[None]:
+    """Show the drive's stream and its states while steps are run; without a destination nothing is streamed."""
+    if not where.any:
+        yield
+        return
+    drive = session.drive
+    drive.capabilities.require(Capability.STREAM, purpose="a live view")
+    names = drive.link.process_data.fitting(drive.dictionary, DEFAULT_CHANNELS)
+    with live_views.stream_view(where, session, "commissioning", manifest("live"), output) as view:
+        assert view is not None  # there is a destination
+        sink = live_views.live_view_sink(view)
+        with keep_journal(drive, [view.event]), TelemetryStream(drive, [sink], names, DEFAULT_RATE_HZ):
+            yield
 
 
 def _written(folder: Path, profile: str, done: Commissioning, *, pdf: bool) -> dict[str, Any]:

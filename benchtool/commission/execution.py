@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import nullcontext
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from types import MappingProxyType
 
@@ -100,6 +100,7 @@ def commission(
     recorder: StepRecorder | None = None,
     keep: bool = False,
     force: bool = False,
+    watching: AbstractContextManager[object] | None = None,
 ) -> Commissioning:
     """Run steps on a connected drive, with the profile as the nameplate.
 
@@ -112,6 +113,7 @@ def commission(
         recorder: records each step, and has those that an earlier session has finished.
         keep: have the drive store the parameters.
         force: store them although something was found that is not as it should be.
+        watching: entered while steps are run, as a stream that is shown live.
 
     Raises:
         CapabilityMissing: the drive cannot play, capture or store; nothing was sent.
@@ -128,7 +130,7 @@ def commission(
         drive.capabilities.require(Capability.STORAGE, purpose="keeping what a commissioning finds")
     stated = stated_parameters(drive, profile)
     results: list[StepResult] = []
-    with trial(drive), held(drive, {**stated, **_QUIET}):
+    with watching or nullcontext(), trial(drive), held(drive, {**stated, **_QUIET}):
         _leave_fault_of_the_link(drive, note)
         began = known = Known.of(drive, profile.motor)
         planned(steps, known)

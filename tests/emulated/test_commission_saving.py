@@ -19,7 +19,7 @@ from benchtool.commission.saving import save, trial
 from benchtool.commission.steps.current_control import CurrentControl
 from benchtool.commission.steps.speed_control import SpeedControl
 from benchtool.drive import RemoteDrive
-from benchtool.drive.parameters import reset, snapshot
+from benchtool.drive.parameters import reset, snapshot, store
 from benchtool.errors import LinkClosed, SdoAbort, WriteNotVerified
 from benchtool.profile import load_profile
 
@@ -109,6 +109,23 @@ def test_a_drive_that_refuses_to_store_keeps_what_it_had(boxed: str, monkeypatch
         with pytest.raises(WriteNotVerified, match="R_s_ohm"):
             save(drive, {"R_s": 0.5})
         assert snapshot(drive) == old
+
+
+def test_a_reset_is_seen_though_a_heartbeat_follows_the_boot_up_at_once(boxed: str) -> None:
+    with connected(boxed) as session:
+        session.drive.write("producer_heartbeat", 0.002)
+        store(session.drive)
+        reset(session.drive)
+        assert session.drive.number("producer_heartbeat") == pytest.approx(0.002)
+
+
+def test_a_commissioning_is_shown_live(boxed: str, tmp_path: Path) -> None:
+    shown = tmp_path / "view.rrd"
+    command = ("commission", "offsets", "--profile", boxed, "--yes", "--save", "--json")
+    result = CliRunner().invoke(app, [*command, "--out", str(tmp_path / "a"), "--live", str(shown)])
+    assert result.exit_code == 0, result.output
+    assert json.loads(result.stdout)["saved"]
+    assert shown.stat().st_size > 10_000
 
 
 def test_a_trial_ends_in_good_order_with_what_was_tried(boxed: str) -> None:
