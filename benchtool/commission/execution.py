@@ -20,10 +20,11 @@ from benchtool.commission.steps.flux_linkage import BackEmf
 from benchtool.commission.steps.inductance import TurningVoltage
 from benchtool.commission.steps.mechanics import Reversals
 from benchtool.commission.steps.offsets import Offsets
+from benchtool.commission.steps.preflight import Preflight
 from benchtool.commission.steps.resistance import StandingCurrents
 from benchtool.commission.steps.ripple_run import RippleRun
 from benchtool.commission.steps.speed_control import SpeedControl
-from benchtool.commission.steps.step import Finding, LoopStep, Step
+from benchtool.commission.steps.step import Finding, LoopStep, Step, Trial
 from benchtool.commission.steps.verification import Verification
 from benchtool.drive import Capability, RemoteDrive
 from benchtool.drive.parameters import held
@@ -42,6 +43,7 @@ from benchtool.protocol import State
 from benchtool.protocol.dictionary import Role, Value, setting_of
 
 STEPS: tuple[Step, ...] = (
+    Preflight(),
     Offsets(),
     StandingCurrents(),
     TurningVoltage(),
@@ -200,6 +202,8 @@ def _run(
                 recorder.append(each.name, blocks[-1])
         result = replace(result, spent_J=spent_J(excitations, blocks, known))
         estimates = step.estimate(blocks, known)
+        if isinstance(step, Trial):
+            estimates = {**estimates, **step.attempt(drive, known)}
     except SetUpError as wrong:
         found = (Finding(wrong.what, wrong.cause, wrong.remedy),)
         return replace(result, reason=wrong.what, findings=found)

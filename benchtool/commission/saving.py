@@ -12,7 +12,7 @@ from contextlib import contextmanager, suppress
 from typing import Final
 
 from benchtool.drive import Capability, RemoteDrive
-from benchtool.drive.parameters import reset, snapshot, store, write_all
+from benchtool.drive.parameters import parameters, reset, snapshot, store, write_all
 from benchtool.errors import BenchError, WriteNotVerified
 from benchtool.protocol.dictionary import Value, toml_key
 
@@ -45,6 +45,26 @@ def trial(drive: RemoteDrive) -> Iterator[None]:
             drive.write(_TRIAL, "off")
         raise
     drive.write(_TRIAL, "off")
+
+
+@contextmanager
+def through_a_loss(drive: RemoteDrive) -> Iterator[None]:
+    """Have the drive hold after the `with` block what it holds now, though it loses its host within, which
+    ends a trial.
+
+    Raises:
+        SdoAbort, WriteNotVerified: it does not take a value again.
+    """
+    if _TRIAL not in drive.dictionary or drive.read(_TRIAL) != "on":
+        yield
+        return
+    settable = [each.name for each in parameters(drive.dictionary) if each.writable and each.readable]
+    values = {name: drive.read(name) for name in settable}
+    try:
+        yield
+    finally:
+        drive.write(_TRIAL, "on")
+        write_all(drive, {name: value for name, value in values.items() if drive.read(name) != value})
 
 
 def save(drive: RemoteDrive, values: Mapping[str, Value]) -> None:

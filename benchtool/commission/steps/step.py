@@ -10,6 +10,7 @@ from benchtool.analysis import Measurement
 from benchtool.block import Block
 from benchtool.commission.excitation import Excitation
 from benchtool.commission.known import Known
+from benchtool.drive import RemoteDrive
 
 
 @dataclass(frozen=True)
@@ -72,3 +73,12 @@ class LoopStep(Protocol):
 
     def loops(self, known: Known) -> tuple[Loop, ...]:
         """Return which of its captures hold responses."""
+
+
+@runtime_checkable
+class Trial(Protocol):
+    """A step that also tries what no excitation can: it drives the drive itself, and leaves it disabled and
+    supervised on every exit."""
+
+    def attempt(self, drive: RemoteDrive, known: Known) -> Mapping[str, Measurement]:
+        """Return the estimates by name."""
