@@ -1,8 +1,8 @@
 """A commissioning killed at random moments: `python -m benchmarks.killed_commissioning [--json]`.
 
 An emulated drive runs in a process of its own, in real time, beside what commissions it: a process that is
-ended by SIGKILL, two thirds of the times at a moment that is uniform over its whole run, else within the
-second in which it writes, stores and reads back. A third process's view, on another wire, is what counts:
+ended by SIGKILL, two thirds of the times at a moment that is uniform from its first write on, else within
+the second in which it writes, stores and reads back. A third process's view, on another wire, is what counts:
 how long after the kill the power stage is off without current, and whether the drive holds all of its old
 parameters or all of the new ones, in force then and after a reset.
 """
@@ -36,6 +36,7 @@ TIMEOUT_S: Final = 0.5
 POLL_S: Final = 0.01
 SLACK_S: Final = 0.1  # of heartbeats, polling and a busy machine
 NO_CURRENT: Final = 0.05  # A, of the vector: two steps of the converter
+BEGINS: Final = "in force what the profile states"
 SAVING: Final = "storing the parameters"
 COMMISSION: Final = ("-m", "benchtool", "commission", "--yes", "--save", "--json")
 
@@ -88,11 +89,11 @@ def host(profile: Path, link: str, steps: list[str], out: Path) -> subprocess.Po
     return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
 
 
-def until_saving(process: subprocess.Popen[str]) -> None:
-    """Return when a commissioning begins to store."""
+def until(process: subprocess.Popen[str], note: str) -> None:
+    """Return when a commissioning says this."""
     assert process.stderr is not None
     for line in process.stderr:
-        if SAVING in line:
+        if note in line:
             return
 
 
@@ -101,8 +102,7 @@ def kill(
 ) -> bool:
     """End a commissioning at a random moment. Returns whether it was still under way."""
     with suppress(subprocess.TimeoutExpired):
-        if saving:
-            until_saving(process)
+        until(process, SAVING if saving else BEGINS)
         process.wait(rng.uniform(0.0, saves_s if saving else lasts_s))
     alive = process.poll() is None
     process.kill()
@@ -113,9 +113,10 @@ def kill(
 
 
 def time_to_zero_s(drive: RemoteDrive) -> float:
-    """Return the time from now until the power stage is off and no current flows; infinity beyond 5 s."""
-    began_s = time.monotonic()
-    while (past_s := time.monotonic() - began_s) < 5.0:
+    """Return the drive's time from now until the power stage is off and no current flows; infinity beyond
+    5 s."""
+    T_s, began = drive.number("control_period"), drive.number("tick")
+    while (past_s := (drive.number("tick") - began) * T_s) < 5.0:
         off = not drive.state().power_stage_on
         if off and max(abs(drive.number(f"i_{phase}")) for phase in "abc") < NO_CURRENT:
             return past_s
@@ -155,9 +156,10 @@ def main() -> None:
         with served(profile) as links, open_session(str(profile), links["slcan"]) as watching:
             drive = watching.drive
             before = snapshot(drive)
-            began_s = time.monotonic()
             whole = host(profile, links["serial"], steps, folder / "whole")
-            until_saving(whole)
+            until(whole, BEGINS)
+            began_s = time.monotonic()
+            until(whole, SAVING)
             saves_s = time.monotonic() - began_s
             whole.communicate()
             lasts_s = time.monotonic() - began_s

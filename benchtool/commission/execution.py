@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
@@ -10,6 +11,7 @@ from types import MappingProxyType
 from benchtool.block import Block
 from benchtool.commission.excitation import Excitation, require_bearable
 from benchtool.commission.known import Known
+from benchtool.commission.objects import objects_missing, without
 from benchtool.commission.playing import played, spent_J
 from benchtool.commission.recorder import StepRecorder
 from benchtool.commission.results import Commissioning, StepResult, StepVerdict
@@ -40,7 +42,7 @@ from benchtool.errors import (
 )
 from benchtool.profile import Profile
 from benchtool.protocol import State
-from benchtool.protocol.dictionary import Role, Value, setting_of
+from benchtool.protocol.dictionary import Role, Value, setting_of, toml_key
 
 STEPS: tuple[Step, ...] = (
     Preflight(),
@@ -106,7 +108,8 @@ def commission(
 ) -> Commissioning:
     """Run steps on a connected drive, with the profile as the nameplate.
 
-    The drive holds what the profile states for as long as this lasts, and what it held before afterwards. A
+    A step is left out, with the reason, that takes objects which the drive has not. The drive holds what the
+    profile states for as long as this lasts, and what it held before afterwards. A
     step that fails leaves out those that need it; the others are run. A fault stays until it is reset. With
     `keep`, and if every step passed and found nothing wrong, the drive then stores what was estimated.
 
@@ -118,20 +121,23 @@ def commission(
         watching: entered while steps are run, as a stream that is shown live.
 
     Raises:
-        CapabilityMissing: the drive cannot play, capture or store; nothing was sent.
+        CapabilityMissing: the drive cannot be supervised, or cannot store; nothing was sent.
         ValueRefused: a step would warm the winding too much by the nameplate, or the profile states what the
             drive cannot have.
         LinkError, StateError, WriteNotVerified: the drive does not answer as it should; it is disabled, or
             will stop by itself.
         RecordingError: a step cannot be recorded.
     """
-    drive.capabilities.require(
-        Capability.STIMULUS, Capability.CAPTURE, Capability.SUPERVISED, purpose="a commissioning"
-    )
+    drive.capabilities.require(Capability.SUPERVISED, purpose="a commissioning")
+    if reason := without(drive, Capability.CAPTURE):
+        left_out = tuple(StepResult(each.name, each.sets, StepVerdict.SKIPPED, reason) for each in steps)
+        known = Known(profile.motor, profile.control_period_s, math.nan)
+        return Commissioning(left_out, known, not_saved="nothing was found")
     if keep:
         drive.capabilities.require(Capability.STORAGE, purpose="keeping what a commissioning finds")
     stated = stated_parameters(drive, profile)
     results: list[StepResult] = []
+    note("putting in force what the profile states")
     with watching or nullcontext(), trial(drive), held(drive, {**stated, **_QUIET}):
         _leave_fault_of_the_link(drive, note)
         began = known = Known.of(drive, profile.motor)
@@ -193,6 +199,8 @@ def _run(
     blocks: list[Block] = []
     try:
         excitations = step.plan(known)
+        if reason := objects_missing(drive, excitations):
+            return replace(result, verdict=StepVerdict.SKIPPED, reason=reason)
         require_bearable(excitations, known.motor)
         result = replace(result, planned_J=sum(each.energy_J(known.R_s_ohm) for each in excitations))
         for each in excitations:
@@ -239,7 +247,9 @@ def stated_parameters(drive: RemoteDrive, profile: Profile) -> dict[str, Value]:
     Raises:
         ValueRefused: a value that the drive's parameter cannot have.
     """
+    own = {toml_key(variable) for variable in drive.dictionary}
     return {
         setting_of(drive.dictionary, key, value).name: value
         for key, value in profile.stated_parameters.items()
+        if key in own or key not in profile.motor.parameters
     }

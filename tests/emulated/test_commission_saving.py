@@ -24,6 +24,7 @@ from benchtool.errors import LinkClosed, SdoAbort, WriteNotVerified
 from benchtool.profile import load_profile
 
 from .test_commission import boxed as boxed
+from .test_third_party_drive import third_party_profile
 
 
 class Dead(BaseException):
@@ -194,3 +195,13 @@ def test_a_commissioning_goes_on_where_it_was_cut_short(boxed: str, tmp_path: Pa
     refused = runner.invoke(app, [*command, "offsets", "--profile", str(other), "--resume", str(folder)])
     assert refused.exit_code == 2
     assert "another profile" in refused.stderr
+
+
+def test_a_drive_of_another_maker_says_what_it_leaves_out(tmp_path: Path) -> None:
+    profile = third_party_profile(tmp_path)
+    with connected(str(profile)) as session:
+        before = session.drive.state()
+        done = commission(session.drive, session.profile, steps_for([]))
+        assert {each.verdict for each in done.results} == {StepVerdict.SKIPPED}
+        assert all("capture" in each.reason and "0x2040" in each.reason for each in done.results)
+        assert session.drive.state() is before

@@ -37,6 +37,7 @@ _SLOWEST_HZ, _FASTEST_HZ = 4.0, 10.0
 _FIRST_SHARE = 0.25  # of the last frequency
 _RIPPLE = 0.5  # rms ripple of the current over what one vector changes
 _FOLLOWS = 0.5  # of the speed asked for
+_BY_RIPPLE = ("L_d", "L_q")  # which a current without ripple does not tell
 _COMPARED = ("R_s", "L_d", "L_q", "psi_r", "J")
 _CORRECTED = ("encoder_offset", "dead_time_voltage")
 
@@ -135,7 +136,11 @@ class Verification:
 
 
 def _beside(found: Mapping[str, Measurement], known: Known) -> tuple[Deviation, ...]:
-    """Return the estimates of the balances beside those of the steps; what the drive corrects is to be 0."""
+    """Return the estimates of the balances beside those of the steps; what the drive corrects is to be 0.
+
+    Inductances are told by the ripple of the current. That of a law which modulates is too small: they came
+    out 5 % off and more, with an uncertainty of less.
+    """
     motor = known.identified
     believed = {
         "R_s": motor.R_s_ohm,
@@ -144,7 +149,8 @@ def _beside(found: Mapping[str, Measurement], known: Known) -> tuple[Deviation, 
         "psi_r": motor.psi_r_Wb,
         "J": motor.J_kgm2,
     }
-    names = {f"flux_balance_{name}" for name in (*_COMPARED, *_CORRECTED)} | {"motion_balance_J"}
+    compared = _COMPARED if known.vector_A > 0.0 else [name for name in _COMPARED if name not in _BY_RIPPLE]
+    names = {f"flux_balance_{name}" for name in (*compared, *_CORRECTED)} | {"motion_balance_J"}
     told = [each for name, each in found.items() if name in names]
     return deviations(told, believed, motor, known.u_dc_V)
 
