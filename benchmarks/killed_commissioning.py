@@ -5,6 +5,9 @@ ended by SIGKILL, two thirds of the times at a moment that is uniform from its f
 the second in which it writes, stores and reads back. A third process's view, on another wire, is what counts:
 how long after the kill the power stage is off without current, and whether the drive holds all of its old
 parameters or all of the new ones, in force then and after a reset.
+
+With --virtual nothing is killed: the host sends no frame from a random moment of virtual time on, or from a
+random write on. That is as quick as the emulated drive, and does not depend on what else the machine does.
 """
 
 from __future__ import annotations
@@ -24,6 +27,7 @@ from typing import Any, Final
 
 from benchmarks.figures import print_figures
 from benchtool.bench import open_session
+from benchtool.commission import commission, steps_for
 from benchtool.drive import RemoteDrive
 from benchtool.drive.parameters import reset, snapshot, store, write_all
 from benchtool.errors import BenchError, NoAnswer
@@ -36,6 +40,9 @@ TIMEOUT_S: Final = 0.5
 POLL_S: Final = 0.01
 SLACK_S: Final = 0.1  # of heartbeats, polling and a busy machine
 NO_CURRENT: Final = 0.05  # A, of the vector: two steps of the converter
+WHOLE_S: Final = 16.0
+"""About what the steps resistance and those that it needs take of drive time."""
+
 BEGINS: Final = "in force what the profile states"
 SAVING: Final = "storing the parameters"
 COMMISSION: Final = ("-m", "benchtool", "commission", "--yes", "--save", "--json")
@@ -138,16 +145,105 @@ def of_one_kind(held: Mapping[str, Any], old: Mapping[str, Any], new: Mapping[st
     return "mixture"
 
 
+class Dead(BaseException):
+    """What ends a host that is killed: nothing of it runs any more."""
+
+
+def silenced(
+    profile: Path, steps: list[str], rng: random.Random, after: Mapping[str, Any]
+) -> tuple[float, str, str]:
+    """Run a commissioning in virtual time whose host falls silent at a random moment.
+
+    Returns:
+        The drive's time until no current flows, the kind of parameters in force, and after a reset.
+    """
+    with open_session(str(profile), "emulated", seed=rng.randrange(1000)) as session:
+        drive, link = session.drive, session.drive.link
+        drive.connect()
+        before = snapshot(drive)
+        ends_s = drive.clock.now_s() + rng.uniform(0.0, WHOLE_S)
+        writes = rng.randrange(1, 400) if rng.random() < 0.5 else 10**9
+        download, upload = link.download, link.upload
+
+        def live() -> None:
+            nonlocal writes
+            if drive.clock.now_s() >= ends_s or writes <= 0:
+                writes = 0
+                drive.stop_heartbeat()
+                raise Dead
+
+        def downloading(index: int, sub: int, data: bytes, *, block: bool = False) -> None:
+            nonlocal writes
+            writes -= 1
+            live()
+            download(index, sub, data, block=block)
+
+        def uploading(*arguments: Any, **options: Any) -> bytes:
+            live()
+            return upload(*arguments, **options)
+
+        link.download, link.upload = downloading, uploading  # type: ignore[method-assign]
+        try:
+            with drive.watched(live):
+                commission(drive, session.profile, steps_for(steps), keep=True)
+        except Dead:
+            pass
+        finally:
+            link.download, link.upload = download, upload  # type: ignore[method-assign]
+        zero_s = time_to_zero_s(drive)
+        drive.clock.wait(TIMEOUT_S + SLACK_S)
+        held = snapshot(drive)
+        reset(drive)
+        return zero_s, of_one_kind(held, before, after), of_one_kind(snapshot(drive), before, after)
+
+
+def commissioned(profile: Path, steps: list[str]) -> dict[str, Any]:
+    """Return the parameters of a drive that a whole commissioning has left."""
+    with open_session(str(profile), "emulated") as session:
+        session.drive.connect()
+        if not commission(session.drive, session.profile, steps_for(steps), keep=True).saved:
+            raise SystemExit("the commissioning does not pass: run it by hand")
+        return snapshot(session.drive)
+
+
+def virtual(kills: int, steps: list[str], seed: int) -> dict[str, object]:
+    """Return the figures of hosts that fall silent in virtual time."""
+    rng = random.Random(seed)
+    with tempfile.TemporaryDirectory() as name:
+        profile = boxed(Path(name))
+        after = commissioned(profile, steps)
+        found = [silenced(profile, steps, rng, after) for _ in range(kills)]
+    kinds = [(in_force, kept) for _, in_force, kept in found]
+    return counted([zero_s for zero_s, _, _ in found], kinds)
+
+
+def counted(times_s: list[float], kinds: list[tuple[str, str]]) -> dict[str, object]:
+    """Return how many stopped in time, and what parameters they left."""
+    whole = [one for one, other in kinds if one == other != "mixture"]
+    return {
+        "kills": len(kinds),
+        "torque_zero_within_timeout": sum(each <= TIMEOUT_S + SLACK_S for each in times_s),
+        "longest_to_zero_s": round(max(times_s), 3),
+        "old": whole.count("old"),
+        "new": whole.count("new"),
+        "mixture": len(kinds) - len(whole),
+    }
+
+
 def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--kills", type=int, default=100)
     parser.add_argument("--steps", default="offsets,resistance,inductance")
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--virtual", action="store_true")
     parser.add_argument("--json", action="store_true")
     asked = parser.parse_args()
     rng = random.Random(asked.seed)
     steps = asked.steps.split(",")
+    if asked.virtual:
+        print_figures(virtual(asked.kills, steps, asked.seed), as_json=asked.json)
+        return
     times_s: list[float] = []
     kinds: list[tuple[str, str]] = []
     with tempfile.TemporaryDirectory() as name:
@@ -179,17 +275,7 @@ def main() -> None:
                 print(f"{len(kinds)}: off in {times_s[-1]:.3f} s, {shown}", file=sys.stderr, flush=True)
                 if len(kinds) == asked.kills:
                     break
-    whole_kinds = [one for one, other in kinds if one == other != "mixture"]
-    figures = {
-        "kills": asked.kills,
-        "run_s": round(lasts_s, 2),
-        "torque_zero_within_timeout": sum(each <= TIMEOUT_S + SLACK_S for each in times_s),
-        "longest_to_zero_s": round(max(times_s), 3),
-        "old": whole_kinds.count("old"),
-        "new": whole_kinds.count("new"),
-        "mixture": len(kinds) - len(whole_kinds),
-    }
-    print_figures(figures, as_json=asked.json)
+    print_figures({"run_s": round(lasts_s, 2), **counted(times_s, kinds)}, as_json=asked.json)
 
 
 def restart(drive: RemoteDrive) -> None:
