@@ -59,6 +59,7 @@ def boxed(folder: Path) -> Path:
     ):
         text = text.replace(f"{key} = {true}", f"{key} = {stated}")
         truth += f"{key} = {true}\n"
+    text = text.replace("omega_m_N_rad_s = 157.1", "omega_m_N_rad_s = 100.0")  # that its dc link allows
     path = folder / "boxed.toml"
     path.write_text(text.split("[[choices]]")[0].replace("[emulator.motor]\n", truth), encoding="utf-8")
     return path

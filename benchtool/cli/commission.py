@@ -166,7 +166,7 @@ def _shown_live(
     manifest: Callable[[str], Manifest],
     output: Output,
 ) -> Iterator[None]:
-    """Show the drive's stream and its states while steps are run; without a destination nothing is streamed."""
+    """Show the drive's stream and its states while steps are run; without a destination none is streamed."""
     if not where.any:
         yield
         return

@@ -231,8 +231,8 @@ def _run(
 
 
 def _leave_fault_of_the_link(drive: RemoteDrive, note: Callable[[str], None]) -> None:
-    """Reset a fault of the dc link's voltage where that is within the profile's limits, which are in force now:
-    the drive came with others."""
+    """Reset a fault of the dc link's voltage where that is within the profile's limits, which are in force
+    now: the drive came with others."""
     if drive.state() is not State.FAULT or drive.optional_number(Role.ERROR_CODE) not in _OF_THE_LINK:
         return
     if drive.number("u_dc_min") <= drive.number("u_dc") <= drive.number("u_dc_max"):

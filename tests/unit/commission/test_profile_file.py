@@ -41,16 +41,13 @@ R_s_ohm = 0.123
 
 
 def test_values_are_replaced_and_all_else_stays() -> None:
-    values: dict[str, Value] = {"R_s_ohm": 0.5, "law": "foc", "encoder_offset_rad": 0.25, "encoder_direction": "reverse"}
+    found: dict[str, Value] = {"encoder_offset_rad": 0.25, "encoder_direction": "reverse"}
+    values: dict[str, Value] = {"R_s_ohm": 0.5, "law": "foc", **found}
     text = commissioned_profile(TEXT, values, ESTIMATE, saved=True)
     before, after = tomllib.loads(TEXT), tomllib.loads(text)
     assert after["motor"] == {**before["motor"], "R_s_ohm": 0.5}
     assert after["nameplate"] == before["motor"]
-    assert after["drive"]["parameters"] == {
-        "law": "foc",
-        "encoder_offset_rad": 0.25,
-        "encoder_direction": "reverse",
-    }
+    assert after["drive"]["parameters"] == {"law": "foc", **found}
     assert after["emulator"] == {"commissioned": True, "motor": {"R_s_ohm": 0.123}}
     assert "ohm: per phase; commissioned: 0.5000 ± 0.0039 ohm, nameplate 0.16" in text
     for kept in ("# as on its label", "# of the label", "# not tpc", "# the bench"):
