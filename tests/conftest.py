@@ -1,9 +1,12 @@
-"""Fixtures of all tests: no thread outlives its test."""
+"""Fixtures of all tests: no thread outlives its test. And how the suite is spread over its workers."""
 
 from __future__ import annotations
 
+import gc
 import threading
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Generator, Iterator
+from typing import Final
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -13,6 +16,47 @@ settings.register_profile(
     "reproducible", derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow]
 )
 settings.load_profile("reproducible")
+
+LONGEST_FIRST: Final = (
+    "tests/checks/test_source.py",
+    "tests/docs/test_blocks.py",
+    "tests/physics/test_robustness.py",
+    "tests/emulated/test_runs.py",
+    "tests/emulated/test_report.py",
+    "tests/emulated/test_command_line.py",
+    "tests/emulated/test_motors.py",
+    "tests/packaging/test_wheel.py",
+    "tests/emulated/test_terminal.py",
+    "tests/emulated/test_control_rates.py",
+    "tests/emulated/test_live.py",
+    "tests/physics/test_flange.py",
+    "tests/physics/test_every_part.py",
+    "tests/device/test_can_transcript.py",
+)
+"""Files that take ten seconds and more. A worker takes file after file: one of these at the end, and the
+others wait."""
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection() -> Generator[None, object, object]:
+    """Collect without Python's collector, and keep it from what was imported: it would look through some
+    millions of objects that all stay, again and again."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.freeze()
+        gc.enable()
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Put long files first, then those of many tests; within a file nothing changes."""
+    if not hasattr(config, "workerinput"):
+        return
+    files = {item: item.nodeid.partition("::")[0] for item in items}
+    places = {file: place for place, file in enumerate(LONGEST_FIRST)}
+    tests = Counter(files.values())
+    items.sort(key=lambda item: (places.get(files[item], len(places)), -tests[files[item]], files[item]))
 
 
 @pytest.fixture(autouse=True)

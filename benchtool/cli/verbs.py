@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
+from functools import cache
 from importlib import import_module
 from typing import Any, Final
 
@@ -30,11 +31,16 @@ class Verb:
 
     def load(self) -> Any:
         """Return the typer command; imports its module."""
-        module = import_module(f"benchtool.cli.{self.module}")
-        function = getattr(module, self.name, None) or getattr(module, f"{self.name}_")
-        alone = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
-        alone.command(self.name, context_settings=HELP)(with_exit_code(function, enables=self.enables))
-        return typer.main.get_command(alone)
+        return _command(self)
+
+
+@cache
+def _command(verb: Verb) -> Any:
+    module = import_module(f"benchtool.cli.{verb.module}")
+    function = getattr(module, verb.name, None) or getattr(module, f"{verb.name}_")
+    alone = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
+    alone.command(verb.name, context_settings=HELP)(with_exit_code(function, enables=verb.enables))
+    return typer.main.get_command(alone)
 
 
 VERBS: Final = (

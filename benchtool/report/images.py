@@ -7,13 +7,12 @@ import io
 from typing import Any, Final
 
 import matplotlib as mpl
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
-from matplotlib.layout_engine import ConstrainedLayoutEngine
+
+from benchtool.report.figures.files import lay_out, write_png
 
 MOST_SVG_BYTES: Final = 400_000
-PNG_DPI: Final = 220
 _SETTINGS: Final[Any] = {
     "svg.fonttype": "path",
     "svg.hashsalt": "benchtool",
@@ -21,25 +20,17 @@ _SETTINGS: Final[Any] = {
 _NO_METADATA: Final = {"Date": None, "Creator": None}
 
 
-def settle(figure: Figure) -> None:
-    """Lay the figure out once for all output formats."""
-    if isinstance(figure.get_layout_engine(), ConstrainedLayoutEngine):
-        figure.draw_without_rendering()
-        figure.set_layout_engine("none")
-
-
 def data_uri(figure: Figure) -> str:
-    """Return the figure as a `data:` address: an SVG of at most `MOST_SVG_BYTES`, else a PNG at `PNG_DPI`.
+    """Return the figure as a `data:` address: an SVG of at most `MOST_SVG_BYTES`, else a PNG.
 
     As the source of an image an SVG runs no script and loads nothing, whatever its texts say.
     """
-    settle(figure)
+    lay_out(figure)
     drawing = _svg(figure)
     if len(drawing) <= MOST_SVG_BYTES:
         return _uri("image/svg+xml", drawing)
     file = io.BytesIO()
-    figure.set_canvas(FigureCanvasAgg(figure))
-    figure.savefig(file, format="png", dpi=PNG_DPI, metadata={"Software": None})
+    write_png(figure, file, metadata={"Software": None})
     return _uri("image/png", file.getvalue())
 
 

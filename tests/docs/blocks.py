@@ -9,8 +9,8 @@ The words behind the language of a fence say how a block is tried:
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Final
 
@@ -55,11 +55,19 @@ def commands_in_text(page: Path) -> list[str]:
     return [each.content for each in spans if each.content.startswith("benchtool ")]
 
 
-def blocks_of(page: Path) -> Iterator[Block]:
+def has_blocks(page: Path) -> bool:
+    """Whether a page may have any, without the parser: every worker of the tests asks that of every page."""
+    return "```" in page.read_text(encoding="utf-8")
+
+
+@cache
+def blocks_of(page: Path) -> tuple[Block, ...]:
     """The blocks of a page in their order."""
+    found = []
     for token in MarkdownIt("commonmark").parse(page.read_text(encoding="utf-8")):
         if token.type == "fence" and token.map is not None:
             language, *words = token.info.split() or [""]
             file = next((word.removeprefix("file=") for word in words if word.startswith("file=")), "")
             tags = frozenset(word for word in words if not word.startswith("file="))
-            yield Block(page, token.map[0] + 1, language, tags, file, token.content)
+            found.append(Block(page, token.map[0] + 1, language, tags, file, token.content))
+    return tuple(found)

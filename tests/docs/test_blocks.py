@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 
 from tests.docs import documents, shell
-from tests.docs.blocks import NOT_RUN, ROOT, Block, blocks_of, commands_in_text, pages
+from tests.docs.blocks import NOT_RUN, ROOT, Block, blocks_of, commands_in_text, has_blocks, pages
 
 READ_BY_A_PERSON = frozenset({"", "text", "mermaid", "{include}", "{toctree}", "{automodule}", "{eval-rst}"})
 DEMO = (("demo",), ("run", "zhu2011/ripple"), ("run", "zhu2011/ripple", "--json"))
@@ -114,7 +114,7 @@ def test_commands_that_the_text_names_exist() -> None:
 
 @pytest.mark.parametrize(
     "page",
-    [page for page in pages() if any(blocks_of(page))],
+    [page for page in pages() if has_blocks(page)],
     ids=lambda page: page.relative_to(ROOT).as_posix(),
 )
 def test_the_blocks_of(

@@ -85,6 +85,7 @@ def test_the_demo(invoke: Invoke) -> None:
     assert json.loads(again.stdout) == document
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_the_same_seed_gives_the_same_bytes_and_another_seed_does_not(invoke: Invoke) -> None:
     for folder, seed in (("a", "3"), ("b", "3"), ("c", "4")):
         assert invoke("demo", "--out", folder, "--seed", seed).exit_code == 0
@@ -101,6 +102,7 @@ def test_for_people_the_table_stands_on_standard_output(invoke: Invoke) -> None:
     assert "capturing" in result.stderr
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_limits_that_are_missed_are_exit_code_1(invoke: Invoke, tmp_path: Path) -> None:
     (tmp_path / "strict.toml").write_text(PLAN.replace("max = 0.06", "max = 0.01"), encoding="utf-8")
     result = invoke("run", "strict.toml", "--json", "--out", "strict")

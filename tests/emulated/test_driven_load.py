@@ -15,6 +15,8 @@ from benchtool.run.runner import RunInfo, run_plan
 
 from .test_operating_point import Silent
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 # The same parts as of tests/physics/test_flange: one kernel for both.
 BENCH = {
     "motor.cogging_Nm": 0.01,

@@ -32,6 +32,8 @@ from benchtool.shipped import shipped
 
 from .conftest import Opener, Wire
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 INFO = RunInfo("2020-01-01T00:00:00+00:00", 0, ("run",))
 CHANNELS = ("i_a", "torque", "psi_s", "theta_m", "omega_m", "u_dc", "switching_count")
 RESOLUTION_NM = 0.0005

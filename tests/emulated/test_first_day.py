@@ -15,6 +15,8 @@ from benchtool.plan.model import load_plan
 from benchtool.profile import load_profile
 from benchtool.recording import Bundle
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 GIMBAL = (
     *("--pole-pairs", "7", "--R-s", "10.58ohm:ll", "--L", "2.1mH:ll", "--Kv", "131.2rpm/V:ll-peak"),
     *("--J", "20gcm2", "--u-dc", "24V", "--i-rated", "0.5A:peak"),

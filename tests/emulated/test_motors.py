@@ -14,6 +14,8 @@ from benchtool.emulator.core.core import truth_of
 from benchtool.emulator.jit import parts_of
 from benchtool.profile import load_profile, shipped_profiles
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 MOTORS = [name for name in shipped_profiles() if name.startswith("motors/")]
 
 

@@ -28,6 +28,8 @@ from benchtool.run import runner
 from benchtool.run.runner import RunInfo, run_plan
 from benchtool.telemetry import FrameLog
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 THE_LINE = "loopback = tests.emulated.loopback:WIRE"
 DEMO = "zhu2011/ripple"
 

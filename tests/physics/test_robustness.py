@@ -48,7 +48,7 @@ def decades(lowest: int, highest: int) -> st.SearchStrategy[float]:
             "J_kgm2": decades(-9, 4),
             "friction_Nms": decades(-9, 3),
             "coulomb_Nm": decades(-5, 4),
-            "breakaway_Nm": st.floats(1.01e4, 1e5),  # above any Coulomb torque: one kernel for all
+            "breakaway_Nm": st.floats(1.01e4, 1e5),
             "stribeck_rad_s": decades(-3, 4),
             "cogging_Nm": decades(-9, 5),
             "cogging_order": st.integers(1, 1000),
@@ -87,7 +87,7 @@ def test_every_run_is_finite_or_refused(
         core.shaft.i_d, core.shaft.omega_m = current_A, omega_m
         core.command.pwm_enabled = on
         core.memory["torque_command"] = 5.0
-        core.run(4)
+        core.run_with(run_ticks, 4)
     except (ValueRefused, EmulationError):
         return
     shaft = core.shaft

@@ -13,7 +13,7 @@ from benchtool.plan import Plan
 from benchtool.recording import enlist
 from benchtool.report.assembly.trends import trend_names, trend_of
 from benchtool.report.figures.drawings import draw_of_case, draw_side_by_side
-from benchtool.report.figures.steady_state import save_figures
+from benchtool.report.figures.files import save_figures
 from benchtool.report.figures.trend import draw_trend
 from benchtool.results import Assessment
 

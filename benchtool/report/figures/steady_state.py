@@ -1,9 +1,8 @@
-"""Spectrum of the current and trajectory of the flux in steady state; and figures as files."""
+"""Spectrum of the current and trajectory of the flux in steady state."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,8 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from benchtool.analysis import Panel, largest_low_component
-from benchtool.recording import replacing, writing
 from benchtool.report.figures.envelope import envelope
+from benchtool.report.figures.files import lay_out
 from benchtool.report.figures.labels import channel_label
 from benchtool.report.figures.limits import draw_limits, stated_with_limit
 from benchtool.report.figures.style import (
@@ -31,25 +30,8 @@ from benchtool.report.figures.waveforms import last_periods
 
 _LOW_ORDER = 10
 _FLUX_IN = 3.3
-_PASSES = 3
+_PASSES = 5
 _FLOOR = 1e-5  # of the fundamental: where the logarithmic axis of a spectrum begins
-
-
-def save_figures(figures: Mapping[str, Figure], folder: Path) -> tuple[Path, ...]:
-    """Write each figure as NAME.png into `folder`, which is made if need be.
-
-    Raises:
-        RecordingError: the folder or a file cannot be written.
-    """
-    paths = []
-    for name, figure in figures.items():
-        path = folder / f"{name}.png"
-        with writing(path):
-            folder.mkdir(parents=True, exist_ok=True)
-        with replacing(path) as part:
-            figure.savefig(part)
-        paths.append(path)
-    return tuple(paths)
 
 
 def draw_current_spectrum(panel: Panel, title: str) -> Figure:
@@ -123,8 +105,7 @@ def draw_flux_trajectory(panel: Panel, title: str) -> Figure:
     dress(axes, channel_label("psi_alpha", "Wb"), channel_label("psi_beta", "Wb"))
     axes.locator_params(nbins=5)
     add_legend(axes)
-    for _ in range(_PASSES):  # a layout of equal scales settles by and by
-        figure.draw_without_rendering()
+    lay_out(figure, _PASSES)  # of equal scales it settles by and by
     return figure
 
 

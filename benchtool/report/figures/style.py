@@ -13,7 +13,7 @@ from typing import Any, Final
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from matplotlib.textpath import TextPath
+from matplotlib.text import Text
 
 BLACK: Final = "#1a1a1a"
 BLUE: Final = "#0072b2"
@@ -102,7 +102,7 @@ def _legend_columns(axes: Axes, labels: Sequence[str], *, at_left: bool) -> int:
     assert figure is not None
     room_pt = (float(figure.get_figwidth()) - _AXIS_IN * across) * 72.0 / across
     wide = [
-        float(TextPath((0.0, 0.0), label, size=size).get_extents().width)
+        Text(text=label, fontsize=size, figure=figure).get_window_extent().width * 72.0 / figure.dpi
         + (_HANDLE_EM + _APART_EM + 0.8) * size
         for label in labels
     ]

@@ -12,7 +12,7 @@ from matplotlib.transforms import Affine2D, Transform
 from PIL import Image
 from reportlab.lib.utils import ImageReader
 
-from benchtool.report.images import settle
+from benchtool.report.figures.files import lay_out
 
 _PT_PER_IN = 72.0
 _CAPS = {"butt": 0, "round": 1, "projecting": 2}
@@ -21,7 +21,7 @@ _JOINS = {"miter": 0, "round": 1, "bevel": 2}
 
 def draw_figure(canvas: Any, figure: Figure, x_pt: float, y_pt: float, width_pt: float) -> None:
     """Draw `figure` with its lower left corner at (x, y), scaled to a width, in points."""
-    settle(figure)
+    lay_out(figure)
     dpi = figure.dpi
     figure.set_dpi(_PT_PER_IN)
     try:

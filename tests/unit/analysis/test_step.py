@@ -115,10 +115,10 @@ def test_a_signal_that_moves_with_its_reference_has_no_step_latency() -> None:
 
 
 def test_step_latency_does_not_take_earlier_noise_for_the_answer() -> None:
-    found = [_measured(*_noisy(1.0, 0.03, seed))["step_latency"] for seed in range(50)]
+    found = [_measured(*_noisy(1.0, 0.03, seed))["step_latency"] for seed in range(20)]
     # the lag has gone 2 % after a fifth of a row
     assert np.median(found) == pytest.approx(5.2 / RATE_HZ, abs=0.7 / RATE_HZ)
-    assert np.count_nonzero(np.array(found) < 4 / RATE_HZ) <= 3
+    assert np.count_nonzero(np.array(found) < 4 / RATE_HZ) <= 1
 
 
 def test_noise_of_the_samples_does_not_delay_settling() -> None:

@@ -20,7 +20,7 @@ from benchtool.analysis.window import Window
 from benchtool.block import Block, Channel, Gap
 from benchtool.errors import AnalysisError, RecordingError
 from benchtool.report.figures.drawings import draw_of_case
-from benchtool.report.figures.steady_state import save_figures
+from benchtool.report.figures.files import save_figures
 from benchtool.report.figures.waveforms import fundamental, last_periods
 
 SAMPLES = 3000
