@@ -245,7 +245,7 @@ def main() -> int:
     if options.motors:
         chosen = MOTORS[: int(options.motors)] if options.motors.isdigit() else options.motors.split(",")
     steps = options.steps.split(",") if options.steps else []
-    runs = []
+    runs: list[dict[str, Any]] = []
     for k in range(options.draws):
         for motor in chosen:
             place = MOTORS.index(motor)

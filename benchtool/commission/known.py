@@ -18,9 +18,9 @@ from benchtool.profile import Motor
 from benchtool.protocol.dictionary import Value, Variable
 
 _SAMPLED_S = 0.01
+_MOST_DEAD_TIME_S = 2e-5  # that a drive compensates
 _OF_THE_SWING = 0.7
 _SLOWEST_RAD_S = 30.0  # so that a level of some tenths of a second settles
-_LONGEST_DEAD_TIME_S = 2e-5  # that a drive compensates
 _READ = ("law", "encoder_lines", "u_s", "T_k_ratio", "i_trip", "torque_limit")
 _FRICTION_SHARE = 0.02  # of the rated torque, until friction is known
 _SEEN = 3.0  # standard uncertainties, below which nothing is compensated
@@ -115,9 +115,8 @@ class Known:
         found = {name: each.value for name, each in self.estimates.items()}
         if (drop := self.estimates.get("dead_time_voltage")) is not None:
             standard = 0.0 if drop.uncertainty is None else drop.uncertainty.standard
-            seen = drop.value if drop.value > _SEEN * standard else 0.0
-            lost_s = seen * (self.pwm_period_s or self.control_period_s)
-            found["dead_time_compensation"] = min(lost_s / self.u_dc_V, _LONGEST_DEAD_TIME_S)
+            seen = drop.value > _SEEN * standard
+            found["dead_time_compensation"] = self.compensation_s if seen else 0.0
         return {
             name: _as_held(self.variables[name], value)
             for name, value in found.items()
@@ -212,15 +211,20 @@ class Known:
             found["pole_pairs"] = self.identified.pole_pairs
         return found
 
+    def without_eccentricity(self, theta_m_rad: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the mechanical angle of the shaft, shape (n,), from what an eccentric encoder shows."""
+        shaft = np.array(theta_m_rad)
+        for n in (1, 2):
+            shaft -= self.value(f"eccentricity_{n}_cos", 0.0) * np.cos(n * theta_m_rad)
+            shaft -= self.value(f"eccentricity_{n}_sin", 0.0) * np.sin(n * theta_m_rad)
+        return shaft
+
     @property
-    def eccentricity(self) -> tuple[complex, complex]:
-        """By what the encoder is ahead of the shaft, rad, once and twice in a revolution of theta_m: the real
-        part of each times exp(-j n theta_m)."""
-        once, twice = (
-            complex(self.value(f"eccentricity_{n}_cos", 0.0), self.value(f"eccentricity_{n}_sin", 0.0))
-            for n in (1, 2)
-        )
-        return once, twice
+    def compensation_s(self) -> float:
+        """Dead time by which the drive takes off what dead time and devices take of a phase, as far as
+        estimated."""
+        period_s = self.pwm_period_s or self.control_period_s
+        return min(max(0.0, self.drop_V / self.u_dc_V * period_s), _MOST_DEAD_TIME_S)
 
     @property
     def offsets(self) -> dict[str, Value]:

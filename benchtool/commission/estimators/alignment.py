@@ -25,6 +25,7 @@ from benchtool.commission.estimators.regression import Fit, least_squares
 from benchtool.errors import AnalysisError
 
 _FEWEST = 100
+_LEAST_SHARE = 0.2
 _JUMP = 8.0  # median changes of angle from a row to the next: of more the counter has wrapped
 _HARMONICS = (1, 2)  # of the encoder's error, in a revolution
 _WHOLE = 0.97  # of a revolution, from which on it tells them
@@ -35,12 +36,13 @@ class Spin:
     """What was captured while the rotor was dragged one way.
 
     `theta_m_rad` is the angle that the drive counts, with an offset of zero and the direction forward;
-    `current_rad` the electrical angle of the current vector against phase a; shapes (n,). `sense` is 1 for
-    turning from phase a to b, -1 for the other way.
+    `current_rad` the electrical angle of the current vector against phase a, `share` its length over the
+    nominal one; shapes (n,). `sense` is 1 for turning from phase a to b, -1 for the other way.
     """
 
     theta_m_rad: NDArray[np.float64]
     current_rad: NDArray[np.float64]
+    share: NDArray[np.float64]
     sense: int
 
 
@@ -63,10 +65,10 @@ class Motion:
 class Alignment:
     """Angles in rad; `offset_rad` is mechanical, within half an electrical revolution of zero.
 
-    `lag_rad` is the electrical angle by which friction holds the rotor back. `errors_rad` are the complex
-    amplitudes of the encoder's error once and twice in a revolution, the real part of each times
-    exp(-j n theta_m); None where less than a revolution was turned. `ripple_rad` is the rms electrical
-    deviation from all of these.
+    `lag_rad` is the electrical angle by which friction holds the rotor back at the nominal current.
+    `errors_rad` are the complex amplitudes of the encoder's error once and twice in a revolution, the real
+    part of each times exp(-j n theta_m); None where less than a revolution was turned. `ripple_rad` is the
+    rms electrical deviation from all of these.
     """
 
     offset_rad: float
@@ -131,7 +133,7 @@ def alignment(spins: Sequence[Spin], pole_pairs: int, direction: int) -> Alignme
         angle, error = _errors_of(spin, pole_pairs, direction, around)
         theta.append(angle - around / pole_pairs)
         errors.append(error)
-        senses.append(np.full(len(error), float(spin.sense)))
+        senses.append(spin.sense / np.maximum(spin.share, _LEAST_SHARE))
     whole = all(np.ptp(each) >= _WHOLE * 2.0 * math.pi for each in theta)
     x, y, sense = np.concatenate(theta), np.concatenate(errors), np.concatenate(senses)
     fit = _fitted(x, y, sense, whole)

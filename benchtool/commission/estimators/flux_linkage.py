@@ -16,6 +16,7 @@ V_drop turns the flux instead of changing its length.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +24,9 @@ from numpy.typing import NDArray
 from benchtool.commission.estimators.regression import Fit, least_squares
 from benchtool.commission.estimators.vectors import drop_vector, vector_of
 from benchtool.errors import AnalysisError
+
+HARMONICS: Final = (-5, 7)
+"""Of the rotor flux in stator coordinates, over the speed of the rotor."""
 
 _FEWEST, _FEWEST_TURNS = 300, 2.0
 _ITERATIONS = 12
@@ -35,8 +39,9 @@ class TurningFlux:
     """What one capture of a turning motor tells.
 
     `omega_e_rad_s` is the mean electrical speed by the flux, `angle_rad` the electrical angle of the rotor
-    flux at the ticks of `readings_A`, shape (n,). `second_Wb` is the complex amplitude of what turns against
-    the rotor, of phases that differ. `ripple` is the rms deviation from the circle over its radius.
+    flux at the ticks of `readings_A`, shape (n,), and `flux_Wb` the rotor flux itself. `second_Wb` is the
+    complex amplitude of what turns against the rotor, of phases that differ. `ripple` is the rms deviation
+    from the circle over its radius.
     """
 
     psi_r_Wb: float
@@ -44,6 +49,7 @@ class TurningFlux:
     L_d_H: float
     omega_e_rad_s: float
     angle_rad: NDArray[np.float64]
+    flux_Wb: NDArray[np.complex128]
     second_Wb: complex
     ripple: float
     dof: float
@@ -103,19 +109,38 @@ def turning_flux(
     ripple = fit.scatter / radius if radius > 0.0 else np.inf
     if not (turns > _FEWEST_TURNS and ripple < _ROUND):
         raise AnalysisError(
-            f"the flux turned {turns:.2g} times, {100.0 * ripple:.2g} % off a circle: the motor does not turn, "
+            f"the flux turned {turns:.2g} times, {100.0 * ripple:.2g} % off a circle: the motor does "
+            f"not turn, "
             f"or another machine than the one believed"
         )
     slope = float(np.polyfit(np.arange(len(angle)) * T_s, angle, 1)[0])
     against = complex(np.mean(vector * np.exp(1j * angle)))
     standard = _of_turns(rows, fit, angle)
     return TurningFlux(
-        radius, standard, L_q_H + saliency, slope, angle, against, ripple, max(1.0, turns - 2.0)
+        radius,
+        standard,
+        L_q_H + saliency,
+        slope,
+        angle,
+        np.asarray(vector - saliency * i_d * along, np.complex128),
+        against,
+        ripple,
+        max(1.0, turns - 2.0),
     )
 
 
+def harmonics(flux_Wb: NDArray[np.complex128], theta_e_rad: NDArray[np.float64]) -> dict[int, complex]:
+    """Return the complex amplitudes of the rotor flux that turn minus five and seven times as fast as the
+    rotor, by the electrical angle of the encoder: of the fifth and the seventh harmonic of a phase's.
+    """
+    orders = (1, *HARMONICS)
+    waves = np.exp(1j * np.outer(theta_e_rad, orders))
+    found = np.linalg.lstsq(waves, flux_Wb, rcond=None)[0]
+    return {order: complex(each) for order, each in zip(orders, found, strict=True) if order != 1}
+
+
 def _of_turns(rows: NDArray[np.float64], fit: Fit, angle: NDArray[np.float64]) -> float:
-    """Return the standard uncertainty of the radius by scores summed over half revolutions of the flux, as what
+    """Return the standard uncertainty of the radius by scores summed over half revolutions of the flux: what
     deviates comes again with these."""
     bread = fit.covariance / fit.scatter**2
     half = np.abs(angle - angle[0]) // np.pi

@@ -13,6 +13,7 @@ Cogging has no mean over a revolution, and its impulse over a reversal is small 
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -81,7 +82,7 @@ def mechanics(courses: Sequence[Course]) -> Mechanics:
     coulomb, friction, load = (float(value) for value in fit.x)
     changes, impulses = [], []
     for course, held in zip(courses, stretches, strict=True):
-        for before, after in zip(held, held[1:], strict=False):
+        for before, after in itertools.pairwise(held):
             changes.append(after.omega - before.omega)
             impulses.append(_impulse(course, before, after, coulomb, friction, load))
     inertia = least_squares(np.array(changes)[:, None], np.array(impulses))

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
@@ -17,21 +19,24 @@ from benchtool.commission.steps.offsets import CURRENTS
 from benchtool.commission.steps.step import Finding
 from benchtool.drive import CaptureRequest, Stimulus
 from benchtool.errors import SetUpError
+from benchtool.protocol.dictionary import Value
 
 _SHARE = 0.6  # of the rated current
-_OF_SWING = 0.12  # electrical speed over the frequency of the swing about the current
-_OF_RATED = 0.1  # of the rated speed, at most
-_SLOWEST_S, _FASTEST_S = 6.0, 1.2  # of a revolution
-_LEAD = 0.3  # of a revolution of the current, in which it comes up to speed and the rotor into line
+_OF_SWING = 1.6  # electrical speed over the frequency of the swing about the current
+_ACCELERATION = 0.05  # over the square of that frequency
+_OF_RATED = 0.25  # of the rated speed, at most
+_SPUN_S, _MOST_TURNS = 1.0, 8
+_STIFF = 5.0  # bandwidth of the current loop over the electrical speed
+_ALIGN_S = 0.8
 _REVOLUTIONS = 1.02
-_ROWS = 2400
+_ROWS = 4000
 _LEFT_OUT_RAD = 0.002  # electrical
 _EMF_SEEN = 0.3  # of the nameplate's rotor flux: above it a rotor has turned
 _HARDLY = 0.1  # of the motion expected
 _WHOLE_NUMBER, _SURE = 0.004, 4.0
 _ECCENTRIC_RAD = math.radians(1.3)
 _LOADED_RAD = math.radians(25.0)
-_SLIPS_RAD = 0.6
+_SLIPS_RAD = 0.9
 _LEAP_RAD = 0.05
 
 
@@ -44,49 +49,57 @@ class DraggedRotor:
 
     def plan(self, known: Known) -> tuple[Excitation, ...]:
         """Return a revolution in each direction, or as far as the shaft may turn."""
-        motor, p = known.motor, known.motor.pole_pairs
-        turned_e = p * min(2.0 * math.pi * _REVOLUTIONS, 0.8 * known.travel_rad)
-        omega_e = min(_OF_SWING * known.swing_rad_s, _OF_RATED * p * motor.omega_m_N_rad_s)
-        omega_e = min(max(omega_e, turned_e / _SLOWEST_S), turned_e / _FASTEST_S)
-        lead_e = 2.0 * math.pi * _LEAD * min(1.0, 0.2 * p)
-        turn_s = 2.0 * lead_e / omega_e
-        duration_s = turn_s + turned_e / omega_e
-        stride = max(1, math.ceil(duration_s / (_ROWS * known.control_period_s)))
-        rows = math.floor(duration_s / (stride * known.control_period_s)) - 1
-        end_e = lead_e + turned_e
-        return tuple(
+        spin = _Turning.of(known)
+        stride = max(1, math.ceil(spin.duration_s / (_ROWS * known.control_period_s)))
+        rows = math.floor(spin.duration_s / (stride * known.control_period_s)) - 1
+        p = known.motor.pole_pairs
+        stiff = max(_STIFF * spin.omega_e_rad_s, known.damping_bandwidth_rad_s)
+        stiff = min(stiff, 0.1 / known.control_period_s)
+        held: dict[str, Value] = {
+            "omega_current": stiff,
+            "dead_time_compensation": 0.0,
+            "encoder_offset": 0.0,
+            "encoder_direction": "forward",
+            **known.offsets,
+            **known.electrical,
+        }
+        amplitude_A = _SHARE * known.I_N_A
+        align = Excitation(
+            "alignment",
+            Stimulus(quantity="current", shape="ramp", amplitude_A=amplitude_A, duration_s=_ALIGN_S),
+            CaptureRequest(CURRENTS, rows=10),
+            amplitude_A**2 * _ALIGN_S / 3.0,
+            held,
+        )
+        turns = (
             Excitation(
-                f"turning {way} at {sense * omega_e / p:.3g} rad/s",
+                f"turning {way} at {sense * spin.omega_e_rad_s / p:.3g} rad/s",
                 Stimulus(
                     quantity="current",
                     shape="constant",
-                    amplitude_A=_SHARE * known.I_N_A,
-                    duration_s=duration_s,
+                    amplitude_A=amplitude_A,
+                    duration_s=spin.duration_s,
                     angle_rad=begin % (2.0 * math.pi),
-                    omega_e_rad_s=sense * omega_e,
-                    turn_s=turn_s,
+                    omega_e_rad_s=sense * spin.omega_e_rad_s,
+                    turn_s=spin.lead_s,
                 ),
                 CaptureRequest((*CURRENTS, "u_alpha", "u_beta", "theta_m"), rows=rows, stride=stride),
-                (_SHARE * known.I_N_A) ** 2 * duration_s,
-                {
-                    "omega_current": known.damping_bandwidth_rad_s,
-                    "dead_time_compensation": 0.0,
-                    "encoder_offset": 0.0,
-                    "encoder_direction": "forward",
-                    **known.offsets,
-                    **known.electrical,
-                },
+                amplitude_A**2 * spin.duration_s,
+                held,
             )
-            for way, sense, begin in (("on", 1, 0.0), ("back", -1, end_e))
+            for way, sense, begin in (("on", 1, 0.0), ("back", -1, spin.end_rad))
         )
+        return (align, *turns)
 
     def estimate(self, blocks: Sequence[Block], known: Known) -> Mapping[str, Measurement]:
-        """Return `pole_pairs`, `encoder_direction`, `encoder_offset`, and the encoder's error in a revolution.
+        """Return `pole_pairs`, `encoder_direction`, `encoder_offset`, and the encoder's error in a
+        revolution.
 
         Raises:
             AnalysisError: the captures do not define them.
             SetUpError: the rotor or the encoder does not turn, or the encoder does not fit the motor.
         """
+        blocks = blocks[1:]  # not the alignment
         spins = [_spin(block, known, sense) for block, sense in zip(blocks, (1, -1), strict=True)]
         moved = motion(spins)
         _require_motion(moved, _flux_seen(blocks, known), known)
@@ -110,7 +123,8 @@ class DraggedRotor:
                 Finding(
                     "the encoder counts down while the current turns from phase a to b",
                     "the encoder is reversed (its tracks A and B are exchanged), or two phases are swapped",
-                    "if the shaft turned the right way on `turning on`, exchange A and B, else two phases; or "
+                    "if the shaft turned the right way on `turning on`, exchange A and B, else two "
+                    "phases; or "
                     'state encoder_direction = "reverse" in [drive.parameters] of the profile',
                     fails=False,
                 )
@@ -119,7 +133,8 @@ class DraggedRotor:
         if once > _ECCENTRIC_RAD:
             findings.append(
                 Finding(
-                    f"the encoder's angle is off by up to {math.degrees(once):.2g} degrees once in a revolution",
+                    f"the encoder's angle is off by up to {math.degrees(once):.2g} degrees once in a "
+                    f"revolution",
                     "its disc is eccentric to the shaft",
                     "centre the encoder's disc, or mount it anew",
                     fails=False,
@@ -138,30 +153,61 @@ class DraggedRotor:
         return tuple(findings)
 
 
+@dataclass(frozen=True)
+class _Turning:
+    """How the current turns: electrical speed, time until it is reached, duration, and angle at the end.
+
+    Faster than the rotor swings about the current, whatever cogging, harmonics and dead time excite once and
+    more often in an electrical revolution is beyond that resonance, and averages out.
+    """
+
+    omega_e_rad_s: float
+    lead_s: float
+    duration_s: float
+    end_rad: float
+
+    @classmethod
+    def of(cls, known: Known) -> Self:
+        """Return a revolution, or what of one the shaft may turn, with what comes before."""
+        motor, p = known.motor, known.motor.pole_pairs
+        swing = math.sqrt(_SHARE) * known.swing_rad_s
+        most = 0.8 * p * known.travel_rad
+        omega_e = min(_OF_SWING * swing, _OF_RATED * p * motor.omega_m_N_rad_s)
+        if math.isfinite(most):
+            omega_e = min(omega_e, swing * math.sqrt(0.3 * most * _ACCELERATION))
+        lead_s = omega_e / (_ACCELERATION * swing**2)
+        lead = 0.5 * omega_e * lead_s
+        a_turn = 2.0 * math.pi * p
+        turns = min(max(1, round(_SPUN_S * omega_e / a_turn)), _MOST_TURNS)
+        turned = min(turns * a_turn * _REVOLUTIONS, most - 2.0 * lead)
+        return cls(omega_e, lead_s, 2.0 * lead_s + turned / omega_e, 2.0 * lead + turned)
+
+
 def _spin(block: Block, known: Known, sense: int) -> Spin:
     """Return the part of a capture in which the current turns evenly."""
-    lead = _lead_rows(block, known)
-    i = vector_of(np.column_stack([block.column(name) for name in CURRENTS])[lead:] * known.gains)
-    return Spin(block.column("theta_m")[lead:], np.angle(i), sense)
+    even = _even_rows(block, known)
+    i = vector_of(np.column_stack([block.column(name) for name in CURRENTS])[even] * known.gains)
+    share = np.abs(i) / (_SHARE * known.I_N_A)
+    return Spin(block.column("theta_m")[even], np.angle(i), share, sense)
 
 
-def _lead_rows(block: Block, known: Known) -> int:
-    excitation = DraggedRotor().plan(known)[0]
-    assert excitation.stimulus is not None
-    return math.ceil(excitation.stimulus.turn_s / (block.tick_s * block.stride))
+def _even_rows(block: Block, known: Known) -> slice:
+    """Return the rows between coming up to speed and coming to rest."""
+    lead = math.ceil(_Turning.of(known).lead_s / (block.tick_s * block.stride))
+    return slice(lead, len(block.data) - lead)
 
 
 def _flux_seen(blocks: Sequence[Block], known: Known) -> float:
     """Return the rotor flux in Wb by what the voltage has beyond resistance and inductance."""
     seen = []
-    for block, excitation in zip(blocks, DraggedRotor().plan(known), strict=True):
-        assert excitation.stimulus is not None
-        lead = _lead_rows(block, known)
-        i = vector_of(np.column_stack([block.column(name) for name in CURRENTS])[lead:] * known.gains)
-        u = (block.column("u_alpha") + 1j * block.column("u_beta"))[lead:]
+    omega_e = _Turning.of(known).omega_e_rad_s
+    for block, sense in zip(blocks, (1, -1), strict=True):
+        even = _even_rows(block, known)
+        i = vector_of(np.column_stack([block.column(name) for name in CURRENTS])[even] * known.gains)
+        u = (block.column("u_alpha") + 1j * block.column("u_beta"))[even]
         across = np.mean((u * np.conj(i / np.abs(i))).imag)
         L = 0.5 * (known.identified.L_d_H + known.identified.L_q_H)
-        seen.append(across / excitation.stimulus.omega_e_rad_s - L * float(np.mean(np.abs(i))))
+        seen.append(across / (sense * omega_e) - L * float(np.mean(np.abs(i))))
     return float(np.mean(seen))
 
 
@@ -177,7 +223,8 @@ def _require_motion(moved: Motion, flux_Wb: float, known: Known) -> None:
             "check the encoder's cable, supply and coupling",
         )
     raise SetUpError(
-        f"theta_m changes by {math.degrees(moved.moved_rad):.2g} degrees while a current of {_SHARE:.0%} of the "
+        f"theta_m changes by {math.degrees(moved.moved_rad):.2g} degrees while a current of "
+        f"{_SHARE:.0%} of the "
         f"rated one turns, and the motor induces no voltage",
         "the rotor is locked, by a brake, a load, or a tool that was left in",
         "release the brake and see that the shaft turns freely by hand",
@@ -196,7 +243,8 @@ def _pole_pairs(moved: Motion, known: Known) -> int:
     unsure = max(_WHOLE_NUMBER * ratio, _SURE * moved.per_rad_scatter * ratio**2)
     if abs(moved.jump_rad) > _LEAP_RAD:
         raise SetUpError(
-            f"theta_m leaps by {math.degrees(moved.jump_rad):.1f} degrees once in a revolution, and the current "
+            f"theta_m leaps by {math.degrees(moved.jump_rad):.1f} degrees once in a revolution, and "
+            f"the current "
             f"turns {ratio:.4g} times for one of theta_m, where {stated} pole pairs are stated",
             f"the encoder has not the {lines} lines that encoder_lines states: about "
             f"{lines * stated / ratio:.0f} by the pole pairs",
@@ -204,11 +252,13 @@ def _pole_pairs(moved: Motion, known: Known) -> int:
         )
     if abs(ratio - nearest) > unsure:
         raise SetUpError(
-            f"the current turns {ratio:.4g} times for one revolution of theta_m, a whole number of pole pairs "
+            f"the current turns {ratio:.4g} times for one revolution of theta_m, a whole number of "
+            f"pole pairs "
             f"is expected, {stated} by the nameplate",
             f"the encoder slips on its shaft or loses counts, or it has not {lines} lines (about "
             f"{lines * stated / ratio:.0f} by the pole pairs), or a gearbox is between it and the rotor",
-            "tighten the encoder's coupling, check its cable and shield, and compare encoder_lines with its label",
+            "tighten the encoder's coupling, check its cable and shield, and compare encoder_lines "
+            "with its label",
         )
     if nearest != stated:
         raise SetUpError(
@@ -234,7 +284,8 @@ def _measurements(found: Alignment, pole_pairs: int, direction: int, known: Know
         "encoder_offset",
         found.offset_rad,
         "rad",
-        "mechanical angle of the encoder's zero against the rotor flux on phase a, mean of both ways of turning",
+        "mechanical angle of the encoder's zero against the rotor flux on phase a, mean of both ways "
+        "of turning",
         basis,
         combined(lines, source),
     )

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis import Basis, Contribution, Measurement, combined
+from benchtool.analysis import Basis, Contribution, Measurement, Uncertainty, combined
 from benchtool.block import Block
-from benchtool.commission.estimators.flux_linkage import TurningFlux, turning_flux
+from benchtool.commission.estimators.flux_linkage import HARMONICS, TurningFlux, harmonics, turning_flux
 from benchtool.commission.estimators.regression import least_squares
 from benchtool.commission.excitation import Excitation
 from benchtool.commission.known import Known
+from benchtool.commission.second_opinion import balanced, contradictions
 from benchtool.commission.steps.offsets import CURRENTS
 from benchtool.commission.steps.speed_loop import at_speed, settling_s
 from benchtool.commission.steps.step import Finding
@@ -26,7 +27,8 @@ _SWINGS = 2.0  # of that current in a capture
 _TURNS = 12.0  # electrical
 _FEWEST_ROWS, _MOST_ROWS = 1500, 8000
 _LEFT_OUT = 0.002
-_FACTOR = 1.15
+_FACTOR = 1.6
+_ANGLE_RAD = math.radians(8.0)
 
 
 class BackEmf:
@@ -95,6 +97,7 @@ class BackEmf:
                 "B",
                 found.psi_Wb * known.u_dc_full_scale_V / 1024.0 / known.u_dc_V / math.sqrt(12.0),
             ),
+            Contribution("a constant voltage", "B", found.curved_Wb / math.sqrt(3.0)),
             Contribution("what the equation leaves out", "B", found.psi_Wb * _LEFT_OUT / math.sqrt(3.0)),
         ]
         measured = [
@@ -107,11 +110,41 @@ class BackEmf:
                 combined(lines, "scatter of the EMF about the line"),
             )
         ]
+        measured += [
+            *balanced(blocks, known),
+            _angle(blocks, turning, known),
+            *_harmonics(blocks, turning, known),
+        ]
         return {each.name: each for each in measured}
 
     def findings(self, found: Mapping[str, Measurement], known: Known) -> tuple[Finding, ...]:
-        """Return what the flux says of the nameplate."""
-        return ()
+        """Return where the flux contradicts the nameplate, the encoder's offset, or the flux balance."""
+        findings = list(contradictions(found, known))
+        psi = found["psi_r"].value
+        ratio = psi / known.motor.psi_r_Wb
+        if not 1.0 / _FACTOR < ratio < _FACTOR and math.isfinite(ratio):
+            findings.append(
+                Finding(
+                    f"psi_r is {psi:.4g} Wb, {ratio:.3g} times the nameplate's",
+                    "Kv or Ke in another convention (peak or rms, phase or line to line), or another motor",
+                    "check motor.psi_r_Wb of the profile",
+                    fails=False,
+                )
+            )
+        angle = found.get("angle_difference")
+        if angle is not None and abs(angle.value) > _ANGLE_RAD:
+            findings.append(
+                Finding(
+                    f"the voltage of the turning motor puts the encoder "
+                    f"{math.degrees(angle.value):.2g} degrees "
+                    f"electrical from where the current had put it",
+                    "a load that pulls one way while the rotor was dragged, or an encoder that slips "
+                    "or loses "
+                    "counts",
+                    "uncouple the load, tighten the encoder, and commission the encoder again",
+                )
+            )
+        return tuple(findings)
 
 
 @dataclass(frozen=True)
@@ -119,14 +152,57 @@ class _Line:
     psi_Wb: float
     standard_Wb: float
     dof: float
-    offset_V: float
+    curved_Wb: float
 
 
 def _regression(psi: NDArray[np.float64], omega: NDArray[np.float64]) -> _Line:
-    """Return the slope of E = psi omega over the speeds, with a constant voltage against the motion."""
-    rows = np.column_stack([omega, np.sign(omega)])
-    fit = least_squares(rows, psi * omega)
-    return _Line(float(fit.x[0]), fit.standard(0), fit.dof, float(fit.x[1]))
+    """Return the slope of E = psi omega over the speeds, and how far that differs if a constant voltage
+    against
+    the motion is admitted, which there should not be."""
+    E = psi * omega
+    fit = least_squares(omega[:, None], E)
+    admitted = least_squares(np.column_stack([omega, np.sign(omega)]), E)
+    slope = float(fit.x[0])
+    return _Line(slope, fit.standard(0), fit.dof, abs(float(admitted.x[0]) - slope))
+
+
+def _angle(blocks: Sequence[Block], turning: Sequence[TurningFlux], known: Known) -> Measurement:
+    """Return by how much the encoder's electrical angle is ahead of that of the flux, mean over the
+    captures."""
+    ahead = []
+    for block, each in zip(blocks, turning, strict=True):
+        shaft = known.without_eccentricity(_angle_of(block))
+        ahead.append(np.mean(np.exp(1j * (known.identified.pole_pairs * shaft - each.angle_rad))))
+    angles = np.angle(np.array(ahead) * np.conj(np.mean(ahead))) + np.angle(np.mean(ahead))
+    u = Uncertainty(float(np.std(angles, ddof=1)) / math.sqrt(len(angles)), "scatter", len(angles) - 1.0)
+    definition = "electrical angle by which the encoder is ahead of the flux that the voltage makes"
+    return Measurement("angle_difference", float(np.mean(angles)), "rad", definition, uncertainty=u)
+
+
+def _harmonics(
+    blocks: Sequence[Block], turning: Sequence[TurningFlux], known: Known
+) -> Iterator[Measurement]:
+    """Yield the harmonics of the rotor flux, mean over the captures, in the frame of the encoder's angle."""
+    found = [
+        harmonics(each.flux_Wb, known.identified.pole_pairs * known.without_eccentricity(_angle_of(block)))
+        for block, each in zip(blocks, turning, strict=True)
+    ]
+    for order in HARMONICS:
+        z = np.array([each[order] for each in found])
+        for part, values in (("cos", z.real), ("sin", z.imag)):
+            u = Uncertainty(float(np.std(values, ddof=1)) / math.sqrt(len(z)), "scatter", len(z) - 1.0)
+            yield Measurement(
+                f"psi_{abs(order)}_{part}",
+                float(np.mean(values)),
+                "Wb",
+                f"{part} part of the rotor flux that turns {order} times as fast as the rotor",
+                uncertainty=u,
+            )
+
+
+def _angle_of(block: Block) -> NDArray[np.float64]:
+    unwrapped: NDArray[np.float64] = np.unwrap(block.column("theta_m"))[1:]
+    return unwrapped
 
 
 def _turning(block: Block, known: Known) -> TurningFlux:

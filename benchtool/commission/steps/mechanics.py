@@ -10,6 +10,7 @@ import numpy as np
 
 from benchtool.analysis import Basis, Contribution, Measurement, combined
 from benchtool.block import Block
+from benchtool.commission.estimators.flux_linkage import HARMONICS
 from benchtool.commission.estimators.mechanics import Course, Mechanics, mechanics
 from benchtool.commission.estimators.vectors import vector_of
 from benchtool.commission.excitation import Excitation
@@ -120,13 +121,15 @@ def _course(block: Block, known: Known, share: float) -> Course:
     """Return angle and torque of a capture; the drive has corrected its currents."""
     omega = share * known.motor.omega_m_N_rad_s
     motor = known.identified
-    theta = np.unwrap(block.column("theta_m"))
-    for n, z in enumerate(known.eccentricity, start=1):
-        theta = theta - (z * np.exp(-1j * n * block.column("theta_m"))).real
+    theta = known.without_eccentricity(np.unwrap(block.column("theta_m")))
     i = vector_of(np.column_stack([block.column(name) for name in CURRENTS]))
     i_dq = i * np.exp(-1j * motor.pole_pairs * theta)
     flux = motor.psi_r_Wb + (motor.L_d_H - motor.L_q_H) * i_dq.real
     torque = 1.5 * motor.pole_pairs * flux * i_dq.imag
+    for order in HARMONICS:  # currents that the harmonics of the EMF drive brake the shaft
+        psi = complex(*(known.value(f"psi_{abs(order)}_{part}", 0.0) for part in ("cos", "sin")))
+        of_angle = 1j * order * psi * np.exp(1j * order * motor.pole_pairs * theta)
+        torque += 1.5 * motor.pole_pairs * (of_angle * np.conj(i)).real
     step_s = block.tick_s * block.stride
     level = _level_s(known, omega) / step_s
     steady_s = max(_LEAST_S, _REVOLUTIONS * 2.0 * math.pi / omega)

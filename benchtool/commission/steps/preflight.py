@@ -30,9 +30,9 @@ _ALIVE_S = 0.2
 class Preflight:
     """Read what can be read with the power stage off, then see the drive stop by itself, at zero current.
 
-    The heartbeat of the host is withheld once while the drive is enabled: it has to switch off within the time
-    that is configured. Then a quick stop has to switch it off as well. The supervision is armed as before in
-    between.
+    The heartbeat of the host is withheld once while the drive is enabled: it has to switch off within the
+    time that is configured. Then a quick stop has to switch it off as well. The supervision is armed as
+    before in between.
     """
 
     name = "preflight"
@@ -54,9 +54,11 @@ class Preflight:
             reading = float(block.column(channel).mean())
             if abs(reading) > _LARGEST_READING * known.I_N_A:
                 raise SetUpError(
-                    f"the current of output {phase} reads {reading:.4g} A with the power stage off, the rated "
+                    f"the current of output {phase} reads {reading:.4g} A with the power stage off, "
+                    f"the rated "
                     f"one is {known.I_N_A:.4g} A peak",
-                    "the shaft is being turned, the sensor or its supply is broken, or the rated current is wrong",
+                    "the shaft is being turned, the sensor or its supply is broken, or the rated "
+                    "current is wrong",
                     "hold the shaft still, check the sensor and motor.I_N_A_rms of the profile",
                 )
         u_dc = block.column("u_dc")
@@ -173,7 +175,8 @@ def _withhold_heartbeat(drive: RemoteDrive) -> float:
         while drive.state().power_stage_on:
             if drive.clock.now_s() - silent_s > _TIMEOUT_S + _SLACK_S:
                 raise SetUpError(
-                    f"the drive is still on {_TIMEOUT_S + _SLACK_S:g} s after the host's last heartbeat, it is "
+                    f"the drive is still on {_TIMEOUT_S + _SLACK_S:g} s after the host's last "
+                    f"heartbeat, it is "
                     f"to switch off after {_TIMEOUT_S:g} s",
                     "the supervision of the link does not act (objects 0x1016 and 0x6007)",
                     "do not spin this motor before the drive's firmware or its configuration is corrected",

@@ -262,6 +262,8 @@ class Firmware:
         objects.compute("statusword", self._statusword)
         objects.on_write("mode_of_operation", self._set_mode)
         objects.on_write("host_heartbeat", lambda raw: self.supervision.configure(int(raw)))
+        for name in ("encoder_lines", "encoder_offset", "encoder_direction"):
+            objects.on_write(name, lambda _: self.core.begin_observer())
         objects.compute("link_state", lambda: int(self.supervision.state))
         objects.compute("link_losses", lambda: self.supervision.losses)
         objects.check("parameter_trial", self._check_trial)
