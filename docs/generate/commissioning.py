@@ -1,8 +1,8 @@
 """The page of what a commissioning comes to: `python -m docs.generate.commissioning CAMPAIGN.json`.
 
-The campaign is what `python -m benchmarks.commissioning --json` prints: for each estimate how often it was
-told, within its tolerance, and how its stated uncertainty held; for each motor, where it has them, the largest
-deviations in shares of the tolerances.
+The campaign is what `python -m benchmarks.commissioning --json` prints: for each estimate how often it
+was told, within its tolerance, and how its stated uncertainty held; for each motor, where it has them,
+the largest deviations in shares of the tolerances.
 """
 
 from __future__ import annotations

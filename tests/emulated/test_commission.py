@@ -57,7 +57,7 @@ def commissioned(profile: str, options: str, *names: str) -> Commissioning:
 def test_a_motor_is_identified(boxed: str, link_options: str) -> None:
     done = commissioned(boxed, link_options.removeprefix("&"), "inductance")
     assert [(each.name, each.verdict) for each in done.results] == [
-        (name, StepVerdict.PASS) for name in ("preflight", "offsets", "resistance", "inductance")
+        (name, StepVerdict.PASS) for name in ("preflight", "offsets", "resistance", "encoder", "inductance")
     ]
     estimates = done.estimates
     for name, true, tolerance in (("R_s", 0.123, 0.02), ("L_d", 9.52e-3, 0.03), ("L_q", 9.52e-3, 0.03)):
@@ -69,8 +69,14 @@ def test_a_motor_is_identified(boxed: str, link_options: str) -> None:
 
 
 def test_a_step_brings_those_that_it_needs() -> None:
-    assert [each.name for each in steps_for(["inductance"])] == ["offsets", "resistance", "inductance"]
-    assert [each.name for each in steps_for(["offsets"])] == ["offsets"]
+    assert [each.name for each in steps_for(["inductance"])] == [
+        "preflight",
+        "offsets",
+        "resistance",
+        "encoder",
+        "inductance",
+    ]
+    assert [each.name for each in steps_for(["offsets"])] == ["preflight", "offsets"]
     with pytest.raises(UsageError, match="no step 'flux'"):
         steps_for(["flux"])
 
@@ -78,8 +84,8 @@ def test_a_step_brings_those_that_it_needs() -> None:
 @pytest.mark.parametrize(
     ("old", "new", "reason"),
     [
-        ("i_trip_A = 12.0", "i_trip_A = 9.4", "i_trip is 9.4 A"),
-        ("u_dc_min_V = 50.0", "u_dc_min_V = 130.0", "0x3220"),
+        ("i_trip_A = 12.0", "i_trip_A = 9.4", "trips at 9.4 A"),
+        ("u_dc_min_V = 50.0", "u_dc_min_V = 130.0", "130 V"),
     ],
 )
 def test_a_step_that_fails_leaves_out_those_that_need_it(
@@ -89,9 +95,10 @@ def test_a_step_that_fails_leaves_out_those_that_need_it(
     tripping.write_text(Path(boxed).read_text(encoding="utf-8").replace(old, new))
     done = commissioned(str(tripping), "", "inductance")
     content = document(done)
-    assert [each["verdict"] for each in content["steps"].values()] == ["pass", "fail", "skipped"]
-    assert reason in content["steps"]["resistance"]["reason"]
-    assert content["estimates"]["L_d"] == {"value": None, "reason": "step inductance: it needs resistance"}
+    assert [each["verdict"] for each in content["steps"].values()] == ["fail", *4 * ["skipped"]]
+    assert reason in content["steps"]["preflight"]["reason"]
+    assert content["estimates"]["L_d"]["value"] is None
+    assert content["estimates"]["L_d"]["reason"].startswith("step inductance: it needs")
     assert content["verdict"] == "fail"
 
 
@@ -101,7 +108,7 @@ def test_the_command_prints_one_document_and_needs_a_yes(boxed: str, tmp_path: P
     assert asked.exit_code == 2
     of_resistance = ("commission", "resistance", "--profile", boxed, "--json")
     planned = json.loads(runner.invoke(app, [*of_resistance, "--dry-run"]).stdout)
-    assert list(planned["steps"]) == ["offsets", "resistance"]
+    assert list(planned["steps"]) == ["preflight", "offsets", "resistance"]
     result = runner.invoke(app, [*of_resistance, "--yes", "--out", str(tmp_path / "a")])
     assert result.exit_code == 0, result.output
     content = json.loads(result.stdout)
