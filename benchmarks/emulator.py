@@ -25,6 +25,7 @@ from benchmarks.figures import print_figures
 from benchtool.emulator.core import Core
 from benchtool.emulator.core.kernel import run_ticks
 from benchtool.emulator.machine.sensor_truth import SensorTruth
+from benchtool.emulator.machine.train_truth import NOTHING, TrainTruth
 from benchtool.emulator.machine.truth import InverterTruth, MotorTruth
 from benchtool.protocol.dictionary.objects import table_from_toml
 from benchtool.protocol.modes import Mode
@@ -43,6 +44,7 @@ PARTS: dict[str, tuple[dict[str, float], dict[str, float]]] = {  # of the motor,
     "dead_time": ({}, {"dead_time_s": 2e-6}),
     "devices": ({}, {"device_drop_V": 1.0, "on_resistance_ohm": 0.02}),
     "timer": ({}, {"timer_Hz": 100e6}),
+    "harmonics": ({"psi_5_Wb": 4e-3, "psi_7_Wb": 2e-3}, {}),
     "dc_link": ({}, {"dc_link_R_ohm": 0.5, "dc_link_C_F": 1e-3}),
 }
 BASELINE_TICKS = 300
@@ -58,7 +60,9 @@ print(time.perf_counter() - start)
 """
 
 
-def paper_machine(motor: Mapping[str, Any] = {}, inverter: Mapping[str, Any] = {}) -> Core:
+def paper_machine(
+    motor: Mapping[str, Any] = {}, inverter: Mapping[str, Any] = {}, train: TrainTruth = NOTHING
+) -> Core:
     """Return the paper's machine with its drive set up and switched on, and with these flaws."""
     document = (shipped("firmware_protocol") / "objects.toml").read_text(encoding="utf-8")
     core = Core(
@@ -75,6 +79,7 @@ def paper_machine(motor: Mapping[str, Any] = {}, inverter: Mapping[str, Any] = {
         InverterTruth(u_dc_V=122.5, **inverter),
         SensorTruth(i_full_scale_A=15.0, u_full_scale_V=500.0, current_noise_A_rms=0.015),
         seed=1,
+        train=train,
     )
     believed = {
         "pole_pairs": 4, "R_s": 0.123, "L_d": 9.52e-3, "L_q": 9.52e-3, "psi_r": 0.1685, "J": 13.1e-4,

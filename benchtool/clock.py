@@ -14,6 +14,8 @@ import time
 from collections.abc import Callable
 from typing import ClassVar, Protocol
 
+_UNDER_WAY_S = 0.001
+
 
 class Timer(Protocol):
     """A repeating call."""
@@ -143,6 +145,7 @@ class VirtualClock:
         self._due: list[tuple[float, int, _VirtualTimer]] = []
         self._followers: list[Callable[[float], None]] = []
         self._settlers: list[Callable[[], bool]] = []
+        self._carriers: list[Callable[[], bool]] = []
 
     @property
     def paced(self) -> bool:
@@ -164,6 +167,14 @@ class VirtualClock:
         """Undo `follow` or `register`."""
         self._followers = [each for each in self._followers if each != callback]
         self._settlers = [each for each in self._settlers if each != callback]
+
+    def carry(self, is_under_way: Callable[[], bool]) -> None:
+        """Register a wire that may take its time: `is_under_way()` tells whether something is on it."""
+        self._carriers.append(is_under_way)
+
+    def is_under_way(self) -> bool:
+        """Return whether something will arrive when time passes."""
+        return any(each() for each in self._carriers)
 
     def settle(self) -> bool:
         """See `Clock.settle`."""
@@ -203,6 +214,20 @@ class VirtualClock:
             timer.action()
             heapq.heappush(self._due, (due_s + timer.period_s, order, timer))
             self.settle()
+
+
+def drained(clock: Clock, arrived: Callable[[], bool], timeout_s: float) -> bool:
+    """Return whether it is certain that nothing more will come, or `arrived` has become true.
+
+    In virtual time what is under way for a while, on a wire with a delay, is waited for up to `timeout_s`.
+    """
+    if not clock.settle():
+        return False
+    if isinstance(clock, VirtualClock):
+        end_s = clock.now_s() + timeout_s
+        while not arrived() and clock.now_s() < end_s and clock.is_under_way():
+            clock.wait(_UNDER_WAY_S)
+    return True
 
 
 class _Pace:

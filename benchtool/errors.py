@@ -29,6 +29,7 @@ prints it as it is. `exit_code` is what a command ends with when the error reach
         ├── WriteNotVerified          a value read back differs from the value written
         ├── StateError                a CiA 402 transition did not happen
         ├── DriveFault                the drive is in fault
+        ├── LimitTrip                 a limit that the host supervises was passed
         ├── CaptureError              the on-drive capture did not complete
         └── StimulusError             the on-drive stimulus was stopped before its end
 """
@@ -174,6 +175,10 @@ class StateError(DriveError):
 
 class DriveFault(DriveError):
     """The drive is in fault."""
+
+
+class LimitTrip(DriveError):
+    """A limit that the host supervises was passed; the drive was told to stop."""
 
 
 class CaptureError(DriveError):

@@ -10,7 +10,10 @@ from numpy.typing import NDArray
 from scipy import signal
 
 Floats = NDArray[np.float64]
-Kind = Literal["white", "pink", "heavy", "bursts"]
+Kind = Literal[
+    "white", "pink", "heavy", "bursts", "walk", "resonant", "popcorn", "bounded", "clicks", "fractional",
+    "pink_and_white", "skewed", "mixed_tails",
+]  # fmt: skip
 
 
 def noise_of(kind: Kind, random: np.random.Generator, count: int) -> Floats:
@@ -24,6 +27,24 @@ def noise_of(kind: Kind, random: np.random.Generator, count: int) -> Floats:
             return heavy(random, count)
         case "bursts":
             return bursts(random, count)
+        case "walk":
+            return walk(random, count)
+        case "resonant":
+            return resonant(random, count)
+        case "popcorn":
+            return popcorn(random, count)
+        case "bounded":
+            return random.uniform(-math.sqrt(3.0), math.sqrt(3.0), count)
+        case "clicks":
+            return clicks(random, count)
+        case "fractional":
+            return fractional(random, count)
+        case "pink_and_white":
+            return math.sqrt(0.1) * pink(random, count) + math.sqrt(0.9) * random.standard_normal(count)
+        case "skewed":
+            return random.standard_exponential(count) - 1.0
+        case "mixed_tails":
+            return 0.8 * random.standard_normal(count) + 0.6 * random.laplace(0.0, math.sqrt(0.5), count)
 
 
 def coloured(noise: Floats, pole: float) -> Floats:
@@ -58,6 +79,46 @@ def bursts(random: np.random.Generator, count: int) -> Floats:
     for begin in random.choice(np.arange(0, count - size, size), 5, replace=False):
         level[begin : begin + size] = 3.0
     return level * random.standard_normal(count)
+
+
+def walk(random: np.random.Generator, count: int) -> Floats:
+    """Return white noise and, of as much power, a random walk about zero that begins before the record."""
+    steps = np.cumsum(random.standard_normal(count)) / math.sqrt(count)
+    return np.asarray((steps - 0.5 * steps[-1] + random.standard_normal(count)) / math.sqrt(1.25))
+
+
+def resonant(random: np.random.Generator, count: int) -> Floats:
+    """Return white noise behind a resonance, of second order, at 0.0137 of the rate."""
+    pole, omega = 0.998, 2.0 * math.pi * 0.0137
+    driven = random.standard_normal(count + 5000)
+    noise = signal.lfilter([1.0], [1.0, -2.0 * pole * math.cos(omega), pole**2], driven)[5000:]
+    gain = 1.0 + pole**2
+    power = gain / ((1.0 - pole**2) * (gain**2 - (2.0 * pole * math.cos(omega)) ** 2))
+    return np.asarray(noise / math.sqrt(power))
+
+
+def popcorn(random: np.random.Generator, count: int) -> Floats:
+    """Return white noise of a tenth of the power, and a level that jumps up and down at random, some forty
+    times."""
+    jumps = np.cumsum(random.random(count) < 40.0 / count)
+    level = np.where((jumps + random.integers(2)) % 2, 1.0, -1.0)
+    return np.asarray(math.sqrt(0.9) * level + math.sqrt(0.1) * random.standard_normal(count))
+
+
+def clicks(random: np.random.Generator, count: int) -> Floats:
+    """Return noise of unit rms, half of its power in single samples, one in a thousand, of normal height."""
+    hit = random.random(count) < 1e-3
+    noise = math.sqrt(0.5) * random.standard_normal(count)
+    return noise + np.where(hit, math.sqrt(500.0) * random.standard_normal(count), 0.0)
+
+
+def fractional(random: np.random.Generator, count: int) -> Floats:
+    """Return fractionally integrated noise of the order 0.3: its density falls as f^-0.6 from zero on."""
+    d, whole = 0.3, 4 * count
+    number = np.arange(1, whole)
+    weights = np.concatenate([[1.0], np.cumprod((number - 1 + d) / number)])
+    noise = signal.fftconvolve(random.standard_normal(whole), weights)[whole - count : whole]
+    return np.asarray(noise * (math.gamma(1.0 - d) / math.sqrt(math.gamma(1.0 - 2.0 * d))))
 
 
 def converted(values: Floats, step: float, random: np.random.Generator) -> Floats:

@@ -4,10 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from benchmarks.coverage import channels, disturbances, dynamic, stamps
+from benchmarks.coverage import channels, disturbances, dynamic, stamps, unusual
 from benchmarks.coverage.families import Family
 
 FAMILIES: Mapping[str, Family] = {
     each.name: each
-    for each in (*disturbances.FAMILIES, *channels.FAMILIES, *stamps.FAMILIES, *dynamic.FAMILIES)
+    for each in (
+        *disturbances.FAMILIES,
+        *channels.FAMILIES,
+        *stamps.FAMILIES,
+        *dynamic.FAMILIES,
+        *unusual.FAMILIES,
+    )
 }

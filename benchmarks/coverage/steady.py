@@ -30,6 +30,7 @@ AMPLITUDE_A = 5.0
 HARMONICS: Mapping[int, float] = {5: 0.03, 7: 0.02}
 TORQUE_NM, RIPPLE_NM, COGGING_NM = 2.0, 0.1, 0.05
 RIPPLE_ORDER, COGGING_ORDER = 6 * POLE_PAIRS, 3 * POLE_PAIRS
+_MEAN_OF_PEAKS = float(np.i0(6.0)) * math.exp(-6.0)
 THD_PERCENT = 100.0 * math.sqrt(sum(each**2 for each in HARMONICS.values()))
 
 
@@ -75,6 +76,8 @@ class Disturbance:
     angle_noise_rad: float = 0.0
     time_jitter: float = 0.0  # of a sample period, rms
     spikes: float = 0.0  # relative height, some ten in a record
+    chirp: tuple[float, float, float] = (0.0, 1.0, 1.0)  # relative amplitude; first and last order
+    peaked: float = 0.0  # of the torque: ripple of narrow crests to one side, Nm
 
 
 @dataclass(frozen=True)
@@ -124,6 +127,10 @@ def record(what: Disturbance, random: np.random.Generator) -> Record:
         current += amplitude * np.cos(
             2 * np.pi * place * what.frequency_Hz * time_s + random.uniform(0, 6.28)
         )
+    if what.chirp[0]:
+        size, first, last = what.chirp
+        turned = (first + 0.5 * (last - first) * time_s / duration_s) * what.frequency_Hz * time_s
+        current += size * np.cos(2 * np.pi * turned + random.uniform(0, 2 * np.pi))
     start, constant = what.decay
     current += what.offset + start * random.choice([-1, 1]) * np.exp(-time_s / (constant * duration_s))
     if what.spikes:
@@ -137,6 +144,8 @@ def record(what: Disturbance, random: np.random.Generator) -> Record:
     )
     torque += COGGING_NM * np.cos(COGGING_ORDER * theta_true + 1.1)
     torque += TORQUE_NM * what.noise * coloured(noise_of(what.kind, random, count), what.colour)
+    if what.peaked:
+        torque += what.peaked * (np.exp(6.0 * np.cos(RIPPLE_ORDER * theta_true) - 6.0) - _MEAN_OF_PEAKS)
     torque += _sawtooth(what.sawtooth, 5.0 * theta_e / (2 * np.pi), random)
     clean_torque = torque
     if what.bits:
@@ -179,6 +188,7 @@ def trial(what: Disturbance, random: np.random.Generator) -> Iterator[tuple[Meas
             what.spikes,
             what.time_jitter,
             what.kind != "white",
+            what.chirp[0],
         )
     )
     truths = {
@@ -201,6 +211,8 @@ def trial(what: Disturbance, random: np.random.Generator) -> Iterator[tuple[Meas
         "current_thd_f_subgroups": OF_THE_ENSEMBLE,
         "current_thd_f_groups": OF_THE_ENSEMBLE,
     }
+    if what.peaked or what.kind == "walk":
+        truths["torque_ripple_rms"] = OF_THE_ENSEMBLE  # crests are ripple too, and a walk has no rms
     if what.torque_Nm:
         truths["torque_ripple_percent_of_mean"] = OF_THE_ENSEMBLE
     if is_noise_alone and is_steady and what.second_regime == 1.0:
@@ -225,7 +237,7 @@ def trial(what: Disturbance, random: np.random.Generator) -> Iterator[tuple[Meas
                 uncertain = Uncertainty(row[5], "") if math.isfinite(row[5]) else None
                 number = Measurement(f"harmonic_{order}", row[2], "A", "", uncertainty=uncertain)
                 yield number, what.amplitude_A * relative
-    if what.angle:
+    if what.angle and not what.peaked:
         try:
             orders = order_analysis(made.block, "torque", pole_pairs=POLE_PAIRS)
         except AnalysisError:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.polynomial import Polynomial
@@ -22,8 +22,9 @@ from benchtool.analysis.scatter import (
     error_of_root,
     error_of_series,
     scatter_of_largest,
+    tail_index,
 )
-from benchtool.analysis.uncertainty import Contribution, combined
+from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined, coverage_factor
 from benchtool.analysis.validity import clipping, require_signal, require_unbroken
 from benchtool.block import Block, as_samples
 
@@ -36,6 +37,7 @@ _FEWEST_PERIODS = 3  # fewest periods whose scatter is used
 _CORRELATED = 2.0  # periods that count as one, from which a tail is made of stretches of them
 _PARTS, _WHOLE_OVER_PARTS = 8, 1.5  # the whole reaches further into the tail than a part, and scatters more
 _LOW, _HIGH = 0.5, 99.5  # per cent
+_SAMPLES_OF_TAIL = 1 << 17
 _NEAR = 0.25  # per cent to either side, for the density there
 
 
@@ -196,7 +198,14 @@ def _numbers(
     clipped = clipping(samples)
 
     def measured(
-        suffix: str, text: str, value: float, error: MeanError | None, incomplete: float, floor: float
+        suffix: str,
+        text: str,
+        value: float,
+        error: MeanError | None,
+        incomplete: float,
+        floor: float,
+        bound: float = 0.0,
+        slow: float = 0.0,
     ) -> Measurement:
         full = f"{name}_{suffix}"
         if clipped:
@@ -209,18 +218,22 @@ def _numbers(
             ),
             Contribution("share of the incomplete one at the end", "B", abs(incomplete)),
             Contribution(f"resolution {step:.3g} {unit}", "B", floor),
+            Contribution("noise too slow for the record", "B", slow),
         )
         source = (
             f"scatter over {scatter.periods} {scatter.repeated}, the share of the incomplete one, resolution"
         )
         lines = tuple(each for each in budget if each.standard != 0.0)
-        return Measurement(full, value, unit, text, basis, combined(lines, source))
+        uncertain = combined(lines, source)
+        return Measurement(full, value, unit, text, basis, _of_two_readings(uncertain, bound))
 
     # ripple that spans several steps turns quantization into noise, which the scatter holds already
     of_mean = step / math.sqrt(12.0) if whole.rms < step else 0.0
     of_rms = math.sqrt(2.0) * of_mean
     if scatter is not None and scatter.steps is not None:
         of_mean, of_rms = max(of_mean, scatter.steps.of_mean()), max(of_rms, scatter.steps.of_rms)
+    # noise too slow for the record moves its mean in place of its rms
+    taken = scatter.mean.standard**2 / (2.0 * whole.rms) if scatter is not None and whole.rms > 0.0 else 0.0
     # steps add a twelfth of their square to the mean square
     of_rms = math.hypot(of_rms, step**2 / (24.0 * whole.rms) if whole.rms > 0.0 else 0.0)
     mean = measured(
@@ -241,6 +254,7 @@ def _numbers(
         scatter.rms if scatter else None,
         scatter.incomplete_rms if scatter else 0.0,
         of_rms,
+        slow=taken if math.isfinite(taken) else 0.0,
     )
     yield rms
     yield measured(
@@ -250,6 +264,7 @@ def _numbers(
         scatter.percentile_range if scatter else None,
         0.0,
         step / math.sqrt(6.0),
+        step,
     )
     reason = clipped or _no_base(mean, whole, name)
     for number in (peak_to_peak, rms):
@@ -314,8 +329,21 @@ def _peak_to_peak(
             f"single {scatter.repeated}, whose mean peak-to-peak is {scatter.mean_peak_to_peak:.4g} "
             f"{whole.unit}; a longer record reads more"
         )
-    uncertain = combined(budget, source) if budget else None
+    uncertain = _of_two_readings(combined(budget, source), step) if budget else None
     return Measurement(name, whole.peak_to_peak, whole.unit, text, basis, uncertain)
+
+
+def _of_two_readings(uncertain: Uncertainty | None, step: float) -> Uncertainty | None:
+    """Return the uncertainty of a difference of two readings, each on the nearest level of a converter.
+
+    Where the steps are most of it the reading is one of two, by how far the difference is from a whole number
+    of steps: for none of them does the error exceed a step, but for most of them it is near one at times.
+    """
+    if uncertain is None or not step > 0.0:
+        return uncertain
+    of_step = step / math.sqrt(6.0)
+    rest = math.sqrt(max(0.0, uncertain.standard**2 - of_step**2))
+    return replace(uncertain, half_width=math.hypot(step, coverage_factor(uncertain.dof) * rest))
 
 
 def _percent(
@@ -363,18 +391,20 @@ def _scatter(
     squares = np.add.reduceat(square, begin) / counts
     largest, least = np.maximum.reduceat(within, begin), np.minimum.reduceat(within, begin)
     rms = math.sqrt(float(np.average(squares, weights=counts)))
+    # edges that repeat leave no deviations, and a slope that falls beside its place no second differences
+    tail = min(tail_index(_deviations(within, begin, counts)), tail_index(np.diff(within, 2)))
     return _Scatter(
         periods=periods,
         repeated=repeated,
-        mean=at_lowest_frequencies(within, error_of_series(means)),
-        rms=error_of_root(squares, rms, at_lowest_frequencies(square, error_of_series(squares))),
+        mean=at_lowest_frequencies(within, error_of_series(means), periods),
+        rms=error_of_root(squares, rms, at_lowest_frequencies(square, error_of_series(squares), periods)),
         percentile_range=_percentile_scatter(within, begin, counts)
         if percentiles
         else MeanError(math.nan, math.nan),
         # what makes both extremes larger together scatters as their difference does
         peak_to_peak=max(
-            math.hypot(scatter_of_largest(largest), scatter_of_largest(-least)),
-            scatter_of_largest(largest - least),
+            math.hypot(scatter_of_largest(largest, tail), scatter_of_largest(-least, tail)),
+            scatter_of_largest(largest - least, tail),
         ),
         mean_peak_to_peak=float(np.mean(largest - least)),
         # the record ends within a period: what that part moves is no scatter, but it is not known either
@@ -382,6 +412,16 @@ def _scatter(
         incomplete_rms=rms - whole.rms,
         steps=_repeated_steps(within, rows, step) if percentiles and step > 0.0 else None,
     )
+
+
+def _deviations(samples: NDArray[np.float64], begin: NDArray[np.int64], counts: NDArray[np.int64]) -> Floats:
+    """Return deviations of samples from the mean of all periods at the same place in them; of a long record,
+    those of its first periods."""
+    taken = min(len(begin), max(_FEWEST_PERIODS, _SAMPLES_OF_TAIL // int(np.max(counts)) + 1))
+    length = int(np.min(counts))
+    rows = begin[:taken, np.newaxis] + np.arange(length)
+    table = samples[np.minimum(rows, len(samples) - 1)]
+    return np.asarray(table - np.mean(table, axis=0)).ravel()
 
 
 def _percentile_scatter(

@@ -9,16 +9,22 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
+from benchtool.analysis.lowest_frequencies import slow_noise
+
 _PARTS, _MOST_PARTS = 10, 64
 _FEWEST_VALUES = 3
 _FEWEST_EXTREMES = 4
 _BY_CHANCE, _CLEARLY, _WITHOUT_DOUBT = 2.5, 2.0, 3.5  # standard deviations of a correlation
 _FEWEST_INDEPENDENT = 4.0  # values that a record must hold
-_LOWEST, _FEWEST_OF_LOWEST, _BLOCKS, _FAR_BELOW = 5, 5, 2048, 5.0
+_LOWEST, _FEWEST_OF_LOWEST, _BLOCKS, _FAR_BELOW = 5, 5, 4096, 5.0
+_CLEARLY_MORE = 1.4  # times the error by parts: by chance both differ by less
 _ROUNDS, _MOST_CORRELATED = 4, 0.4
+_ROUNDING = 1e-12  # of the largest value
 _NEIGHBOURS = 2  # values that count as one by chance alone
 _LEAST_SPARE = 0.5  # degrees of freedom beyond two: with fewer the deviation has no bound
 _GUMBEL = math.pi / math.sqrt(6.0)
+_EXPONENTIAL, _HEAVIEST = 0.02, 0.4  # index of a tail: below it is none, above it has no variance to speak of
+_OF_TAIL, _FEWEST_OF_TAIL, _MOST_OF_TAIL = 100, 20, 2000  # one value in so many is of the tail
 
 
 @dataclass(frozen=True)
@@ -116,19 +122,28 @@ def error_of_record(samples: NDArray[np.float64]) -> MeanError:
     return at_lowest_frequencies(samples, error_of_series(means_of_parts(samples)))
 
 
-def at_lowest_frequencies(samples: NDArray[np.float64], by_parts: MeanError) -> MeanError:
+def at_lowest_frequencies(samples: NDArray[np.float64], by_parts: MeanError, periods: int = 0) -> MeanError:
     """Return the error of the mean of samples, shape (n,), at equal times: that by parts of them, less what
-    the parts cut out of oscillations.
+    the parts cut out of oscillations, or that by noise whose density rises towards zero frequency.
 
     The variance of a mean of n is the density at zero frequency over n. Parts that are no whole periods of a
     ripple differ by it, and the mean of all does not: then the density at the lowest five frequencies of the
-    record is far below what the parts say, by a fifth once in two hundred records by chance.
+    record is far below what the parts say, by a fifth once in two hundred records by chance. Where the
+    density rises below the lowest frequency of the record (`slow_noise`) and gives clearly more than the
+    parts, it stands for them; where it rises more steeply than that of 1/f noise, the error is unknown (nan).
+
+    `periods` are the whole periods that the samples hold of what repeats.
     """
     if not math.isfinite(by_parts.standard):
         by_parts = error_of_series(means_of_parts(samples))
     size = max(1, len(samples) // _BLOCKS)
     blocks = len(samples) // size
-    return _without_oscillations(np.mean(samples[: blocks * size].reshape(blocks, size), axis=1), by_parts)
+    values = np.mean(samples[: blocks * size].reshape(blocks, size), axis=1)
+    by_parts = _without_oscillations(values, by_parts)
+    slow, largest = slow_noise(values, periods), float(np.max(np.abs(values)))
+    if slow is None or slow.standard < max(_CLEARLY_MORE * by_parts.standard, _ROUNDING * largest):
+        return by_parts
+    return MeanError(math.nan if slow.is_lost else slow.standard, slow.dof)
 
 
 def _without_oscillations(values: NDArray[np.float64], by_parts: MeanError) -> MeanError:
@@ -153,13 +168,14 @@ def means_of_parts(samples: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(np.mean(samples[: size * parts].reshape(parts, size), axis=1))
 
 
-def scatter_of_largest(values: NDArray[np.float64]) -> float:
+def scatter_of_largest(values: NDArray[np.float64], tail: float = 0.0) -> float:
     """Return standard deviation of the largest of values, shape (n,), over records of as many; nan if n < 4.
 
     Beyond a high level the values of most distributions fall off exponentially; the largest then has Gumbel's
     distribution, of the standard deviation pi / sqrt(6) times the mean excess over that level (Embrechts,
-    Klüppelberg and Mikosch, Modelling Extremal Events, 3.4 and 6.5). Of correlated values few maxima are
-    left, whose top says little: their own standard deviation is the least then.
+    Klüppelberg and Mikosch, Modelling Extremal Events, 3.4 and 6.5). With heavy tails, of the index `tail`
+    that `tail_index` finds, the excess has Pareto's distribution and the largest Fréchet's. Of correlated
+    values few maxima are left, whose top says little: their own standard deviation is the least then.
     """
     if len(values) < _FEWEST_EXTREMES:
         return math.nan
@@ -173,4 +189,43 @@ def scatter_of_largest(values: NDArray[np.float64]) -> float:
     count = len(values)
     beyond = max(_FEWEST_EXTREMES - 1, round(math.sqrt(count)))
     top = np.partition(values, count - beyond - 1)[count - beyond - 1 :]
-    return max(least, _GUMBEL * float(np.sum(top - np.min(top))) / beyond)
+    excess = float(np.sum(top - np.min(top))) / beyond
+    return max(least, _of_extreme(tail, beyond) * excess)
+
+
+def _of_extreme(tail: float, beyond: int) -> float:
+    """Return the standard deviation of the largest of `beyond` excesses on average, over their mean.
+
+    Of generalised Pareto excesses of scale s and index x the mean is s / (1 - x), the largest of n behaves as
+    s ((n / e)^x - 1) / x with e exponential.
+    """
+    tail = min(tail, _HEAVIEST)
+    if tail <= _EXPONENTIAL:
+        return _GUMBEL
+    spread = math.sqrt(math.gamma(1.0 - 2.0 * tail) - math.gamma(1.0 - tail) ** 2) / tail
+    return (1.0 - tail) * math.exp(tail * math.log(beyond)) * spread
+
+
+def tail_index(deviations: NDArray[np.float64]) -> float:
+    """Return the index of the tails of deviations about zero, shape (n,): above 0 for power laws, 0 for
+    exponential tails and for lighter ones, and where the values are too few to tell.
+
+    The moment estimator over the largest hundredth of the magnitudes (Dekkers, Einmahl and de Haan, Ann.
+    Statist. 17 (1989) 1833), which of normal values is below zero; where it is above by its own standard
+    deviation, with that added: a tail that is found too light gives an extreme that is far too certain.
+    """
+    size = np.abs(deviations)
+    top = min(len(size) // _OF_TAIL, _MOST_OF_TAIL)
+    if top < _FEWEST_OF_TAIL:
+        return 0.0
+    largest = np.partition(size, len(size) - top - 1)[len(size) - top - 1 :]
+    least = float(np.min(largest))
+    if not least > 0.0:
+        return 0.0
+    logs = np.log(largest / least)
+    first, second = float(np.sum(logs)) / top, float(np.sum(logs**2)) / top
+    if not second > 0.0 or first**2 >= second:
+        return 0.0
+    index = first + 1.0 - 0.5 / (1.0 - first**2 / second)
+    standard = math.sqrt((1.0 + index**2) / top)
+    return index + standard if index > standard else 0.0

@@ -94,7 +94,9 @@ _NUMBERS: Final = (
         "Nm",
         "mean(x)",
         "s of the periods' means x sqrt(tau / N_p), or by the five lowest frequencies where these hold less "
-        "than a fifth of that; what the incomplete last period moves; resolution that repeats",
+        "than a fifth of that, or by the density continued to zero frequency where that is 1.4 times as much "
+        "(none where it rises more steeply than that of 1/f noise); what the incomplete last period moves; "
+        "resolution that repeats",
     ),
     (
         ("ripple_pp",),
@@ -102,21 +104,22 @@ _NUMBERS: Final = (
         "max(x) - min(x)",
         "how much the peak-to-peak of another record of this length differs: of maximum and minimum pi / "
         "sqrt(6) times the mean excess of the sqrt(N_p) largest periods' maxima over the next (Gumbel's "
-        "distribution); and resolution / sqrt(6). Without periods that alone, or none where the resolution "
-        "is less than a hundred-thousandth of the ripple",
+        "distribution; of heavy tails Fréchet's); and resolution / sqrt(6), in U a whole step. Without "
+        "periods that alone, or none where the resolution is less than a hundred-thousandth of the ripple",
     ),
     (
         ("ripple_rms",),
         "Nm",
         "sqrt(mean((x - mean(x))^2))",
-        "likewise of the periods' mean squares, over 2 rms",
+        "likewise of the periods' mean squares, over 2 rms; u(mean)^2 / (2 rms), by noise that moves the "
+        "mean in place of the rms",
     ),
     (
         ("ripple_percentile_range",),
         "Nm",
         "99.5th - 0.5th percentile",
         "s of the periods' shares beyond the percentiles / density there x sqrt(tau / N_p), and resolution / "
-        "sqrt(6)",
+        "sqrt(6), in U a whole step",
     ),
     (("ripple_percent_of_mean",), "%", "100 pp / |mean|", "those of pp and mean"),
     (("ripple_rms_percent_of_mean",), "%", "100 rms / |mean|", "those of rms and mean"),

@@ -3,6 +3,12 @@ from .equipment import (
     Supply as Supply,
     Thermometer as Thermometer,
 )
+from .faults import (
+    FaultEntry as FaultEntry,
+    Faults as Faults,
+    fault_table as fault_table,
+    require_faults as require_faults,
+)
 from .operator import (
     UNLOAD as UNLOAD,
     Confirmation as Confirmation,

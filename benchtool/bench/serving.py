@@ -77,6 +77,7 @@ def serve(
     speed: float = 1.0,
     load_torque_Nm: float = 0.0,
     hold_omega_m_rad_s: float | None = None,
+    faults: Sequence[str] = (),
     note: Callable[[str], None] = lambda _: None,
 ) -> Iterator[ServedDrive]:
     """Power an emulated drive up and offer it on these wires until the `with` block ends.
@@ -87,11 +88,12 @@ def serve(
         speed: drive seconds in a second of the wall clock.
         load_torque_Nm: of the load machine, against positive rotation, while the drive is enabled.
         hold_omega_m_rad_s: speed at which the load machine turns the shaft instead.
+        faults: injected at their seconds after power-up, as `Faults.inject` takes them.
         note: called with a message when a wire is lost.
 
     Raises:
         ProfileError: the profile cannot be read, or describes no emulated bench.
-        UsageError: `speed` is not positive, or there is no such wire.
+        UsageError: `speed` is not positive, or there is no such wire or fault.
         LinkError: a wire cannot be offered.
         EnvironmentFailure: this system has no pseudo-terminals.
         PlugInError: the wire of another package fails.
@@ -119,6 +121,8 @@ def serve(
             bench.clock.follow(lambda _: bench.load.apply(load_torque_Nm if bench.enabled else 0.0))
         bench.warm_up()  # before there is a client to wait for it
         wires = tuple(_offer(stack, bench, each, profile.drive.node_id, note) for each in endpoints)
+        for fault in faults:
+            note(f"armed: {bench.faults.inject(fault)}")
         yield ServedDrive(profile.drive.node_id, speed, wires, bench.status, bench.clock.wait)
 
 

@@ -14,6 +14,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from benchtool.bench.equipment import Declared, LoadMachine, Supply, Thermometer, Transducer, declared
+from benchtool.bench.faults import Faults
 from benchtool.bench.mounting import mount
 from benchtool.bench.wires import registry
 from benchtool.bench.wires.address import Address
@@ -43,6 +44,7 @@ class Session:
     transducer: Transducer | None = None
     supply: Supply | None = None
     thermometer: Thermometer | None = None
+    faults: Faults | None = None
 
 
 @contextmanager
@@ -109,7 +111,8 @@ def open_session(
         if bench is not None:
             stack.callback(bench.load.apply, 0.0)
         mounted = mount(stack, what, source, drive.link, connection.clock, bench)
-        yield Session(profile_name, profile, text, drive, connection.clock, **vars(mounted))
+        faults = None if bench is None else bench.faults
+        yield Session(profile_name, profile, text, drive, connection.clock, **vars(mounted), faults=faults)
 
 
 def _connect(stack: ExitStack, address: Address, opening: Opening, alter: Mapping[str, float]) -> Connection:

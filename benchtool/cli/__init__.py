@@ -55,13 +55,22 @@ def main() -> None:
     """Run the command line and end the process with its exit code."""
     if COMPLETING in os.environ:
         completion_init()
-    for number in (signal.SIGINT, signal.SIGTERM):
+    for number in _interrupting():
         signal.signal(number, _interrupt)
     run_to_the_end(app)
 
 
+def _interrupting() -> list[int]:
+    """Return the signals that interrupt; SIGHUP, of a closed terminal, unless it is ignored (nohup)."""
+    numbers = [int(signal.SIGINT), int(signal.SIGTERM)]
+    hang_up = getattr(signal, "SIGHUP", None)  # Windows has none
+    if hang_up is not None and signal.getsignal(hang_up) is signal.SIG_DFL:
+        numbers.append(int(hang_up))
+    return numbers
+
+
 def _interrupt(_number: int, _frame: FrameType | None) -> None:
     """The first signal interrupts; further ones must not interrupt the disabling of the drive."""
-    for number in (signal.SIGINT, signal.SIGTERM):
+    for number in (signal.SIGINT, signal.SIGTERM, getattr(signal, "SIGHUP", signal.SIGTERM)):
         signal.signal(number, signal.SIG_IGN)
     raise KeyboardInterrupt

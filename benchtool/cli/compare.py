@@ -15,6 +15,7 @@ from benchtool.cli import options, selection as chosen
 from benchtool.cli.differences import show_differences
 from benchtool.cli.output import Output, warn_overdue
 from benchtool.cli.report import write_report
+from benchtool.cli.results import disagreement_text
 from benchtool.errors import UsageError
 from benchtool.report.assembly import comparison_report, difference
 from benchtool.results import Chance, Comparison, Delta, Differences, compare_cases, complete_cases, valued
@@ -55,7 +56,7 @@ def compare(
     differences = [Differences.of(comparison) for comparison in comparisons]
     for comparison, circumstances in zip(comparisons, differences, strict=True):
         show_differences(output, comparison.case, circumstances)
-        _show(output, comparison)
+        show(output, comparison)
         warn_overdue(output, comparison.overdue)
     if alone:
         output.line(f"without a counterpart: {', '.join(alone)}")
@@ -113,7 +114,8 @@ def _deltas(comparisons: Sequence[Comparison], *, alone_run: bool) -> dict[str, 
     return document
 
 
-def _show(output: Output, comparison: Comparison) -> None:
+def show(output: Output, comparison: Comparison) -> None:
+    """Print the measurements of runs side by side, and what bears on the differences."""
     results, title = comparison.results, comparison.case or "comparison"
     letters = {
         label: chr(ord("A") + place) if place < 26 else str(place + 1) for place, label in enumerate(results)
@@ -131,6 +133,10 @@ def _show(output: Output, comparison: Comparison) -> None:
         output.sentence(reason, "dim")
     if comparison.lengths:
         output.sentence(comparison.lengths, "yellow")
+    for label, result in results.items():
+        for each in result.disagreements:
+            verdict = "" if each.verdict is None else f": {each.verdict} there"
+            output.sentence(f"{disagreement_text(each, f'{letters[label]}: ')}{verdict}", "yellow")
     for label, result in results.items():
         place = "" if label == str(result.bundle) else f": {result.bundle}"
         output.line(f"{letters[label]}  {label}{place}")

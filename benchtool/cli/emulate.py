@@ -6,6 +6,7 @@ import json
 import shlex
 import sys
 from contextlib import ExitStack
+from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -15,7 +16,7 @@ from rich.live import Live
 from rich.table import Table
 from rich.text import Text
 
-from benchtool.bench import Endpoint, ServedDrive, emulator_is_compiled, serve
+from benchtool.bench import Endpoint, ServedDrive, emulator_is_compiled, fault_table, serve
 from benchtool.cli import options
 from benchtool.cli.output import Output
 from benchtool.errors import UsageError
@@ -23,6 +24,7 @@ from benchtool.errors import UsageError
 _TELL_S = 0.5
 _DEFAULT_PROFILE = "zhu2011"
 _LOOPBACK = "127.0.0.1"
+_OUTCOMES = {"stops": "stops", "ended": "does not notice, the host does", "goes on": "goes on"}
 
 
 def emulate(
@@ -80,6 +82,14 @@ def emulate(
         float | None,
         typer.Option(metavar="RAD_S", help="Hold the shaft at this speed at any torque."),
     ] = None,
+    fault: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME[:KEY=VALUE,...][@SECONDS]",
+            help="A fault, so many seconds of drive time after power-up. May be repeated.",
+        ),
+    ] = None,
+    faults: Annotated[bool, typer.Option("--faults", help="List the faults, and end.")] = False,
     as_json: options.Json = False,
 ) -> int:
     """An emulated drive in real time, for other programs to open. Ctrl-C or SIGTERM ends it: exit code 0.
@@ -88,9 +98,11 @@ def emulate(
     --slcan.
     """
 
+    output = Output(as_json=as_json)
+    if faults:
+        return _list_faults(output, as_json=as_json)
     if hold_speed is not None and load_torque:
         raise UsageError("both of --load-torque and --hold-speed: the load machine does one of the two")
-    output = Output(as_json=as_json)
     endpoints = [
         *([Endpoint("serial", name=serial_at)] if serial or serial_at else []),
         *([Endpoint("slcan", name=slcan_at)] if slcan or slcan_at else []),
@@ -108,6 +120,7 @@ def emulate(
             speed=speed,
             load_torque_Nm=load_torque,
             hold_omega_m_rad_s=hold_speed,
+            faults=fault or (),
             note=output.note,
         ) as drive:
             _announce(drive, profile, as_json=as_json)
@@ -115,6 +128,32 @@ def emulate(
             _live(drive, output)
     except KeyboardInterrupt:  # the regular end of a server
         output.note("the emulated drive was switched off")
+    return 0
+
+
+def _list_faults(output: Output, *, as_json: bool) -> int:
+    """Print the table of faults."""
+    rows = fault_table()
+    if as_json:
+        listed = [
+            asdict(row)
+            | {
+                "parameters": [
+                    dict(zip(("name", "default", "unit", "meaning"), each, strict=True))
+                    for each in row.parameters
+                ]
+            }
+            for row in rows
+        ]
+        output.document({"faults": listed})
+        return 0
+    for row in rows:
+        where = ", CAN only" if row.can_only else ""
+        sys.stdout.write(f"{row.name} ({row.place}{where}): {row.does} The drive {_OUTCOMES[row.outcome]}.\n")
+        for name, default, unit, meaning in row.parameters:
+            value = default if isinstance(default, str) else f"{default:g}"
+            sys.stdout.write(f"    {name}={value}{f' {unit}' if unit else ''}  {meaning}\n")
+        sys.stdout.write(f"    told by: {row.named}\n")
     return 0
 
 

@@ -11,7 +11,7 @@ from benchtool.analysis import Measurement, catalogue, with_expanded
 from benchtool.cli.differences import named
 from benchtool.cli.output import VERDICT_COLOURS, Output, significant, warn_overdue
 from benchtool.plan import Limit
-from benchtool.results import Assessment, Repeated, RunResult, overdue_text, undefined
+from benchtool.results import Assessment, Disagreement, Repeated, RunResult, overdue_text, undefined
 
 _MOST_COLUMNS = 7
 
@@ -59,19 +59,24 @@ def show_disagreements(output: Output, cases: Sequence[Assessment]) -> None:
             if each.verdict is None:
                 others[each.name] = others.get(each.name, 0) + 1
                 continue
-            true = f"{measured(each.true)} {each.true.unit}".rstrip()
-            estimate = f"{measured(each.estimate)} {each.estimate.unit}".rstrip()
-            output.line(
-                f"  the transducer disagrees: {_of(case, cases)}{each.name} is {estimate} by the drive's own "
-                f"estimate{each.band_text}, {true} on the shaft: {each.verdict} there",
-                VERDICT_COLOURS[each.verdict],
-            )
+            text = disagreement_text(each, _of(case, cases))
+            output.line(f"  {text}: {each.verdict} there", VERDICT_COLOURS[each.verdict])
     if others:
         named = [
             f"{name} ({count} of {len(cases)} cases)" if len(cases) > 1 else name
             for name, count in others.items()
         ]
         output.sentence(f"the transducer disagrees: {', '.join(named)}", "dim", lead="  ")
+
+
+def disagreement_text(found: Disagreement, of: str = "") -> str:
+    """Return the sentence on a number that the transducer contradicts, in the band of both."""
+    true = f"{measured(found.true)} {found.true.unit}".rstrip()
+    estimate = f"{measured(found.estimate)} {found.estimate.unit}".rstrip()
+    return (
+        f"the transducer disagrees: {of}{found.name} is {estimate} by the drive's own "
+        f"estimate{found.band_text}, {true} on the shaft"
+    )
 
 
 def show_remarks(output: Output, cases: Sequence[Assessment]) -> None:

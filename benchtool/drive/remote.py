@@ -9,16 +9,22 @@ from typing import Self
 
 from benchtool.clock import Clock
 from benchtool.drive.identity import Identity
+from benchtool.drive.quantities import SPEED, in_si
 from benchtool.drive.reconnection import Reconnection
 from benchtool.drive.states import Cia402Node
 from benchtool.drive.supervision import LINK_TIMEOUT_S, LinkSupervision
+from benchtool.drive.watch import Watch, require_alone
 from benchtool.errors import BenchError, LinkClosed, LinkError, StateError
 from benchtool.link import Link
-from benchtool.protocol import Mode
+from benchtool.protocol import Command, Mode, State
 from benchtool.protocol.dictionary import Dictionary
 
 _REOPEN_S = 0.2
 _WATCH_S = 0.05
+_QUICK_STOP_S = 1.0
+_QUICK_STOP_POLL_S = 0.005
+_BRAKES_WITHIN_S = 0.1
+_SLOWER = 0.95
 
 
 class RemoteDrive(Cia402Node):
@@ -46,6 +52,7 @@ class RemoteDrive(Cia402Node):
         super().__init__(link, dictionary, source, clock)
         self.supervision = LinkSupervision(self, allow_unsupervised=allow_unsupervised)
         self._reopen = reopen
+        self._watch = Watch(self)
         self._watches: list[Callable[[], None]] = []
 
     def __enter__(self) -> Self:
@@ -125,7 +132,7 @@ class RemoteDrive(Cia402Node):
         """Let drive time pass; a fault or an exception of a watch ends it.
 
         Raises:
-            DriveFault: an emergency arrived.
+            DriveFault, StateError, NoAnswer: as `raise_emergencies`.
         """
         remaining_s = duration_s
         while remaining_s > 0.0:
@@ -135,6 +142,17 @@ class RemoteDrive(Cia402Node):
             self.raise_emergencies()
             for check in self._watches:
                 check()
+
+    def raise_emergencies(self) -> None:
+        """As `Cia402Node.raise_emergencies`; of an enabled drive also what it cannot report itself.
+
+        Raises:
+            DriveFault: it reported an error, or is in fault.
+            StateError: it restarted, or is not enabled any more.
+            NoAnswer: it is not heard any more.
+        """
+        super().raise_emergencies()
+        self._watch.check()
 
     @contextmanager
     def watched(self, check: Callable[[], None]) -> Iterator[None]:
@@ -173,13 +191,44 @@ class RemoteDrive(Cia402Node):
         self.supervision.stop_sending()
 
     def enable(self, mode: Mode) -> None:
-        """As `Cia402Node.enable`, of a drive that watches this host.
+        """As `Cia402Node.enable`, of a drive that watches this host, and whose number is its own.
 
         Raises:
-            CapabilityMissing, SdoAbort, WriteNotVerified, StateError: it does not watch; it was not enabled.
+            CapabilityMissing, SdoAbort, WriteNotVerified, StateError: it does not watch, or two nodes have
+                its number; it was not enabled.
         """
         self.supervision.require()
+        require_alone(self)
         super().enable(mode)
+        self._watch.begin()
+
+    def quick_stop(self) -> None:
+        """Brake to standstill as the drive's quick stop does it, for a second at most, and disable the drive.
+
+        A drive whose rotor angle is wrong does not brake the shaft: one that is not slower after a tenth of a
+        second, or after the next, is disabled at once.
+
+        Raises:
+            BenchError: the drive does not answer, or refuses; it is disabled if it can be.
+        """
+        self._watch.end()
+        try:
+            speed = in_si(self, SPEED)
+            before = abs(self.number(speed))
+            self._ask(Command.QUICK_STOP)
+            begin_s = looked_s = self.clock.now_s()
+            while self.state() is State.QUICK_STOP_ACTIVE:
+                self.clock.wait(_QUICK_STOP_POLL_S)
+                now_s = self.clock.now_s()
+                if now_s - begin_s >= _QUICK_STOP_S:
+                    break
+                if now_s - looked_s >= _BRAKES_WITHIN_S:
+                    looked_s, present = now_s, abs(self.number(speed))
+                    if not present < _SLOWER * before:
+                        break
+                    before = present
+        finally:
+            self.disable()
 
     def disable(self) -> None:
         """As `Cia402Node.disable`; a drive that does not confirm keeps watching, and the heartbeat stops.
@@ -187,6 +236,7 @@ class RemoteDrive(Cia402Node):
         Raises:
             StateError, LinkClosed: as there.
         """
+        self._watch.end()
         try:
             super().disable()
         except BenchError:

@@ -9,13 +9,14 @@ from typing import Protocol
 
 from benchtool.clock import Clock
 from benchtool.drive.node import RemoteNode
-from benchtool.errors import BenchError, DriveFault, LinkClosed, LinkError, SdoAbort, StateError
+from benchtool.errors import BenchError, DriveFault, LinkClosed, LinkError, NoAnswer, SdoAbort, StateError
 from benchtool.link import Link
 from benchtool.protocol import Command, Mode, State, next_command, state_of
 from benchtool.protocol.canopen import Abort, Emergency, NmtCommand, error_text
 from benchtool.protocol.dictionary import Dictionary, Role
 
 _TRANSITION_TIMEOUT_S = 1.0
+_DISABLING_TRIES = 3
 _POLL_S = 0.001
 _POLL_PERIOD_S = 0.5
 _TARGETS: tuple[Role | str, ...] = (
@@ -122,7 +123,7 @@ class Cia402Node(RemoteNode):
             LinkClosed: likewise, as the link has gone.
         """
         try:
-            self._walk_to(State.SWITCH_ON_DISABLED)
+            self._walk_down()
         except DriveFault:
             self._touched = False
             return
@@ -170,7 +171,7 @@ class Cia402Node(RemoteNode):
         self._ask(Command.FAULT_RESET)
         if (state := self.state()) in (State.FAULT, State.FAULT_REACTION_ACTIVE):
             raise StateError(
-                f"the drive is still in '{state.value}', {self._last_error()}: remove the cause first"
+                f"the drive is still in '{state.value}', {self.last_error()}: remove the cause first"
             )
 
     def quick_stop(self) -> None:
@@ -201,7 +202,7 @@ class Cia402Node(RemoteNode):
             command = next_command(state, target)
             if state in (State.FAULT, State.FAULT_REACTION_ACTIVE):
                 raise DriveFault(
-                    f"the drive is in fault: {self._last_error()}; remove the cause, then reset it"
+                    f"the drive is in fault: {self.last_error()}; remove the cause, then reset it"
                 )
             if command is not None and (state, command) != asked:
                 asked = (state, command)
@@ -214,12 +215,21 @@ class Cia402Node(RemoteNode):
                 )
             self.clock.wait(_POLL_S)
 
+    def _walk_down(self) -> None:
+        """Walk to switch on disabled; ask again where an answer was lost, as that does no harm here."""
+        for _ in range(_DISABLING_TRIES - 1):
+            with suppress(NoAnswer):
+                self._walk_to(State.SWITCH_ON_DISABLED)
+                return
+        self._walk_to(State.SWITCH_ON_DISABLED)
+
     def _ask(self, command: Command) -> None:
         variable = self.dictionary[Role.CONTROLWORD]
         with self._naming(f"asking for '{command.value}'"):
             for word in command.controlwords:
                 self.link.download(variable.index, variable.sub, variable.encode(word))
 
-    def _last_error(self) -> str:
+    def last_error(self) -> str:
+        """Return the drive's last error, in words."""
         code = self.optional_number(Role.ERROR_CODE)
         return "no error code" if code is None else f"0x{code:04X} {error_text(code)}"

@@ -171,7 +171,7 @@ class LinkSupervision:
     # ---- silence ------------------------------------------------------------------------------------------
 
     def _keep_alive(self) -> None:
-        period_s = min(HEARTBEAT_S, self._timeout_s / 3.0)
+        period_s = min(HEARTBEAT_S, self._timeout_s / 4.0)  # three of them may be lost
         self._heartbeat = self._drive.clock.call_every(period_s, self._send_heartbeat)
 
     def _send_heartbeat(self) -> None:

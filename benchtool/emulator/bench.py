@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cache
 
 import can
 import numpy as np
@@ -13,9 +14,11 @@ from benchtool.clock import VirtualClock
 from benchtool.emulator.core.core import Core, truth_of
 from benchtool.emulator.core.kernel import kernel_is_cached
 from benchtool.emulator.equipment import EmulatedLoad, EmulatedSupply, EmulatedTransducer
+from benchtool.emulator.faults import FaultInjector
 from benchtool.emulator.firmware.device import Firmware
 from benchtool.emulator.instruments import CanInstrument, CanReadings, CanTorque, samples_apart
 from benchtool.emulator.machine.heat import HeatTruth
+from benchtool.emulator.machine.saturation import SaturationTruth
 from benchtool.emulator.machine.sensor_truth import CurrentTruth, EncoderTruth, SensorTruth, VoltageTruth
 from benchtool.emulator.machine.train_truth import (
     FlangeTruth,
@@ -50,6 +53,12 @@ from benchtool.shipped import shipped
 _channels = itertools.count(1)
 
 
+@cache
+def _objects() -> ObjectTable:
+    """Return the objects of the drive, which every emulated one has."""
+    return load_table(shipped("firmware_protocol") / "objects.toml")
+
+
 class EmulatedBench:
     """A powered-up bench in virtual time.
 
@@ -82,7 +91,7 @@ class EmulatedBench:
         has_bus: bool = True,
     ) -> None:
         emulator = _emulator_of(profile)
-        table = load_table(shipped("firmware_protocol") / "objects.toml")
+        table = _objects()
         core = _core(table, profile, emulator, seed, first_tick)
         stored = _stored_parameters(profile, emulator)
         node_id = profile.drive.node_id
@@ -96,13 +105,15 @@ class EmulatedBench:
         self._temperature_sensor = emulator.sensors.temperature
         self._thermometers: list[EmulatedThermometer] = []
         self._instruments: list[CanInstrument] = []
-        self._node = DriveNode(node_id, lambda emit: Firmware(table, core, node_id, stored, emit))
+        self._node = DriveNode(node_id, lambda emit: Firmware(table, core, node_id, stored, emit), seed)
+        self.faults = FaultInjector(self._node, core)
         if has_bus:
             # Frames bear the drive's time: the clock stands still while the drive runs up to it.
             bus = VirtualTimeBus(self.channel, clock=self.clock, preserve_timestamps=True)
             self.add_can(bus)
             self.clock.register(bus.settle)
         self.clock.follow(self._advance_to)
+        self.clock.carry(self._node.is_under_way)
 
     def host_bus(self, channel: str = "") -> VirtualTimeBus:
         """Return a bus for the host, on this bench's channel or on another one, in its time."""
@@ -283,10 +294,11 @@ def _core(table: ObjectTable, profile: Profile, emulator: Emulator, seed: int, f
 def _truth(profile: Profile, emulator: Emulator) -> tuple[MotorTruth, InverterTruth, SensorTruth]:
     motor, true = profile.nameplate or profile.motor, emulator.motor
     believed = motor.model_dump(include={"pole_pairs", "R_s_ohm", "L_d_H", "L_q_H", "psi_r_Wb", "J_kgm2"})
-    stated = true.model_dump(exclude_none=True, exclude={"heat"})
+    stated = true.model_dump(exclude_none=True, exclude={"saturation", "heat"})
+    saturation = SaturationTruth(**true.saturation.model_dump()) if true.saturation else None
     heat = HeatTruth(**true.heat.model_dump()) if true.heat else None
     return (
-        MotorTruth(**{**believed, **stated, "heat": heat}),
+        MotorTruth(**{**believed, **stated, "saturation": saturation, "heat": heat}),
         InverterTruth(
             **emulator.inverter.model_dump(exclude_none=True),
             double_update=profile.drive.double_update,

@@ -32,6 +32,8 @@ import numba
 from numba.core.typing.templates import infer_global
 from numba.extending import register_jitable
 
+from benchtool.emulator.lowering import PartCompiler
+
 F = TypeVar("F", bound=Callable[..., Any])
 
 # No fastmath: the same source gives the same bits. The numpy error model spares a branch at every division.
@@ -47,8 +49,7 @@ def njit(function: F) -> F:
 
     In Python it stays the plain function that it is.
     """
-    register_jitable(forceinline=True, no_cfunc_wrapper=True, **_OPTIONS)(function)
-    return function
+    return _part(function, forceinline=True)
 
 
 def called(function: F) -> F:
@@ -57,7 +58,21 @@ def called(function: F) -> F:
     It is for what is long and would be repeated often, which takes minutes to compile. In Python it stays the
     plain function that it is.
     """
-    register_jitable(no_cfunc_wrapper=True, **_OPTIONS)(function)
+    return _part(function, forceinline=False)
+
+
+def _part(function: F, *, forceinline: bool) -> F:
+    """Compile a function that only compiled functions call.
+
+    `forceinline` is stated either way: a function that leaves it open takes it over from what calls it.
+    """
+    register_jitable(
+        forceinline=forceinline,
+        no_cfunc_wrapper=True,
+        no_cpython_wrapper=True,
+        pipeline_class=PartCompiler,
+        **_OPTIONS,
+    )(function)
     return function
 
 
@@ -76,7 +91,7 @@ def separately(function: F) -> F:
     In Python it stays the plain function that it is.
     """
     _SEPARATE[function] = _compiled(function, f"{fingerprint():08x}")
-    infer_global(function, numba.types.Dispatcher(_SEPARATE[function]))  # type: ignore[no-untyped-call]
+    infer_global(function, numba.types.Dispatcher(_SEPARATE[function]))
     return function
 
 
@@ -141,7 +156,9 @@ def fingerprint(package: Path = Path(__file__).parent.parent) -> int:
 
 def compiled_sources(package: Path) -> list[Path]:
     """Return the files whose functions are compiled, or whose constants compiled functions hold, in order."""
-    sources = [package / "emulator" / f"{name}.py" for name in ("jit", "memory", "rotate")]
+    sources = [
+        package / "emulator" / f"{name}.py" for name in ("in_place", "jit", "lowering", "memory", "rotate")
+    ]
     for room in ("machine", "control", "core"):
         sources += package.glob(f"emulator/{room}/*.py")
     return [*sorted(sources), package / "protocol" / "modes.py", package / "ticks.py"]

@@ -8,6 +8,7 @@ from .discovery import (
 )
 from .interface import (
     BatchLink as BatchLink,
+    CountsAnswers as CountsAnswers,
     CountsMalformed as CountsMalformed,
     Frame as Frame,
     FrameLink as FrameLink,

@@ -30,7 +30,7 @@ class HeartbeatEmcyConsumer:
         self._clock = clock
         self._require_open = require_open
         self._state: NmtState | None = None
-        self._heartbeats = self._heard = self._overruns = 0
+        self._heartbeats = self._boots = self._heard = self._overruns = 0
         self._emergencies: deque[ReceivedEmergency] = deque()
 
     @property
@@ -38,6 +38,7 @@ class HeartbeatEmcyConsumer:
         """Counts of received messages, by the names of `LinkCounters`."""
         return {
             "heartbeats_received": self._heartbeats,
+            "boots_received": self._boots,
             "emcy_received": self._heard,
             "overruns": self._overruns,
         }
@@ -50,6 +51,7 @@ class HeartbeatEmcyConsumer:
         """Note the state in a heartbeat."""
         self._state = state
         self._heartbeats += 1
+        self._boots += state is NmtState.BOOT_UP
 
     def on_emergency(self, emergency: Emergency, arrival_s: float) -> None:
         """Keep an emergency, or count it where there is no room."""

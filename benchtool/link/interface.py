@@ -26,6 +26,7 @@ class LinkCounters:
     emcy_received: int = 0
     emcy_lost: int = 0  # by the numbers of those received, where the wire has such
     heartbeats_received: int = 0
+    boots_received: int = 0  # boot-up messages: the drive, or another node with its number, has started
 
 
 class Frame(NamedTuple):
@@ -55,6 +56,18 @@ class CountsMalformed(Protocol):
     @property
     def malformed(self) -> int:
         """Number of malformed inputs."""
+
+
+@runtime_checkable
+class CountsAnswers(Protocol):
+    """A link on which two nodes may have the same number."""
+
+    def answers(self, index: int, sub: int) -> int:
+        """Return how many answers come to one request for an object.
+
+        Raises:
+            NoAnswer: none.
+        """
 
 
 class Link(Protocol):

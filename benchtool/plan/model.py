@@ -232,6 +232,9 @@ class Plan(Section):
     """Measurements of a table with a row for each case."""
     emulator: dict[str, float] = Field(default_factory=dict)
     """Keys of the emulated bench that the plan alters, such as `inverter.u_dc_V`."""
+    faults: Array[str] = ()
+    """Faults of the emulated bench, `NAME[:key=value,...][@SECONDS]`, the seconds from the beginning of the
+    capture on; `benchtool emulate --faults` lists them."""
 
     @field_validator("limits", mode="before")
     @classmethod

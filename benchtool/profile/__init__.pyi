@@ -32,6 +32,7 @@ from .emulator import (
     Emulator as Emulator,
     Heat as Heat,
     Inverter as Inverter,
+    Saturation as Saturation,
     TrueMotor as TrueMotor,
 )
 from .equipment import (
@@ -45,6 +46,7 @@ from .equipment import (
     EmulatedTemperature as EmulatedTemperature,
     Operator as Operator,
 )
+from .limits import Limits as Limits
 from .motor import Motor as Motor
 from .nameplate import (
     Amplitude as Amplitude,

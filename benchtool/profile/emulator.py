@@ -36,6 +36,31 @@ def _each(value: object) -> object:
 Order = Annotated[int, BeforeValidator(_whole), Field(ge=0, le=1000)]
 Several = Annotated[Array[Item], BeforeValidator(_each), Field(max_length=16)]
 
+
+class Saturation(Section):
+    """Saturation and cross-coupling: currents as a polynomial of the flux linkages.
+
+    `L_d_H`, `L_q_H` and `psi_r_Wb` are those without current; what is here is added with the flux linkages:
+    i_d by (a_dd |psi_d|^S + a_dq / (V + 2) |psi_d|^U |psi_q|^(V + 2)) psi_d, and i_q by
+    (a_qq |psi_q|^T + a_dq / (U + 2) |psi_d|^(U + 2) |psi_q|^V) psi_q, in A and Wb.
+    """
+
+    a_dd: Annotated[float, Field(ge=0, le=1e40)] = 0.0
+    """Saturation along the rotor flux, in A/Wb^(S + 1)."""
+    a_qq: Annotated[float, Field(ge=0, le=1e40)] = 0.0
+    """Saturation across the rotor flux, in A/Wb^(T + 1)."""
+    a_dq: Annotated[float, Field(ge=0, le=1e40)] = 0.0
+    """Cross-coupling, in A/Wb^(U + V + 3)."""
+    S: Annotated[int, Field(ge=1, le=12)] = 5
+    """Exponent of the saturation along the rotor flux."""
+    T: Annotated[int, Field(ge=1, le=12)] = 1
+    """Exponent of the saturation across the rotor flux."""
+    U: Annotated[int, Field(ge=0, le=12)] = 1
+    """Exponent of the cross-coupling."""
+    V: Annotated[int, Field(ge=0, le=12)] = 0
+    """Exponent of the cross-coupling."""
+
+
 Capacity = Annotated[float, Field(ge=1e-3, le=1e9)]
 ThermalResistance = Annotated[float, Field(ge=1e-6, le=1e6)]
 
@@ -104,6 +129,8 @@ class TrueMotor(Section):
     """Resistance across the EMF that takes the iron loss; without it there is none."""
     heat: Heat | None = None
     """How winding and magnets warm up; without it they stay as they are."""
+    saturation: Saturation | None = None
+    """How the machine saturates; without it the inductances are constants."""
     cogging_Nm: Several[Torque] = ()
     """Amplitude of the cogging torque; an array of one for each order."""
     cogging_order: Several[Order] = ()

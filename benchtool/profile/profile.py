@@ -14,6 +14,7 @@ from benchtool.profile.bench import Bench
 from benchtool.profile.claims import Choice, Claim
 from benchtool.profile.drive import CONTROL_PERIOD_S, Drive, RoleObject, rate_fault
 from benchtool.profile.emulator import Emulator
+from benchtool.profile.limits import Limits
 from benchtool.profile.motor import Motor
 from benchtool.shipped import shipped
 
@@ -36,6 +37,8 @@ class Profile(Section):
     """Where the drive answers, which dictionary it speaks, what it is set to."""
     bench: Bench = Bench()
     """What stands beside the drive, and how well it measures."""
+    limits: Limits = Limits()
+    """What the host supervises while the drive is enabled, beside the drive's own trip levels."""
     roles: dict[str, RoleObject] = Field(default_factory=dict)
     """Objects of this drive that differ from CiA 301 and CiA 402, by role."""
     emulator: Emulator | None = None

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import platform
 from importlib import metadata
-from pathlib import Path
+from pathlib import Path, PurePosixPath, PureWindowsPath
 from typing import Annotated, Any
 
-from pydantic import Field, ValidationError
+from pydantic import Field, ValidationError, field_validator
 
 from benchtool import __version__
 from benchtool.document import Array, Section
@@ -22,6 +22,10 @@ MANIFEST = "manifest.json"
 MEASUREMENTS = "measurements.json"
 CERTIFICATE = "certificate.json"
 TABLES = "tables.json"
+
+_LONGEST_NAME = 240
+_SHOWN = 60
+_BLANK = 32
 
 _PACKAGES = ("canopen", "cantools", "matplotlib", "numba", "numpy", "pyarrow", "python-can", "scipy")
 
@@ -76,6 +80,18 @@ class Manifest(Section):
     files: dict[str, FileHash] = Field(default_factory=dict)
     complete: bool = False
     schema_version: int = SCHEMA_VERSION
+
+    @field_validator("streams", "files")
+    @classmethod
+    def _names_are_within_the_bundle(cls, named: dict[str, Any]) -> dict[str, Any]:
+        """Refuse names that lead out of the folder of the bundle, or that no file can have."""
+        for name in named:
+            path = PurePosixPath(name)
+            if path.is_absolute() or PureWindowsPath(name).drive or not path.parts or ".." in path.parts:
+                raise ValueError(f"'{name[:_SHOWN]}' is no name within the bundle")
+            if any(ord(each) < _BLANK for each in name) or len(name) > _LONGEST_NAME:
+                raise ValueError(f"{name[:_SHOWN]!r} cannot be the name of a file")
+        return named
 
 
 def software_versions() -> dict[str, str]:

@@ -1,3 +1,6 @@
+from .agreement import (
+    Disagreement as Disagreement,
+)
 from .assessment import (
     Assessment as Assessment,
     Recorded as Recorded,

@@ -9,6 +9,7 @@ from typing import Protocol
 from benchtool.bench import LoadMachine, Session
 from benchtool.block import Block
 from benchtool.drive import SPEED_SETPOINT, TORQUE_SETPOINT, Capture, CaptureRequest, Stimulus, in_si, play
+from benchtool.errors import ValueRefused
 from benchtool.plan import Case, OperatingPoint, Plan, Record, read, signals_to_read
 from benchtool.protocol import Mode
 from benchtool.telemetry import ClockFit
@@ -67,10 +68,19 @@ def run_case(
             names = signals_to_read(plan, session.drive.number("control_period"))
             readings = read(session.drive, names)
             record = _play if plan.stimulus else _capture
+            _inject(session, plan, progress)
             return CaseRecording(*record(session, plan, progress, clock), readings)
     finally:
         if session.load is not None:
             session.load.apply(0.0)
+
+
+def _inject(session: Session, plan: Plan, progress: Progress) -> None:
+    """Arm the plan's faults, whose moments count from now on."""
+    for fault in plan.faults:
+        if session.faults is None:
+            raise ValueRefused(f"fault '{fault}': this bench is not emulated; the drive was disabled")
+        progress.note(f"injecting {session.faults.inject(fault)}")
 
 
 def _hold(session: Session, point: OperatingPoint, progress: Progress) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from benchtool.bench import dictionary_of, equipment_of
+from benchtool.bench import dictionary_of, equipment_of, require_faults
 from benchtool.bench.wires import FarEnd, registry
 from benchtool.drive import Capabilities
 from benchtool.plan import Plan, cases, require_known, require_protected
@@ -26,6 +26,7 @@ def check_plan(plan: Plan, path: Path | None, profile_name: str, link: str) -> N
         PlanError: something is unknown, out of its limits or cannot be measured.
         ProfileError, UsageError: profile and link are wrong, or do not fit each other.
     """
+    require_faults(plan.faults, link)
     profile = load_profile(profile_name)
     dictionary, equipment = dictionary_of(profile_name), equipment_of(profile_name, link)
     capabilities = Capabilities.of(dictionary)

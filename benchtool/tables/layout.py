@@ -222,10 +222,11 @@ def _below_names(
     texts: Sequence[str], rows: Sequence[bool], delimiter: str, numeric: Sequence[bool]
 ) -> int | None:
     """Return where the rows begin below a line of names with only a few rows of numbers above it."""
-    for place, text in enumerate(texts):
-        if rows[place] or not any(rows[:place]) or not any(rows[place:]):
+    first, last = rows.index(True), len(rows) - 1 - list(reversed(rows)).index(True)
+    for place in range(first + 1, last):
+        if rows[place]:
             continue
-        cells = _fitted(text.strip().lstrip("#%").strip(), delimiter, len(numeric))
+        cells = _fitted(texts[place].strip().lstrip("#%").strip(), delimiter, len(numeric))
         names = [] if cells is None else [cell for cell, kept in zip(cells, numeric, strict=True) if kept]
         if not names or any(not cell or _has_number(cell) or cell.lower() in _NO_NUMBER for cell in names):
             continue

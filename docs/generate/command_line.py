@@ -33,7 +33,7 @@ in Python on the class.
 | 2 | Usage: a command, profile, plan, value or data set that does not allow what was asked for |
 | 3 | The environment: no connection, another drive or dictionary than expected, a file not writable |
 | 4 | The drive refused, failed or went into fault |
-| {interrupted} | Interrupted by Ctrl-C or SIGTERM; the drive was disabled |
+| {interrupted} | Interrupted by Ctrl-C, SIGTERM or a closed terminal (SIGHUP); the drive was disabled |
 
 ## Errors by exit code
 

@@ -6,7 +6,7 @@ import functools
 
 from benchtool.plan.model import Plan
 from benchtool.profile import Profile
-from docs.generate import command_line, json_page, models, motors
+from docs.generate import command_line, faults, json_page, models, motors
 
 _PROFILE = """
 A profile is a TOML file that describes one motor on one drive, and the bench they stand on. A key ends in its
@@ -31,6 +31,7 @@ def all_pages() -> dict[str, str]:
         "plan.md": models.page("Keys of a plan", _PLAN, Plan, plans),
         "motors.md": motors.page(),
         "json_documents.md": json_page.page(),
+        "../faults.md": faults.page(),
         "command_line.md": command_line.page(),
         "exit_codes.md": command_line.exit_codes(),
     }

@@ -9,18 +9,65 @@ import pytest
 from benchtool.emulator.core import Core
 from benchtool.emulator.core.kernel import kernel_of, run_ticks
 from benchtool.emulator.machine.heat import HeatTruth
+from benchtool.emulator.machine.saturation import SaturationTruth
+from benchtool.emulator.machine.train_truth import (
+    FlangeTruth,
+    LoadMachineTruth,
+    LoadTruth,
+    ShaftTruth,
+    TrainTruth,
+)
 from tests.physics.paper_machine import make_core
 from tests.physics.test_accounts import INVERTER, MECHANICS, imbalance
 from tests.physics.test_asymmetry import MOTOR, NO_TRIP, WIDE
+from tests.physics.test_saturation import MADE
 
 HEAT = HeatTruth(C_winding_J_K=2e-3, C_body_J_K=5e-3, R_winding_body_K_W=0.8, R_body_ambient_K_W=2.0)
-EVERYTHING: dict[str, Any] = {**MOTOR, **MECHANICS, "R_fe_ohm": 80.0, "heat": HEAT}
-FIELDS = ("i_d", "i_q", "omega_m", "theta_e", "u_dc", "T_winding", "T_magnet")
+EVERYTHING: dict[str, Any] = {
+    **MOTOR,
+    **MECHANICS,
+    "R_fe_ohm": 80.0,
+    "heat": HEAT,
+    "saturation": SaturationTruth(**MADE),
+}
+TRAIN = TrainTruth(
+    shaft=ShaftTruth(
+        J_load_kgm2=1e-3,
+        coupling_Nm_rad=100.0,
+        coupling_Nms=0.01,
+        backlash_rad=1e-3,
+        unbalance_kgm=0.01,
+    ),
+    load=LoadTruth(
+        linear_Nms=1e-3,
+        quadratic_Nms2=1e-5,
+        over_angle_Nm=(0.1, 0.2),
+        over_time_Nm=(0.1, 0.2),
+        over_time_s=1.0,
+    ),
+    load_machine=LoadMachineTruth(bandwidth_Hz=100.0, stiffness_Nms=1.0),
+    flange=FlangeTruth(bandwidth_Hz=100.0),
+)
+FIELDS = (
+    "i_d",
+    "i_q",
+    "psi_d",
+    "psi_q",
+    "omega_m",
+    "theta_e",
+    "u_dc",
+    "T_winding",
+    "T_magnet",
+    "omega_load",
+    "twist",
+    "load_torque",
+)
 
 
 def started() -> Core:
-    core = make_core(motor=EVERYTHING, inverter=INVERTER, sensors=WIDE, parameters=NO_TRIP)
-    core.shaft.omega_m, core.load.torque_Nm = 60.0, 0.5
+    core = make_core(motor=EVERYTHING, inverter=INVERTER, sensors=WIDE, parameters=NO_TRIP, train=TRAIN)
+    core.shaft.omega_m = core.shaft.omega_load = 60.0
+    core.load.torque_Nm = 0.5
     return core
 
 

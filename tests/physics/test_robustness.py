@@ -26,6 +26,7 @@ from benchtool.profile import (
     DrivenLoad,
     EmulatedLoadMachine,
     Inverter,
+    Saturation,
     Sensors,
     Shaft,
     TrueMotor,
@@ -121,7 +122,7 @@ def test_every_run_is_finite_or_refused(
 def test_every_machine_that_saturates_is_finite_or_refused(
     motor: dict[str, Any], saturation: dict[str, Any], current_A: float, omega_m: float, on: bool
 ) -> None:
-    TrueMotor(**motor)  # a profile can hold it
+    TrueMotor(**motor, saturation=Saturation(**saturation))
     try:
         core = make_core(motor={**motor, "saturation": SaturationTruth(**saturation)})
         core.shaft.i_d, core.shaft.i_q, core.shaft.omega_m = current_A, 1.0, omega_m

@@ -22,6 +22,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
+from benchtool.analysis.lowest_frequencies import slow_noise
+
 Floats = NDArray[np.float64]
 
 _GROWTH = (0.1, 0.2, 0.3, 0.45, 0.65)  # half window over samples since the event
@@ -32,14 +34,19 @@ _SHORTER = 1.5  # how much shorter the window is than the one of least risk
 _SLIGHTLY = 1e-9  # of a step: smaller differences are rounding
 _PART = 5  # the greatest half window is at most this part of what follows the event
 _LAGS = 4  # lags of an autocovariance: this part of its samples
+_CLEARLY_SLOWER = 1.0  # times the variance of a mean by the autocovariance
 _ROUNDING = 1e-7  # of the level: what is less is rounding of 32-bit numbers, and no noise
 
 
 @dataclass(frozen=True)
 class Noise:
-    """Stationary noise of equally spaced samples: its autocovariance at lags 0, 1, ..., beyond them 0."""
+    """Stationary noise of equally spaced samples: its autocovariance at lags 0, 1, ..., beyond them 0.
+
+    `offset` is the standard deviation of what is too slow to show in so few samples, the same in all.
+    """
 
     autocovariance: Floats
+    offset: float = 0.0
 
     @classmethod
     def of(cls, *pieces: Floats) -> Noise:
@@ -49,8 +56,11 @@ class Noise:
         (Priestley, Spectral Analysis and Time Series, 6.2.3). The line takes the slowest noise with it, which
         is given back: of the variance of a mean, twice. Pieces of fewer than eight samples are ignored.
         """
-        found = [_autocovariance(piece) for piece in pieces if len(piece) >= 8]
-        return cls(max(found, key=lambda each: float(each[0]), default=np.zeros(1)))
+        found = [(_autocovariance(piece), piece) for piece in pieces if len(piece) >= 8]
+        if not found:
+            return cls(np.zeros(1))
+        covariance, piece = max(found, key=lambda each: float(each[0][0]))
+        return cls(covariance, _offset(covariance, piece))
 
     @property
     def rms(self) -> float:
@@ -66,7 +76,8 @@ class Noise:
         circular[size - lags + 1 :] = self.autocovariance[:0:-1]
         amplitude = np.sqrt(np.maximum(fft.rfft(circular).real, 0.0))
         white = fft.rfft(random.standard_normal((records, size)), axis=1)
-        return np.asarray(fft.irfft(white * amplitude, size, axis=1)[:, :samples], dtype=np.float64)
+        drawn = np.asarray(fft.irfft(white * amplitude, size, axis=1)[:, :samples], dtype=np.float64)
+        return drawn + self.offset * random.standard_normal((records, 1)) if self.offset else drawn
 
 
 @dataclass(frozen=True)
@@ -209,6 +220,18 @@ def _parabola(half: int) -> Floats:
         return np.ones(1)
     weights = 3.0 * (3.0 * half * (half + 1.0) - 1.0) - 15.0 * places**2
     return weights / ((2.0 * half - 1.0) * (2.0 * half + 1.0) * (2.0 * half + 3.0))
+
+
+def _offset(covariance: Floats, piece: Floats) -> float:
+    """Return the standard deviation of the mean of a piece that its autocovariance does not hold: that of
+    noise whose density rises below the lowest frequency of the piece."""
+    slow = slow_noise(piece) if covariance[0] > 0.0 else None
+    if slow is None or slow.is_lost:
+        return 0.0
+    lags, count = np.arange(1, len(covariance)), len(piece)
+    held = (covariance[0] + 2.0 * float(np.sum((1.0 - lags / count) * covariance[1:]))) / count
+    beyond = slow.standard**2 - held
+    return math.sqrt(beyond) if beyond > _CLEARLY_SLOWER * held else 0.0
 
 
 def _autocovariance(piece: Floats) -> Floats:

@@ -108,6 +108,8 @@ class Core:
         control_period_s: float = CONTROL_PERIOD_S,
     ) -> None:
         self.motor, self.inverter, self.sensors = motor, inverter, sensors
+        self._train = train
+        self._mirrored = False
         self.memory = new_memory(table)
         self.memory["tick"] = wrap_tick(first_tick)
         self.first_tick = self.tick = first_tick
@@ -166,6 +168,9 @@ class Core:
         before, T_s = self._truth, self.control_period_s
         sensing, sampling = sensors.sensing(T_s, self.inverter.dead_time_s), sensors.sampling(T_s)
         moved_rad = sensors.encoder_offset_rad - self.sensors.encoder_offset_rad
+        if self._mirrored:
+            moved_rad = -moved_rad
+            sensing = sensing._replace(encoder=sensing.encoder._replace(edges=-sensing.encoder.edges))
         theta_m = float(self.shaft.theta_e) / self.motor.pole_pairs
         sensing = sensing._replace(
             encoder=going_on(before.sensing.encoder, sensing.encoder, theta_m, moved_rad)
@@ -178,6 +183,62 @@ class Core:
         self.sensors = sensors
         self._noise.set_rms(sensors.noise_rms)
         self._truth = before._replace(stage=before.stage._replace(sampling=sampling), sensing=sensing)
+
+    def set_motor(self, motor: MotorTruth) -> None:
+        """Have another machine on the same shaft from the next tick on, such as one with a broken winding.
+
+        Numbers alone change at once; a part that the machine did not have before may have to be compiled.
+
+        Raises:
+            ValueRefused: it has a process too fast to be computed.
+        """
+        self._truth = self._truth_with(motor)
+        self.motor = motor
+
+    def prepare_motor(self, motor: MotorTruth) -> None:
+        """Compile what `set_motor` will need, so that the drive does not stand still then.
+
+        Raises:
+            ValueRefused: as there.
+        """
+        before, self._truth = self._truth, self._truth_with(motor)
+        try:
+            self.run(0)
+        finally:
+            self._truth = before
+
+    def _truth_with(self, motor: MotorTruth) -> Truth:
+        require_computable(motor, self.control_period_s, self._train)
+        devices_ohm = self.inverter.on_resistance_ohm
+        return self._truth._replace(machine=machine_of_bench(motor, self._train, devices_ohm))
+
+    def swap_phases(self) -> None:
+        """Swap the cables of phases b and c between motor and drive, whose currents end with it.
+
+        To the drive the machine is its mirror image: angles, speed and torques of the shaft and of the load
+        have the other sign from then on.
+        """
+        shaft, load = self.shaft, self.load
+        shaft.i_d = shaft.i_q = 0.0
+        shaft.psi_d, shaft.psi_q = self._truth.machine.psi_r, 0.0
+        for name in ("omega_m", "theta_e", "sin_theta", "omega_load", "twist", "load_torque"):
+            shaft[name] = -shaft[name]
+        load.torque_Nm, load.omega_m_rad_s = -load.torque_Nm, -load.omega_m_rad_s
+        encoder = self._truth.sensing.encoder
+        self._mirrored = not self._mirrored
+        mirrored = encoder._replace(edges=-encoder.edges, zero=-encoder.zero)
+        self._truth = self._truth._replace(sensing=self._truth.sensing._replace(encoder=mirrored))
+
+    @property
+    def disc_rad(self) -> float:
+        """Angle of the encoder's disc with the shaft at zero."""
+        return self._truth.sensing.encoder.zero
+
+    @disc_rad.setter
+    def disc_rad(self, angle_rad: float) -> None:
+        sensing = self._truth.sensing
+        encoder = sensing.encoder._replace(zero=angle_rad)
+        self._truth = self._truth._replace(sensing=sensing._replace(encoder=encoder))
 
     def restart_counter(self) -> None:
         """Have the encoder's counter begin again, as when the drive is switched on."""

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from benchtool.emulator.control.cycle import control_tick
 from benchtool.emulator.core.capture_memory import capture_row
 from benchtool.emulator.core.stream_ring import stream_row
+from benchtool.emulator.in_place import in_place, renewed
 from benchtool.emulator.jit import is_cached, njit, parts_of, specialised
 from benchtool.emulator.machine.coefficients import (
     MOST_TURN,
@@ -81,13 +82,15 @@ def run_ticks(
     measurement, shaft, load, sensor = measurements[0], shafts[0], loads[0], sensors[0]
     capture, stream, transducer, stimulus = captures[0], streams[0], transducers[0], stimuli[0]
     held = load.held != 0
+    stage, sensing = in_place(stage), in_place(sensing)
     cold = driven_by(machine, held, load.omega_m_rad_s)
-    at_rest = fastest_rate(cold, _true_state(cold.saturation, shaft, load, cold, drive.tick))
-    moving = turning_rate(cold)
+    driven = in_place(cold)
+    at_rest = fastest_rate(driven, _true_state(driven.saturation, shaft, load, driven, drive.tick))
+    moving = turning_rate(driven)
     for done in range(ticks):
-        driven = warmed(stage.heat, cold, shaft.T_winding, shaft.T_magnet)
+        driven = renewed(stage.heat, driven, warmed(stage.heat, cold, shaft.T_winding, shaft.T_magnet))
         x = _true_state(driven.saturation, shaft, load, driven, drive.tick)
-        T_load = asked_torque(machine.train, load, stage.T_s)
+        T_load = asked_torque(driven.train, load, stage.T_s)
         at_rest, moving = _rates(stage.heat, driven.saturation, at_rest, moving, driven, x)
         rate = rate_at(x, at_rest, moving, driven)
         gain = moving * acceleration_of(driven.train, x.far, x.omega_e, driven.gamma, T_load) * stage.T_s

@@ -20,7 +20,8 @@ _SAVE = 0x65766173
 _LOAD = 0x64616F6C
 _FAULT_RESET_BIT = 0x80
 _HALT_BIT = 0x100
-_QUICK_STOP_POLL_S = 1e-3
+_POLL_S = 1e-3
+_REACTION_TICKS = 3  # the period under way, the one that the stage is off for, and its currents' end
 _HOLDING_OPTIONS = (5, 6)
 _TARGETS = ("torque_command", "omega_m_command", "target_torque", "target_velocity")
 
@@ -41,6 +42,11 @@ class Firmware:
         node_id: of the objects that contain it.
         stored: raw values of parameters as an earlier `store_parameters` kept them.
         emit: takes every emergency, the moment it arises.
+
+    Attributes:
+        hung: communication and supervision stand still, while control runs on with its last command.
+        encoder_connected: what the receiver of the encoder's signals tells.
+        thermal_switch_closed: of the switch in the motor's winding.
     """
 
     def __init__(
@@ -52,9 +58,11 @@ class Firmware:
         emit: Callable[[Emergency], None],
     ) -> None:
         self.core = core
-        self.supervision = LinkSupervision()
+        self.supervision = LinkSupervision(_REACTION_TICKS * core.control_period_s)
         self.objects = ObjectStore(table, core.memory, lambda: self.state.power_stage_on)
         self.state = State.SWITCH_ON_DISABLED
+        self.hung = False
+        self.encoder_connected = self.thermal_switch_closed = True
         self._node_id = node_id
         self._stored = dict(stored)
         self._emit = emit
@@ -76,6 +84,7 @@ class Firmware:
         """Start afresh, as after NMT reset node: power stage off, stored parameters in force."""
         self._enter(State.SWITCH_ON_DISABLED)
         self._controlword = self.core.command.halt = 0
+        self.hung = False
         for entry in self.objects.table:
             if entry.role != "signal" and isinstance(entry.default, int | float):
                 offset = self._node_id if entry.add_node_id else 0
@@ -123,8 +132,11 @@ class Firmware:
         """Run control and machine up to a drive tick, counted on past 2**32."""
         while (present := self.core.tick) < tick:
             ahead = tick - present
-            if self.state is State.QUICK_STOP_ACTIVE:
-                ahead = min(ahead, math.ceil(_QUICK_STOP_POLL_S / self.period_s))
+            if self.hung:
+                self.core.run(ahead)
+                continue
+            if self.state is State.QUICK_STOP_ACTIVE or self._failed_input() is not None:
+                ahead = min(ahead, math.ceil(_POLL_S / self.period_s))
             if (left_s := self.supervision.deadline_s() - self.now_s) < math.inf:
                 ahead = min(ahead, max(1, round(left_s / self.period_s)))
             self.core.run(ahead)
@@ -137,6 +149,8 @@ class Firmware:
             trips = int(self.core.command.trip)
             first = next(trip for trip in Trip if trips & trip)
             self._fault(_ERROR_OF_TRIP[first])
+        if (failed := self._failed_input()) is not None:
+            self._fault(failed)
         if self._at_the_end_of_a_quick_stop() and self.core.command.off_at_standstill:
             self._enter(State.SWITCH_ON_DISABLED)
         if self.supervision.expire(self.now_s + 0.5 * self.period_s):
@@ -154,12 +168,21 @@ class Firmware:
         if raw and self.supervision.state is not LinkState.ALIVE:
             raise Refused(Abort.DEVICE_STATE)
 
+    def _failed_input(self) -> ErrorCode | None:
+        """Return the error of an input that has opened; None while the drive is in fault already."""
+        if self.state is State.FAULT:
+            return None
+        if not self.encoder_connected:
+            return ErrorCode.ENCODER
+        return None if self.thermal_switch_closed else ErrorCode.TEMPERATURE
+
     def _fault(self, code: ErrorCode) -> None:
-        self._report(code)
+        self.report(code)
         self._enter(State.FAULT)
         self._clear_targets()
 
-    def _report(self, code: ErrorCode) -> None:
+    def report(self, code: ErrorCode) -> None:
+        """Report an error, or that there is none any more; the state stays."""
         self.objects["error_code"] = int(code)
         if code is not ErrorCode.NO_ERROR:
             self._history = [int(code), *self._history][:8]
@@ -171,7 +194,7 @@ class Firmware:
         if action == 1:
             self._fault(ErrorCode.HEARTBEAT)
             return
-        self._report(ErrorCode.HEARTBEAT)
+        self.report(ErrorCode.HEARTBEAT)
         if action != 0:
             self._clear_targets()
         if action == 2:
@@ -198,7 +221,7 @@ class Firmware:
             return
         if self.state is State.FAULT:
             self.core.command.trip = 0
-            self._report(ErrorCode.NO_ERROR)
+            self.report(ErrorCode.NO_ERROR)
         if after is State.QUICK_STOP_ACTIVE:
             self._quick_stop()
         else:

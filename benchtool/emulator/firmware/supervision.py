@@ -18,9 +18,14 @@ class LinkSupervision:
     """A watchdog fed by the host's heartbeat and by setpoint frames, and by nothing else.
 
     It starts with the first heartbeat after it is configured, and a loss is latched until `rearm`.
+
+    Args:
+        reaction_s: from the expiry until the torque has ended; by so much it expires before the time that is
+            configured, in which the torque is to end.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, reaction_s: float = 0.0) -> None:
+        self._reaction_s = reaction_s
         self.state = LinkState.OFF
         self.losses = 0
         self.host_node_id = 0
@@ -42,7 +47,7 @@ class LinkSupervision:
         """The host was heard."""
         if self.state in (LinkState.WAITING, LinkState.ALIVE):
             self.state = LinkState.ALIVE
-            self._deadline_s = now_s + self._timeout_s
+            self._deadline_s = now_s + max(self._timeout_s - self._reaction_s, 0.0)
 
     def deadline_s(self) -> float:
         """Return when the link counts as lost; infinity while it is not watched."""

@@ -157,7 +157,8 @@ def _powers(accounts: Accounts, x: State, slide: float, m: Machine, T: float) ->
     return Powers(
         x.i_d * x.cos_theta - x.i_q * x.sin_theta,
         x.i_d * x.sin_theta + x.i_q * x.cos_theta,
-        (m.R_s - accounts.R_devices) * squared + loss_in_series(m.asymmetry, x.i_d, x.i_q, x.theta_e),
+        (m.R_s - accounts.R_devices) * squared
+        + loss_in_series(m.asymmetry, x.i_d, x.i_q, x.cos_theta, x.sin_theta),
         accounts.R_devices * squared,
         iron * omega_m,
         friction * omega_m,
@@ -209,7 +210,7 @@ def _half_way_of(h: float, before: Far, after: Far, rate0: Far, rate2: Far) -> F
 @njit
 def _field(saturation: Saturation | None, x: State, m: Machine) -> float:
     """Return the energy of the field, in J."""
-    leakage = leakage_energy(m.asymmetry, x.i_d, x.i_q, x.theta_e)
+    leakage = leakage_energy(m.asymmetry, x.i_d, x.i_q, x.cos_theta, x.sin_theta)
     if saturation is None:
         return 0.75 * (m.L_d * x.i_d * x.i_d + m.L_q * x.i_q * x.i_q) + leakage
     psi_d, psi_q = electrical(m.saturation, x)

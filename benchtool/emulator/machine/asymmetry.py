@@ -49,7 +49,8 @@ def with_asymmetry(
     i_d: float,
     i_q: float,
     omega_e: float,
-    theta_e: float,
+    cos_theta: float,
+    sin_theta: float,
     G: Symmetric,
 ) -> tuple[float, float]:
     """Return the rates of the currents with what is in series with the phases.
@@ -59,7 +60,7 @@ def with_asymmetry(
     """
     if asymmetry is None:
         return di_d, di_q
-    return _with_series(asymmetry, di_d, di_q, i_d, i_q, omega_e, theta_e, G)
+    return _with_series(asymmetry, di_d, di_q, i_d, i_q, omega_e, cos_theta, sin_theta, G)
 
 
 @called
@@ -70,30 +71,33 @@ def _with_series(
     i_d: float,
     i_q: float,
     omega_e: float,
-    theta_e: float,
+    cos_theta: float,
+    sin_theta: float,
     G: Symmetric,
 ) -> tuple[float, float]:
-    R, L = _in_rotor_frame(asymmetry, theta_e)
+    R, L = _in_rotor_frame(asymmetry, cos_theta, sin_theta)
     u_d = R.dd * i_d + R.dq * i_q + omega_e * (L.dq * i_d - L.dd * i_q)
     u_q = R.dq * i_d + R.qq * i_q + omega_e * (L.qq * i_d - L.dq * i_q)
     return _solved(G, L, di_d - G.dd * u_d - G.dq * u_q, di_q - G.dq * u_d - G.qq * u_q)
 
 
 @called
-def through_asymmetry(asymmetry: Asymmetry | None, theta_e: float, G: Symmetric) -> Symmetric:
+def through_asymmetry(
+    asymmetry: Asymmetry | None, cos_theta: float, sin_theta: float, G: Symmetric
+) -> Symmetric:
     """Return the inverse inductance between the terminals and a machine of inverse inductance `G`."""
     if asymmetry is None:
         return G
-    _, L = _in_rotor_frame(asymmetry, theta_e)
+    _, L = _in_rotor_frame(asymmetry, cos_theta, sin_theta)
     dd, dq = _solved(G, L, G.dd, G.dq)
     _, qq = _solved(G, L, G.dq, G.qq)
     return Symmetric(dd, dq, qq)
 
 
 @njit
-def _in_rotor_frame(asymmetry: Asymmetry, theta_e: float) -> tuple[Symmetric, Symmetric]:
+def _in_rotor_frame(asymmetry: Asymmetry, cos_theta: float, sin_theta: float) -> tuple[Symmetric, Symmetric]:
     """Return E_R and E_L in d/q."""
-    c, s = math.cos(2.0 * theta_e), math.sin(2.0 * theta_e)
+    c, s = cos_theta * cos_theta - sin_theta * sin_theta, 2.0 * sin_theta * cos_theta
     R_c, R_s = asymmetry.R_alpha * c + asymmetry.R_beta * s, asymmetry.R_beta * c - asymmetry.R_alpha * s
     L_c, L_s = asymmetry.L_alpha * c + asymmetry.L_beta * s, asymmetry.L_beta * c - asymmetry.L_alpha * s
     return (
@@ -126,18 +130,22 @@ def asymmetric_turning(asymmetry: Asymmetry | None) -> float:
 
 
 @njit
-def loss_in_series(asymmetry: Asymmetry | None, i_d: float, i_q: float, theta_e: float) -> float:
+def loss_in_series(
+    asymmetry: Asymmetry | None, i_d: float, i_q: float, cos_theta: float, sin_theta: float
+) -> float:
     """Return the power that is lost in series with the phases, in W."""
     if asymmetry is None:
         return 0.0
-    R, _ = _in_rotor_frame(asymmetry, theta_e)
+    R, _ = _in_rotor_frame(asymmetry, cos_theta, sin_theta)
     return 1.5 * (R.dd * i_d * i_d + 2.0 * R.dq * i_d * i_q + R.qq * i_q * i_q)
 
 
 @njit
-def leakage_energy(asymmetry: Asymmetry | None, i_d: float, i_q: float, theta_e: float) -> float:
+def leakage_energy(
+    asymmetry: Asymmetry | None, i_d: float, i_q: float, cos_theta: float, sin_theta: float
+) -> float:
     """Return the energy that is stored in series with the phases, in J."""
     if asymmetry is None:
         return 0.0
-    _, L = _in_rotor_frame(asymmetry, theta_e)
+    _, L = _in_rotor_frame(asymmetry, cos_theta, sin_theta)
     return 0.75 * (L.dd * i_d * i_d + 2.0 * L.dq * i_d * i_q + L.qq * i_q * i_q)

@@ -77,7 +77,7 @@ def runaway(shaft: Any, load: Any, motor: MotorTruth, time_s: float) -> Emulatio
             f"its flux linkages (psi_d, psi_q) are ({shaft.psi_d:g}, {shaft.psi_q:g}) Wb, where currents "
             f"fall with rising flux"
         )
-        remedy = "lower a_dq of its saturation, or stay at lower currents"
+        remedy = "lower a_dq in [emulator.motor.saturation], or stay at lower currents"
     elif load.held:
         seen = f"it is held at {omega_m:.3g} rad/s"
         remedy = "hold it at a lower speed"

@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from benchtool.emulator.in_place import in_place, value_of
 from benchtool.emulator.jit import called, njit, separately
 from benchtool.emulator.machine.accounts import Rails, account, finer
 from benchtool.emulator.machine.coefficients import (
@@ -133,7 +134,7 @@ def integrate_conduction(
         silent = v.floats_a and v.floats_b and v.floats_c
         before = x
         if silent:
-            open_machine = holding(machine, False, True)
+            open_machine = in_place(holding(value_of(machine), False, True))
             if all_off and _below(x, leg_a.high - leg_a.low, machine) and coasts(machine.train, transducer):
                 x = _coast(stage.accounts, x, end - time, open_machine, T_load, transducer)
                 sample(time, end - time, before, x, 0.0, 0.0, open_machine, T_load, transducer, torque)

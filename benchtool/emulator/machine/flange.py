@@ -44,7 +44,7 @@ def _passed_on(coupling: Coupling | None, torque: float, x: State, machine: Mach
         psi_d, psi_q = flux_linkages(machine.saturation, y_d, y_q, machine)
         made -= iron_torque(machine.iron, psi_d, psi_q, x.omega_e, machine.p)
         return made - friction_torque(machine.friction, x.omega_e, made)
-    g_d, g_q = flux_slope(machine.harmonics, x.theta_e)
+    g_d, g_q = flux_slope(machine.harmonics, x.cos_theta, x.sin_theta)
     domega = acceleration(y_d, y_q, x.i_d, x.i_q, x.omega_e, x.theta_e, g_d, g_q, machine, torque)
     slide = sliding(machine.friction, x.omega_e, domega, machine.gamma)
     domega = less_friction(machine.friction, domega, x.omega_e, slide, machine.gamma)

@@ -8,7 +8,6 @@ conserves energy: the currents times the slope of the flux over the angle.
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 from benchtool.emulator.jit import called, njit
@@ -66,14 +65,13 @@ def with_harmonic_torque(
 
 
 @njit
-def flux_slope(harmonics: Harmonics | None, theta_e: float) -> tuple[float, float]:
+def flux_slope(harmonics: Harmonics | None, cos_theta: float, sin_theta: float) -> tuple[float, float]:
     """Return the change of the harmonics' flux with theta_e, in d/q, in Wb/rad."""
-    return (0.0, 0.0) if harmonics is None else _slope(harmonics, theta_e)
+    return (0.0, 0.0) if harmonics is None else _slope(harmonics, cos_theta, sin_theta)
 
 
 @called
-def _slope(harmonics: Harmonics, theta_e: float) -> tuple[float, float]:
-    c, s = math.cos(theta_e), math.sin(theta_e)
+def _slope(harmonics: Harmonics, c: float, s: float) -> tuple[float, float]:
     c_2, s_2 = c * c - s * s, 2.0 * s * c
     c_4, s_4 = c_2 * c_2 - s_2 * s_2, 2.0 * s_2 * c_2
     c_6, s_6 = c_4 * c_2 - s_4 * s_2, s_4 * c_2 + c_4 * s_2

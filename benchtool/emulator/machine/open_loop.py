@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from benchtool.emulator.in_place import in_place
 from benchtool.emulator.jit import entry
 from benchtool.emulator.machine.coefficients import Machine
 from benchtool.emulator.machine.inverter import clarke
@@ -124,6 +125,7 @@ def run_open_loop(
     T_load: float,
 ) -> None:
     """Fill `result` with the rows (i_alpha, i_beta, omega_m, theta_e) at rising sample times."""
+    machine = in_place(machine)
     c, s = math.cos(theta_e), math.sin(theta_e)
     x = place(i_alpha * c + i_beta * s, i_beta * c - i_alpha * s, omega_e, theta_e)
     time, taken = edges[0], 0

@@ -69,7 +69,7 @@ def airgap_torque(y_d: float, y_q: float, theta_e: float, m: Machine) -> float:
     """
     i_d, i_q = currents_of(m.saturation, y_d, y_q)
     torque = _flux_cross_current(m.saturation, y_d, y_q, i_d, i_q, m.psi_r, m.L_d - m.L_q, 1.0)
-    g_d, g_q = flux_slope(m.harmonics, theta_e)
+    g_d, g_q = flux_slope(m.harmonics, math.cos(theta_e), math.sin(theta_e))
     return 1.5 * m.p * with_harmonic_torque(m.harmonics, torque, i_d, i_q, g_d, g_q, 1.0)
 
 
@@ -107,8 +107,40 @@ def derivative(
     `y_d` and `y_q` are the electrical states. `slide` is the direction in which a shaft with dry friction
     slides; by default it sticks.
     """
+    c, s = math.cos(theta_e), math.sin(theta_e)
+    return _derivative_facing(y_d, y_q, omega_e, theta_e, c, s, v_d, v_q, m, T_load, slide)
+
+
+@njit
+def _derivative_facing(
+    y_d: float,
+    y_q: float,
+    omega_e: float,
+    theta_e: float,
+    cos_theta: float,
+    sin_theta: float,
+    v_d: float,
+    v_q: float,
+    m: Machine,
+    T_load: float,
+    slide: float,
+) -> tuple[float, float, float, float, float]:
+    """Return `derivative` where the direction of the rotor flux is known, which spares its functions."""
     return _derivative_of(
-        m.saturation, m.harmonics, m.asymmetry, y_d, y_q, omega_e, theta_e, v_d, v_q, m, T_load, slide
+        m.saturation,
+        m.harmonics,
+        m.asymmetry,
+        y_d,
+        y_q,
+        omega_e,
+        theta_e,
+        cos_theta,
+        sin_theta,
+        v_d,
+        v_q,
+        m,
+        T_load,
+        slide,
     )
 
 
@@ -121,6 +153,8 @@ def _derivative_of(
     y_q: float,
     omega_e: float,
     theta_e: float,
+    cos_theta: float,
+    sin_theta: float,
     v_d: float,
     v_q: float,
     m: Machine,
@@ -130,12 +164,12 @@ def _derivative_of(
     """Return `derivative`, which is repeated at every call only where the machine is simple enough for
     that."""
     if saturation is not None:
-        return _derivative_once(y_d, y_q, omega_e, theta_e, v_d, v_q, m, T_load, slide)
+        return _derivative_once(y_d, y_q, omega_e, theta_e, cos_theta, sin_theta, v_d, v_q, m, T_load, slide)
     if harmonics is not None:
-        return _derivative_once(y_d, y_q, omega_e, theta_e, v_d, v_q, m, T_load, slide)
+        return _derivative_once(y_d, y_q, omega_e, theta_e, cos_theta, sin_theta, v_d, v_q, m, T_load, slide)
     if asymmetry is not None:
-        return _derivative_once(y_d, y_q, omega_e, theta_e, v_d, v_q, m, T_load, slide)
-    return _derivative(y_d, y_q, omega_e, theta_e, v_d, v_q, m, T_load, slide)
+        return _derivative_once(y_d, y_q, omega_e, theta_e, cos_theta, sin_theta, v_d, v_q, m, T_load, slide)
+    return _derivative(y_d, y_q, omega_e, theta_e, cos_theta, sin_theta, v_d, v_q, m, T_load, slide)
 
 
 @called
@@ -144,13 +178,15 @@ def _derivative_once(
     y_q: float,
     omega_e: float,
     theta_e: float,
+    cos_theta: float,
+    sin_theta: float,
     v_d: float,
     v_q: float,
     m: Machine,
     T_load: float,
     slide: float,
 ) -> tuple[float, float, float, float, float]:
-    return _derivative(y_d, y_q, omega_e, theta_e, v_d, v_q, m, T_load, slide)
+    return _derivative(y_d, y_q, omega_e, theta_e, cos_theta, sin_theta, v_d, v_q, m, T_load, slide)
 
 
 @njit
@@ -159,6 +195,8 @@ def _derivative(
     y_q: float,
     omega_e: float,
     theta_e: float,
+    cos_theta: float,
+    sin_theta: float,
     v_d: float,
     v_q: float,
     m: Machine,
@@ -169,9 +207,9 @@ def _derivative(
     along, across = omega_e * m.k_d, omega_e * m.k_q
     dy_d = (v_d + along * y_q) - m.rho_d * i_d
     dy_q = (v_q - across * y_d) - (m.rho_q * i_q + omega_e * m.epsilon)
-    g_d, g_q = flux_slope(m.harmonics, theta_e)
+    g_d, g_q = flux_slope(m.harmonics, cos_theta, sin_theta)
     dy_d, dy_q = with_harmonic_emf(m.harmonics, dy_d, dy_q, omega_e, g_d, g_q, m.inv_L_d, m.inv_L_q)
-    dy_d, dy_q = in_series(m.asymmetry, dy_d, dy_q, y_d, y_q, i_d, i_q, omega_e, theta_e, m)
+    dy_d, dy_q = in_series(m.asymmetry, dy_d, dy_q, y_d, y_q, i_d, i_q, omega_e, cos_theta, sin_theta, m)
     domega = acceleration(y_d, y_q, i_d, i_q, omega_e, theta_e, g_d, g_q, m, T_load)
     domega = less_friction(m.friction, domega, omega_e, slide, m.gamma)
     return dy_d, dy_q, domega, along * v_q, -(across * v_d)
@@ -221,7 +259,7 @@ def sliding_of(friction: Friction | None, x: State, m: Machine, T_load: float) -
     if friction is None:
         return 0.0
     y_d, y_q = electrical(m.saturation, x)
-    g_d, g_q = flux_slope(m.harmonics, x.theta_e)
+    g_d, g_q = flux_slope(m.harmonics, x.cos_theta, x.sin_theta)
     domega = acceleration(y_d, y_q, x.i_d, x.i_q, x.omega_e, x.theta_e, g_d, g_q, m, T_load)
     return sliding(friction, x.omega_e, domega, m.gamma)
 
@@ -262,6 +300,7 @@ def _step_once(x: State, u_alpha: float, u_beta: float, h: float, m: Machine, T_
 @njit
 def _step(x: State, u_alpha: float, u_beta: float, h: float, m: Machine, T_load: float) -> State:
     w, theta = x.omega_e, x.theta_e
+    c, s = x.cos_theta, x.sin_theta
     y_d, y_q = electrical(m.saturation, x)
     v_d, v_q = scaled_voltage(x, u_alpha, u_beta, m)
     half = 0.5 * h
@@ -269,15 +308,18 @@ def _step(x: State, u_alpha: float, u_beta: float, h: float, m: Machine, T_load:
     T, a_far = beyond(m.train, x.far, w, theta, T_load, contact)
     slide = sliding_of(m.friction, x, m, T)
 
-    a_d, a_q, a_w, a_vd, a_vq = derivative(y_d, y_q, w, theta, v_d, v_q, m, T, slide)
+    a_d, a_q, a_w, a_vd, a_vq = _derivative_facing(y_d, y_q, w, theta, c, s, v_d, v_q, m, T, slide)
 
     w2 = w + half * a_w
     T, b_far = beyond(m.train, ahead(m.train, x.far, a_far, half), w2, theta + half * w, T_load, contact)
-    b_d, b_q, b_w, b_vd, b_vq = derivative(
+    c2, s2 = rotate(c, s, half * w)
+    b_d, b_q, b_w, b_vd, b_vq = _derivative_facing(
         y_d + half * a_d,
         y_q + half * a_q,
         w2,
         theta + half * w,
+        c2,
+        s2,
         v_d + half * a_vd,
         v_q + half * a_vq,
         m,
@@ -287,11 +329,14 @@ def _step(x: State, u_alpha: float, u_beta: float, h: float, m: Machine, T_load:
 
     w3 = w + half * b_w
     T, c_far = beyond(m.train, ahead(m.train, x.far, b_far, half), w3, theta + half * w2, T_load, contact)
-    c_d, c_q, c_w, c_vd, c_vq = derivative(
+    c3, s3 = rotate(c, s, half * w2)
+    c_d, c_q, c_w, c_vd, c_vq = _derivative_facing(
         y_d + half * b_d,
         y_q + half * b_q,
         w3,
         theta + half * w2,
+        c3,
+        s3,
         v_d + half * b_vd,
         v_q + half * b_vq,
         m,
@@ -301,13 +346,24 @@ def _step(x: State, u_alpha: float, u_beta: float, h: float, m: Machine, T_load:
 
     w4 = w + h * c_w
     T, d_far = beyond(m.train, ahead(m.train, x.far, c_far, h), w4, theta + h * w3, T_load, contact)
-    d_d, d_q, d_w, _, _ = derivative(
-        y_d + h * c_d, y_q + h * c_q, w4, theta + h * w3, v_d + h * c_vd, v_q + h * c_vq, m, T, slide
+    c4, s4 = rotate(c, s, h * w3)
+    d_d, d_q, d_w, _, _ = _derivative_facing(
+        y_d + h * c_d,
+        y_q + h * c_q,
+        w4,
+        theta + h * w3,
+        c4,
+        s4,
+        v_d + h * c_vd,
+        v_q + h * c_vq,
+        m,
+        T,
+        slide,
     )
 
     sixth = h * (1.0 / 6.0)
     turn = sixth * (w + 2.0 * (w2 + w3) + w4)
-    cos_theta, sin_theta = rotate(x.cos_theta, x.sin_theta, turn)
+    cos_theta, sin_theta = rotate(c, s, turn)
     theta, theta_rest = added(x.theta_e, x.theta_rest, turn)
     return state_at(
         m.saturation,

@@ -173,7 +173,7 @@ class SaturationTruth:
         for name, left, key in (("L_d_H", a_d0, "a_dd"), ("L_q_H", a_q0, "a_dq")):
             if not left > 0.0:
                 raise ValueRefused(
-                    f"saturation: {key} = {getattr(self, key):g} with psi_r_Wb = {psi_r_Wb:g} "
+                    f"emulator.motor.saturation: {key} = {getattr(self, key):g} with psi_r_Wb = {psi_r_Wb:g} "
                     f"saturates the machine beyond {name} without any current: lower {key}, or {name}"
                 )
         i_f = (a_d0 + by_magnets) * psi_r_Wb

@@ -23,13 +23,15 @@ def _inverse_inductance(saturation: Saturation | None, m: Machine, y_d: float, y
 def inverse_inductance(x: State, m: Machine) -> Symmetric:
     """Return by what the rates of the currents change with the voltage at the terminals, in d/q, in 1/H."""
     y_d, y_q = electrical(m.saturation, x)
-    return through_asymmetry(m.asymmetry, x.theta_e, _inverse_inductance(m.saturation, m, y_d, y_q))
+    return through_asymmetry(
+        m.asymmetry, x.cos_theta, x.sin_theta, _inverse_inductance(m.saturation, m, y_d, y_q)
+    )
 
 
 @called
 def open_circuit_voltage(x: State, m: Machine) -> tuple[float, float]:
     """Return the voltage in d/q at which no current begins to flow."""
-    g_d, g_q = flux_slope(m.harmonics, x.theta_e)
+    g_d, g_q = flux_slope(m.harmonics, x.cos_theta, x.sin_theta)
     return x.omega_e * g_d, x.omega_e * (m.psi_r + g_q)
 
 
@@ -43,7 +45,8 @@ def in_series(
     i_d: float,
     i_q: float,
     omega_e: float,
-    theta_e: float,
+    cos_theta: float,
+    sin_theta: float,
     m: Machine,
 ) -> tuple[float, float]:
     """Return the rates of the electrical states with what is in series with the phases."""
@@ -51,7 +54,7 @@ def in_series(
         return dy_d, dy_q
     G = _inverse_inductance(m.saturation, m, y_d, y_q)
     di_d, di_q = of_currents(m.saturation, y_d, y_q, dy_d, dy_q)
-    di_d, di_q = with_asymmetry(asymmetry, di_d, di_q, i_d, i_q, omega_e, theta_e, G)
+    di_d, di_q = with_asymmetry(asymmetry, di_d, di_q, i_d, i_q, omega_e, cos_theta, sin_theta, G)
     return _of_states(m.saturation, y_d, y_q, di_d, di_q)
 
 

@@ -22,6 +22,7 @@ from benchtool.emulator.machine.flange import flange_torque, reading
 from benchtool.emulator.machine.plant import airgap_torque, derivative, scaled_voltage
 from benchtool.emulator.machine.state import State, electrical, state_at
 from benchtool.emulator.memory import Record, record_type
+from benchtool.emulator.rotate import rotate
 from benchtool.errors import ValueRefused
 
 MAX_TICKS = 2_000_000
@@ -148,7 +149,7 @@ def _take_reading(
         _line(s, before.far.torque, after.far.torque),
     )
     omega_e = _line(s, before.omega_e, after.omega_e)
-    cos_theta, sin_theta = before.cos_theta, before.sin_theta
+    cos_theta, sin_theta = rotate(before.cos_theta, before.sin_theta, theta_e - before.theta_e)
     x = state_at(machine.saturation, y_d, y_q, omega_e, theta_e, 0.0, cos_theta, sin_theta, far)
     row[1] = reading(flange, flange_torque(train, x, machine, T_load), transducer)
     transducer.until_next = transducer.spacing

@@ -8,7 +8,9 @@ import can
 from canopen import SdoAbortedError
 
 from benchtool.emulator.firmware.objects import Refused
-from benchtool.emulator.servers.drive_node import NEVER, DriveNode
+from benchtool.emulator.servers.disturbance import NEVER_S, Stage, Way
+from benchtool.emulator.servers.drive_node import DriveNode
+from benchtool.emulator.servers.parties import CanFrame
 from benchtool.emulator.servers.receiver import Receiver
 from benchtool.emulator.servers.sdo_server import SdoServer
 from benchtool.protocol.canopen import Emergency, NmtState, cob_id
@@ -29,11 +31,16 @@ class CanopenServer:
         node: the drive.
     """
 
+    is_can = True
+
     def __init__(self, bus: can.BusABC, node: DriveNode) -> None:
         self.receiver = Receiver("emulated-drive", self._receive, self._close)
         self._bus = bus
         self._node = node
         self._errors = 0
+        # A controller drops a frame whose check sum is wrong.
+        self._inbound: Stage[CanFrame] = Stage(Way.TO_DRIVE, node.disturbances, lambda *_: None)
+        self._outbound: Stage[CanFrame] = Stage(Way.TO_HOST, node.disturbances, lambda *_: None)
         self._sdo = SdoServer(
             self._read,
             self._write,
@@ -62,11 +69,25 @@ class CanopenServer:
         self._send(can_id, data)
 
     def next_tick(self, tick: int) -> int:
-        """See `Server.next_tick`."""
-        return NEVER
+        """See `Server.next_tick`: of frames that are late, and of other nodes on the bus."""
+        node = self._node
+        late = node.tick_at(min(self._inbound.next_s(), self._outbound.next_s()))
+        return min([late, *(party.next_tick(tick) for party in node.parties)])
 
     def transmit(self, tick: int) -> None:
         """See `Server.transmit`."""
+        now_s = self._node.now_s
+        for frame in self._outbound.due(now_s):
+            self._put(*frame)
+        for can_id, data in self._inbound.due(now_s):
+            self._handle(can_id, data)
+        for party in self._node.parties:
+            for frame in party.sends(tick):
+                self._put(*frame)
+
+    def is_under_way(self) -> bool:
+        """Return whether frames are late, but for those that wait without end."""
+        return min(self._inbound.next_s(), self._outbound.next_s()) < NEVER_S
 
     def release(self) -> None:
         """See `Server.release`."""
@@ -84,8 +105,13 @@ class CanopenServer:
             return
         self._errors = 0
         if frame is not None and _is_data(frame):
+            sent = frame.arbitration_id, bytes(frame.data)
             with self._node.lock:
-                self._handle(frame.arbitration_id, bytes(frame.data))
+                for can_id, data in self._inbound.passed(sent, self._node.now_s):
+                    self._handle(can_id, data)
+                for party in self._node.parties:
+                    for answer in party.hear(*sent):
+                        self._put(*answer)
 
     def _close(self) -> None:
         with suppress(can.CanError, OSError):
@@ -93,6 +119,8 @@ class CanopenServer:
 
     def _handle(self, can_id: int, data: bytes) -> None:
         node = self._node
+        if node.firmware.hung:
+            return
         if can_id == cob_id.NMT:
             if len(data) == 2 and data[1] in (0, node.node_id):
                 node.command(data[0])
@@ -118,6 +146,10 @@ class CanopenServer:
             raise SdoAbortedError(refused.code) from None
 
     def _send(self, can_id: int, data: bytes) -> None:
+        for frame in self._outbound.passed((can_id, data), self._node.now_s):
+            self._put(*frame)
+
+    def _put(self, can_id: int, data: bytes) -> None:
         frame = can.Message(
             timestamp=self._node.firmware.now_s, arbitration_id=can_id, data=data, is_extended_id=False
         )

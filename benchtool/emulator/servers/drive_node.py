@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import math
 import threading
 from collections.abc import Callable
 from typing import Protocol
 
 from benchtool.emulator.firmware.device import Firmware
 from benchtool.emulator.firmware.objects import Refused
+from benchtool.emulator.servers.disturbance import Disturbances
+from benchtool.emulator.servers.parties import Party
 from benchtool.emulator.servers.pdo import ProcessData
 from benchtool.emulator.servers.receiver import Receiver
+from benchtool.emulator.servers.schedule import Schedule
 from benchtool.errors import LinkClosed
 from benchtool.protocol.canopen import Emergency, NmtCommand, NmtState
 from benchtool.ticks import wrap_tick
@@ -47,7 +51,7 @@ class Server(Protocol):
         """Return the first tick after `tick` in which there is something else to be sent, or `NEVER`."""
 
     def transmit(self, tick: int) -> None:
-        """Send that."""
+        """Send that, and handle what arrives late."""
 
     def release(self) -> None:
         """Give back what it holds of the drive: its wire is gone."""
@@ -59,18 +63,27 @@ class DriveNode:
     Args:
         node_id: 1 to 127.
         firmware: makes the firmware, given where its emergencies go.
+        seed: of disturbances.
 
     Attributes:
         lock: guards the drive; a server holds it while it handles a received frame.
         nmt_state: of all wires.
         stream_taken: whether a server has configured the stream at the control rate, of which there is one.
+        disturbances: of all its wires.
+        parties: other nodes on its CAN bus.
+        schedule: actions at its ticks, which are called with the lock held.
     """
 
-    def __init__(self, node_id: int, firmware: Callable[[Callable[[Emergency], None]], Firmware]) -> None:
+    def __init__(
+        self, node_id: int, firmware: Callable[[Callable[[Emergency], None]], Firmware], seed: int = 0
+    ) -> None:
         self.node_id = node_id
         self.lock = threading.Lock()
         self.nmt_state = NmtState.BOOT_UP
         self.stream_taken = False
+        self.disturbances = Disturbances(seed)
+        self.parties: list[Party] = []
+        self.schedule = Schedule()
         self._servers: list[tuple[Server, OnGone]] = []
         self.firmware = firmware(self._report)
         self._pdos = ProcessData(
@@ -82,6 +95,28 @@ class DriveNode:
     def tick(self) -> int:
         """The drive's tick, counted on past 2**32."""
         return self.firmware.core.tick
+
+    @property
+    def on_can(self) -> bool:
+        """Whether one of its wires is a CAN bus."""
+        return any(getattr(server, "is_can", False) for server, _ in self._servers)
+
+    @property
+    def now_s(self) -> float:
+        """Drive time."""
+        return self.firmware.now_s
+
+    def tick_at(self, at_s: float) -> int:
+        """Return the first tick at a drive time or after it, later than now; `NEVER` of infinity."""
+        if at_s == float("inf"):
+            return NEVER
+        return max(
+            self.tick + 1, self.firmware.core.first_tick + math.ceil(at_s / self.firmware.period_s - 1e-6)
+        )
+
+    def is_under_way(self) -> bool:
+        """Return whether frames are late on one of its wires."""
+        return any(getattr(server, "is_under_way", bool)() for server, _ in self._servers)
 
     def add(self, server: Server, on_gone: OnGone = lambda _: None) -> None:
         """Put a wire to the drive into service.
@@ -109,14 +144,19 @@ class DriveNode:
         self._let_go()
         with self.lock:
             end = self.firmware.core.first_tick + int(now_s / self.firmware.period_s + 1e-6)
+            self.schedule.run(self.tick)
             while (tick := self.tick) < end:
                 every = self._heartbeat_ticks()
                 beat = (tick // every + 1) * every if every else end
                 operational = self.nmt_state is NmtState.OPERATIONAL
                 due = [server.next_tick(tick) for server, _ in self._servers]
+                due.append(self.schedule.next_tick)
                 stop = min(end, beat, self._pdos.next_tick(tick) if operational else end, *due)
                 self.firmware.advance_to(stop)
-                if operational:
+                self.schedule.run(stop)
+                if self.firmware.hung:
+                    continue
+                if operational and self.nmt_state is NmtState.OPERATIONAL:
                     self._pdos.transmit(stop)
                 for server, _ in self._servers:
                     server.transmit(stop)
@@ -146,8 +186,7 @@ class DriveNode:
             case NmtCommand.ENTER_PRE_OPERATIONAL:
                 self.nmt_state = NmtState.PRE_OPERATIONAL
             case NmtCommand.RESET_NODE:
-                self.firmware.reset()
-                self._boot()
+                self.restart()
                 return
             case NmtCommand.RESET_COMMUNICATION:
                 self._boot()
@@ -156,6 +195,11 @@ class DriveNode:
                 return
         for server, _ in self._servers:
             server.confirm(self.nmt_state)
+
+    def restart(self) -> None:
+        """Start afresh, as after NMT reset node or a dip of the supply."""
+        self.firmware.reset()
+        self._boot()
 
     def on_host_heartbeat(self, node: int) -> None:
         """A heartbeat was heard; that of the host feeds the link supervision."""

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import random
+import re
 import struct
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 
 from benchtool.emulator.firmware.objects import Refused
 from benchtool.emulator.ports.client import HungUp, Traffic
+from benchtool.emulator.servers.disturbance import NEVER_S, Stage, Way
 from benchtool.emulator.servers.drive_node import DriveNode
 from benchtool.emulator.servers.receiver import Receiver
 from benchtool.emulator.servers.serial_stream import ControlRateStream
@@ -76,6 +79,8 @@ class SerialServer:
         self._port = port
         self._node = node
         self._splitter = FrameSplitter(MAX_REQUEST)
+        self._inbound: Stage[bytes] = Stage(Way.TO_DRIVE, node.disturbances, _flipped)
+        self._outbound: Stage[bytes] = Stage(Way.TO_HOST, node.disturbances, _flipped)
         write = port.write if buffered else _stamped(port, node)
         transmitter = QueuedTransmitter if buffered else DirectTransmitter
         self._line = transmitter(write, self.receiver.lose)
@@ -116,11 +121,21 @@ class SerialServer:
 
     def next_tick(self, tick: int) -> int:
         """See `Server.next_tick`."""
-        return self._stream.next_tick(tick)
+        late = self._node.tick_at(min(self._inbound.next_s(), self._outbound.next_s()))
+        return min(late, self._stream.next_tick(tick))
 
     def transmit(self, tick: int) -> None:
         """See `Server.transmit`."""
         self._stream.transmit()
+        now_s = self._node.now_s
+        for frame in self._outbound.due(now_s):
+            self._line.send(frame)
+        for piece in self._inbound.due(now_s):
+            self._take(piece)
+
+    def is_under_way(self) -> bool:
+        """Return whether frames are late, but for those that wait without end."""
+        return min(self._inbound.next_s(), self._outbound.next_s()) < NEVER_S
 
     def release(self) -> None:
         """See `Server.release`."""
@@ -138,15 +153,32 @@ class SerialServer:
                 self._reset_host()
             self._line.clear()
             return
-        if data:
-            dropped = self._splitter.dropped
-            payloads = self._splitter.feed(data)  # without the drive's lock: garbage delays no other server
+        if not data:
+            return
+        if self._node.disturbances.active:
             with self._node.lock:
-                self._node.count("serial_dropped", self._splitter.dropped - dropped)
-                for payload in payloads:
-                    self._handle(payload)
+                for frame in _frames(data):
+                    for piece in self._inbound.passed(frame, self._node.now_s):
+                        self._take(piece)
+            return
+        dropped = self._splitter.dropped
+        payloads = self._splitter.feed(data)  # without the drive's lock: garbage delays no other server
+        with self._node.lock:
+            self._node.count("serial_dropped", self._splitter.dropped - dropped)
+            for payload in payloads:
+                self._handle(payload)
+
+    def _take(self, data: bytes) -> None:
+        """Handle bytes with the node's lock held."""
+        dropped = self._splitter.dropped
+        payloads = self._splitter.feed(data)
+        self._node.count("serial_dropped", self._splitter.dropped - dropped)
+        for payload in payloads:
+            self._handle(payload)
 
     def _reset_host(self) -> None:
+        self._inbound.clear()
+        self._outbound.clear()
         self.release()
         self._last_sequence = None
         self._upload.reset()
@@ -157,6 +189,8 @@ class SerialServer:
         self._line.close()
 
     def _handle(self, payload: bytes) -> None:
+        if self._node.firmware.hung:
+            return
         message = decode_request(payload)
         match message:
             case Setpoint():
@@ -177,7 +211,9 @@ class SerialServer:
                 refused = OpenReply(message.tag, status, message.index, message.sub)
                 self._send(refused if status else self._upload.open(message, data))
             case Chunks():
-                self._line.send_each(_frame(each) for each in self._upload.chunks(message))
+                self._line.send_each(
+                    frame for each in self._upload.chunks(message) for frame in self._passed(_frame(each))
+                )
             case Stream():
                 self._send(self._configure(message))
             case Identify():
@@ -274,10 +310,29 @@ class SerialServer:
         return wrap_tick(self._node.tick)
 
     def _send(self, message: Reply) -> None:
-        self._line.send(_frame(message))
+        for frame in self._passed(_frame(message)):
+            self._line.send(frame)
 
     def _send_batch(self, batch: Batch) -> bool:
-        return self._line.send(_frame(batch), telemetry=True)
+        sent = True  # also of a batch that is lost on the wire
+        for frame in self._passed(_frame(batch)):
+            sent = self._line.send(frame, telemetry=True) and sent
+        return sent
+
+    def _passed(self, frame: bytes) -> Sequence[bytes]:
+        """Return what goes out now, of a frame of the drive's."""
+        return self._outbound.passed(frame, self._node.now_s)
+
+
+def _frames(data: bytes) -> list[bytes]:
+    """Return what was read, frame by frame."""
+    return [each for each in re.split(rb"(?<=\x00)", data) if each]
+
+
+def _flipped(frame: bytes, draw: random.Random) -> bytes:
+    """Return a frame with one bit flipped."""
+    place, bit = draw.randrange(len(frame)), draw.randrange(8)
+    return frame[:place] + bytes([frame[place] ^ 1 << bit]) + frame[place + 1 :]
 
 
 def _frame(message: Reply) -> bytes:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from functools import partial
 
 import can
 import canopen
 from canopen.sdo.exceptions import SdoAbortedError, SdoCommunicationError
 
-from benchtool.clock import Clock
+from benchtool.clock import Clock, drained
 from benchtool.errors import LinkError, NoAnswer, SdoAbort
 from benchtool.link.canopen.process_data import PdoProcessData
 from benchtool.link.canopen.reception import FAILING_S, receive_frames
@@ -27,6 +28,7 @@ from benchtool.protocol.canopen import (
     sdo,
 )
 
+_SECOND_ANSWER_S = 0.02
 _CHECK_SENDING = "that the bus is powered and terminated and that another node acknowledges"
 
 
@@ -65,7 +67,7 @@ class CanopenLink(ReceivingLink):
         self._receivers: dict[int, FrameReceiver] = {cob_id.EMCY + node_id: self._on_emergency}
         self._network = canopen.Network()
         self._network.bus = bus
-        self._sdo = SdoClient(self._network, node_id, sdo_timeout_s, clock.settle)
+        self._sdo = SdoClient(self._network, node_id, sdo_timeout_s, partial(drained, clock))
         self._network.subscribe(cob_id.SDO_RESPONSE + node_id, self._on_sdo_response)
         self._network.subscribe(cob_id.HEARTBEAT + node_id, self._on_heartbeat)
         self._transfer_lock = threading.Lock()
@@ -94,6 +96,15 @@ class CanopenLink(ReceivingLink):
         write = self._sdo.block_download if block else self._sdo.download
         with self._transfer_lock, self._translating(f"writing 0x{index:04X}:{sub}, asked once"):
             write(index, sub, data)
+
+    def answers(self, index: int, sub: int) -> int:
+        """See `CountsAnswers.answers`; a refusal is an answer."""
+        with self._transfer_lock, self._translating(f"reading 0x{index:04X}:{sub}, asked twice"):
+            with suppress(SdoAbortedError):
+                self._read(index, sub, False, None)
+            if not self.clock.settle():
+                self.clock.wait(_SECOND_ANSWER_S)
+            return 1 + self._sdo.more_answers(index, sub)
 
     def nmt(self, command: NmtCommand) -> None:
         """See `Link.nmt`."""

@@ -54,7 +54,8 @@ class SdoClient(client.SdoClient):
         network: to send on; its owner has `on_response` called for every frame of the server.
         node_id: the server's.
         timeout_s: wall time to wait for each answer.
-        settle: `Clock.settle`; an answer that is not there when it is true is not waited for.
+        drained: given a test for an answer and `timeout_s`, as `clock.drained`; an answer that is not there
+            when it is true is not waited for.
     """
 
     def __init__(
@@ -62,14 +63,14 @@ class SdoClient(client.SdoClient):
         network: canopen.Network,
         node_id: int,
         timeout_s: float,
-        settle: Callable[[], bool] = lambda: False,
+        drained: Callable[[Callable[[], bool], float], bool] = lambda *_: False,
     ) -> None:
         super().__init__(
             cob_id.SDO_REQUEST + node_id, cob_id.SDO_RESPONSE + node_id, canopen.ObjectDictionary()
         )
         self.network = network
         self.timeout_s = timeout_s
-        self.settle = settle
+        self._drained = drained
         self.overruns = 0
         self.stale = 0
         """Late answers to earlier requests."""
@@ -115,12 +116,23 @@ class SdoClient(client.SdoClient):
         self.send_request(bytes([sdo.ABORT]) + self._object + sdo.ABORT_CODE.pack(abort_code))
 
     def _next_frame(self, timeout_s: float) -> bytes:
-        if self.responses.empty() and self.settle():
+        if self.responses.empty() and self._drained(self._has_response, self.timeout_s):
             timeout_s = 0.0  # an answer that is not there now will not come
         try:
             return self.responses.get(timeout=timeout_s)
         except queue.Empty:
             raise SdoTimeoutError("no answer") from None
+
+    def more_answers(self, index: int, sub: int) -> int:
+        """Return how many answers to the last request are left, which are dropped: of other nodes."""
+        more = 0
+        while not self.responses.empty():
+            more += sdo.key(self.responses.get_nowait()) == (index, sub)
+            self.stale += 1
+        return more
+
+    def _has_response(self) -> bool:
+        return not self.responses.empty()
 
     def _raise_abort(self, response: bytes) -> bytes:
         if response[0] == sdo.ABORT:

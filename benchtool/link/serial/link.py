@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Sequence
+from functools import partial
 
-from benchtool.clock import Clock
+from benchtool.clock import Clock, drained
 from benchtool.link.interface import BatchReceiver, LinkCounters
 from benchtool.link.port import Port
 from benchtool.link.receiving import ReceivingLink
@@ -58,7 +59,7 @@ class SerialLink(ReceivingLink):
         self._port = port
         self._host_node_id = host_node_id
         self._splitter = FrameSplitter()
-        self._request_response = RequestResponse(self._send, timeout_s, clock.settle)
+        self._request_response = RequestResponse(self._send, timeout_s, partial(drained, clock))
         self._requests = SerialRequests(self._request_response, node_id, self._require_open)
         self._batch_receiver: BatchReceiver | None = None
         self._setpoint_sequence = 0

@@ -53,15 +53,21 @@ class RequestResponse:
     Args:
         send: takes a request.
         timeout_s: wall time to wait for each answer.
-        settle: `Clock.settle`; an answer that is not there when it is true is not waited for.
+        drained: given a test for an answer and `timeout_s`, as `clock.drained`; an answer that is not there
+            when it is true is not waited for.
     """
 
-    def __init__(self, send: Callable[[Request], None], timeout_s: float, settle: Callable[[], bool]) -> None:
+    def __init__(
+        self,
+        send: Callable[[Request], None],
+        timeout_s: float,
+        drained: Callable[[Callable[[], bool], float], bool],
+    ) -> None:
         self.timeout_s = timeout_s
         self.stale = 0
         """Answers to no request that is open."""
         self._send = send
-        self._settle = settle
+        self._drained = drained
         self._tag = 0
         self._pending: _Pending | None = None
 
@@ -97,7 +103,7 @@ class RequestResponse:
 
     def _next(self, pending: _Pending) -> Answer:
         timeout_s = self.timeout_s
-        if pending.answers.empty() and self._settle():
+        if pending.answers.empty() and self._drained(lambda: not pending.answers.empty(), timeout_s):
             timeout_s = 0.0  # an answer that is not there now will not come
         try:
             answer = pending.answers.get(timeout=timeout_s)

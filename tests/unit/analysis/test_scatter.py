@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from benchtool.analysis.scatter import error_of_record, scatter_of_largest
+from benchtool.analysis.scatter import error_of_record, scatter_of_largest, tail_index
 
 
 @pytest.mark.parametrize("memory", [0.0, 0.9])
@@ -39,3 +39,38 @@ def test_of_fewer_than_four_the_largest_has_no_scatter() -> None:
     assert scatter_of_largest(np.array([2.0, 6.0, 1.0, 3.0])) == pytest.approx(
         math.pi / math.sqrt(6.0) * (1.0 + 2.0 + 5.0) / 3.0
     )
+
+
+def test_a_mean_under_flicker_noise_is_known_less_than_its_parts_say() -> None:
+    """Noise of density 1 / f down to a quarter of a cycle in the record, made line by line."""
+    random, count = np.random.default_rng(3), 4000
+    shape = np.zeros(2 * count + 1)
+    shape[1:] = 1.0 / np.sqrt(np.arange(1, 2 * count + 1))
+    errors = []
+    for _ in range(60):
+        phasors = random.standard_normal((2, 2 * count + 1))
+        noise = np.fft.irfft(shape * (phasors[0] + 1j * phasors[1]), 4 * count)[:count]
+        errors.append(np.mean(noise) / error_of_record(noise).standard)
+    assert np.mean(np.abs(errors) < 2.0) >= 0.9
+    assert 0.5 < float(np.sqrt(np.mean(np.square(errors)))) < 1.4
+
+
+def test_the_mean_of_a_trend_has_no_error_that_the_record_tells() -> None:
+    trend = np.linspace(-1.0, 1.0, 4000) + 1e-3 * np.random.default_rng(4).standard_normal(4000)
+    assert math.isnan(error_of_record(trend).standard)
+
+
+def test_tails_of_a_power_law_are_told_from_normal_ones() -> None:
+    random = np.random.default_rng(5)
+    normal = [tail_index(random.standard_normal(20_000)) for _ in range(20)]
+    heavy = [tail_index(random.standard_t(3.0, 20_000)) for _ in range(20)]
+    assert np.median(normal) == 0.0
+    assert np.median(heavy) == pytest.approx(1.0 / 3.0, abs=0.12)
+    assert tail_index(np.ones(50)) == 0.0
+
+
+def test_the_largest_of_a_heavy_tail_scatters_more() -> None:
+    """Pareto's distribution of the index 0.2, whose largest of n behaves as (n / e)^0.2, e exponential."""
+    records = np.random.default_rng(6).pareto(5.0, (300, 400))
+    stated = np.array([scatter_of_largest(record, 0.2) for record in records])
+    assert np.mean(stated) == pytest.approx(float(np.std(records.max(axis=1))), rel=0.25)

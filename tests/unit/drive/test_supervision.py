@@ -20,6 +20,7 @@ from benchtool.errors import (
     ValueRefused,
     WriteNotVerified,
 )
+from benchtool.link.interface import LinkCounters
 from benchtool.protocol.canopen.abort import Abort
 from benchtool.protocol.cia402 import State, statusword, transition
 from benchtool.protocol.dictionary import Dictionary
@@ -74,6 +75,7 @@ class Slave:
             nmt=lambda _: None,
             send_heartbeat=lambda: self.heartbeats.append(self.clock.now_s()),
             emergencies=lambda: (),
+            counters=LinkCounters(),
         )
         return RemoteDrive(
             link, self.dictionary, "any.eds", self.clock, allow_unsupervised=allow_unsupervised

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
 
+from benchtool.analysis import Basis, Measurement, Uncertainty
 from benchtool.cli import app
+from benchtool.cli.compare import show
+from benchtool.cli.output import Output
+from benchtool.plan import Limit
 from benchtool.recording import Bundle
 from benchtool.results.comparison import Comparison
 from benchtool.results.differences import Differences, Kind
@@ -87,3 +92,25 @@ def test_text_json_and_page_tell_it_before_the_numbers(tmp_path: Path) -> None:
     assert "limits" in document["same"]
     text = page.read_text(encoding="utf-8")
     assert 0 < text.index("motor.R_s_ohm") < text.index("torque_mean")
+
+
+def test_what_transducers_of_two_bands_contradict_is_printed_for_each_run(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    results = {}
+    for name, band_Hz in (("a", 200.0), ("b", 2000.0)):
+        recording(tmp_path / name, {"telemetry": stream(STEADY)})
+        result = assess_recording(Bundle.open(tmp_path / name))[0]
+        own = Uncertainty(0.001, "test")
+        narrow = Measurement("torque_mean", 0.63, "Nm", "", Basis(bandwidth_Hz=band_Hz), own)
+        found = (
+            Measurement("torque_mean", 0.65, "Nm", "", uncertainty=own, in_common_band=narrow),
+            Measurement("transducer_torque_mean", 0.6, "Nm", "", uncertainty=own),
+        )
+        results[name] = replace(result, measurements=found, limits={"torque_mean": Limit(min=0.62)})
+    show(Output(as_json=False), Comparison.of("", results))
+    printed = " ".join(capsys.readouterr().out.split())
+    for letter, band_Hz in (("A", 200), ("B", 2000)):
+        assert f"the transducer disagrees: {letter}: torque_mean is 0.6500" in printed
+        assert f"in the transducer's band, up to {band_Hz} Hz), 0.6000" in printed
+    assert printed.count("on the shaft: fail there") == 2

@@ -1,0 +1,178 @@
+"""Error of a mean by the spectrum at the lowest frequencies of a record, continued to zero frequency.
+
+The variance of a mean over T is the density of the noise about zero frequency over T. Where the density rises
+towards zero, as that of 1/f noise or of a slow drift does, the record shows only the part above 1/T: what is
+below is continued by models of the density, each weighted by how well it describes what is seen (Whittle's
+likelihood: Beran, Statistics for Long-Memory Processes, 1994, ch. 6; model averaging: Hoeting et al.,
+Statistical Science 14 (1999) 382).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import fft
+
+Floats = NDArray[np.float64]
+
+_LOWEST = 1.0 / 32.0  # cycles in the record: noise is taken to rise no further below that
+_EXPONENTS = np.array([0.5, 1.0, 1.5, 2.0])  # of the density's fall with frequency
+_CORNERS = _LOWEST * 4.0 ** np.arange(9)  # cycles in the record, below which the density is flat
+_FLOORS = 2.0 ** np.arange(0.0, 12.0, 1.5)  # cycles in the record, above which white noise hides the fall
+_WHITE = 0.7  # probability of white noise before the record is seen
+_SCALELESS = 0.5  # probability that such a density has no corner
+_SINGLE = 8  # bins that count by themselves
+_BANDS_PER_OCTAVE = 3.0
+_MOST_OF_A_BAND = 6.0  # bins that a band counts as: the models do not hold more exactly than that
+_FEWEST = 5  # bins
+_RISES = 1e-3  # probability that white noise rises as much from one octave to the next
+_NEAR_HARMONIC = 0.2  # of the distance between harmonics
+_LOST = 4.5  # octaves by which the density rises below the lowest bin: 1/f noise does by five at most
+_WEIGHTLESS = 1e-9
+
+
+@dataclass(frozen=True)
+class SlowNoise:
+    """Standard deviation of a mean by the noise's spectrum, its degrees of freedom, and the octaves by which
+    the density is expected to rise below the lowest frequency of the record."""
+
+    standard: float
+    dof: float
+    rise: float
+
+    @property
+    def is_lost(self) -> bool:
+        """Whether the density rises so far beyond what the record shows that its mean is not known."""
+        return self.rise > _LOST
+
+
+def slow_noise(samples: Floats, periods: int = 0) -> SlowNoise | None:
+    """Return the error of the mean of samples, shape (n,), at equal times; None of too few.
+
+    `periods` are the whole periods that the samples hold of what repeats, whose harmonics are left out.
+    """
+    count = len(samples)
+    bins = fft.rfft(samples - np.mean(samples))[1 : (count - 1) // 2 + 1] / count
+    number = np.arange(1, len(bins) + 1)
+    power = bins.real**2 + bins.imag**2
+    if periods:
+        away = np.abs(number - periods * np.round(number / periods))
+        kept = (away >= max(1.0, _NEAR_HARMONIC * periods)) & (number >= 1) | (number < periods)
+        kept &= away > 0
+        number, power = number[kept], power[kept]
+    if len(number) < _FEWEST or not np.all(power > 0.0):
+        return None
+    place, mean, width = _banded(number.astype(np.float64), power)
+    last = _before_a_rise(place, mean, width)
+    if np.sum(width[:last]) < _FEWEST:
+        return None
+    return _averaged(place[:last], mean[:last], np.minimum(width[:last], _MOST_OF_A_BAND))
+
+
+def _banded(number: Floats, power: Floats) -> tuple[Floats, Floats, Floats]:
+    """Return place, mean power and number of bins of bands: the lowest bins each, then parts of octaves.
+
+    The mean is from the median of a band where that is less: single lines are no noise.
+    """
+    band = np.where(
+        number <= _SINGLE, number, _SINGLE + 1.0 + np.floor(_BANDS_PER_OCTAVE * np.log2(number / _SINGLE))
+    )
+    first = np.flatnonzero(np.diff(band, prepend=0.0))
+    count = np.diff(first, append=len(number)).astype(np.float64)
+    place = np.exp(np.add.reduceat(np.log(number), first) / count)
+    mean = np.add.reduceat(power, first) / count
+    for at in np.flatnonzero(count >= _SINGLE):
+        within = power[first[at] : first[at] + int(count[at])]
+        mean[at] = min(mean[at], float(np.median(within)) / math.log(2.0))
+    return place, mean, count
+
+
+def _before_a_rise(place: Floats, mean: Floats, count: Floats) -> int:
+    """Return how many bands are below the one from which on the density is clearly higher than before."""
+    from scipy.special import fdtrc
+
+    total, bins = np.cumsum(mean * count), np.cumsum(count)
+    for last in range(2, len(place)):
+        near = np.flatnonzero(place[:last] >= 0.25 * place[last])
+        below = near[0] if len(near) else 0
+        bins_below = float(bins[last - 1] - (bins[below - 1] if below else 0.0))
+        of_below = float(total[last - 1] - (total[below - 1] if below else 0.0)) / bins_below
+        if bins_below >= 2.0 and fdtrc(2.0 * count[last], 2.0 * bins_below, mean[last] / of_below) < _RISES:
+            return last
+    return len(place)
+
+
+@dataclass(frozen=True)
+class _Models:
+    """What densities of noise make of the lowest `_SINGLE` bins, shape (exponents, corners, bins), and of the
+    variance of the mean, shape (exponents, corners)."""
+
+    in_bins: Floats
+    of_mean: Floats
+
+
+@cache
+def _models() -> _Models:
+    """Return the models as a record shows them, which blurs frequencies by a cycle: sinc^2."""
+    fine, coarse = np.arange(_LOWEST, 40.0, 0.02), np.geomspace(40.0, 4000.0, 400)
+    place = np.concatenate([fine, coarse])
+    width = np.gradient(place)
+    bins = np.arange(_SINGLE + 1)[:, np.newaxis]
+    blurred = np.sinc(place - bins) ** 2 + np.sinc(place + bins) ** 2
+    density = _density(place)
+    seen = density @ (blurred * width).T
+    return _Models(seen[:, :, 1:], seen[:, :, 0])
+
+
+def _density(place: Floats) -> Floats:
+    """Return the densities of all models, shape (exponents, corners, places)."""
+    exponents, corners = _EXPONENTS[:, np.newaxis, np.newaxis], _CORNERS[:, np.newaxis]
+    return np.asarray((place**2 + corners**2) ** (-0.5 * exponents))
+
+
+def _averaged(place: Floats, mean: Floats, count: Floats) -> SlowNoise:
+    """Return the error by all models, each of any size, with the weight that the bands give it."""
+    models, single = _models(), int(np.count_nonzero(place <= _SINGLE))
+    falling = _density(place)
+    falling[:, :, :single] = models.in_bins[:, :, np.round(place[:single]).astype(np.int64) - 1]
+    known = place[-1]
+    floors = np.concatenate([[math.inf], _FLOORS[known > _FLOORS]])
+    usable = known > _CORNERS
+    usable[0] = True
+    level = np.zeros((len(_EXPONENTS), len(_CORNERS), len(floors)))
+    level[:, :, 1:] = _density(floors[1:])
+    shape = (falling[:, usable, np.newaxis, :] + level[:, usable, :, np.newaxis]).reshape(-1, len(place))
+    of_mean = (models.of_mean[:, usable, np.newaxis] + level[:, usable]).ravel()
+    low, one = _density(np.array([_LOWEST])), _density(np.array([1.0]))
+    rise = np.log2((low[:, usable] + level[:, usable]) / (one[:, usable] + level[:, usable])).ravel()
+    shape = np.vstack([shape, np.ones(len(place))])
+    of_mean, rise = np.append(of_mean, 1.0), np.append(rise, 0.0)
+    bins = float(np.sum(count))
+    # its size is eliminated: 1 / size has a Gamma distribution
+    # einsum in place of a product of matrices, which would start threads
+    scaled = np.einsum("ij,j->i", 1.0 / shape, mean * count)
+    fits = -np.einsum("ij,j->i", np.log(shape), count) - bins * np.log(scaled)
+    prior = _prior(int(np.count_nonzero(usable)), len(floors))
+    weight = prior * np.exp(fits - np.max(fits))
+    weight /= np.sum(weight)
+    square = of_mean * scaled / max(bins - 1.0, 0.5)
+    expected = float(np.sum(weight * square))
+    varies = float(np.sum(weight * square**2)) * (1.0 + 1.0 / max(bins - 2.0, 0.5)) / expected**2 - 1.0
+    return SlowNoise(math.sqrt(expected), 2.0 / max(varies, _WEIGHTLESS), float(np.sum(weight * rise)))
+
+
+def _prior(corners: int, floors: int) -> Floats:
+    """Return the probabilities of all models before a record is seen, the white one last.
+
+    Half of what falls more slowly than a first-order lag has no corner: 1/f noise.
+    """
+    of_corners = np.full((len(_EXPONENTS), corners), 1.0 / corners)
+    if corners > 1:
+        of_corners[:-1] *= 1.0 - _SCALELESS
+        of_corners[:-1, 0] += _SCALELESS
+    each = np.repeat(of_corners.ravel() / len(_EXPONENTS), floors) / floors
+    return np.append((1.0 - _WHITE) * each, _WHITE)

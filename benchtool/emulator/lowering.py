@@ -1,0 +1,108 @@
+"""How functions that compiled functions call are compiled: lowered once, and optimised with what calls them.
+
+numba takes each function for one that Python may call. It optimises it and makes machine code of it, together
+with all that it calls, and again as a part of each function that calls it. In a kernel of some 250 small
+functions, five deep and more, that is most of the work, and none of it is used: what counts is the kernel,
+which is optimised as a whole. So these functions are left as they are lowered, without machine code.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import CompilerBase
+from numba.core.compiler_machinery import LoweringPass, PassManager, register_pass
+from numba.core.typed_passes import (
+    AnnotateTypes,
+    IRLegalization,
+    NativeLowering,
+    NoPythonBackend,
+    NopythonTypeInference,
+    PreLowerStripPhis,
+)
+from numba.core.untyped_passes import (
+    DeadBranchPrune,
+    FixupArgs,
+    GenericRewrites,
+    IRProcessing,
+    ReconstructSSA,
+    RewriteSemanticConstants,
+    TranslateByteCode,
+)
+
+
+class PartCompiler(CompilerBase):
+    """Compile a function that is a part of others.
+
+    Of numba's passes there are those that plain arithmetic needs: no closures, no array expressions, no
+    objects.
+    """
+
+    def define_pipelines(self) -> list[PassManager]:
+        passes = PassManager("part")
+        for each, what in (
+            (TranslateByteCode, "analyzing bytecode"),
+            (FixupArgs, "fix up args"),
+            (IRProcessing, "processing IR"),
+            (RewriteSemanticConstants, "rewrite semantic constants"),
+            (DeadBranchPrune, "dead branch pruning"),
+            (GenericRewrites, "nopython rewrites"),
+            (ReconstructSSA, "ssa"),
+            (DeadBranchPrune, "dead branch pruning"),
+            (NopythonTypeInference, "nopython frontend"),
+            (PreLowerStripPhis, "remove phis nodes"),
+            (IRLegalization, "ensure IR is legal prior to lowering"),
+            (AnnotateTypes, "annotate types"),
+            (_WithoutMachineCode, "to be lowered only"),
+            (NativeLowering, "native lowering"),
+            (_Registration, "for what calls it"),
+            (NoPythonBackend, "nopython mode backend"),
+        ):
+            passes.add_pass(each, what)
+        passes.finalize()
+        return [passes]
+
+
+class _Lowered(JITCodeLibrary):
+    """Code as it is lowered, with that of the functions that it calls; what links it optimises both."""
+
+    def finalize(self) -> None:
+        self._raise_if_finalized()  # type: ignore[no-untyped-call]
+        for library in dict.fromkeys(self._linking_libraries):
+            self._reload_init.update(library._reload_init)
+            self._final_module.link_in(library._get_module_for_linking(), preserve=True)
+        self._finalized = True
+
+
+@register_pass(mutates_CFG=False, analysis_only=False)
+class _WithoutMachineCode(LoweringPass):
+    _name = "benchtool_without_machine_code"
+
+    def __init__(self) -> None:
+        LoweringPass.__init__(self)
+
+    def run_pass(self, state: Any) -> bool:
+        library: Any = _Lowered
+        state.library = library(state.targetctx.codegen(), state.func_id.func_qualname)
+        state.flags.no_compile = True
+        return True
+
+
+@register_pass(mutates_CFG=False, analysis_only=False)
+class _Registration(LoweringPass):
+    """Enter the function among those that others can call."""
+
+    _name = "benchtool_registration"
+
+    def __init__(self) -> None:
+        LoweringPass.__init__(self)
+
+    def run_pass(self, state: Any) -> bool:
+        functions: list[None] = []
+        key = (
+            functions.append
+        )  # numba keeps functions by what Python calls, a built-in method; nobody calls it
+        state.targetctx.insert_user_function(key, state["cr"].fndesc, [state.library])
+        state["cr"] = state["cr"]._replace(cfunc=key)
+        return True
