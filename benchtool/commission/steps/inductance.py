@@ -18,6 +18,7 @@ from benchtool.commission.steps.step import Finding
 from benchtool.drive import CaptureRequest, Stimulus
 
 _ALIGN_S = 0.8
+_ALIGN_ROWS = 200  # which tell no more than the heat of it
 _ALIGN_SHARE = 0.6  # of the rated current, at the end of the ramp that aligns the rotor
 _SHARE = 0.6  # of the rated current, peak, at the end of the ramp
 _LEAST_SHARE = 0.3  # below which the converter's steps show, and the vector turns more slowly
@@ -45,6 +46,8 @@ class TurningVoltage:
 
     def plan(self, known: Known) -> tuple[Excitation, ...]:
         """Return an alignment and a turning vector for each speed."""
+        stride = max(1, round(_ALIGN_S / _ALIGN_ROWS / known.control_period_s))
+        rows = math.floor(_ALIGN_S / (stride * known.control_period_s)) - 1
         align = Excitation(
             "alignment",
             Stimulus(
@@ -53,7 +56,7 @@ class TurningVoltage:
                 amplitude_A=_ALIGN_SHARE * known.I_N_A,
                 duration_s=_ALIGN_S,
             ),
-            CaptureRequest(CURRENTS, rows=10),
+            CaptureRequest(CURRENTS, rows, stride),
             (_ALIGN_SHARE * known.I_N_A) ** 2 * _ALIGN_S / 3.0,
             {
                 "omega_current": known.damping_bandwidth_rad_s,

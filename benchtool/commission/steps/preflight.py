@@ -9,6 +9,7 @@ from benchtool.analysis import Basis, Contribution, Measurement, combined
 from benchtool.block import Block
 from benchtool.commission.excitation import Excitation
 from benchtool.commission.known import Known
+from benchtool.commission.saving import through_a_loss
 from benchtool.commission.steps.offsets import CURRENTS
 from benchtool.commission.steps.step import Finding
 from benchtool.drive import CaptureRequest, RemoteDrive
@@ -88,7 +89,8 @@ class Preflight:
         drive.check()
         _require_limits(drive, known)
         _require_cool(drive)
-        stopped_s = _withhold_heartbeat(drive)
+        with through_a_loss(drive):
+            stopped_s = _withhold_heartbeat(drive)
         _try_quick_stop(drive)
         u = combined([Contribution("polling", "B", _POLL_S / math.sqrt(12.0))], "polling")
         definition = "from the last heartbeat of the host to the power stage off"

@@ -30,6 +30,18 @@ class Finding:
         return {"what": self.what, "cause": self.cause, "remedy": self.remedy}
 
 
+@dataclass(frozen=True)
+class Loop:
+    """A capture that holds the response of a closed loop: by its number, with its title, the channels of the
+    reference and of what follows it, and the rows of `analyze_response`."""
+
+    capture: int
+    title: str
+    input: str
+    output: str
+    rows: Mapping[str, int]
+
+
 class Step(Protocol):
     """One step. It sends nothing itself: its excitations are played by `commission.execution`.
 
@@ -53,6 +65,14 @@ class Step(Protocol):
 
     def findings(self, found: Mapping[str, Measurement], known: Known) -> tuple[Finding, ...]:
         """Return what the estimates say about the set-up."""
+
+
+@runtime_checkable
+class LoopStep(Protocol):
+    """A step that measures a closed loop, which a report draws."""
+
+    def loops(self, known: Known) -> tuple[Loop, ...]:
+        """Return which of its captures hold responses."""
 
 
 @runtime_checkable
