@@ -93,6 +93,15 @@ class AnalysisError(UsageError):
     """The data cannot answer the question: a gap, too short, a channel missing."""
 
 
+class SetUpError(AnalysisError):
+    """The data tell of a set-up that is not as it should be: what was seen, its probable cause, the
+    remedy."""
+
+    def __init__(self, what: str, cause: str, remedy: str) -> None:
+        super().__init__(f"{what}: {cause}; {remedy}")
+        self.what, self.cause, self.remedy = what, cause, remedy
+
+
 class NoSuchAttribute(UsageError, AttributeError):
     """An object of the API has no attribute of that name, such as a setpoint that is misspelt."""
 

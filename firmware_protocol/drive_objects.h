@@ -8,7 +8,7 @@
 extern "C" {
 #endif
 
-#define BT_DICTIONARY_HASH 0xE446D620u
+#define BT_DICTIONARY_HASH 0xBF0A661Au
 #define BT_VENDOR_ID 0x00000B7Cu
 #define BT_PRODUCT_CODE 0x00002011u
 #define BT_REVISION 0x00010000u
@@ -387,6 +387,7 @@ enum bt_role {
 #define BT_SUB_LINK_COUNT 0u
 #define BT_SUB_LINK_STATE 1u
 #define BT_SUB_LINK_LOSSES 2u
+#define BT_SUB_PARAMETER_TRIAL 3u
 #define BT_SUB_PROCESS_DATA_COUNT 0u
 #define BT_SUB_STREAM_SEQUENCE 1u
 #define BT_SUB_RPDO_DROPPED 2u
@@ -522,6 +523,11 @@ enum bt_link_state {
     BT_LINK_STATE_WAITING = 1,
     BT_LINK_STATE_ALIVE = 2,
     BT_LINK_STATE_LOST = 3
+};
+
+enum bt_parameter_trial {
+    BT_PARAMETER_TRIAL_OFF = 0,
+    BT_PARAMETER_TRIAL_ON = 1
 };
 
 enum bt_abort_connection_option {
@@ -818,14 +824,15 @@ enum bt_mode_of_operation_display {
     X(0x2041u, 15u, capture_channel_15, U32, RW, STATUS, 1, 0, 0u, 4294967295u, 0u) \
     X(0x2041u, 16u, capture_channel_16, U32, RW, STATUS, 1, 0, 0u, 4294967295u, 0u) \
     X(0x2042u, 0u, capture_data, DOMAIN, RO, STATUS, 1, 0, 0, 0, 0) \
-    X(0x2050u, 0u, link_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 2u) \
+    X(0x2050u, 0u, link_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 3u) \
     X(0x2050u, 1u, link_state, U8, RO, STATUS, 1, 0, 0u, 255u, 0u) \
     X(0x2050u, 2u, link_losses, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 0u) \
+    X(0x2050u, 3u, parameter_trial, U8, RW, STATUS, 1, 0, 0u, 255u, 0u) \
     X(0x2051u, 0u, process_data_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 3u) \
     X(0x2051u, 1u, stream_sequence, U32, RO, SIGNAL, 1, 0, 0u, 4294967295u, 0u) \
     X(0x2051u, 2u, rpdo_dropped, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 0u) \
     X(0x2051u, 3u, serial_dropped, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 0u) \
-    X(0x2060u, 0u, dictionary_hash, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 3829847584u) \
+    X(0x2060u, 0u, dictionary_hash, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 3205129754u) \
     X(0x6007u, 0u, abort_connection_option, I16, RW, PARAMETER, 0, 0, -32768, 32767, 1) \
     X(0x603Fu, 0u, error_code, U16, RO, STATUS, 1, 0, 0u, 65535u, 0u) \
     X(0x6040u, 0u, controlword, U16, RW, STATUS, 1, 0, 0u, 65535u, 0u) \
@@ -847,7 +854,7 @@ enum bt_mode_of_operation_display {
     X(0x6502u, 0u, supported_modes, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 196620u) \
     /* end */
 
-#define BT_ENTRY_COUNT 279u
+#define BT_ENTRY_COUNT 280u
 
 /* What an enumeration may be: X(name, value) for each of its values, in the order of BT_ENTRIES. Any other is
  * refused. */
@@ -912,6 +919,8 @@ enum bt_mode_of_operation_display {
     X(link_state, 1) \
     X(link_state, 2) \
     X(link_state, 3) \
+    X(parameter_trial, 0) \
+    X(parameter_trial, 1) \
     X(abort_connection_option, 0) \
     X(abort_connection_option, 1) \
     X(abort_connection_option, 2) \
@@ -932,7 +941,7 @@ enum bt_mode_of_operation_display {
     X(mode_of_operation_display, 4) \
     /* end */
 
-#define BT_VALUE_COUNT 78u
+#define BT_VALUE_COUNT 80u
 
 /* Entries that another's value limits as well: X(name, least), and X(name, most, times) with the limit
  * most * times. A limit of 0 is not known, and none. */

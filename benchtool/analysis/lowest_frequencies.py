@@ -16,23 +16,31 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
+from scipy.special import ndtr
+
+from benchtool.analysis.uncertainty import COVERAGE
 
 Floats = NDArray[np.float64]
 
 _LOWEST = 1.0 / 32.0  # cycles in the record: noise is taken to rise no further below that
 _EXPONENTS = np.array([0.5, 1.0, 1.5, 2.0])  # of the density's fall with frequency
-_CORNERS = _LOWEST * 4.0 ** np.arange(9)  # cycles in the record, below which the density is flat
+_CORNERS = _LOWEST * 2.0 ** np.arange(17)  # cycles in the record, below which the density is flat
 _FLOORS = 2.0 ** np.arange(0.0, 12.0, 1.5)  # cycles in the record, above which white noise hides the fall
 _WHITE = 0.7  # probability of white noise before the record is seen
+_FLAT = 0.02  # octaves of rise below the lowest bin, up to which the record shows all of the density
+_STILL_FLAT = 0.02  # probability of that, above which the few lowest bins are high by chance
 _SCALELESS = 0.5  # probability that such a density has no corner
 _SINGLE = 8  # bins that count by themselves
 _BANDS_PER_OCTAVE = 3.0
 _MOST_OF_A_BAND = 6.0  # bins that a band counts as: the models do not hold more exactly than that
 _FEWEST = 5  # bins
-_RISES = 1e-3  # probability that white noise rises as much from one octave to the next
+_RISES = 1e-6  # probability that white noise rises as much within two octaves
+_ENOUGH_PERIODS = 24
 _NEAR_HARMONIC = 0.2  # of the distance between harmonics
 _LOST = 4.5  # octaves by which the density rises below the lowest bin: 1/f noise does by five at most
-_WEIGHTLESS = 1e-9
+_WEIGHTLESS = 1e-4  # of all models
+_HALVINGS = 24
+_K, _DOF = 2.0, 60.0  # of Student's distribution, for 95 %
 
 
 @dataclass(frozen=True)
@@ -51,11 +59,14 @@ class SlowNoise:
 
 
 def slow_noise(samples: Floats, periods: int = 0) -> SlowNoise | None:
-    """Return the error of the mean of samples, shape (n,), at equal times; None of too few.
+    """Return the error of the mean of samples, shape (n,), at equal times; None of too few, and of
+    noise whose density may be flat below the lowest frequency of the record.
 
     `periods` are the whole periods that the samples hold of what repeats, whose harmonics are left out.
     """
     count = len(samples)
+    if len(samples) < 2 * _FEWEST:
+        return None
     bins = fft.rfft(samples - np.mean(samples))[1 : (count - 1) // 2 + 1] / count
     number = np.arange(1, len(bins) + 1)
     power = bins.real**2 + bins.imag**2
@@ -63,6 +74,8 @@ def slow_noise(samples: Floats, periods: int = 0) -> SlowNoise | None:
         away = np.abs(number - periods * np.round(number / periods))
         kept = (away >= max(1.0, _NEAR_HARMONIC * periods)) & (number >= 1) | (number < periods)
         kept &= away > 0
+        if periods >= _ENOUGH_PERIODS:  # what differs from period to period has its own density above
+            kept &= number <= periods // 2
         number, power = number[kept], power[kept]
     if len(number) < _FEWEST or not np.all(power > 0.0):
         return None
@@ -134,8 +147,9 @@ def _density(place: Floats) -> Floats:
     return np.asarray((place**2 + corners**2) ** (-0.5 * exponents))
 
 
-def _averaged(place: Floats, mean: Floats, count: Floats) -> SlowNoise:
-    """Return the error by all models, each of any size, with the weight that the bands give it."""
+def _averaged(place: Floats, mean: Floats, count: Floats) -> SlowNoise | None:
+    """Return the error by all models, each of any size, with the weight that the bands give it; None where
+    they do not rule out that the density rises no further."""
     models, single = _models(), int(np.count_nonzero(place <= _SINGLE))
     falling = _density(place)
     falling[:, :, :single] = models.in_bins[:, :, np.round(place[:single]).astype(np.int64) - 1]
@@ -159,10 +173,25 @@ def _averaged(place: Floats, mean: Floats, count: Floats) -> SlowNoise:
     prior = _prior(int(np.count_nonzero(usable)), len(floors))
     weight = prior * np.exp(fits - np.max(fits))
     weight /= np.sum(weight)
+    if float(np.sum(weight[rise <= _FLAT])) > _STILL_FLAT:
+        return None
     square = of_mean * scaled / max(bins - 1.0, 0.5)
-    expected = float(np.sum(weight * square))
-    varies = float(np.sum(weight * square**2)) * (1.0 + 1.0 / max(bins - 2.0, 0.5)) / expected**2 - 1.0
-    return SlowNoise(math.sqrt(expected), 2.0 / max(varies, _WEIGHTLESS), float(np.sum(weight * rise)))
+    return SlowNoise(_half_width(weight, np.sqrt(square)) / _K, _DOF, float(np.sum(weight * rise)))
+
+
+def _half_width(weight: Floats, standard: Floats) -> float:
+    """Return half of the interval that holds 95 % of a mixture of normal distributions about zero.
+
+    Its standard deviation would be that of the steepest of the models, however little they weigh.
+    """
+    kept = weight > _WEIGHTLESS
+    weight, standard = weight[kept] / np.sum(weight[kept]), standard[kept]
+    low, high = 0.0, 4.0 * float(np.max(standard))
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        within = float(np.sum(weight * (2.0 * ndtr(middle / standard) - 1.0)))
+        low, high = (middle, high) if within < COVERAGE else (low, middle)
+    return high
 
 
 def _prior(corners: int, floors: int) -> Floats:

@@ -140,8 +140,10 @@ def at_lowest_frequencies(samples: NDArray[np.float64], by_parts: MeanError, per
     blocks = len(samples) // size
     values = np.mean(samples[: blocks * size].reshape(blocks, size), axis=1)
     by_parts = _without_oscillations(values, by_parts)
-    slow, largest = slow_noise(values, periods), float(np.max(np.abs(values)))
-    if slow is None or slow.standard < max(_CLEARLY_MORE * by_parts.standard, _ROUNDING * largest):
+    slow = slow_noise(values, periods)
+    if slow is None or slow.standard < _CLEARLY_MORE * by_parts.standard:
+        return by_parts
+    if slow.standard < _ROUNDING * float(np.max(np.abs(values))):
         return by_parts
     return MeanError(math.nan if slow.is_lost else slow.standard, slow.dof)
 

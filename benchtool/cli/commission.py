@@ -2,74 +2,238 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import json
+import shutil
+import sys
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from datetime import datetime
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from benchtool.analysis import with_expanded
 from benchtool.bench import Session, open_session
-from benchtool.cli import options
+from benchtool.cli import live_views, options
 from benchtool.cli.output import Output, significant
-from benchtool.commission import Known, Step, commission as run, document, planned, steps_for
+from benchtool.commission import (
+    Commissioning,
+    Known,
+    Step,
+    StepRecorder,
+    commission as run,
+    commissioned_profile,
+    document,
+    planned,
+    stated_parameters,
+    step_bundles,
+    steps_for,
+)
+from benchtool.drive import Capability, Identity
 from benchtool.errors import UsageError
+from benchtool.profile import eds_path, load_profile, profile_path
+from benchtool.recording import Conditions, Manifest, enlist, write_whole
+from benchtool.report import write_report
+from benchtool.report.assembly import commissioning_report
+from benchtool.run import bundle_folder, manifest_of
+from benchtool.telemetry import DEFAULT_CHANNELS, DEFAULT_RATE_HZ, TelemetryStream, keep_journal
+
+_PROFILE, _DOCUMENT, _REPORT = "profile.toml", "commissioning.json", "report.html"
 
 
 def commission(
     steps: Annotated[
         list[str] | None,
-        typer.Argument(metavar="[STEP]...", help="offsets, resistance, inductance; all of them without."),
+        typer.Argument(metavar="[STEP]...", help="A step, and those that it needs; all of them without."),
     ] = None,
     profile: options.Profile = "zhu2011",
     link: options.Link = "emulated",
     dry_run: Annotated[
         bool,
-        typer.Option("--dry-run", help="Print what would be played and the heat of it; nothing is enabled."),
+        typer.Option("--dry-run", help="Print what would be played and its energy; nothing is enabled."),
     ] = False,
     yes: Annotated[
         bool, typer.Option("--yes", help="Confirm that currents may flow and the shaft may turn.")
     ] = False,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="DIR",
+            help="Folder of recording, report and profile.",
+            show_default="runs/<time>-commission-<profile>",
+        ),
+    ] = None,
+    resume: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Go on with a commissioning that was cut short.")
+    ] = None,
+    save: Annotated[
+        bool | None,
+        typer.Option(
+            "--save/--no-save",
+            help="Have the drive store what is found, if everything holds.",
+            show_default="if every step is run",
+        ),
+    ] = None,
+    force: Annotated[
+        bool, typer.Option("--force", help="Store it although something is not as it should be.")
+    ] = False,
+    pdf: Annotated[bool, typer.Option("--pdf", help="Write the report as PDF too.")] = False,
+    live: options.Live = None,
     seed: options.Seed = 0,
     real_time: options.RealTime = False,
     as_json: options.Json = False,
 ) -> int:
-    """Identify a motor step by step, with the profile as its nameplate; the drive is left as it was found."""
+    """Identify a motor step by step, with the profile as its nameplate.
+
+    Each step is recorded. If every step passed and nothing was found that is not as it should be, the drive
+    stores the parameters, and a new profile has them; else the drive is left as it was found.
+    """
     wanted = steps_for(steps or ())
     if not (yes or dry_run):
         raise UsageError(
             "a commissioning has rated current flow and turns the shaft: give --yes once that is safe, or "
             "--dry-run to see what it would do"
         )
+    if resume is not None and out is not None:
+        raise UsageError("--resume goes on in its own folder: leave --out out")
+    if resume is not None and not resume.is_dir():
+        raise UsageError(f"--resume {resume}: there is no such folder; give that of a commissioning")
     output = Output(as_json=as_json)
-    with open_session(
-        profile, link, seed=seed, real_time=real_time, note=output.note, instruments=False
-    ) as session:
-        session.drive.connect()
-        if dry_run:
+    when = options.wall_time()
+    keep = (not steps) if save is None else save
+
+    def opened() -> Any:
+        return open_session(
+            profile, link, seed=seed, real_time=real_time, note=output.note, instruments=False
+        )
+
+    if dry_run:
+        with opened() as session:
+            session.drive.connect()
             return _show_plan(session, wanted, output)
-        done = run(session.drive, session.profile, wanted, output.note)
-    content = document(done)
+    name = f"commission-{Path(profile).stem if profile.endswith('.toml') else profile}"
+    with (
+        bundle_folder(resume or out, when, name) as folder,
+        live_views.open_destinations(live or (), output) as where,
+    ):
+        with opened() as session:
+            identity = session.drive.connect()
+            manifest = _manifests(session, identity, when, link, seed)
+            recorder = StepRecorder(folder, manifest, resume=resume is not None)
+            done = run(
+                session.drive,
+                session.profile,
+                wanted,
+                output.note,
+                recorder=recorder,
+                keep=keep,
+                force=force,
+                watching=_shown_live(session, where, manifest, output),
+            )
+        content = _written(folder, profile, done, pdf=pdf)
+        _show(output, profile, done, content)
+        where.keep_open(output)
+    return 0 if done.passed else 1
+
+
+def _manifests(
+    session: Session, identity: Identity, when: datetime, link: str, seed: int
+) -> Callable[[str], Manifest]:
+    def manifest(step: str) -> Manifest:
+        return manifest_of(
+            session,
+            identity,
+            what=f"commission {step}",
+            when=when.isoformat(timespec="seconds"),
+            wall_s=time.time(),
+            note="",
+            conditions=Conditions(),
+            seed=seed,
+            link=link,
+            command_line=tuple(sys.argv[1:]),
+            details={},
+        )
+
+    return manifest
+
+
+@contextmanager
+def _shown_live(
+    session: Session,
+    where: live_views.LiveDestinations,
+    manifest: Callable[[str], Manifest],
+    output: Output,
+) -> Iterator[None]:
+    """Show the drive's stream and its states while steps are run; without a destination none is streamed."""
+    if not where.any:
+        yield
+        return
+    drive = session.drive
+    drive.capabilities.require(Capability.STREAM, purpose="a live view")
+    names = drive.link.process_data.fitting(drive.dictionary, DEFAULT_CHANNELS)
+    with live_views.stream_view(where, session, "commissioning", manifest("live"), output) as view:
+        assert view is not None  # there is a destination
+        sink = live_views.live_view_sink(view)
+        with keep_journal(drive, [view.event]), TelemetryStream(drive, [sink], names, DEFAULT_RATE_HZ):
+            yield
+
+
+def _written(folder: Path, profile: str, done: Commissioning, *, pdf: bool) -> dict[str, Any]:
+    """Write profile, report and document beside the recording, with their hashes; return the document."""
+    source = profile_path(profile)
+    text = source.read_text(encoding="utf-8")
+    made = [folder / _PROFILE, folder / _DOCUMENT]
+    new = commissioned_profile(text, done.parameters, done.estimates, saved=done.saved)
+    write_whole(made[0], new.encode("utf-8"))
+    eds = eds_path(load_profile(profile), source)
+    if eds.parent == source.parent:
+        made.append(Path(shutil.copy(eds, folder)))
+    content = document(done, profile=made[0], bundle=folder, report=folder / _REPORT)
+    page, paper = write_report(commissioning_report(content, step_bundles(folder)), folder / _REPORT, pdf=pdf)
+    write_whole(made[1], (json.dumps(content, indent=2, allow_nan=False) + "\n").encode("utf-8"))
+    enlist(folder, [*made, page, *([] if paper is None else [paper])])
+    return content
+
+
+def _show(output: Output, profile: str, done: Commissioning, content: dict[str, Any]) -> None:
     rows = [
-        (each.name, with_expanded(each.value, each.uncertainty), each.unit, _shown(content, each.name))
-        for result in done.results
-        for each in result.estimates.values()
+        (
+            each.name,
+            with_expanded(each.value, each.uncertainty),
+            each.unit,
+            _shown(content, each.name, "nameplate"),
+            _shown(content, each.name, "deviation_percent"),
+        )
+        for each in done.estimates.values()
     ]
     if rows:
-        output.table(f"commissioning of {profile}", ("estimate", ">value", "unit", ">nameplate"), rows)
+        headings = ("estimate", ">value", "unit", ">nameplate", ">%")
+        output.table(f"commissioning of {profile}", headings, rows)
     for result in done.results:
         output.sentence(result.reason or "done", lead=f"{result.name}: {result.verdict.value}, ")
     for finding in (each for result in done.results for each in result.findings):
         output.sentence(f"{finding.cause}; {finding.remedy}", lead=f"{finding.what}: ")
+    for each in content["estimates"].values():
+        if "looks_like" in each:
+            output.sentence(each["looks_like"], "yellow")
+    if done.saved:
+        output.line("the drive has stored the parameters", "green")
+    else:
+        output.sentence(done.not_saved, lead="the drive is as it was found, nothing was stored: ")
+    output.line(f"profile: {content['profile']}")
+    output.line(f"report: {content['report']}")
     output.verdict(content["verdict"])
     output.document(content)
-    return 0 if done.passed else 1
 
 
 def _show_plan(session: Session, steps: Sequence[Step], output: Output) -> int:
-    """Print what the steps would play and how much heat that puts into the winding, by the nameplate."""
-    known = Known.of(session.drive, session.profile.motor)
+    """Print what the steps would play and what energy that takes, by the nameplate."""
+    stated = stated_parameters(session.drive, session.profile)
+    known = Known.of(session.drive, session.profile.motor, stated)
     plan = planned(steps, known)
-    heat_J = {
+    energy_J = {
         name: sum(each.energy_J(known.R_s_ohm) for each in excitations) for name, excitations in plan.items()
     }
     rows = [
@@ -77,18 +241,20 @@ def _show_plan(session: Session, steps: Sequence[Step], output: Output) -> int:
         for name, excitations in plan.items()
         for each in excitations
     ]
-    output.table("what would be played", ("step", "excitation", ">J in the winding"), rows)
+    output.table("what would be played", ("step", "excitation", ">J"), rows)
     output.line("nothing was enabled; each step's estimates would be for the parameters that it sets")
     output.document(
         {
             "dry_run": True,
-            "steps": {step.name: {"energy_J": heat_J[step.name], "sets": list(step.sets)} for step in steps},
-            "energy_J": sum(heat_J.values()),
+            "steps": {
+                step.name: {"energy_J": energy_J[step.name], "sets": list(step.sets)} for step in steps
+            },
+            "energy_J": sum(energy_J.values()),
         }
     )
     return 0
 
 
-def _shown(content: dict[str, Any], name: str) -> str:
-    stated = content["estimates"][name]["nameplate"]
+def _shown(content: dict[str, Any], name: str, key: str) -> str:
+    stated = content["estimates"][name][key]
     return "" if stated is None else significant(stated)

@@ -1,12 +1,20 @@
 from .document import document as document
 from .execution import (
     STEPS as STEPS,
-    Commissioning as Commissioning,
-    StepResult as StepResult,
-    StepVerdict as StepVerdict,
     commission as commission,
     planned as planned,
+    stated_parameters as stated_parameters,
     steps_for as steps_for,
 )
 from .known import Known as Known
+from .profile_file import commissioned_profile as commissioned_profile
+from .recorder import (
+    StepRecorder as StepRecorder,
+    step_bundles as step_bundles,
+)
+from .results import (
+    Commissioning as Commissioning,
+    StepResult as StepResult,
+    StepVerdict as StepVerdict,
+)
 from .steps.step import Step as Step

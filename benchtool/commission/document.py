@@ -3,36 +3,57 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 from benchtool.analysis import Measurement
-from benchtool.commission.execution import Commissioning, StepResult, StepVerdict
+from benchtool.commission.nameplate import KEYS, conventions, deviation, probable_cause
+from benchtool.commission.results import Commissioning, StepResult, StepVerdict
+from benchtool.profile import Motor
 
-_NAMEPLATE: Mapping[str, str] = {"R_s": "R_s_ohm", "L_d": "L_d_H", "L_q": "L_q_H"}
-"""Keys of `[motor]` that an estimate is compared with."""
 
-
-def document(done: Commissioning) -> dict[str, Any]:
-    """Return verdict, steps, estimates and findings; neither a profile nor a bundle is written yet."""
+def document(
+    done: Commissioning,
+    *,
+    profile: Path | None = None,
+    bundle: Path | None = None,
+    report: Path | None = None,
+) -> dict[str, Any]:
+    """Return verdict, steps, estimates and findings, what the drive stores, and what was written."""
     motor = done.known.motor
     estimates: dict[str, Any] = {}
     for result in done.results:
         for name, each in result.estimates.items():
-            stated = getattr(motor, _NAMEPLATE[name]) if name in _NAMEPLATE else None
-            estimates[name] = _estimate(each, stated)
+            estimates[name] = _estimate(each, motor)
         if result.verdict is not StepVerdict.PASS:
             estimates |= {name: _nothing(result) for name in result.sets if name not in estimates}
+    values = {name: each.value for name, each in done.estimates.items() if math.isfinite(each.value)}
+    pole_pairs = round(values.get("pole_pairs", motor.pole_pairs))
     return {
         "verdict": "pass" if done.passed else "fail",
-        "steps": {
-            each.name: {"verdict": each.verdict.value, "reason": each.reason, "energy_J": each.planned_J}
-            for each in done.results
-        },
+        "steps": {each.name: _step(each) for each in done.results},
         "estimates": estimates,
         "findings": [finding.to_json() for each in done.results for finding in each.findings],
-        "profile": None,
-        "bundle": None,
+        "conventions": [
+            {"name": name, "value": value, "unit": unit}
+            for name, value, unit in conventions(values, pole_pairs)
+        ],
+        "parameters": dict(done.parameters),
+        "saved": done.saved,
+        "not_saved": done.not_saved,
+        "profile": None if profile is None else str(profile),
+        "bundle": None if bundle is None else str(bundle),
+        "report": None if report is None else str(report),
+    }
+
+
+def _step(result: StepResult) -> dict[str, Any]:
+    return {
+        "verdict": result.verdict.value,
+        "reason": result.reason,
+        "energy_J": result.planned_J,
+        "spent_J": result.spent_J,
+        "resumed": result.resumed,
     }
 
 
@@ -40,13 +61,15 @@ def _nothing(result: StepResult) -> dict[str, Any]:
     return {"value": None, "reason": f"step {result.name}: {result.reason}"}
 
 
-def _estimate(of: Measurement, nameplate: float | None) -> dict[str, Any]:
+def _estimate(of: Measurement, motor: Motor) -> dict[str, Any]:
+    off = deviation(of.name, of.value, motor)
     found: dict[str, Any] = {
         "value": of.value if math.isfinite(of.value) else None,
         "unit": of.unit,
         "uncertainty": None,
         "method": of.definition,
-        "nameplate": nameplate,
+        "nameplate": getattr(motor, KEYS[of.name]) if of.name in KEYS else None,
+        "deviation_percent": None if off is None else 100.0 * off,
     }
     if of.uncertainty is not None:
         dof = of.uncertainty.dof
@@ -55,6 +78,8 @@ def _estimate(of: Measurement, nameplate: float | None) -> dict[str, Any]:
             "k": of.uncertainty.k,
             "dof": dof if math.isfinite(dof) else None,
         }
+    if cause := probable_cause(of.name, of.value, motor):
+        found["looks_like"] = cause
     if of.reason:
         found["reason"] = of.reason
     return found

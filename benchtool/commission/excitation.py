@@ -1,4 +1,4 @@
-"""One excitation: what the drive plays and captures meanwhile, and what it costs the winding."""
+"""One excitation: what the drive plays and captures meanwhile, and the energy that it takes."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from typing import Final
 from benchtool.drive import CaptureRequest, Stimulus
 from benchtool.errors import ValueRefused
 from benchtool.profile import Motor
+from benchtool.protocol import Mode
 from benchtool.protocol.dictionary import Value
 
 MOST_RISE_K: Final = 10.0
@@ -25,9 +26,12 @@ _TIME_CONSTANT_S: Final = 60.0  # of a winding against its iron: of a small moto
 
 @dataclass(frozen=True)
 class Excitation:
-    """A stimulus, or none with the power stage off, what is captured, and parameters held meanwhile.
+    """A stimulus or none, what is captured, and parameters held meanwhile.
 
-    `squares_A2s` is the integral of the squared length of the current vector that is expected.
+    `squares_A2s` is the integral of the squared length of the current vector that is expected, `work_J` the
+    mechanical energy. The drive is enabled in `mode`, by default that of the stimulus, and not at all without
+    either. `omega_m_rad_s` and `settle_s` are a speed that it runs at in velocity mode, and how long it takes
+    to get there, before it plays and captures.
     """
 
     name: str
@@ -35,10 +39,21 @@ class Excitation:
     request: CaptureRequest
     squares_A2s: float = 0.0
     parameters: Mapping[str, Value] = field(default_factory=lambda: MappingProxyType({}))
+    omega_m_rad_s: float = 0.0
+    settle_s: float = 0.0
+    work_J: float = 0.0
+    mode: Mode | None = None
 
     def energy_J(self, R_s_ohm: float) -> float:
-        """Return the heat in the winding, 3/2 R_s times the integral."""
-        return 1.5 * R_s_ohm * self.squares_A2s
+        """Return the heat in the winding, 3/2 R_s times the integral, and the mechanical work."""
+        return 1.5 * R_s_ohm * self.squares_A2s + self.work_J
+
+    @property
+    def power_mode(self) -> Mode | None:
+        """Mode in which the drive is enabled; None with the power stage off."""
+        if self.mode is not None or self.stimulus is None:
+            return self.mode
+        return self.stimulus.modes[-1]  # a d-current plays at a speed
 
 
 def require_bearable(excitations: Iterable[Excitation], motor: Motor) -> None:

@@ -2,75 +2,66 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import ExitStack
-from dataclasses import dataclass, field
-from enum import StrEnum
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import replace
 from types import MappingProxyType
 
-from benchtool.analysis import Measurement
 from benchtool.block import Block
 from benchtool.commission.excitation import Excitation, require_bearable
 from benchtool.commission.known import Known
+from benchtool.commission.objects import objects_missing, without
+from benchtool.commission.playing import played, spent_J
+from benchtool.commission.recorder import StepRecorder
+from benchtool.commission.results import Commissioning, StepResult, StepVerdict
+from benchtool.commission.saving import save, settings_by_key, trial
+from benchtool.commission.steps.current_control import CurrentControl
+from benchtool.commission.steps.encoder import DraggedRotor
+from benchtool.commission.steps.flux_linkage import BackEmf
 from benchtool.commission.steps.inductance import TurningVoltage
+from benchtool.commission.steps.mechanics import Reversals
 from benchtool.commission.steps.offsets import Offsets
+from benchtool.commission.steps.preflight import Preflight
 from benchtool.commission.steps.resistance import StandingCurrents
-from benchtool.commission.steps.step import Finding, Step
-from benchtool.drive import Capability, Capture, RemoteDrive, play
+from benchtool.commission.steps.ripple_run import RippleRun
+from benchtool.commission.steps.speed_control import SpeedControl
+from benchtool.commission.steps.step import Finding, LoopStep, Step, Trial
+from benchtool.commission.steps.verification import Verification
+from benchtool.drive import Capability, RemoteDrive
 from benchtool.drive.parameters import held
 from benchtool.errors import (
     AnalysisError,
-    BenchError,
     CaptureError,
     DriveFault,
     SdoAbort,
+    SetUpError,
     StimulusError,
     UsageError,
     ValueRefused,
 )
 from benchtool.profile import Profile
-from benchtool.protocol.dictionary import Value, setting_of
+from benchtool.protocol import State
+from benchtool.protocol.dictionary import Role, Value, setting_of, toml_key
 
-STEPS: tuple[Step, ...] = (Offsets(), StandingCurrents(), TurningVoltage())
+STEPS: tuple[Step, ...] = (
+    Preflight(),
+    Offsets(),
+    StandingCurrents(),
+    DraggedRotor(),
+    TurningVoltage(),
+    BackEmf(),
+    Reversals(),
+    CurrentControl(),
+    SpeedControl(),
+    RippleRun(),
+    Verification(),
+)
 """Every step, in the order in which they are run."""
 
 _QUIET: Mapping[str, Value] = MappingProxyType({"quick_stop_option": "disable"})
+_OF_THE_LINK = (0x3210, 0x3220)  # error codes
 _FAIL_A_STEP = (AnalysisError, CaptureError, DriveFault, SdoAbort, StimulusError, ValueRefused)
-
-
-class StepVerdict(StrEnum):
-    """What became of a step."""
-
-    PASS = "pass"
-    FAIL = "fail"
-    SKIPPED = "skipped"
-
-
-@dataclass(frozen=True)
-class StepResult:
-    """One step: its verdict with a reason, the parameters that it is for, what it estimated and found, and
-    the heat in the winding in J, as planned with the resistance known then."""
-
-    name: str
-    sets: tuple[str, ...]
-    verdict: StepVerdict
-    reason: str = ""
-    estimates: Mapping[str, Measurement] = field(default_factory=lambda: MappingProxyType({}))
-    findings: tuple[Finding, ...] = ()
-    planned_J: float = 0.0
-
-
-@dataclass(frozen=True)
-class Commissioning:
-    """What was run, in order; `known` is the nameplate it began with."""
-
-    results: tuple[StepResult, ...]
-    known: Known
-
-    @property
-    def passed(self) -> bool:
-        """Whether every step passed, and nothing was found that is not as it should be."""
-        return all(each.verdict is StepVerdict.PASS and not each.findings for each in self.results)
 
 
 def steps_for(names: Sequence[str]) -> tuple[Step, ...]:
@@ -105,88 +96,160 @@ def planned(steps: Sequence[Step], known: Known) -> dict[str, tuple[Excitation, 
 
 
 def commission(
-    drive: RemoteDrive, profile: Profile, steps: Sequence[Step], note: Callable[[str], None] = lambda _: None
+    drive: RemoteDrive,
+    profile: Profile,
+    steps: Sequence[Step],
+    note: Callable[[str], None] = lambda _: None,
+    *,
+    recorder: StepRecorder | None = None,
+    keep: bool = False,
+    force: bool = False,
+    watching: AbstractContextManager[object] | None = None,
 ) -> Commissioning:
     """Run steps on a connected drive, with the profile as the nameplate.
 
-    The drive holds what the profile states for as long as this lasts, and what it held before afterwards:
-    nothing is kept. A step that fails leaves out those that need it; the others are run. A fault stays until
-    it is reset.
+    A step is left out, with the reason, that takes objects which the drive has not. The drive holds what the
+    profile states for as long as this lasts, and what it held before afterwards. A
+    step that fails leaves out those that need it; the others are run. A fault stays until it is reset. With
+    `keep`, and if every step passed and found nothing wrong, the drive then stores what was estimated.
 
     Args:
         note: takes a line of progress.
+        recorder: records each step, and has those that an earlier session has finished.
+        keep: have the drive store the parameters.
+        force: store them although something was found that is not as it should be.
+        watching: entered while steps are run, as a stream that is shown live.
 
     Raises:
-        CapabilityMissing: the drive cannot play or capture; nothing was sent.
+        CapabilityMissing: the drive cannot be supervised, or cannot store; nothing was sent.
         ValueRefused: a step would warm the winding too much by the nameplate, or the profile states what the
             drive cannot have.
         LinkError, StateError, WriteNotVerified: the drive does not answer as it should; it is disabled, or
             will stop by itself.
+        RecordingError: a step cannot be recorded.
     """
-    drive.capabilities.require(
-        Capability.STIMULUS, Capability.CAPTURE, Capability.SUPERVISED, purpose="a commissioning"
-    )
-    known = Known.of(drive, profile.motor)
-    planned(steps, known)
+    drive.capabilities.require(Capability.SUPERVISED, purpose="a commissioning")
+    if reason := without(drive, Capability.CAPTURE):
+        left_out = tuple(StepResult(each.name, each.sets, StepVerdict.SKIPPED, reason) for each in steps)
+        known = Known(profile.motor, profile.control_period_s, math.nan)
+        return Commissioning(left_out, known, not_saved="nothing was found")
+    if keep:
+        drive.capabilities.require(Capability.STORAGE, purpose="keeping what a commissioning finds")
+    stated = stated_parameters(drive, profile)
     results: list[StepResult] = []
-    with held(drive, {**_stated(drive, profile), **_QUIET}):
+    note("putting in force what the profile states")
+    with watching or nullcontext(), trial(drive), held(drive, {**stated, **_QUIET}):
+        _leave_fault_of_the_link(drive, note)
+        began = known = Known.of(drive, profile.motor)
+        planned(steps, known)
         for step in steps:
-            result = _attempt(drive, step, known, results, note)
+            done = recorder.finished(step) if recorder is not None else None
+            if done is not None:
+                note(f"{step.name}: already there")
+            result = done or _attempt(drive, step, known, results, note, recorder)
             results.append(result)
             if result.verdict is StepVerdict.PASS:
                 known = known.with_estimates(result.estimates)
-    return Commissioning(tuple(results), known)
+    values = {**stated, **known.in_force}
+    found = Commissioning(tuple(results), began, settings_by_key(drive, values))
+    if not keep:
+        return replace(found, not_saved="it was not asked for")
+    if reason := _why_not(found, force=force):
+        return replace(found, not_saved=reason)
+    note("writing, reading back and storing the parameters")
+    save(drive, values)
+    return replace(found, saved=True)
+
+
+def _why_not(found: Commissioning, *, force: bool) -> str:
+    """Return why the parameters are not to be stored; empty if they are."""
+    unfinished = [each.name for each in found.results if each.verdict is not StepVerdict.PASS]
+    if unfinished:
+        return f"{', '.join(unfinished)} did not pass"
+    if found.passed or force:
+        return ""
+    wrong = [finding.what for each in found.results for finding in each.findings]
+    return f"something is not as it should be ({wrong[0]}); correct it, or use --force"
 
 
 def _attempt(
-    drive: RemoteDrive, step: Step, known: Known, before: Sequence[StepResult], note: Callable[[str], None]
+    drive: RemoteDrive,
+    step: Step,
+    known: Known,
+    before: Sequence[StepResult],
+    note: Callable[[str], None],
+    recorder: StepRecorder | None,
 ) -> StepResult:
     failed = [
         each.name for each in before if each.name in step.needs and each.verdict is not StepVerdict.PASS
     ]
     if failed:
         return StepResult(step.name, step.sets, StepVerdict.SKIPPED, f"it needs {', '.join(failed)}")
-    excitations = step.plan(known)
-    require_bearable(excitations, known.motor)
-    heat_J = sum(each.energy_J(known.R_s_ohm) for each in excitations)
+    with nullcontext() if recorder is None else recorder.recording(step):
+        result = _run(drive, step, known, note, recorder)
+        if recorder is not None:
+            recorder.finish(result, step.loops(known) if isinstance(step, LoopStep) else ())
+    return result
+
+
+def _run(
+    drive: RemoteDrive, step: Step, known: Known, note: Callable[[str], None], recorder: StepRecorder | None
+) -> StepResult:
+    result = StepResult(step.name, step.sets, StepVerdict.FAIL)
+    blocks: list[Block] = []
     try:
-        blocks = []
+        excitations = step.plan(known)
+        if reason := objects_missing(drive, excitations):
+            return replace(result, verdict=StepVerdict.SKIPPED, reason=reason)
+        require_bearable(excitations, known.motor)
+        result = replace(result, planned_J=sum(each.energy_J(known.R_s_ohm) for each in excitations))
         for each in excitations:
             note(f"{step.name}: {each.name}")
-            blocks.append(_played(drive, each, known))
+            blocks.append(played(drive, each, known))
+            if recorder is not None:
+                recorder.append(each.name, blocks[-1])
+        result = replace(result, spent_J=spent_J(excitations, blocks, known))
         estimates = step.estimate(blocks, known)
+        if isinstance(step, Trial):
+            estimates = {**estimates, **step.attempt(drive, known)}
+    except SetUpError as wrong:
+        found = (Finding(wrong.what, wrong.cause, wrong.remedy),)
+        return replace(result, reason=wrong.what, findings=found)
     except _FAIL_A_STEP as reason:
-        return StepResult(step.name, step.sets, StepVerdict.FAIL, str(reason), planned_J=heat_J)
+        return replace(result, reason=str(reason))
     findings = step.findings(estimates, known)
     fatal = next((each for each in findings if each.fails), None)
     if fatal is not None:
-        return StepResult(step.name, step.sets, StepVerdict.FAIL, fatal.what, {}, findings, heat_J)
-    return StepResult(step.name, step.sets, StepVerdict.PASS, "", estimates, findings, heat_J)
+        return replace(result, reason=fatal.what, findings=findings)
+    return replace(
+        result,
+        verdict=StepVerdict.PASS,
+        estimates=estimates,
+        findings=findings,
+        spent_J=spent_J(excitations, blocks, known.with_estimates(estimates)),
+    )
 
 
-def _played(drive: RemoteDrive, excitation: Excitation, known: Known) -> Block:
-    """Play one excitation with its parameters in force; the drive is disabled when this returns or raises."""
-    with ExitStack() as stack:
-        stack.enter_context(held(drive, excitation.parameters))
-        if excitation.stimulus is None:
-            capture = Capture(drive, excitation.request)
-            capture.wait()
-            return capture.read()
-        (mode,) = excitation.stimulus.modes
-        stack.enter_context(drive.enabled(mode))
-        block = play(drive, excitation.stimulus, excitation.request, motor=known.motor)
-    if block is None:
-        raise BenchError(f"the excitation '{excitation.name}' was not captured")
-    return block
+def _leave_fault_of_the_link(drive: RemoteDrive, note: Callable[[str], None]) -> None:
+    """Reset a fault of the dc link's voltage where that is within the profile's limits, which are in force
+    now: the drive came with others."""
+    if drive.state() is not State.FAULT or drive.optional_number(Role.ERROR_CODE) not in _OF_THE_LINK:
+        return
+    if drive.number("u_dc_min") <= drive.number("u_dc") <= drive.number("u_dc_max"):
+        note("the dc link is within the limits of the profile, not within those that the drive had")
+        drive.reset_fault()
+        drive.emergencies()
 
 
-def _stated(drive: RemoteDrive, profile: Profile) -> dict[str, Value]:
+def stated_parameters(drive: RemoteDrive, profile: Profile) -> dict[str, Value]:
     """Return what the profile states, by the dictionary's names; what this drive has not is left out.
 
     Raises:
         ValueRefused: a value that the drive's parameter cannot have.
     """
+    own = {toml_key(variable) for variable in drive.dictionary}
     return {
         setting_of(drive.dictionary, key, value).name: value
         for key, value in profile.stated_parameters.items()
+        if key in own or key not in profile.motor.parameters
     }

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Self
@@ -15,11 +15,25 @@ from benchtool.analysis import Measurement
 from benchtool.drive import RemoteDrive
 from benchtool.errors import ValueRefused
 from benchtool.profile import Motor
-from benchtool.protocol.dictionary import Value
+from benchtool.protocol.dictionary import Value, Variable
 
 _SAMPLED_S = 0.01
+_MOST_DEAD_TIME_S = 2e-5  # that a drive compensates
 _OF_THE_SWING = 0.7
 _SLOWEST_RAD_S = 30.0  # so that a level of some tenths of a second settles
+_READ = ("law", "encoder_lines", "u_s", "T_k_ratio", "i_trip", "torque_limit")
+_FRICTION_SHARE = 0.02  # of the rated torque, until friction is known
+_SEEN = 3.0  # standard uncertainties, below which nothing is compensated
+_OF_MOTOR: Mapping[str, str] = MappingProxyType(
+    {
+        "R_s": "R_s_ohm",
+        "L_d": "L_d_H",
+        "L_q": "L_q_H",
+        "psi_r": "psi_r_Wb",
+        "J": "J_kgm2",
+        "pole_pairs": "pole_pairs",
+    }
+)
 _NONE: Mapping[str, Measurement] = MappingProxyType({})
 
 
@@ -27,18 +41,30 @@ _NONE: Mapping[str, Measurement] = MappingProxyType({})
 class Known:
     """The host's knowledge of motor and drive; nothing of it is the truth of an emulated bench.
 
-    `motor` is the nameplate; `estimates` has what was estimated, by the dictionary's names.
+    `motor` is the nameplate; `variables` are the parameters of the drive that can be set, `held` what it
+    holds while steps are run, and `estimates` what was estimated, by its names. `encoder_lines` are
+    those that the drive counts by, `travel_rad` is how far the shaft may turn from where it stands.
     """
 
     motor: Motor
     control_period_s: float
     u_dc_V: float
     u_dc_full_scale_V: float = 0.0
+    encoder_lines: int = 2500
+    travel_rad: float = math.inf
+    pwm_period_s: float = 0.0
+    variables: Mapping[str, Variable] = field(default_factory=lambda: MappingProxyType({}))
+    held: Mapping[str, Value] = field(default_factory=lambda: MappingProxyType({}))
     estimates: Mapping[str, Measurement] = field(default_factory=lambda: _NONE)
 
     @classmethod
-    def of(cls, drive: RemoteDrive, motor: Motor) -> Self:
+    def of(cls, drive: RemoteDrive, motor: Motor, stated: Mapping[str, Value] | None = None) -> Self:
         """Return what is known before the first step.
+
+        Args:
+            drive: connected.
+            motor: the nameplate.
+            stated: what the drive is to hold meanwhile, by name; the rest as it holds it now.
 
         Raises:
             NoAnswer, SdoAbort: the drive does not answer, or refused.
@@ -49,7 +75,21 @@ class Known:
         if not u_dc_V > 0.0:
             raise ValueRefused(f"the drive reads a dc link of {u_dc_V:g} V: power it; nothing was sent")
         period_s = round(drive.number("control_period") * 1e9) * 1e-9  # the drive has it as a float32
-        return cls(motor, period_s, u_dc_V, drive.number("u_dc_full_scale"))
+        pwm_s = round(drive.number("pwm_period") * 1e9) * 1e-9
+        variables = {
+            each.name: each for each in drive.dictionary if each.role == "parameter" and each.writable
+        }
+        held = {name: drive.read(name) for name in _READ if name in drive.dictionary} | dict(stated or {})
+        return cls(
+            motor,
+            period_s,
+            u_dc_V,
+            drive.number("u_dc_full_scale"),
+            encoder_lines=int(held.get("encoder_lines", cls.encoder_lines)),
+            pwm_period_s=pwm_s,
+            variables=variables,
+            held=held,
+        )
 
     def with_estimates(self, found: Mapping[str, Measurement]) -> Self:
         """Return this with more estimates; those without a value are left out."""
@@ -64,6 +104,57 @@ class Known:
         """Return the estimate of a parameter, or what the nameplate says."""
         found = self.estimates.get(name)
         return nameplate if found is None else found.value
+
+    @property
+    def in_force(self) -> dict[str, Value]:
+        """What was estimated, as the drive's parameters have it; what is no parameter of it is left out.
+
+        The drive compensates dead time and drop by a time: that in which the dc link makes the voltage they
+        take.
+        """
+        found = {name: each.value for name, each in self.estimates.items()}
+        if (drop := self.estimates.get("dead_time_voltage")) is not None:
+            standard = 0.0 if drop.uncertainty is None else drop.uncertainty.standard
+            seen = drop.value > _SEEN * standard
+            found["dead_time_compensation"] = self.compensation_s if seen else 0.0
+        return {
+            name: _as_held(self.variables[name], value)
+            for name, value in found.items()
+            if name in self.variables
+        }
+
+    @property
+    def law(self) -> str:
+        """Control law that the drive is to run with."""
+        return str(self.held.get("law", ""))
+
+    @property
+    def vector_A(self) -> float:
+        """By how much one voltage vector of a law of fixed voltage changes the current; 0 for another law."""
+        if self.law not in ("tpc", "tpc_stator"):
+            return 0.0
+        motor = self.identified
+        volt_seconds = float(self.held["u_s"]) * float(self.held["T_k_ratio"]) * self.control_period_s
+        return volt_seconds / min(motor.L_d_H, motor.L_q_H)
+
+    @property
+    def friction_Nm(self) -> Callable[[float], float]:
+        """Torque of friction at a speed in rad/s; until it is known, a share of the rated torque."""
+        coulomb = self.value(
+            "coulomb", _FRICTION_SHARE * self.motor.T_N_Nm if "J" not in self.estimates else 0.0
+        )
+        viscous = self.value("friction", 0.0)
+        return lambda omega_m: coulomb + viscous * abs(omega_m)
+
+    @property
+    def torque_per_A(self) -> float:
+        """Torque per ampere of i_q, peak: 3/2 p psi_r."""
+        return 1.5 * self.identified.pole_pairs * self.identified.psi_r_Wb
+
+    @property
+    def pole_pairs(self) -> int:
+        """Pole pairs, as found or as stated."""
+        return round(self.value("pole_pairs", self.motor.pole_pairs))
 
     @property
     def I_N_A(self) -> float:
@@ -96,12 +187,66 @@ class Known:
         return self.value("dead_time_voltage", 0.0)
 
     @property
+    def identified(self) -> Motor:
+        """The nameplate with what was estimated in its place."""
+        found = {key: self.estimates[name].value for name, key in _OF_MOTOR.items() if name in self.estimates}
+        if "pole_pairs" in found:
+            found["pole_pairs"] = round(found["pole_pairs"])
+        return self.motor.model_copy(update=found)
+
+    @property
+    def electrical(self) -> dict[str, Value]:
+        """Parameters of the drive for its current loop, as far as estimated."""
+        return {name: self.estimates[name].value for name in ("R_s", "L_d", "L_q") if name in self.estimates}
+
+    @property
+    def encoder(self) -> dict[str, Value]:
+        """Parameters of the drive for the rotor's angle, as far as estimated."""
+        found: dict[str, Value] = {}
+        if "encoder_offset" in self.estimates:
+            found["encoder_offset"] = self.estimates["encoder_offset"].value
+            found["encoder_direction"] = (
+                "forward" if self.value("encoder_direction", 1.0) > 0.0 else "reverse"
+            )
+            found["pole_pairs"] = self.identified.pole_pairs
+        return found
+
+    def without_eccentricity(self, theta_m_rad: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the mechanical angle of the shaft, shape (n,), from what an eccentric encoder shows."""
+        shaft = np.array(theta_m_rad)
+        for n in (1, 2):
+            shaft -= self.value(f"eccentricity_{n}_cos", 0.0) * np.cos(n * theta_m_rad)
+            shaft -= self.value(f"eccentricity_{n}_sin", 0.0) * np.sin(n * theta_m_rad)
+        return shaft
+
+    @property
+    def compensation_s(self) -> float:
+        """Dead time by which the drive takes off what dead time and devices take of a phase, as far as
+        estimated."""
+        period_s = self.pwm_period_s or self.control_period_s
+        return min(max(0.0, self.drop_V / self.u_dc_V * period_s), _MOST_DEAD_TIME_S)
+
+    @property
     def offsets(self) -> dict[str, Value]:
         """Parameters of the drive that take the offsets of the current sensors off, as far as estimated."""
         names = [f"current_offset_{phase}" for phase in "abc"]
         return {name: self.estimates[name].value for name in names if name in self.estimates}
 
     @property
+    def sensor_gains(self) -> dict[str, Value]:
+        """Parameters of the drive that make its current sensors agree, as far as estimated."""
+        names = [f"current_gain_{phase}" for phase in "abc"]
+        return {name: self.estimates[name].value for name in names if name in self.estimates}
+
+    @property
     def gains(self) -> NDArray[np.float64]:
         """Corrections of the gains of the current sensors, shape (3,)."""
         return np.array([self.value(f"current_gain_{phase}", 1.0) for phase in "abc"])
+
+
+def _as_held(variable: Variable, value: float) -> Value:
+    """Return a number as a drive reads it back: rounded to its type, an enumeration by name."""
+    if variable.values is not None:
+        return next(name for name, number in variable.values.items() if number == round(value))
+    whole = variable.type.numpy is not None and np.issubdtype(variable.type.numpy, np.integer)
+    return variable.decode(variable.encode(round(value) if whole and variable.factor == 1.0 else value))

@@ -174,6 +174,10 @@ class Cia402Node(RemoteNode):
                 f"the drive is still in '{state.value}', {self.last_error()}: remove the cause first"
             )
 
+    def quick_stop(self) -> None:
+        """Ask for a quick stop; what it does is the drive's quick stop option (CiA 402-2, object 0x605A)."""
+        self._ask(Command.QUICK_STOP)
+
     def _code_of(self, mode: Mode) -> int:
         """Return code of a mode: the cyclic mode's on a drive that has not the profile one, by its 0x6502."""
         supported = self.optional_number(Role.SUPPORTED_MODES) if len(mode.codes) > 1 else None

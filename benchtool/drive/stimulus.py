@@ -46,7 +46,8 @@ class Stimulus(Section):
     mode, a speed in velocity mode, a d_current in either, by way of the flux reference that every law of the
     reference drive follows. A voltage takes the place of the law in voltage mode, a current in current mode,
     along `angle_rad` against phase a or, with `frame = "rotor"`, along the rotor flux. Against phase a either
-    may turn with `omega_e_rad_s`, to which it comes up within `turn_s`.
+    may turn with `omega_e_rad_s`, to which it comes up within `turn_s`; what lasts twice as long and more
+    comes to rest again in the last `turn_s`.
 
     Shapes over the ticks of one repetition: `constant` 1; `step` 1, and 0 from the middle on; `staircase`
     1/n, 2/n to 1 in n `steps`; `ramp` from 0 towards 1; `sine`, `chirp_linear` and `chirp_logarithmic` from
@@ -101,7 +102,7 @@ class Stimulus(Section):
     omega_e_rad_s: Annotated[float, Field(ge=-20_000.0, le=20_000.0)] = 0.0
     """Electrical speed with which a voltage or current turns."""
     turn_s: Annotated[float, Field(ge=0.0, le=3600.0)] = 0.0
-    """Time in which a voltage or current comes up to that speed, evenly."""
+    """Time in which a voltage or current comes up to that speed, evenly, and to rest before the end."""
 
     @model_validator(mode="after")
     def _keys_fit(self) -> Stimulus:

@@ -292,7 +292,7 @@ def _core(table: ObjectTable, profile: Profile, emulator: Emulator, seed: int, f
 
 
 def _truth(profile: Profile, emulator: Emulator) -> tuple[MotorTruth, InverterTruth, SensorTruth]:
-    motor, true = profile.motor, emulator.motor
+    motor, true = profile.nameplate or profile.motor, emulator.motor
     believed = motor.model_dump(include={"pole_pairs", "R_s_ohm", "L_d_H", "L_q_H", "psi_r_Wb", "J_kgm2"})
     stated = true.model_dump(exclude_none=True, exclude={"saturation", "heat"})
     saturation = SaturationTruth(**true.saturation.model_dump()) if true.saturation else None

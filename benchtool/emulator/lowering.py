@@ -99,10 +99,9 @@ class _Registration(LoweringPass):
         LoweringPass.__init__(self)
 
     def run_pass(self, state: Any) -> bool:
+        # numba keeps functions by what Python calls, a built-in function; this one is never called
         functions: list[None] = []
-        key = (
-            functions.append
-        )  # numba keeps functions by what Python calls, a built-in method; it is never called
+        key = functions.append
         state.targetctx.insert_user_function(key, state["cr"].fndesc, [state.library])
         state["cr"] = state["cr"]._replace(cfunc=key)
         return True

@@ -31,6 +31,8 @@ class Profile(Section):
     """One line that names motor and drive in reports."""
     motor: Motor
     """Rating and equivalent circuit, as the host and the drive's control assume them."""
+    nameplate: Motor | None = None
+    """What `[motor]` stated before a commissioning replaced it; an emulated machine is as this states it."""
     drive: Drive
     """Where the drive answers, which dictionary it speaks, what it is set to."""
     bench: Bench = Bench()

@@ -18,6 +18,7 @@ from .recording import (
     Ended as Ended,
     Recording as Recording,
     Status as Status,
+    manifest_of as manifest_of,
     prepared as prepared,
     record as record,
 )

@@ -34,6 +34,10 @@ class Estimate(Document):
     """What it is by."""
     nameplate: float | None = None
     """What the profile states, as a nameplate; null where it does not."""
+    deviation_percent: float | None = None
+    """Value over nameplate, less 1, in percent; null where the nameplate states nothing."""
+    looks_like: str | None = None
+    """What a deviation by a telling factor (2, 3/2, sqrt 3, p, ...) probably is; left out of others."""
     reason: str | None = None
     """Why there is no value."""
 
@@ -46,7 +50,11 @@ class CommissionedStep(Document):
     reason: str
     """Why it did not pass; empty if it did."""
     energy_J: float
-    """Heat in the winding, as planned with the resistance known then."""
+    """Heat in the winding and work against friction, as planned with what was known then."""
+    spent_J: float
+    """The same of its captures."""
+    resumed: bool
+    """Whether an earlier session has done it."""
 
 
 class FoundDeviation(Document):
@@ -60,6 +68,17 @@ class FoundDeviation(Document):
     """What to do about it."""
 
 
+class InConvention(Document):
+    """An estimate as a nameplate states it."""
+
+    name: str
+    """What, and by which convention: `Ke, line to line, rms`."""
+    value: float
+    """Its value."""
+    unit: str
+    """Its unit."""
+
+
 class Commissioned(Document):
     """`commission`."""
 
@@ -71,17 +90,27 @@ class Commissioned(Document):
     """Estimates by the dictionary's names."""
     findings: list[FoundDeviation]
     """What is not as it should be."""
+    conventions: list[InConvention]
+    """The estimates in every convention of nameplates."""
+    parameters: dict[str, float | int | str]
+    """What the drive is to hold by it, by the keys of a profile."""
+    saved: bool
+    """Whether the drive has stored them."""
+    not_saved: str
+    """Why not; empty if it has."""
     profile: str | None
-    """New profile; null, as none is written yet."""
+    """New profile, with the estimates in place of the nameplate's values."""
     bundle: str | None
-    """Folder of the recording; null, as none is written yet."""
+    """Folder of the recording, a bundle for each step."""
+    report: str | None
+    """Report as an HTML page."""
 
 
 class PlannedStep(Document):
     """What a step would put in, and for which parameters."""
 
     energy_J: float
-    """Heat in the winding, by the nameplate's resistance."""
+    """Heat in the winding and work against friction, by the nameplate."""
     sets: list[str]
     """Parameters that its estimates are for."""
 
@@ -94,4 +123,4 @@ class PlannedCommissioning(Document):
     steps: dict[str, PlannedStep]
     """The steps by name, in their order."""
     energy_J: float
-    """Heat of all steps."""
+    """Energy of all steps."""

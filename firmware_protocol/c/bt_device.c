@@ -196,6 +196,14 @@ static bool has_braked(struct bt_device *device)
     return braked;
 }
 
+/* Its host is gone, and what it tried in the parameters goes as soon as nothing is controlled by them. */
+static bool trial_is_over(const struct bt_device *device)
+{
+    return device->variables.parameter_trial == BT_PARAMETER_TRIAL_ON &&
+           device->watchdog.state == BT_LINK_STATE_LOST &&
+           !bt_cia402_power_stage_on((enum bt_state)device->state);
+}
+
 void bt_device_look_after(struct bt_device *device)
 {
     const uint16_t trip = BT_LOAD(&device->trip_code);
@@ -211,6 +219,13 @@ void bt_device_look_after(struct bt_device *device)
     if (bt_watchdog_lose(&device->watchdog)) {
         lose_link(device);
         bt_watchdog_settle(&device->watchdog);
+    }
+    if (trial_is_over(device)) {
+        bt_set_parameters(&device->variables, device->has_stored ? device->stored + 1 : NULL);
+        BT_LOCK();
+        bt_cut_to_relations(&device->variables);
+        device->variables.parameter_trial = BT_PARAMETER_TRIAL_OFF;
+        BT_UNLOCK();
     }
 }
 

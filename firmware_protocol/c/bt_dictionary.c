@@ -268,3 +268,19 @@ void bt_set_defaults(struct bt_variables *variables, uint8_t node_id, uint16_t f
         BT_UNLOCK();
     }
 }
+
+void bt_set_parameters(struct bt_variables *variables, const uint32_t *parameters)
+{
+    uint32_t id;
+    for (id = 0; id < BT_ENTRY_COUNT; id++) {
+        const struct bt_entry *entry = &bt_entries[id];
+        union bt_number number = default_of(entry, 0);
+        if (entry->role != BT_ROLE_PARAMETER)
+            continue;
+        if (parameters != NULL)
+            number.u = *parameters++;
+        BT_LOCK();
+        bt_store(variables, (enum bt_id)id, number);
+        BT_UNLOCK();
+    }
+}

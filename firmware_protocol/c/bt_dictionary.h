@@ -98,6 +98,9 @@ void bt_store(struct bt_variables *variables, enum bt_id id, union bt_number num
 void bt_set_defaults(struct bt_variables *variables, uint8_t node_id, uint16_t first, uint16_t last,
                      const uint32_t *parameters);
 
+/* Give the parameters alone the values that were kept, or their defaults. */
+void bt_set_parameters(struct bt_variables *variables, const uint32_t *parameters);
+
 #ifdef __cplusplus
 }
 #endif

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 
 import pytest
@@ -10,8 +11,7 @@ from typer.testing import CliRunner
 
 from benchtool.bench.session import open_session
 from benchtool.cli import app
-from benchtool.commission import Commissioning, commission, document, steps_for
-from benchtool.commission.execution import STEPS, StepVerdict
+from benchtool.commission import Commissioning, StepVerdict, commission, document, steps_for
 from benchtool.drive.parameters import snapshot
 from benchtool.errors import UsageError
 from benchtool.shipped import shipped
@@ -22,6 +22,7 @@ NAMEPLATE = {
     "R_s_ohm = 0.123": "R_s_ohm = 0.16",
     "L_d_H = 9.52e-3": "L_d_H = 7e-3",
     "L_q_H = 9.52e-3": "L_q_H = 7e-3",
+    "omega_m_N_rad_s = 157.1": "omega_m_N_rad_s = 100.0",  # that the dc link allows
 }
 TRUTH = "[emulator.motor]\nR_s_ohm = 0.123\nL_d_H = 9.52e-3\nL_q_H = 9.52e-3\n"
 
@@ -55,22 +56,32 @@ def commissioned(profile: str, options: str, *names: str) -> Commissioning:
 
 @over_both_wires
 def test_a_motor_is_identified(boxed: str, link_options: str) -> None:
-    done = commissioned(boxed, link_options.removeprefix("&"))
+    done = commissioned(boxed, link_options.removeprefix("&"), "inductance")
     assert [(each.name, each.verdict) for each in done.results] == [
-        (step.name, StepVerdict.PASS) for step in STEPS
+        (name, StepVerdict.PASS) for name in ("preflight", "offsets", "resistance", "encoder", "inductance")
     ]
-    estimates = {name: each for result in done.results for name, each in result.estimates.items()}
+    estimates = done.estimates
     for name, true, tolerance in (("R_s", 0.123, 0.02), ("L_d", 9.52e-3, 0.03), ("L_q", 9.52e-3, 0.03)):
         found = estimates[name]
         assert found.uncertainty is not None
         assert found.value == pytest.approx(true, rel=tolerance)
         assert abs(found.value - true) < 4.0 * found.uncertainty.standard
     assert estimates["dead_time_voltage"].value == pytest.approx(0.0, abs=0.05)
+    assert estimates["pole_pairs"].value == 4.0
+    assert estimates["encoder_direction"].value == 1.0
+    assert abs(estimates["encoder_offset"].value) < math.radians(1.0) / 4.0
+    assert 0.3 < estimates["link_loss_time"].value < 0.6
 
 
 def test_a_step_brings_those_that_it_needs() -> None:
-    assert [each.name for each in steps_for(["inductance"])] == ["offsets", "resistance", "inductance"]
-    assert [each.name for each in steps_for(["offsets"])] == ["offsets"]
+    assert [each.name for each in steps_for(["inductance"])] == [
+        "preflight",
+        "offsets",
+        "resistance",
+        "encoder",
+        "inductance",
+    ]
+    assert [each.name for each in steps_for(["offsets"])] == ["preflight", "offsets"]
     with pytest.raises(UsageError, match="no step 'flux'"):
         steps_for(["flux"])
 
@@ -78,8 +89,8 @@ def test_a_step_brings_those_that_it_needs() -> None:
 @pytest.mark.parametrize(
     ("old", "new", "reason"),
     [
-        ("i_trip_A = 12.0", "i_trip_A = 9.4", "i_trip is 9.4 A"),
-        ("u_dc_min_V = 50.0", "u_dc_min_V = 130.0", "0x3220"),
+        ("i_trip_A = 12.0", "i_trip_A = 9.4", "trips at 9.4 A"),
+        ("u_dc_min_V = 50.0", "u_dc_min_V = 130.0", "130 V"),
     ],
 )
 def test_a_step_that_fails_leaves_out_those_that_need_it(
@@ -87,23 +98,28 @@ def test_a_step_that_fails_leaves_out_those_that_need_it(
 ) -> None:
     tripping = tmp_path / "profile.toml"
     tripping.write_text(Path(boxed).read_text(encoding="utf-8").replace(old, new))
-    done = commissioned(str(tripping), "")
+    done = commissioned(str(tripping), "", "inductance")
     content = document(done)
-    assert [each["verdict"] for each in content["steps"].values()] == ["pass", "fail", "skipped"]
-    assert reason in content["steps"]["resistance"]["reason"]
-    assert content["estimates"]["L_d"] == {"value": None, "reason": "step inductance: it needs resistance"}
+    assert [each["verdict"] for each in content["steps"].values()] == ["fail", *4 * ["skipped"]]
+    assert reason in content["steps"]["preflight"]["reason"]
+    assert content["estimates"]["L_d"]["value"] is None
+    assert content["estimates"]["L_d"]["reason"].startswith("step inductance: it needs")
     assert content["verdict"] == "fail"
 
 
-def test_the_command_prints_one_document_and_needs_a_yes(boxed: str) -> None:
+def test_the_command_prints_one_document_and_needs_a_yes(boxed: str, tmp_path: Path) -> None:
     runner = CliRunner()
     asked = runner.invoke(app, ["commission", "resistance", "--profile", boxed])
     assert asked.exit_code == 2
     of_resistance = ("commission", "resistance", "--profile", boxed, "--json")
     planned = json.loads(runner.invoke(app, [*of_resistance, "--dry-run"]).stdout)
-    assert list(planned["steps"]) == ["offsets", "resistance"]
-    result = runner.invoke(app, [*of_resistance, "--yes"])
+    assert list(planned["steps"]) == ["preflight", "offsets", "resistance"]
+    result = runner.invoke(app, [*of_resistance, "--yes", "--out", str(tmp_path / "a")])
     assert result.exit_code == 0, result.output
     content = json.loads(result.stdout)
     assert content["estimates"]["R_s"]["nameplate"] == 0.16
-    assert sum(each["energy_J"] for each in content["steps"].values()) == pytest.approx(planned["energy_J"])
+    steps = content["steps"].values()
+    assert sum(each["energy_J"] for each in steps) == pytest.approx(planned["energy_J"])
+    stated_R_s, found_R_s = 0.16, content["estimates"]["R_s"]["value"]
+    by_its_R_s = planned["energy_J"] * found_R_s / stated_R_s
+    assert sum(each["spent_J"] for each in steps) == pytest.approx(by_its_R_s, rel=0.05)

@@ -1,4 +1,5 @@
 from .deviations import (
+    SURE as SURE,
     Deviation as Deviation,
     contradictions as contradictions,
     deviations as deviations,

@@ -34,6 +34,7 @@ _SHORTER = 1.5  # how much shorter the window is than the one of least risk
 _SLIGHTLY = 1e-9  # of a step: smaller differences are rounding
 _PART = 5  # the greatest half window is at most this part of what follows the event
 _LAGS = 4  # lags of an autocovariance: this part of its samples
+_MOST_OF_RMS = 2.0  # that noise too slow for a piece has of the rms that it shows
 _CLEARLY_SLOWER = 1.0  # times the variance of a mean by the autocovariance
 _ROUNDING = 1e-7  # of the level: what is less is rounding of 32-bit numbers, and no noise
 
@@ -226,11 +227,12 @@ def _offset(covariance: Floats, piece: Floats) -> float:
     """Return the standard deviation of the mean of a piece that its autocovariance does not hold: that of
     noise whose density rises below the lowest frequency of the piece."""
     slow = slow_noise(piece) if covariance[0] > 0.0 else None
-    if slow is None or slow.is_lost:
+    if slow is None:
         return 0.0
+    standard = min(slow.standard, _MOST_OF_RMS * math.sqrt(float(covariance[0])))
     lags, count = np.arange(1, len(covariance)), len(piece)
     held = (covariance[0] + 2.0 * float(np.sum((1.0 - lags / count) * covariance[1:]))) / count
-    beyond = slow.standard**2 - held
+    beyond = standard**2 - held
     return math.sqrt(beyond) if beyond > _CLEARLY_SLOWER * held else 0.0
 
 

@@ -44,19 +44,22 @@ _FEWEST = 40
 class Turning:
     """One capture: voltages asked for, shape (n,), and phase currents, shape (n + 1, 3).
 
-    u_V[k] acts from readings_A[k] to readings_A[k + 1].
+    u_V[k] acts from readings_A[k] to readings_A[k + 1]. `rotor_rad` is the electrical angle of the rotor by
+    the encoder, or 0 where it is not known: of captures between which the rotor moved it has to be.
     """
 
     u_V: NDArray[np.complex128]
     readings_A: NDArray[np.float64]
+    rotor_rad: float = 0.0
 
 
 @dataclass(frozen=True)
 class Inductance:
     """L_d and L_q in H with standard uncertainties and degrees of freedom.
 
-    `axis_rad` is the electrical angle of the d-axis against phase a, modulo pi: the axis of the anisotropy
-    nearest to where the rotor was aligned; nan where that is no clearer than its noise.
+    `axis_rad` is the electrical angle of the d-axis against phase a, or against the encoder's, modulo pi: the
+    axis of the anisotropy nearest to where the rotor was aligned; nan where that is no clearer than its
+    noise.
     """
 
     L_d_H: float
@@ -83,7 +86,8 @@ def inductance(
         T_s: control period.
         R_s_ohm, drop_V: resistance, and voltage that dead time and devices take of a phase.
         gains: corrections of the current sensors, shape (3,).
-        aligned_rad: electrical angle at which the rotor was aligned, against phase a.
+        aligned_rad: electrical angle at which the rotor was aligned, against phase a, or what is left of it
+            beyond `rotor_rad`.
 
     Raises:
         AnalysisError: too short, or of one speed only.
@@ -143,9 +147,10 @@ def _changes(
             f"a larger current turn more slowly"
         )
     across = cmath.exp(1j * (aligned_rad + 0.5 * math.pi))
-    speed = np.cumsum(T_s * (mean * across.conjugate()).real)
-    x = T_s * (of.u_V - R_s * mean - drop_V * drop_vector(phases[1:]))
-    columns = (x, x.conj(), 1j * x.conj(), -T_s * speed * across, np.diff(i))
+    turned = cmath.exp(-1j * of.rotor_rad)
+    speed = np.cumsum(T_s * (mean * turned * across.conjugate()).real)
+    x = T_s * turned * (of.u_V - R_s * mean - drop_V * drop_vector(phases[1:]))
+    columns = (x, x.conj(), 1j * x.conj(), -T_s * speed * across, turned * np.diff(i))
     rows = np.column_stack([each[k] for each in columns])
     for component in (rows.real, rows.imag):
         left = _less_line(component, k)

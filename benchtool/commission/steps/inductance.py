@@ -1,9 +1,11 @@
-"""Inductances of both axes around zero current, with the rotor at rest where it was aligned."""
+"""Inductances of both axes around zero current, with the rotor at rest near where it was aligned."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+
+import numpy as np
 
 from benchtool.analysis import Basis, Measurement
 from benchtool.block import Block
@@ -16,6 +18,7 @@ from benchtool.commission.steps.step import Finding
 from benchtool.drive import CaptureRequest, Stimulus
 
 _ALIGN_S = 0.8
+_ALIGN_ROWS = 200  # which tell no more than the heat of it
 _ALIGN_SHARE = 0.6  # of the rated current, at the end of the ramp that aligns the rotor
 _SHARE = 0.6  # of the rated current, peak, at the end of the ramp
 _LEAST_SHARE = 0.3  # below which the converter's steps show, and the vector turns more slowly
@@ -38,11 +41,13 @@ class TurningVoltage:
     """
 
     name = "inductance"
-    needs: tuple[str, ...] = ("resistance",)
+    needs: tuple[str, ...] = ("encoder",)
     sets: tuple[str, ...] = ("L_d", "L_q")
 
     def plan(self, known: Known) -> tuple[Excitation, ...]:
         """Return an alignment and a turning vector for each speed."""
+        stride = max(1, round(_ALIGN_S / _ALIGN_ROWS / known.control_period_s))
+        rows = math.floor(_ALIGN_S / (stride * known.control_period_s)) - 1
         align = Excitation(
             "alignment",
             Stimulus(
@@ -51,7 +56,7 @@ class TurningVoltage:
                 amplitude_A=_ALIGN_SHARE * known.I_N_A,
                 duration_s=_ALIGN_S,
             ),
-            CaptureRequest(CURRENTS, rows=10),
+            CaptureRequest(CURRENTS, rows, stride),
             (_ALIGN_SHARE * known.I_N_A) ** 2 * _ALIGN_S / 3.0,
             {
                 "omega_current": known.damping_bandwidth_rad_s,
@@ -68,7 +73,7 @@ class TurningVoltage:
             AnalysisError: the captures do not define them.
         """
         found = inductance(
-            [_directed(block) for block in blocks[1::2]],
+            [_directed(block, known) for block in blocks[1::2]],
             T_s=known.control_period_s,
             R_s_ohm=known.R_s_ohm,
             drop_V=known.drop_V,
@@ -130,14 +135,16 @@ def _turning(known: Known, periods: float) -> Excitation:
             duration_s=duration_s,
             omega_e_rad_s=2.0 * math.pi / turn_s,
         ),
-        CaptureRequest((*CURRENTS, "u_alpha", "u_beta"), rows=_ROWS),
+        CaptureRequest((*CURRENTS, "u_alpha", "u_beta", "theta_m"), rows=_ROWS),
         (_SHARE * known.I_N_A) ** 2 * duration_s / 3.0,
-        {"dead_time_compensation": 0.0, **known.offsets},
+        {"dead_time_compensation": 0.0, **known.offsets, **known.encoder},
     )
 
 
-def _directed(block: Block) -> Turning:
+def _directed(block: Block, known: Known) -> Turning:
     """Return voltages and currents of a capture: what a row asks for acts from the next row on to the one
-    after."""
+    after. The rotor is where the encoder says: friction may have kept it from where it was aligned."""
     u_V = block.column("u_alpha") + 1j * block.column("u_beta")
-    return Turning(u_V[:-2], block.data[1:, :3])
+    turned = known.identified.pole_pairs * known.without_eccentricity(block.column("theta_m"))
+    rotor_rad = float(np.angle(np.mean(np.exp(1j * turned))))
+    return Turning(u_V[:-2], block.data[1:, :3], rotor_rad)

@@ -25,7 +25,7 @@ class Offsets:
     """
 
     name = "offsets"
-    needs: tuple[str, ...] = ()
+    needs: tuple[str, ...] = ("preflight",)
     sets: tuple[str, ...] = ("current_offset_a", "current_offset_b", "current_offset_c")
 
     def plan(self, known: Known) -> tuple[Excitation, ...]:

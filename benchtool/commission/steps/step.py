@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 from benchtool.analysis import Measurement
 from benchtool.block import Block
 from benchtool.commission.excitation import Excitation
 from benchtool.commission.known import Known
+from benchtool.drive import RemoteDrive
 
 
 @dataclass(frozen=True)
@@ -27,6 +28,18 @@ class Finding:
     def to_json(self) -> dict[str, str]:
         """Return its sentences."""
         return {"what": self.what, "cause": self.cause, "remedy": self.remedy}
+
+
+@dataclass(frozen=True)
+class Loop:
+    """A capture that holds the response of a closed loop: by its number, with its title, the channels of the
+    reference and of what follows it, and the rows of `analyze_response`."""
+
+    capture: int
+    title: str
+    input: str
+    output: str
+    rows: Mapping[str, int]
 
 
 class Step(Protocol):
@@ -52,3 +65,20 @@ class Step(Protocol):
 
     def findings(self, found: Mapping[str, Measurement], known: Known) -> tuple[Finding, ...]:
         """Return what the estimates say about the set-up."""
+
+
+@runtime_checkable
+class LoopStep(Protocol):
+    """A step that measures a closed loop, which a report draws."""
+
+    def loops(self, known: Known) -> tuple[Loop, ...]:
+        """Return which of its captures hold responses."""
+
+
+@runtime_checkable
+class Trial(Protocol):
+    """A step that also tries what no excitation can: it drives the drive itself, and leaves it disabled and
+    supervised on every exit."""
+
+    def attempt(self, drive: RemoteDrive, known: Known) -> Mapping[str, Measurement]:
+        """Return the estimates by name."""

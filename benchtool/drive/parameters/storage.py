@@ -80,16 +80,22 @@ def reset(drive: RemoteDrive) -> None:
     heard = drive.link.counters.heartbeats_received
     drive.link.nmt(NmtCommand.RESET_NODE)
     deadline_s = drive.clock.now_s() + _BOOT_S
-    while (
-        drive.link.counters.heartbeats_received == heard
-        or drive.link.heartbeat_state() is not NmtState.BOOT_UP
-    ):
+    while not _has_booted(drive, drive.link.counters.heartbeats_received - heard):
         if drive.clock.now_s() >= deadline_s:
             raise NoAnswer(
                 f"no boot-up message of node {drive.link.node_id} within {_BOOT_S:g} s of its reset; "
                 f"switch it off and on"
             )
         drive.clock.wait(_POLL_S)
+
+
+def _has_booted(drive: RemoteDrive, heard: int) -> bool:
+    """Return whether the last of so many heartbeats since a reset is the boot-up message, or came after one.
+
+    A heartbeat may follow the boot-up at once. A single one in pre-operational may be from before the reset.
+    """
+    state = drive.link.heartbeat_state()
+    return (heard > 0 and state is NmtState.BOOT_UP) or (heard > 1 and state is NmtState.PRE_OPERATIONAL)
 
 
 def _sign(drive: RemoteDrive, role: Role, signature: bytes, ability: str) -> None:

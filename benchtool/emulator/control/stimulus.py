@@ -180,16 +180,23 @@ def direction_of(stimulus: Any, cos_theta: float, sin_theta: float) -> tuple[flo
         return cos_theta, sin_theta
     if stimulus.turn != 0.0 and stimulus.state == _RUNNING:
         n = stimulus.played * stimulus.ticks + stimulus.k - 1
-        angle = stimulus.angle + stimulus.turn * turned_ticks(n, stimulus.turn_ticks)
+        total = stimulus.repetitions * stimulus.ticks
+        angle = stimulus.angle + stimulus.turn * turned_ticks(n, stimulus.turn_ticks, total)
         stimulus.cos_angle, stimulus.sin_angle = math.cos(angle), math.sin(angle)
     return stimulus.cos_angle, stimulus.sin_angle
 
 
 @njit
-def turned_ticks(n: int, ramp: int) -> float:
+def turned_ticks(n: int, ramp: int, total: int) -> float:
     """Return the ticks' worth of turning at full speed, n ticks after a start whose speed rises over `ramp`
-    ticks."""
-    return 0.5 * n * n / ramp if n < ramp else n - 0.5 * ramp
+    ticks, and falls to zero over the last `ramp` of `total` where these are twice as many."""
+    if n < ramp:
+        return 0.5 * n * n / ramp
+    turned = n - 0.5 * ramp
+    falling = n - (total - ramp)
+    if falling > 0 and total >= 2 * ramp and ramp > 0:
+        turned -= 0.5 * falling * falling / ramp
+    return turned
 
 
 def halt(stimulus: Any) -> None:

@@ -244,6 +244,10 @@ class Core:
         """Have the encoder's counter begin again, as when the drive is switched on."""
         self._sensors[0].counting = self._sensors[0].travelled = 0
 
+    def begin_observer(self) -> None:
+        """Have the speed observer begin again: an encoder that is read in another way has not turned."""
+        self._controls[0].angles = 0
+
     def turn_rotor(self, theta_e_rad: float) -> None:
         """Set the rotor to an electrical angle."""
         self.shaft.theta_e = theta_e_rad

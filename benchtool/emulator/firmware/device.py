@@ -155,6 +155,18 @@ class Firmware:
             self._enter(State.SWITCH_ON_DISABLED)
         if self.supervision.expire(self.now_s + 0.5 * self.period_s):
             self._lose_link()
+        if self.objects["parameter_trial"] and self.supervision.state is LinkState.LOST:
+            self._end_trial()
+
+    def _end_trial(self) -> None:
+        """Put the stored parameters in force, whose host tried others and is gone."""
+        if not self.state.power_stage_on:
+            self.objects["parameter_trial"] = 0
+            self._load_parameters()
+
+    def _check_trial(self, raw: Number) -> None:
+        if raw and self.supervision.state is not LinkState.ALIVE:
+            raise Refused(Abort.DEVICE_STATE)
 
     def _failed_input(self) -> ErrorCode | None:
         """Return the error of an input that has opened; None while the drive is in fault already."""
@@ -273,8 +285,11 @@ class Firmware:
         objects.compute("statusword", self._statusword)
         objects.on_write("mode_of_operation", self._set_mode)
         objects.on_write("host_heartbeat", lambda raw: self.supervision.configure(int(raw)))
+        for name in ("encoder_lines", "encoder_offset", "encoder_direction"):
+            objects.on_write(name, lambda _: self.core.begin_observer())
         objects.compute("link_state", lambda: int(self.supervision.state))
         objects.compute("link_losses", lambda: self.supervision.losses)
+        objects.check("parameter_trial", self._check_trial)
         objects.compute("error_history_count", lambda: len(self._history))
         objects.check("error_history_count", _only_zero)
         objects.on_write("error_history_count", lambda _: self._history.clear())

@@ -1,3 +1,7 @@
+from .commissioning import (
+    LOOPS as LOOPS,
+    commissioning_report as commissioning_report,
+)
 from .comparison import comparison_report as comparison_report
 from .comparison_front import difference as difference
 from .figures import (

@@ -85,6 +85,31 @@ static void check_reset(void)
     assert(R_s_after_reset() == bt_word_of(0.5f));
 }
 
+/* A trial is taken while the host is heard, ends with the host, and needs no reset; parameters without one stay. */
+static void check_trial(void)
+{
+    unsigned trial, ticks;
+    for (trial = BT_PARAMETER_TRIAL_OFF; trial <= BT_PARAMETER_TRIAL_ON; trial++) {
+        memory.works = true;
+        power_up();
+        assert(host_write(&drive, BT_ID_R_s, bt_word_of(0.5f)) == BT_OK);
+        assert(host_write(&drive, BT_ID_store_all, SAVE) == BT_OK);
+        assert(host_write(&drive, BT_ID_parameter_trial, BT_PARAMETER_TRIAL_ON) == BT_ABORT_DEVICE_STATE);
+        assert(host_write(&drive, BT_ID_host_heartbeat, (uint32_t)127 << 16 | 500) == BT_OK);
+        host_nmt(&drive, BT_NMT_START);
+        host_heartbeat(&drive);
+        assert(host_write(&drive, BT_ID_parameter_trial, trial) == BT_OK);
+        assert(host_write(&drive, BT_ID_R_s, bt_word_of(0.7f)) == BT_OK);
+        for (ticks = 0; ticks < 499; ticks++)
+            bt_tick(&drive);
+        assert(host_read(&drive, BT_ID_R_s) == bt_word_of(0.7f));
+        bt_tick(&drive);
+        assert(host_read(&drive, BT_ID_link_state) == BT_LINK_STATE_LOST);
+        assert(host_read(&drive, BT_ID_R_s) == bt_word_of(trial ? 0.5f : 0.7f));
+        assert(host_read(&drive, BT_ID_parameter_trial) == BT_PARAMETER_TRIAL_OFF);
+    }
+}
+
 /* Values of another table, though they are as many, of the format without a hash, or out of their limits. */
 static void check_restore(void)
 {
@@ -157,7 +182,8 @@ void check_storage(void)
     check_save();
     check_reset();
     check_restore();
+    check_trial();
     check_identity();
     check_modes();
-    printf("storage: saves that fail, values of another table, identity, modes\n");
+    printf("storage: saves that fail, trials, values of another table, identity, modes\n");
 }

@@ -1,0 +1,268 @@
+"""Whether a commissioning finds the truth within what it states: `python -m benchmarks.commissioning`.
+
+The motors that ship are commissioned on drives as they come out of their box, over the emulated CAN bus or
+the serial line. Series `right` has the shipped motors with right nameplates; series `flaws` draws what real
+set-ups show: a nameplate that is off, saliency, dead time, drop and resistance of the devices, gains and
+offsets of the current sensors, 10 to 12 bits, noise, steps of the duties, an encoder at any angle, in either
+direction, eccentric or counting from zero at power-up, cogging, harmonics of the EMF, friction.
+
+Truth is what the sensors let be seen: a gain that all current sensors have in common scales R_s, L and J.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import tempfile
+import time
+import tomllib
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from benchmarks.figures import print_figures
+from benchtool.bench import open_session
+from benchtool.commission import commission, document, steps_for
+from benchtool.shipped import shipped
+
+MOTORS: Final = tuple(
+    sorted(path.parent.name for path in (shipped("profiles") / "motors").glob("*/profile.toml"))
+)
+TOLERANCES: Final[Mapping[str, float]] = {
+    "R_s": 0.02, "L_d": 0.03, "L_q": 0.03, "psi_r": 0.01, "J": 0.05, "coulomb": 0.10, "friction": 0.15,
+    "dead_time_voltage": 0.05,
+}  # fmt: skip
+"""Relative; those of the encoder are exact, and 1 degree electrical."""
+_OFFSET_RAD: Final = math.radians(1.0)
+_SMALL_R_OHM, _SMALL_L_H = 0.05, 50e-6
+_SMALL: Final = {"R_s": 0.05, "L_d": 0.06, "L_q": 0.06}
+_LINKS: Final = ("emulated", "emulated?wire=serial")
+
+
+@dataclass(frozen=True)
+class Bench:
+    """A profile with its truth, by the names of the estimates."""
+
+    profile: dict[str, Any]
+    truth: dict[str, float]
+
+
+def clean(motor: str) -> Bench:
+    """Return a shipped motor whose nameplate is right, on a drive that knows nothing of it."""
+    profile = tomllib.loads(
+        (shipped("profiles") / "motors" / motor / "profile.toml").read_text(encoding="utf-8")
+    )
+    profile["emulator"]["commissioned"] = False
+    return Bench(profile, _truth(profile))
+
+
+def flawed(motor: str, rng: np.random.Generator) -> Bench:
+    """Return a shipped motor with every flaw drawn at random."""
+    profile = clean(motor).profile
+    stated, emulator = profile["motor"], profile["emulator"]
+    true = emulator.setdefault("motor", {})
+    T_s = profile["drive"].get("control_period_s", 1e-4)
+    true |= {key: stated[key] for key in ("R_s_ohm", "L_d_H", "L_q_H", "psi_r_Wb", "J_kgm2")}
+    true["L_q_H"] = max(stated["L_q_H"], stated["L_d_H"] * rng.uniform(1.0, 1.8))
+    rated_Nm = stated["T_N_Nm"]
+    true["coulomb_Nm"] = rated_Nm * rng.uniform(0.005, 0.05)
+    true["friction_Nms"] = rated_Nm * rng.uniform(0.0, 0.05) / stated["omega_m_N_rad_s"]
+    true["psi_5_Wb"], true["psi_7_Wb"] = (stated["psi_r_Wb"] * rng.uniform(0.0, 0.03, 2)).tolist()
+    true["cogging_Nm"] = [rated_Nm * rng.uniform(0.0, 0.05)]
+    true["cogging_order"] = [int(rng.choice((2, 6))) * stated["pole_pairs"]]
+    true["cogging_phase_rad"] = [rng.uniform(-math.pi, math.pi)]
+    true["power_up_angle_rad"] = rng.uniform(-math.pi, math.pi)
+    inverter = emulator["inverter"]
+    inverter["dead_time_s"] = rng.uniform(0.2e-6, min(3e-6, 0.03 * T_s))
+    inverter["device_drop_V"] = rng.uniform(0.0, min(1.0, 0.04 * inverter["u_dc_V"]))
+    inverter["on_resistance_ohm"] = rng.uniform(0.0005, 0.005)
+    inverter["timer_Hz"] = 2.0 * rng.uniform(1000.0, 4000.0) / T_s
+    sensors = emulator["sensors"]
+    range_A = 3.0 * math.sqrt(2.0) * stated["I_N_A_rms"]
+    bits = int(rng.integers(10, 13))
+    sensors |= {"adc_bits": bits, "i_full_scale_A": range_A}
+    sensors["current_noise_A_rms"] = rng.uniform(1.0, 2.0) * 2.0 * range_A / 2.0**bits
+    common = rng.uniform(0.99, 1.01)
+    for phase in "abc":
+        sensors[f"i_{phase}"] = {
+            "gain": common * rng.uniform(0.98, 1.02),
+            "offset_A": range_A * rng.uniform(-0.02, 0.02),
+        }
+    sensors["encoder_offset_rad"] = rng.uniform(-math.pi, math.pi)
+    sensors["encoder"] = {
+        "reversed": bool(rng.integers(0, 2)),
+        "relative": bool(rng.integers(0, 2)),
+        "eccentricity_1_rad": math.radians(rng.uniform(0.0, 1.0)),
+        "eccentricity_1_phase_rad": rng.uniform(-math.pi, math.pi),
+    }
+    for key in ("R_s_ohm", "L_d_H", "L_q_H", "J_kgm2"):
+        stated[key] *= rng.uniform(0.7, 1.4)
+    stated["psi_r_Wb"] *= rng.uniform(0.85, 1.2)
+    return Bench(profile, _truth(profile))
+
+
+def _truth(profile: Mapping[str, Any]) -> dict[str, float]:
+    motor, emulator = profile["motor"], profile["emulator"]
+    true = {**motor, **emulator.get("motor", {})}
+    inverter, sensors = emulator["inverter"], emulator["sensors"]
+    T_s = profile["drive"].get("control_period_s", 1e-4)
+    gains = np.array([sensors.get(f"i_{phase}", {}).get("gain", 1.0) for phase in "abc"])
+    seen = 3.0 / float(np.sum(1.0 / gains))
+    encoder = sensors.get("encoder", {})
+    offset = sensors.get("encoder_offset_rad", 0.0)
+    if encoder.get("relative", False):
+        at = true.get("power_up_angle_rad", 0.0)
+        shown = encoder.get("eccentricity_1_rad", 0.0) * math.sin(
+            at + offset + encoder.get("eccentricity_1_phase_rad", 0.0)
+        )
+        offset = -at - shown
+    dead = inverter.get("dead_time_s", 0.0) / T_s * inverter["u_dc_V"]
+    return {
+        "R_s": (true["R_s_ohm"] + inverter.get("on_resistance_ohm", 0.0)) / seen,
+        "L_d": true["L_d_H"] / seen,
+        "L_q": true["L_q_H"] / seen,
+        "psi_r": true["psi_r_Wb"],
+        "pole_pairs": float(true["pole_pairs"]),
+        "encoder_direction": -1.0 if encoder.get("reversed", False) else 1.0,
+        "encoder_offset": offset,
+        "J": true["J_kgm2"] * seen,
+        "coulomb": true.get("coulomb_Nm", 0.0) * seen,
+        "friction": true.get("friction_Nms", 0.0) * seen,
+        "dead_time_voltage": dead + inverter.get("device_drop_V", 0.0),
+    }
+
+
+def errors(found: Mapping[str, Any], truth: Mapping[str, float]) -> dict[str, dict[str, float]]:
+    """Return by name the error, relative to the tolerance and to the standard uncertainty, and that over the
+    tolerance."""
+    compared = {}
+    p = truth["pole_pairs"]
+    for name, true in truth.items():
+        entry = found.get(name)
+        if entry is None or entry["value"] is None:
+            continue
+        error = entry["value"] - true
+        if name == "encoder_offset":
+            error -= 2.0 * math.pi / p * round(error * p / (2.0 * math.pi))
+        allowed = _allowed(name, truth)
+        stated = (entry["uncertainty"] or {}).get("standard")
+        compared[name] = {"of_tolerance": error / allowed if allowed else (0.0 if error == 0.0 else math.inf)}
+        if stated:
+            compared[name] |= {"z": error / stated, "u_of_tolerance": stated / allowed}
+    return compared
+
+
+def _allowed(name: str, truth: Mapping[str, float]) -> float:
+    if name == "encoder_offset":
+        return _OFFSET_RAD / truth["pole_pairs"]
+    small = truth["R_s"] < _SMALL_R_OHM if name == "R_s" else truth.get(name, 0.0) < _SMALL_L_H
+    relative = _SMALL[name] if name in _SMALL and small else TOLERANCES.get(name, 0.0)
+    return relative * abs(truth[name])
+
+
+def toml(content: Mapping[str, Any], table: tuple[str, ...] = ()) -> Iterator[str]:
+    """Yield the lines of a TOML document."""
+    values = {key: value for key, value in content.items() if not isinstance(value, dict)}
+    if values and table:
+        yield f"[{'.'.join(table)}]"
+    for key, value in values.items():
+        yield f"{key} = {json.dumps(value)}"
+    for key, value in content.items():
+        if isinstance(value, dict):
+            yield from toml(value, (*table, key))
+
+
+def commissioned(bench: Bench, steps: Sequence[str], link: str, seed: int) -> dict[str, Any]:
+    """Commission a bench; return the document, and `drive_s`, the time that it took the drive."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "profile.toml"
+        path.write_text("\n".join(toml(bench.profile)) + "\n", encoding="utf-8")
+        with open_session(str(path), link, seed=seed, instruments=False) as session:
+            session.drive.connect()
+            began_s = session.drive.clock.now_s()
+            done = commission(session.drive, session.profile, steps_for(steps))
+            return {**document(done), "drive_s": session.drive.clock.now_s() - began_s}
+
+
+def figures(runs: Sequence[Mapping[str, Any]]) -> dict[str, object]:
+    """Return how the errors are distributed, by name and over all."""
+    found: dict[str, object] = {"runs": len(runs)}
+    failed = [
+        f"{each['motor']}: {name}: {step['reason']}"
+        for each in runs
+        for name, step in each["document"]["steps"].items()
+        if step["verdict"] == "fail"
+    ]
+    found["failed"] = failed
+    found["findings"] = [
+        f"{each['motor']}: {one['what']}" for each in runs for one in each["document"]["findings"]
+    ]
+    every: list[float] = []
+    for name in runs[0]["errors"] if runs else ():
+        of = [each["errors"][name] for each in runs if name in each["errors"]]
+        shares = np.abs([each["of_tolerance"] for each in of])
+        line = f"told {len(of)}, within tolerance {100.0 * np.mean(shares <= 1.0):.0f} %, "
+        line += f"largest {np.max(shares):.2f} of it"
+        z = np.array([each["z"] for each in of if "z" in each])
+        if len(z):
+            every += z.tolist()
+            median = float(np.median([each["u_of_tolerance"] for each in of if "z" in each]))
+            line += (
+                f"; z rms {math.sqrt(float(np.mean(z**2))):.2f}, within 2u "
+                f"{100.0 * np.mean(np.abs(z) <= 2.0):.0f} %, largest {np.max(np.abs(z)):.1f}, "
+                f"median u {median:.2f} of the tolerance"
+            )
+        found[name] = line
+    z = np.array(every)
+    if len(z):
+        found["estimates"] = len(z)
+        found["z_rms"] = round(math.sqrt(float(np.mean(z**2))), 3)
+        found["within_2u_percent"] = round(100.0 * float(np.mean(np.abs(z) <= 2.0)), 2)
+        found["largest_z"] = round(float(np.max(np.abs(z))), 2)
+    found["longest_drive_s"] = round(max(each["document"]["drive_s"] for each in runs), 1) if runs else 0.0
+    return found
+
+
+def main() -> int:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+    parser.add_argument("--series", choices=("right", "flaws"), default="flaws", help="which to make")
+    parser.add_argument("--motors", default="", help="names, separated by commas, or how many; all without")
+    parser.add_argument("--draws", type=int, default=3, help="of each motor")
+    parser.add_argument("--steps", default="", help="names, separated by commas; all without")
+    parser.add_argument("--seed", type=int, default=1, help="of the draws")
+    parser.add_argument("--each", action="store_true", help="print a line for each run, too")
+    options = parser.parse_args()
+    begin = time.perf_counter()
+    chosen: Sequence[str] = MOTORS
+    if options.motors:
+        chosen = MOTORS[: int(options.motors)] if options.motors.isdigit() else options.motors.split(",")
+    steps = options.steps.split(",") if options.steps else []
+    runs: list[dict[str, Any]] = []
+    for k in range(options.draws):
+        for motor in chosen:
+            place = MOTORS.index(motor)
+            rng = np.random.default_rng([options.seed, place, k])
+            bench = flawed(motor, rng) if options.series == "flaws" else clean(motor)
+            link = _LINKS[(k + place) % len(_LINKS)]
+            made = commissioned(bench, steps, link, seed=options.seed + k)
+            runs.append({"motor": motor, "document": made, "errors": errors(made["estimates"], bench.truth)})
+            if options.each:
+                shares = {name: round(each["of_tolerance"], 2) for name, each in runs[-1]["errors"].items()}
+                z = {name: round(each["z"], 1) for name, each in runs[-1]["errors"].items() if "z" in each}
+                print(motor, f"{made['drive_s']:.1f} s", "of tolerance", shares, "z", z, flush=True)
+    found = figures(runs)
+    found["seconds"] = round(time.perf_counter() - begin, 1)
+    print_figures(found, as_json=options.json)
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,177 @@
+"""The encoder against the rotor flux, from a current vector that drags the rotor round in both directions.
+
+A rotor without load lies along a standing current. Dragged slowly it lags behind it by the angle delta that
+its friction takes,
+
+    sin(delta) = T / (3/2 p psi_r i),
+
+in the opposite sense when it is dragged the other way: the mean of both is free of it. Over whole revolutions
+it is free of cogging and of an eccentric disc, too. With the counted angle theta_c, in the direction of the
+encoder, and that of the current theta_i,
+
+    p theta_c - theta_i = p (offset + error(theta_c)) - sense delta.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchtool.commission.estimators.regression import Fit, least_squares
+from benchtool.errors import AnalysisError
+
+_FEWEST = 100
+_LEAST_SHARE = 0.2
+_JUMP = 8.0  # median changes of angle from a row to the next: of more the counter has wrapped
+_HARMONICS = (1, 2)  # of the encoder's error, in a revolution
+_WHOLE = 0.97  # of a revolution, from which on it tells them
+
+
+@dataclass(frozen=True)
+class Spin:
+    """What was captured while the rotor was dragged one way.
+
+    `theta_m_rad` is the angle that the drive counts, with an offset of zero and the direction forward;
+    `current_rad` the electrical angle of the current vector against phase a, `share` its length over the
+    nominal one; shapes (n,). `sense` is 1 for turning from phase a to b, -1 for the other way.
+    """
+
+    theta_m_rad: NDArray[np.float64]
+    current_rad: NDArray[np.float64]
+    share: NDArray[np.float64]
+    sense: int
+
+
+@dataclass(frozen=True)
+class Motion:
+    """How the counted angle goes with the current's.
+
+    `per_rad` is the mechanical angle counted for a radian of the current's electrical one, with its scatter
+    over the spins; `jump_rad` the angle that the counter leaps where it wraps, 2 pi less what it should, 0
+    where it does not; `moved_rad` what was counted in the longest spin.
+    """
+
+    per_rad: float
+    per_rad_scatter: float
+    jump_rad: float
+    moved_rad: float
+
+
+@dataclass(frozen=True)
+class Alignment:
+    """Angles in rad; `offset_rad` is mechanical, within half an electrical revolution of zero.
+
+    `lag_rad` is the electrical angle by which friction holds the rotor back at the nominal current.
+    `errors_rad` are the complex amplitudes of the encoder's error once and twice in a revolution, the real
+    part of each times exp(-j n theta_m); None where less than a revolution was turned. `ripple_rad` is the
+    rms electrical deviation from all of these.
+    """
+
+    offset_rad: float
+    offset_standard_rad: float
+    lag_rad: float
+    errors_rad: tuple[complex, complex] | None
+    error_standard_rad: float
+    ripple_rad: float
+    dof: float
+
+
+def motion(spins: Sequence[Spin]) -> Motion:
+    """Return how far and which way the encoder counted.
+
+    Raises:
+        AnalysisError: too few rows.
+    """
+    slopes, jumps, moved = [], [0.0], 0.0
+    for spin in spins:
+        if len(spin.theta_m_rad) < _FEWEST:
+            raise AnalysisError(f"{len(spin.theta_m_rad)} rows of a turning current, {_FEWEST} are needed")
+        counted, jump = continued(spin.theta_m_rad)
+        jumps.append(jump)
+        turned = np.unwrap(spin.current_rad)
+        slopes.append((counted[-1] - counted[0]) / (turned[-1] - turned[0]))
+        moved = max(moved, abs(counted[-1] - counted[0]))
+    largest = max(jumps, key=abs)
+    return Motion(float(np.mean(slopes)), float(np.ptp(slopes)), largest, moved)
+
+
+def continued(theta_rad: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
+    """Return an angle without its wraps, shape (n,), and by how much these leap besides 2 pi.
+
+    A counter that wraps after another number of counts than the drive believes leaps.
+    """
+    steps = np.diff(np.unwrap(theta_rad))
+    typical = float(np.median(np.abs(steps)))
+    count = float(np.min(np.abs(steps[steps != 0.0]), initial=math.inf))
+    leaps = np.abs(steps - np.median(steps)) > _JUMP * max(typical, count if math.isfinite(count) else 0.0)
+    leap = float(steps[leaps][np.argmax(np.abs(steps[leaps]))]) if np.any(leaps) else 0.0
+    steps[leaps] = np.median(steps)
+    return np.concatenate(([theta_rad[0]], theta_rad[0] + np.cumsum(steps))), leap
+
+
+def alignment(spins: Sequence[Spin], pole_pairs: int, direction: int) -> Alignment:
+    """Return where the encoder's zero is.
+
+    Args:
+        spins: both senses, over the same angles.
+        pole_pairs: of the motor.
+        direction: 1 where the encoder counts up while the rotor turns from phase a to b, else -1.
+
+    Raises:
+        AnalysisError: not both senses, or too little motion.
+    """
+    if {spin.sense for spin in spins} != {-1, 1}:
+        raise AnalysisError("a current that turns both ways is needed to tell friction from the offset")
+    first = _errors_of(spins[0], pole_pairs, direction, 0.0)[1]
+    around = float(np.angle(np.mean(np.exp(1j * first))))
+    theta, errors, senses = [], [], []
+    for spin in spins:
+        angle, error = _errors_of(spin, pole_pairs, direction, around)
+        theta.append(angle - around / pole_pairs)
+        errors.append(error)
+        senses.append(spin.sense / np.maximum(spin.share, _LEAST_SHARE))
+    whole = all(np.ptp(each) >= _WHOLE * 2.0 * math.pi for each in theta)
+    x, y, sense = np.concatenate(theta), np.concatenate(errors), np.concatenate(senses)
+    fit = _fitted(x, y, sense, whole)
+    offset = (around + fit.x[0]) / pole_pairs
+    period = 2.0 * math.pi / pole_pairs
+    whole_periods = period * math.floor(offset / period + 0.5)
+    offset -= whole_periods  # and theta_m is so much more
+    found = None
+    if whole:
+        by_p = fit.x[2:] / pole_pairs
+        turned = np.exp(1j * whole_periods)
+        found = (
+            complex(complex(by_p[0], by_p[1]) * turned),
+            complex(complex(by_p[2], by_p[3]) * turned**2),
+        )
+    return Alignment(
+        offset,
+        fit.standard(0) / pole_pairs,
+        float(fit.x[1]),
+        found,
+        math.sqrt(2.0 / len(x)) * fit.scatter / pole_pairs,
+        fit.scatter,
+        fit.dof,
+    )
+
+
+def _fitted(x: NDArray[np.float64], y: NDArray[np.float64], sense: NDArray[np.float64], whole: bool) -> Fit:
+    columns = [np.ones(len(x)), -sense]
+    if whole:
+        columns += [wave(n * x) for n in _HARMONICS for wave in (np.cos, np.sin)]
+    return least_squares(np.column_stack(columns), y)
+
+
+def _errors_of(
+    spin: Spin, pole_pairs: int, direction: int, around: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the counted angle in the encoder's direction, rad mechanical, and p theta_c - theta_i less
+    `around`, within half a revolution at its beginning."""
+    counted = direction * continued(spin.theta_m_rad)[0]
+    error = pole_pairs * counted - np.unwrap(spin.current_rad) - around
+    return counted, error - 2.0 * math.pi * math.floor(float(np.median(error)) / (2.0 * math.pi) + 0.5)

@@ -1,0 +1,143 @@
+"""Inertia and friction of a shaft that is reversed between constant speeds.
+
+At a constant speed the torque of whole revolutions is that of friction and load,
+
+    mean(T) = coulomb sgn(omega) + friction omega + load,
+
+and between the middles of two such stretches its impulse is what the speed changes by:
+
+    J (omega_2 - omega_1) = integral of T - coulomb sgn(omega) - friction omega - load.
+
+Cogging has no mean over a revolution, and its impulse over a reversal is small beside the inertia's.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchtool.commission.estimators.regression import least_squares
+from benchtool.errors import AnalysisError
+
+_FEWEST_ROWS = 20
+_DRIFT = 0.05  # of its speed, that a steady stretch may change by
+
+
+@dataclass(frozen=True)
+class Course:
+    """A shaft that goes from one speed to the next.
+
+    `theta_m_rad` without wraps and `torque_Nm` of the air gap, shape (n,), every `step_s`; `levels` are the
+    rows at which each setpoint ends, `steady` is how many rows before that are taken for steady.
+    """
+
+    theta_m_rad: NDArray[np.float64]
+    torque_Nm: NDArray[np.float64]
+    step_s: float
+    levels: tuple[int, ...]
+    steady: int
+
+
+@dataclass(frozen=True)
+class Mechanics:
+    """Estimates with standard uncertainties: inertia in kgm2, viscous friction in Nms, Coulomb friction and a
+    torque in one direction in Nm; degrees of freedom of the inertia and of the friction."""
+
+    J_kgm2: float
+    J_standard: float
+    J_dof: float
+    friction_Nms: float
+    friction_standard: float
+    coulomb_Nm: float
+    coulomb_standard: float
+    load_Nm: float
+    load_standard: float
+    friction_dof: float
+
+
+@dataclass(frozen=True)
+class _Stretch:
+    """A steady stretch: its middle in rows, speed in rad/s, and mean torque."""
+
+    middle: float
+    omega: float
+    torque: float
+
+
+def mechanics(courses: Sequence[Course]) -> Mechanics:
+    """Return the estimates.
+
+    Raises:
+        AnalysisError: the shaft holds no speeds, or not enough of them.
+    """
+    stretches = [[_stretch(course, end) for end in course.levels] for course in courses]
+    every = [one for each in stretches for one in each]
+    omega, torque = np.array([each.omega for each in every]), np.array([each.torque for each in every])
+    fit = least_squares(np.column_stack([np.sign(omega), omega, np.ones(len(omega))]), torque)
+    coulomb, friction, load = (float(value) for value in fit.x)
+    changes, impulses = [], []
+    for course, held in zip(courses, stretches, strict=True):
+        for before, after in itertools.pairwise(held):
+            changes.append(after.omega - before.omega)
+            impulses.append(_impulse(course, before, after, coulomb, friction, load))
+    inertia = least_squares(np.array(changes)[:, None], np.array(impulses))
+    return Mechanics(
+        float(inertia.x[0]),
+        inertia.standard(0),
+        inertia.dof,
+        friction,
+        fit.standard(1),
+        coulomb,
+        fit.standard(0),
+        load,
+        fit.standard(2),
+        fit.dof,
+    )
+
+
+def _stretch(course: Course, end: int) -> _Stretch:
+    """Return the last whole revolutions before a row, or all that are there of less than one."""
+    theta = course.theta_m_rad[max(0, end - course.steady) : end]
+    if len(theta) < _FEWEST_ROWS:
+        raise AnalysisError(f"{len(theta)} rows at a constant speed, {_FEWEST_ROWS} at least are needed")
+    turned = np.abs(theta - theta[-1])
+    revolutions = math.floor(turned[0] / (2.0 * math.pi))
+    rows = len(theta)
+    if revolutions >= 1:
+        rows = int(np.count_nonzero(turned <= 2.0 * math.pi * revolutions))
+    rows = max(rows, _FEWEST_ROWS)
+    x = (np.arange(rows) - 0.5 * (rows - 1)) * course.step_s
+    bend, slope, _ = np.polyfit(x, theta[-rows:], 2)
+    if not abs(2.0 * bend * rows * course.step_s) <= _DRIFT * abs(slope):
+        raise AnalysisError(
+            f"the speed changes from {slope - abs(bend) * rows * course.step_s:.4g} rad/s by "
+            f"{2.0 * abs(bend) * rows * course.step_s:.3g} rad/s where it should be steady: the shaft has a "
+            f"larger inertia or load than the nameplate says"
+        )
+    torque = float(np.mean(course.torque_Nm[end - rows : end]))
+    return _Stretch(end - 0.5 * (rows + 1), float(slope), torque)
+
+
+def _impulse(
+    course: Course, before: _Stretch, after: _Stretch, coulomb: float, friction: float, load: float
+) -> float:
+    """Return the impulse of the torque that accelerates, between the middles of two stretches, Nms."""
+    row = np.arange(len(course.torque_Nm))
+    inside = (row > before.middle) & (row < after.middle)
+    first, last = int(np.argmax(inside)), len(row) - int(np.argmax(inside[::-1])) - 1
+    ends = (before.middle, *row[first : last + 1], after.middle)
+    torque = np.interp(ends, row, course.torque_Nm)
+    angle = np.interp(ends, row, course.theta_m_rad)
+    whole = float(np.trapezoid(torque, ends)) * course.step_s
+    duration = (after.middle - before.middle) * course.step_s
+    turning = duration * math.copysign(1.0, after.omega)
+    if before.omega * after.omega < 0.0:
+        furthest = int(np.argmax(angle * math.copysign(1.0, before.omega)))
+        reversed_s = (ends[furthest] - before.middle) * course.step_s
+        turning = math.copysign(1.0, after.omega) * (duration - 2.0 * reversed_s)
+    return whole - coulomb * turning - friction * float(angle[-1] - angle[0]) - load * duration

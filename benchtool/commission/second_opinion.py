@@ -1,0 +1,89 @@
+"""Estimates of the steps against those of the flux balance, another method, on captures of a turning
+motor."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+
+from benchtool.analysis import Measurement, Uncertainty
+from benchtool.analysis.balances import flux_balance
+from benchtool.block import Block
+from benchtool.commission.known import Known
+from benchtool.commission.steps.step import Finding
+from benchtool.errors import AnalysisError
+
+_SURE = 3.0  # combined standard uncertainties
+_TOLERANCES: Final[Mapping[str, float]] = {"R_s": 0.05, "psi_r": 0.01}
+"""Relative differences below which two methods agree, however sure of themselves they are."""
+
+_UNITS = {"R_s": "ohm", "psi_r": "Wb"}
+PREFIX: Final = "balance_"
+
+
+def balanced(blocks: Sequence[Block], known: Known) -> tuple[Measurement, ...]:
+    """Return what the flux balance estimates of captures, the mean over those that tell it.
+
+    The names are those of the parameters after `PREFIX`; what no capture tells is undefined, with a reason.
+    """
+    values: dict[str, list[tuple[float, float]]] = {name: [] for name in _TOLERANCES}
+    reasons = dict.fromkeys(_TOLERANCES, "")
+    for block in blocks:
+        try:
+            found = flux_balance(_centred(block, known), known.identified).solution
+        except AnalysisError as failed:
+            reasons = {name: why or str(failed) for name, why in reasons.items()}
+            continue
+        for name, each in values.items():
+            if why := found.why_not(name):
+                reasons[name] = reasons[name] or why
+            else:
+                each.append((found.value(name), found.standard(name)))
+    return tuple(_mean(name, each, reasons[name]) for name, each in values.items())
+
+
+def contradictions(found: Mapping[str, Measurement], known: Known) -> tuple[Finding, ...]:
+    """Return where the estimates of this and of earlier steps differ from the flux balance's."""
+    findings = []
+    for name, tolerance in _TOLERANCES.items():
+        own, other = found.get(name, known.estimates.get(name)), found.get(f"{PREFIX}{name}")
+        if own is None or other is None or not math.isfinite(other.value - own.value):
+            continue
+        standards = [each.uncertainty.standard for each in (own, other) if each.uncertainty is not None]
+        difference = other.value - own.value
+        if abs(difference) <= max(_SURE * math.hypot(*standards), tolerance * abs(own.value)):
+            continue
+        findings.append(
+            Finding(
+                f"{name} is {own.value:.4g} {own.unit} by its own step and {other.value:.4g} "
+                f"{own.unit} by the "
+                f"flux balance of the turning motor",
+                "a sensor or the encoder is not what was found of it, or the machine is not of this kind "
+                "(saturated, phases that differ)",
+                "look at the findings of the earlier steps first, then repeat the commissioning",
+            )
+        )
+    return tuple(findings)
+
+
+def _centred(block: Block, known: Known) -> Block:
+    """Return a capture as a centred encoder would have it."""
+    place = [each.name for each in block.channels].index("theta_m")
+    data = np.array(block.data)
+    data[:, place] = known.without_eccentricity(np.unwrap(data[:, place])) % (2.0 * math.pi)
+    return replace(block, data=data)
+
+
+def _mean(name: str, values: Sequence[tuple[float, float]], reason: str) -> Measurement:
+    unit, definition = _UNITS[name], "by the balance of the stator flux over each tick, mean of the captures"
+    if not values:
+        return Measurement.undefined(f"{PREFIX}{name}", unit, definition, reason or "nothing was captured")
+    each, standards = np.array(values).T
+    scatter = float(np.std(each, ddof=1)) / math.sqrt(len(each)) if len(each) > 1 else 0.0
+    own = math.sqrt(float(np.mean(standards**2)) / len(each))
+    u = Uncertainty(max(scatter, own), "scatter over the captures", max(1.0, len(each) - 1.0))
+    return Measurement(f"{PREFIX}{name}", float(np.mean(each)), unit, definition, uncertainty=u)

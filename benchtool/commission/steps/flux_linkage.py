@@ -1,0 +1,220 @@
+"""The rotor's flux linkage, from the voltage of the motor at several speeds in both directions."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchtool.analysis import Basis, Contribution, Measurement, Uncertainty, combined
+from benchtool.block import Block
+from benchtool.commission.estimators.flux_linkage import HARMONICS, TurningFlux, harmonics, turning_flux
+from benchtool.commission.estimators.regression import least_squares
+from benchtool.commission.excitation import Excitation
+from benchtool.commission.known import Known
+from benchtool.commission.second_opinion import balanced, contradictions
+from benchtool.commission.steps.offsets import CURRENTS
+from benchtool.commission.steps.speed_loop import at_speed, settling_s
+from benchtool.commission.steps.step import Finding
+from benchtool.drive import CaptureRequest, Stimulus
+
+_SPEEDS = (0.16, 0.28, 0.4)  # of the rated speed
+_SHARE = 0.5  # of the rated current, along the rotor flux
+_SWINGS = 2.0  # of that current in a capture
+_TURNS = 12.0  # electrical
+_FEWEST_ROWS, _MOST_ROWS = 1500, 8000
+_LEFT_OUT = 0.002
+_FACTOR = 1.6
+_ANGLE_RAD = math.radians(8.0)
+
+
+class BackEmf:
+    """Hold three speeds in both directions, with a current along the rotor flux forth and back."""
+
+    name = "flux_linkage"
+    needs: tuple[str, ...] = ("inductance", "encoder")
+    sets: tuple[str, ...] = ("psi_r",)
+
+    def plan(self, known: Known) -> tuple[Excitation, ...]:
+        """Return a capture at each speed; none where the shaft may not turn round."""
+        if math.isfinite(known.travel_rad):
+            return ()
+        motor, T_s = known.motor, known.control_period_s
+        found = []
+        for share in _SPEEDS:
+            omega = share * motor.omega_m_N_rad_s
+            rows = _TURNS * 2.0 * math.pi / (motor.pole_pairs * omega * T_s)
+            rows = round(min(max(rows, _FEWEST_ROWS), _MOST_ROWS))
+            duration_s = (rows + 3) * T_s
+            amplitude = _SHARE * known.I_N_A
+            for sense in (1.0, -1.0):
+                settle_s = settling_s(known, omega)
+                found.append(
+                    Excitation(
+                        f"{sense * omega:.3g} rad/s",
+                        Stimulus(
+                            quantity="d_current",
+                            shape="sine",
+                            amplitude_A=amplitude,
+                            frequency_Hz=_SWINGS / duration_s,
+                            duration_s=duration_s,
+                        ),
+                        CaptureRequest((*CURRENTS, "u_alpha", "u_beta", "theta_m", "u_dc"), rows=rows),
+                        0.5 * amplitude**2 * duration_s,
+                        at_speed(known),
+                        sense * omega,
+                        settle_s,
+                    )
+                )
+        return tuple(found)
+
+    def estimate(self, blocks: Sequence[Block], known: Known) -> Mapping[str, Measurement]:
+        """Return `psi_r`.
+
+        Raises:
+            AnalysisError: the captures do not define it.
+        """
+        definition = (
+            "slope of the EMF over the electrical speed, both ways, by the flux that turns with the rotor"
+        )
+        if not blocks:
+            reason = f"the shaft may turn {known.travel_rad:.3g} rad only: no EMF worth measuring"
+            return {"psi_r": Measurement.undefined("psi_r", "Wb", definition, reason)}
+        turning = [_turning(block, known) for block in blocks]
+        psi = np.array([each.psi_r_Wb for each in turning])
+        omega = np.array([each.omega_e_rad_s for each in turning])
+        found = _regression(psi, omega)
+        rows = sum(len(block.data) for block in blocks)
+        own = math.sqrt(sum(each.psi_r_standard_Wb**2 for each in turning)) / len(turning)
+        lines = [
+            Contribution("scatter over speeds and directions", "A", found.standard_Wb, found.dof),
+            Contribution("deviations from a circle", "A", own, sum(each.dof for each in turning)),
+            Contribution(
+                "step of the converter of the dc link",
+                "B",
+                found.psi_Wb * known.u_dc_full_scale_V / 1024.0 / known.u_dc_V / math.sqrt(12.0),
+            ),
+            Contribution("a constant voltage", "B", found.curved_Wb / math.sqrt(3.0)),
+            Contribution("what the equation leaves out", "B", found.psi_Wb * _LEFT_OUT / math.sqrt(3.0)),
+        ]
+        measured = [
+            Measurement(
+                "psi_r",
+                found.psi_Wb,
+                "Wb",
+                definition,
+                Basis(samples=rows, sample_rate_Hz=1.0 / known.control_period_s),
+                combined(lines, "scatter of the EMF about the line"),
+            )
+        ]
+        measured += [
+            *balanced(blocks, known),
+            _angle(blocks, turning, known),
+            *_harmonics(blocks, turning, known),
+        ]
+        return {each.name: each for each in measured}
+
+    def findings(self, found: Mapping[str, Measurement], known: Known) -> tuple[Finding, ...]:
+        """Return where the flux contradicts the nameplate, the encoder's offset, or the flux balance."""
+        findings = list(contradictions(found, known))
+        psi = found["psi_r"].value
+        ratio = psi / known.motor.psi_r_Wb
+        if not 1.0 / _FACTOR < ratio < _FACTOR and math.isfinite(ratio):
+            findings.append(
+                Finding(
+                    f"psi_r is {psi:.4g} Wb, {ratio:.3g} times the nameplate's",
+                    "Kv or Ke in another convention (peak or rms, phase or line to line), or another motor",
+                    "check motor.psi_r_Wb of the profile",
+                    fails=False,
+                )
+            )
+        angle = found.get("angle_difference")
+        if angle is not None and abs(angle.value) > _ANGLE_RAD:
+            findings.append(
+                Finding(
+                    f"the voltage of the turning motor puts the encoder "
+                    f"{math.degrees(angle.value):.2g} degrees "
+                    f"electrical from where the current had put it",
+                    "a load that pulls one way while the rotor was dragged, or an encoder that slips "
+                    "or loses "
+                    "counts",
+                    "uncouple the load, tighten the encoder, and commission the encoder again",
+                )
+            )
+        return tuple(findings)
+
+
+@dataclass(frozen=True)
+class _Line:
+    psi_Wb: float
+    standard_Wb: float
+    dof: float
+    curved_Wb: float
+
+
+def _regression(psi: NDArray[np.float64], omega: NDArray[np.float64]) -> _Line:
+    """Return the slope of E = psi omega over the speeds, and how far that differs if a constant voltage
+    against
+    the motion is admitted, which there should not be."""
+    E = psi * omega
+    fit = least_squares(omega[:, None], E)
+    admitted = least_squares(np.column_stack([omega, np.sign(omega)]), E)
+    slope = float(fit.x[0])
+    return _Line(slope, fit.standard(0), fit.dof, abs(float(admitted.x[0]) - slope))
+
+
+def _angle(blocks: Sequence[Block], turning: Sequence[TurningFlux], known: Known) -> Measurement:
+    """Return by how much the encoder's electrical angle is ahead of that of the flux, mean over the
+    captures."""
+    ahead = []
+    for block, each in zip(blocks, turning, strict=True):
+        shaft = known.without_eccentricity(_angle_of(block))
+        ahead.append(np.mean(np.exp(1j * (known.identified.pole_pairs * shaft - each.angle_rad))))
+    angles = np.angle(np.array(ahead) * np.conj(np.mean(ahead))) + np.angle(np.mean(ahead))
+    u = Uncertainty(float(np.std(angles, ddof=1)) / math.sqrt(len(angles)), "scatter", len(angles) - 1.0)
+    definition = "electrical angle by which the encoder is ahead of the flux that the voltage makes"
+    return Measurement("angle_difference", float(np.mean(angles)), "rad", definition, uncertainty=u)
+
+
+def _harmonics(
+    blocks: Sequence[Block], turning: Sequence[TurningFlux], known: Known
+) -> Iterator[Measurement]:
+    """Yield the harmonics of the rotor flux, mean over the captures, in the frame of the encoder's angle."""
+    found = [
+        harmonics(each.flux_Wb, known.identified.pole_pairs * known.without_eccentricity(_angle_of(block)))
+        for block, each in zip(blocks, turning, strict=True)
+    ]
+    for order in HARMONICS:
+        z = np.array([each[order] for each in found])
+        for part, values in (("cos", z.real), ("sin", z.imag)):
+            u = Uncertainty(float(np.std(values, ddof=1)) / math.sqrt(len(z)), "scatter", len(z) - 1.0)
+            yield Measurement(
+                f"psi_{abs(order)}_{part}",
+                float(np.mean(values)),
+                "Wb",
+                f"{part} part of the rotor flux that turns {order} times as fast as the rotor",
+                uncertainty=u,
+            )
+
+
+def _angle_of(block: Block) -> NDArray[np.float64]:
+    unwrapped: NDArray[np.float64] = np.unwrap(block.column("theta_m"))[1:]
+    return unwrapped
+
+
+def _turning(block: Block, known: Known) -> TurningFlux:
+    u_V = block.column("u_alpha") + 1j * block.column("u_beta")
+    motor = known.identified
+    return turning_flux(
+        u_V[:-2],
+        np.column_stack([block.column(name) for name in CURRENTS])[1:],
+        T_s=known.control_period_s,
+        R_s_ohm=known.R_s_ohm,
+        L_d_H=motor.L_d_H,
+        L_q_H=motor.L_q_H,
+        drop_V=known.drop_V,
+        gains=np.ones(3),  # the drive has corrected them
+    )

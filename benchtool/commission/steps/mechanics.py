@@ -1,0 +1,177 @@
+"""Inertia, Coulomb and viscous friction, by reversing the shaft between constant speeds."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Final
+
+import numpy as np
+
+from benchtool.analysis import Basis, Contribution, Measurement, combined
+from benchtool.block import Block
+from benchtool.commission.estimators.flux_linkage import HARMONICS
+from benchtool.commission.estimators.mechanics import Course, Mechanics, mechanics
+from benchtool.commission.estimators.vectors import vector_of
+from benchtool.commission.excitation import Excitation
+from benchtool.commission.known import Known
+from benchtool.commission.steps.offsets import CURRENTS
+from benchtool.commission.steps.speed_loop import at_speed, settling_s
+from benchtool.commission.steps.step import Finding
+from benchtool.drive import CaptureRequest, Stimulus
+
+_SPEEDS = (0.1, 0.18, 0.26, 0.34)  # of the rated speed; the drive trips at half of it
+_LEVELS = 3  # a binary sequence of three bits: on, back, on
+_LEAST_S, _REVOLUTIONS = 0.2, 1.1
+_ROWS = 3000
+_LEFT_OUT_J = 0.005
+_LEFT_OUT_NM = 2e-4  # of the rated torque, that is no friction
+_FACTOR = 2.0
+_TOLD: Final[Mapping[str, float]] = {"J": 0.025, "coulomb": 0.045, "friction": 0.07}
+"""Largest relative standard uncertainty of an estimate that is given."""
+_LOAD_SHARE = 0.02
+
+
+class Reversals:
+    """Turn on, back and on again at four speeds, under speed control."""
+
+    name = "mechanics"
+    needs: tuple[str, ...] = ("flux_linkage",)
+    sets: tuple[str, ...] = ("J", "coulomb", "friction")
+
+    def plan(self, known: Known) -> tuple[Excitation, ...]:
+        """Return a sequence of three speeds for each size; none where the shaft may not turn round."""
+        if math.isfinite(known.travel_rad):
+            return ()
+        found = []
+        for share in _SPEEDS:
+            omega = share * known.motor.omega_m_N_rad_s
+            level_s = _level_s(known, omega)
+            stride = max(1, math.ceil(_LEVELS * level_s / (_ROWS * known.control_period_s)))
+            rows = math.floor(_LEVELS * level_s / (stride * known.control_period_s))
+            torque = 1.5 * known.identified.pole_pairs * known.identified.psi_r_Wb
+            accelerating = 5.0 * known.identified.J_kgm2 * omega * 0.5 * known.motor.T_N_Nm / torque**2
+            found.append(
+                Excitation(
+                    f"{omega:.3g} rad/s on, back and on",
+                    Stimulus(
+                        quantity="speed",
+                        shape="prbs",
+                        amplitude_rad_s=omega,
+                        prbs_clock_s=level_s,
+                        prbs_length=2,
+                        seed=1,
+                    ),
+                    CaptureRequest((*CURRENTS, "theta_m"), rows=rows, stride=stride),
+                    accelerating,
+                    at_speed(known),
+                )
+            )
+        return tuple(found)
+
+    def estimate(self, blocks: Sequence[Block], known: Known) -> Mapping[str, Measurement]:
+        """Return `J`, `coulomb` and `friction`.
+
+        Raises:
+            AnalysisError: the shaft does not hold its speeds.
+        """
+        if not blocks:
+            reason = f"the shaft may turn {known.travel_rad:.3g} rad only"
+            return {
+                name: Measurement.undefined(name, unit, definition, reason)
+                for name, (unit, definition) in _DEFINITIONS.items()
+            }
+        courses = [_course(block, known, share) for block, share in zip(blocks, _SPEEDS, strict=True)]
+        found = mechanics(courses)
+        return {each.name: each for each in _measurements(found, blocks, known)}
+
+    def findings(self, found: Mapping[str, Measurement], known: Known) -> tuple[Finding, ...]:
+        """Return what the shaft says of the set-up."""
+        findings = []
+        ratio = found["J"].value / known.motor.J_kgm2
+        if ratio > _FACTOR or ratio < 1.0 / _FACTOR:
+            findings.append(
+                Finding(
+                    f"the inertia is {found['J'].value:.4g} kgm2, {ratio:.3g} times the nameplate's",
+                    "a load on the shaft"
+                    if ratio > 1.0
+                    else "another rotor, or an inertia stated with a load",
+                    "uncouple the load to commission the motor alone, or state its inertia in motor.J_kgm2",
+                    fails=False,
+                )
+            )
+        load = found["load"]
+        least = _LOAD_SHARE * known.motor.T_N_Nm
+        if load.uncertainty is not None and abs(load.value) > max(least, 4.0 * load.uncertainty.standard):
+            findings.append(
+                Finding(
+                    f"a torque of {load.value:.4g} Nm turns the shaft one way",
+                    "a load on the shaft, such as a weight or a spring, or a load machine that is enabled",
+                    "uncouple the load: it moves the encoder's offset, too",
+                )
+            )
+        return tuple(findings)
+
+
+def _level_s(known: Known, omega: float) -> float:
+    return settling_s(known, 2.0 * omega) + max(_LEAST_S, _REVOLUTIONS * 2.0 * math.pi / omega)
+
+
+def _course(block: Block, known: Known, share: float) -> Course:
+    """Return angle and torque of a capture; the drive has corrected its currents."""
+    omega = share * known.motor.omega_m_N_rad_s
+    motor = known.identified
+    theta = known.without_eccentricity(np.unwrap(block.column("theta_m")))
+    i = vector_of(np.column_stack([block.column(name) for name in CURRENTS]))
+    i_dq = i * np.exp(-1j * motor.pole_pairs * theta)
+    flux = motor.psi_r_Wb + (motor.L_d_H - motor.L_q_H) * i_dq.real
+    torque = 1.5 * motor.pole_pairs * flux * i_dq.imag
+    for order in HARMONICS:  # currents that the harmonics of the EMF drive brake the shaft
+        psi = complex(*(known.value(f"psi_{abs(order)}_{part}", 0.0) for part in ("cos", "sin")))
+        of_angle = 1j * order * psi * np.exp(1j * order * motor.pole_pairs * theta)
+        torque += 1.5 * motor.pole_pairs * (of_angle * np.conj(i)).real
+    step_s = block.tick_s * block.stride
+    level = _level_s(known, omega) / step_s
+    steady_s = max(_LEAST_S, _REVOLUTIONS * 2.0 * math.pi / omega)
+    ends = tuple(min(len(theta), math.floor(k * level)) for k in range(1, _LEVELS + 1))
+    return Course(theta, torque, step_s, ends, math.floor(steady_s / step_s))
+
+
+_DEFINITIONS: Final = {
+    "J": ("kgm2", "impulse of the torque over the change of speed, between constant speeds"),
+    "coulomb": ("Nm", "torque at constant speeds that changes its sign with the direction"),
+    "friction": ("Nms", "torque at constant speeds that grows with the speed"),
+}
+
+
+def _measurements(found: Mechanics, blocks: Sequence[Block], known: Known) -> list[Measurement]:
+    basis = Basis(samples=sum(len(block.data) for block in blocks))
+    psi = known.estimates.get("psi_r")
+    of_flux = 0.0
+    if psi is not None and psi.uncertainty is not None:
+        of_flux = psi.uncertainty.standard / psi.value
+    no_friction = _LEFT_OUT_NM * known.motor.T_N_Nm / math.sqrt(3.0)
+    fastest = _SPEEDS[-1] * known.motor.omega_m_N_rad_s
+    estimates = (
+        ("J", found.J_kgm2, found.J_standard, found.J_dof, found.J_kgm2 * _LEFT_OUT_J / math.sqrt(3.0)),
+        ("coulomb", found.coulomb_Nm, found.coulomb_standard, found.friction_dof, no_friction),
+        ("friction", found.friction_Nms, found.friction_standard, found.friction_dof, no_friction / fastest),
+    )
+    measured = []
+    for name, value, standard, dof, left_out in estimates:
+        unit, definition = _DEFINITIONS[name]
+        lines = [
+            Contribution("scatter over speeds and directions", "A", standard, dof),
+            Contribution("rotor flux", "B", abs(value) * of_flux),
+            Contribution("what the equation leaves out", "B", left_out),
+        ]
+        u = combined([each for each in lines if each.standard > 0.0], "scatter over speeds and directions")
+        assert u is not None
+        if u.standard > _TOLD[name] * abs(value):
+            reason = f"{value:.3g} {unit} with a standard uncertainty of {u.standard:.2g}: not determined"
+            measured.append(Measurement.undefined(name, unit, definition, reason, basis))
+        else:
+            measured.append(Measurement(name, value, unit, definition, basis, u))
+    u_load = combined([Contribution("scatter", "A", found.load_standard, found.friction_dof)], "scatter")
+    definition = "torque at constant speeds that does not depend on the direction"
+    return [*measured, Measurement("load", found.load_Nm, "Nm", definition, basis, u_load)]

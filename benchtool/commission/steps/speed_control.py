@@ -1,0 +1,142 @@
+"""The speed loop: a PI for a crossover and a phase margin, checked by a Bode plot of a turning shaft."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+from benchtool.analysis import Measurement
+from benchtool.block import Block
+from benchtool.commission.excitation import Excitation
+from benchtool.commission.known import Known
+from benchtool.commission.steps.current_control import current_loop
+from benchtool.commission.steps.step import Finding, Loop
+from benchtool.commission.tuning.bode_check import ExcitedRows, deviations, measured, numbers
+from benchtool.commission.tuning.loops import SpeedLoop, inner_loop, mean_square_of_sequence, tuned_speed_loop
+from benchtool.drive import CaptureRequest, Stimulus
+from benchtool.protocol import Mode
+
+_CASCADE = 10.0  # by which it is slower than the loop of torque
+_TORQUE_OF_A_COUNT = 0.002  # of the rated torque, that a step of the encoder may make
+_OBSERVER = 5.0  # its poles over the crossover
+_MOST_OBSERVER_RAD_S = 5000.0
+_SPEED_SHARE = 0.25  # of the rated speed
+_TORQUE_SHARE = 0.25  # of the rated torque, that a change of the reference asks for
+_AMPLITUDE_SHARE = 0.1  # of the rated speed
+_BITS, _REPETITIONS = 8, 6
+_CLOCKS = 20.0  # in a period of the crossover
+_ROWS_OF_A_CLOCK = 10
+_RUN_UP_S = 1.0
+_RIPPLE = 0.5  # rms ripple of the current over what one vector changes
+
+
+class SpeedControl:
+    """Tune the speed controller for the inertia that was found, and measure its closed loop.
+
+    The crossover is a tenth of the current loop's bandwidth, or where a step of the encoder makes a torque
+    that is heard. The shaft turns at a quarter of the rated speed, so that dry friction does not change its
+    sign, and a binary sequence is added to the reference.
+    """
+
+    name = "speed_loop"
+    needs: tuple[str, ...] = ("current_loop",)
+    sets: tuple[str, ...] = ("K_p_speed", "K_i_speed", "omega_observer")
+
+    def plan(self, known: Known) -> tuple[Excitation, ...]:
+        """Return a run with a binary sequence."""
+        loop = speed_loop(known)
+        stimulus, stride = _sequence(known, loop)
+        ticks = stimulus.ticks(known.control_period_s) * _REPETITIONS
+        duration_s = ticks * known.control_period_s
+        omega = _SPEED_SHARE * known.motor.omega_m_N_rad_s
+        friction = known.friction_Nm(omega)
+        assert stimulus.prbs_clock_s is not None
+        shaken = mean_square_of_sequence(loop, stimulus.amplitude, stimulus.prbs_clock_s, _BITS)
+        squares = (friction**2 + shaken) / known.torque_per_A**2 + (_RIPPLE * known.vector_A) ** 2
+        return (
+            Excitation(
+                "sequence of the speed",
+                stimulus,
+                CaptureRequest(
+                    ("omega_m", "stimulus", "torque", "torque_reference", "i_d", "i_q", "law_clipped"),
+                    ticks // stride,
+                    stride,
+                ),
+                squares * duration_s,
+                {**known.in_force, **gains(known)},
+                work_J=friction * omega * duration_s,
+                mode=Mode.VELOCITY,
+                omega_m_rad_s=omega,
+                settle_s=_RUN_UP_S,
+            ),
+        )
+
+    def loops(self, known: Known) -> tuple[Loop, ...]:
+        """Return which capture holds the loop's response."""
+        stimulus, stride = _sequence(known, speed_loop(known))
+        rows = ExcitedRows.of(stimulus, known.control_period_s, stride)
+        return (Loop(0, "speed loop, omega_m over its reference", "stimulus", "omega_m", vars(rows)),)
+
+    def estimate(self, blocks: Sequence[Block], known: Known) -> Mapping[str, Measurement]:
+        """Return the gains as they were tuned, and crossover and margins as measured.
+
+        Raises:
+            AnalysisError: the capture does not define them.
+        """
+        stimulus, stride = _sequence(known, speed_loop(known))
+        rows = ExcitedRows.of(stimulus, known.control_period_s, stride)
+        found = numbers(measured(blocks[0], "stimulus", "omega_m", rows), self.name)
+        margin = "for the crossover and a phase margin of 60 degrees, by J, the loop of torque and T_s"
+        texts = {
+            "K_p_speed": ("Nms/rad", margin),
+            "K_i_speed": ("Nm/rad", margin),
+            "omega_observer": ("rad/s", f"{_OBSERVER:g} times the crossover"),
+        }
+        tuned = {name: Measurement(name, value, *texts[name]) for name, value in gains(known).items()}
+        return {**tuned, **found}
+
+    def findings(self, found: Mapping[str, Measurement], known: Known) -> tuple[Finding, ...]:
+        """Return what of the measured loop is not as designed."""
+        return deviations(found, self.name, speed_loop(known).margins)
+
+
+def speed_loop(known: Known) -> SpeedLoop:
+    """Return the loop for what is known of the shaft."""
+    J = known.value("J", known.motor.J_kgm2)
+    count_rad = 2.0 * math.pi / (4.0 * known.encoder_lines)
+    heard = math.sqrt(_TORQUE_OF_A_COUNT * known.motor.T_N_Nm / (_OBSERVER * J * count_rad))
+    inner = inner_loop(known.law, current_loop(known).omega_rad_s, known.control_period_s)
+    crossover = min(current_loop(known).omega_rad_s / _CASCADE, heard)
+    friction = max(0.0, known.value("friction", 0.0))
+    return tuned_speed_loop(crossover, J, friction, inner, known.control_period_s)
+
+
+def gains(known: Known) -> dict[str, float]:
+    """Return the parameters of the tuned loop."""
+    loop = speed_loop(known)
+    observer = min(_OBSERVER * loop.margins.crossover_rad_s, _MOST_OBSERVER_RAD_S)
+    return {"K_p_speed": loop.K_p_Nms_rad, "K_i_speed": loop.K_i_Nm_rad, "omega_observer": observer}
+
+
+def _sequence(known: Known, loop: SpeedLoop) -> tuple[Stimulus, int]:
+    """Return a binary sequence, and the stride of its capture, which divides its clock."""
+    T_s, omega_N = known.control_period_s, known.motor.omega_m_N_rad_s
+    clock_s = 2.0 * math.pi / loop.margins.crossover_rad_s / _CLOCKS
+    stride = max(1, round(clock_s / T_s / _ROWS_OF_A_CLOCK))
+    ticks = stride * max(1, round(clock_s / T_s / stride))
+    amplitude = min(
+        0.5 * _TORQUE_SHARE * known.motor.T_N_Nm / loop.K_p_Nms_rad,
+        _AMPLITUDE_SHARE * omega_N,
+    )
+    return (
+        Stimulus(
+            quantity="speed",
+            shape="prbs",
+            amplitude_rad_s=amplitude,
+            prbs_clock_s=ticks * T_s,
+            prbs_length=_BITS,
+            seed=1,
+            repetitions=_REPETITIONS,
+        ),
+        stride,
+    )

@@ -1,0 +1,207 @@
+"""Parameters are old or new, whenever the host dies; what is kept, and where a commissioning goes on."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Any
+
+import pytest
+from typer.testing import CliRunner
+
+from benchtool.bench.session import Session, open_session
+from benchtool.cli import app
+from benchtool.commission import StepVerdict, commission, steps_for
+from benchtool.commission.saving import save, trial
+from benchtool.commission.steps.current_control import CurrentControl
+from benchtool.commission.steps.speed_control import SpeedControl
+from benchtool.drive import RemoteDrive
+from benchtool.drive.parameters import reset, snapshot, store
+from benchtool.errors import LinkClosed, SdoAbort, WriteNotVerified
+from benchtool.profile import load_profile
+
+from .test_commission import boxed as boxed
+from .test_third_party_drive import third_party_profile
+
+
+class Dead(BaseException):
+    """What ends a process that is killed: nothing of it runs any more."""
+
+
+@contextmanager
+def killed(drive: RemoteDrive, monkeypatch: pytest.MonkeyPatch, after: int) -> Iterator[None]:
+    """Have this host die with its nth write: from then on it sends nothing, no heartbeat either."""
+    left = after
+    download, upload = drive.link.download, drive.link.upload
+
+    def dying(index: int, sub: int, data: bytes, *, block: bool = False) -> None:
+        nonlocal left
+        left -= 1
+        if left == 0:
+            drive.stop_heartbeat()
+        if left <= 0:
+            raise Dead
+        download(index, sub, data, block=block)
+
+    def dead(*arguments: Any, **options: Any) -> bytes:
+        if left <= 0:
+            raise Dead
+        return upload(*arguments, **options)
+
+    with monkeypatch.context() as patch, suppress(Dead):
+        patch.setattr(drive.link, "download", dying)
+        patch.setattr(drive.link, "upload", dead)
+        yield
+
+
+@contextmanager
+def connected(profile: str) -> Iterator[Session]:
+    with open_session(profile, "emulated", seed=2) as session:
+        session.drive.connect()
+        yield session
+
+
+@pytest.mark.parametrize("after", [5, 33, 70, 121, 160])
+def test_a_host_that_dies_leaves_old_parameters_or_new_ones(
+    boxed: str, monkeypatch: pytest.MonkeyPatch, after: int
+) -> None:
+    with connected(boxed) as session:
+        drive = session.drive
+        old = snapshot(drive)
+        with killed(drive, monkeypatch, after):
+            commission(drive, session.profile, steps_for(["offsets"]), keep=True)
+        session.clock.wait(0.7)
+        in_force = snapshot(drive)
+        assert not drive.state().power_stage_on
+        reset(drive)
+        assert snapshot(drive) == in_force
+        stated = load_profile(boxed).motor
+        new = {**old, "R_s_ohm": stated.R_s_ohm, "J_kgm2": pytest.approx(stated.J_kgm2, rel=1e-6)}
+        is_new = in_force["R_s_ohm"] == pytest.approx(stated.R_s_ohm, rel=1e-6)
+        assert in_force == old or (is_new and in_force["J_kgm2"] == new["J_kgm2"])
+
+
+def test_what_is_stored_outlives_a_reset(boxed: str) -> None:
+    with connected(boxed) as session:
+        done = commission(session.drive, session.profile, steps_for(["offsets"]), keep=True)
+        assert done.saved
+        reset(session.drive)
+        held = snapshot(session.drive)
+        assert held == {**held, **{key: pytest.approx(value) for key, value in done.parameters.items()}}
+        assert held["L_d_H"] == pytest.approx(7e-3)
+
+
+def test_a_drive_that_refuses_to_store_keeps_what_it_had(boxed: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    with connected(boxed) as session:
+        drive = session.drive
+        old = snapshot(drive)
+
+        def refuses(_: RemoteDrive) -> None:
+            raise SdoAbort("hardware error", 0x06060000)
+
+        monkeypatch.setattr("benchtool.commission.saving.store", refuses)
+        with pytest.raises(SdoAbort, match="hardware"):
+            save(drive, {"R_s": 0.5})
+        assert snapshot(drive) == old
+        monkeypatch.setattr("benchtool.commission.saving.store", lambda _: None)
+        with pytest.raises(WriteNotVerified, match="R_s_ohm"):
+            save(drive, {"R_s": 0.5})
+        assert snapshot(drive) == old
+
+
+def test_a_reset_is_seen_though_a_heartbeat_follows_the_boot_up_at_once(boxed: str) -> None:
+    with connected(boxed) as session:
+        session.drive.write("producer_heartbeat", 0.002)
+        store(session.drive)
+        reset(session.drive)
+        assert session.drive.number("producer_heartbeat") == pytest.approx(0.002)
+
+
+def test_a_commissioning_is_shown_live(boxed: str, tmp_path: Path) -> None:
+    shown = tmp_path / "view.rrd"
+    command = ("commission", "offsets", "--profile", boxed, "--yes", "--save", "--json")
+    result = CliRunner().invoke(app, [*command, "--out", str(tmp_path / "a"), "--live", str(shown)])
+    assert result.exit_code == 0, result.output
+    assert json.loads(result.stdout)["saved"]
+    assert shown.stat().st_size > 10_000
+
+
+def test_a_trial_ends_in_good_order_with_what_was_tried(boxed: str) -> None:
+    with connected(boxed) as session:
+        drive = session.drive
+        with trial(drive):
+            drive.write("R_s", 0.5)
+        assert drive.read("parameter_trial") == "off"
+        with pytest.raises(LinkClosed), trial(drive):
+            drive.write("R_s", 0.6)
+            raise LinkClosed("unplugged")
+        drive.stop_heartbeat()
+        session.clock.wait(0.7)
+        assert drive.number("R_s") == pytest.approx(0.6)
+        with pytest.raises(SdoAbort):
+            drive.write("parameter_trial", "on")
+
+
+@pytest.mark.parametrize(("J_of_true", "verdict"), [(1.0, "pass"), (1.4, "fail")])
+def test_loops_are_tuned_and_measured(J_of_true: float, verdict: str, tmp_path: Path) -> None:
+    """With an inertia that is not the true one the measured crossover is not the designed one."""
+    path = tmp_path / "profile.toml"
+    source = Path(__file__).parents[2] / "profiles" / "zhu2011" / "profile.toml"
+    text = source.read_text(encoding="utf-8").split("[[choices]]")[0]
+    text = text.replace("J_kgm2 = 13.1e-4", f"J_kgm2 = {13.1e-4 * J_of_true}")
+    path.write_text(
+        text.replace("[emulator.motor]\n", "[emulator.motor]\nJ_kgm2 = 13.1e-4\n"), encoding="utf-8"
+    )
+    with connected(str(path)) as session:
+        before = snapshot(session.drive)
+        done = commission(session.drive, session.profile, (CurrentControl(), SpeedControl()), keep=True)
+        assert [each.verdict for each in done.results] == [StepVerdict.PASS, StepVerdict(verdict)]
+        assert done.saved == (verdict == "pass")
+        if not done.saved:
+            assert snapshot(session.drive) == before
+            assert "crossover of the speed loop" in done.results[1].reason
+            return
+        found = done.estimates
+        assert found["current_loop_crossover"].value == pytest.approx(339.9, rel=0.02)
+        assert found["current_loop_phase_margin"].value == pytest.approx(74.2, abs=1.0)
+        assert found["speed_loop_phase_margin"].value == pytest.approx(60.0, abs=3.0)
+        assert session.drive.number("K_p_speed") == pytest.approx(found["K_p_speed"].value, rel=1e-6)
+
+
+def test_a_commissioning_goes_on_where_it_was_cut_short(boxed: str, tmp_path: Path) -> None:
+    runner, folder = CliRunner(), tmp_path / "a"
+    command = ("commission", "--profile", boxed, "--yes", "--json")
+    first = runner.invoke(app, [*command, "offsets", "--out", str(folder)])
+    assert first.exit_code == 0, first.output
+    recorded = (folder / "offsets" / "manifest.json").read_bytes()
+    (folder / "resistance" / "data").mkdir(parents=True)  # as a process leaves it that is killed at once
+    again = json.loads(runner.invoke(app, [*command, "offsets", "--resume", str(folder)]).stdout)
+    assert again["steps"]["offsets"]["resumed"]
+    assert again["estimates"] == json.loads(first.stdout)["estimates"]
+    assert (folder / "offsets" / "manifest.json").read_bytes() == recorded
+    assert again["bundle"] == str(folder)
+    assert not again["saved"]
+    written = tomllib.loads(Path(again["profile"]).read_text(encoding="utf-8"))
+    assert written["nameplate"]["R_s_ohm"] == 0.16
+    assert "Commissioning of" in Path(again["report"]).read_text(encoding="utf-8")
+    verified = runner.invoke(app, ["verify", str(folder), "--json"])
+    assert json.loads(verified.stdout)["verdict"] == "pass", verified.output
+
+    other = tmp_path / "other.toml"
+    other.write_text(Path(boxed).read_text(encoding="utf-8").replace("0.16", "0.17"), encoding="utf-8")
+    refused = runner.invoke(app, [*command, "offsets", "--profile", str(other), "--resume", str(folder)])
+    assert refused.exit_code == 2
+    assert "another profile" in refused.stderr
+
+
+def test_a_drive_of_another_maker_says_what_it_leaves_out(tmp_path: Path) -> None:
+    profile = third_party_profile(tmp_path)
+    with connected(str(profile)) as session:
+        before = session.drive.state()
+        done = commission(session.drive, session.profile, steps_for([]))
+        assert {each.verdict for each in done.results} == {StepVerdict.SKIPPED}
+        assert all("it takes a capture" in each.reason for each in done.results)
+        assert session.drive.state() is before

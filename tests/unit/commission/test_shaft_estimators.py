@@ -1,0 +1,142 @@
+"""Estimators of encoder, rotor flux and mechanics on data with a known truth."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from benchtool.commission.estimators.alignment import Spin, alignment, continued, motion
+from benchtool.commission.estimators.flux_linkage import harmonics, turning_flux
+from benchtool.commission.estimators.mechanics import Course, mechanics
+from benchtool.errors import AnalysisError
+
+P = 7
+
+
+def spins(offset_rad: float, direction: int, lag_rad: float = 0.1, eccentric_rad: float = 0.01) -> list[Spin]:
+    """A rotor that is dragged round twice each way, read by 10 000 counts with an eccentric disc."""
+    found = []
+    for sense in (1, -1):
+        current = sense * np.linspace(0.0, 4.0 * math.pi * P, 3000) + 0.3
+        shaft = (current - sense * lag_rad) / P
+        shown = shaft + offset_rad
+        shown = shown + eccentric_rad * np.cos(shaft - 0.4)
+        count = np.floor(direction * shown * 10_000 / (2.0 * math.pi)) + 0.5
+        theta = count % 10_000 * 2.0 * math.pi / 10_000
+        found.append(Spin(theta, np.angle(np.exp(1j * current)), np.ones(3000), sense))
+    return found
+
+
+@pytest.mark.parametrize(("offset_rad", "direction"), [(0.2, 1), (-2.9, -1), (1.234, -1)])
+def test_offset_is_free_of_friction_and_of_an_eccentric_disc(offset_rad: float, direction: int) -> None:
+    both = spins(offset_rad, direction)
+    moved = motion(both)
+    assert math.copysign(1.0, moved.per_rad) == direction
+    assert 1.0 / abs(moved.per_rad) == pytest.approx(P, rel=0.002)
+    assert moved.jump_rad == 0.0
+    found = alignment(both, P, direction)
+    period = 2.0 * math.pi / P
+    error = found.offset_rad - offset_rad
+    assert abs(error - period * round(error / period)) < math.radians(0.1) / P
+    assert found.lag_rad == pytest.approx(0.1, abs=0.005)
+    assert found.errors_rad is not None
+    ahead = 0.4 + offset_rad - found.offset_rad  # theta_m is in whole electrical revolutions off the shaft
+    assert abs(found.errors_rad[0] - 0.01 * complex(math.cos(ahead), math.sin(ahead))) < 3e-4
+
+
+def test_a_counter_that_wraps_elsewhere_leaps() -> None:
+    """1024 lines where 2500 are believed: the angle goes to 2.57 rad and back to zero."""
+    count = np.arange(0.0, 9000.0, 7.0)
+    theta = count % 4096 * 2.0 * math.pi / 10_000
+    straight, leap = continued(theta)
+    assert abs(leap) == pytest.approx(4096 * 2.0 * math.pi / 10_000, abs=0.02)
+    assert np.ptp(np.diff(straight)) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_one_way_alone_does_not_tell_friction_from_the_offset() -> None:
+    with pytest.raises(AnalysisError, match="both ways"):
+        alignment(spins(0.1, 1)[:1], P, 1)
+
+
+R_S, L_D, L_Q, PSI, T_S = 0.2, 1e-4, 1.7e-4, 5e-3, 5e-5
+
+
+def turning(omega_e: float) -> tuple[NDArray[np.complex128], NDArray[np.float64], NDArray[np.float64]]:
+    """Voltages and phase currents of a salient machine with a fifth harmonic and a constant voltage error."""
+    n = 4000
+    t = T_S * np.arange(n)
+    theta = omega_e * t + 0.7
+    i_dq = 8.0 * np.sin(2.0 * math.pi * 11.0 * t) + 1.5j
+    rotor = np.exp(1j * theta)
+    flux = (PSI + L_D * i_dq.real + 1j * L_Q * i_dq.imag) * rotor + 0.02 * PSI * np.exp(-5j * theta)
+    i = i_dq * rotor
+    u = np.diff(flux) / T_S + R_S * 0.5 * (i[1:] + i[:-1]) + (0.05 - 0.02j)
+    phases = np.column_stack([(i * np.exp(-2j * np.pi * k / 3.0)).real for k in range(3)])
+    return np.asarray(u, np.complex128), phases, np.asarray(theta, np.float64)
+
+
+@pytest.mark.parametrize("omega_e", [900.0, -400.0])
+def test_the_rotor_flux_needs_no_angle_and_no_exact_inductance(omega_e: float) -> None:
+    u, phases, theta = turning(omega_e)
+    found = turning_flux(
+        u, phases, T_s=T_S, R_s_ohm=R_S, L_d_H=1.3 * L_D, L_q_H=L_Q, drop_V=0.0, gains=np.ones(3)
+    )
+    assert found.psi_r_Wb == pytest.approx(PSI, rel=2e-3)
+    assert abs(found.psi_r_Wb - PSI) < 4.0 * found.psi_r_standard_Wb
+    assert found.L_d_H == pytest.approx(L_D, rel=0.03)
+    assert found.omega_e_rad_s == pytest.approx(omega_e, rel=1e-3)
+    away = np.angle(np.mean(np.exp(1j * (found.angle_rad - theta))))
+    assert abs(away) < math.radians(0.3)
+    assert harmonics(found.flux_Wb, theta)[-5] == pytest.approx(0.02 * PSI, abs=2e-3 * PSI)
+
+
+def test_a_motor_that_stands_has_no_circle() -> None:
+    rng = np.random.default_rng(2)
+    phases = rng.normal(0.0, 0.1, (1000, 3))
+    u = np.asarray(rng.normal(0.0, 0.1, 999) + 0.1j, np.complex128)
+    with pytest.raises(AnalysisError, match="does not turn"):
+        turning_flux(u, phases, T_s=T_S, R_s_ohm=R_S, L_d_H=L_D, L_q_H=L_Q, drop_V=0.0, gains=np.ones(3))
+
+
+J, COULOMB, FRICTION, LOAD = 3e-4, 0.02, 1e-4, 0.003
+
+
+def reversal(omega: float, noise_Nm: float, rng: np.random.Generator) -> Course:
+    """On, back and on: a first-order lag towards each setpoint, with the torque that this takes."""
+    step_s, level = 1e-3, 1500
+    t = step_s * np.arange(level)
+    speeds, accelerations, start = [], [], 0.0
+    for target in (omega, -omega, omega):
+        decay = np.exp(-t / 0.03)
+        speeds.append(target + (start - target) * decay)
+        accelerations.append(-(start - target) / 0.03 * decay)
+        start = target
+    speed, acceleration = np.concatenate(speeds), np.concatenate(accelerations)
+    theta = step_s * np.cumsum(speed)
+    torque = J * acceleration + COULOMB * np.sign(speed) + FRICTION * speed + LOAD
+    torque += rng.normal(0.0, noise_Nm, len(torque)) + 0.01 * np.sin(12.0 * theta)
+    return Course(theta, torque, step_s, (level, 2 * level, 3 * level), 1200)
+
+
+def test_inertia_and_friction_of_a_shaft_that_is_reversed() -> None:
+    rng = np.random.default_rng(4)
+    found = mechanics([reversal(omega, 0.01, rng) for omega in (20.0, 50.0, 80.0, 110.0)])
+    for value, standard, true, tolerance in (
+        (found.J_kgm2, found.J_standard, J, 0.02),
+        (found.coulomb_Nm, found.coulomb_standard, COULOMB, 0.05),
+        (found.friction_Nms, found.friction_standard, FRICTION, 0.1),
+        (found.load_Nm, found.load_standard, LOAD, 0.2),
+    ):
+        assert value == pytest.approx(true, rel=tolerance)
+        assert abs(value - true) < 5.0 * standard
+
+
+def test_a_speed_that_is_not_held_is_refused() -> None:
+    t = 1e-3 * np.arange(3000)
+    theta = 5.0 * t * t
+    course = Course(theta, np.zeros(3000), 1e-3, (1500, 3000), 1200)
+    with pytest.raises(AnalysisError, match="larger inertia or load"):
+        mechanics([course])
