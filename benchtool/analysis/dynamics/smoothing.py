@@ -43,7 +43,7 @@ _ROUNDING = 1e-7  # of the level: what is less is rounding of 32-bit numbers, an
 class Noise:
     """Stationary noise of equally spaced samples: its autocovariance at lags 0, 1, ..., beyond them 0.
 
-    `offset` is the standard deviation of what is too slow to show in so few samples, the same in all.
+    `offset` is the standard deviation of noise too slow to show in so few samples, the same in all.
     """
 
     autocovariance: Floats

@@ -136,7 +136,7 @@ class DraggedRotor:
                     f"the encoder's angle is off by up to {math.degrees(once):.2g} degrees once in a "
                     f"revolution",
                     "its disc is eccentric to the shaft",
-                    "centre the encoder's disc, or mount it anew",
+                    "centre the encoder's disc, or mount it again",
                     fails=False,
                 )
             )
