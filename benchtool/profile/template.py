@@ -68,6 +68,8 @@ def profile_text(title: str, motor: Motor, given: Given, derived: Iterable[Deriv
     u_dc_max_V = next(float(each.value) for each in parameters if each.key == "u_dc_max_V")
     i_full_scale_A = _HEADROOM * i_trip_A
     p = motor.pole_pairs
+    psi_q_Wb = motor.L_q_H * math.sqrt(2.0) * motor.I_N_A_rms
+    saturation = {"a_qq": 0.1 / (motor.L_q_H * psi_q_Wb), "T": 1}
     f_e_Hz = p * motor.omega_m_N_rad_s / (2.0 * math.pi)
     sections = (
         commented_table("", [("title", title, "what a report calls the motor and its bench")]),
@@ -130,6 +132,7 @@ def profile_text(title: str, motor: Motor, given: Given, derived: Iterable[Deriv
                 ("#series_L_H", (0.0, 0.01 * motor.L_d_H, 0.0), "H: in series with a, b, c"),
                 ("#R_fe_ohm", 1e3 * motor.R_s_ohm, "ohm: across the EMF, for the iron loss"),
                 ("#heat", _HEAT, "of winding and magnets"),
+                ("#saturation", saturation, "currents over flux linkages: a tenth more i_q at I_N"),
                 ("#power_up_angle_rad", 0.5, "rad: mechanical angle of the shaft at power-up"),
             ],
         ),

@@ -5,6 +5,10 @@
 #include "bt_sync.h"
 #include "drive_objects.h"
 
+/* Periods from the expiry until the torque has ended: the one under way, the one for which the stage is off, and the
+ * end of its currents. The watchdog expires by so many before the time in which the torque is to end. */
+#define BT_REACTION_TICKS 3u
+
 /* Forgets a loss; the caller holds the lock. */
 static void rearm(struct bt_watchdog *watchdog)
 {
@@ -19,7 +23,7 @@ void bt_watchdog_configure(struct bt_watchdog *watchdog, uint32_t host_heartbeat
     const uint64_t ticks = (timeout_ns + tick_period_ns / 2u) / tick_period_ns;
     BT_LOCK();
     watchdog->host_node = (uint8_t)(host_heartbeat >> 16 & 0x7Fu);
-    watchdog->timeout_ticks = timeout_ns > 0 && ticks == 0 ? 1u : (uint32_t)ticks;
+    watchdog->timeout_ticks = timeout_ns == 0 ? 0u : ticks > BT_REACTION_TICKS ? (uint32_t)ticks - BT_REACTION_TICKS : 1u;
     rearm(watchdog);
     BT_UNLOCK();
 }

@@ -178,7 +178,7 @@ def test_a_silent_host_is_noticed_over_the_wrap(can_library: Path, parameters: l
     both = Pair(can_library, parameters, FIRST_TICK)
     try:
         both.play([write("host_heartbeat", HOST << 16 | 20), Ticks(BEFORE - 100), HEARD, *ENABLE])
-        assert both.play([Ticks(199)]) == []
+        assert both.play([Ticks(196)]) == []
         assert both.play([Ticks(1)]) == [(0x080 + NODE, bytes.fromhex("30 81 11 00 00 00 00 00"))]
     finally:
         both.close()

@@ -6,7 +6,7 @@ from benchtool.drive.capabilities import Capability
 from benchtool.drive.parameters.transaction import default_of, parameters, require_disabled
 from benchtool.drive.remote import RemoteDrive
 from benchtool.errors import CapabilityMissing, NoAnswer, WriteNotVerified
-from benchtool.protocol.canopen import NmtCommand, NmtState
+from benchtool.protocol.canopen import NmtCommand
 from benchtool.protocol.dictionary import Role, Value, Variable
 
 _SAVE = b"save"
@@ -77,25 +77,16 @@ def reset(drive: RemoteDrive) -> None:
     Raises:
         NoAnswer: none came.
     """
-    heard = drive.link.counters.heartbeats_received
+    boots = drive.link.counters.boots_received
     drive.link.nmt(NmtCommand.RESET_NODE)
     deadline_s = drive.clock.now_s() + _BOOT_S
-    while not _has_booted(drive, drive.link.counters.heartbeats_received - heard):
+    while drive.link.counters.boots_received == boots:  # a heartbeat may follow the boot-up at once
         if drive.clock.now_s() >= deadline_s:
             raise NoAnswer(
                 f"no boot-up message of node {drive.link.node_id} within {_BOOT_S:g} s of its reset; "
                 f"switch it off and on"
             )
         drive.clock.wait(_POLL_S)
-
-
-def _has_booted(drive: RemoteDrive, heard: int) -> bool:
-    """Return whether the last of so many heartbeats since a reset is the boot-up message, or came after one.
-
-    A heartbeat may follow the boot-up at once. A single one in pre-operational may be from before the reset.
-    """
-    state = drive.link.heartbeat_state()
-    return (heard > 0 and state is NmtState.BOOT_UP) or (heard > 1 and state is NmtState.PRE_OPERATIONAL)
 
 
 def _sign(drive: RemoteDrive, role: Role, signature: bytes, ability: str) -> None:

@@ -100,7 +100,7 @@ static void check_trial(void)
         host_heartbeat(&drive);
         assert(host_write(&drive, BT_ID_parameter_trial, trial) == BT_OK);
         assert(host_write(&drive, BT_ID_R_s, bt_word_of(0.7f)) == BT_OK);
-        for (ticks = 0; ticks < 499; ticks++)
+        for (ticks = 0; ticks < 496; ticks++)
             bt_tick(&drive);
         assert(host_read(&drive, BT_ID_R_s) == bt_word_of(0.7f));
         bt_tick(&drive);

@@ -170,15 +170,21 @@ def test_a_vector_lies_along_its_angle_or_along_the_rotor() -> None:
 
 
 @pytest.mark.parametrize(("turn", "ramp"), [(0.01, 0), (-0.02, 40), (0.03, 500)])
-def test_a_turning_one_comes_up_to_its_speed_and_stays_where_it_ends(turn: float, ramp: int) -> None:
-    """The angle is the sum of the speeds so far, each in the middle between two ticks."""
+def test_a_turning_one_comes_up_to_its_speed_and_to_rest_where_it_ends(turn: float, ramp: int) -> None:
+    """The angle is the sum of the speeds so far, each in the middle between two ticks.
+
+    It comes to rest by the ramp that it began with, where both have room.
+    """
     stimulus = _stimulus(ticks=60, repetitions=3, cos_angle=1.0, angle=0.7, turn=turn, turn_ticks=ramp)
     angles = []
     for tick in range(200):
         play(stimulus, tick)
         cosine, sine = direction_of(stimulus, 1.0, 0.0)
         angles.append(np.arctan2(sine, cosine))
-    speed = turn * np.minimum(1.0, (np.arange(179) + 0.5) / max(ramp, 0.5))
+    middle = np.arange(179) + 0.5
+    speed = turn * np.minimum(1.0, middle / max(ramp, 0.5))
+    if 0 < ramp <= 90:
+        speed = np.copysign(np.minimum(np.abs(speed), abs(turn) * (180 - middle) / ramp), turn)
     expected = 0.7 + np.concatenate(([0.0], np.cumsum(speed)))
     assert np.unwrap(angles)[:180] == pytest.approx(expected, abs=1e-9)
     assert angles[180:] == [angles[179]] * 20
