@@ -106,9 +106,9 @@ static void check_supervision(void)
         bt_tick(&drive);
     host_heartbeat(&drive);
     host_enable(&drive);
-    for (k = 0; k < 499; k++)
+    for (k = 0; k < 496; k++)
         bt_tick(&drive);
-    assert(bt_may_switch(&drive) && host_read(&drive, BT_ID_tick) == 399);
+    assert(bt_may_switch(&drive) && host_read(&drive, BT_ID_tick) == 396);
     bt_tick(&drive);
     assert(!bt_may_switch(&drive));
 }
