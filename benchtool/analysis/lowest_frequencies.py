@@ -65,14 +65,14 @@ def slow_noise(samples: Floats, periods: int = 0) -> SlowNoise | None:
     `periods` are the whole periods that the samples hold of what repeats, whose harmonics are left out.
     """
     count = len(samples)
-    if len(samples) < 2 * _FEWEST:
+    if count < 2 * _FEWEST:
         return None
     bins = fft.rfft(samples - np.mean(samples))[1 : (count - 1) // 2 + 1] / count
     number = np.arange(1, len(bins) + 1)
     power = bins.real**2 + bins.imag**2
     if periods:
         away = np.abs(number - periods * np.round(number / periods))
-        kept = (away >= max(1.0, _NEAR_HARMONIC * periods)) & (number >= 1) | (number < periods)
+        kept = (away >= max(1.0, _NEAR_HARMONIC * periods)) | (number < periods)
         kept &= away > 0
         if periods >= _ENOUGH_PERIODS:  # what differs from period to period has its own density above
             kept &= number <= periods // 2

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis import Measurement
+from benchtool.commission.nameplate import KEYS
 from benchtool.drive import RemoteDrive
 from benchtool.errors import ValueRefused
 from benchtool.profile import Motor
@@ -24,16 +25,6 @@ _SLOWEST_RAD_S = 30.0  # so that a level of some tenths of a second settles
 _READ = ("law", "encoder_lines", "u_s", "T_k_ratio", "i_trip", "torque_limit")
 _FRICTION_SHARE = 0.02  # of the rated torque, until friction is known
 _SEEN = 3.0  # standard uncertainties, below which nothing is compensated
-_OF_MOTOR: Mapping[str, str] = MappingProxyType(
-    {
-        "R_s": "R_s_ohm",
-        "L_d": "L_d_H",
-        "L_q": "L_q_H",
-        "psi_r": "psi_r_Wb",
-        "J": "J_kgm2",
-        "pole_pairs": "pole_pairs",
-    }
-)
 _NONE: Mapping[str, Measurement] = MappingProxyType({})
 
 
@@ -189,7 +180,7 @@ class Known:
     @property
     def identified(self) -> Motor:
         """The nameplate with what was estimated in its place."""
-        found = {key: self.estimates[name].value for name, key in _OF_MOTOR.items() if name in self.estimates}
+        found = {key: self.estimates[name].value for name, key in KEYS.items() if name in self.estimates}
         if "pole_pairs" in found:
             found["pole_pairs"] = round(found["pole_pairs"])
         return self.motor.model_copy(update=found)

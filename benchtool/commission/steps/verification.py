@@ -1,4 +1,4 @@
-"""The whole drive with its new parameters: a run whose balances are the second opinion of what was found."""
+"""Verification run with the new parameters: flux and torque balances as a second opinion of the estimates."""
 
 from __future__ import annotations
 
