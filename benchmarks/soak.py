@@ -21,23 +21,18 @@ from collections import Counter
 from contextlib import suppress
 from dataclasses import dataclass, field
 
+from benchmarks.faults.host import host_of
 from benchmarks.figures import print_figures
 from benchtool.block import Block
 from benchtool.drive import Capture, CaptureRequest, RemoteDrive
 from benchtool.emulator.bench import EmulatedBench
 from benchtool.emulator.faults import FAULTS
 from benchtool.errors import BenchError
-from benchtool.link import Link
-from benchtool.link.canopen import CanopenLink, timestamp
-from benchtool.link.serial import SerialLink
 from benchtool.profile import altered, load_profile
 from benchtool.protocol import Mode, State
 from benchtool.protocol.canopen import NmtCommand
-from benchtool.protocol.dictionary import Dictionary
-from benchtool.shipped import shipped
 from benchtool.telemetry import Sink, TelemetryStream
 
-_EDS = shipped("firmware_protocol") / "drive.eds"
 _WIRES = ("can", "serial")
 _NEVER = ("phase_open", "phases_swapped", "wrong_parameter", "encoder_offset", "encoder_slip", "overspeed")
 _WARM_ROUNDS = 20
@@ -79,7 +74,8 @@ class Soak:
         account, begin_s = self._account, self._bench.clock.now_s()
         fault = self._draw.choice(self._faults) if self._draw.random() < 0.5 else ""
         rows: list[Block] = []
-        drive, stream = self._host(), None
+        drive, stream = host_of(self._bench, self._wire), None
+        self._bench.clock.wait(0.15)  # a heartbeat is heard
         try:
             with drive:
                 if drive.is_stopped:
@@ -105,16 +101,6 @@ class Soak:
         self._count(rows, stream, fault)
         account.rounds += 1
         account.drive_s += self._bench.clock.now_s() - begin_s
-
-    def _host(self) -> RemoteDrive:
-        clock = self._bench.clock
-        link: Link
-        if self._wire == "can":
-            link = CanopenLink(self._bench.host_bus(), 1, clock, arrival_s=timestamp)
-        else:
-            link = SerialLink(self._bench.host_port(), 1, clock)
-        clock.wait(0.15)  # a heartbeat is heard
-        return RemoteDrive(link, Dictionary.from_eds(_EDS, 1), _EDS.name, clock)
 
     def _command(self, drive: RemoteDrive, fault: str) -> None:
         if fault:

@@ -15,22 +15,18 @@ from typing import Any, Final
 
 import numpy as np
 
+from benchmarks.faults.host import host_of
 from benchtool.bench import Session
 from benchtool.block import Block
 from benchtool.drive import RemoteDrive
 from benchtool.emulator.bench import EmulatedBench
 from benchtool.emulator.faults import FAULTS, Fault, Outcome, Place, parse_fault
 from benchtool.errors import BenchError, DictionaryMismatch
-from benchtool.link import Link
-from benchtool.link.canopen import CanopenLink, timestamp
-from benchtool.link.serial import SerialLink
 from benchtool.profile import Limits, Profile, altered, load_profile
 from benchtool.protocol import Mode, State
 from benchtool.protocol.canopen import NmtCommand
-from benchtool.protocol.dictionary import Dictionary
 from benchtool.run.limits import stopping, supervised_channels
 from benchtool.run.parameter_check import check_parameters
-from benchtool.shipped import shipped
 from benchtool.telemetry import LiveLimits, Sink, StreamReport, TelemetryStream
 
 WATCHDOG_S: Final = 0.1
@@ -39,7 +35,6 @@ FRICTION_NMS: Final = 0.04  # a load of 2 Nm at that speed, which cannot drive t
 OF_RATED: Final = 0.05
 NAMED_WITHIN_S: Final = 1.0
 
-_EDS: Final = shipped("firmware_protocol") / "drive.eds"
 _RUN_UP_S: Final = 0.4
 _LATEST_S: Final = 0.1  # of the random moment
 _AFTER_S: Final = 1.1
@@ -134,7 +129,7 @@ class _Trial:
 
     def run(self) -> None:
         bench, outcomes, clock = self._bench, self._outcomes, self._bench.clock
-        drive = self._host()
+        drive = host_of(self._bench, self._wire)
         session = Session("zhu2011", profile(), "", drive, clock)
         limits, report = LiveLimits(_LIMITS), None
         failure: BenchError | None = None
@@ -173,17 +168,6 @@ class _Trial:
         self._judge_record(report)
         drive.close_link()
         self._judge_next_session()
-
-    # ---- the host ------------------------------------------------------------------------------------------
-
-    def _host(self) -> RemoteDrive:
-        clock = self._bench.clock
-        link: Link
-        if self._wire == "can":
-            link = CanopenLink(self._bench.host_bus(), 1, clock, arrival_s=timestamp)
-        else:
-            link = SerialLink(self._bench.host_port(), 1, clock)
-        return RemoteDrive(link, Dictionary.from_eds(_EDS, 1), _EDS.name, clock)
 
     # ---- what the drive does, seen from within -------------------------------------------------------------
 
@@ -292,7 +276,7 @@ class _Trial:
         """After the fault, a host finds the drive without a power cycle; commands have acted once."""
         bench, outcomes = self._bench, self._outcomes
         if self._fault.kind.name == "other_firmware":
-            other = self._host()
+            other = host_of(self._bench, self._wire)
             with suppress(DictionaryMismatch):
                 other.check()
                 outcomes.remarks.append("another dictionary was taken")
@@ -300,7 +284,7 @@ class _Trial:
         bench.faults.end()
         bench.clock.wait(2.0 * WATCHDOG_S)
         enables = self._enables
-        drive = self._host()
+        drive = host_of(self._bench, self._wire)
         bench.clock.wait(0.2)  # its heartbeat is heard
         try:
             with drive:
