@@ -286,7 +286,17 @@ def unit_suffix(unit: str) -> str:
     return re.sub(r"\W+", "_", unit.replace("%", "percent")).strip("_").removeprefix("1")
 
 
-Literal = float | str | bool | Sequence[str] | Sequence[float] | Mapping[str, float]
+Row = Sequence[float]
+Literal = (
+    float
+    | str
+    | bool
+    | Sequence[str]
+    | Row
+    | Sequence[Row]
+    | Mapping[str, float]
+    | Mapping[str, Row | Sequence[Row]]
+)
 
 
 def commented_table(name: str, rows: Sequence[tuple[str, Literal, str]]) -> str:

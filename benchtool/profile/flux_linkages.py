@@ -11,7 +11,7 @@ from benchtool.document import Array, Section
 
 Current = Annotated[float, Field(ge=-1e4, le=1e4)]
 Flux = Annotated[float, Field(ge=-100, le=100)]
-Currents = Annotated[Array[Current], Field(min_length=3, max_length=41)]
+Currents = Annotated[Array[Current], Field(min_length=5, max_length=41)]
 Table = Annotated[Array[Array[Flux]], Field(max_length=41)]
 
 MOST_CURL: Final = 0.05

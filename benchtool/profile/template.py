@@ -58,6 +58,17 @@ _BENCH: Final = """
 """
 
 
+def _flux_linkages(motor: Motor) -> dict[str, tuple[float, ...] | tuple[tuple[float, ...], ...]]:
+    """Return the smallest table of flux linkages, of a machine that does not saturate."""
+    currents = tuple(each * math.sqrt(2.0) * motor.I_N_A_rms for each in (-1.0, -0.5, 0.0, 0.5, 1.0))
+    return {
+        "i_d_A": currents,
+        "i_q_A": currents,
+        "psi_d_Wb": tuple(tuple(motor.psi_r_Wb + motor.L_d_H * i_d for _ in currents) for i_d in currents),
+        "psi_q_Wb": tuple(tuple(motor.L_q_H * i_q for i_q in currents) for _ in currents),
+    }
+
+
 def profile_text(title: str, motor: Motor, given: Given, derived: Iterable[Derived]) -> str:
     """Return a profile of this motor, whose drive has the derived parameters, with an emulated bench to suit.
 
@@ -133,6 +144,7 @@ def profile_text(title: str, motor: Motor, given: Given, derived: Iterable[Deriv
                 ("#R_fe_ohm", 1e3 * motor.R_s_ohm, "ohm: across the EMF, for the iron loss"),
                 ("#heat", _HEAT, "of winding and magnets"),
                 ("#saturation", saturation, "currents over flux linkages: a tenth more i_q at I_N"),
+                ("#flux_linkages", _flux_linkages(motor), "the same as a table, instead: rows are of i_d"),
                 ("#power_up_angle_rad", 0.5, "rad: mechanical angle of the shaft at power-up"),
             ],
         ),

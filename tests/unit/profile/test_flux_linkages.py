@@ -102,8 +102,8 @@ def test_what_is_of_no_field_is_refused() -> None:
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({"i_d_A": (-5.0, -10.0, 0.0)}, "i_d_A does not rise"),
-        ({"i_q_A": (1.0, 2.0, 3.0)}, "i_q_A is from 1 to 3 A: zero is expected within"),
+        ({"i_d_A": (-5.0, -10.0, 0.0, 1.0, 2.0)}, "i_d_A does not rise"),
+        ({"i_q_A": (1.0, 2.0, 3.0, 4.0, 5.0)}, "i_q_A is from 1 to 5 A: zero is expected within"),
         ({"psi_d_Wb": ((0.1, 0.2),)}, "psi_d_Wb has 1 rows of up to 2 values: 9 rows"),
         ({"psi_d_Wb": tuple(zip(*table(saturating)["psi_d_Wb"], strict=True))}, "psi_d_Wb has 11 rows"),
     ],
