@@ -8,7 +8,7 @@
 extern "C" {
 #endif
 
-#define BT_DICTIONARY_HASH 0x9E8BA4ADu
+#define BT_DICTIONARY_HASH 0x03B94D7Au
 #define BT_VENDOR_ID 0x00000B7Cu
 #define BT_PRODUCT_CODE 0x00002011u
 #define BT_REVISION 0x00010001u
@@ -736,7 +736,7 @@ enum bt_mode_of_operation_display {
     X(0x2012u, 1u, i_trip, F32, RW, PARAMETER, 1, 0, 0.0f, 10000.0f, 10.0f) \
     X(0x2012u, 2u, omega_m_trip, F32, RW, PARAMETER, 1, 0, 0.1f, 100000.0f, 200.0f) \
     X(0x2012u, 3u, u_dc_min, F32, RW, PARAMETER, 1, 0, 0.1f, 2000.0f, 10.0f) \
-    X(0x2012u, 4u, u_dc_max, F32, RW, PARAMETER, 1, 0, 0.0f, 2000.0f, 400.0f) \
+    X(0x2012u, 4u, u_dc_max, F32, RW, PARAMETER, 1, 0, 0.1f, 2000.0f, 400.0f) \
     X(0x2012u, 5u, i2t_current, F32, RW, PARAMETER, 1, 0, 0.0f, 10000.0f, 10000.0f) \
     X(0x2012u, 6u, i2t_tau, F32, RW, PARAMETER, 1, 0, 0.1f, 600.0f, 30.0f) \
     X(0x2012u, 7u, i2t_level, F32, RO, SIGNAL, 1, 0, -3.4028235e+38f, 3.4028235e+38f, 0.0f) \
@@ -841,7 +841,7 @@ enum bt_mode_of_operation_display {
     X(0x2051u, 1u, stream_sequence, U32, RO, SIGNAL, 1, 0, 0u, 4294967295u, 0u) \
     X(0x2051u, 2u, rpdo_dropped, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 0u) \
     X(0x2051u, 3u, serial_dropped, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 0u) \
-    X(0x2060u, 0u, dictionary_hash, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 2659951789u) \
+    X(0x2060u, 0u, dictionary_hash, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 62475642u) \
     X(0x6007u, 0u, abort_connection_option, I16, RW, PARAMETER, 0, 0, -32768, 32767, 1) \
     X(0x603Fu, 0u, error_code, U16, RO, STATUS, 1, 0, 0u, 65535u, 0u) \
     X(0x6040u, 0u, controlword, U16, RW, STATUS, 1, 0, 0u, 65535u, 0u) \

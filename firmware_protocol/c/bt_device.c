@@ -244,8 +244,11 @@ void bt_device_control(struct bt_device *device, uint16_t controlword)
     BT_LOCK();
     device->controlword = controlword;
     BT_UNLOCK();
-    if (edges & BT_CONTROL_FAULT_RESET && device->watchdog.state == BT_LINK_STATE_LOST)
+    if (edges & BT_CONTROL_FAULT_RESET && device->watchdog.state == BT_LINK_STATE_LOST) {
         bt_watchdog_rearm(&device->watchdog);
+        if (state != BT_STATE_FAULT)
+            report(device, 0);
+    }
     if (after == state)
         return;
     if (state == BT_STATE_FAULT) {

@@ -218,6 +218,8 @@ class Firmware:
         reset_edge = bool(word & _FAULT_RESET_BIT and not before & _FAULT_RESET_BIT)
         if reset_edge and self.supervision.state is LinkState.LOST:
             self.supervision.rearm()
+            if self.state is not State.FAULT:
+                self.report(ErrorCode.NO_ERROR)
         self._set_halt(bool(word & _HALT_BIT))
         after = transition(self.state, word, before)
         if after is self.state:
