@@ -21,7 +21,7 @@ _BIT_RATES = (10, 20, 50, 125, 250, 500, 800, 1000)
 _FORMAT = (
     "Generated from objects.toml. Each line below tells of one section what the standard has no key for:",
     "section, then Role, Unit, Factor (physical value = raw value * Factor), Values (of an enumeration)",
-    "EnabledWrite=0 (refused while the power stage is on), MinEntry, MinTimes, MaxEntry and MaxTimes (entries",
+    "EnabledWrite=0 (refused while the power stage is on), MinEntry, MinTimes, MaxEntry, MaxTimes (entries",
     "whose values are limits as well, so many times of it), then a colon and the description.",
 )
 

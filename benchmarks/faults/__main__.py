@@ -1,6 +1,6 @@
 """Faults of wires, host, drive and bench, each at random ticks of a running drive, on both wires.
 
-python -m benchmarks.faults --json                              60 of each on a wire, the link losses 299 times
+python -m benchmarks.faults --json                              60 of each on a wire, lost links 299 times
 python -m benchmarks.faults --repetitions 3 --fault drive_hung  a few of one
 python -m benchmarks.faults --write                             keep the figures, for docs/faults.md
 """
