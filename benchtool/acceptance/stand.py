@@ -136,7 +136,10 @@ def _make_safe(session: Session, notes: Notes) -> None:
 
 
 def _complaints(session: Session, before: dict[str, float] | None) -> Iterator[str]:
-    """Yield what is not as it should be after a test, half a sentence each; of the link with `before` only."""
+    """Yield what is not as it should be after a test, half a sentence each.
+
+    The link is looked at if `before` says what it had counted when the test began.
+    """
     drive = session.drive
     state = drive.state()
     if state.value.startswith("fault"):
