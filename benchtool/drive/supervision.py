@@ -45,7 +45,7 @@ class LinkSupervision:
     Args:
         drive: the drive that is to watch.
         allow_unsupervised: go on where it cannot; `unsupervised` then says why.
-        timeout_s: that it is armed with, if nobody asks for another.
+        timeout_s: that it is armed with, if no caller asks for another.
     """
 
     def __init__(

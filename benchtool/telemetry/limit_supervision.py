@@ -1,6 +1,6 @@
 """The limits of a profile wherever a drive is enabled: beyond one the motor is braked, and its caller told.
 
-While the drive is enabled its stream is looked at, whoever opened it; if there is none, one is opened here.
+While the drive is enabled its stream is looked at, of any caller; if there is none, one is opened here.
 """
 
 from __future__ import annotations
@@ -29,14 +29,14 @@ class SupervisedDrive(StreamedDrive, Protocol):
 class LimitSupervision:
     """See `StreamSupervisor`.
 
-    Where time is real a breach stops the motor from a thread of its own, as whoever enabled the drive may be
-    thinking; virtual time passes only while somebody waits, who is told then.
+    Where time is real a breach stops the motor from a thread of its own, as the caller that enabled the drive
+    may not be waiting; virtual time passes only while a caller waits, and that one is told.
 
     Args:
         drive: the drive.
         limits: of the profile.
         winding_degC: reads the thermometer of the winding; None, or giving None, without one.
-        tell: takes the message of a motor that was stopped while nobody waited.
+        tell: takes the message of a motor that was stopped while no caller waited.
     """
 
     def __init__(
@@ -52,7 +52,7 @@ class LimitSupervision:
         self._judge = LiveLimits(limits)
         self._enabled = False
         self._read_s = 0.0
-        self._others: tuple[str, ...] | None = None  # signals of a stream that somebody else has open
+        self._others: tuple[str, ...] | None = None  # signals of the stream of a caller
         self._own: TelemetryStream | None = None
         self._opening = False
         self._claim = threading.Lock()  # who stops the motor
@@ -174,7 +174,7 @@ class LimitSupervision:
     # ---- stopping ------------------------------------------------------------------------------------------
 
     def _stop(self) -> None:
-        """Brake and disable once, by whoever comes first; return when that is done."""
+        """Brake and disable once, in the thread that comes first; return when that is done."""
         with self._claim:
             first, self._claimed = not self._claimed, True
         if not first:

@@ -1,4 +1,4 @@
-"""Limits of a profile are supervised wherever a drive is enabled, whoever streams, and whatever."""
+"""Limits of a profile are supervised wherever a drive is enabled, with any stream or none."""
 
 from __future__ import annotations
 

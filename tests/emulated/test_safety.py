@@ -228,7 +228,7 @@ def test_a_watchdog_that_sleeps_is_found_and_the_drive_not_enabled(wire: Wire) -
     drive, clock = wire.session.drive, wire.session.clock
     drive._prove_watchdog = True
     drive.connect()
-    feeding = clock.call_every(0.1, drive.link.send_heartbeat)  # whoever it is that feeds it
+    feeding = clock.call_every(0.1, drive.link.send_heartbeat)  # another program feeds it
     with pytest.raises(CapabilityMissing, match=r"did not notice that this host was silent for 0\.6 s"):
         drive.enable(Mode.VELOCITY)
     assert drive.state() is State.SWITCH_ON_DISABLED
