@@ -59,6 +59,11 @@ class LinkSupervision:
         self._entry: Variable | None = None
         self._overridden: Variable | None = None
 
+    @property
+    def timeout_s(self) -> float:
+        """Time without a heartbeat of this host after which an armed drive stops the motor."""
+        return self._timeout_s
+
     def to_json(self) -> dict[str, bool | str]:
         """As a manifest keeps it, of a drive that may run unsupervised; empty of any other."""
         if not self.allow_unsupervised:
