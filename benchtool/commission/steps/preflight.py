@@ -178,8 +178,8 @@ def _withhold_heartbeat(drive: RemoteDrive) -> float:
         while drive.state().power_stage_on:
             if drive.clock.now_s() - silent_s > timeout_s + _SLACK_S:
                 raise SetUpError(
-                    f"the drive is still on {timeout_s + _SLACK_S:g} s after the host's last heartbeat, it is "
-                    f"to switch off after {timeout_s:g} s",
+                    f"the drive is still on {timeout_s + _SLACK_S:g} s after the host's last heartbeat, it "
+                    f"is to switch off after {timeout_s:g} s",
                     "the supervision of the link does not act (objects 0x1016 and 0x6007)",
                     "do not spin this motor before the drive's firmware or its configuration is corrected",
                 )
