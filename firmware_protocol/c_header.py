@@ -13,8 +13,8 @@ _VALUE_COMMENT = """\
 /* What an enumeration may be: X(name, value) for each of its values, in the order of BT_ENTRIES. Any other is
  * refused. */"""
 _RELATION_COMMENT = """\
-/* Entries that another's value limits as well: X(name, least), and X(name, most, times) with the limit
- * most * times. A limit of 0 is not known, and none. */"""
+/* Entries that another's value limits as well: X(name, least, times) with the limit least * times, and
+ * X(name, most, times) with the limit most * times. A limit of 0 is not known, and none. */"""
 _ROW_COMMENT = """\
 /* Every entry as
  *   X(index, sub, name, TYPE, ACCESS, ROLE, enabled_write, add_node_id, minimum, maximum, initial)
@@ -79,7 +79,11 @@ def render(table: ObjectTable) -> str:
         "",
         _RELATION_COMMENT,
         "#define BT_MIN_ENTRIES(X) \\",
-        *(f"    X({entry.name}, {entry.min_entry}) \\" for entry in table if entry.min_entry),
+        *(
+            f"    X({entry.name}, {entry.min_entry}, {entry.min_times!r}f) \\"
+            for entry in table
+            if entry.min_entry
+        ),
         "    /* end */",
         "#define BT_MAX_ENTRIES(X) \\",
         *(

@@ -8,10 +8,10 @@
 extern "C" {
 #endif
 
-#define BT_DICTIONARY_HASH 0xBF0A661Au
+#define BT_DICTIONARY_HASH 0x03B94D7Au
 #define BT_VENDOR_ID 0x00000B7Cu
 #define BT_PRODUCT_CODE 0x00002011u
-#define BT_REVISION 0x00010000u
+#define BT_REVISION 0x00010001u
 
 /* CiA 301 data types */
 enum bt_type {
@@ -293,6 +293,11 @@ enum bt_role {
 #define BT_SUB_OMEGA_M_TRIP 2u
 #define BT_SUB_U_DC_MIN 3u
 #define BT_SUB_U_DC_MAX 4u
+#define BT_SUB_I2T_CURRENT 5u
+#define BT_SUB_I2T_TAU 6u
+#define BT_SUB_I2T_LEVEL 7u
+#define BT_SUB_WINDING_TEMPERATURE 8u
+#define BT_SUB_TEMPERATURE_TRIP 9u
 #define BT_SUB_SVM_DTC_CONTROL_COUNT 0u
 #define BT_SUB_K_P_DELTA 1u
 #define BT_SUB_K_I_DELTA 2u
@@ -531,7 +536,6 @@ enum bt_parameter_trial {
 };
 
 enum bt_abort_connection_option {
-    BT_ABORT_CONNECTION_OPTION_NONE = 0,
     BT_ABORT_CONNECTION_OPTION_FAULT = 1,
     BT_ABORT_CONNECTION_OPTION_DISABLE_VOLTAGE = 2,
     BT_ABORT_CONNECTION_OPTION_QUICK_STOP = 3
@@ -598,7 +602,7 @@ enum bt_mode_of_operation_display {
     X(0x1018u, 0u, identity_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 4u) \
     X(0x1018u, 1u, vendor_id, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 2940u) \
     X(0x1018u, 2u, product_code, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 8209u) \
-    X(0x1018u, 3u, revision_number, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 65536u) \
+    X(0x1018u, 3u, revision_number, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 65537u) \
     X(0x1018u, 4u, serial_number, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 1u) \
     X(0x1200u, 0u, sdo_server_parameter_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 2u) \
     X(0x1200u, 1u, sdo_request_cob_id, U32, RO, STATUS, 1, 1, 0u, 4294967295u, 1536u) \
@@ -728,11 +732,16 @@ enum bt_mode_of_operation_display {
     X(0x2011u, 2u, K_i_speed, F32, RW, PARAMETER, 1, 0, 0.0f, 100000.0f, 0.1f) \
     X(0x2011u, 3u, torque_limit, F32, RW, PARAMETER, 1, 0, 0.0f, 100000.0f, 1.0f) \
     X(0x2011u, 4u, omega_observer, F32, RW, PARAMETER, 1, 0, 1.0f, 5000.0f, 150.0f) \
-    X(0x2012u, 0u, protection_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 4u) \
+    X(0x2012u, 0u, protection_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 9u) \
     X(0x2012u, 1u, i_trip, F32, RW, PARAMETER, 1, 0, 0.0f, 10000.0f, 10.0f) \
     X(0x2012u, 2u, omega_m_trip, F32, RW, PARAMETER, 1, 0, 0.1f, 100000.0f, 200.0f) \
-    X(0x2012u, 3u, u_dc_min, F32, RW, PARAMETER, 1, 0, 0.0f, 2000.0f, 10.0f) \
-    X(0x2012u, 4u, u_dc_max, F32, RW, PARAMETER, 1, 0, 0.0f, 2000.0f, 400.0f) \
+    X(0x2012u, 3u, u_dc_min, F32, RW, PARAMETER, 1, 0, 0.1f, 2000.0f, 10.0f) \
+    X(0x2012u, 4u, u_dc_max, F32, RW, PARAMETER, 1, 0, 0.1f, 2000.0f, 400.0f) \
+    X(0x2012u, 5u, i2t_current, F32, RW, PARAMETER, 1, 0, 0.0f, 10000.0f, 10000.0f) \
+    X(0x2012u, 6u, i2t_tau, F32, RW, PARAMETER, 1, 0, 0.1f, 600.0f, 30.0f) \
+    X(0x2012u, 7u, i2t_level, F32, RO, SIGNAL, 1, 0, -3.4028235e+38f, 3.4028235e+38f, 0.0f) \
+    X(0x2012u, 8u, winding_temperature, F32, RO, SIGNAL, 1, 0, -3.4028235e+38f, 3.4028235e+38f, 25.0f) \
+    X(0x2012u, 9u, temperature_trip, F32, RW, PARAMETER, 1, 0, -40.0f, 220.0f, 155.0f) \
     X(0x2013u, 0u, svm_dtc_control_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 2u) \
     X(0x2013u, 1u, K_p_delta, F32, RW, PARAMETER, 1, 0, 0.0f, 1000.0f, 0.05f) \
     X(0x2013u, 2u, K_i_delta, F32, RW, PARAMETER, 1, 0, 0.0f, 1000000.0f, 10.0f) \
@@ -832,7 +841,7 @@ enum bt_mode_of_operation_display {
     X(0x2051u, 1u, stream_sequence, U32, RO, SIGNAL, 1, 0, 0u, 4294967295u, 0u) \
     X(0x2051u, 2u, rpdo_dropped, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 0u) \
     X(0x2051u, 3u, serial_dropped, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 0u) \
-    X(0x2060u, 0u, dictionary_hash, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 3205129754u) \
+    X(0x2060u, 0u, dictionary_hash, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 62475642u) \
     X(0x6007u, 0u, abort_connection_option, I16, RW, PARAMETER, 0, 0, -32768, 32767, 1) \
     X(0x603Fu, 0u, error_code, U16, RO, STATUS, 1, 0, 0u, 65535u, 0u) \
     X(0x6040u, 0u, controlword, U16, RW, STATUS, 1, 0, 0u, 65535u, 0u) \
@@ -854,7 +863,7 @@ enum bt_mode_of_operation_display {
     X(0x6502u, 0u, supported_modes, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 196620u) \
     /* end */
 
-#define BT_ENTRY_COUNT 280u
+#define BT_ENTRY_COUNT 285u
 
 /* What an enumeration may be: X(name, value) for each of its values, in the order of BT_ENTRIES. Any other is
  * refused. */
@@ -921,7 +930,6 @@ enum bt_mode_of_operation_display {
     X(link_state, 3) \
     X(parameter_trial, 0) \
     X(parameter_trial, 1) \
-    X(abort_connection_option, 0) \
     X(abort_connection_option, 1) \
     X(abort_connection_option, 2) \
     X(abort_connection_option, 3) \
@@ -941,18 +949,20 @@ enum bt_mode_of_operation_display {
     X(mode_of_operation_display, 4) \
     /* end */
 
-#define BT_VALUE_COUNT 80u
+#define BT_VALUE_COUNT 79u
 
-/* Entries that another's value limits as well: X(name, least), and X(name, most, times) with the limit
- * most * times. A limit of 0 is not known, and none. */
+/* Entries that another's value limits as well: X(name, least, times) with the limit least * times, and
+ * X(name, most, times) with the limit most * times. A limit of 0 is not known, and none. */
 #define BT_MIN_ENTRIES(X) \
-    X(u_dc_max, u_dc_min) \
+    X(u_dc_min, u_dc_full_scale, 0.015625f) \
+    X(u_dc_max, u_dc_min, 1.0f) \
     /* end */
 #define BT_MAX_ENTRIES(X) \
     X(i_trip, i_full_scale, 1.0f) \
     X(omega_m_trip, omega_m_N, 10.0f) \
     X(u_dc_min, u_dc_max, 1.0f) \
     X(u_dc_max, u_dc_full_scale, 1.0f) \
+    X(i2t_current, i_full_scale, 1.0f) \
     /* end */
 
 #ifdef __cplusplus

@@ -21,8 +21,8 @@ _BIT_RATES = (10, 20, 50, 125, 250, 500, 800, 1000)
 _FORMAT = (
     "Generated from objects.toml. Each line below tells of one section what the standard has no key for:",
     "section, then Role, Unit, Factor (physical value = raw value * Factor), Values (of an enumeration)",
-    "EnabledWrite=0 (refused while the power stage is on), MinEntry, MaxEntry and MaxTimes (entries whose",
-    "values are limits as well, MaxTimes of it at most), then a colon and the description.",
+    "EnabledWrite=0 (refused while the power stage is on), MinEntry, MinTimes, MaxEntry, MaxTimes (entries",
+    "whose values are limits as well, so many times of it), then a colon and the description.",
 )
 
 
@@ -85,6 +85,7 @@ def _annotation(entry: Entry, item: Object) -> str:
         "Values": ",".join(f"{name}:{number}" for name, number in (entry.values or {}).items()),
         "EnabledWrite": "" if entry.enabled_write else "0",
         "MinEntry": entry.min_entry,
+        "MinTimes": "" if entry.min_times == 1 else repr(entry.min_times),
         "MaxEntry": entry.max_entry,
         "MaxTimes": "" if entry.max_times == 1 else repr(entry.max_times),
     }

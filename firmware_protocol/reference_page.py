@@ -71,7 +71,7 @@ def _range(entry: Entry) -> str:
         return ""
     ends = ["" if end is None else _physical(entry, end) for end in (entry.minimum, entry.maximum)]
     if entry.min_entry:
-        ends[0] += f", `{entry.min_entry}`"
+        ends[0] += f", {'' if entry.min_times == 1 else f'{entry.min_times:g} '}`{entry.min_entry}`"
     if entry.max_entry:
         ends[1] += f", {'' if entry.max_times == 1 else f'{entry.max_times:g} '}`{entry.max_entry}`"
     return " to ".join(ends)

@@ -1,6 +1,6 @@
 """Faults of wires, host, drive and bench, each at random ticks of a running drive, on both wires.
 
-python -m benchmarks.faults --json                              60 of each, the link losses 299 times
+python -m benchmarks.faults --json                              60 of each on a wire, lost links 299 times
 python -m benchmarks.faults --repetitions 3 --fault drive_hung  a few of one
 python -m benchmarks.faults --write                             keep the figures, for docs/faults.md
 """
@@ -31,9 +31,9 @@ def measure(
     with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
         for name in names:
             wires = [wire for wire in _WIRES if applies(name, wire)]
-            total = link_losses if name in _LINK_LOSSES else repetitions
+            losses = -(-link_losses // len(wires)) if name in _LINK_LOSSES else 0
             for wire in wires:
-                count = -(-total // len(wires))
+                count = max(losses, repetitions)
                 seeds = range(seed, seed + count)
                 trials: list[Outcomes] = list(
                     pool.map(run_trial, [name] * count, [wire] * count, seeds, chunksize=5)
@@ -57,8 +57,8 @@ def main() -> int:
     """Measure, print, and exit with 1 if something that must hold does not."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.faults", description=__doc__)
     parser.add_argument("--json", action="store_true", help="print one JSON document")
-    parser.add_argument("--repetitions", type=int, default=60, help="of each fault, on both wires together")
-    parser.add_argument("--link-losses", type=int, default=299, help="repetitions of a lost link")
+    parser.add_argument("--repetitions", type=int, default=60, help="of each fault on each wire")
+    parser.add_argument("--link-losses", type=int, default=299, help="of a lost link, on both wires together")
     parser.add_argument("--fault", action="append", choices=sorted(FAULTS), help="only this; may be repeated")
     parser.add_argument("--processes", type=int, default=1)
     parser.add_argument("--seed", type=int, default=0)

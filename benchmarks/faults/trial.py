@@ -16,7 +16,6 @@ from typing import Any, Final
 import numpy as np
 
 from benchmarks.faults.host import host_of
-from benchtool.bench import Session
 from benchtool.block import Block
 from benchtool.drive import RemoteDrive
 from benchtool.emulator.bench import EmulatedBench
@@ -25,9 +24,8 @@ from benchtool.errors import BenchError, DictionaryMismatch
 from benchtool.profile import Limits, Profile, altered, load_profile
 from benchtool.protocol import Mode, State
 from benchtool.protocol.canopen import NmtCommand
-from benchtool.run.limits import stopping, supervised_channels
 from benchtool.run.parameter_check import check_parameters
-from benchtool.telemetry import LiveLimits, Sink, StreamReport, TelemetryStream
+from benchtool.telemetry import LimitSupervision, Sink, StreamReport, TelemetryStream
 
 WATCHDOG_S: Final = 0.1
 OMEGA_RAD_S: Final = 50.0
@@ -130,21 +128,20 @@ class _Trial:
     def run(self) -> None:
         bench, outcomes, clock = self._bench, self._outcomes, self._bench.clock
         drive = host_of(self._bench, self._wire)
-        session = Session("zhu2011", profile(), "", drive, clock)
-        limits, report = LiveLimits(_LIMITS), None
+        drive.supervisor = LimitSupervision(drive, _LIMITS)
+        report = None
         failure: BenchError | None = None
         begin = end = 0
         try:
             with drive:
                 drive.connect()
                 drive.supervise(WATCHDOG_S)
-                sinks = [Sink("kept", self._rows.append, lossless=True), *limits.sinks]
-                stream = TelemetryStream(drive, sinks, supervised_channels(session))
+                sinks = [Sink("kept", self._rows.append, lossless=True)]
+                stream = TelemetryStream(drive, sinks)
                 try:
                     with (
                         stream,
                         drive.watched(stream.check),
-                        drive.watched(stopping(session, limits)),
                         drive.enabled(Mode.VELOCITY),
                     ):
                         drive.write("omega_m_command", OMEGA_RAD_S)

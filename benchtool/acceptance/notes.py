@@ -29,6 +29,7 @@ class Notes:
         events: states and faults of the drive.
         facts: what was seen of drive and bench, of the session's record.
         must_measure: the test has asked for `measure`.
+        injected: faults that the test has injected.
         failed: a stage of the test has failed.
     """
 
@@ -42,6 +43,7 @@ class Notes:
     events: list[str] = field(default_factory=list)
     facts: dict[str, Any] = field(default_factory=dict)
     must_measure: bool = False
+    injected: list[str] = field(default_factory=list)
     failed: bool = False
 
     @property

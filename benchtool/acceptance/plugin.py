@@ -194,6 +194,24 @@ def attach(request: pytest.FixtureRequest) -> Attach:
 
 
 @pytest.fixture
+def inject_fault(request: pytest.FixtureRequest, bench_session: Session) -> Callable[[str], str]:
+    """Return a function that injects a fault into an emulated bench, as `emulate --fault` spells it.
+
+    A rig skips the test. The faults end with the test, and the drive must be fit for work again.
+    """
+    notes, faults = _notes(request), bench_session.faults
+    if faults is None:
+        pytest.skip("faults are injected into an emulated bench, and this one is not")
+
+    def inject(fault: str) -> str:
+        """Inject a fault; its seconds count from now. Returns it as it was understood."""
+        notes.injected.append(told := str(faults.inject(fault)))
+        return told
+
+    return inject
+
+
+@pytest.fixture
 def run_plan(request: pytest.FixtureRequest, bench: Bench) -> Callable[..., PlanResult]:
     """Return a function that runs a plan on the bench, keeps its bundle, and holds its limits."""
     notes = _notes(request)

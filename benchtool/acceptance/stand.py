@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Final
 
 from benchtool.acceptance.notes import Notes
 from benchtool.acceptance.settings import Settings
 from benchtool.errors import BenchError
+from benchtool.protocol.canopen import NmtCommand
 
 if TYPE_CHECKING:
     from benchtool.api import Bench
@@ -26,6 +27,8 @@ _CLEAN: Final = (
 )
 """Counters of the link that stay at zero on a clean one."""
 
+_FAULT_ENDS_S: Final = 0.3  # what was on a wire has arrived, and a heartbeat was heard
+_SETTLES_S: Final = 0.02
 _OF_THE_DRIVE: Final = ("rpdo_dropped", "serial_dropped")
 
 
@@ -66,9 +69,11 @@ def standing(settings: Settings, notes: Notes) -> Iterator[Bench]:
         with keep_journal(session.drive, (take,)):
             yield bench
             with session_of(bench) as session:
+                if notes.injected:
+                    _end_faults(session, notes)
                 if notes.failed:
                     _make_safe(session, notes)
-                elif complaints := tuple(_complaints(session, before)):
+                elif complaints := tuple(_complaints(session, None if notes.injected else before)):
                     _make_safe(session, notes)
                     raise NotHealthy(f"after the test {'; '.join(complaints)}")
 
@@ -103,6 +108,21 @@ def _leave_fault(session: Session, notes: Notes, when: str) -> None:
         session.drive.emergencies()
 
 
+def _end_faults(session: Session, notes: Notes) -> None:
+    """End the faults that a test has injected, and what they have left: another host would find it so."""
+    assert session.faults is not None
+    session.faults.end()
+    notes.lines.append(f"injected: {', '.join(notes.injected)}")
+    session.clock.wait(_FAULT_ENDS_S)
+    if session.drive.is_stopped:
+        session.drive.link.nmt(NmtCommand.START)
+    _make_safe(session, notes)
+    with suppress(BenchError):
+        session.drive.reset_fault()
+    session.drive.emergencies()
+    session.clock.wait(_SETTLES_S)  # a fault whose cause stays is there again
+
+
 def _make_safe(session: Session, notes: Notes) -> None:
     """Switch the power stage and the load off and leave the fault, whatever of it fails."""
     try:
@@ -115,8 +135,11 @@ def _make_safe(session: Session, notes: Notes) -> None:
         notes.lines.append(f"safe state not confirmed: {failed}")
 
 
-def _complaints(session: Session, before: dict[str, float]) -> Iterator[str]:
-    """Yield what is not as it should be after a test, half a sentence each."""
+def _complaints(session: Session, before: dict[str, float] | None) -> Iterator[str]:
+    """Yield what is not as it should be after a test, half a sentence each.
+
+    The link is looked at if `before` says what it had counted when the test began.
+    """
     drive = session.drive
     state = drive.state()
     if state.value.startswith("fault"):
@@ -127,6 +150,8 @@ def _complaints(session: Session, before: dict[str, float]) -> Iterator[str]:
         yield f"the drive had reported {', '.join(unread)}, which the test did not expect"
     if "error_code" in drive.dictionary and (code := int(drive.number("error_code"))):
         yield f"error_code is 0x{code:04X}, 0 is expected"
+    if before is None:
+        return
     counters = asdict(drive.link.counters)
     dirty = [f"{name} {counters[name]}" for name in _CLEAN if counters[name]]
     after = _counted(session)

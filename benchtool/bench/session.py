@@ -23,7 +23,7 @@ from benchtool.bench.wires.wire import Connection, FarEnd, Opening
 from benchtool.clock import Clock
 from benchtool.drive import RemoteDrive
 from benchtool.errors import UsageError
-from benchtool.link import Link
+from benchtool.link import Link, StreamSupervisor
 from benchtool.profile import Profile, altered, load_profile, profile_path
 from benchtool.protocol.dictionary import Dictionary, profiled_dictionary
 
@@ -103,6 +103,8 @@ def open_session(
             connection.clock,
             reopen=reopen,
             allow_unsupervised=profile.drive.allow_unsupervised,
+            link_timeout_s=profile.drive.link_timeout_s,
+            prove_watchdog=profile.drive.prove_watchdog,
         )
         if connection.reopens:
             stack.callback(drive.close_link)
@@ -112,7 +114,22 @@ def open_session(
             stack.callback(bench.load.apply, 0.0)
         mounted = mount(stack, what, source, drive.link, connection.clock, bench)
         faults = None if bench is None else bench.faults
+        drive.supervisor = _supervisor(drive, profile, mounted.thermometer, note)
         yield Session(profile_name, profile, text, drive, connection.clock, **vars(mounted), faults=faults)
+
+
+def _supervisor(
+    drive: RemoteDrive, profile: Profile, thermometer: Thermometer | None, note: Callable[[str], None]
+) -> StreamSupervisor | None:
+    """Return what supervises the limits of a profile; None of one that states none."""
+    if not profile.limits.model_fields_set:
+        return None
+    from benchtool.telemetry import LimitSupervision
+
+    def winding_degC() -> float | None:
+        return None if thermometer is None else thermometer.temperatures().winding_degC
+
+    return LimitSupervision(drive, profile.limits, winding_degC, note)
 
 
 def _connect(stack: ExitStack, address: Address, opening: Opening, alter: Mapping[str, float]) -> Connection:

@@ -60,6 +60,16 @@ class RemoteNode:
         self._note_tick()
         return identity
 
+    def require_dictionary(self) -> None:
+        """Refuse a drive whose firmware has become another one since `check`.
+
+        Raises:
+            IdentityMismatch, DictionaryMismatch: it has.
+        """
+        expected = self.dictionary.hash
+        if expected is not None and self.optional_number("dictionary_hash") != expected:
+            self.check()
+
     @property
     def is_stopped(self) -> bool:
         """Whether its last heartbeat told of NMT state stopped."""

@@ -15,7 +15,7 @@ from benchtool.drive.states import Cia402Node
 from benchtool.drive.supervision import LINK_TIMEOUT_S, LinkSupervision
 from benchtool.drive.watch import Watch, require_alone
 from benchtool.errors import BenchError, LinkClosed, LinkError, StateError
-from benchtool.link import Link
+from benchtool.link import Link, StreamSupervisor
 from benchtool.protocol import Command, Mode, State
 from benchtool.protocol.dictionary import Dictionary
 
@@ -37,6 +37,11 @@ class RemoteDrive(Cia402Node):
         clock: the clock that waiting and heartbeats go by.
         reopen: opens the same link again, for `reconnect`.
         allow_unsupervised: allow enabling without link supervision.
+        link_timeout_s: time without a heartbeat of this host after which the drive stops the motor.
+        prove_watchdog: prove that by silence before the drive is enabled for the first time.
+
+    Attributes:
+        supervisor: looks at what an enabled drive streams; None where nothing is to be looked at.
     """
 
     def __init__(
@@ -48,9 +53,16 @@ class RemoteDrive(Cia402Node):
         *,
         reopen: Callable[[], Link] | None = None,
         allow_unsupervised: bool = False,
+        link_timeout_s: float = LINK_TIMEOUT_S,
+        prove_watchdog: bool = False,
     ) -> None:
         super().__init__(link, dictionary, source, clock)
-        self.supervision = LinkSupervision(self, allow_unsupervised=allow_unsupervised)
+        self.supervision = LinkSupervision(
+            self, allow_unsupervised=allow_unsupervised, timeout_s=link_timeout_s
+        )
+        self._prove_watchdog = prove_watchdog
+        self._proven: Identity | None = None
+        self.supervisor: StreamSupervisor | None = None
         self._reopen = reopen
         self._watch = Watch(self)
         self._watches: list[Callable[[], None]] = []
@@ -140,19 +152,23 @@ class RemoteDrive(Cia402Node):
             self.clock.wait(step_s)
             remaining_s -= step_s
             self.raise_emergencies()
-            for check in self._watches:
-                check()
 
     def raise_emergencies(self) -> None:
-        """As `Cia402Node.raise_emergencies`; of an enabled drive also what it cannot report itself.
+        """As `Cia402Node.raise_emergencies`; of an enabled drive also what it cannot report itself, and what
+        its supervisor and the watches found.
 
         Raises:
             DriveFault: it reported an error, or is in fault.
             StateError: it restarted, or is not enabled any more.
             NoAnswer: it is not heard any more.
+            LimitTrip: a limit was passed; it was stopped.
         """
         super().raise_emergencies()
         self._watch.check()
+        if self.supervisor is not None:
+            self.supervisor.check()
+        for check in self._watches:
+            check()
 
     @contextmanager
     def watched(self, check: Callable[[], None]) -> Iterator[None]:
@@ -165,8 +181,9 @@ class RemoteDrive(Cia402Node):
 
     # ---- link supervision -------------------------------------------------------------------------------
 
-    def supervise(self, timeout_s: float = LINK_TIMEOUT_S) -> None:
-        """Send the host's heartbeat, and have the drive stop the motor when it is missing for `timeout_s`.
+    def supervise(self, timeout_s: float | None = None) -> None:
+        """Send the host's heartbeat, and have the drive stop the motor when it is missing for `timeout_s`, by
+        default what was asked for last.
 
         Raises:
             CapabilityMissing, SdoAbort, WriteNotVerified: it cannot be armed, and the profile demands it.
@@ -196,11 +213,24 @@ class RemoteDrive(Cia402Node):
         Raises:
             CapabilityMissing, SdoAbort, WriteNotVerified, StateError: it does not watch, or two nodes have
                 its number; it was not enabled.
+            DictionaryMismatch: its firmware has become another one.
         """
+        self.require_dictionary()
         self.supervision.require()
+        self._require_proof()
         require_alone(self)
+        if self.supervisor is not None:
+            self.supervisor.begin()
         super().enable(mode)
         self._watch.begin()
+
+    def _require_proof(self) -> None:
+        if not self._prove_watchdog:
+            return
+        identity = self.identify()
+        if identity != self._proven:
+            self.supervision.prove()
+            self._proven = identity
 
     def quick_stop(self) -> None:
         """Brake to standstill as the drive's quick stop does it, for a second at most, and disable the drive.
@@ -243,6 +273,9 @@ class RemoteDrive(Cia402Node):
             with suppress(LinkError):  # the heartbeat failed when the link was lost
                 self.stop_heartbeat()
             raise
+        finally:
+            if self.supervisor is not None:
+                self.supervisor.end()
 
     def _drop_link(self) -> None:
         with suppress(LinkError):  # the heartbeat failed when the link was lost

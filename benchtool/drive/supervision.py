@@ -22,17 +22,21 @@ from benchtool.errors import (
     WriteNotVerified,
 )
 from benchtool.protocol import State
-from benchtool.protocol.canopen import Abort
+from benchtool.protocol.canopen import Abort, ErrorCode
 from benchtool.protocol.dictionary import DataType, Role, Variable
 
 HEARTBEAT_S: Final = 0.1
 LINK_TIMEOUT_S: Final = 0.5
+"""Where the profile states none."""
+LONGEST_TIMEOUT_S: Final = 2.0
+"""A drive that may lose its host for longer is not watched."""
 HOST_NODE_ID: Final = 127
 
-_HEARD = "alive"  # of the object link_state
+_HEARD, _LOST = "alive", "lost"  # of the object link_state
 _WATCH_S = 0.05
 _NO_ACTION, _FAULT = 0, 1  # of the abort connection option
-_SHORTEST_S, _LONGEST_S = 0.001, 65.535
+_SHORTEST_S = 0.001
+_REACTION_S = 0.1
 
 
 class LinkSupervision:
@@ -41,16 +45,24 @@ class LinkSupervision:
     Args:
         drive: the drive that is to watch.
         allow_unsupervised: go on where it cannot; `unsupervised` then says why.
+        timeout_s: that it is armed with, if no caller asks for another.
     """
 
-    def __init__(self, drive: Cia402Node, *, allow_unsupervised: bool) -> None:
+    def __init__(
+        self, drive: Cia402Node, *, allow_unsupervised: bool, timeout_s: float = LINK_TIMEOUT_S
+    ) -> None:
         self.allow_unsupervised = allow_unsupervised
         self.unsupervised = ""
         self._drive = drive
-        self._timeout_s = LINK_TIMEOUT_S
+        self._timeout_s = timeout_s
         self._heartbeat: Timer | None = None
         self._entry: Variable | None = None
         self._overridden: Variable | None = None
+
+    @property
+    def timeout_s(self) -> float:
+        """Time without a heartbeat of this host after which an armed drive stops the motor."""
+        return self._timeout_s
 
     def to_json(self) -> dict[str, bool | str]:
         """As a manifest keeps it, of a drive that may run unsupervised; empty of any other."""
@@ -60,19 +72,21 @@ class LinkSupervision:
 
     # ---- arming -------------------------------------------------------------------------------------------
 
-    def arm(self, timeout_s: float = LINK_TIMEOUT_S) -> None:
-        """Send the host's heartbeat, and have the drive stop the motor when it is missing for `timeout_s`.
+    def arm(self, timeout_s: float | None = None) -> None:
+        """Send the host's heartbeat, and have the drive stop the motor when it is missing for `timeout_s`, by
+        default the time that was asked for last.
 
         Raises:
-            ValueRefused: a timeout that 0x1016 cannot have; of 0 it would not watch the host.
+            ValueRefused: a timeout that 0x1016 cannot have, or that is as good as none.
             CapabilityMissing: the drive has no such object, or has it in use for other nodes.
             SdoAbort, WriteNotVerified: the drive does not take it.
             StateError: another host has the drive enabled.
         """
-        if not _SHORTEST_S <= timeout_s <= _LONGEST_S:
+        timeout_s = self._timeout_s if timeout_s is None else timeout_s
+        if not _SHORTEST_S <= timeout_s <= LONGEST_TIMEOUT_S:
             raise ValueRefused(
-                f"a link timeout of {timeout_s:g} s: 0x1016 has {_SHORTEST_S:g} to {_LONGEST_S:g} s, choose "
-                f"one within; nothing was sent"
+                f"a link timeout of {timeout_s:g} s: {_SHORTEST_S:g} to {LONGEST_TIMEOUT_S:g} s watch a "
+                f"host, choose one within; nothing was sent"
             )
         self.stop_sending()
         self._timeout_s = timeout_s
@@ -92,16 +106,49 @@ class LinkSupervision:
             BenchError: as `arm`.
         """
         if not (self.unsupervised or self._held()):
-            self.arm(self._timeout_s)
+            self.arm()
         elif self._heartbeat is None:
             self._keep_alive()
+
+    def prove(self) -> None:
+        """Fall silent for longer than the drive's timeout, with its power stage off, and see that it notices.
+
+        Afterwards it watches this host again, and the loss is forgotten. A drive that may run unsupervised
+        and does is not asked.
+
+        Raises:
+            CapabilityMissing: it did not notice.
+            StateError: it is enabled, or stays in fault.
+        """
+        drive = self._drive
+        if self.unsupervised:
+            return
+        if drive.state().power_stage_on:
+            raise StateError(
+                "the power stage is on and the watchdog is proven with it off: disable the drive first"
+            )
+        drive.emergencies()
+        self.stop_sending()
+        drive.clock.wait(self._timeout_s + _REACTION_S)
+        codes = [each.code for each in drive.emergencies()]
+        lost = "link_state" in drive.dictionary and drive.read("link_state") == _LOST
+        if not (lost or ErrorCode.HEARTBEAT in codes):
+            raise CapabilityMissing(
+                f"the drive did not notice that this host was silent for "
+                f"{self._timeout_s + _REACTION_S:g} s, {self._timeout_s:g} s are its timeout (0x1016): its "
+                f"watchdog is not proven and the drive was not enabled; look for what feeds it besides"
+            )
+        drive.reset_fault()
+        drive.emergencies()
+        self._keep_alive()
 
     def _held(self) -> bool:
         """Return whether the drive says that it still watches this host: a reset, or another master, may end
         it."""
         if self._entry is None:
             return False
-        return _watches_host(int(self._drive.number(self._entry))) and self._action() != _NO_ACTION
+        code = int(self._drive.number(self._entry))
+        return _watches_host(code) and self._action() != _NO_ACTION
 
     @property
     def _code(self) -> int:
@@ -209,13 +256,14 @@ class LinkSupervision:
             return
         if drive.read("link_state") != _HEARD:
             return
-        deadline_s = drive.clock.now_s() + LINK_TIMEOUT_S + _WATCH_S
+        code = drive.optional_number(Role.CONSUMER_HEARTBEAT) or 0
+        deadline_s = drive.clock.now_s() + _timeout_ms(int(code)) / 1000.0 + _WATCH_S
         while drive.clock.now_s() < deadline_s:
             drive.clock.wait(_WATCH_S)
             if drive.read("link_state") != _HEARD:
                 drive.emergencies()  # the loss of that host is not one of this host's
                 return
-        raise self._supervised_by_another(drive.optional_number(Role.CONSUMER_HEARTBEAT) or 0)
+        raise self._supervised_by_another(int(code))
 
     def _supervised_by_another(self, configured: int) -> StateError:
         return StateError(
@@ -236,7 +284,7 @@ def _timeout_ms(code: int) -> int:
 
 
 def _watches_host(code: int) -> bool:
-    return _node(code) == HOST_NODE_ID and _timeout_ms(code) > 0
+    return _node(code) == HOST_NODE_ID and 0 < _timeout_ms(code) <= LONGEST_TIMEOUT_S * 1000.0
 
 
 def _plain(entry: Variable) -> Variable:

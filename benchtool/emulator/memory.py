@@ -105,6 +105,7 @@ CONTROL = record_type(
         ("omega_m", "f8"),
         ("acceleration", "f8"),  # by disturbances: the load
         ("speed_integral", "f8"),
+        ("heat", "f8"),  # of the winding, by I2t
         ("u_alpha", "f8"),
         ("u_beta", "f8"),
         ("u_alpha_next", "f8"),

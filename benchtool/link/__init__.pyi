@@ -35,3 +35,4 @@ from .replay import (
     FRAMES as FRAMES,
     ReplayLink as ReplayLink,
 )
+from .supervision import StreamSupervisor as StreamSupervisor

@@ -26,6 +26,7 @@ _INTEGRAL_PERIODS = 100.0  # in which its integral part makes up what the propor
 _BAND = 0.1  # of what one vector changes in a period
 _LARGEST_STEP = 0.25  # of I_N: up to here TPC's fixed voltage is of use
 _OVERCURRENT, _OVERSPEED = 1.25, 1.4
+_BORNE, _TAU_S = 1.1, 30.0
 _USABLE = 0.95  # of the trip level, by the drive's laws
 _STEPS: Final = {"tpc": 1.5 * _T_K_RATIO, "tpc_stator": 1.5 * _T_K_RATIO, "dtc": 2.5, "fcs_mpc": 1.5}
 """Steps of u_s T_s that these laws keep their current below the trip level."""
@@ -116,6 +117,8 @@ def derived_parameters(motor: Motor, given: Given, law: str = "") -> tuple[Deriv
             max(_OVERCURRENT * I_N, 1.05 * (I_N + ripple_A) / _USABLE),
             f"{_OVERCURRENT:g} I_N peak, or I_N and the ripple of the law's voltage",
         ),
+        Derived("i2t_current_A", _BORNE * I_N, f"{_BORNE:g} I_N peak, borne at length"),
+        Derived("i2t_tau_s", _TAU_S, "thermal time constant of a small winding; of a large one longer"),
         Derived("omega_m_trip_rad_s", _OVERSPEED * motor.omega_m_N_rad_s, f"{_OVERSPEED:g} omega_m_N"),
         Derived("u_dc_min_V", _UNDERVOLTAGE * given.u_dc_V, f"{_UNDERVOLTAGE:g} u_dc"),
         Derived("u_dc_max_V", _OVERVOLTAGE * given.u_dc_V, f"{_OVERVOLTAGE:g} u_dc"),

@@ -27,6 +27,12 @@ class Drive(Section):
     """EDS or DCF of the drive, a file beside the profile; `drive.eds` is benchtool's own dictionary."""
     allow_unsupervised: bool = False
     """Enable a drive although nothing stops it when this host falls silent; reports then say so."""
+    link_timeout_s: Annotated[float, Field(ge=0.02, le=2.0)] = 0.5
+    """Time without a heartbeat of this host in which the drive is to have ended the torque. Short ones need a
+    host that never pauses for longer than three quarters of it."""
+    prove_watchdog: bool = False
+    """Prove before the first enabling of a session, and after any change of the firmware, that the drive
+    notices a silent host: by being silent, with the power stage off."""
     control_period_s: Annotated[float, Field(gt=0, le=1)] | None = None
     """Control period T_s that the drive is to have, in whole nanoseconds; an emulated drive has it, and
     100 us (10 kHz) where it is left out."""

@@ -7,8 +7,9 @@ from benchtool.profile.motor import Positive
 
 
 class Limits(Section):
-    """Limits that the host looks at in the stream and the readings of a case; beyond one it stops the motor.
+    """Limits that the host looks at while the drive is enabled, in its stream; beyond one it stops the motor.
 
+    A drive that does not stream what is limited is not enabled.
     A host is slower than the drive, whose own trip levels come first; these are for what a test must not
     reach, and for what a drive does not look at.
     """

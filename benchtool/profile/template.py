@@ -110,6 +110,8 @@ def profile_text(title: str, motor: Motor, given: Given, derived: Iterable[Deriv
                 ("node_id", 1, "CANopen node id, 1 to 126"),
                 ("eds", "drive.eds", "object dictionary: a file beside this one, or one that ships"),
                 ("#allow_unsupervised", False, "true: enable a drive that cannot supervise its link"),
+                ("#link_timeout_s", 0.5, "s: without a heartbeat of the host, in which the torque is to end"),
+                ("#prove_watchdog", False, "true: have the drive show that it notices a silent host"),
                 (
                     "control_period_s",
                     given.control_period_s,

@@ -37,7 +37,6 @@ from benchtool.results import (
 from benchtool.run.case import Progress, run_case
 from benchtool.run.equipment import facts, readings, remarks
 from benchtool.run.failure import fail_bundle
-from benchtool.run.limits import stopping, supervised_channels
 from benchtool.run.observers import NullRunObserver, RunObserver
 from benchtool.run.parameter_check import ParameterCheck, check_parameters
 from benchtool.run.recording import manifest_of
@@ -47,7 +46,6 @@ from benchtool.telemetry import (
     ClockFit,
     FanOut,
     Journal,
-    LiveLimits,
     Sink,
     TelemetryStream,
     certify_recording,
@@ -355,12 +353,9 @@ def _telemetry(
         FanOut(others).close()
         yield None
         return
-    limits = LiveLimits(session.profile.limits)
-    channels = supervised_channels(session)
     with (
-        record_stream(session.drive, writer, channels, others=(*others, *limits.sinks)) as stream,
+        record_stream(session.drive, writer, others=others) as stream,
         session.drive.watched(stream.check),
-        session.drive.watched(stopping(session, limits)),
     ):
         yield stream
 

@@ -24,7 +24,7 @@ from .journal import (
     Journal as Journal,
     keep_journal as keep_journal,
 )
-from .live_limits import LiveLimits as LiveLimits
+from .limit_supervision import LimitSupervision as LimitSupervision
 from .recorder import (
     STREAM as STREAM,
     record_stream as record_stream,

@@ -1,4 +1,4 @@
-"""Limits supervised on live data: a sink that remembers the first row beyond one."""
+"""Limits judged on live data: the first row beyond one is remembered."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from benchtool.block import Block
 from benchtool.errors import LimitTrip
 from benchtool.profile import Limits
-from benchtool.telemetry.fanout import Sink
 
 _PHASES = ("i_a", "i_b", "i_c")
 _WINDOW_S = 0.4 - 1e-6  # two blocks of the stream
@@ -21,16 +20,18 @@ _LEAST_A = 0.1
 class LiveLimits:
     """The limits of a profile against the stream of a drive.
 
-    `sinks` take the blocks in a thread of their own, and are none where the stream has no limit; `check`
-    raises in the caller's what was found there.
-    Channels that the stream does not have are not looked at.
+    `take` takes the blocks, in one thread; `check` raises in the caller's what was found there.
     """
 
     def __init__(self, limits: Limits) -> None:
         self._limits = limits
         self._found = ""
         self._squares: deque[tuple[NDArray[np.float64], float]] = deque()
-        self.sinks = (Sink("limits", self._take, lossless=True),) if limits.channels else ()
+
+    @property
+    def passed(self) -> bool:
+        """Whether a limit was."""
+        return bool(self._found)
 
     def check(self) -> None:
         """Raise the first breach.
@@ -41,17 +42,14 @@ class LiveLimits:
         if self._found:
             raise LimitTrip(self._found)
 
-    def check_temperature(self, winding_degC: float | None) -> None:
-        """Judge a reading of the winding's temperature, if there is one.
-
-        Raises:
-            LimitTrip: it is above its limit, or no number.
-        """
+    def take_temperature(self, winding_degC: float | None) -> None:
+        """Judge a reading of the winding's temperature, if there is one."""
         limit = self._limits.temperature_degC
         if limit is not None and winding_degC is not None and not winding_degC <= limit:
-            raise LimitTrip(_told("the winding's temperature", winding_degC, limit, "degC"))
+            self._found = self._found or _told("the winding's temperature", winding_degC, limit, "degC")
 
-    def _take(self, block: Block) -> None:
+    def take(self, block: Block) -> None:
+        """Judge a block; channels that it does not have are not looked at."""
         if self._found:
             return
         limits, columns = self._limits, {name: block.data[:, n] for n, name in enumerate(block.names)}

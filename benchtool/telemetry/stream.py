@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass, replace
 from types import TracebackType
 from typing import Any, Self
 
-from benchtool.block import Gap
+from benchtool.block import Block, Gap
 from benchtool.errors import BenchError, NoAnswer, StateError
 from benchtool.link import Sent, TickAnchor
 from benchtool.protocol import StreamCounters
@@ -66,7 +66,8 @@ class TelemetryStream:
         node: connected drive.
         sinks: destinations of the blocks; closed by this stream.
         channels: signals of four bytes: 13 at most over CAN, 16 over a serial line; without any, those of
-            `DEFAULT_CHANNELS` that fit.
+            `DEFAULT_CHANNELS` that fit. What the drive's supervisor needs is streamed beside them, where it
+            fits, and is not for the sinks.
         rate_Hz: records per second: over CAN a whole number of milliseconds apart, over a serial line of the
             drive's ticks.
 
@@ -83,11 +84,18 @@ class TelemetryStream:
         rate_Hz: float = DEFAULT_RATE_HZ,
     ) -> None:
         self._node = node
-        self._channels = tuple(channels) or node.link.process_data.fitting(node.dictionary, DEFAULT_CHANNELS)
+        supervisor = node.supervisor
+        self._supervisor = supervisor if supervisor is not None and supervisor.channels else None
+        needed = () if self._supervisor is None else self._supervisor.channels
+        self._asked, self._channels = _chosen(node, tuple(channels), needed)
         self._rate_Hz = rate_Hz
         self._fan_out = FanOut(sinks)
+        self._supervising = FanOut(
+            () if self._supervisor is None else (Sink("limits", self._supervisor.take, lossless=True),)
+        )
         with ExitStack() as stack:
             stack.callback(self._fan_out.close)
+            stack.callback(self._supervising.close)
             self._source = node.link.process_data.source(node, self._channels, rate_Hz)
             stack.pop_all()
         self._rows = max(1, round(_BATCH_S * rate_Hz))
@@ -117,6 +125,8 @@ class TelemetryStream:
         for worker in self._workers():
             self._node.clock.register(worker.settle)
         try:
+            if self._supervisor is not None:
+                self._supervisor.stream_opens(self._channels)
             self._start()
         except BaseException:
             self._close()
@@ -131,6 +141,8 @@ class TelemetryStream:
                 self._stop()
             finally:
                 self._close()
+            if self._supervisor is not None:
+                self._supervisor.stream_closed()
             self._check_threads()
         except BenchError:
             if error is None:  # otherwise the first failure is reported
@@ -240,10 +252,12 @@ class TelemetryStream:
         missing = (block.first_tick - self._next_tick) // block.stride if self._taken else 0
         self._gaps += [Gap(self._taken, missing)] if missing else []
         self._gaps += [Gap(self._taken + gap.row, gap.missing_rows) for gap in block.gaps]
-        self._last = dict(zip(block.names, block.data[-1].tolist(), strict=True))
-        self._first = self._first or dict(zip(block.names, block.data[0].tolist(), strict=True))
         self._taken += len(block.data)
         self._next_tick = int(block.ticks()[-1]) + block.stride
+        self._supervising.put(block)
+        block = _of_channels(block, self._asked)
+        self._last = dict(zip(block.names, block.data[-1].tolist(), strict=True))
+        self._first = self._first or dict(zip(block.names, block.data[0].tolist(), strict=True))
         self._fan_out.put(block)
 
     def _require_same_run(self, before: TickAnchor) -> None:
@@ -267,11 +281,13 @@ class TelemetryStream:
     def _check_threads(self) -> None:
         self._worker.check()
         self._fan_out.check()
+        self._supervising.check()
 
     def _close(self) -> None:
         self._source.detach()
         with ExitStack() as stack:
             stack.callback(self._fan_out.close)
+            stack.callback(self._supervising.close)
             self._worker.close()
             if not self._worker.failed:
                 self._hand_on()
@@ -279,4 +295,27 @@ class TelemetryStream:
             self._node.clock.unregister(worker.settle)
 
     def _workers(self) -> tuple[Worker[Any], ...]:
-        return self._worker, *(sink.worker for sink in self._fan_out.sinks)
+        sinks = (*self._supervising.sinks, *self._fan_out.sinks)
+        return self._worker, *(sink.worker for sink in sinks)
+
+
+def _chosen(
+    node: StreamedDrive, asked: tuple[str, ...], needed: tuple[str, ...]
+) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Return the signals for the sinks, and those of the stream: with `needed` ones, if they fit."""
+    fitting = node.link.process_data.fitting
+    if not asked:
+        usual = (*needed, *(name for name in DEFAULT_CHANNELS if name not in needed))
+        asked = fitting(node.dictionary, usual)
+        return asked, asked
+    missing = tuple(name for name in needed if name not in asked)
+    both = (*asked, *missing)
+    return asked, both if set(missing) <= set(fitting(node.dictionary, both)) else asked
+
+
+def _of_channels(block: Block, names: tuple[str, ...]) -> Block:
+    if block.names == names:
+        return block
+    places = [block.names.index(name) for name in names]
+    channels = tuple(block.channels[place] for place in places)
+    return replace(block, channels=channels, data=block.data[:, places])

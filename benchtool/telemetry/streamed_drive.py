@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from benchtool.link import DriveAccess, Link
+from benchtool.link import DriveAccess, Link, StreamSupervisor
 
 
 class StreamedDrive(DriveAccess, Protocol):
@@ -12,3 +12,5 @@ class StreamedDrive(DriveAccess, Protocol):
 
     @property
     def link(self) -> Link: ...
+    @property
+    def supervisor(self) -> StreamSupervisor | None: ...

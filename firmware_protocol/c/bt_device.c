@@ -172,8 +172,6 @@ static void lose_link(struct bt_device *device)
 {
     const int16_t action = device->variables.abort_connection_option;
     report(device, BT_ERROR_HEARTBEAT);
-    if (action == BT_ABORT_CONNECTION_OPTION_NONE)
-        return;
     BT_LOCK();
     bt_device_zero_targets(device);
     BT_UNLOCK();
@@ -246,8 +244,11 @@ void bt_device_control(struct bt_device *device, uint16_t controlword)
     BT_LOCK();
     device->controlword = controlword;
     BT_UNLOCK();
-    if (edges & BT_CONTROL_FAULT_RESET && device->watchdog.state == BT_LINK_STATE_LOST)
+    if (edges & BT_CONTROL_FAULT_RESET && device->watchdog.state == BT_LINK_STATE_LOST) {
         bt_watchdog_rearm(&device->watchdog);
+        if (state != BT_STATE_FAULT)
+            report(device, 0);
+    }
     if (after == state)
         return;
     if (state == BT_STATE_FAULT) {
@@ -289,7 +290,7 @@ void bt_device_trip(struct bt_device *device, uint16_t code)
 /* A link that was lost counts from the tick in which it was, whether the main loop has seen it or not. */
 static bool is_lost(const struct bt_device *device)
 {
-    return device->watchdog.expired && device->variables.abort_connection_option != BT_ABORT_CONNECTION_OPTION_NONE;
+    return device->watchdog.expired;
 }
 
 bool bt_device_may_switch(const struct bt_device *device)

@@ -196,6 +196,8 @@ static uint32_t check(const struct bt_device *device, enum bt_id id, union bt_nu
         return number.u == SIGNATURE_SAVE ? BT_OK : BT_ABORT_NOT_STORED;
     case BT_ID_restore_all:
         return number.u == SIGNATURE_LOAD ? BT_OK : BT_ABORT_NOT_STORED;
+    case BT_ID_host_heartbeat:
+        return (number.u & 0xFFFFu) > BT_LONGEST_TIMEOUT_MS ? BT_ABORT_VALUE_HIGH : BT_OK;
     case BT_ID_parameter_trial: /* ends with the link, which must be there for that */
         return number.u == BT_PARAMETER_TRIAL_OFF || device->watchdog.state == BT_LINK_STATE_ALIVE
                    ? BT_OK

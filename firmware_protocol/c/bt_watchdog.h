@@ -14,6 +14,9 @@
 extern "C" {
 #endif
 
+/* A link that may be lost for longer is not watched. */
+#define BT_LONGEST_TIMEOUT_MS 2000u
+
 struct bt_watchdog {
     uint32_t timeout_ticks;
     uint32_t losses;

@@ -92,13 +92,6 @@ def test_what_makes_a_fresh_command_necessary(pair: Pair, steps: list[Step]) -> 
     assert _targets(pair) == [False] * 4
 
 
-def test_a_lost_link_without_a_reaction_leaves_the_targets(pair: Pair) -> None:
-    pair.play([write("abort_connection_option", 0), write("host_heartbeat", HOST << 16 | 5), HEARD])
-    pair.play([*WRITTEN, *ENABLE, Ticks(60)])
-    assert _read(pair, "link_state") == 3
-    assert _targets(pair) == [True] * 4
-
-
 @pytest.mark.parametrize("mode", [TORQUE_MODE, VELOCITY_MODE])
 def test_a_halt_keeps_the_state_and_the_target_and_tells_when_it_stands(pair: Pair, mode: int) -> None:
     pair.play([write("mode_of_operation", mode), *ENABLE, write("controlword", HALT)])

@@ -8,7 +8,7 @@ import pytest
 
 from benchtool.drive import RemoteDrive
 from benchtool.drive.states import Cia402Node
-from benchtool.errors import DriveFault, SdoAbort, StateError, WriteNotVerified
+from benchtool.errors import CapabilityMissing, DriveFault, SdoAbort, StateError, WriteNotVerified
 from benchtool.protocol.canopen.abort import Abort
 from benchtool.protocol.canopen.nmt import NmtCommand
 from benchtool.protocol.cia402 import State
@@ -129,12 +129,10 @@ def _all_but(download: Callable[..., None], ignored: tuple[int, int]) -> Callabl
         ("fault", State.FAULT),
         ("disable_voltage", State.SWITCH_ON_DISABLED),
         ("quick_stop", State.SWITCH_ON_DISABLED),
-        ("none", State.OPERATION_ENABLED),
     ],
 )
 def test_a_host_that_falls_silent_is_noticed(wire: Wire, action: str, state: State) -> None:
     drive = wire.session.drive
-    drive.supervision.allow_unsupervised = action == "none"
     drive.write("abort_connection_option", action)
     _run_up(wire)
     drive.stop_heartbeat()
@@ -184,7 +182,7 @@ def test_an_unsupervised_start_is_refused_once_supervision_is_asked_for(wire: Wi
 
 
 @over_both_wires
-@pytest.mark.parametrize(("name", "off"), [("host_heartbeat", 0), ("abort_connection_option", "none")])
+@pytest.mark.parametrize(("name", "off"), [("host_heartbeat", 0), ("abort_connection_option", "quick_stop")])
 def test_supervision_cannot_be_taken_away_while_the_motor_runs(wire: Wire, name: str, off: int | str) -> None:
     drive = wire.session.drive
     _run_up(wire)
@@ -194,6 +192,47 @@ def test_supervision_cannot_be_taken_away_while_the_motor_runs(wire: Wire, name:
     drive.stop_heartbeat()
     wire.session.clock.wait(1.0)
     assert not _is_enabled(wire)
+
+
+@over_both_wires
+def test_what_would_switch_the_supervision_off_is_refused(wire: Wire) -> None:
+    drive = wire.session.drive
+    option, entry = drive.dictionary["abort_connection_option"], drive.dictionary["host_heartbeat"]
+    for variable, data, code in (
+        (option, b"\0\0", Abort.VALUE),
+        (entry, (127 << 16 | 2001).to_bytes(4, "little"), Abort.VALUE_HIGH),
+        (entry, (127 << 16 | 65535).to_bytes(4, "little"), Abort.VALUE_HIGH),
+    ):
+        with pytest.raises(SdoAbort) as refused:
+            drive.link.download(variable.index, variable.sub, data)
+        assert refused.value.code == code
+    drive.write("host_heartbeat", 127 << 16 | 2000)
+
+
+@over_both_wires
+def test_a_watchdog_is_proven_by_silence_once(wire: Wire) -> None:
+    drive = wire.session.drive
+    drive._prove_watchdog = True
+    drive.connect()
+    drive.enable(Mode.VELOCITY)
+    assert drive.number("link_losses") == 1
+    drive.disable()
+    drive.enable(Mode.VELOCITY)
+    drive.wait(1.0)
+    assert drive.number("link_losses") == 1
+    assert drive.state() is State.OPERATION_ENABLED
+
+
+@over_both_wires
+def test_a_watchdog_that_sleeps_is_found_and_the_drive_not_enabled(wire: Wire) -> None:
+    drive, clock = wire.session.drive, wire.session.clock
+    drive._prove_watchdog = True
+    drive.connect()
+    feeding = clock.call_every(0.1, drive.link.send_heartbeat)  # another program feeds it
+    with pytest.raises(CapabilityMissing, match=r"did not notice that this host was silent for 0\.6 s"):
+        drive.enable(Mode.VELOCITY)
+    assert drive.state() is State.SWITCH_ON_DISABLED
+    feeding.cancel()
 
 
 @over_both_wires

@@ -127,17 +127,6 @@ def test_what_calls_for_a_fresh_command_zeroes_the_targets(wire: Wire, cause: st
 
 
 @over_both_wires
-def test_a_lost_link_without_reaction_leaves_the_target(drive: RemoteDrive) -> None:
-    drive.write("abort_connection_option", "none")
-    drive.write("host_heartbeat", 127 << 16 | 100)
-    drive.link.send_heartbeat()
-    drive.write("target_velocity", 15.0)
-    drive.clock.wait(0.2)
-    assert drive.read("link_state") == "lost"
-    assert drive.number("target_velocity") == 15.0
-
-
-@over_both_wires
 def test_halt_stands_still_and_goes_on(wire: Wire, drive: RemoteDrive) -> None:
     up(drive)
     drive.write("target_velocity", 40.0)

@@ -45,6 +45,11 @@ def test_the_drive_tells_of_its_ranges_and_refuses_a_level_beyond_them(wire: Wir
         ({"omega_m_trip": 1572.0}, "above 10 times omega_m_N = 157.1 rad/s: give at most 1571 rad/s"),
         ({"omega_m_N": 20.0}, "omega_m_trip = 220 rad/s is above 10 times omega_m_N"),
         ({"omega_m_trip": 0.0}, "its limits are"),
+        ({"u_dc_min": 0.0}, "its limits are"),
+        ({"u_dc_min": 5.0}, "is below 0.015625 times u_dc_full_scale = 500 V: give at least 7.8125 V"),
+        ({"i2t_current": 13.0}, "i2t_current = 13 A is above i_full_scale = 12.5 A"),
+        ({"i2t_tau": 601.0}, "its limits are"),
+        ({"temperature_trip": 221.0}, "its limits are"),
     ],
 )
 def test_the_host_says_what_is_beyond_what_and_sends_nothing(
@@ -59,8 +64,9 @@ def test_the_host_says_what_is_beyond_what_and_sends_nothing(
 
 
 def _keyed(values: dict[str, Value]) -> dict[str, Value]:
-    units = {"i": "A", "u": "V", "omega": "rad_s", "R": "ohm"}
-    return {f"{name}_{units[name.split('_')[0]]}": value for name, value in values.items()}
+    units = {"i": "A", "u": "V", "omega": "rad_s", "R": "ohm", "temperature": "degC", "i2t": "A"}
+    of = {name: "s" if name == "i2t_tau" else units[name.split("_")[0]] for name in values}
+    return {f"{name}_{of[name]}": value for name, value in values.items()}
 
 
 @pytest.mark.parametrize("turned", [False, True])
@@ -136,7 +142,7 @@ def test_the_same_plans_are_refused_over_either_wire_of_the_emulated_drive(link:
 
 def test_defaults_beyond_a_smaller_converter_are_in_force_as_cut_by_the_drive() -> None:
     profile = load_profile("zhu2011")
-    small = {"i_trip_A": 4.0, "u_dc_max_V": 150.0}
+    small = {"i_trip_A": 4.0, "i2t_current_A": 4.0, "u_dc_max_V": 150.0}
     drive_ = profile.drive.model_copy(update={"parameters": {**profile.drive.parameters, **small}})
     bench = altered(
         profile.model_copy(update={"drive": drive_}),

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from benchtool.emulator.control.laws import Law
-from benchtool.emulator.control.protection import Trip, trips
-from benchtool.emulator.memory import MEASUREMENT
+from benchtool.emulator.control.protection import Trip, overload, trips
+from benchtool.emulator.memory import CONTROL, MEASUREMENT
 from benchtool.protocol.modes import Mode
 from tests.physics.paper_machine import make_core
 
@@ -31,6 +31,46 @@ def tripped(
     for name, value in {"u_dc": 122.5, **measured}.items():
         measurement[name] = value
     return Trip(trips(memory, measurement, omega_m, on))
+
+
+@pytest.mark.parametrize("times", [1.05, 1.5, 3.0])
+def test_an_overload_trips_after_the_time_of_the_first_order_lag(times: float) -> None:
+    memory = make_core(parameters={"i2t_current": 5.0, "i2t_tau": 0.2}).memory[0]
+    measurement: Any = np.zeros(1, MEASUREMENT)[0]
+    control: Any = np.zeros(1, CONTROL)[0]
+    ticks = 0
+    while overload(memory, control, measurement) == 0:
+        angle = 0.03 * ticks  # the length of the vector counts, wherever it points
+        for phase, behind in (("i_a", 0.0), ("i_b", 1.0), ("i_c", 2.0)):
+            measurement[phase] = times * 5.0 * math.cos(angle - behind * 2.0 * math.pi / 3.0)
+        ticks += 1
+    assert ticks * 1e-4 == pytest.approx(0.2 * math.log(times**2 / (times**2 - 1.0)), abs=3e-4)
+    measurement["i_a"] = measurement["i_b"] = measurement["i_c"] = 0.0
+    for _ in range(2000):
+        overload(memory, control, measurement)
+    assert memory["i2t_level"] == pytest.approx(math.exp(-1.0), rel=2e-3), "it cools as slowly"
+
+
+@pytest.mark.parametrize(("borne", "current"), [(5.0, math.nan), (5.0, math.inf), (0.0, 0.0), (5.0, 1e30)])
+def test_a_heat_that_cannot_be_told_trips(borne: float, current: float) -> None:
+    memory = make_core(parameters={"i2t_current": borne, "i2t_tau": 0.1}).memory[0]
+    measurement: Any = np.zeros(1, MEASUREMENT)[0]
+    control: Any = np.zeros(1, CONTROL)[0]
+    measurement["i_b"] = current
+    assert Trip(overload(memory, control, measurement)) is Trip.OVERLOAD
+    assert math.isfinite(memory["i2t_level"])
+
+
+@pytest.mark.parametrize("times", [0.5, 1.0])
+def test_what_is_borne_does_not_trip(times: float) -> None:
+    memory = make_core(parameters={"i2t_current": 5.0, "i2t_tau": 0.1}).memory[0]
+    measurement: Any = np.zeros(1, MEASUREMENT)[0]
+    control: Any = np.zeros(1, CONTROL)[0]
+    measurement["i_a"], measurement["i_b"] = times * 5.0, -0.5 * times * 5.0
+    measurement["i_c"] = measurement["i_b"]
+    for _ in range(10_000):
+        assert overload(memory, control, measurement) == 0
+    assert memory["i2t_level"] == pytest.approx(times**2, rel=1e-3)
 
 
 @pytest.mark.parametrize(

@@ -44,7 +44,7 @@ def test_identity_is_that_of_the_dictionary(raw: RawHost) -> None:
         dictionary_hash=TABLE.hash,
         vendor_id=0xB7C,
         product_code=0x2011,
-        revision_number=0x10000,
+        revision_number=TABLE.device["revision"],
         serial_number=1,
         tick_period_ns=100_000,
         max_request=MAX_REQUEST,

@@ -30,6 +30,7 @@ from benchtool.report import draw_traces
 pytestmark = pytest.mark.requirement("ACC-FAULTS")
 
 _CHANNELS = ("torque", "omega_m", "switching_count")
+_TAU_S, _BORNE = 0.2, 1.25
 
 
 @dataclass(frozen=True)
@@ -51,6 +52,7 @@ FAULTS = {
     "overspeed": Provoked("omega_m_trip", "omega_m", ErrorCode.OVERSPEED, 1.25, 0.7),
     "undervoltage": Provoked("u_dc_min", "u_dc", ErrorCode.DC_LINK_UNDERVOLTAGE, 0.8, 1.3),
     "overvoltage": Provoked("u_dc_max", "u_dc", ErrorCode.DC_LINK_OVERVOLTAGE, 1.2, 0.7),
+    "overtemperature": Provoked("temperature_trip", "winding_temperature", ErrorCode.TEMPERATURE, 1.25, 0.65),
 }
 
 
@@ -128,6 +130,62 @@ def test_fault_that_stays(bench_session: Session, measure: Measure) -> None:
     drive.reset_fault()
     drive.emergencies()
     measure("enabled_with_its_cause", enabled, max=0)
+
+
+@pytest.mark.requirement("ACC-I2T")
+def test_overload(bench_session: Session, measure: Measure, attach: Attach) -> None:
+    """A current that is borne at length heats to its square, one that is not trips after the time of the
+    thermal model, is named, latched, and can be reset once the winding has cooled (I2t)."""
+    require_objects(bench_session, "i2t_current", "i2t_tau", "i2t_level", *_CHANNELS)
+    drive = bench_session.drive
+    limits = rating(bench_session)
+    before = {name: drive.number(name) for name in ("i2t_current", "i2t_tau")}
+    try:
+        with making_torque(bench_session, 0.5 * limits.torque_Nm, 0.3 * limits.omega_m_rad_s):
+            block, _ = recorded(bench_session, 0.05, ("i_d", "i_q"))
+            present_A = float(np.sqrt(np.mean(block.column("i_d") ** 2 + block.column("i_q") ** 2)))
+            drive.write("i2t_tau", _TAU_S)
+            drive.write("i2t_current", _BORNE * present_A)
+            drive.wait(6.0 * _TAU_S)
+            warm = drive.number("i2t_level")
+            capture = armed(bench_session, 2.0 * _TAU_S, (*_CHANNELS, "i2t_level"))
+            told = drive.tick_now()
+            drive.write("i2t_current", present_A / _BORNE)
+            quiet(bench_session, 2.0 * _TAU_S)
+            state = drive.state()
+            emergencies = [each.code for each in drive.emergencies() if each.code]
+            block = capture.read()
+            enabled = starts(bench_session)
+    finally:
+        drive.write("i2t_current", max(before["i2t_current"], drive.number("i2t_current")))
+        drive.write("i2t_tau", _TAU_S)
+        quiet(bench_session, 8.0 * _TAU_S)
+        for name, value in before.items():
+            drive.write(name, value)
+    with contextlib.suppress(BenchError):
+        drive.reset_fault()
+    drive.emergencies()
+    assert told is not None
+    attach.picture(
+        "overload",
+        lambda: draw_traces(
+            block,
+            (("i2t_level",), ("torque",)),
+            "Overload over time",
+            {"told": (told - block.first_tick) * block.tick_s},
+        ),
+    )
+    target = _BORNE**2
+    expected_s = _TAU_S * float(np.log((target - warm) / (target - 1.0)))
+    off_s = torque_ends_s(block, 0.05 * limits.T_N_Nm, told)
+    measure("heat_of_a_current_that_is_borne", warm * target, "", min=0.9, max=1.1)
+    measure("time_to_no_torque", off_s, "s", min=0.8 * expected_s, max=1.2 * expected_s)
+    measure("in_fault", state.value.startswith("fault"), min=1)
+    measure("emergencies", len(emergencies), min=1, max=1)
+    code = int(ErrorCode.OVERLOAD)
+    measure("emergency_code", emergencies[0] if emergencies else None, min=code, max=code)
+    measure("enabled_without_a_reset", enabled, max=0)
+    measure("reset_when_cool", drive.state().value.startswith("fault"), max=0)
 
 
 def _present(session: Session, provoked: Provoked) -> float:

@@ -31,6 +31,7 @@ _CHANNELS = ("torque", "omega_m", "switching_count")
 _OF_RATED = 0.05
 _AFTER_S = 0.1
 _HOST = 127  # node id of a host
+_QUICK_STOP = 3  # of the abort connection option (CiA 402-2, 0x6007)
 
 
 @pytest.mark.requirement("ACC-WATCHDOG", "ACC-LINK-LOSS")
@@ -109,6 +110,65 @@ def test_restart_after_a_loss(bench_session: Session, measure: Measure) -> None:
             made = float(np.mean(block.column("torque"))) / (0.4 * limits.torque_Nm)
     measure("target_left_by_the_loss", left_Nm, "Nm", min=0.0, max=0.0)
     measure("torque_made_again", made, "", min=0.8, max=1.2)
+
+
+@pytest.mark.requirement("ACC-LINK-LOSS", "ACC-STOP")
+def test_quick_stop_on_loss(bench_session: Session, measure: Measure, attach: Attach) -> None:
+    """A drive that is set to quick stop on a lost link brakes to standstill from the loss on, and is off."""
+    require_objects(bench_session, "link_state", "omega_m_command", *_CHANNELS)
+    drive, clock = bench_session.drive, bench_session.clock
+    option = drive.dictionary.get(Role.ABORT_CONNECTION_OPTION)
+    if option is None:
+        pytest.skip("the drive's dictionary has no abort connection option (0x6007): its reaction is fixed")
+    limits = rating(bench_session)
+    speed = 0.5 * limits.omega_m_rad_s
+    longest_s = 0.2 + 40.0 / number(bench_session, "omega_observer", 100.0)
+    before = int(drive.number(option))
+    try:
+        drive.write(option, _QUICK_STOP)
+        drive.connect()
+        timeout_s = (int(drive.number(Role.CONSUMER_HEARTBEAT)) & 0xFFFF) / 1000.0
+        with drive.enabled(Mode.VELOCITY):
+            drive.write("omega_m_command", speed)
+            drive.wait(1.0)
+            reached = drive.number("omega_m")
+            capture = armed(bench_session, timeout_s + 2.0 * longest_s, _CHANNELS)
+            drive.link.send_heartbeat()
+            last_s = clock.now_s()
+            drive.stop_heartbeat()
+            quiet(bench_session, timeout_s + 2.0 * longest_s)
+            emergencies = [each.code for each in drive.emergencies() if each.code]
+            state, link = drive.state(), drive.read("link_state")
+            block = capture.read()
+    finally:
+        drive.release()
+        drive.write(option, before)
+        drive.reset_fault()
+        drive.emergencies()
+    last_tick = drive.tick_at(last_s)
+    assert last_tick is not None
+    attach.picture(
+        "quick_stop_on_loss",
+        lambda: draw_traces(
+            block,
+            (("omega_m",), ("torque",)),
+            "Quick stop on a lost link",
+            {"last heartbeat": (last_tick - block.first_tick) * block.tick_s},
+        ),
+    )
+    time_s, omega = times_s(block, last_tick), block.column("omega_m")
+    fast = time_s[np.abs(omega) > 0.03 * speed]
+    braking = block.column("torque")[(time_s > 0.5 * timeout_s) & (time_s < timeout_s + 0.1 * longest_s)]
+    measure("speed_before", reached / speed, "", min=0.97, max=1.03)
+    latest_s = 1.02 * timeout_s + 0.005 + longest_s
+    measure("time_to_standstill", float(fast[-1]) if len(fast) else None, "s", min=0.0, max=latest_s)
+    measure("braking_torque", -float(braking.min()) / limits.T_N_Nm, "T_N", min=0.005, max=1.3)
+    measure("turned_back", -float(omega.min()) / speed, "", max=0.05)
+    measure("link_loss_seen", link == "lost", min=1)
+    measure("emergencies", len(emergencies), min=1, max=1)
+    measure("emergency_code", emergencies[0] if emergencies else None, min=0x8130, max=0x8130)
+    measure("off_at_standstill", state is State.SWITCH_ON_DISABLED, min=1)
+    measure("switched_after_standstill", _switched_after(block, last_tick, latest_s), max=0)
 
 
 @pytest.mark.requirement("ACC-WATCHDOG")

@@ -128,18 +128,6 @@ def test_torque_limit(bench_session: Session, measure: Measure, direction: float
     measure("says_that_it_limits", word >> 11 & 1, min=1)
 
 
-@pytest.mark.requirement("ACC-I2T")
-def test_overload(bench_session: Session, measure: Measure) -> None:
-    """The winding is protected from overload over time (I2t)."""
-    drive = bench_session.drive
-    names = [each.name for each in drive.dictionary if "i2t" in each.name.lower()]
-    if not names:
-        pytest.skip(
-            "the drive's dictionary has no I2t object: overload over time is not protected by this drive"
-        )
-    measure("i2t_at_rest", drive.number(names[0]), max=drive.dictionary[names[0]].maximum or 1.0)
-
-
 @pytest.mark.requirement("ACC-TORQUE")
 def test_enabling_makes_no_torque(bench_session: Session, measure: Measure) -> None:
     """A drive that is enabled without a command makes no torque."""

@@ -23,7 +23,7 @@ _LINK_SHARE = 0.9  # of what the EMF at the rated speed needs
 _SPUN = 0.4  # of the rated speed, to which later steps spin
 _HOTTEST_DEGC = 100.0
 _OVERLOAD = 1.1
-_TIMEOUT_S, _SLACK_S, _POLL_S = 0.5, 0.5, 0.01  # of the supervision of the link
+_SLACK_S, _POLL_S = 0.5, 0.01  # of the supervision of the link
 _ALIVE_S = 0.2
 
 
@@ -158,6 +158,8 @@ def _require_cool(drive: RemoteDrive) -> None:
     for variable in drive.dictionary:
         if "temperature" not in variable.name or variable.unit != "degC" or not variable.readable:
             continue
+        if variable.role == "parameter":  # a level
+            continue
         if (reading := drive.number(variable.name)) > _HOTTEST_DEGC:
             raise SetUpError(
                 f"{variable.label} is {reading:.0f} degC, at most {_HOTTEST_DEGC:.0f} degC is expected",
@@ -169,15 +171,15 @@ def _require_cool(drive: RemoteDrive) -> None:
 def _withhold_heartbeat(drive: RemoteDrive) -> float:
     """Enable at zero current, fall silent, and return after which time the drive had switched off."""
     drive.enable(Mode.CURRENT)
+    timeout_s = drive.supervision.timeout_s
     drive.stop_heartbeat()
     silent_s = drive.clock.now_s()
     try:
         while drive.state().power_stage_on:
-            if drive.clock.now_s() - silent_s > _TIMEOUT_S + _SLACK_S:
+            if drive.clock.now_s() - silent_s > timeout_s + _SLACK_S:
                 raise SetUpError(
-                    f"the drive is still on {_TIMEOUT_S + _SLACK_S:g} s after the host's last "
-                    f"heartbeat, it is "
-                    f"to switch off after {_TIMEOUT_S:g} s",
+                    f"the drive is still on {timeout_s + _SLACK_S:g} s after the host's last heartbeat, it "
+                    f"is to switch off after {timeout_s:g} s",
                     "the supervision of the link does not act (objects 0x1016 and 0x6007)",
                     "do not spin this motor before the drive's firmware or its configuration is corrected",
                 )

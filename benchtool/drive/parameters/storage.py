@@ -63,12 +63,17 @@ def restore_defaults(drive: RemoteDrive) -> dict[str, Value]:
 
 
 def _cut(drive: RemoteDrive, variable: Variable) -> Value | None:
-    """Return the default, cut to what the variable that limits it allows; None where none does."""
+    """Return the default, cut or raised to what the variables that limit it allow; None where none does."""
     default = default_of(variable)
-    if variable.max_entry not in drive.dictionary or not isinstance(default, int | float):
+    if not isinstance(default, int | float):
         return None
-    most = variable.max_times * drive.number(variable.max_entry)
-    return min(default, most) if most > 0 else None
+    cut: float = default
+    if variable.min_entry in drive.dictionary:
+        cut = max(cut, variable.min_times * drive.number(variable.min_entry))
+    if variable.max_entry in drive.dictionary:
+        most = variable.max_times * drive.number(variable.max_entry)
+        cut = min(cut, most) if most > 0 else cut
+    return cut
 
 
 def reset(drive: RemoteDrive) -> None:

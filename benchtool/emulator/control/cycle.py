@@ -18,7 +18,7 @@ from benchtool.emulator.control.field_weakening import reference
 from benchtool.emulator.control.injection import current_vector
 from benchtool.emulator.control.laws import demand, limits, reset_law
 from benchtool.emulator.control.observer import accelerating_torque, rotor_angle, track
-from benchtool.emulator.control.protection import trips
+from benchtool.emulator.control.protection import overload, trips
 from benchtool.emulator.control.speed import torque_reference
 from benchtool.emulator.control.stimulus import Quantity, direction_of, play
 from benchtool.emulator.control.svpwm import compensated, modulate
@@ -38,7 +38,7 @@ def control_tick(drive: Any, command: Any, control: Any, stimulus: Any, measurem
     calibrate(drive, command, measurement)
     correct(drive, measurement)
     now = _observe(drive, command, control, measurement)
-    new_trip = _protect(drive, command, measurement)
+    new_trip = _protect(drive, command, control, measurement)
     if command.pwm_enabled == 0:
         _stand_by(drive, command, control)
         return new_trip
@@ -115,9 +115,10 @@ def _observe(drive: Any, command: Any, control: Any, measurement: Any) -> StateE
 
 
 @njit
-def _protect(drive: Any, command: Any, measurement: Any) -> bool:
+def _protect(drive: Any, command: Any, control: Any, measurement: Any) -> bool:
     """Latch trips and keep the power stage off while one is latched."""
     raised = trips(drive, measurement, drive.omega_m, command.pwm_enabled != 0)
+    raised |= overload(drive, control, measurement)
     new_trip: bool = (raised & ~command.trip) != 0
     command.trip |= raised
     if command.trip != 0:

@@ -41,6 +41,8 @@ from benchtool.ticks import wrap_tick
 
 __all__ = ["Core", "Trip"]
 
+_ROOM_degC = 25.0
+
 
 def truth_of(
     motor: MotorTruth,
@@ -156,6 +158,11 @@ class Core:
         if self.motor.heat is None:
             return {}
         return {"winding": float(self.shaft.T_winding), "magnet": float(self.shaft.T_magnet)}
+
+    @property
+    def winding_degC(self) -> float:
+        """What the sensor in the winding reads; that of a room where the machine has no heat."""
+        return _ROOM_degC if self.motor.heat is None else float(self.shaft.T_winding)
 
     def set_sensors(self, sensors: SensorTruth) -> None:
         """Have other sensors from the next tick on, such as one that is stuck: the flaws of a run's course.

@@ -11,7 +11,7 @@ from benchtool.emulator.firmware.calibration_objects import CalibrationObjects
 from benchtool.emulator.firmware.capture_objects import CaptureObjects
 from benchtool.emulator.firmware.objects import ObjectStore, Refused
 from benchtool.emulator.firmware.stimulus_objects import StimulusObjects
-from benchtool.emulator.firmware.supervision import LinkState, LinkSupervision
+from benchtool.emulator.firmware.supervision import LONGEST_TIMEOUT_MS, LinkState, LinkSupervision
 from benchtool.protocol import Mode, State, statusword, transition
 from benchtool.protocol.canopen import Abort, Emergency, ErrorCode, error_register
 from benchtool.protocol.dictionary import Number, ObjectTable
@@ -30,6 +30,7 @@ _ERROR_OF_TRIP = {
     Trip.OVERSPEED: ErrorCode.OVERSPEED,
     Trip.UNDERVOLTAGE: ErrorCode.DC_LINK_UNDERVOLTAGE,
     Trip.OVERVOLTAGE: ErrorCode.DC_LINK_OVERVOLTAGE,
+    Trip.OVERLOAD: ErrorCode.OVERLOAD,
 }
 
 
@@ -114,8 +115,9 @@ class Firmware:
             self.objects[name] = raw
         refused = [name for name in self._stored if not self.objects.is_acceptable(name)]
         every = [entry.name for entry in self.objects.table if entry.role == "parameter"]
-        for name in (*refused, *(name for name in every if name not in self._stored)):
-            self.objects.load(name)
+        for _ in range(2):  # what was cut may limit another
+            for name in (*refused, *(name for name in every if name not in self._stored)):
+                self.objects.load(name)
         return not refused
 
     def feed_link(self) -> None:
@@ -140,6 +142,7 @@ class Firmware:
             if (left_s := self.supervision.deadline_s() - self.now_s) < math.inf:
                 ahead = min(ahead, max(1, round(left_s / self.period_s)))
             self.core.run(ahead)
+            self.objects["winding_temperature"] = self.core.winding_degC
             self._supervise()
 
     # ---- after every run of the core -------------------------------------------------------------------
@@ -174,7 +177,8 @@ class Firmware:
             return None
         if not self.encoder_connected:
             return ErrorCode.ENCODER
-        return None if self.thermal_switch_closed else ErrorCode.TEMPERATURE
+        cool = self.objects["winding_temperature"] <= self.objects["temperature_trip"]
+        return None if cool and self.thermal_switch_closed else ErrorCode.TEMPERATURE
 
     def _fault(self, code: ErrorCode) -> None:
         self.report(code)
@@ -195,8 +199,7 @@ class Firmware:
             self._fault(ErrorCode.HEARTBEAT)
             return
         self.report(ErrorCode.HEARTBEAT)
-        if action != 0:
-            self._clear_targets()
+        self._clear_targets()
         if action == 2:
             self.stop()
         elif action == 3 and self.state.power_stage_on:
@@ -215,6 +218,8 @@ class Firmware:
         reset_edge = bool(word & _FAULT_RESET_BIT and not before & _FAULT_RESET_BIT)
         if reset_edge and self.supervision.state is LinkState.LOST:
             self.supervision.rearm()
+            if self.state is not State.FAULT:
+                self.report(ErrorCode.NO_ERROR)
         self._set_halt(bool(word & _HALT_BIT))
         after = transition(self.state, word, before)
         if after is self.state:
@@ -284,6 +289,7 @@ class Firmware:
         objects.on_write("controlword", self._control)
         objects.compute("statusword", self._statusword)
         objects.on_write("mode_of_operation", self._set_mode)
+        objects.check("host_heartbeat", _sane_timeout)
         objects.on_write("host_heartbeat", lambda raw: self.supervision.configure(int(raw)))
         for name in ("encoder_lines", "encoder_offset", "encoder_direction"):
             objects.on_write(name, lambda _: self.core.begin_observer())
@@ -359,6 +365,11 @@ def _only(signature: int) -> Callable[[Number], None]:
             raise Refused(Abort.NOT_STORED)
 
     return check
+
+
+def _sane_timeout(raw: Number) -> None:
+    if int(raw) & 0xFFFF > LONGEST_TIMEOUT_MS:
+        raise Refused(Abort.VALUE_HIGH)
 
 
 def _only_zero(raw: Number) -> None:

@@ -117,10 +117,10 @@ class ObjectStore:
             self._effects[entry.name](raw)
 
     def load(self, name: str) -> None:
-        """Set `name` to its default, cut to what the entry that limits it allows."""
+        """Set `name` to its default, cut or raised to what the entries that limit it allow."""
         entry = self.table.by_name[name]
         assert isinstance(entry.default, int | float)
-        self[name] = min(entry.default, self._ceiling(entry))
+        self[name] = min(max(entry.default, self._floor(entry)), self._ceiling(entry))
 
     def is_acceptable(self, name: str) -> bool:
         """Return whether a write of the value that memory holds for `name` would be within all limits."""
@@ -139,11 +139,17 @@ class ObjectStore:
         """
         if raw > self._ceiling(entry):
             raise Refused(Abort.VALUE_HIGH)
-        if entry.min_entry and raw < self[entry.min_entry]:
+        if raw < self._floor(entry):
             raise Refused(Abort.VALUE_LOW)
         for other in self._limited_by.get(entry.name, ()):
             if raw > 0 and self[other.name] > _rounded(other, raw * other.max_times):
                 raise Refused(Abort.PARAMETER_INCOMPATIBLE)
+
+    def _floor(self, entry: Entry) -> float:
+        """Return what the entry that limits it allows at least; minus infinity where none does."""
+        if not entry.min_entry:
+            return -math.inf
+        return _rounded(entry, self[entry.min_entry] * entry.min_times)
 
     def _ceiling(self, entry: Entry) -> float:
         """Return what the entry that limits it allows at most; infinity where none does, or it is not

@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 from enum import IntEnum
+from typing import Final
+
+LONGEST_TIMEOUT_MS: Final = 2000
+"""A link that may be lost for longer is not watched."""
 
 
 class LinkState(IntEnum):

@@ -61,6 +61,16 @@ CONTROL: Final = (
         substitutions=_of_core("u_dc_min", _times(0.5)),
     ),
     Mutant(
+        "i2t_current_doubled",
+        "an overload that counts half of the current",
+        substitutions=_of_core("i2t_current", _times(2.0)),
+    ),
+    Mutant(
+        "i2t_tau_doubled",
+        "an overload that trips after twice the time",
+        substitutions=_of_core("i2t_tau", _times(2.0)),
+    ),
+    Mutant(
         "torque_limit_doubled",
         "a torque limit at twice the one set",
         substitutions=_of_core("torque_limit", _times(2.0)),

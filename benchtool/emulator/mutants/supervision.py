@@ -11,6 +11,8 @@ from benchtool.emulator.mutants.mutant import Make, Mutant, Substitution
 from benchtool.protocol import State
 from benchtool.protocol.canopen import ErrorCode
 
+_QUICK_STOP: Final = 3  # of the abort connection option
+
 
 def of_firmware(name: str, make: Make) -> tuple[Substitution, ...]:
     """Return the substitution of a method of the firmware."""
@@ -77,6 +79,17 @@ def _says_alive(original: Any) -> Any:
 def _only_reported(_original: Any) -> Any:
     def lose(self: Firmware) -> None:
         self.report(ErrorCode.HEARTBEAT)
+
+    return lose
+
+
+def _coasts(original: Any) -> Any:
+    def lose(self: Firmware) -> None:
+        if self.objects["abort_connection_option"] == _QUICK_STOP:
+            self.report(ErrorCode.HEARTBEAT)
+            self.stop()
+        else:
+            original(self)
 
     return lose
 
@@ -161,6 +174,11 @@ SUPERVISION: Final = (
         "watchdog_reports_only",
         "a loss that is reported, and stops nothing",
         substitutions=of_firmware("_lose_link", _only_reported),
+    ),
+    Mutant(
+        "loss_coasts",
+        "a loss that coasts where it should quick stop",
+        substitutions=of_firmware("_lose_link", _coasts),
     ),
     Mutant(
         "start_unsupervised",

@@ -20,6 +20,7 @@ class ErrorCode(IntEnum):
 
     NO_ERROR = 0x0000
     OVERCURRENT = 0x2310
+    OVERLOAD = 0x2350
     DC_LINK_OVERVOLTAGE = 0x3210
     DC_LINK_UNDERVOLTAGE = 0x3220
     TEMPERATURE = 0x4310
@@ -35,6 +36,7 @@ _TEXTS = {
     0x0000: "no error: all errors are reset",
     0x2310: "continuous overcurrent at the output",
     0x2320: "short circuit or earth leakage at the output",
+    0x2350: "overload of the motor (I2t)",
     0x3110: "mains overvoltage",
     0x3120: "mains undervoltage",
     0x3210: "dc link overvoltage",

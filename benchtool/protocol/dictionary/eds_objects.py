@@ -158,6 +158,7 @@ class EdsObjects:
             description=keys.get("description", ""),
             mappable=bool(self._parsed(section, keys, "PDOMapping", parse_integer)),
             min_entry=keys.get("minentry", ""),
+            min_times=self._parsed(section, keys, "MinTimes", _parse_factor) or 1.0,
             max_entry=keys.get("maxentry", ""),
             max_times=self._parsed(section, keys, "MaxTimes", _parse_factor) or 1.0,
         )

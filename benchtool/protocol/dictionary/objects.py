@@ -90,8 +90,8 @@ _NUMPY = {
 class Entry:
     """One value of the dictionary; `raw * factor` is the physical value in `unit`.
 
-    `min_entry` and `max_entry` name entries whose values are limits as well, the latter `max_times` its
-    value; a 0 there is none.
+    `min_entry` and `max_entry` name entries whose values are limits as well, `min_times` and `max_times` of
+    them; a 0 there is none.
     """
 
     index: int
@@ -106,6 +106,7 @@ class Entry:
     minimum: Number | None = None
     maximum: Number | None = None
     min_entry: str = ""
+    min_times: float = 1.0
     max_entry: str = ""
     max_times: float = 1.0
     default: Number | str | None = None
@@ -164,7 +165,7 @@ class ObjectTable:
             [
                 *(e.index, e.sub, e.name, e.type, e.unit, e.factor, e.role, e.access, e.minimum, e.maximum),
                 *(None if e.name == "dictionary_hash" else e.default, e.values, e.enabled_write),
-                *(e.min_entry, e.max_entry, e.max_times),
+                *(e.min_entry, e.min_times, e.max_entry, e.max_times),
             ]
             for e in self
         ]

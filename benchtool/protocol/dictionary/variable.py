@@ -23,8 +23,8 @@ class Variable:
 
     `raw_configured` is the value that a DCF configures the device with (its `ParameterValue`, CiA 306-1); an
     EDS has none. `role` is parameter, command, signal or status, `access` ro, rw, wo or const, as
-    `objects.toml` describes. `min_entry` and `max_entry` name variables whose values are limits as well, the
-    latter `max_times` its value.
+    `objects.toml` describes. `min_entry` and `max_entry` name variables whose values are limits as well,
+    `min_times` and `max_times` of them.
     """
 
     index: int
@@ -44,6 +44,7 @@ class Variable:
     description: str = ""
     mappable: bool = False
     min_entry: str = ""
+    min_times: float = 1.0
     max_entry: str = ""
     max_times: float = 1.0
 

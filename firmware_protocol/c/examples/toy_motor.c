@@ -13,6 +13,7 @@
 #define U_DC_V 122.5f
 
 static float torque_Nm, omega_m, theta_m;
+static double heat; /* of the winding by I2t, in parts of what i2t_current makes at length */
 static float braking_from; /* rad/s, the speed at which a quick stop began; 0: none is under way */
 
 static float within(float value, float limit)
@@ -108,10 +109,20 @@ static bool is_at_the_end(float value, float full_scale)
     return full_scale > 0.0f && fabsf(value) >= full_scale;
 }
 
+/* One thermal time constant. A current that is no number heats like a very large one. */
+static void warm(struct bt_variables *v)
+{
+    const double square = 2.0 / 3.0 * ((double)v->i_a * v->i_a + (double)v->i_b * v->i_b + (double)v->i_c * v->i_c);
+    const double borne = (double)v->i2t_current * v->i2t_current;
+    const double target = square <= 1e6 * borne && borne > 0.0 ? square / borne : 1e6;
+    heat += (double)v->control_period / (double)v->i2t_tau * (target - heat);
+    v->i2t_level = (float)heat;
+}
+
 /* Each level is asked for what is within it, so that a measurement which is no number trips. */
 static void protect(struct bt_drive *drive)
 {
-    const struct bt_variables *v = bt_variables(drive);
+    struct bt_variables *v = bt_variables(drive);
     const float currents[] = { v->i_a, v->i_b, v->i_c };
     const bool on = bt_may_switch(drive);
     unsigned k;
@@ -125,6 +136,11 @@ static void protect(struct bt_drive *drive)
         bt_trip(drive, BT_ERROR_DC_LINK_UNDERVOLTAGE);
     if (!(v->u_dc <= v->u_dc_max) || is_at_the_end(v->u_dc, v->u_dc_full_scale))
         bt_trip(drive, BT_ERROR_DC_LINK_OVERVOLTAGE);
+    warm(v);
+    if (!(heat <= 1.0))
+        bt_trip(drive, BT_ERROR_OVERLOAD);
+    if (!(v->winding_temperature <= v->temperature_trip))
+        bt_trip(drive, BT_ERROR_TEMPERATURE);
 }
 
 void toy_motor_tick(struct bt_drive *drive)
@@ -138,4 +154,5 @@ void toy_motor_tick(struct bt_drive *drive)
 void toy_motor_at_rest(void)
 {
     torque_Nm = omega_m = theta_m = braking_from = 0.0f;
+    heat = 0.0;
 }

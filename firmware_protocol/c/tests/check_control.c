@@ -85,10 +85,10 @@ static void check_actions(void)
     assert(!bt_may_switch(&drive));
     assert((host_read(&drive, BT_ID_statusword) & 0x6Fu) != 0x27u);
 
-    supervised(BT_ABORT_CONNECTION_OPTION_NONE);
-    run(500);
-    assert(bt_may_switch(&drive));
-    assert(host_read(&drive, BT_ID_link_state) == BT_LINK_STATE_LOST && bt_may_switch(&drive));
+    check_power_up(&drive);
+    assert(host_write(&drive, BT_ID_abort_connection_option, 0) == BT_ABORT_VALUE); /* no reaction */
+    assert(host_write(&drive, BT_ID_host_heartbeat, (uint32_t)127 << 16 | 2001u) == BT_ABORT_VALUE_HIGH);
+    assert(host_write(&drive, BT_ID_host_heartbeat, (uint32_t)127 << 16 | 2000u) == BT_OK);
 
     supervised(BT_ABORT_CONNECTION_OPTION_QUICK_STOP);
     run(500);

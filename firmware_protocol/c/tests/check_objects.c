@@ -107,12 +107,16 @@ static void check_relations(void)
     check_power_up_as(&drive, &config);
     assert(number(BT_ID_i_full_scale) == 20.0f && number(BT_ID_u_dc_full_scale) == 100.0f);
     assert(number(BT_ID_u_dc_max) == 100.0f); /* its default is 400 V */
+    assert(number(BT_ID_i2t_current) == 20.0f);
     check_most(BT_ID_i_trip, 20.0f);
     check_most(BT_ID_u_dc_max, 100.0f);
     check_most(BT_ID_u_dc_min, 100.0f);
     assert(host_write(&drive, BT_ID_u_dc_max, bt_word_of(99.0f)) == BT_ABORT_VALUE_LOW);
     assert(host_write(&drive, BT_ID_u_dc_min, bt_word_of(50.0f)) == BT_OK);
     assert(host_write(&drive, BT_ID_u_dc_max, bt_word_of(50.0f)) == BT_OK);
+    assert(host_write(&drive, BT_ID_u_dc_min, bt_word_of(100.0f / 64.0f)) == BT_OK);
+    assert(host_write(&drive, BT_ID_u_dc_min, bt_word_of(1.5f)) == BT_ABORT_VALUE_LOW);
+    check_most(BT_ID_i2t_current, 20.0f);
     check_most(BT_ID_omega_m_trip, 10.0f * number(BT_ID_omega_m_N));
     assert(host_write(&drive, BT_ID_omega_m_N, bt_word_of(99.0f)) == BT_ABORT_PARAMETER_INCOMPATIBLE);
     assert(number(BT_ID_omega_m_N) == 100.0f);

@@ -119,8 +119,6 @@ static void check_zeroed(void)
     assert(are_zero());
     lose_link(BT_ABORT_CONNECTION_OPTION_QUICK_STOP);
     assert(are_zero());
-    lose_link(BT_ABORT_CONNECTION_OPTION_NONE);
-    assert(bt_omega_m_setpoint(&drive) == 20.0f && are_kept());
 }
 
 /* State and "target reached" after the next tick. */

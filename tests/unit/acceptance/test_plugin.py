@@ -66,6 +66,18 @@ def test_reads_an_emergency(bench_session):
     bench_session.drive.emergencies()
     bench_session.drive.write("u_dc_max", 400.0)
     bench_session.drive.reset_fault()
+
+def test_injects_a_fault(bench, inject_fault):
+    from benchtool.errors import DriveFault
+    inject_fault("dc_link_sag@0.3")
+    inject_fault("frames_duplicated")
+    with pytest.raises(DriveFault, match="undervoltage"), bench.drive.enabled("velocity") as running:
+        bench.wait(1.0)
+
+def test_injects_what_does_not_end(bench_session, inject_fault):
+    inject_fault("frames_duplicated")
+    bench_session.drive.write("u_dc_max", 100.0)
+    bench_session.clock.wait(0.1)
 '''
 
 
@@ -95,6 +107,8 @@ def ran(place: Path) -> Ran:
         ("test_left_enabled", Outcome.ERROR, "a power stage that is off is expected"),
         ("test_left_in_fault", Outcome.ERROR, "the drive is in 'fault'"),
         ("test_reads_an_emergency", Outcome.PASSED, ""),
+        ("test_injects_a_fault", Outcome.PASSED, ""),
+        ("test_injects_what_does_not_end", Outcome.ERROR, "the drive is in 'fault'"),
     ],
 )
 def test_outcomes(ran: Ran, name: str, outcome: Outcome, told: str) -> None:

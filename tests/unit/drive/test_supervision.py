@@ -202,8 +202,8 @@ def test_the_heartbeat_comes_at_least_three_times_in_a_timeout(timeout_s: float)
         assert slave.held[ENTRY] & 0xFFFF == round(timeout_s * 1e3)
 
 
-@pytest.mark.parametrize("timeout_s", [0.0, -1.0, 0.0004, 65.6, 131.1, float("nan"), float("inf")])
-def test_a_timeout_that_0x1016_cannot_hold_is_refused(timeout_s: float) -> None:
+@pytest.mark.parametrize("timeout_s", [0.0, -1.0, 0.0004, 2.001, 65.0, 131.1, float("nan"), float("inf")])
+def test_a_timeout_that_watches_no_host_is_refused(timeout_s: float) -> None:
     slave = Slave(third_party_eds())
     with slave.host(allow_unsupervised=True) as drive, pytest.raises(ValueRefused, match="a link timeout of"):
         drive.supervise(timeout_s)
@@ -211,8 +211,8 @@ def test_a_timeout_that_0x1016_cannot_hold_is_refused(timeout_s: float) -> None:
     assert slave.heartbeats == []
 
 
-@pytest.mark.parametrize("timeout_s", [0.001, 65.535])
-def test_the_whole_range_of_the_object_can_be_had(timeout_s: float) -> None:
+@pytest.mark.parametrize("timeout_s", [0.001, 2.0])
+def test_the_whole_range_can_be_had(timeout_s: float) -> None:
     slave = Slave(third_party_eds())
     with slave.host() as drive:
         drive.supervise(timeout_s)

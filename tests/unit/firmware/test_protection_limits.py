@@ -63,6 +63,16 @@ def write(firmware: Firmware, name: str, value: float) -> Abort | None:
         ("u_dc_max", math.nan, Abort.VALUE),
         ("u_dc_min", 500.1, Abort.VALUE_HIGH),
         ("u_dc_min", math.inf, Abort.VALUE),
+        ("u_dc_min", 0.0, Abort.VALUE_LOW),
+        ("u_dc_min", 7.8, Abort.VALUE_LOW),
+        ("u_dc_min", 7.8125, None),
+        ("i2t_current", 12.6, Abort.VALUE_HIGH),
+        ("i2t_current", -1.0, Abort.VALUE_LOW),
+        ("i2t_tau", 0.0, Abort.VALUE_LOW),
+        ("i2t_tau", 1e9, Abort.VALUE_HIGH),
+        ("i2t_tau", math.nan, Abort.VALUE),
+        ("temperature_trip", 1000.0, Abort.VALUE_HIGH),
+        ("temperature_trip", math.nan, Abort.VALUE),
     ],
 )
 def test_a_level_that_cannot_trip_is_refused_and_memory_is_as_it_was(
@@ -77,7 +87,7 @@ def test_a_level_that_cannot_trip_is_refused_and_memory_is_as_it_was(
 @given(
     st.lists(
         st.tuples(
-            st.sampled_from(["i_trip", "omega_m_trip", "omega_m_N", "u_dc_min", "u_dc_max"]),
+            st.sampled_from(["i_trip", "omega_m_trip", "omega_m_N", "u_dc_min", "u_dc_max", "i2t_current"]),
             st.floats(0.0, 2000.0, width=32) | st.floats(width=32),
         ),
         max_size=12,
@@ -90,13 +100,19 @@ def test_no_sequence_of_writes_leaves_a_level_that_cannot_trip(writes: list[tupl
     held = firmware.objects
     assert 0.0 <= held["i_trip"] <= 12.5
     assert 0.0 < held["omega_m_trip"] <= 10.0 * held["omega_m_N"] * (1 + 1e-6)
-    assert 0.0 <= held["u_dc_min"] <= held["u_dc_max"] <= 500.0
+    assert 500.0 / 64.0 <= held["u_dc_min"] <= held["u_dc_max"] <= 500.0
+    assert 0.0 <= held["i2t_current"] <= 12.5
 
 
 def test_defaults_are_cut_to_the_range_of_the_converter() -> None:
     firmware, sent = drive(i_full_scale=5.0, u_full_scale=60.0)
     assert (firmware.objects["i_trip"], firmware.objects["u_dc_max"]) == (5.0, 60.0)
+    assert firmware.objects["i2t_current"] == 5.0
     assert not sent
+    tiny, _ = drive(u_full_scale=5.0)
+    assert (tiny.objects["u_dc_min"], tiny.objects["u_dc_max"]) == (5.0, 5.0)
+    huge, _ = drive(u_full_scale=1280.0)
+    assert huge.objects["u_dc_min"] == 20.0, "a default is raised, too"
     wide, _ = drive(i_full_scale=50.0, u_full_scale=1000.0)
     assert (wide.objects["i_trip"], wide.objects["u_dc_max"]) == (10.0, 400.0)
 

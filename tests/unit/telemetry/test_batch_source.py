@@ -87,6 +87,7 @@ class Node:
 
     dictionary = DICTIONARY
     clock: Clock = VirtualClock()
+    supervisor = None
 
     def __init__(self, link: Link) -> None:
         self.link = link

@@ -22,13 +22,9 @@ def _block(first_tick: int = 0, /, **columns: ArrayLike) -> Block:
 
 def _judged(limits: Limits, *blocks: Block) -> None:
     supervised = LiveLimits(limits)
-    try:
-        for block in blocks:
-            supervised._take(block)
-        supervised.check()
-    finally:
-        for sink in supervised.sinks:
-            sink.worker.close()
+    for block in blocks:
+        supervised.take(block)
+    supervised.check()
 
 
 def test_the_first_row_beyond_a_limit_is_told_with_its_tick() -> None:
@@ -72,8 +68,9 @@ def test_a_phase_without_current_is_told_while_the_shaft_turns() -> None:
 
 def test_a_temperature_above_its_limit_is_told() -> None:
     supervised = LiveLimits(Limits(temperature_degC=120.0))
-    supervised.check_temperature(120.0)
-    supervised.check_temperature(None)
+    supervised.take_temperature(120.0)
+    supervised.take_temperature(None)
+    supervised.check()
+    supervised.take_temperature(121.0)
     with pytest.raises(LimitTrip, match="the winding's temperature is 121 degC"):
-        supervised.check_temperature(121.0)
-    assert supervised.sinks == ()
+        supervised.check()
