@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import AbstractContextManager, nullcontext, suppress
 from dataclasses import replace
 from types import MappingProxyType
 
@@ -16,6 +16,7 @@ from benchtool.commission.playing import played, spent_J
 from benchtool.commission.recorder import StepRecorder
 from benchtool.commission.results import Commissioning, StepResult, StepVerdict
 from benchtool.commission.saving import save, settings_by_key, trial
+from benchtool.commission.steps.connections import Connections
 from benchtool.commission.steps.current_control import CurrentControl
 from benchtool.commission.steps.encoder import DraggedRotor
 from benchtool.commission.steps.flux_linkage import BackEmf
@@ -26,12 +27,13 @@ from benchtool.commission.steps.preflight import Preflight
 from benchtool.commission.steps.resistance import StandingCurrents
 from benchtool.commission.steps.ripple_run import RippleRun
 from benchtool.commission.steps.speed_control import SpeedControl
-from benchtool.commission.steps.step import Finding, LoopStep, Step, Trial
+from benchtool.commission.steps.step import Finding, LoopStep, StagedStep, Step, Trial
 from benchtool.commission.steps.verification import Verification
 from benchtool.drive import Capability, RemoteDrive
 from benchtool.drive.parameters import held
 from benchtool.errors import (
     AnalysisError,
+    BenchError,
     CaptureError,
     DriveFault,
     SdoAbort,
@@ -47,6 +49,7 @@ from benchtool.protocol.dictionary import Role, Value, setting_of, toml_key
 STEPS: tuple[Step, ...] = (
     Preflight(),
     Offsets(),
+    Connections(),
     StandingCurrents(),
     DraggedRotor(),
     TurningVoltage(),
@@ -208,6 +211,9 @@ def _run(
             blocks.append(played(drive, each, known))
             if recorder is not None:
                 recorder.append(each.name, blocks[-1])
+            if isinstance(step, StagedStep) and step.suffices(blocks[-1], known):
+                excitations = excitations[: len(blocks)]
+                break
         result = replace(result, spent_J=spent_J(excitations, blocks, known))
         estimates = step.estimate(blocks, known)
         if isinstance(step, Trial):
@@ -215,6 +221,8 @@ def _run(
     except SetUpError as wrong:
         found = (Finding(wrong.what, wrong.cause, wrong.remedy),)
         return replace(result, reason=wrong.what, findings=found)
+    except DriveFault as fault:
+        return replace(result, reason=str(fault), findings=(_of_fault(step, fault, drive),))
     except _FAIL_A_STEP as reason:
         return replace(result, reason=str(reason))
     findings = step.findings(estimates, known)
@@ -228,6 +236,39 @@ def _run(
         findings=findings,
         spent_J=spent_J(excitations, blocks, known.with_estimates(estimates)),
     )
+
+
+_CAUSES: Mapping[int, tuple[str, str]] = MappingProxyType(
+    {
+        0x23: (
+            "shorted turns, a nameplate's inductance, flux or rated current that is far off, or an encoder whose "
+            "angle is not that of the rotor",
+            "check cables and winding, the profile's [motor] and i_trip_A, and the encoder",
+        ),
+        0x32: (
+            "the dc link is too low or too high under load, or its limits are of another supply",
+            "check supply and cables, u_dc_min_V and u_dc_max_V of the profile",
+        ),
+        0x73: (
+            "the encoder is not connected, or its signals do not come",
+            "check the encoder's cable and supply",
+        ),
+        0x84: (
+            "the speed ran away: encoder or phases the wrong way round, a load that drives the shaft, or a rated "
+            "speed that is far off",
+            "check the encoder, the load machine, and motor.omega_m_N_rad_s of the profile",
+        ),
+    }
+)
+
+
+def _of_fault(step: Step, fault: DriveFault, drive: RemoteDrive) -> Finding:
+    """Return a fault of the drive as a finding, with what probably causes it by the class of its code."""
+    cause, remedy = "the drive's own supervision acted", "remove what it reports, then reset the fault"
+    with suppress(BenchError):  # the code only tells more
+        code = drive.optional_number(Role.ERROR_CODE)
+        cause, remedy = _CAUSES.get(0 if code is None else int(code) >> 8, (cause, remedy))
+    return Finding(f"the drive tripped in step {step.name}: {fault}", cause, remedy)
 
 
 def _leave_fault_of_the_link(drive: RemoteDrive, note: Callable[[str], None]) -> None:

@@ -58,7 +58,7 @@ def commissioned(profile: str, options: str, *names: str) -> Commissioning:
 def test_a_motor_is_identified(boxed: str, link_options: str) -> None:
     done = commissioned(boxed, link_options.removeprefix("&"), "inductance")
     assert [(each.name, each.verdict) for each in done.results] == [
-        (name, StepVerdict.PASS) for name in ("preflight", "offsets", "resistance", "encoder", "inductance")
+        (name, StepVerdict.PASS) for name in ("preflight", "offsets", "connections", "resistance", "encoder", "inductance")
     ]
     estimates = done.estimates
     for name, true, tolerance in (("R_s", 0.123, 0.02), ("L_d", 9.52e-3, 0.03), ("L_q", 9.52e-3, 0.03)):
@@ -77,6 +77,7 @@ def test_a_step_brings_those_that_it_needs() -> None:
     assert [each.name for each in steps_for(["inductance"])] == [
         "preflight",
         "offsets",
+        "connections",
         "resistance",
         "encoder",
         "inductance",
@@ -100,7 +101,7 @@ def test_a_step_that_fails_leaves_out_those_that_need_it(
     tripping.write_text(Path(boxed).read_text(encoding="utf-8").replace(old, new))
     done = commissioned(str(tripping), "", "inductance")
     content = document(done)
-    assert [each["verdict"] for each in content["steps"].values()] == ["fail", *4 * ["skipped"]]
+    assert [each["verdict"] for each in content["steps"].values()] == ["fail", *5 * ["skipped"]]
     assert reason in content["steps"]["preflight"]["reason"]
     assert content["estimates"]["L_d"]["value"] is None
     assert content["estimates"]["L_d"]["reason"].startswith("step inductance: it needs")
@@ -113,7 +114,7 @@ def test_the_command_prints_one_document_and_needs_a_yes(boxed: str, tmp_path: P
     assert asked.exit_code == 2
     of_resistance = ("commission", "resistance", "--profile", boxed, "--json")
     planned = json.loads(runner.invoke(app, [*of_resistance, "--dry-run"]).stdout)
-    assert list(planned["steps"]) == ["preflight", "offsets", "resistance"]
+    assert list(planned["steps"]) == ["preflight", "offsets", "connections", "resistance"]
     result = runner.invoke(app, [*of_resistance, "--yes", "--out", str(tmp_path / "a")])
     assert result.exit_code == 0, result.output
     content = json.loads(result.stdout)

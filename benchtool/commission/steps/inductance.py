@@ -28,6 +28,7 @@ _ROWS = 1200
 _LEFT_OUT_D, _LEFT_OUT_Q = 0.007, 0.012  # largest deviations of sixteen motors without flaws, decision 0119
 _CREST = 4.0 / math.pi  # fundamental of what dead time and devices take of a phase, over V_drop
 _FACTOR = 2.5
+_OF_LINE_TO_LINE, _NEAR = 0.5, 0.15
 
 
 class TurningVoltage:
@@ -104,7 +105,17 @@ class TurningVoltage:
         findings = []
         for name, stated in (("L_d", known.motor.L_d_H), ("L_q", known.motor.L_q_H)):
             ratio = found[name].value / stated
-            if not 1.0 / _FACTOR < ratio < _FACTOR:
+            if abs(ratio / _OF_LINE_TO_LINE - 1.0) < _NEAR:
+                findings.append(
+                    Finding(
+                        f"{name} is {found[name].value:.4g} H, {ratio:.3g} times the nameplate's: L looks line to "
+                        f"line",
+                        f"motor.{name}_H is stated between two terminals",
+                        "state the inductance of one phase, half of that between two terminals",
+                        fails=False,
+                    )
+                )
+            elif not 1.0 / _FACTOR < ratio < _FACTOR:
                 findings.append(
                     Finding(
                         f"{name} is {found[name].value:.4g} H, {ratio:.3g} times the nameplate's",

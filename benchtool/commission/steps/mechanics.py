@@ -144,6 +144,15 @@ _DEFINITIONS: Final = {
 }
 
 
+def _late_Nms(known: Known) -> float:
+    """Return the standard uncertainty of the torque over the speed by the moment of sampling: dead time and
+    devices move the pulses by up to half of the time that their voltage takes, in which the EMF changes i_q."""
+    motor = known.identified
+    late_s = 0.5 * known.drop_V / known.u_dc_V * known.control_period_s
+    EMF_Vs = motor.pole_pairs * motor.psi_r_Wb
+    return 1.5 * EMF_Vs * EMF_Vs / motor.L_q_H * abs(late_s) / math.sqrt(3.0)
+
+
 def _measurements(found: Mechanics, blocks: Sequence[Block], known: Known) -> list[Measurement]:
     basis = Basis(samples=sum(len(block.data) for block in blocks))
     psi = known.estimates.get("psi_r")
@@ -151,19 +160,35 @@ def _measurements(found: Mechanics, blocks: Sequence[Block], known: Known) -> li
     if psi is not None and psi.uncertainty is not None:
         of_flux = psi.uncertainty.standard / psi.value
     no_friction = _LEFT_OUT_NM * known.motor.T_N_Nm / math.sqrt(3.0)
-    fastest = _SPEEDS[-1] * known.motor.omega_m_N_rad_s
+    slowest, fastest = (share * known.motor.omega_m_N_rad_s for share in (_SPEEDS[0], _SPEEDS[-1]))
+    late_Nms = _late_Nms(known)
     estimates = (
-        ("J", found.J_kgm2, found.J_standard, found.J_dof, found.J_kgm2 * _LEFT_OUT_J / math.sqrt(3.0)),
-        ("coulomb", found.coulomb_Nm, found.coulomb_standard, found.friction_dof, no_friction),
-        ("friction", found.friction_Nms, found.friction_standard, found.friction_dof, no_friction / fastest),
+        ("J", found.J_kgm2, found.J_standard, found.J_dof, found.J_kgm2 * _LEFT_OUT_J / math.sqrt(3.0), 0.0),
+        (
+            "coulomb",
+            found.coulomb_Nm,
+            found.coulomb_standard,
+            found.friction_dof,
+            no_friction,
+            late_Nms * slowest,
+        ),
+        (
+            "friction",
+            found.friction_Nms,
+            found.friction_standard,
+            found.friction_dof,
+            no_friction / fastest,
+            late_Nms,
+        ),
     )
     measured = []
-    for name, value, standard, dof, left_out in estimates:
+    for name, value, standard, dof, left_out, late in estimates:
         unit, definition = _DEFINITIONS[name]
         lines = [
             Contribution("scatter over speeds and directions", "A", standard, dof),
             Contribution("rotor flux", "B", abs(value) * of_flux),
             Contribution("what the equation leaves out", "B", left_out),
+            Contribution("moment of sampling", "B", late),
         ]
         u = combined([each for each in lines if each.standard > 0.0], "scatter over speeds and directions")
         assert u is not None
