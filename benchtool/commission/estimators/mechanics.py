@@ -64,7 +64,8 @@ class Mechanics:
 
 @dataclass(frozen=True)
 class _Stretch:
-    """A steady stretch: its middle and length in rows, speed in rad/s, mean torque over its angle and over its time."""
+    """A steady stretch: its middle and length in rows, speed in rad/s, mean torque over its angle and over
+    its time."""
 
     middle: float
     rows: int
@@ -118,7 +119,8 @@ def _stretch(course: Course, end: int) -> _Stretch:
     rows = max(rows, _FEWEST_ROWS)
     theta, torque = theta[-rows:], course.torque_Nm[end - rows : end]
     omega = float(theta[-1] - theta[0]) / ((rows - 1) * course.step_s)
-    change = _change(theta, revolutions, course.step_s)
+    x = (np.arange(rows) - 0.5 * (rows - 1)) * course.step_s
+    change = float(np.polyfit(x, theta, 2)[0]) * 2.0 * rows * course.step_s
     if not abs(change) <= _DRIFT * abs(omega):
         raise SetUpError(
             f"the speed changes from {omega - 0.5 * change:.4g} rad/s by {change:.3g} rad/s where it should be "
@@ -129,19 +131,6 @@ def _stretch(course: Course, end: int) -> _Stretch:
     steps = np.diff(theta)
     by_angle = float(np.sum(0.5 * (torque[1:] + torque[:-1]) * steps) / np.sum(steps))
     return _Stretch(end - 0.5 * (rows + 1), rows, omega, by_angle, float(np.mean(torque)))
-
-
-def _change(theta_rad: NDArray[np.float64], revolutions: int, step_s: float) -> float:
-    """Return by how much the speed drifts over a stretch, rad/s: between its halves of whole revolutions, in
-    which cogging and an eccentric encoder have come round, or by a parabola where it has not two."""
-    halves = revolutions // 2
-    if halves < 1:
-        x = (np.arange(len(theta_rad)) - 0.5 * (len(theta_rad) - 1)) * step_s
-        return float(np.polyfit(x, theta_rad, 2)[0]) * 2.0 * float(x[-1] - x[0])
-    at = np.abs(theta_rad - theta_rad[0])
-    times = [float(np.interp(2.0 * math.pi * n, at, np.arange(len(at)))) * step_s for n in (halves, 2 * halves)]
-    turned = math.copysign(2.0 * math.pi * halves, theta_rad[-1] - theta_rad[0])
-    return 2.0 * (turned / (times[1] - times[0]) - turned / times[0])
 
 
 def _impulse(

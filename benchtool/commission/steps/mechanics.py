@@ -22,7 +22,7 @@ from benchtool.drive import CaptureRequest, Stimulus
 
 _SPEEDS = (0.1, 0.18, 0.26, 0.34)  # of the rated speed; the drive trips at half of it
 _LEVELS = 3  # a binary sequence of three bits: on, back, on
-_LEAST_S, _REVOLUTIONS = 0.2, 1.1
+_LEAST_S, _REVOLUTIONS = 0.2, 2.15  # of a steady stretch: of one, what comes once in it looks like a drift
 _ROWS = 3000
 _LEFT_OUT_J = 0.005
 _LEFT_OUT_NM = 2e-4  # of the rated torque, that is no friction
@@ -30,6 +30,7 @@ _FACTOR = 2.0
 _TOLD: Final[Mapping[str, float]] = {"J": 0.025, "coulomb": 0.045, "friction": 0.07}
 """Largest relative standard uncertainty of an estimate that is given."""
 _LOAD_SHARE = 0.02
+_RUBS = 0.25  # of the rated torque, by friction at the rated speed
 
 
 class Reversals:
@@ -97,6 +98,17 @@ class Reversals:
                     if ratio > 1.0
                     else "another rotor, or an inertia stated with a load",
                     "uncouple the load to commission the motor alone, or state its inertia in motor.J_kgm2",
+                    fails=False,
+                )
+            )
+        rubs_Nm = found["coulomb"].value + found["friction"].value * known.motor.omega_m_N_rad_s
+        if rubs_Nm > _RUBS * known.motor.T_N_Nm:
+            findings.append(
+                Finding(
+                    f"friction takes {rubs_Nm:.4g} Nm at the rated speed, {rubs_Nm / known.motor.T_N_Nm:.0%} of "
+                    f"the rated torque",
+                    "a load on the shaft, or a bearing or brake that rubs",
+                    "uncouple the load and release the brake to commission the motor alone",
                     fails=False,
                 )
             )
