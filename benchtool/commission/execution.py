@@ -241,8 +241,8 @@ def _run(
 _CAUSES: Mapping[int, tuple[str, str]] = MappingProxyType(
     {
         0x23: (
-            "shorted turns, a nameplate's inductance, flux or rated current that is far off, or an encoder whose "
-            "angle is not that of the rotor",
+            "shorted turns, a nameplate's inductance, flux or rated current that is far off, or an encoder "
+            "whose angle is not that of the rotor",
             "check cables and winding, the profile's [motor] and i_trip_A, and the encoder",
         ),
         0x32: (
@@ -254,8 +254,8 @@ _CAUSES: Mapping[int, tuple[str, str]] = MappingProxyType(
             "check the encoder's cable and supply",
         ),
         0x84: (
-            "the speed ran away: encoder or phases the wrong way round, a load that drives the shaft, or a rated "
-            "speed that is far off",
+            "the speed ran away: encoder or phases the wrong way round, a load that drives the shaft, a "
+            "rated speed that is far off, or an encoder that loses counts or has other lines than stated",
             "check the encoder, the load machine, and motor.omega_m_N_rad_s of the profile",
         ),
     }

@@ -28,6 +28,7 @@ from benchtool.errors import AnalysisError
 
 _DEAD = 0.15  # of the largest: a saliency of 2.5 leaves 0.4
 _SUM = 0.12  # of the largest: gains that differ by 2 % make 0.02, one of a half makes 0.17
+_UNEQUAL = 0.5  # of N over Y: a saliency of 2.5 makes 0.43, an open phase 1
 _ORDER_RAD, _SIGN_RAD = math.radians(60.0), math.radians(150.0)
 _FEWEST = 50
 
@@ -38,6 +39,7 @@ class Fault(StrEnum):
     NONE = "none"
     NO_CURRENT = "no current"
     OPEN = "open phase"
+    SHORTED = "shorted phase"
     DEAD = "dead sensor"
     REVERSED = "reversed sensor"
     ALL_REVERSED = "all sensors reversed"
@@ -110,6 +112,10 @@ def diagnosis(found: Response, R_s_ohm: float, L_H: float, omega_e_rad_s: float)
         return Fault.OPEN, int(dead[0])
     if abs(found.against_S) > abs(found.with_S):
         return Fault.ORDER, 0
+    if abs(found.against_S) > _UNEQUAL * abs(found.with_S):
+        least, middle, most = (int(k) for k in np.argsort(sizes))
+        odd = sizes[middle] - sizes[least] > sizes[most] - sizes[middle]
+        return (Fault.OPEN, least) if odd else (Fault.SHORTED, most)
     expected = -math.atan2(omega_e_rad_s * L_H, R_s_ohm)
     off = abs(cmath.phase(found.with_S * cmath.exp(-1j * expected)))
     if off > _SIGN_RAD:

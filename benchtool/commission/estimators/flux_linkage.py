@@ -134,12 +134,12 @@ def turning_flux(
 
 
 def softest_circle(readings_A: NDArray[np.float64], flux: Callable[[float], TurningFlux]) -> TurningFlux:
-    """Return the flux that lies nearest to a circle, of those by several sizes of the phase current below which
-    dead time takes less than its whole voltage.
+    """Return the flux that lies nearest to a circle, of those by several sizes of the phase current below
+    which dead time takes less than its whole voltage.
 
-    That size is the ripple of the current in a period, which grows with the speed. With none the voltage that a
-    current across the flux takes came out twice too large on motors of small inductance, and the flux up to
-    1.5 % too small.
+    That size is the ripple of the current in a period, which grows with the speed. With none the voltage
+    that a current across the flux takes came out twice too large on motors of small inductance, and the flux
+    up to 1.5 % too small.
 
     Args:
         readings_A: phase currents, shape (n, 3).

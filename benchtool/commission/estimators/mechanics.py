@@ -123,8 +123,8 @@ def _stretch(course: Course, end: int) -> _Stretch:
     change = float(np.polyfit(x, theta, 2)[0]) * 2.0 * rows * course.step_s
     if not abs(change) <= _DRIFT * abs(omega):
         raise SetUpError(
-            f"the speed changes from {omega - 0.5 * change:.4g} rad/s by {change:.3g} rad/s where it should be "
-            f"steady",
+            f"the speed changes from {omega - 0.5 * change:.4g} rad/s by {change:.3g} rad/s where it should "
+            f"be steady",
             "a load on the shaft, of a larger inertia than the nameplate's or a torque that varies",
             "uncouple the load to commission the motor alone, or state its inertia in motor.J_kgm2",
         )
@@ -150,5 +150,7 @@ def _impulse(
         furthest = int(np.argmax(angle * math.copysign(1.0, before.omega)))
         reversed_s = (ends[furthest] - before.middle) * course.step_s
         turning = math.copysign(1.0, after.omega) * (duration - 2.0 * reversed_s)
-    cogging = 0.5 * sum((each.over_time - each.torque) * each.rows * course.step_s for each in (before, after))
+    cogging = 0.5 * sum(
+        (each.over_time - each.torque) * each.rows * course.step_s for each in (before, after)
+    )
     return whole - coulomb * turning - friction * float(angle[-1] - angle[0]) - load * duration - cogging

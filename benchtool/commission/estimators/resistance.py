@@ -13,6 +13,7 @@ differ, by a poor contact or by shorted turns, each take R_x i_x along their own
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -86,6 +87,6 @@ def resistance(u_V: NDArray[np.complex128], readings_A: NDArray[np.float64]) -> 
     )
 
 
-def _rows(*columns: NDArray[np.complex128] | NDArray[np.float64]) -> NDArray[np.float64]:
+def _rows(*columns: NDArray[Any]) -> NDArray[np.float64]:
     """Return the regressors of both components of a vector, one below the other."""
     return np.column_stack([np.concatenate((each.real, each.imag)) for each in columns])

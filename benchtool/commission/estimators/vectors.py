@@ -22,7 +22,8 @@ def drop_vector(phases: NDArray[np.float64], soft_A: float = 0.0) -> NDArray[np.
     """Return the vector, for currents of shape (n, 3), of one volt in each phase against its current.
 
     Dead time and devices take their voltage so: V_drop sgn(i) of each phase, whatever the size of i. Within
-    the ripple of a period, `soft_A`, the current has either sign at the edges: there it is in proportion to i.
+    the ripple of a period, `soft_A`, the current has either sign at the edges, and the voltage is in
+    proportion to i.
     """
     return vector_of(np.clip(phases / soft_A, -1.0, 1.0) if soft_A > 0.0 else np.sign(phases))
 

@@ -1,4 +1,4 @@
-"""Whether every phase is connected, and every current sensor where and as it should be, before a loop closes."""
+"""Whether every phase is connected, and every current sensor as it should be, before a loop is closed."""
 
 from __future__ import annotations
 
@@ -31,9 +31,14 @@ _SHORTED = 3.0  # times the current that the nameplate's impedance lets flow
 
 _SAYINGS: Mapping[Fault, tuple[str, str, str]] = {
     Fault.OPEN: (
-        "no current flows in phase {x} while a voltage turns, and the other two carry the same",
+        "hardly any current flows in phase {x} while a voltage turns, and the other two carry the same",
         "phase {x} is open: its cable is off or broken, a fuse, or a winding or leg that is interrupted",
         "check the cable and the terminal of phase {x}, and measure the resistance between the terminals",
+    ),
+    Fault.SHORTED: (
+        "phase {x} takes far more current than the other two while a voltage turns",
+        "a shorted phase: turns of phase {x} are shorted, or its end touches the star point",
+        "measure the winding between each two terminals and against earth; do not run this motor",
     ),
     Fault.DEAD: (
         "the sensor of output {x} reads no current while the other two do not add up to zero",
@@ -121,7 +126,9 @@ class Connections:
         basis = Basis(samples=len(block.data), sample_rate_Hz=1.0 / known.control_period_s)
         largest = float(np.max(np.abs(vector_of(_readings(block)))))
         unbalance = 100.0 * abs(found.against_S) / abs(found.with_S)
-        definition = "of what turns against the voltage over what turns with it: saliency, or phases that differ"
+        definition = (
+            "of what turns against the voltage over what turns with it: saliency, or phases that differ"
+        )
         return {
             each.name: each
             for each in (

@@ -26,6 +26,7 @@ _OF_SWING = 1.6  # electrical speed over the frequency of the swing about the cu
 _ACCELERATION = 0.05  # over the square of that frequency
 _OF_RATED = 0.25  # of the rated speed, at most
 _SPUN_S, _MOST_TURNS = 1.0, 8
+_CALM = 0.08  # bandwidth of the speed observer over the rated speed: a leap of a revolution trips nothing
 _STIFF = 5.0  # bandwidth of the current loop over the electrical speed
 _ALIGN_S = 0.8
 _REVOLUTIONS = 1.02
@@ -63,6 +64,8 @@ class DraggedRotor:
             **known.offsets,
             **known.electrical,
         }
+        if "omega_observer" in known.variables:  # a counter that wraps elsewhere leaps, and is no overspeed
+            held["omega_observer"] = _CALM * known.motor.omega_m_N_rad_s
         amplitude_A = _SHARE * known.I_N_A
         align = Excitation(
             "alignment",

@@ -108,7 +108,9 @@ class BackEmf:
                 found.psi_Wb * known.u_dc_full_scale_V / 1024.0 / known.u_dc_V / math.sqrt(12.0),
             ),
             Contribution("a constant voltage", "B", found.curved_Wb / math.sqrt(3.0)),
-            Contribution("dead time of a current near zero", "B", abs(found.psi_Wb - hard_Wb) / math.sqrt(3.0)),
+            Contribution(
+                "dead time of a current near zero", "B", abs(found.psi_Wb - hard_Wb) / math.sqrt(3.0)
+            ),
             Contribution("what the equation leaves out", "B", found.psi_Wb * _LEFT_OUT / math.sqrt(3.0)),
         ]
         measured = [
@@ -157,7 +159,8 @@ def _of_nameplate(psi_r_Wb: float, known: Known) -> Iterator[Finding]:
     if cause := probable_cause("psi_r", psi_r_Wb, known.motor, _NEAR):
         yield Finding(
             f"{seen}: {cause}",
-            "Kv, Ke or Kt in another convention (peak or rms, phase or line to line, mechanical or electrical)",
+            "Kv, Ke or Kt in another convention (peak or rms, phase or line to line, mechanical or "
+            "electrical)",
             "state the convention of the nameplate's constant, or correct motor.psi_r_Wb of the profile",
             fails=False,
         )

@@ -108,8 +108,8 @@ class TurningVoltage:
             if abs(ratio / _OF_LINE_TO_LINE - 1.0) < _NEAR:
                 findings.append(
                     Finding(
-                        f"{name} is {found[name].value:.4g} H, {ratio:.3g} times the nameplate's: L looks line to "
-                        f"line",
+                        f"{name} is {found[name].value:.4g} H, {ratio:.3g} times the nameplate's: L "
+                        f"looks line to line",
                         f"motor.{name}_H is stated between two terminals",
                         "state the inductance of one phase, half of that between two terminals",
                         fails=False,

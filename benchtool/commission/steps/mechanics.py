@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Final
 
 import numpy as np
 
 from benchtool.analysis import Basis, Contribution, Measurement, combined
 from benchtool.block import Block
+from benchtool.commission.estimators.cogging import cogging
 from benchtool.commission.estimators.flux_linkage import HARMONICS
 from benchtool.commission.estimators.mechanics import Course, Mechanics, mechanics
 from benchtool.commission.estimators.vectors import vector_of
@@ -23,8 +24,9 @@ from benchtool.drive import CaptureRequest, Stimulus
 _SPEEDS = (0.1, 0.18, 0.26, 0.34)  # of the rated speed; the drive trips at half of it
 _LEVELS = 3  # a binary sequence of three bits: on, back, on
 _LEAST_S, _REVOLUTIONS = 0.2, 2.15  # of a steady stretch: of one, what comes once in it looks like a drift
-_ROWS = 3000
+_ROWS = 6000
 _LEFT_OUT_J = 0.005
+_LEAST_COGGING, _MOST_ORDERS, _LEFT_OUT_COGGING = 0.001, 4, 0.05  # of the rated torque; relative
 _LEFT_OUT_NM = 2e-4  # of the rated torque, that is no friction
 _FACTOR = 2.0
 _TOLD: Final[Mapping[str, float]] = {"J": 0.025, "coulomb": 0.045, "friction": 0.07}
@@ -84,7 +86,8 @@ class Reversals:
             }
         courses = [_course(block, known, share) for block, share in zip(blocks, _SPEEDS, strict=True)]
         found = mechanics(courses)
-        return {each.name: each for each in _measurements(found, blocks, known)}
+        estimates = (*_measurements(found, blocks, known), *_cogging(courses, found, known))
+        return {each.name: each for each in estimates}
 
     def findings(self, found: Mapping[str, Measurement], known: Known) -> tuple[Finding, ...]:
         """Return what the shaft says of the set-up."""
@@ -105,8 +108,8 @@ class Reversals:
         if rubs_Nm > _RUBS * known.motor.T_N_Nm:
             findings.append(
                 Finding(
-                    f"friction takes {rubs_Nm:.4g} Nm at the rated speed, {rubs_Nm / known.motor.T_N_Nm:.0%} of "
-                    f"the rated torque",
+                    f"friction takes {rubs_Nm:.4g} Nm at the rated speed, "
+                    f"{rubs_Nm / known.motor.T_N_Nm:.0%} of the rated torque",
                     "a load on the shaft, or a bearing or brake that rubs",
                     "uncouple the load and release the brake to commission the motor alone",
                     fails=False,
@@ -156,9 +159,35 @@ _DEFINITIONS: Final = {
 }
 
 
+def _cogging(courses: Sequence[Course], found: Mechanics, known: Known) -> Iterator[Measurement]:
+    """Yield the amplitude of each order of cogging that is told, at most four; else why none is."""
+    orders = cogging(courses, found.J_kgm2, _LEAST_COGGING * known.motor.T_N_Nm)[:_MOST_ORDERS]
+    for each in orders:
+        lines = [
+            Contribution("scatter over speeds and directions", "A", each.standard_Nm, each.dof),
+            Contribution(
+                "what the rows resolve", "B", _LEFT_OUT_COGGING * each.amplitude_Nm / math.sqrt(3.0)
+            ),
+        ]
+        yield Measurement(
+            f"cogging_{each.order}",
+            each.amplitude_Nm,
+            "Nm",
+            f"amplitude of the torque that comes {each.order} times in a revolution, at standing angles",
+            uncertainty=combined(lines, "scatter over speeds and directions"),
+        )
+    if not orders:
+        reason = f"no order above {_LEAST_COGGING:.1%} of the rated torque stands out of the scatter"
+        definition = "amplitude of the cogging torque by its order"
+        yield Measurement.undefined("cogging", "Nm", definition, reason)
+
+
 def _late_Nms(known: Known) -> float:
-    """Return the standard uncertainty of the torque over the speed by the moment of sampling: dead time and
-    devices move the pulses by up to half of the time that their voltage takes, in which the EMF changes i_q."""
+    """Return the standard uncertainty of the torque over the speed by the moment of sampling.
+
+    Dead time and devices move the pulses by up to half of the time that their voltage takes, and meanwhile
+    the EMF changes i_q.
+    """
     motor = known.identified
     late_s = 0.5 * known.drop_V / known.u_dc_V * known.control_period_s
     EMF_Vs = motor.pole_pairs * motor.psi_r_Wb

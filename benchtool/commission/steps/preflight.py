@@ -161,10 +161,10 @@ def _require_rated_current(drive: RemoteDrive, known: Known) -> None:
     remedy = "check motor.I_N_A_rms of the profile against the nameplate, and i_trip_A with it"
     i_trip = drive.number("i_trip")
     range_A = drive.number("i_full_scale") if "i_full_scale" in drive.dictionary else math.inf
-    if known.I_N_A > range_A or i_trip > range_A:
+    if max(known.I_N_A, i_trip) > range_A:
         raise SetUpError(
-            f"the rated current is {known.I_N_A:.4g} A peak and the drive trips at {i_trip:.4g} A, its sensors "
-            f"read up to {range_A:.4g} A",
+            f"the rated current is {known.I_N_A:.4g} A peak and the drive trips at {i_trip:.4g} A, its "
+            f"sensors read up to {range_A:.4g} A",
             cause,
             remedy,
         )
@@ -172,8 +172,8 @@ def _require_rated_current(drive: RemoteDrive, known: Known) -> None:
     heat_W = 1.5 * motor.R_s_ohm * known.I_N_A**2
     if makes_Nm > _TOO_MUCH * motor.T_N_Nm and heat_W > motor.T_N_Nm * motor.omega_m_N_rad_s:
         raise SetUpError(
-            f"the rated current of {known.I_N_A:.4g} A peak makes {makes_Nm:.4g} Nm and {heat_W:.4g} W of heat, "
-            f"the rated torque is {motor.T_N_Nm:.4g} Nm",
+            f"the rated current of {known.I_N_A:.4g} A peak makes {makes_Nm:.4g} Nm and {heat_W:.4g} W of "
+            f"heat, the rated torque is {motor.T_N_Nm:.4g} Nm",
             cause,
             remedy,
         )
