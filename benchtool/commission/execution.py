@@ -85,6 +85,13 @@ def steps_for(names: Sequence[str]) -> tuple[Step, ...]:
     return tuple(step for step in STEPS if step.name in wanted)
 
 
+def _too_far(excitations: Sequence[Excitation], known: Known) -> str:
+    """Return why excitations cannot be played where the shaft may not turn on and on; empty if they can."""
+    if math.isinf(known.travel_rad) or not any(each.mode_of_speed for each in excitations):
+        return ""
+    return f"it holds the shaft at a speed, and that may turn {known.travel_rad:.4g} rad only"
+
+
 def planned(steps: Sequence[Step], known: Known) -> dict[str, tuple[Excitation, ...]]:
     """Return what every step would play by what is known now, checked for its heat.
 
@@ -93,7 +100,8 @@ def planned(steps: Sequence[Step], known: Known) -> dict[str, tuple[Excitation, 
     """
     found = {}
     for step in steps:
-        found[step.name] = step.plan(known)
+        excitations = step.plan(known)
+        found[step.name] = () if _too_far(excitations, known) else excitations
         require_bearable(found[step.name], known.motor)
     return found
 
@@ -107,6 +115,7 @@ def commission(
     recorder: StepRecorder | None = None,
     keep: bool = False,
     force: bool = False,
+    travel_rad: float = math.inf,
     watching: AbstractContextManager[object] | None = None,
 ) -> Commissioning:
     """Run steps on a connected drive, with the profile as the nameplate.
@@ -121,6 +130,8 @@ def commission(
         recorder: records each step, and has those that an earlier session has finished.
         keep: have the drive store the parameters.
         force: store them although something was found that is not as it should be.
+        travel_rad: how far the shaft may turn, either way, from where it stands; steps that hold it at a
+            speed are then left out.
         watching: entered while steps are run, as a stream that is shown live.
 
     Raises:
@@ -143,7 +154,7 @@ def commission(
     note("putting in force what the profile states")
     with watching or nullcontext(), trial(drive), held(drive, {**stated, **_QUIET}):
         _leave_fault_of_the_link(drive, note)
-        began = known = Known.of(drive, profile.motor)
+        began = known = replace(Known.of(drive, profile.motor), travel_rad=travel_rad)
         planned(steps, known)
         for step in steps:
             done = recorder.finished(step) if recorder is not None else None
@@ -202,7 +213,7 @@ def _run(
     blocks: list[Block] = []
     try:
         excitations = step.plan(known)
-        if reason := objects_missing(drive, excitations):
+        if reason := objects_missing(drive, excitations) or _too_far(excitations, known):
             return replace(result, verdict=StepVerdict.SKIPPED, reason=reason)
         require_bearable(excitations, known.motor)
         result = replace(result, planned_J=sum(each.energy_J(known.R_s_ohm) for each in excitations))

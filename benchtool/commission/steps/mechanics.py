@@ -32,7 +32,8 @@ _FACTOR = 2.0
 _TOLD: Final[Mapping[str, float]] = {"J": 0.025, "coulomb": 0.045, "friction": 0.07}
 """Largest relative standard uncertainty of an estimate that is given."""
 _LOAD_SHARE = 0.02
-_RUBS = 0.25  # of the rated torque, by friction at the rated speed
+_RUBS = 0.13  # of the rated torque: friction beyond it is a load
+_SURE = 4.0  # standard uncertainties
 
 
 class Reversals:
@@ -91,24 +92,28 @@ class Reversals:
 
     def findings(self, found: Mapping[str, Measurement], known: Known) -> tuple[Finding, ...]:
         """Return what the shaft says of the set-up."""
-        findings = []
-        ratio = found["J"].value / known.motor.J_kgm2
-        if ratio > _FACTOR or ratio < 1.0 / _FACTOR:
+        findings: list[Finding] = []
+        if "inertia_ratio" not in found:  # the shaft did not turn
+            return ()
+        times, u_times = found["inertia_ratio"], found["inertia_ratio"].uncertainty
+        unsure = 0.0 if u_times is None else _SURE * u_times.standard
+        if times.value - unsure > _FACTOR or times.value + unsure < 1.0 / _FACTOR:
+            J = times.value * known.motor.J_kgm2
             findings.append(
                 Finding(
-                    f"the inertia is {found['J'].value:.4g} kgm2, {ratio:.3g} times the nameplate's",
+                    f"the inertia is {J:.4g} kgm2, {times.value:.3g} times the nameplate's",
                     "a load on the shaft"
-                    if ratio > 1.0
+                    if times.value > 1.0
                     else "another rotor, or an inertia stated with a load",
                     "uncouple the load to commission the motor alone, or state its inertia in motor.J_kgm2",
                     fails=False,
                 )
             )
-        rubs_Nm = found["coulomb"].value + found["friction"].value * known.motor.omega_m_N_rad_s
+        rubs_Nm = found["friction_torque"].value
         if rubs_Nm > _RUBS * known.motor.T_N_Nm:
             findings.append(
                 Finding(
-                    f"friction takes {rubs_Nm:.4g} Nm at the rated speed, "
+                    f"friction takes {rubs_Nm:.4g} Nm at {_SPEEDS[-1]:.0%} of the rated speed, "
                     f"{rubs_Nm / known.motor.T_N_Nm:.0%} of the rated torque",
                     "a load on the shaft, or a bearing or brake that rubs",
                     "uncouple the load and release the brake to commission the motor alone",
@@ -240,4 +245,13 @@ def _measurements(found: Mechanics, blocks: Sequence[Block], known: Known) -> li
             measured.append(Measurement(name, value, unit, definition, basis, u))
     u_load = combined([Contribution("scatter", "A", found.load_standard, found.friction_dof)], "scatter")
     definition = "torque at constant speeds that does not depend on the direction"
+    rubs_Nm = found.coulomb_Nm + found.friction_Nms * fastest
+    stated = known.motor.J_kgm2
+    u_ratio = combined([Contribution("scatter", "A", found.J_standard / stated, found.J_dof)], "scatter")
+    measured += [
+        Measurement("friction_torque", rubs_Nm, "Nm", f"of friction at {fastest:.4g} rad/s", basis),
+        Measurement(
+            "inertia_ratio", found.J_kgm2 / stated, "", "inertia over the nameplate's", basis, u_ratio
+        ),
+    ]
     return [*measured, Measurement("load", found.load_Nm, "Nm", definition, basis, u_load)]

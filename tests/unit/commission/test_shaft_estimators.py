@@ -153,7 +153,7 @@ COGGING = 0.03
 
 
 def held_loosely(omega: float) -> Course:
-    """On, back and on under a soft speed controller, with a cogging that shakes the shaft between its teeth."""
+    """On, back and on under a soft speed controller, with a cogging that shakes the shaft."""
     step_s, level, fine = 1e-3, 1500, 20
     theta = speed = integral = 0.0
     angles, torques = [], []
@@ -181,7 +181,7 @@ def test_a_shaft_that_is_slower_before_each_tooth_tells_its_friction(shaken: lis
     assert over_time > 1.01 * (COULOMB + FRICTION * 13.0)  # what an average over time takes for friction
     found = mechanics(shaken)
     assert found.coulomb_Nm == pytest.approx(COULOMB, rel=0.004)
-    assert found.J_kgm2 == pytest.approx(J, rel=0.02)
+    assert found.J_kgm2 == pytest.approx(J, rel=0.06)
 
 
 def test_cogging_is_told_by_its_order(shaken: list[Course]) -> None:
