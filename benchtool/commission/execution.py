@@ -26,6 +26,7 @@ from benchtool.commission.steps.offsets import Offsets
 from benchtool.commission.steps.preflight import Preflight
 from benchtool.commission.steps.resistance import StandingCurrents
 from benchtool.commission.steps.ripple_run import RippleRun
+from benchtool.commission.steps.saturation import Pulses
 from benchtool.commission.steps.speed_control import SpeedControl
 from benchtool.commission.steps.step import Finding, LoopStep, StagedStep, Step, Trial
 from benchtool.commission.steps.verification import Verification
@@ -53,6 +54,7 @@ STEPS: tuple[Step, ...] = (
     StandingCurrents(),
     DraggedRotor(),
     TurningVoltage(),
+    Pulses(),
     BackEmf(),
     Reversals(),
     CurrentControl(),

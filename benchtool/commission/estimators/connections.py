@@ -29,6 +29,7 @@ from benchtool.errors import AnalysisError
 _DEAD = 0.15  # of the largest: a saliency of 2.5 leaves 0.4
 _SUM = 0.12  # of the largest: gains that differ by 2 % make 0.02, one of a half makes 0.17
 _UNEQUAL = 0.5  # of N over Y: a saliency of 2.5 makes 0.43, an open phase 1
+_DEAD_TIME_RAD = math.radians(25.0)  # by which what is left of dead time, 0 to 50 degrees, is on the average
 _ORDER_RAD, _SIGN_RAD = math.radians(60.0), math.radians(150.0)
 _FEWEST = 50
 
@@ -51,10 +52,12 @@ class Fault(StrEnum):
 class Response:
     """What each sensor reads for a volt of the vector that turns: `w_S`, shape (3,), complex.
 
-    `largest_A` is the longest current vector of the capture.
+    `slope_S` is Y by how the current grows with the voltage, free of the constant voltage that dead time
+    takes along the current. `largest_A` is the largest reading of the capture.
     """
 
     w_S: NDArray[np.complex128]
+    slope_S: complex
     largest_A: float
 
     @property
@@ -82,11 +85,13 @@ def response(u_V: NDArray[np.complex128], readings_A: NDArray[np.float64]) -> Re
         raise AnalysisError(f"{len(u_V)} control periods of a turning voltage, {_FEWEST} are needed")
     half = len(u_V) // 2  # of a ramp: what dead time takes weighs less in its second half
     u, i = u_V[half:], 0.5 * (readings_A[half + 1 :] + readings_A[half:-1])
-    A = np.column_stack([u.real, -u.imag, np.ones(len(u))])
-    fits = [least_squares(A, i[:, k]).x for k in range(3)]
-    w = np.array([complex(each[0], each[1]) for each in fits])
-    largest = float(np.max(np.abs(i - np.array([each[2] for each in fits])))) if len(i) else 0.0
-    return Response(w, largest)
+    one, along = np.ones(len(u)), u / np.abs(u)
+    whole = [least_squares(np.column_stack([u.real, -u.imag, one]), i[:, k]).x for k in range(3)]
+    columns = np.column_stack([u.real, -u.imag, along.real, -along.imag, one])
+    grown = [least_squares(columns, i[:, k]).x for k in range(3)]
+    w, slopes = (np.array([complex(x[0], x[1]) for x in fits]) for fits in (whole, grown))
+    largest = float(np.max(np.abs(i - np.array([x[2] for x in whole]))))
+    return Response(w, complex(np.mean(slopes * PHASES)), largest)
 
 
 def diagnosis(found: Response, R_s_ohm: float, L_H: float, omega_e_rad_s: float) -> tuple[Fault, int]:
@@ -116,8 +121,8 @@ def diagnosis(found: Response, R_s_ohm: float, L_H: float, omega_e_rad_s: float)
         least, middle, most = (int(k) for k in np.argsort(sizes))
         odd = sizes[middle] - sizes[least] > sizes[most] - sizes[middle]
         return (Fault.OPEN, least) if odd else (Fault.SHORTED, most)
-    expected = -math.atan2(omega_e_rad_s * L_H, R_s_ohm)
-    off = abs(cmath.phase(found.with_S * cmath.exp(-1j * expected)))
+    expected = _DEAD_TIME_RAD - math.atan2(omega_e_rad_s * L_H, R_s_ohm)
+    off = abs(cmath.phase(found.slope_S * cmath.exp(-1j * expected)))
     if off > _SIGN_RAD:
         return Fault.ALL_REVERSED, 0
     return (Fault.ORDER, 0) if off > _ORDER_RAD else (Fault.NONE, 0)

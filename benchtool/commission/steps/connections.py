@@ -135,6 +135,13 @@ class Connections:
                 Measurement("current_tried", largest, "A", "longest current vector of the capture", basis),
                 Measurement("current_unbalance", unbalance, "%", definition, basis),
                 Measurement(
+                    "inductance_seen",
+                    (1.0 / found.slope_S).imag / _omega_e(known),
+                    "H",
+                    "voltage over current a quarter of a turn apart, about",
+                    basis,
+                ),
+                Measurement(
                     "admittance", abs(found.with_S), "S", "current over the voltage that turns", basis
                 ),
             )

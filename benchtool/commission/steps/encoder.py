@@ -105,7 +105,8 @@ class DraggedRotor:
         blocks = blocks[1:]  # not the alignment
         spins = [_spin(block, known, sense) for block, sense in zip(blocks, (1, -1), strict=True)]
         moved = motion(spins)
-        _require_motion(moved, _flux_seen(blocks, known), known)
+        flux_Wb = _flux_seen(blocks, known)
+        _require_motion(moved, flux_Wb, known)
         pole_pairs = _pole_pairs(moved, known)
         direction = 1 if moved.per_rad > 0.0 else -1
         found = alignment(spins, pole_pairs, direction)
@@ -116,7 +117,11 @@ class DraggedRotor:
                 "a load on the shaft, strong cogging, or an encoder that slips",
                 "uncouple the load and tighten the encoder, then commission the motor alone",
             )
-        return {each.name: each for each in _measurements(found, pole_pairs, direction, known)}
+        measured = _measurements(found, pole_pairs, direction, known)
+        seen = Measurement(
+            "rotor_flux_seen", flux_Wb, "Wb", "voltage of the dragged rotor over its speed, about"
+        )
+        return {each.name: each for each in (*measured, seen)}
 
     def findings(self, found: Mapping[str, Measurement], known: Known) -> tuple[Finding, ...]:
         """Return what does not fit the nameplate, and what is worn or loaded."""
@@ -266,8 +271,8 @@ def _pole_pairs(moved: Motion, known: Known) -> int:
     if nearest != stated:
         raise SetUpError(
             f"the motor has {nearest} pole pairs, {stated} are stated",
-            f"the pole pairs are wrong (poles, or magnets, taken for pairs), or the encoder has "
-            f"{lines * stated / nearest:.0f} lines and not {lines}",
+            f"the pole pairs are wrong (poles, or magnets, taken for pairs), the encoder has "
+            f"{lines * stated / nearest:.0f} lines and not {lines}, or a gearbox is between it and the rotor",
             "count the magnets: half of their number goes into motor.pole_pairs; check encoder_lines",
         )
     return nearest

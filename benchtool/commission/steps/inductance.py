@@ -47,24 +47,7 @@ class TurningVoltage:
 
     def plan(self, known: Known) -> tuple[Excitation, ...]:
         """Return an alignment and a turning vector for each speed."""
-        stride = max(1, round(_ALIGN_S / _ALIGN_ROWS / known.control_period_s))
-        rows = math.floor(_ALIGN_S / (stride * known.control_period_s)) - 1
-        align = Excitation(
-            "alignment",
-            Stimulus(
-                quantity="current",
-                shape="ramp",
-                amplitude_A=_ALIGN_SHARE * known.I_N_A,
-                duration_s=_ALIGN_S,
-            ),
-            CaptureRequest(CURRENTS, rows, stride),
-            (_ALIGN_SHARE * known.I_N_A) ** 2 * _ALIGN_S / 3.0,
-            {
-                "omega_current": known.damping_bandwidth_rad_s,
-                "dead_time_compensation": 0.0,
-                **known.offsets,
-            },
-        )
+        align = aligning(known)
         return tuple(each for periods in _PERIODS for each in (align, _turning(known, periods)))
 
     def estimate(self, blocks: Sequence[Block], known: Known) -> Mapping[str, Measurement]:
@@ -127,9 +110,31 @@ class TurningVoltage:
         return tuple(findings)
 
 
+def aligning(known: Known) -> Excitation:
+    """Return a current that grows along phase a and draws the rotor there."""
+    stride = max(1, round(_ALIGN_S / _ALIGN_ROWS / known.control_period_s))
+    rows = math.floor(_ALIGN_S / (stride * known.control_period_s)) - 1
+    return Excitation(
+        "alignment",
+        Stimulus(
+            quantity="current",
+            shape="ramp",
+            amplitude_A=_ALIGN_SHARE * known.I_N_A,
+            duration_s=_ALIGN_S,
+        ),
+        CaptureRequest(CURRENTS, rows, stride),
+        (_ALIGN_SHARE * known.I_N_A) ** 2 * _ALIGN_S / 3.0,
+        {
+            "omega_current": known.damping_bandwidth_rad_s,
+            "dead_time_compensation": 0.0,
+            **known.offsets,
+        },
+    )
+
+
 def _turning(known: Known, periods: float) -> Excitation:
     """Return the vector that turns once in so many control periods, or more slowly."""
-    T_s, L = known.control_period_s, min(known.motor.L_d_H, known.motor.L_q_H)
+    T_s, L = known.control_period_s, known.least_L_H
     most_V = _VOLTAGE_SHARE * known.u_dc_V / math.sqrt(3.0)
     a_turn_Vs = 2.0 * math.pi * L * known.I_N_A
     slower = max(1.0, _LEAST_SHARE * a_turn_Vs / (most_V * _PERIODS[0] * T_s))

@@ -51,6 +51,7 @@ class Preflight:
             SetUpError: what is read is not that of a motor at rest on a dc link that suits it.
         """
         (block,) = blocks
+        _require_rated_current(known, float(known.held.get("i_trip", math.inf)))
         for phase, channel in zip("abc", CURRENTS, strict=True):
             reading = float(block.column(channel).mean())
             if abs(reading) > _LARGEST_READING * known.I_N_A:
@@ -131,14 +132,9 @@ def _require_link(u_dc_V: float, known: Known) -> None:
 def _require_limits(drive: RemoteDrive, known: Known) -> None:
     """Check that the limits of the drive are armed and belong to this motor."""
     motor = known.motor
-    _require_rated_current(drive, known)
     i_trip, least, most = (drive.number(name) for name in ("i_trip", "u_dc_min", "u_dc_max"))
-    if i_trip < _OVERLOAD * known.I_N_A:
-        raise SetUpError(
-            f"the drive trips at {i_trip:.4g} A, the rated current is {known.I_N_A:.4g} A peak",
-            "the rated current is too high (peak taken for rms, or another motor), or i_trip is too low",
-            "check motor.I_N_A_rms and drive.parameters.i_trip_A of the profile",
-        )
+    range_A = drive.number("i_full_scale") if "i_full_scale" in drive.dictionary else math.inf
+    _require_rated_current(known, i_trip, range_A)
     if not drive.number("omega_m_trip") > 0.5 * motor.omega_m_N_rad_s:
         raise SetUpError(
             f"the drive trips at {drive.number('omega_m_trip'):.4g} rad/s, half of the rated speed is "
@@ -155,15 +151,20 @@ def _require_limits(drive: RemoteDrive, known: Known) -> None:
         )
 
 
-def _require_rated_current(drive: RemoteDrive, known: Known) -> None:
-    """Check that the rated current is one that the drive can measure, and that fits the rated torque."""
+def _require_rated_current(known: Known, i_trip_A: float, range_A: float = math.inf) -> None:
+    """Check that the rated current is one that the drive bears and measures, and that fits the rated
+    torque."""
     motor, cause = known.motor, "the rated current is stated too high, by a factor of ten or in another unit"
     remedy = "check motor.I_N_A_rms of the profile against the nameplate, and i_trip_A with it"
-    i_trip = drive.number("i_trip")
-    range_A = drive.number("i_full_scale") if "i_full_scale" in drive.dictionary else math.inf
-    if max(known.I_N_A, i_trip) > range_A:
+    if i_trip_A < _OVERLOAD * known.I_N_A:
         raise SetUpError(
-            f"the rated current is {known.I_N_A:.4g} A peak and the drive trips at {i_trip:.4g} A, its "
+            f"the drive trips at {i_trip_A:.4g} A, the rated current is {known.I_N_A:.4g} A peak",
+            "the rated current is too high (peak taken for rms, or another motor), or i_trip is too low",
+            "check motor.I_N_A_rms and drive.parameters.i_trip_A of the profile",
+        )
+    if max(known.I_N_A, i_trip_A) > range_A:
+        raise SetUpError(
+            f"the rated current is {known.I_N_A:.4g} A peak and the drive trips at {i_trip_A:.4g} A, its "
             f"sensors read up to {range_A:.4g} A",
             cause,
             remedy,
