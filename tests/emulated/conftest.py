@@ -11,7 +11,6 @@ import can
 import pytest
 
 from benchtool.bench.session import Session, open_session
-from benchtool.run import runner
 
 _numbers = itertools.count()
 
@@ -55,13 +54,6 @@ def open_wire() -> Iterator[Opener]:
             return Wire(bus, stack.enter_context(open_session(profile, url, seed=seed)))
 
         yield opener
-
-
-@pytest.fixture
-def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Runs draw no figures, which takes half of their time: for tests that look at none."""
-    monkeypatch.setattr(runner, "draw_case", lambda *_: None)
-    monkeypatch.setattr(runner, "draw_cases", lambda *_: None)
 
 
 @pytest.fixture

@@ -85,13 +85,17 @@ def text_of(page: str) -> str:
 
 
 def test_the_report_of_the_demo(demo: Path) -> None:
-    result = done("report", demo, "--pdf", "--json")
+    result = done("report", demo, "--pdf", "--png", "--json")
+    names = ("waveforms", "current_spectrum", "flux_trajectory", "switching_states")
+    pictures = {str(demo / "plots" / f"{name}.png") for name in names}
     assert json.loads(result.stdout) == {
         "report": str(demo / "report.html"),
         "pdf": str(demo / "report.pdf"),
         "verdict": "pass",
         "cases": {"tpc": {"verdict": "pass", "bundle": str(demo)}},
+        "pictures": sorted(pictures, key=lambda path: names.index(Path(path).stem)),
     }
+    assert all(Path(path).read_bytes().startswith(b"\x89PNG") for path in pictures)
     assert "pass by the drive's own estimate, fail by the transducer on the shaft" in result.stderr
     page = (demo / "report.html").read_text(encoding="utf-8")
     text = text_of(page)

@@ -41,10 +41,10 @@ def story(report: Report) -> Iterator[Flowable]:
         yield PageBreak()
     begun = False
     for item in report.items:
-        listed = isinstance(item, Section) and item.listed and item.paper
-        if begun and listed:
+        begins = isinstance(item, Section) and item.begins_page
+        if begun and begins:
             yield PageBreak()
-        begun = begun or listed
+        begun = begun or begins
         yield from _flow(item, 0)
     everything = (*report.front, *report.items, *report.appendix)
     endnotes = tuple(_definitions(everything))
@@ -104,7 +104,7 @@ def _flow(item: Item, level: int) -> Iterator[Flowable]:
         case Section():
             if not item.paper:
                 return
-            if item.listed and level:
+            if item.begins_page and level:
                 yield PageBreak()
             heading = _Heading(item.title, level)
             body = list(_body(item.items, level + 1))
