@@ -28,7 +28,7 @@ from benchtool.commission.steps.resistance import StandingCurrents
 from benchtool.commission.steps.ripple_run import RippleRun
 from benchtool.commission.steps.saturation import Pulses
 from benchtool.commission.steps.speed_control import SpeedControl
-from benchtool.commission.steps.step import Finding, LoopStep, StagedStep, Step, Trial
+from benchtool.commission.steps.step import FaultTelling, Finding, LoopStep, StagedStep, Step, Trial
 from benchtool.commission.steps.verification import Verification
 from benchtool.drive import Capability, RemoteDrive
 from benchtool.drive.parameters import held
@@ -235,7 +235,7 @@ def _run(
         found = (Finding(wrong.what, wrong.cause, wrong.remedy),)
         return replace(result, reason=wrong.what, findings=found)
     except DriveFault as fault:
-        return replace(result, reason=str(fault), findings=(_of_fault(step, fault, drive),))
+        return replace(result, reason=str(fault), findings=(_of_fault(step, fault, drive, known),))
     except _FAIL_A_STEP as reason:
         return replace(result, reason=str(reason))
     findings = step.findings(estimates, known)
@@ -275,11 +275,13 @@ _CAUSES: Mapping[int, tuple[str, str]] = MappingProxyType(
 )
 
 
-def _of_fault(step: Step, fault: DriveFault, drive: RemoteDrive) -> Finding:
+def _of_fault(step: Step, fault: DriveFault, drive: RemoteDrive, known: Known) -> Finding:
     """Return a fault of the drive as a finding, with what probably causes it by the class of its code."""
     cause, remedy = "the drive's own supervision acted", "remove what it reports, then reset the fault"
     with suppress(BenchError):  # the code only tells more
         code = drive.optional_number(Role.ERROR_CODE)
+        if code is not None and isinstance(step, FaultTelling) and (more := step.of_fault(code, known)):
+            return more
         cause, remedy = _CAUSES.get(0 if code is None else int(code) >> 8, (cause, remedy))
     return Finding(f"the drive tripped in step {step.name}: {fault}", cause, remedy)
 

@@ -26,7 +26,6 @@ _OF_SWING = 1.6  # electrical speed over the frequency of the swing about the cu
 _ACCELERATION = 0.05  # over the square of that frequency
 _OF_RATED = 0.25  # of the rated speed, at most
 _SPUN_S, _MOST_TURNS = 1.0, 8
-_CALM = 0.08  # bandwidth of the speed observer over the rated speed: a leap of a revolution trips nothing
 _STIFF = 5.0  # bandwidth of the current loop over the electrical speed
 _ALIGN_S = 0.8
 _REVOLUTIONS = 1.02
@@ -39,6 +38,7 @@ _ECCENTRIC_RAD = math.radians(1.3)
 _LOADED_RAD = math.radians(25.0)
 _SLIPS_RAD = 0.9
 _LEAP_RAD = 0.05
+_TOO_FAST = 0x84  # class of the error codes for a speed
 
 
 class DraggedRotor:
@@ -64,8 +64,6 @@ class DraggedRotor:
             **known.offsets,
             **known.electrical,
         }
-        if "omega_observer" in known.variables:  # a counter that wraps elsewhere leaps, and is no overspeed
-            held["omega_observer"] = _CALM * known.motor.omega_m_N_rad_s
         amplitude_A = _SHARE * known.I_N_A
         align = Excitation(
             "alignment",
@@ -122,6 +120,18 @@ class DraggedRotor:
             "rotor_flux_seen", flux_Wb, "Wb", "voltage of the dragged rotor over its speed, about"
         )
         return {each.name: each for each in (*measured, seen)}
+
+    def of_fault(self, code: int, known: Known) -> Finding | None:
+        """Return what a speed beyond its limit means while a current drags the rotor slowly."""
+        if code >> 8 != _TOO_FAST:
+            return None
+        return Finding(
+            f"theta_m leaps: the drive sees a speed beyond its limit while a current drags the rotor at "
+            f"{_Turning.of(known).omega_e_rad_s / known.motor.pole_pairs:.3g} rad/s",
+            f"the encoder has not the {known.encoder_lines} lines that encoder_lines states, so that its "
+            f"count wraps elsewhere, or it loses counts",
+            "read the line count off the encoder, correct encoder_lines, and check cable and shield",
+        )
 
     def findings(self, found: Mapping[str, Measurement], known: Known) -> tuple[Finding, ...]:
         """Return what does not fit the nameplate, and what is worn or loaded."""

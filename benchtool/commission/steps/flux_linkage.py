@@ -108,9 +108,7 @@ class BackEmf:
                 found.psi_Wb * known.u_dc_full_scale_V / 1024.0 / known.u_dc_V / math.sqrt(12.0),
             ),
             Contribution("a constant voltage", "B", found.curved_Wb / math.sqrt(3.0)),
-            Contribution(
-                "dead time of a current near zero", "B", abs(found.psi_Wb - hard_Wb) / math.sqrt(3.0)
-            ),
+            Contribution("dead time of a current near zero", "B", abs(found.psi_Wb - hard_Wb)),
             Contribution("what the equation leaves out", "B", found.psi_Wb * _LEFT_OUT / math.sqrt(3.0)),
         ]
         measured = [
