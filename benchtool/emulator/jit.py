@@ -125,7 +125,7 @@ def _compiled(function: Callable[..., Any], suffix: str) -> Any:
     named.__doc__, named.__module__ = function.__doc__, function.__module__
     compiled = numba.njit(nogil=True, **_OPTIONS)(named)
     with suppress(RuntimeError, OSError):  # numba found no place to write to
-        compiled._cache = LoadedFirst(named)
+        compiled._cache = LoadedFirst(named)  # type: ignore[no-untyped-call]
     return compiled
 
 

@@ -11,6 +11,8 @@ import can
 import pytest
 
 from benchtool.bench.session import Session, open_session
+from benchtool.report import html
+from benchtool.report.pdf import flow
 
 _numbers = itertools.count()
 
@@ -54,6 +56,13 @@ def open_wire() -> Iterator[Opener]:
             return Wire(bus, stack.enter_context(open_session(profile, url, seed=seed)))
 
         yield opener
+
+
+@pytest.fixture
+def blank_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Has reports show blank pictures, for tests of what is written: drawing takes most of a report's time."""
+    monkeypatch.setattr(html, "data_uri", lambda _: "data:,")
+    monkeypatch.setattr(flow, "draw_figure", lambda *_: None)
 
 
 @pytest.fixture

@@ -52,15 +52,15 @@ def story(report: Report) -> Iterator[Flowable]:
     if not (report.appendix or endnotes or left_out):
         return
     yield _Heading("Appendix", 0)
+    if left_out:
+        more = len(left_out) - _MOST_LEFT_OUT
+        shown = [*left_out[:_MOST_LEFT_OUT], *([f"{more} more sections"] if more > 0 else [])]
+        yield _paragraph(Text(f"On the page besides, in HTML: {'; '.join(shown)}.", "note"))
     if endnotes:
         yield _Heading("Definitions", 1)
         yield from (_endnote(name, notes) for name, notes in endnotes)
     for item in report.appendix:
         yield from _flow(item, 1)
-    if left_out:
-        more = len(left_out) - _MOST_LEFT_OUT
-        shown = [*left_out[:_MOST_LEFT_OUT], *([f"{more} more sections"] if more > 0 else [])]
-        yield _paragraph(Text(f"On the page besides, in HTML: {'; '.join(shown)}.", "note"))
 
 
 def _on_paper(items: Sequence[Item]) -> Iterator[Item]:
