@@ -4,7 +4,10 @@ The motors that ship are commissioned on drives as they come out of their box, o
 the serial line. Series `right` has the shipped motors with right nameplates; series `flaws` draws what real
 set-ups show: a nameplate that is off, saliency, dead time, drop and resistance of the devices, gains and
 offsets of the current sensors, 10 to 12 bits, noise, steps of the duties, an encoder at any angle, in either
-direction, eccentric or counting from zero at power-up, cogging, harmonics of the EMF, friction.
+direction, eccentric or counting from zero at power-up, cogging, harmonics of the EMF, friction. Series
+`repeats` commissions each bench of `flaws` again and again, with other noise. Series `clean` has these flaws
+with a right nameplate and an encoder the right way round, in which nothing is to be found wrong, and `wrong`
+one wrong set-up each (`benchmarks.wrong_setups`), which is to be named.
 
 Truth is what the sensors let be seen: a gain that all current sensors have in common scales R_s, L and J.
 """
@@ -17,7 +20,7 @@ import math
 import tempfile
 import time
 import tomllib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
@@ -25,7 +28,8 @@ from typing import Any, Final
 import numpy as np
 
 from benchmarks.figures import print_figures
-from benchtool.bench import open_session
+from benchmarks.wrong_setups import CASES, FOUR_MOTORS, named
+from benchtool.bench import Session, open_session
 from benchtool.commission import commission, document, steps_for
 from benchtool.shipped import shipped
 
@@ -40,6 +44,9 @@ TOLERANCES: Final[Mapping[str, float]] = {
 _OFFSET_RAD: Final = math.radians(1.0)
 _SMALL_R_OHM, _SMALL_L_H = 0.05, 50e-6
 _SMALL: Final = {"R_s": 0.05, "L_d": 0.06, "L_q": 0.06}
+REPEATED: Final[Mapping[str, float]] = {"R_s": 0.5, "L_d": 1.0, "L_q": 1.0, "psi_r": 0.3, "J": 2.0}
+"""Largest standard deviation of repeated commissionings that is wanted, in percent."""
+SERIES: Final = ("right", "flaws", "clean", "repeats", "wrong")
 _LINKS: Final = ("emulated", "emulated?wire=serial")
 
 
@@ -102,6 +109,15 @@ def flawed(motor: str, rng: np.random.Generator) -> Bench:
     for key in ("R_s_ohm", "L_d_H", "L_q_H", "J_kgm2"):
         stated[key] *= rng.uniform(0.7, 1.4)
     stated["psi_r_Wb"] *= rng.uniform(0.85, 1.2)
+    return Bench(profile, _truth(profile))
+
+
+def sound(motor: str, rng: np.random.Generator) -> Bench:
+    """Return a shipped motor with flaws of the sensors and a right nameplate."""
+    profile = flawed(motor, rng).profile
+    true = profile["emulator"]["motor"]
+    profile["motor"] |= {key: true[key] for key in ("R_s_ohm", "L_d_H", "L_q_H", "psi_r_Wb", "J_kgm2")}
+    profile["emulator"]["sensors"]["encoder"]["reversed"] = False
     return Bench(profile, _truth(profile))
 
 
@@ -176,13 +192,23 @@ def toml(content: Mapping[str, Any], table: tuple[str, ...] = ()) -> Iterator[st
             yield from toml(value, (*table, key))
 
 
-def commissioned(bench: Bench, steps: Sequence[str], link: str, seed: int) -> dict[str, Any]:
-    """Commission a bench; return the document, and `drive_s`, the time that it took the drive."""
+def commissioned(
+    bench: Bench,
+    steps: Sequence[str],
+    link: str,
+    seed: int,
+    meddle: Callable[[Session], None] = lambda _: None,
+) -> dict[str, Any]:
+    """Commission a bench; return the document, and `drive_s`, the time that it took the drive.
+
+    `meddle` does something to the bench once it is connected.
+    """
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "profile.toml"
         path.write_text("\n".join(toml(bench.profile)) + "\n", encoding="utf-8")
         with open_session(str(path), link, seed=seed, instruments=False) as session:
             session.drive.connect()
+            meddle(session)
             began_s = session.drive.clock.now_s()
             done = commission(session.drive, session.profile, steps_for(steps))
             return {**document(done), "drive_s": session.drive.clock.now_s() - began_s}
@@ -227,41 +253,108 @@ def figures(runs: Sequence[Mapping[str, Any]]) -> dict[str, object]:
     return found
 
 
+_DRAWN: Final = {"flaws": flawed, "repeats": flawed, "clean": sound}
+
+
+def spread(runs: Sequence[Mapping[str, Any]]) -> dict[str, object]:
+    """Return the standard deviation of repeated commissionings of one bench, in percent; the largest of the
+    motors."""
+    found: dict[str, object] = {}
+    for name in REPEATED:
+        of_motors: dict[str, list[float]] = {}
+        for each in runs:
+            value = each["document"]["estimates"].get(name, {}).get("value")
+            if value is not None:
+                of_motors.setdefault(each["motor"], []).append(value)
+        shares = {
+            motor: 100.0 * float(np.std(values, ddof=1) / abs(np.mean(values)))
+            for motor, values in of_motors.items()
+            if len(values) > 1
+        }
+        if shares:
+            worst = max(shares, key=lambda motor: shares[motor])
+            found[f"spread_{name}_percent"] = round(shares[worst], 3)
+            found[f"spread_{name}"] = f"largest {shares[worst]:.3f} % ({worst}), {REPEATED[name]:g} % wanted"
+    return found
+
+
+def of_motors(runs: Sequence[Mapping[str, Any]]) -> dict[str, dict[str, float]]:
+    """Return by motor the largest deviation of each estimate, in shares of its tolerance."""
+    found: dict[str, dict[str, float]] = {}
+    for each in runs:
+        largest = found.setdefault(each["motor"], {})
+        for name, error in each["errors"].items():
+            largest[name] = max(largest.get(name, 0.0), round(abs(float(error["of_tolerance"])), 3))
+    return found
+
+
+def wrong_setups(motors: Sequence[str], seed: int, chosen: Sequence[str], *, tell: bool) -> dict[str, object]:
+    """Commission each motor with each wrong set-up; return which were named."""
+    missed, tried = [], 0
+    for case in CASES:
+        if chosen and case.name not in chosen:
+            continue
+        for k, motor in enumerate(motors):
+            bench = sound(motor, np.random.default_rng([seed, MOTORS.index(motor), k]))
+            case.profile(bench.profile)
+            made = commissioned(bench, [case.step], _LINKS[k % len(_LINKS)], seed + k, case.bench)
+            tried += 1
+            seen = [f"{each['what']} [{each['cause']}]" for each in made["findings"]]
+            seen += [step["reason"] for step in made["steps"].values() if step["verdict"] == "fail"]
+            if not (well := named(case, made)):
+                missed.append(f"{case.name}, {motor}: {'; '.join(seen) or 'nothing found'}")
+            if tell:
+                print(case.name, motor, "named" if well else "MISSED", seen[:2], flush=True)
+    return {"wrong_setups": tried, "named": tried - len(missed), "missed": missed}
+
+
 def main() -> int:
     """Measure and print."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--json", action="store_true", help="print one JSON object")
-    parser.add_argument("--series", choices=("right", "flaws"), default="flaws", help="which to make")
+    parser.add_argument("--series", choices=SERIES, default="flaws", help="which to make")
     parser.add_argument("--motors", default="", help="names, separated by commas, or how many; all without")
-    parser.add_argument("--draws", type=int, default=3, help="of each motor")
+    parser.add_argument("--draws", type=int, default=3, help="of each motor; of `repeats`, repetitions")
+    parser.add_argument("--cases", default="", help="wrong set-ups, separated by commas; all without")
     parser.add_argument("--steps", default="", help="names, separated by commas; all without")
     parser.add_argument("--seed", type=int, default=1, help="of the draws")
     parser.add_argument("--each", action="store_true", help="print a line for each run, too")
     options = parser.parse_args()
     begin = time.perf_counter()
-    chosen: Sequence[str] = MOTORS
+    chosen: Sequence[str] = FOUR_MOTORS if options.series == "wrong" else MOTORS
     if options.motors:
-        chosen = MOTORS[: int(options.motors)] if options.motors.isdigit() else options.motors.split(",")
+        chosen = chosen[: int(options.motors)] if options.motors.isdigit() else options.motors.split(",")
+    if options.series == "wrong":
+        cases = options.cases.split(",") if options.cases else []
+        found = wrong_setups(chosen, options.seed, cases, tell=options.each)
+    else:
+        found = campaign(chosen, options)
+    found["seconds"] = round(time.perf_counter() - begin, 1)
+    print_figures(found, as_json=options.json)
+    return 0
+
+
+def campaign(motors: Sequence[str], options: argparse.Namespace) -> dict[str, object]:
+    """Commission motors as often as is asked for; return the figures."""
     steps = options.steps.split(",") if options.steps else []
     runs: list[dict[str, Any]] = []
     for k in range(options.draws):
-        for motor in chosen:
+        for motor in motors:
             place = MOTORS.index(motor)
-            rng = np.random.default_rng([options.seed, place, k])
-            bench = flawed(motor, rng) if options.series == "flaws" else clean(motor)
+            rng = np.random.default_rng([options.seed, place, 0 if options.series == "repeats" else k])
+            bench = clean(motor) if options.series == "right" else _DRAWN[options.series](motor, rng)
             link = _LINKS[(k + place) % len(_LINKS)]
             made = commissioned(bench, steps, link, seed=options.seed + k)
             runs.append({"motor": motor, "document": made, "errors": errors(made["estimates"], bench.truth)})
             if options.each:
                 shares = {name: round(each["of_tolerance"], 2) for name, each in runs[-1]["errors"].items()}
                 z = {name: round(each["z"], 1) for name, each in runs[-1]["errors"].items() if "z" in each}
-                print(motor, f"{made['drive_s']:.1f} s", "of tolerance", shares, "z", z, flush=True)
-    found = figures(runs)
-    found["seconds"] = round(time.perf_counter() - begin, 1)
-    print_figures(found, as_json=options.json)
-    return 0
+                said = [each["what"] for each in made["findings"]]
+                print(motor, f"{made['drive_s']:.1f} s", "of tolerance", shares, "z", z, said, flush=True)
+    repeated = spread(runs) if options.series == "repeats" else {}
+    return {**figures(runs), **repeated, "motors": of_motors(runs)}
 
 
 if __name__ == "__main__":

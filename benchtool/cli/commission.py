@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import json
+import math
+import re
 import shutil
 import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 from typing import Annotated, Any
@@ -79,6 +82,15 @@ def commission(
     force: Annotated[
         bool, typer.Option("--force", help="Store it although something is not as it should be.")
     ] = False,
+    travel: Annotated[
+        str,
+        typer.Option(
+            metavar="ANGLE",
+            help="How far the shaft may turn from where it stands, as 1rev, 200deg or 3rad; steps that need "
+            "a speed are left out.",
+            show_default="on and on",
+        ),
+    ] = "",
     pdf: Annotated[bool, typer.Option("--pdf", help="Write the report as PDF too.")] = False,
     live: options.Live = None,
     seed: options.Seed = 0,
@@ -100,6 +112,7 @@ def commission(
         raise UsageError("--resume goes on in its own folder: leave --out out")
     if resume is not None and not resume.is_dir():
         raise UsageError(f"--resume {resume}: there is no such folder; give that of a commissioning")
+    travel_rad = _travel_rad(travel)
     output = Output(as_json=as_json)
     when = options.wall_time()
     keep = (not steps) if save is None else save
@@ -112,7 +125,7 @@ def commission(
     if dry_run:
         with opened() as session:
             session.drive.connect()
-            return _show_plan(session, wanted, output)
+            return _show_plan(session, wanted, travel_rad, output)
     name = f"commission-{Path(profile).stem if profile.endswith('.toml') else profile}"
     with (
         bundle_folder(resume or out, when, name) as folder,
@@ -130,12 +143,27 @@ def commission(
                 recorder=recorder,
                 keep=keep,
                 force=force,
+                travel_rad=travel_rad,
                 watching=_shown_live(session, where, manifest, output),
             )
         content = _written(folder, profile, done, pdf=pdf)
         _show(output, profile, done, content)
         where.keep_open(output)
     return 0 if done.passed else 1
+
+
+def _travel_rad(text: str) -> float:
+    """Return an angle in rad, infinity of an empty text.
+
+    Raises:
+        UsageError: it is no angle above zero.
+    """
+    if not text:
+        return math.inf
+    found = re.fullmatch(r"\s*([0-9]*\.?[0-9]+) ?(rev|deg|rad)\s*", text)
+    if found is None or not float(found[1]) > 0.0:
+        raise UsageError(f"--travel '{text}' is no angle above zero: state it as 1rev, 200deg or 3rad")
+    return float(found[1]) * {"rev": 2.0 * math.pi, "deg": math.pi / 180.0, "rad": 1.0}[found[2]]
 
 
 def _manifests(
@@ -228,10 +256,10 @@ def _show(output: Output, profile: str, done: Commissioning, content: dict[str, 
     output.document(content)
 
 
-def _show_plan(session: Session, steps: Sequence[Step], output: Output) -> int:
+def _show_plan(session: Session, steps: Sequence[Step], travel_rad: float, output: Output) -> int:
     """Print what the steps would play and what energy that takes, by the nameplate."""
     stated = stated_parameters(session.drive, session.profile)
-    known = Known.of(session.drive, session.profile.motor, stated)
+    known = replace(Known.of(session.drive, session.profile.motor, stated), travel_rad=travel_rad)
     plan = planned(steps, known)
     energy_J = {
         name: sum(each.energy_J(known.R_s_ohm) for each in excitations) for name, excitations in plan.items()

@@ -49,6 +49,11 @@ class Excitation:
         return 1.5 * R_s_ohm * self.squares_A2s + self.work_J
 
     @property
+    def mode_of_speed(self) -> bool:
+        """Whether the shaft turns on and on."""
+        return self.power_mode is Mode.VELOCITY
+
+    @property
     def power_mode(self) -> Mode | None:
         """Mode in which the drive is enabled; None with the power stage off."""
         if self.mode is not None or self.stimulus is None:

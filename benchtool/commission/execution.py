@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import AbstractContextManager, nullcontext, suppress
 from dataclasses import replace
 from types import MappingProxyType
 
@@ -16,6 +16,7 @@ from benchtool.commission.playing import played, spent_J
 from benchtool.commission.recorder import StepRecorder
 from benchtool.commission.results import Commissioning, StepResult, StepVerdict
 from benchtool.commission.saving import save, settings_by_key, trial
+from benchtool.commission.steps.connections import Connections
 from benchtool.commission.steps.current_control import CurrentControl
 from benchtool.commission.steps.encoder import DraggedRotor
 from benchtool.commission.steps.flux_linkage import BackEmf
@@ -25,13 +26,15 @@ from benchtool.commission.steps.offsets import Offsets
 from benchtool.commission.steps.preflight import Preflight
 from benchtool.commission.steps.resistance import StandingCurrents
 from benchtool.commission.steps.ripple_run import RippleRun
+from benchtool.commission.steps.saturation import Pulses
 from benchtool.commission.steps.speed_control import SpeedControl
-from benchtool.commission.steps.step import Finding, LoopStep, Step, Trial
+from benchtool.commission.steps.step import FaultTelling, Finding, LoopStep, StagedStep, Step, Trial
 from benchtool.commission.steps.verification import Verification
 from benchtool.drive import Capability, RemoteDrive
 from benchtool.drive.parameters import held
 from benchtool.errors import (
     AnalysisError,
+    BenchError,
     CaptureError,
     DriveFault,
     SdoAbort,
@@ -47,9 +50,11 @@ from benchtool.protocol.dictionary import Role, Value, setting_of, toml_key
 STEPS: tuple[Step, ...] = (
     Preflight(),
     Offsets(),
+    Connections(),
     StandingCurrents(),
     DraggedRotor(),
     TurningVoltage(),
+    Pulses(),
     BackEmf(),
     Reversals(),
     CurrentControl(),
@@ -82,6 +87,13 @@ def steps_for(names: Sequence[str]) -> tuple[Step, ...]:
     return tuple(step for step in STEPS if step.name in wanted)
 
 
+def _too_far(excitations: Sequence[Excitation], known: Known) -> str:
+    """Return why excitations cannot be played where the shaft may not turn on and on; empty if they can."""
+    if math.isinf(known.travel_rad) or not any(each.mode_of_speed for each in excitations):
+        return ""
+    return f"it holds the shaft at a speed, and that may turn {known.travel_rad:.4g} rad only"
+
+
 def planned(steps: Sequence[Step], known: Known) -> dict[str, tuple[Excitation, ...]]:
     """Return what every step would play by what is known now, checked for its heat.
 
@@ -90,7 +102,8 @@ def planned(steps: Sequence[Step], known: Known) -> dict[str, tuple[Excitation, 
     """
     found = {}
     for step in steps:
-        found[step.name] = step.plan(known)
+        excitations = step.plan(known)
+        found[step.name] = () if _too_far(excitations, known) else excitations
         require_bearable(found[step.name], known.motor)
     return found
 
@@ -104,6 +117,7 @@ def commission(
     recorder: StepRecorder | None = None,
     keep: bool = False,
     force: bool = False,
+    travel_rad: float = math.inf,
     watching: AbstractContextManager[object] | None = None,
 ) -> Commissioning:
     """Run steps on a connected drive, with the profile as the nameplate.
@@ -118,6 +132,8 @@ def commission(
         recorder: records each step, and has those that an earlier session has finished.
         keep: have the drive store the parameters.
         force: store them although something was found that is not as it should be.
+        travel_rad: how far the shaft may turn, either way, from where it stands; steps that hold it at a
+            speed are then left out.
         watching: entered while steps are run, as a stream that is shown live.
 
     Raises:
@@ -140,7 +156,7 @@ def commission(
     note("putting in force what the profile states")
     with watching or nullcontext(), trial(drive), held(drive, {**stated, **_QUIET}):
         _leave_fault_of_the_link(drive, note)
-        began = known = Known.of(drive, profile.motor)
+        began = known = replace(Known.of(drive, profile.motor), travel_rad=travel_rad)
         planned(steps, known)
         for step in steps:
             done = recorder.finished(step) if recorder is not None else None
@@ -199,7 +215,7 @@ def _run(
     blocks: list[Block] = []
     try:
         excitations = step.plan(known)
-        if reason := objects_missing(drive, excitations):
+        if reason := objects_missing(drive, excitations) or _too_far(excitations, known):
             return replace(result, verdict=StepVerdict.SKIPPED, reason=reason)
         require_bearable(excitations, known.motor)
         result = replace(result, planned_J=sum(each.energy_J(known.R_s_ohm) for each in excitations))
@@ -208,6 +224,9 @@ def _run(
             blocks.append(played(drive, each, known))
             if recorder is not None:
                 recorder.append(each.name, blocks[-1])
+            if isinstance(step, StagedStep) and step.suffices(blocks[-1], known):
+                excitations = excitations[: len(blocks)]
+                break
         result = replace(result, spent_J=spent_J(excitations, blocks, known))
         estimates = step.estimate(blocks, known)
         if isinstance(step, Trial):
@@ -215,6 +234,8 @@ def _run(
     except SetUpError as wrong:
         found = (Finding(wrong.what, wrong.cause, wrong.remedy),)
         return replace(result, reason=wrong.what, findings=found)
+    except DriveFault as fault:
+        return replace(result, reason=str(fault), findings=(_of_fault(step, fault, drive, known),))
     except _FAIL_A_STEP as reason:
         return replace(result, reason=str(reason))
     findings = step.findings(estimates, known)
@@ -228,6 +249,41 @@ def _run(
         findings=findings,
         spent_J=spent_J(excitations, blocks, known.with_estimates(estimates)),
     )
+
+
+_CAUSES: Mapping[int, tuple[str, str]] = MappingProxyType(
+    {
+        0x23: (
+            "shorted turns, a nameplate's inductance, flux or rated current that is far off, or an encoder "
+            "whose angle is not that of the rotor",
+            "check cables and winding, the profile's [motor] and i_trip_A, and the encoder",
+        ),
+        0x32: (
+            "the dc link is too low or too high under load, or its limits are of another supply",
+            "check supply and cables, u_dc_min_V and u_dc_max_V of the profile",
+        ),
+        0x73: (
+            "the encoder is not connected, or its signals do not come",
+            "check the encoder's cable and supply",
+        ),
+        0x84: (
+            "the speed ran away: encoder or phases the wrong way round, a load that drives the shaft, a "
+            "rated speed that is far off, or an encoder that loses counts or has other lines than stated",
+            "check the encoder, the load machine, and motor.omega_m_N_rad_s of the profile",
+        ),
+    }
+)
+
+
+def _of_fault(step: Step, fault: DriveFault, drive: RemoteDrive, known: Known) -> Finding:
+    """Return a fault of the drive as a finding, with what probably causes it by the class of its code."""
+    cause, remedy = "the drive's own supervision acted", "remove what it reports, then reset the fault"
+    with suppress(BenchError):  # the code only tells more
+        code = drive.optional_number(Role.ERROR_CODE)
+        if code is not None and isinstance(step, FaultTelling) and (more := step.of_fault(code, known)):
+            return more
+        cause, remedy = _CAUSES.get(0 if code is None else int(code) >> 8, (cause, remedy))
+    return Finding(f"the drive tripped in step {step.name}: {fault}", cause, remedy)
 
 
 def _leave_fault_of_the_link(drive: RemoteDrive, note: Callable[[str], None]) -> None:

@@ -24,6 +24,9 @@ _OF_THE_SWING = 0.7
 _SLOWEST_RAD_S = 30.0  # so that a level of some tenths of a second settles
 _READ = ("law", "encoder_lines", "u_s", "T_k_ratio", "i_trip", "torque_limit")
 _FRICTION_SHARE = 0.02  # of the rated torque, until friction is known
+_FLUX = 1.3  # times what was seen of it, from which on the nameplate's rotor flux is not believed
+_LEAST_FLUX = 0.02  # of the nameplate's
+_LEAST_L = 0.1  # of the nameplate's
 _SEEN = 3.0  # standard uncertainties, below which nothing is compensated
 _NONE: Mapping[str, Measurement] = MappingProxyType({})
 
@@ -115,6 +118,13 @@ class Known:
         }
 
     @property
+    def least_L_H(self) -> float:
+        """Inductance for which a voltage is chosen: the nameplate's, or what was seen of it if that is
+        less."""
+        stated = min(self.motor.L_d_H, self.motor.L_q_H)
+        return max(min(stated, self.value("inductance_seen", stated)), _LEAST_L * stated)
+
+    @property
     def law(self) -> str:
         """Control law that the drive is to run with."""
         return str(self.held.get("law", ""))
@@ -183,6 +193,9 @@ class Known:
         found = {key: self.estimates[name].value for name, key in KEYS.items() if name in self.estimates}
         if "pole_pairs" in found:
             found["pole_pairs"] = round(found["pole_pairs"])
+        seen_Wb = self.value("rotor_flux_seen", self.motor.psi_r_Wb)
+        if "psi_r" not in self.estimates and not 1.0 / _FLUX < seen_Wb / self.motor.psi_r_Wb < _FLUX:
+            found["psi_r_Wb"] = max(seen_Wb, _LEAST_FLUX * self.motor.psi_r_Wb)
         return self.motor.model_copy(update=found)
 
     @property

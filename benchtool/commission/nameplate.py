@@ -48,10 +48,10 @@ def deviation(name: str, value: float, motor: Motor) -> float | None:
     return value / stated - 1.0 if stated and math.isfinite(value) else None
 
 
-def probable_cause(name: str, value: float, motor: Motor) -> str:
+def probable_cause(name: str, value: float, motor: Motor, near: float = _NEAR) -> str:
     """Return what a deviation from the nameplate probably is; empty of one that is near to no such factor.
 
-    The factor is that of the stated value over the estimate.
+    The factor is that of the stated value over the estimate; `near`, how far off it may be.
     """
     off = deviation(name, value, motor)
     if off is None or off <= -1.0 or max(1.0 + off, 1.0 / (1.0 + off)) < _NOT_A_DEVIATION:
@@ -72,10 +72,10 @@ def probable_cause(name: str, value: float, motor: Motor) -> str:
         causes = {**inverse, **of_pairs, **_OF_FLUX}
     elif name == "pole_pairs":
         causes = {2.0: "the number of poles, stated as that of pole pairs"}
-    near = [each for each in causes if abs(factor / each - 1.0) < _NEAR]
-    if not near:
+    like = [each for each in causes if abs(factor / each - 1.0) < near]
+    if not like:
         return ""
-    closest = min(near, key=lambda each: abs(factor / each - 1.0))
+    closest = min(like, key=lambda each: abs(factor / each - 1.0))
     looks = {"R_s": "R", "L_d": "L", "L_q": "L"}.get(name, name)
     if name in _WINDING and closest == 2.0:
         return f"{looks} looks line to line: {causes[closest]}"

@@ -94,6 +94,8 @@ class Heat(Section):
 class TrueMotor(Section):
     """The true machine of the emulated bench; keys that are left out are as in `[motor]`."""
 
+    pole_pairs: Annotated[int, Field(gt=0, le=50)] | None = None
+    """True number of pole pairs."""
     R_s_ohm: Resistance | None = None
     """True stator resistance of one phase; `[motor]` has what control believes."""
     L_d_H: Inductance | None = None

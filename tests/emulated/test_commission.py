@@ -58,7 +58,8 @@ def commissioned(profile: str, options: str, *names: str) -> Commissioning:
 def test_a_motor_is_identified(boxed: str, link_options: str) -> None:
     done = commissioned(boxed, link_options.removeprefix("&"), "inductance")
     assert [(each.name, each.verdict) for each in done.results] == [
-        (name, StepVerdict.PASS) for name in ("preflight", "offsets", "resistance", "encoder", "inductance")
+        (name, StepVerdict.PASS)
+        for name in ("preflight", "offsets", "connections", "resistance", "encoder", "inductance")
     ]
     estimates = done.estimates
     for name, true, tolerance in (("R_s", 0.123, 0.02), ("L_d", 9.52e-3, 0.03), ("L_q", 9.52e-3, 0.03)):
@@ -77,6 +78,7 @@ def test_a_step_brings_those_that_it_needs() -> None:
     assert [each.name for each in steps_for(["inductance"])] == [
         "preflight",
         "offsets",
+        "connections",
         "resistance",
         "encoder",
         "inductance",
@@ -100,7 +102,7 @@ def test_a_step_that_fails_leaves_out_those_that_need_it(
     tripping.write_text(Path(boxed).read_text(encoding="utf-8").replace(old, new))
     done = commissioned(str(tripping), "", "inductance")
     content = document(done)
-    assert [each["verdict"] for each in content["steps"].values()] == ["fail", *4 * ["skipped"]]
+    assert [each["verdict"] for each in content["steps"].values()] == ["fail", *5 * ["skipped"]]
     assert reason in content["steps"]["preflight"]["reason"]
     assert content["estimates"]["L_d"]["value"] is None
     assert content["estimates"]["L_d"]["reason"].startswith("step inductance: it needs")
@@ -113,7 +115,7 @@ def test_the_command_prints_one_document_and_needs_a_yes(boxed: str, tmp_path: P
     assert asked.exit_code == 2
     of_resistance = ("commission", "resistance", "--profile", boxed, "--json")
     planned = json.loads(runner.invoke(app, [*of_resistance, "--dry-run"]).stdout)
-    assert list(planned["steps"]) == ["preflight", "offsets", "resistance"]
+    assert list(planned["steps"]) == ["preflight", "offsets", "connections", "resistance"]
     result = runner.invoke(app, [*of_resistance, "--yes", "--out", str(tmp_path / "a")])
     assert result.exit_code == 0, result.output
     content = json.loads(result.stdout)
@@ -123,3 +125,35 @@ def test_the_command_prints_one_document_and_needs_a_yes(boxed: str, tmp_path: P
     stated_R_s, found_R_s = 0.16, content["estimates"]["R_s"]["value"]
     by_its_R_s = planned["energy_J"] * found_R_s / stated_R_s
     assert sum(each["spent_J"] for each in steps) == pytest.approx(by_its_R_s, rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "cause"),
+    [(("b",), "its sensor is mounted the other way round"), (("a", "b", "c"), "sign of the currents")],
+)
+def test_a_reversed_sensor_is_named_before_a_loop_is_closed(
+    boxed: str, tmp_path: Path, wrong: tuple[str, ...], cause: str
+) -> None:
+    path = tmp_path / "profile.toml"
+    tables = "".join(f"\n[emulator.sensors.i_{phase}]\ngain = -1.0\n" for phase in wrong)
+    path.write_text(Path(boxed).read_text(encoding="utf-8") + tables, encoding="utf-8")
+    content = document(commissioned(str(path), "", "resistance"))
+    (finding,) = content["findings"]
+    assert cause in finding["cause"]
+    assert finding["remedy"]
+    assert [each["verdict"] for each in content["steps"].values()] == ["pass", "pass", "fail", "skipped"]
+
+
+def test_a_shaft_that_may_not_turn_round_leaves_out_what_needs_a_speed(boxed: str) -> None:
+    runner = CliRunner()
+    asked = ("commission", "flux_linkage", "speed_loop", "--profile", boxed, "--json", "--dry-run")
+    whole, short = (
+        json.loads(runner.invoke(app, [*asked, *travel]).stdout)["steps"]
+        for travel in ((), ("--travel", "1rev"))
+    )
+    assert whole["speed_loop"]["energy_J"] > 0.0
+    assert whole["flux_linkage"]["energy_J"] > 0.0
+    assert short["speed_loop"]["energy_J"] == short["flux_linkage"]["energy_J"] == 0.0
+    assert 0.0 < short["encoder"]["energy_J"] <= whole["encoder"]["energy_J"]
+    for wrong in ("1", "-1rev", "0deg", "rev"):
+        assert runner.invoke(app, [*asked, "--travel", wrong]).exit_code == 2

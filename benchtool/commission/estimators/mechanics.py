@@ -1,14 +1,16 @@
 """Inertia and friction of a shaft that is reversed between constant speeds.
 
-At a constant speed the torque of whole revolutions is that of friction and load,
+Over whole revolutions at a steady speed the work of the torque is that of friction and load,
 
-    mean(T) = coulomb sgn(omega) + friction omega + load,
+    integral of T over the angle / 2 pi n = coulomb sgn(omega) + friction omega + load,
 
-and between the middles of two such stretches its impulse is what the speed changes by:
+as cogging has no work over a revolution. It has a mean over time, where the shaft is slower in front of each
+tooth than behind it: T, too, has to be averaged over the angle. Between the middles of two such stretches the
+impulse of T is what the speed changes by,
 
-    J (omega_2 - omega_1) = integral of T - coulomb sgn(omega) - friction omega - load.
+    J (omega_2 - omega_1) = integral of T - coulomb sgn(omega) - friction omega - load - cogging over time,
 
-Cogging has no mean over a revolution, and its impulse over a reversal is small beside the inertia's.
+with the mean of cogging over the time of a stretch by what the two averages of T differ by.
 """
 
 from __future__ import annotations
@@ -22,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.commission.estimators.regression import least_squares
-from benchtool.errors import AnalysisError
+from benchtool.errors import AnalysisError, SetUpError
 
 _FEWEST_ROWS = 20
 _DRIFT = 0.05  # of its speed, that a steady stretch may change by
@@ -62,18 +64,22 @@ class Mechanics:
 
 @dataclass(frozen=True)
 class _Stretch:
-    """A steady stretch: its middle in rows, speed in rad/s, and mean torque."""
+    """A steady stretch: its middle and length in rows, speed in rad/s, mean torque over its angle and over
+    its time."""
 
     middle: float
+    rows: int
     omega: float
     torque: float
+    over_time: float
 
 
 def mechanics(courses: Sequence[Course]) -> Mechanics:
     """Return the estimates.
 
     Raises:
-        AnalysisError: the shaft holds no speeds, or not enough of them.
+        AnalysisError: not enough speeds.
+        SetUpError: the shaft holds no speeds.
     """
     stretches = [[_stretch(course, end) for end in course.levels] for course in courses]
     every = [one for each in stretches for one in each]
@@ -111,16 +117,20 @@ def _stretch(course: Course, end: int) -> _Stretch:
     if revolutions >= 1:
         rows = int(np.count_nonzero(turned <= 2.0 * math.pi * revolutions))
     rows = max(rows, _FEWEST_ROWS)
+    theta, torque = theta[-rows:], course.torque_Nm[end - rows : end]
+    omega = float(theta[-1] - theta[0]) / ((rows - 1) * course.step_s)
     x = (np.arange(rows) - 0.5 * (rows - 1)) * course.step_s
-    bend, slope, _ = np.polyfit(x, theta[-rows:], 2)
-    if not abs(2.0 * bend * rows * course.step_s) <= _DRIFT * abs(slope):
-        raise AnalysisError(
-            f"the speed changes from {slope - abs(bend) * rows * course.step_s:.4g} rad/s by "
-            f"{2.0 * abs(bend) * rows * course.step_s:.3g} rad/s where it should be steady: the shaft has a "
-            f"larger inertia or load than the nameplate says"
+    change = float(np.polyfit(x, theta, 2)[0]) * 2.0 * rows * course.step_s
+    if not abs(change) <= _DRIFT * abs(omega):
+        raise SetUpError(
+            f"the speed changes from {omega - 0.5 * change:.4g} rad/s by {change:.3g} rad/s where it should "
+            f"be steady",
+            "a load on the shaft, of a larger inertia than the nameplate's or a torque that varies",
+            "uncouple the load to commission the motor alone, or state its inertia in motor.J_kgm2",
         )
-    torque = float(np.mean(course.torque_Nm[end - rows : end]))
-    return _Stretch(end - 0.5 * (rows + 1), float(slope), torque)
+    steps = np.diff(theta)
+    by_angle = float(np.sum(0.5 * (torque[1:] + torque[:-1]) * steps) / np.sum(steps))
+    return _Stretch(end - 0.5 * (rows + 1), rows, omega, by_angle, float(np.mean(torque)))
 
 
 def _impulse(
@@ -140,4 +150,7 @@ def _impulse(
         furthest = int(np.argmax(angle * math.copysign(1.0, before.omega)))
         reversed_s = (ends[furthest] - before.middle) * course.step_s
         turning = math.copysign(1.0, after.omega) * (duration - 2.0 * reversed_s)
-    return whole - coulomb * turning - friction * float(angle[-1] - angle[0]) - load * duration
+    cogging = 0.5 * sum(
+        (each.over_time - each.torque) * each.rows * course.step_s for each in (before, after)
+    )
+    return whole - coulomb * turning - friction * float(angle[-1] - angle[0]) - load * duration - cogging

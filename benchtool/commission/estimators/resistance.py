@@ -6,12 +6,14 @@ At a standing current the mean voltage that is asked of the inverter is
 
 with V_drop = t_d / T_s u_dc and the forward voltage of a device (Holtz and Quan, IEEE Trans. Ind. Appl. 38
 (2002) no. 4; s(i) holds where no phase is near zero), and a constant u_0 for what is left of the sensors'
-offsets. It is linear in R_s, V_drop and u_0. One level of current cannot tell R_s from V_drop.
+offsets. It is linear in R_s, V_drop and u_0. One level of current cannot tell R_s from V_drop. Phases that
+differ, by a poor contact or by shorted turns, each take R_x i_x along their own direction.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,7 +31,9 @@ class Resistance:
     """R_s in ohm per phase and V_drop in V per phase, with standard uncertainties and degrees of freedom.
 
     `scatter_V` is that of a component of the voltage about the fit, `gains` are those of the current sensors
-    by which the currents were corrected, `levels` the standing currents that were used.
+    by which the currents were corrected, `levels` the standing currents that were used. `of_phases_ohm`,
+    shape (3,), are the resistances of phases that may differ, each with the standard uncertainty
+    `of_phases_standard_ohm`.
     """
 
     R_s_ohm: float
@@ -40,6 +44,8 @@ class Resistance:
     scatter_V: float
     gains: PhaseGains
     levels: int
+    of_phases_ohm: NDArray[np.float64]
+    of_phases_standard_ohm: NDArray[np.float64]
 
 
 def resistance(u_V: NDArray[np.complex128], readings_A: NDArray[np.float64]) -> Resistance:
@@ -62,10 +68,25 @@ def resistance(u_V: NDArray[np.complex128], readings_A: NDArray[np.float64]) -> 
         )
     phases, u_V = phases[clear], u_V[clear]
     i, s, one = vector_of(phases), drop_vector(phases), np.ones(len(u_V))
-    columns = (i, s, one, 1j * one)
-    A = np.column_stack([np.concatenate((each.real, each.imag)) for each in columns])
-    fit = least_squares(A, np.concatenate((u_V.real, u_V.imag)))
+    rest, u = (s, one, 1j * one), np.concatenate((u_V.real, u_V.imag))
+    fit = least_squares(_rows(i, *rest), u)
+    of_each = [vector_of(phases * np.eye(3)[k]) for k in range(3)]
+    apart = least_squares(_rows(*of_each, *rest), u)
     R_s, drop = float(fit.x[0]), float(fit.x[1])
     return Resistance(
-        R_s, fit.standard(0), drop, fit.standard(1), fit.dof, fit.scatter, gains, int(np.count_nonzero(clear))
+        R_s,
+        fit.standard(0),
+        drop,
+        fit.standard(1),
+        fit.dof,
+        fit.scatter,
+        gains,
+        int(np.count_nonzero(clear)),
+        apart.x[:3],
+        np.array([apart.standard(k) for k in range(3)]),
     )
+
+
+def _rows(*columns: NDArray[Any]) -> NDArray[np.float64]:
+    """Return the regressors of both components of a vector, one below the other."""
+    return np.column_stack([np.concatenate((each.real, each.imag)) for each in columns])

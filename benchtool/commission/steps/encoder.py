@@ -38,6 +38,7 @@ _ECCENTRIC_RAD = math.radians(1.3)
 _LOADED_RAD = math.radians(25.0)
 _SLIPS_RAD = 0.9
 _LEAP_RAD = 0.05
+_TOO_FAST = 0x84  # class of the error codes for a speed
 
 
 class DraggedRotor:
@@ -102,7 +103,8 @@ class DraggedRotor:
         blocks = blocks[1:]  # not the alignment
         spins = [_spin(block, known, sense) for block, sense in zip(blocks, (1, -1), strict=True)]
         moved = motion(spins)
-        _require_motion(moved, _flux_seen(blocks, known), known)
+        flux_Wb = _flux_seen(blocks, known)
+        _require_motion(moved, flux_Wb, known)
         pole_pairs = _pole_pairs(moved, known)
         direction = 1 if moved.per_rad > 0.0 else -1
         found = alignment(spins, pole_pairs, direction)
@@ -113,7 +115,23 @@ class DraggedRotor:
                 "a load on the shaft, strong cogging, or an encoder that slips",
                 "uncouple the load and tighten the encoder, then commission the motor alone",
             )
-        return {each.name: each for each in _measurements(found, pole_pairs, direction, known)}
+        measured = _measurements(found, pole_pairs, direction, known)
+        seen = Measurement(
+            "rotor_flux_seen", flux_Wb, "Wb", "voltage of the dragged rotor over its speed, about"
+        )
+        return {each.name: each for each in (*measured, seen)}
+
+    def of_fault(self, code: int, known: Known) -> Finding | None:
+        """Return what a speed beyond its limit means while a current drags the rotor slowly."""
+        if code >> 8 != _TOO_FAST:
+            return None
+        return Finding(
+            f"theta_m leaps: the drive sees a speed beyond its limit while a current drags the rotor at "
+            f"{_Turning.of(known).omega_e_rad_s / known.motor.pole_pairs:.3g} rad/s",
+            f"the encoder has not the {known.encoder_lines} lines that encoder_lines states, so that its "
+            f"count wraps elsewhere, or it loses counts",
+            "read the line count off the encoder, correct encoder_lines, and check cable and shield",
+        )
 
     def findings(self, found: Mapping[str, Measurement], known: Known) -> tuple[Finding, ...]:
         """Return what does not fit the nameplate, and what is worn or loaded."""
@@ -263,8 +281,8 @@ def _pole_pairs(moved: Motion, known: Known) -> int:
     if nearest != stated:
         raise SetUpError(
             f"the motor has {nearest} pole pairs, {stated} are stated",
-            f"the pole pairs are wrong (poles, or magnets, taken for pairs), or the encoder has "
-            f"{lines * stated / nearest:.0f} lines and not {lines}",
+            f"the pole pairs are wrong (poles, or magnets, taken for pairs), the encoder has "
+            f"{lines * stated / nearest:.0f} lines and not {lines}, or a gearbox is between it and the rotor",
             "count the magnets: half of their number goes into motor.pole_pairs; check encoder_lines",
         )
     return nearest

@@ -28,6 +28,7 @@ _ROWS = 1200
 _LEFT_OUT_D, _LEFT_OUT_Q = 0.007, 0.012  # largest deviations of sixteen motors without flaws, decision 0119
 _CREST = 4.0 / math.pi  # fundamental of what dead time and devices take of a phase, over V_drop
 _FACTOR = 2.5
+_OF_LINE_TO_LINE, _NEAR = 0.5, 0.15
 
 
 class TurningVoltage:
@@ -46,24 +47,7 @@ class TurningVoltage:
 
     def plan(self, known: Known) -> tuple[Excitation, ...]:
         """Return an alignment and a turning vector for each speed."""
-        stride = max(1, round(_ALIGN_S / _ALIGN_ROWS / known.control_period_s))
-        rows = math.floor(_ALIGN_S / (stride * known.control_period_s)) - 1
-        align = Excitation(
-            "alignment",
-            Stimulus(
-                quantity="current",
-                shape="ramp",
-                amplitude_A=_ALIGN_SHARE * known.I_N_A,
-                duration_s=_ALIGN_S,
-            ),
-            CaptureRequest(CURRENTS, rows, stride),
-            (_ALIGN_SHARE * known.I_N_A) ** 2 * _ALIGN_S / 3.0,
-            {
-                "omega_current": known.damping_bandwidth_rad_s,
-                "dead_time_compensation": 0.0,
-                **known.offsets,
-            },
-        )
+        align = aligning(known)
         return tuple(each for periods in _PERIODS for each in (align, _turning(known, periods)))
 
     def estimate(self, blocks: Sequence[Block], known: Known) -> Mapping[str, Measurement]:
@@ -104,7 +88,17 @@ class TurningVoltage:
         findings = []
         for name, stated in (("L_d", known.motor.L_d_H), ("L_q", known.motor.L_q_H)):
             ratio = found[name].value / stated
-            if not 1.0 / _FACTOR < ratio < _FACTOR:
+            if abs(ratio / _OF_LINE_TO_LINE - 1.0) < _NEAR:
+                findings.append(
+                    Finding(
+                        f"{name} is {found[name].value:.4g} H, {ratio:.3g} times the nameplate's: L "
+                        f"looks line to line",
+                        f"motor.{name}_H is stated between two terminals",
+                        "state the inductance of one phase, half of that between two terminals",
+                        fails=False,
+                    )
+                )
+            elif not 1.0 / _FACTOR < ratio < _FACTOR:
                 findings.append(
                     Finding(
                         f"{name} is {found[name].value:.4g} H, {ratio:.3g} times the nameplate's",
@@ -116,9 +110,31 @@ class TurningVoltage:
         return tuple(findings)
 
 
+def aligning(known: Known) -> Excitation:
+    """Return a current that grows along phase a and draws the rotor there."""
+    stride = max(1, round(_ALIGN_S / _ALIGN_ROWS / known.control_period_s))
+    rows = math.floor(_ALIGN_S / (stride * known.control_period_s)) - 1
+    return Excitation(
+        "alignment",
+        Stimulus(
+            quantity="current",
+            shape="ramp",
+            amplitude_A=_ALIGN_SHARE * known.I_N_A,
+            duration_s=_ALIGN_S,
+        ),
+        CaptureRequest(CURRENTS, rows, stride),
+        (_ALIGN_SHARE * known.I_N_A) ** 2 * _ALIGN_S / 3.0,
+        {
+            "omega_current": known.damping_bandwidth_rad_s,
+            "dead_time_compensation": 0.0,
+            **known.offsets,
+        },
+    )
+
+
 def _turning(known: Known, periods: float) -> Excitation:
     """Return the vector that turns once in so many control periods, or more slowly."""
-    T_s, L = known.control_period_s, min(known.motor.L_d_H, known.motor.L_q_H)
+    T_s, L = known.control_period_s, known.least_L_H
     most_V = _VOLTAGE_SHARE * known.u_dc_V / math.sqrt(3.0)
     a_turn_Vs = 2.0 * math.pi * L * known.I_N_A
     slower = max(1.0, _LEAST_SHARE * a_turn_Vs / (most_V * _PERIODS[0] * T_s))

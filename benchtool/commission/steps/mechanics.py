@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Final
 
 import numpy as np
 
 from benchtool.analysis import Basis, Contribution, Measurement, combined
 from benchtool.block import Block
+from benchtool.commission.estimators.cogging import cogging
 from benchtool.commission.estimators.flux_linkage import HARMONICS
 from benchtool.commission.estimators.mechanics import Course, Mechanics, mechanics
 from benchtool.commission.estimators.vectors import vector_of
@@ -22,14 +23,17 @@ from benchtool.drive import CaptureRequest, Stimulus
 
 _SPEEDS = (0.1, 0.18, 0.26, 0.34)  # of the rated speed; the drive trips at half of it
 _LEVELS = 3  # a binary sequence of three bits: on, back, on
-_LEAST_S, _REVOLUTIONS = 0.2, 1.1
-_ROWS = 3000
+_LEAST_S, _REVOLUTIONS = 0.2, 2.15  # of a steady stretch: of one, what comes once in it looks like a drift
+_ROWS = 6000
 _LEFT_OUT_J = 0.005
+_LEAST_COGGING, _MOST_ORDERS, _LEFT_OUT_COGGING = 0.001, 4, 0.05  # of the rated torque; relative
 _LEFT_OUT_NM = 2e-4  # of the rated torque, that is no friction
 _FACTOR = 2.0
 _TOLD: Final[Mapping[str, float]] = {"J": 0.025, "coulomb": 0.045, "friction": 0.07}
 """Largest relative standard uncertainty of an estimate that is given."""
 _LOAD_SHARE = 0.02
+_RUBS = 0.13  # of the rated torque: friction beyond it is a load
+_SURE = 4.0  # standard uncertainties
 
 
 class Reversals:
@@ -83,20 +87,36 @@ class Reversals:
             }
         courses = [_course(block, known, share) for block, share in zip(blocks, _SPEEDS, strict=True)]
         found = mechanics(courses)
-        return {each.name: each for each in _measurements(found, blocks, known)}
+        estimates = (*_measurements(found, blocks, known), *_cogging(courses, found, known))
+        return {each.name: each for each in estimates}
 
     def findings(self, found: Mapping[str, Measurement], known: Known) -> tuple[Finding, ...]:
         """Return what the shaft says of the set-up."""
-        findings = []
-        ratio = found["J"].value / known.motor.J_kgm2
-        if ratio > _FACTOR or ratio < 1.0 / _FACTOR:
+        findings: list[Finding] = []
+        if "inertia_ratio" not in found:  # the shaft did not turn
+            return ()
+        times, u_times = found["inertia_ratio"], found["inertia_ratio"].uncertainty
+        unsure = 0.0 if u_times is None else _SURE * u_times.standard
+        if times.value - unsure > _FACTOR or times.value + unsure < 1.0 / _FACTOR:
+            J = times.value * known.motor.J_kgm2
             findings.append(
                 Finding(
-                    f"the inertia is {found['J'].value:.4g} kgm2, {ratio:.3g} times the nameplate's",
+                    f"the inertia is {J:.4g} kgm2, {times.value:.3g} times the nameplate's",
                     "a load on the shaft"
-                    if ratio > 1.0
+                    if times.value > 1.0
                     else "another rotor, or an inertia stated with a load",
                     "uncouple the load to commission the motor alone, or state its inertia in motor.J_kgm2",
+                    fails=False,
+                )
+            )
+        rubs_Nm = found["friction_torque"].value
+        if rubs_Nm > _RUBS * known.motor.T_N_Nm:
+            findings.append(
+                Finding(
+                    f"friction takes {rubs_Nm:.4g} Nm at {_SPEEDS[-1]:.0%} of the rated speed, "
+                    f"{rubs_Nm / known.motor.T_N_Nm:.0%} of the rated torque",
+                    "a load on the shaft, or a bearing or brake that rubs",
+                    "uncouple the load and release the brake to commission the motor alone",
                     fails=False,
                 )
             )
@@ -144,6 +164,41 @@ _DEFINITIONS: Final = {
 }
 
 
+def _cogging(courses: Sequence[Course], found: Mechanics, known: Known) -> Iterator[Measurement]:
+    """Yield the amplitude of each order of cogging that is told, at most four; else why none is."""
+    orders = cogging(courses, found.J_kgm2, _LEAST_COGGING * known.motor.T_N_Nm)[:_MOST_ORDERS]
+    for each in orders:
+        lines = [
+            Contribution("scatter over speeds and directions", "A", each.standard_Nm, each.dof),
+            Contribution(
+                "what the rows resolve", "B", _LEFT_OUT_COGGING * each.amplitude_Nm / math.sqrt(3.0)
+            ),
+        ]
+        yield Measurement(
+            f"cogging_{each.order}",
+            each.amplitude_Nm,
+            "Nm",
+            f"amplitude of the torque that comes {each.order} times in a revolution, at standing angles",
+            uncertainty=combined(lines, "scatter over speeds and directions"),
+        )
+    if not orders:
+        reason = f"no order above {_LEAST_COGGING:.1%} of the rated torque stands out of the scatter"
+        definition = "amplitude of the cogging torque by its order"
+        yield Measurement.undefined("cogging", "Nm", definition, reason)
+
+
+def _late_Nms(known: Known) -> float:
+    """Return the standard uncertainty of the torque over the speed by the moment of sampling.
+
+    Dead time and devices move the pulses by up to half of the time that their voltage takes, and meanwhile
+    the EMF changes i_q.
+    """
+    motor = known.identified
+    late_s = 0.5 * known.drop_V / known.u_dc_V * known.control_period_s
+    EMF_Vs = motor.pole_pairs * motor.psi_r_Wb
+    return 1.5 * EMF_Vs * EMF_Vs / motor.L_q_H * abs(late_s) / math.sqrt(3.0)
+
+
 def _measurements(found: Mechanics, blocks: Sequence[Block], known: Known) -> list[Measurement]:
     basis = Basis(samples=sum(len(block.data) for block in blocks))
     psi = known.estimates.get("psi_r")
@@ -151,19 +206,35 @@ def _measurements(found: Mechanics, blocks: Sequence[Block], known: Known) -> li
     if psi is not None and psi.uncertainty is not None:
         of_flux = psi.uncertainty.standard / psi.value
     no_friction = _LEFT_OUT_NM * known.motor.T_N_Nm / math.sqrt(3.0)
-    fastest = _SPEEDS[-1] * known.motor.omega_m_N_rad_s
+    slowest, fastest = (share * known.motor.omega_m_N_rad_s for share in (_SPEEDS[0], _SPEEDS[-1]))
+    late_Nms = _late_Nms(known)
     estimates = (
-        ("J", found.J_kgm2, found.J_standard, found.J_dof, found.J_kgm2 * _LEFT_OUT_J / math.sqrt(3.0)),
-        ("coulomb", found.coulomb_Nm, found.coulomb_standard, found.friction_dof, no_friction),
-        ("friction", found.friction_Nms, found.friction_standard, found.friction_dof, no_friction / fastest),
+        ("J", found.J_kgm2, found.J_standard, found.J_dof, found.J_kgm2 * _LEFT_OUT_J / math.sqrt(3.0), 0.0),
+        (
+            "coulomb",
+            found.coulomb_Nm,
+            found.coulomb_standard,
+            found.friction_dof,
+            no_friction,
+            late_Nms * slowest,
+        ),
+        (
+            "friction",
+            found.friction_Nms,
+            found.friction_standard,
+            found.friction_dof,
+            no_friction / fastest,
+            late_Nms,
+        ),
     )
     measured = []
-    for name, value, standard, dof, left_out in estimates:
+    for name, value, standard, dof, left_out, late in estimates:
         unit, definition = _DEFINITIONS[name]
         lines = [
             Contribution("scatter over speeds and directions", "A", standard, dof),
             Contribution("rotor flux", "B", abs(value) * of_flux),
             Contribution("what the equation leaves out", "B", left_out),
+            Contribution("moment of sampling", "B", late),
         ]
         u = combined([each for each in lines if each.standard > 0.0], "scatter over speeds and directions")
         assert u is not None
@@ -174,4 +245,13 @@ def _measurements(found: Mechanics, blocks: Sequence[Block], known: Known) -> li
             measured.append(Measurement(name, value, unit, definition, basis, u))
     u_load = combined([Contribution("scatter", "A", found.load_standard, found.friction_dof)], "scatter")
     definition = "torque at constant speeds that does not depend on the direction"
+    rubs_Nm = found.coulomb_Nm + found.friction_Nms * fastest
+    stated = known.motor.J_kgm2
+    u_ratio = combined([Contribution("scatter", "A", found.J_standard / stated, found.J_dof)], "scatter")
+    measured += [
+        Measurement("friction_torque", rubs_Nm, "Nm", f"of friction at {fastest:.4g} rad/s", basis),
+        Measurement(
+            "inertia_ratio", found.J_kgm2 / stated, "", "inertia over the nameplate's", basis, u_ratio
+        ),
+    ]
     return [*measured, Measurement("load", found.load_Nm, "Nm", definition, basis, u_load)]

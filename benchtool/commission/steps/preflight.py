@@ -23,6 +23,7 @@ _LINK_SHARE = 0.9  # of what the EMF at the rated speed needs
 _SPUN = 0.4  # of the rated speed, to which later steps spin
 _HOTTEST_DEGC = 100.0
 _OVERLOAD = 1.1
+_TOO_MUCH = 4.0  # times the rated torque, that the rated current makes by the rotor flux
 _SLACK_S, _POLL_S = 0.5, 0.01  # of the supervision of the link
 _ALIVE_S = 0.2
 
@@ -50,6 +51,7 @@ class Preflight:
             SetUpError: what is read is not that of a motor at rest on a dc link that suits it.
         """
         (block,) = blocks
+        _require_rated_current(known, float(known.held.get("i_trip", math.inf)))
         for phase, channel in zip("abc", CURRENTS, strict=True):
             reading = float(block.column(channel).mean())
             if abs(reading) > _LARGEST_READING * known.I_N_A:
@@ -131,12 +133,8 @@ def _require_limits(drive: RemoteDrive, known: Known) -> None:
     """Check that the limits of the drive are armed and belong to this motor."""
     motor = known.motor
     i_trip, least, most = (drive.number(name) for name in ("i_trip", "u_dc_min", "u_dc_max"))
-    if i_trip < _OVERLOAD * known.I_N_A:
-        raise SetUpError(
-            f"the drive trips at {i_trip:.4g} A, the rated current is {known.I_N_A:.4g} A peak",
-            "the rated current is too high (peak taken for rms, or another motor), or i_trip is too low",
-            "check motor.I_N_A_rms and drive.parameters.i_trip_A of the profile",
-        )
+    range_A = drive.number("i_full_scale") if "i_full_scale" in drive.dictionary else math.inf
+    _require_rated_current(known, i_trip, range_A)
     if not drive.number("omega_m_trip") > 0.5 * motor.omega_m_N_rad_s:
         raise SetUpError(
             f"the drive trips at {drive.number('omega_m_trip'):.4g} rad/s, half of the rated speed is "
@@ -150,6 +148,35 @@ def _require_limits(drive: RemoteDrive, known: Known) -> None:
             f"the dc link is {u_dc:.4g} V, the drive's limits are {least:.4g} V and {most:.4g} V",
             "the dc link is too low or too high, or limits of another supply",
             "set the supply's voltage, or u_dc_min_V and u_dc_max_V in [drive.parameters] of the profile",
+        )
+
+
+def _require_rated_current(known: Known, i_trip_A: float, range_A: float = math.inf) -> None:
+    """Check that the rated current is one that the drive bears and measures, and that fits the rated
+    torque."""
+    motor, cause = known.motor, "the rated current is stated too high, by a factor of ten or in another unit"
+    remedy = "check motor.I_N_A_rms of the profile against the nameplate, and i_trip_A with it"
+    if i_trip_A < _OVERLOAD * known.I_N_A:
+        raise SetUpError(
+            f"the drive trips at {i_trip_A:.4g} A, the rated current is {known.I_N_A:.4g} A peak",
+            "the rated current is too high (peak taken for rms, or another motor), or i_trip is too low",
+            "check motor.I_N_A_rms and drive.parameters.i_trip_A of the profile",
+        )
+    if max(known.I_N_A, i_trip_A) > range_A:
+        raise SetUpError(
+            f"the rated current is {known.I_N_A:.4g} A peak and the drive trips at {i_trip_A:.4g} A, its "
+            f"sensors read up to {range_A:.4g} A",
+            cause,
+            remedy,
+        )
+    makes_Nm = 1.5 * motor.pole_pairs * motor.psi_r_Wb * known.I_N_A
+    heat_W = 1.5 * motor.R_s_ohm * known.I_N_A**2
+    if makes_Nm > _TOO_MUCH * motor.T_N_Nm and heat_W > motor.T_N_Nm * motor.omega_m_N_rad_s:
+        raise SetUpError(
+            f"the rated current of {known.I_N_A:.4g} A peak makes {makes_Nm:.4g} Nm and {heat_W:.4g} W of "
+            f"heat, the rated torque is {motor.T_N_Nm:.4g} Nm",
+            cause,
+            remedy,
         )
 
 

@@ -27,8 +27,10 @@ _ROW_S = 2e-3
 _ASIDE_DEG = (-12.0, -6.6, -1.9, 4.3, 8.5, 10.7)  # from the phases
 _SHARES = (1.0, 0.935, 0.97, 0.91, 0.985, 0.95)  # of the rated current
 _FACTOR = 1.5  # from the nameplate on, a resistance is told of
+_IN_SERIES_OHM = 0.008  # of devices, cable and plugs, which are in what is measured
 _OF_LINE_TO_LINE = 0.5
 _NEAR = 0.15
+_UNEQUAL, _SURE = 0.12, 6.0  # a phase's resistance off the mean of the three; standard uncertainties of that
 
 
 class StandingCurrents:
@@ -39,7 +41,7 @@ class StandingCurrents:
     """
 
     name = "resistance"
-    needs: tuple[str, ...] = ("offsets",)
+    needs: tuple[str, ...] = ("offsets", "connections")
     sets: tuple[str, ...] = ("R_s", "current_gain_a", "current_gain_b", "current_gain_c")
 
     def plan(self, known: Known) -> tuple[Excitation, ...]:
@@ -111,6 +113,18 @@ class StandingCurrents:
                     of_fit(0.0, float(standard), gains.dof, scatter, known),
                 )
             )
+        both = (found.of_phases_ohm, found.of_phases_standard_ohm)
+        for phase, R_ohm, standard in zip("abc", *both, strict=True):
+            estimates.append(
+                Measurement(
+                    f"R_{phase}",
+                    float(R_ohm),
+                    "ohm",
+                    f"resistance of phase {phase} where the three may differ, likewise",
+                    basis,
+                    of_fit(float(R_ohm), float(standard), found.dof, scatter, known),
+                )
+            )
         return {each.name: each for each in estimates}
 
     def findings(self, found: Mapping[str, Measurement], known: Known) -> tuple[Finding, ...]:
@@ -124,6 +138,8 @@ class StandingCurrents:
                     "check the motor's cables and the order of the current sensors",
                 ),
             )
+        if apart := _apart(found):
+            return (apart,)
         seen = f"R_s is {found['R_s'].value:.4g} ohm, {ratio:.3g} times the nameplate's"
         if abs(ratio / _OF_LINE_TO_LINE - 1.0) < _NEAR:
             return (
@@ -134,7 +150,8 @@ class StandingCurrents:
                     fails=False,
                 ),
             )
-        if not 1.0 / _FACTOR < ratio < _FACTOR:
+        stated = known.motor.R_s_ohm
+        if not stated / _FACTOR < found["R_s"].value < _FACTOR * stated + _IN_SERIES_OHM:
             return (
                 Finding(
                     f"{seen}, within a factor of {_FACTOR:g} is expected",
@@ -144,6 +161,32 @@ class StandingCurrents:
                 ),
             )
         return ()
+
+
+def _apart(found: Mapping[str, Measurement]) -> Finding | None:
+    """Return that a phase has another resistance than the others, where it has."""
+    each = {phase: found[f"R_{phase}"] for phase in "abc"}
+    mean = sum(one.value for one in each.values()) / 3.0
+    phase, odd = max(each.items(), key=lambda item: abs(item[1].value - mean))
+    standard = 0.0 if odd.uncertainty is None else odd.uncertainty.standard
+    if abs(odd.value - mean) < max(_UNEQUAL * abs(mean), _SURE * standard):
+        return None
+    others = (3.0 * mean - odd.value) / 2.0
+    what = (
+        f"phase {phase} has {odd.value:.4g} ohm, the mean of the other two is {others:.4g} ohm; they "
+        f"should be equal"
+    )
+    if odd.value < others:
+        return Finding(
+            what,
+            f"a shorted phase: turns of phase {phase} are shorted, or its end touches the star point",
+            "measure the winding between each two terminals and against earth; do not run this motor",
+        )
+    return Finding(
+        what,
+        f"phase {phase} has a poor contact, or another cable than the others",
+        f"tighten the terminals of phase {phase}, check its cable and plug",
+    )
 
 
 def _directions() -> tuple[tuple[float, float], ...]:

@@ -76,6 +76,23 @@ class LoopStep(Protocol):
 
 
 @runtime_checkable
+class StagedStep(Protocol):
+    """A step whose excitations grow, each like the one before, until one suffices; the others are left
+    out."""
+
+    def suffices(self, block: Block, known: Known) -> bool:
+        """Return whether the capture of an excitation tells what the step is after."""
+
+
+@runtime_checkable
+class FaultTelling(Protocol):
+    """A step in which a fault of the drive means more than its code says."""
+
+    def of_fault(self, code: int, known: Known) -> Finding | None:
+        """Return what a fault of this code means; None where nothing more."""
+
+
+@runtime_checkable
 class Trial(Protocol):
     """A step that also tries what no excitation can: it drives the drive itself, and leaves it disabled and
     supervised on every exit."""

@@ -88,6 +88,14 @@ def test_gains_that_differ_do_not_spoil_the_resistance_and_the_common_one_cannot
     assert resistance(u, readings).R_s_ohm == pytest.approx(0.2 / common, rel=1e-9)
 
 
+def test_phases_that_differ_are_told_apart() -> None:
+    u, readings = standing(np.random.default_rng(6), 0.005, np.ones(3))
+    poor = u + 0.1 * readings[:, 1] * np.exp(2j * math.pi / 3.0) * (2.0 / 3.0)
+    found = resistance(poor, readings)
+    assert found.of_phases_ohm == pytest.approx([0.2, 0.3, 0.2], abs=0.01)
+    assert np.all(np.abs(found.of_phases_ohm - [0.2, 0.3, 0.2]) < 5.0 * found.of_phases_standard_ohm)
+
+
 def test_one_level_cannot_tell_resistance_from_dead_time() -> None:
     quiet, alike = np.random.default_rng(7), np.ones(3)
     u, readings = standing(quiet, 0.0, alike, np.deg2rad(np.arange(0.0, 360.0, 60.0)))
