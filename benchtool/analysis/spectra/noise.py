@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.repeated_steps import noise_beside, repeated_steps
+from benchtool.analysis.scatter import students_deviation
 from benchtool.analysis.spectra.spectrum import CoherentSpectrum
 
 _FEWEST_BINS = 8
@@ -211,7 +212,7 @@ def line_noise(spectrum: CoherentSpectrum, lines: NDArray[np.int64]) -> LineNois
     return LineNoise(
         _of_pairs(together, inside),
         _of_pairs(apart, inside),
-        np.maximum(pairs, 1.0),
+        2.0 * np.maximum(pairs, 1.0),
         _lost(together, apart, inside, spectrum.amplitude[lines]),
     )
 
@@ -261,6 +262,8 @@ def _of_pairs(sums: NDArray[np.complex128], inside: NDArray[np.bool_]) -> NDArra
             near = values[usable]
             middle = float(np.median(near)) / _median_of_exponentials(len(near))
             found[row] = max(float(np.mean(near[:_NEAREST])), middle)
+            if len(near) < _PAIRS:
+                found[row] *= students_deviation(2.0 * len(near)) ** 2
     return np.asarray(np.sqrt(found))
 
 
