@@ -1,7 +1,7 @@
 """How much faster two processes run a plan than one: `python -m benchmarks.workers [--json] [--cases 16]`.
 
-The demo's plan with repetitions, each a case on an emulated bench of its own, with its recording, analysis
-and figures. Measured is wall time of one process and of two, in turns, the median of some; both ways the
+The demo's plan with repetitions, each a case on an emulated bench of its own, with its recording and
+analysis. Measured is wall time of one process and of two, in turns, the median of some; both ways the
 processes are started for each run and load the kernel, which is compiled before. Processor time is beside it:
 what two take more of it than one is what sharing costs, and where the load of the machine is not near nothing
 before it begins, only that tells anything.

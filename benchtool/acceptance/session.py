@@ -44,6 +44,7 @@ def run_suite(arguments: Sequence[str], *, quiet: bool = False) -> tuple[int, Se
     gathered = _Gathered()
     words = [
         *("-c", str(SUITE / "pytest.ini"), f"--rootdir={SUITE}", "-p", _PLUGIN, "-p", "no:cacheprovider"),
+        *("-W", "ignore::pytest.PytestAssertRewriteWarning"),  # this process has the package already
         *(str(SUITE), *arguments),
     ]
     if not quiet:

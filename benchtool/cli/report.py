@@ -13,7 +13,7 @@ from benchtool.errors import RecordingError, UsageError
 from benchtool.plan import worst
 from benchtool.recording import enlist
 from benchtool.report import Report, write_report as write_documents
-from benchtool.report.assembly import case_label, run_report, session_report
+from benchtool.report.assembly import case_label, run_report, session_report, write_pictures
 from benchtool.results import (
     SESSION,
     earlier_sessions,
@@ -34,6 +34,9 @@ def report(
         Path | None, typer.Option(metavar="FILE", help="The HTML page.", show_default="RUN/report.html")
     ] = None,
     pdf: Annotated[bool, typer.Option("--pdf", help="Write a PDF too, beside the page.")] = False,
+    png: Annotated[
+        bool, typer.Option("--png", help="Write each figure of a run as a PNG too, into the folder plots.")
+    ] = False,
     stream: chosen.Stream = "",
     from_: chosen.From = None,
     to: chosen.To = None,
@@ -49,11 +52,19 @@ def report(
         raise UsageError(f"--out {out} names a PDF, the page is HTML: add --pdf, or name the page")
     output = Output(as_json=as_json)
     if (run / SESSION).is_file():
+        if png:
+            raise UsageError(
+                f"{run} is a session of acceptance, whose figures are those of its runs: "
+                f"give the folder of one of these with --png"
+            )
         return _session(run, out, pdf=pdf, output=output)
     runs = recorded_runs(run, chosen.selection(stream, from_, to, analysis))
     warn_unsealed(output, [case.bundle for each in runs for case in each.cases])
     page, document = write_report(run_report(run, runs), out or run / "report.html", pdf=pdf, output=output)
     enlist(run, [page] if document is None else [page, document])
+    pictures = [path for each in runs for path in write_pictures(each)] if png else []
+    for path in pictures:
+        output.line(f"picture: {path}")
     verdict = worst(each.verdict for each in runs)
     found = [case.assessment for each in runs for case in each.cases if case.assessment]
     overdue = [late for each in found for late in each.overdue]
@@ -74,6 +85,7 @@ def report(
             "verdict": str(verdict),
             "cases": cases,
         }
+        | ({"pictures": [str(path) for path in pictures]} if png else {})
         | stated_overdue(overdue)
     )
     damaged = [case.error for each in runs for case in each.cases if isinstance(case.error, RecordingError)]

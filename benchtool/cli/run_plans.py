@@ -60,6 +60,7 @@ def run_plans(name: str, plans: Sequence[NamedPlan], chosen: RunOptions) -> int:
         finally:
             if chosen.junit is not None and any(folder.rglob("manifest.json")):
                 write_junit(recorded_runs(folder), chosen.junit)
+        output.line(f"report with figures: benchtool report {shlex.quote(str(folder))}", "dim")
         if chosen.page is not None:
             _write_page(chosen.page, name, [(each, results[each.label]) for each in todo])
         verdict = worst(result.verdict for result in results.values())

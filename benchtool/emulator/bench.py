@@ -16,6 +16,7 @@ from benchtool.emulator.core.kernel import kernel_is_cached
 from benchtool.emulator.equipment import EmulatedLoad, EmulatedSupply, EmulatedTransducer
 from benchtool.emulator.faults import FaultInjector
 from benchtool.emulator.firmware.device import Firmware
+from benchtool.emulator.flux_table import fit_flux_linkages
 from benchtool.emulator.instruments import CanInstrument, CanReadings, CanTorque, samples_apart
 from benchtool.emulator.machine.heat import HeatTruth
 from benchtool.emulator.machine.saturation import SaturationTruth
@@ -294,8 +295,12 @@ def _core(table: ObjectTable, profile: Profile, emulator: Emulator, seed: int, f
 def _truth(profile: Profile, emulator: Emulator) -> tuple[MotorTruth, InverterTruth, SensorTruth]:
     motor, true = profile.nameplate or profile.motor, emulator.motor
     believed = motor.model_dump(include={"pole_pairs", "R_s_ohm", "L_d_H", "L_q_H", "psi_r_Wb", "J_kgm2"})
-    stated = true.model_dump(exclude_none=True, exclude={"saturation", "heat"})
+    stated = true.model_dump(exclude_none=True, exclude={"saturation", "flux_linkages", "heat"})
     saturation = SaturationTruth(**true.saturation.model_dump()) if true.saturation else None
+    if true.flux_linkages is not None:
+        fitted = fit_flux_linkages(**true.flux_linkages.model_dump())
+        saturation = fitted.saturation
+        stated |= {"L_d_H": fitted.L_d_H, "L_q_H": fitted.L_q_H, "psi_r_Wb": fitted.psi_r_Wb}
     heat = HeatTruth(**true.heat.model_dump()) if true.heat else None
     return (
         MotorTruth(**{**believed, **stated, "saturation": saturation, "heat": heat}),

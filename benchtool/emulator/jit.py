@@ -23,6 +23,7 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from types import FunctionType
@@ -32,6 +33,7 @@ import numba
 from numba.core.typing.templates import infer_global
 from numba.extending import register_jitable
 
+from benchtool.emulator.cache import LoadedFirst
 from benchtool.emulator.lowering import PartCompiler
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -121,10 +123,10 @@ def _compiled(function: Callable[..., Any], suffix: str) -> Any:
     )
     named.__qualname__ = f"{function.__name__}_{suffix}"
     named.__doc__, named.__module__ = function.__doc__, function.__module__
-    try:
-        return numba.njit(cache=True, nogil=True, **_OPTIONS)(named)
-    except (RuntimeError, OSError):  # numba found no place to write to
-        return numba.njit(nogil=True, **_OPTIONS)(named)
+    compiled = numba.njit(nogil=True, **_OPTIONS)(named)
+    with suppress(RuntimeError, OSError):  # numba found no place to write to
+        compiled._cache = LoadedFirst(named)  # type: ignore[no-untyped-call]
+    return compiled
 
 
 def is_cached(compiled: Callable[..., Any]) -> bool:

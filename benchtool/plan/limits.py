@@ -160,7 +160,9 @@ class Limit(Section):
 
     @property
     def bounds(self) -> str:
-        """`>= 1, <= 2`."""
+        """`>= 1, <= 2`, or `= 1`."""
+        if self.min is not None and self.min == self.max:
+            return f"= {self.min:.12g}"
         signs = ((">=", self.min), ("<=", self.max))
         return ", ".join(f"{sign} {bound:g}" for sign, bound in signs if bound is not None)
 

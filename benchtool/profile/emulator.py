@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import Annotated, TypeVar
 
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Field, model_validator
 
 from benchtool.document import Array, Item, Section
 from benchtool.profile.emulated_shaft import DrivenLoad, EmulatedLoadMachine, FlangeTransducer, Shaft
+from benchtool.profile.flux_linkages import FluxLinkages
 from benchtool.profile.sensors import Sensors
 
 Resistance = Annotated[float, Field(ge=0, le=1e4)]
@@ -131,6 +132,9 @@ class TrueMotor(Section):
     """How winding and magnets warm up; without it they stay as they are."""
     saturation: Saturation | None = None
     """How the machine saturates; without it the inductances are constants."""
+    flux_linkages: FluxLinkages | None = None
+    """The same as a table, in place of `saturation`, `L_d_H`, `L_q_H` and `psi_r_Wb`; the polynomial of
+    `saturation` is fitted to it, within 3 % of the largest flux linkage."""
     cogging_Nm: Several[Torque] = ()
     """Amplitude of the cogging torque; an array of one for each order."""
     cogging_order: Several[Order] = ()
@@ -139,6 +143,15 @@ class TrueMotor(Section):
     """Phase of the cogging torque at mechanical angle 0, -T sin(order theta_m + phase); without it 0."""
     power_up_angle_rad: Annotated[float, Field(ge=-100, le=100)] = 0.0
     """Mechanical angle of the shaft at power-up; 0: the rotor flux on phase a."""
+
+    @model_validator(mode="after")
+    def _states_flux_once(self) -> TrueMotor:
+        stated = [
+            key for key in ("saturation", "L_d_H", "L_q_H", "psi_r_Wb") if getattr(self, key) is not None
+        ]
+        if self.flux_linkages is not None and stated:
+            raise ValueError(f"flux_linkages tells {', '.join(stated)}: leave one of the two out")
+        return self
 
 
 class Inverter(Section):

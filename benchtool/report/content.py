@@ -6,9 +6,10 @@ import re
 import unicodedata
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final, Literal, TypeAlias
+from typing import TYPE_CHECKING, Final, Literal, TypeAlias
 
-from matplotlib.figure import Figure
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 Mark: TypeAlias = Literal["", "pass", "marginal", "undecided", "fail", "none", "better", "worse"]
 
@@ -118,7 +119,8 @@ class Signatures:
 
 @dataclass(frozen=True)
 class Section:
-    """A heading with what belongs to it; `listed` puts it into the table of contents.
+    """A heading with what belongs to it; `listed` puts it into the table of contents, and on paper it begins
+    a new page unless it is `short`.
 
     A `folded` one is closed on a screen until it is asked for; what is not on `paper` stands on the page
     alone."""
@@ -128,6 +130,12 @@ class Section:
     listed: bool = False
     folded: bool = False
     paper: bool = True
+    short: bool = False
+
+    @property
+    def begins_page(self) -> bool:
+        """Whether it begins a page on paper."""
+        return self.listed and self.paper and not self.short
 
 
 Item: TypeAlias = Grid | Facts | Text | Verdict | Picture | Signatures | Section

@@ -11,7 +11,6 @@ from pathlib import Path
 from benchtool.bench import Session, open_session
 from benchtool.errors import BenchError
 from benchtool.plan import Case, Plan, cases
-from benchtool.report.assembly import draw_cases
 from benchtool.results import Assessment, RunResult, over_repetitions
 from benchtool.run.case import Progress
 from benchtool.run.resumption import Provenance, require_same_provenance
@@ -67,7 +66,6 @@ def run_in_processes(
             progress.begin(done.result().case, number, len(todo))
             progress.note("done")
     results = [task.result() for task in tasks]
-    draw_cases(plan, results, folder)
     measured = {each.case: each.measurements for each in results}
     return RunResult(tuple(results), over_repetitions(plan, measured))
 

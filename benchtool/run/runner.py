@@ -25,7 +25,6 @@ from benchtool.recording import (
     Level,
     Manifest,
 )
-from benchtool.report.assembly import draw_case, draw_cases
 from benchtool.results import (
     Assessment,
     Calibration,
@@ -108,7 +107,6 @@ def run_plan(
     require_in_si(plan)
     todo = cases(plan)
     results = run_cases(opener, plan, todo, folder, info, progress, resume=resume, observer=observer)
-    draw_cases(plan, results, folder)
     measured = {each.case: each.measurements for each in results}
     return RunResult(tuple(results), over_repetitions(plan, measured))
 
@@ -298,8 +296,6 @@ def _record_case(
             certificate=certificate.to_json() | stated_overdue(result.overdue),
         )
     observer.closed(result, "")
-    progress.note("drawing")
-    draw_case(plan, result)
     return result
 
 

@@ -269,6 +269,8 @@ class Reported(Document):
     """The worst verdict."""
     cases: dict[str, ReportedCase]
     """Cases by name."""
+    pictures: list[str] | None = None
+    """Pictures written, with `--png`."""
 
 
 class Delta(Document):

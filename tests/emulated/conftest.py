@@ -11,7 +11,8 @@ import can
 import pytest
 
 from benchtool.bench.session import Session, open_session
-from benchtool.run import runner
+from benchtool.report import html
+from benchtool.report.pdf import flow
 
 _numbers = itertools.count()
 
@@ -58,10 +59,10 @@ def open_wire() -> Iterator[Opener]:
 
 
 @pytest.fixture
-def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Runs draw no figures, which takes half of their time: for tests that look at none."""
-    monkeypatch.setattr(runner, "draw_case", lambda *_: None)
-    monkeypatch.setattr(runner, "draw_cases", lambda *_: None)
+def blank_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Has reports show blank pictures, for tests of what is written: drawing takes most of a report's time."""
+    monkeypatch.setattr(html, "data_uri", lambda _: "data:,")
+    monkeypatch.setattr(flow, "draw_figure", lambda *_: None)
 
 
 @pytest.fixture

@@ -73,19 +73,13 @@ def test_the_demo(invoke: Invoke) -> None:
     assert manifest["complete"]
     assert manifest["verdict"] == "pass"
     assert manifest["parameters"]["psi_r_Wb"] == 0.1685
-    assert {path.name for path in (bundle / "plots").iterdir()} == {
-        "waveforms.png",
-        "current_spectrum.png",
-        "flux_trajectory.png",
-        "switching_states.png",
-    }
+    assert not (bundle / "plots").exists()  # a verdict waits for no pictures
 
     again = invoke("analyze", str(bundle), "--json")
     assert again.exit_code == 0
     assert json.loads(again.stdout) == document
 
 
-@pytest.mark.usefixtures("undrawn")
 def test_the_same_seed_gives_the_same_bytes_and_another_seed_does_not(invoke: Invoke) -> None:
     for folder, seed in (("a", "3"), ("b", "3"), ("c", "4")):
         assert invoke("demo", "--out", folder, "--seed", seed).exit_code == 0
@@ -102,7 +96,6 @@ def test_for_people_the_table_stands_on_standard_output(invoke: Invoke) -> None:
     assert "capturing" in result.stderr
 
 
-@pytest.mark.usefixtures("undrawn")
 def test_limits_that_are_missed_are_exit_code_1(invoke: Invoke, tmp_path: Path) -> None:
     (tmp_path / "strict.toml").write_text(PLAN.replace("max = 0.06", "max = 0.01"), encoding="utf-8")
     result = invoke("run", "strict.toml", "--json", "--out", "strict")

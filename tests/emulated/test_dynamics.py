@@ -20,6 +20,8 @@ from benchtool.plan.validation import require_known
 from benchtool.profile import Motor
 from benchtool.protocol.dictionary import Dictionary
 from benchtool.recording import Bundle
+from benchtool.report.assembly.figures import panel_of
+from benchtool.report.figures.drawings import figure_names
 from benchtool.results.assessment import Assessment, assess, assess_bundle
 from benchtool.run.runner import RunInfo, run_plan
 
@@ -114,12 +116,11 @@ def test_a_law_that_arrives_within_a_period_is_a_delay_of_two(
     assert found["coherence_median"] > 0.98
 
 
-def test_the_bundle_keeps_tables_and_figures(torque_loops: dict[str, Assessment]) -> None:
+def test_the_bundle_keeps_tables_and_has_figures(torque_loops: dict[str, Assessment]) -> None:
     result = torque_loops["tpc"]
     tables: dict[str, Any] = json.loads((result.bundle / "tables.json").read_text(encoding="utf-8"))
     assert len(tables["frequency_response"]["rows"]) == 511
-    assert (result.bundle / "plots" / "bode.png").is_file()
-    assert (result.bundle.parent / "plots" / "cases.png").is_file()
+    assert "bode" in figure_names(panel_of(result))
     again = assess_bundle(Bundle.open(result.bundle))
     assert {each.name: each.to_json() for each in again.tables} == tables
 
@@ -157,7 +158,7 @@ def test_a_law_of_single_vectors_takes_one_for_the_whole_period(steady: dict[str
         else:
             assert periods[1:].sum() == pytest.approx(200.0, rel=0.01)
         assert _values(steady[law])["active_vectors_mean"] <= vectors
-        assert (steady[law].bundle / "plots" / "switching_states.png").is_file()
+        assert "switching_states" in figure_names(panel_of(steady[law]))
 
 
 def test_the_flux_trajectory_is_a_circle_about_zero(steady: dict[str, Assessment]) -> None:

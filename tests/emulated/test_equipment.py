@@ -32,8 +32,6 @@ from benchtool.shipped import shipped
 
 from .conftest import Opener, Wire
 
-pytestmark = pytest.mark.usefixtures("undrawn")
-
 INFO = RunInfo("2020-01-01T00:00:00+00:00", 0, ("run",))
 CHANNELS = ("i_a", "torque", "psi_s", "theta_m", "omega_m", "u_dc", "switching_count")
 RESOLUTION_NM = 0.0005
@@ -116,12 +114,6 @@ def bench(tmp_path: Path) -> Callable[[Bench], str]:
         return str(path)
 
     return write
-
-
-@pytest.fixture(autouse=True)
-def _no_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
-    for name in ("draw_case", "draw_cases"):
-        monkeypatch.setattr(f"benchtool.run.runner.{name}", lambda *_: None)
 
 
 class RunObserver:

@@ -15,8 +15,6 @@ from benchtool.plan.model import load_plan
 from benchtool.profile import load_profile
 from benchtool.recording import Bundle
 
-pytestmark = pytest.mark.usefixtures("undrawn")
-
 GIMBAL = (
     *("--pole-pairs", "7", "--R-s", "10.58ohm:ll", "--L", "2.1mH:ll", "--Kv", "131.2rpm/V:ll-peak"),
     *("--J", "20gcm2", "--u-dc", "24V", "--i-rated", "0.5A:peak"),
@@ -26,8 +24,6 @@ GIMBAL = (
 @pytest.fixture
 def invoke(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Result]:
     monkeypatch.chdir(tmp_path)
-    for name in ("draw_case", "draw_cases"):
-        monkeypatch.setattr(f"benchtool.run.runner.{name}", lambda *_: None)
 
     def invoke(*arguments: str) -> Result:
         return CliRunner().invoke(app, arguments)  # type: ignore[return-value]

@@ -14,16 +14,10 @@ from benchtool.emulator.core.core import truth_of
 from benchtool.emulator.jit import parts_of
 from benchtool.profile import load_profile, shipped_profiles
 
-pytestmark = pytest.mark.usefixtures("undrawn")
-
 MOTORS = [name for name in shipped_profiles() if name.startswith("motors/")]
 
 
-def test_every_motor_holds_speed_and_load_by_its_own_law(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    for name in ("draw_case", "draw_cases"):  # four fifths of the time
-        monkeypatch.setattr(f"benchtool.run.runner.{name}", lambda *_: None)
+def test_every_motor_holds_speed_and_load_by_its_own_law(tmp_path: Path) -> None:
     ran = CliRunner().invoke(app, ["run", "motors/speed_and_load", "--json", "--out", str(tmp_path / "run")])
     assert ran.exit_code == 0, ran.output
     document = json.loads(ran.stdout)

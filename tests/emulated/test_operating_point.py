@@ -19,17 +19,8 @@ from benchtool.run.runner import RunInfo, run_plan
 
 from .conftest import Opener, Wire, over_both_wires
 
-pytestmark = pytest.mark.usefixtures("undrawn")
-
 INFO = RunInfo("2020-01-01T00:00:00+00:00", 0, ("run",))
 ALL = ("i_a", "torque", "psi_s", "theta_m", "omega_m", "u_dc", "switching_count")
-
-
-@pytest.fixture(autouse=True)
-def _no_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
-    """They take longer than all else here, and are looked at elsewhere."""
-    for name in ("draw_case", "draw_cases"):
-        monkeypatch.setattr(f"benchtool.run.runner.{name}", lambda *_: None)
 
 
 class Silent:

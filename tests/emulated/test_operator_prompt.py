@@ -21,8 +21,6 @@ from benchtool.errors import UsageError
 from benchtool.recording import Bundle
 from benchtool.shipped import shipped
 
-pytestmark = pytest.mark.usefixtures("undrawn")
-
 pty = pytest.importorskip("pty")
 WHAT = "load the shaft with 0.65 Nm against positive rotation"
 

@@ -81,12 +81,14 @@ def test_it_is_measured_limited_drawn_reported_and_listed(installed: Installer, 
         mean_W = float(np.mean(capture.column("torque") * capture.column("omega_m")))
         assert (measured["value"], measured["unit"]) == (pytest.approx(mean_W), "W")
         assert cases[law]["limits"]["shaft_power_mean"]["verdict"] == "pass"
-        assert (run / law / "plots" / "shaft_power.png").is_file()
-    assert (run / "plots" / "cases.png").is_file()
 
     again = json.loads(_invoke("analyze", run, "--json").stdout)["cases"]
     assert again["tpc"]["measurements"] == cases["tpc"]["measurements"]
-    assert _invoke("report", run).exit_code == 0
+    reported = _invoke("report", run, "--png", "--json")
+    assert reported.exit_code == 0
+    drawn = [run / "tpc/plots/shaft_power.png", run / "foc/plots/shaft_power.png", run / "plots/cases.png"]
+    assert {str(path) for path in drawn} <= set(json.loads(reported.stdout)["pictures"])
+    assert all(path.read_bytes().startswith(b"\x89PNG") for path in drawn)
     (page,) = run.glob("*.html")
     text = page.read_text(encoding="utf-8")
     assert "shaft_power_mean" in text
@@ -173,7 +175,6 @@ def test_one_that_cannot_be_used_is_one_clear_error(
         ("Findings((mean,), result=power_W)", "(mean, power_W)", "returns tuple, Findings are expected"),
         ('Measurement("shaft_power_mean"', 'Measurement("x"', "it measures 'x' and does not declare that"),
         ('"W", text', '"kW", text', "'shaft_power_mean' is in 'kW', declared is 'W'"),
-        ("axes = figure.subplots()", "axes = figure.axes[3]", "cannot draw 'shaft_power': IndexError"),
     ],
 )
 def test_one_that_fails_at_work_is_one_clear_error_and_the_recording_stays(
@@ -187,6 +188,18 @@ def test_one_that_fails_at_work_is_one_clear_error_and_the_recording_stays(
     assert complaint in result.stderr
     assert "analysis 'shaft_power' of package 'shaft-power' 1.2 cannot" in result.stderr
     assert len(Bundle.open(tmp_path / "run" / "tpc").block("capture").data) == 500
+
+
+@pytest.mark.parametrize("option", [(), ("--png",)])
+def test_a_figure_that_cannot_be_drawn_fails_the_report_and_not_the_run(
+    installed: Installer, tmp_path: Path, option: tuple[str, ...]
+) -> None:
+    installed("axes = figure.subplots()", "axes = figure.axes[3]")
+    run = tmp_path / "run"
+    assert _invoke("run", _plan(tmp_path, "shaft_power = true"), "--out", run).exit_code == 0
+    result = _invoke("report", run, *option)
+    assert result.exit_code == 3, result.output
+    assert "cannot draw 'shaft_power': IndexError" in result.stderr
 
 
 def test_a_bundle_says_which_analysis_is_not_installed(

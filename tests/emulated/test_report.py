@@ -37,6 +37,8 @@ channels = ["i_a", "i_b", "i_c", "torque", "torque_reference", "psi_s", "theta_m
 torque_ripple_pp = { max = 0.1 }
 """
 
+blank = pytest.mark.usefixtures("blank_pictures")
+
 
 def invoke(*arguments: object) -> Result:
     return CliRunner().invoke(app, [str(each) for each in arguments])
@@ -59,6 +61,13 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (plans / "two.toml").write_text(SHORT, encoding="utf-8")
     done("run", plans, "--out", folder / "plans")
     return folder
+
+
+@pytest.fixture(scope="module")
+def reported(recorded: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Result]:
+    """A bundle of the demo with page, PDF and pictures, and what the command told."""
+    bundle = Path(shutil.copytree(recorded / "demo", tmp_path_factory.mktemp("reported") / "demo"))
+    return bundle, done("report", bundle, "--pdf", "--png", "--json")
 
 
 @pytest.fixture
@@ -84,14 +93,18 @@ def text_of(page: str) -> str:
     return " ".join(re.sub(r"<[^>]*>", " ", page.partition("</style>")[2]).split())
 
 
-def test_the_report_of_the_demo(demo: Path) -> None:
-    result = done("report", demo, "--pdf", "--json")
+def test_the_report_of_the_demo(reported: tuple[Path, Result]) -> None:
+    demo, result = reported
+    names = ("waveforms", "current_spectrum", "flux_trajectory", "switching_states")
+    pictures = {str(demo / "plots" / f"{name}.png") for name in names}
     assert json.loads(result.stdout) == {
         "report": str(demo / "report.html"),
         "pdf": str(demo / "report.pdf"),
         "verdict": "pass",
         "cases": {"tpc": {"verdict": "pass", "bundle": str(demo)}},
+        "pictures": sorted(pictures, key=lambda path: names.index(Path(path).stem)),
     }
+    assert all(Path(path).read_bytes().startswith(b"\x89PNG") for path in pictures)
     assert "pass by the drive's own estimate, fail by the transducer on the shaft" in result.stderr
     page = (demo / "report.html").read_text(encoding="utf-8")
     text = text_of(page)
@@ -130,12 +143,13 @@ def test_the_report_of_the_demo(demo: Path) -> None:
         assert hashlib.sha256(file.read_bytes()).hexdigest() in text
     document = (demo / "report.pdf").read_bytes()
     assert document.startswith(b"%PDF-")
-    assert document.count(b"/Type /Page\n") <= 6
+    assert document.count(b"/Type /Page\n") <= 7
     assert (
         page.count(f"<code>{hashlib.sha256((demo / 'manifest.json').read_bytes()).hexdigest()}</code>") == 1
     )
 
 
+@blank
 def test_the_first_page_says_what_was_tested_and_by_whom(demo: Path) -> None:
     def state(manifest: dict[str, Any]) -> None:
         manifest["conditions"] |= {"operator": "A. Ampère", "test_object_serial_number": "M-17"}
@@ -154,6 +168,7 @@ def test_the_first_page_says_what_was_tested_and_by_whom(demo: Path) -> None:
     assert "guard band U (95 %)" in front
 
 
+@blank
 def test_the_first_page_of_many_cases_has_the_worst_of_each_limit_and_what_was_not_run(
     recorded: Path, tmp_path: Path
 ) -> None:
@@ -167,6 +182,7 @@ def test_the_first_page_of_many_cases_has_the_worst_of_each_limit_and_what_was_n
     assert "Cases of the plan without a recording: tpc: foc." in front
 
 
+@blank
 def test_a_number_of_the_demo_has_one_uncertainty_wherever_it_is_printed(demo: Path) -> None:
     """± is the expanded uncertainty, in the table of measurements and in what the transducer contradicts."""
     page = page_of(demo)
@@ -175,13 +191,16 @@ def test_a_number_of_the_demo_has_one_uncertainty_wherever_it_is_printed(demo: P
     assert page.count(found[0]) >= 3  # the limits, the measurements and this remark
 
 
-def test_the_same_bundle_gives_the_same_bytes_wherever_it_lies(demo: Path, tmp_path: Path) -> None:
-    first = page_of(demo, "--pdf"), (demo / "report.pdf").read_bytes()
-    moved = tmp_path / "elsewhere" / "demo"
-    shutil.copytree(demo, moved)
-    assert (page_of(moved, "--pdf"), (moved / "report.pdf").read_bytes()) == first
+def test_the_same_bundle_gives_the_same_bytes_wherever_it_lies(
+    reported: tuple[Path, Result], demo: Path
+) -> None:
+    first, _ = reported
+    done("report", demo, "--pdf")
+    for name in ("report.html", "report.pdf"):
+        assert (demo / name).read_bytes() == (first / name).read_bytes()
 
 
+@blank
 def test_a_limit_that_is_missed_is_exit_code_1_and_said_in_words(demo: Path) -> None:
     def strict(manifest: dict[str, Any]) -> None:
         manifest["details"]["plan"]["limits"]["torque_ripple_pp"] = {"max": 0.01}
@@ -207,6 +226,7 @@ def test_what_a_manifest_says_is_text_and_nothing_else(demo: Path) -> None:
     assert page.count("&lt;script&gt;alert(1)&lt;/script&gt;") >= 6
 
 
+@blank
 def test_a_run_that_failed_has_a_report_that_says_why(demo: Path) -> None:
     def failed(manifest: dict[str, Any]) -> None:
         manifest["complete"] = False
@@ -231,6 +251,7 @@ def test_a_run_that_failed_has_a_report_that_says_why(demo: Path) -> None:
     assert "state: operation enabled" in text
 
 
+@blank
 def test_a_run_that_was_cut_short_without_a_word(demo: Path) -> None:
     def cut(manifest: dict[str, Any]) -> None:
         manifest["complete"] = False
@@ -246,6 +267,7 @@ def test_a_run_that_was_cut_short_without_a_word(demo: Path) -> None:
     assert "ended before the quality of its data was known" in text
 
 
+@blank
 def test_data_that_cannot_be_read_are_named_and_the_rest_is_reported(demo: Path) -> None:
     (demo / "data" / "capture.parquet").write_bytes(b"torn")
     text = text_of(page_of(demo, code=3))
@@ -253,6 +275,7 @@ def test_data_that_cannot_be_read_are_named_and_the_rest_is_reported(demo: Path)
     assert "benchtool reference drive" in text
 
 
+@blank
 def test_a_recording_without_a_plan_is_measured_and_not_judged(tmp_path: Path) -> None:
     done("record", "--duration", "0.5", "--out", tmp_path / "slow")
     result = done("report", tmp_path / "slow", "--json")
@@ -266,6 +289,7 @@ def test_a_recording_without_a_plan_is_measured_and_not_judged(tmp_path: Path) -
     assert "No limits" in text
 
 
+@blank
 def test_a_folder_of_cases_is_measured_again_case_by_case(recorded: Path) -> None:
     analysed = json.loads(done("analyze", recorded / "plans" / "two", "--json").stdout)
     assert list(analysed["cases"]) == ["tpc", "foc"]
@@ -277,6 +301,7 @@ def test_a_folder_of_cases_is_measured_again_case_by_case(recorded: Path) -> Non
     assert "holds 2 plans: give the folder of one" in several.stderr
 
 
+@blank
 def test_several_cases_and_several_plans(recorded: Path, tmp_path: Path) -> None:
     result = done("report", recorded / "plans" / "two", "--out", tmp_path / "two.html", "--json")
     assert list(json.loads(result.stdout)["cases"]) == ["tpc", "foc"]  # in the order in which they ran
@@ -293,6 +318,7 @@ def test_several_cases_and_several_plans(recorded: Path, tmp_path: Path) -> None
         assert title in text
 
 
+@blank
 def test_what_cannot_be_reported_is_one_line(demo: Path, tmp_path: Path) -> None:
     (tmp_path / "empty").mkdir()
     for arguments, said in (
@@ -310,6 +336,7 @@ def test_what_cannot_be_reported_is_one_line(demo: Path, tmp_path: Path) -> None
     assert "is one run of one case, two are compared" in done("compare", demo, code=2).stderr
 
 
+@blank
 def test_compare_says_what_differs_and_whether_it_means_anything(demo: Path, tmp_path: Path) -> None:
     done("demo", "--seed", "1", "--out", tmp_path / "other")
     page = tmp_path / "comparison.html"
@@ -341,6 +368,7 @@ def test_compare_says_what_differs_and_whether_it_means_anything(demo: Path, tmp
     assert "the same in all runs drive parameters; plan; operating point" in text
 
 
+@blank
 def test_compare_matches_the_cases_of_runs_by_name(recorded: Path, tmp_path: Path) -> None:
     two = recorded / "plans" / "two"
     document = json.loads(done("compare", two, two, "--json").stdout)
@@ -361,6 +389,7 @@ def test_compare_matches_the_cases_of_runs_by_name(recorded: Path, tmp_path: Pat
     done("compare", two, recorded / "demo", two, "--html", tmp_path / "mixed.html")
 
 
+@blank
 def test_many_runs_stay_readable_for_people(demo: Path, recorded: Path) -> None:
     for runs in ([demo, recorded / "demo"], [demo] * 3, [demo] * 5):
         shown = done("compare", *runs).stdout

@@ -26,8 +26,6 @@ from benchtool.run.runner import RunInfo, run_plan
 
 from .conftest import Wire, over_both_wires
 
-pytestmark = pytest.mark.usefixtures("undrawn")
-
 INFO = RunInfo("2020-01-01T00:00:00+00:00", 0, ("run",))
 CHANNELS = ("i_a", "i_b", "i_c", "torque", "torque_reference", "psi_s", "theta_m", "switching_count")
 

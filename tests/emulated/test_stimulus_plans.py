@@ -17,8 +17,6 @@ from benchtool.run.runner import RunInfo, run_plan
 
 from .conftest import Wire
 
-pytestmark = pytest.mark.usefixtures("undrawn")
-
 INFO = RunInfo("2020-01-01T00:00:00+00:00", 0, ("run",))
 PLAN = Plan.model_validate(
     {

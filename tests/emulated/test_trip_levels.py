@@ -20,8 +20,6 @@ from benchtool.protocol.dictionary.variable import Value
 
 from .conftest import Wire, over_both_wires
 
-pytestmark = pytest.mark.usefixtures("undrawn")
-
 
 @over_both_wires
 def test_the_drive_tells_of_its_ranges_and_refuses_a_level_beyond_them(wire: Wire) -> None:

@@ -13,8 +13,6 @@ from typer.testing import CliRunner, Result
 
 from benchtool.cli import app
 
-pytestmark = pytest.mark.usefixtures("undrawn")
-
 Invoke = Callable[..., Result]
 PLAN = """title = "two [laws]"
 profile = "zhu2011"

@@ -34,7 +34,7 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
     place = tmp_path_factory.mktemp("verify")
     (place / "short.toml").write_text(PLAN, encoding="utf-8")
     assert _invoked("run", place / "short.toml", "--out", place / "run")[0] in (0, 1)
-    assert _invoked("report", place / "run")[0] in (0, 1)
+    assert _invoked("report", place / "run", "--png")[0] in (0, 1)
     return place / "run"
 
 

@@ -24,11 +24,8 @@ from benchtool.profile import load_profile
 from benchtool.protocol.cia402 import State
 from benchtool.protocol.modes import Mode
 from benchtool.recording import Bundle
-from benchtool.run import runner
 from benchtool.run.runner import RunInfo, run_plan
 from benchtool.telemetry import FrameLog
-
-pytestmark = pytest.mark.usefixtures("undrawn")
 
 THE_LINE = "loopback = tests.emulated.loopback:WIRE"
 DEMO = "zhu2011/ripple"
@@ -54,8 +51,6 @@ def installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def run_demo(link: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> Bundle:
-    monkeypatch.setattr(runner, "draw_case", lambda *_: None)  # what is drawn does not hang on the wire
-    monkeypatch.setattr(runner, "draw_cases", lambda *_: None)
     plan = load_plan(DEMO)
     info = RunInfo("2020-01-01T00:00:00+00:00", 0, ("run",), link=link, wall_s=lambda: 0.0)
     result = run_plan(

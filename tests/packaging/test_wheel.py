@@ -89,6 +89,8 @@ def test_the_wheel_runs_the_demo_in_an_environment_of_its_own(tmp_path: Path) ->
 
     case = json.loads(printed)["cases"]["tpc"]
     assert set(case["measurements"]) >= {"torque_ripple_pp", "transducer_torque_ripple_pp", "current_thd_f"}
+    _run(python.with_name("benchtool"), "report", case["bundle"], "--png", cwd=elsewhere, home=home)
+    assert (elsewhere / case["bundle"] / "report.html").is_file()
     assert (elsewhere / case["bundle"] / "plots" / "waveforms.png").is_file()
     where = _run(python, "-c", "import benchtool; print(benchtool.__file__)", cwd=elsewhere, home=home)
     assert Path(where.strip()).is_relative_to(tmp_path)

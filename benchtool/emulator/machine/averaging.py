@@ -10,7 +10,9 @@ and Cuk, PESC 1976),
 
 W is odd, so that of the smooth F its rate in the middle is what counts, with the first moment of W. The
 rate is d/dt df/dpsi - df/dx df/dpsi; `rippled` is that in d/q. Of d2f/dpsi2 there is the torque's, in a
-salient machine: it makes the mean product of the ripples of i_d and i_q a torque.
+salient machine: it makes the mean product of the ripples of i_d and i_q a torque. Harmonics of the flux
+change the torque's slope over the currents, which turns with the angle, and what the currents become as the
+rotor turns; their torque is linear in the currents.
 
 So a period is two steps under the mean voltage with the ripple's effect between them, whatever the duties;
 there is no order of edges. What is left out is of the fifth order in the period's length.
@@ -20,6 +22,13 @@ from __future__ import annotations
 
 from benchtool.emulator.jit import njit
 from benchtool.emulator.machine.coefficients import Machine
+from benchtool.emulator.machine.harmonics import (
+    flux_slope,
+    linkage,
+    with_harmonic_emf,
+    with_harmonic_slopes,
+    with_turning_torque,
+)
 from benchtool.emulator.machine.inverter import SQRT3, clarke, phase_currents
 from benchtool.emulator.machine.plant import added, derivative, move, scaled_voltage
 from benchtool.emulator.machine.shaft import Friction
@@ -81,9 +90,15 @@ def rippled(
     )
     w_d, w_q = scaled_voltage(x, w_alpha, w_beta, machine)  # of the ripple of the currents, As2
     h_d, h_q = machine.sigma * x.i_q, machine.kappa + machine.sigma * x.i_d  # change of domega by currents
+    per_flux = machine.gamma * 1.5 * machine.p
+    g_d, g_q = flux_slope(machine.harmonics, x.cos_theta, x.sin_theta)
+    h_d, h_q = with_harmonic_slopes(machine.harmonics, h_d, h_q, g_d, g_q, per_flux)
     turn = -(h_d * w_d + h_q * w_q)
     domega = x.omega_e * (h_d * machine.k_d * w_q - h_q * machine.k_q * w_d)
     domega += (machine.rho_d + machine.beta) * h_d * w_d + (machine.rho_q + machine.beta) * h_q * w_q
+    domega = with_turning_torque(
+        machine.harmonics, domega, w_d, w_q, x.omega_e, x.cos_theta, x.sin_theta, per_flux
+    )
     if machine.sigma != 0.0:
         u_alpha, u_beta = clarke(u_dc * duty_a, u_dc * duty_b, u_dc * duty_c)
         v_d, v_q = scaled_voltage(x, u_alpha, u_beta, machine)
@@ -94,6 +109,9 @@ def rippled(
     # The flux stays where it is in alpha/beta while the rotor turns.
     di_d += machine.k_d * x.i_q * turn
     di_q -= (machine.k_q * x.i_d + machine.epsilon) * turn
+    di_d, di_q = with_harmonic_emf(
+        machine.harmonics, di_d, di_q, turn, g_d, g_q, machine.inv_L_d, machine.inv_L_q
+    )
     cos_theta, sin_theta = rotate(x.cos_theta, x.sin_theta, turn)
     theta_e, theta_rest = added(x.theta_e, x.theta_rest, turn)
     return State(
@@ -149,4 +167,5 @@ def can_rest(
     inv_L = max(machine.inv_L_d, machine.inv_L_q)
     current = abs(x.i_d) + abs(x.i_q) + u_dc * T_s * inv_L
     torque = (machine.kappa + abs(machine.sigma) * current) * current
+    torque += machine.gamma * 1.5 * machine.p * linkage(machine.harmonics) * current
     return abs(x.omega_e) <= T_s * (torque + machine.gamma * (abs(T_load) + friction.T_breakaway))

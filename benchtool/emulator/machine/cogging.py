@@ -13,7 +13,12 @@ from benchtool.emulator.jit import njit
 
 
 class Cogging(NamedTuple):
-    """Torques -T sin(order theta_m + phase): a row of T in Nm, order over pole pairs, and phase for each."""
+    """Torques -T sin(order theta_m + phase): a row of T in Nm, order over pole pairs, and phase for each.
+
+    The rest of a row is T times cosine and sine of the phase, and whether the order is a multiple of the pole
+    pairs, as that of slots and poles together is: then the direction of the rotor flux tells the torque
+    without a sine.
+    """
 
     orders: NDArray[np.float64]
 
@@ -23,7 +28,14 @@ def cogging_of(
 ) -> Cogging | None:
     """Return the cogging of a machine, None if it has none."""
     rows = [
-        (torque, order / pole_pairs, phase)
+        (
+            torque,
+            order / pole_pairs,
+            phase,
+            torque * math.cos(phase),
+            torque * math.sin(phase),
+            float(order % pole_pairs == 0),
+        )
         for torque, order, phase in zip(torques_Nm, orders, phases_rad, strict=True)
         if torque != 0.0 and order != 0
     ]
@@ -31,11 +43,37 @@ def cogging_of(
 
 
 @njit
-def less_cogging(cogging: Cogging | None, domega: float, theta_e: float, gamma: float) -> float:
+def less_cogging(
+    cogging: Cogging | None,
+    domega: float,
+    theta_e: float,
+    cos_theta: float,
+    sin_theta: float,
+    gamma: float,
+) -> float:
     """Return the rate of the speed, less that of the cogging torque; `gamma` is its gain, p / J."""
     if cogging is None:
         return domega
-    return domega - gamma * cogging_torque(cogging, theta_e)
+    torque = 0.0
+    for k in range(cogging.orders.shape[0]):
+        if cogging.orders[k, 5] != 0.0:
+            c, s = multiple(cos_theta, sin_theta, int(cogging.orders[k, 1]))
+            torque += cogging.orders[k, 3] * s + cogging.orders[k, 4] * c
+        else:
+            torque += cogging.orders[k, 0] * math.sin(cogging.orders[k, 1] * theta_e + cogging.orders[k, 2])
+    return domega - gamma * torque
+
+
+@njit
+def multiple(cosine: float, sine: float, n: int) -> tuple[float, float]:
+    """Return cosine and sine of n times an angle, by squaring: n is a whole number, and not negative."""
+    c, s = 1.0, 0.0
+    while n > 0:
+        if n & 1:
+            c, s = c * cosine - s * sine, s * cosine + c * sine
+        cosine, sine = cosine * cosine - sine * sine, 2.0 * sine * cosine
+        n >>= 1
+    return c, s
 
 
 @njit

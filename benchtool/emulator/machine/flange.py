@@ -15,9 +15,8 @@ from benchtool.emulator.machine.coefficients import Machine
 from benchtool.emulator.machine.cogging import cogging_torque
 from benchtool.emulator.machine.coupling import Coupling
 from benchtool.emulator.machine.drive_train import DriveTrain, Flange, beyond, contact_of
-from benchtool.emulator.machine.harmonics import flux_slope
 from benchtool.emulator.machine.iron import iron_torque
-from benchtool.emulator.machine.plant import acceleration, airgap_torque, flux_linkages
+from benchtool.emulator.machine.plant import acceleration_at, airgap_torque, flux_linkages
 from benchtool.emulator.machine.shaft import friction_torque, less_friction, sliding
 from benchtool.emulator.machine.state import State, electrical
 
@@ -44,8 +43,7 @@ def _passed_on(coupling: Coupling | None, torque: float, x: State, machine: Mach
         psi_d, psi_q = flux_linkages(machine.saturation, y_d, y_q, machine)
         made -= iron_torque(machine.iron, psi_d, psi_q, x.omega_e, machine.p)
         return made - friction_torque(machine.friction, x.omega_e, made)
-    g_d, g_q = flux_slope(machine.harmonics, x.cos_theta, x.sin_theta)
-    domega = acceleration(y_d, y_q, x.i_d, x.i_q, x.omega_e, x.theta_e, g_d, g_q, machine, torque)
+    domega = acceleration_at(x, machine, torque)
     slide = sliding(machine.friction, x.omega_e, domega, machine.gamma)
     domega = less_friction(machine.friction, domega, x.omega_e, slide, machine.gamma)
     return torque + machine.J_load * domega / machine.p

@@ -84,6 +84,50 @@ def _slope(harmonics: Harmonics, c: float, s: float) -> tuple[float, float]:
 
 
 @njit
+def with_harmonic_slopes(
+    harmonics: Harmonics | None, h_d: float, h_q: float, g_d: float, g_q: float, per_flux: float
+) -> tuple[float, float]:
+    """Return the changes of the torque, or of what is proportional to it, with i_d and i_q, with those of
+    the torque of harmonics."""
+    if harmonics is None:
+        return h_d, h_q
+    return h_d + per_flux * g_d, h_q + per_flux * g_q
+
+
+@njit
+def with_turning_torque(
+    harmonics: Harmonics | None,
+    torque: float,
+    i_d: float,
+    i_q: float,
+    turn: float,
+    cos_theta: float,
+    sin_theta: float,
+    per_flux: float,
+) -> float:
+    """Return the torque, or what is proportional to it, with what turning by a small angle `turn` adds to
+    that of harmonics under these currents."""
+    if harmonics is None:
+        return torque
+    k_d, k_q = _curvature(harmonics, cos_theta, sin_theta)
+    return torque + per_flux * turn * (k_d * i_d + k_q * i_q)
+
+
+@called
+def _curvature(harmonics: Harmonics, c: float, s: float) -> tuple[float, float]:
+    """Return the change of the slope with theta_e, in Wb/rad^2."""
+    c_2, s_2 = c * c - s * s, 2.0 * s * c
+    c_4, s_4 = c_2 * c_2 - s_2 * s_2, 2.0 * s_2 * c_2
+    c_6, s_6 = c_4 * c_2 - s_4 * s_2, s_4 * c_2 + c_4 * s_2
+    c_12, s_12 = c_6 * c_6 - s_6 * s_6, 2.0 * s_6 * c_6
+    back_5, back_11 = 5.0 * harmonics.psi_5, 11.0 * harmonics.psi_11
+    forth_7, forth_13 = 7.0 * harmonics.psi_7, 13.0 * harmonics.psi_13
+    k_d = -6.0 * (back_5 + forth_7) * c_6 - 12.0 * (back_11 + forth_13) * c_12
+    k_q = -6.0 * (forth_7 - back_5) * s_6 - 12.0 * (forth_13 - back_11) * s_12
+    return _with_unbalance(harmonics.unbalance, k_d, k_q, -2.0 * s_2, 2.0 * c_2)
+
+
+@njit
 def _with_unbalance(
     unbalance: Unbalance | None, g_d: float, g_q: float, c_2: float, s_2: float
 ) -> tuple[float, float]:

@@ -210,7 +210,7 @@ def _derivative(
     g_d, g_q = flux_slope(m.harmonics, cos_theta, sin_theta)
     dy_d, dy_q = with_harmonic_emf(m.harmonics, dy_d, dy_q, omega_e, g_d, g_q, m.inv_L_d, m.inv_L_q)
     dy_d, dy_q = in_series(m.asymmetry, dy_d, dy_q, y_d, y_q, i_d, i_q, omega_e, cos_theta, sin_theta, m)
-    domega = acceleration(y_d, y_q, i_d, i_q, omega_e, theta_e, g_d, g_q, m, T_load)
+    domega = acceleration(y_d, y_q, i_d, i_q, omega_e, theta_e, cos_theta, sin_theta, g_d, g_q, m, T_load)
     domega = less_friction(m.friction, domega, omega_e, slide, m.gamma)
     return dy_d, dy_q, domega, along * v_q, -(across * v_d)
 
@@ -223,6 +223,8 @@ def acceleration(
     i_q: float,
     omega_e: float,
     theta_e: float,
+    cos_theta: float,
+    sin_theta: float,
     g_d: float,
     g_q: float,
     m: Machine,
@@ -234,7 +236,16 @@ def acceleration(
     domega = with_harmonic_torque(m.harmonics, domega, i_d, i_q, g_d, g_q, m.gamma * 1.5 * m.p)
     psi_d, psi_q = flux_linkages(m.saturation, y_d, y_q, m)
     domega = less_iron(m.iron, domega, psi_d, psi_q, omega_e, m.p, m.gamma)
-    return less_cogging(m.cogging, domega, theta_e, m.gamma)
+    return less_cogging(m.cogging, domega, theta_e, cos_theta, sin_theta, m.gamma)
+
+
+@njit
+def acceleration_at(x: State, m: Machine, T_load: float) -> float:
+    """Return the rate of omega_e in a state, without dry friction."""
+    y_d, y_q = electrical(m.saturation, x)
+    c, s = x.cos_theta, x.sin_theta
+    g_d, g_q = flux_slope(m.harmonics, c, s)
+    return acceleration(y_d, y_q, x.i_d, x.i_q, x.omega_e, x.theta_e, c, s, g_d, g_q, m, T_load)
 
 
 @njit
@@ -258,10 +269,7 @@ def sliding_of(friction: Friction | None, x: State, m: Machine, T_load: float) -
     """Return the direction in which the shaft slides, 1 or -1, and 0 while it sticks or has no friction."""
     if friction is None:
         return 0.0
-    y_d, y_q = electrical(m.saturation, x)
-    g_d, g_q = flux_slope(m.harmonics, x.cos_theta, x.sin_theta)
-    domega = acceleration(y_d, y_q, x.i_d, x.i_q, x.omega_e, x.theta_e, g_d, g_q, m, T_load)
-    return sliding(friction, x.omega_e, domega, m.gamma)
+    return sliding(friction, x.omega_e, acceleration_at(x, m, T_load), m.gamma)
 
 
 @njit

@@ -18,7 +18,6 @@ from benchtool.emulator.machine.carrier import NEVER, DoubleUpdate, ends_high, p
 from benchtool.emulator.machine.coefficients import Machine, largest_inverse_inductance
 from benchtool.emulator.machine.diodes import HIGH, LOW, OFF, integrate_conduction
 from benchtool.emulator.machine.drive_train import DriveTrain
-from benchtool.emulator.machine.harmonics import Harmonics
 from benchtool.emulator.machine.inverter import (
     Accounts,
     DeadTime,
@@ -72,7 +71,6 @@ def switch(
         update,
         stage.accounts,
         machine.saturation,
-        machine.harmonics,
         machine.asymmetry,
         machine.iron,
         machine.train,
@@ -102,7 +100,6 @@ def _period(
     update: DoubleUpdate | None,
     accounts: Accounts | None,
     saturation: Saturation | None,
-    harmonics: Harmonics | None,
     asymmetry: Asymmetry | None,
     iron: Iron | None,
     train: DriveTrain | None,
@@ -125,7 +122,6 @@ def _period(
         and update is None
         and accounts is None
         and saturation is None
-        and harmonics is None
         and asymmetry is None
         and iron is None
         and train is None

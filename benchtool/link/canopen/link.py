@@ -68,7 +68,7 @@ class CanopenLink(ReceivingLink):
         self._network = canopen.Network()
         self._network.bus = bus
         self._sdo = SdoClient(self._network, node_id, sdo_timeout_s, partial(drained, clock))
-        self._network.subscribe(cob_id.SDO_RESPONSE + node_id, self._on_sdo_response)
+        self._sdo_response = cob_id.SDO_RESPONSE + node_id
         self._network.subscribe(cob_id.HEARTBEAT + node_id, self._on_heartbeat)
         self._transfer_lock = threading.Lock()
         self._thread.start()
@@ -188,14 +188,16 @@ class CanopenLink(ReceivingLink):
         self._counts["frames_received"] += 1
         if frame.is_error_frame or frame.is_remote_frame or frame.is_extended_id:
             self._counts["frames_dropped"] += 1
+        elif frame.arbitration_id == self._sdo_response:
+            self._on_sdo_response(frame)
         elif (receiver := self._receivers.get(frame.arbitration_id)) is not None:
             receiver(Frame(frame.arbitration_id, bytes(frame.data), self._arrival_s(frame)))
         else:
             self._network.notify(frame.arbitration_id, frame.data, frame.timestamp)
 
-    def _on_sdo_response(self, can_id: int, data: bytearray, timestamp: float) -> None:
-        if len(data) == sdo.FRAME_SIZE:
-            self._sdo.on_response(can_id, data, timestamp)
+    def _on_sdo_response(self, frame: can.Message) -> None:
+        if len(frame.data) == sdo.FRAME_SIZE:
+            self._sdo.on_response(frame.arbitration_id, frame.data, frame.timestamp)
         else:
             self._counts["frames_dropped"] += 1
 

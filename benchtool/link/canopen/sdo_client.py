@@ -14,6 +14,7 @@ import binascii
 import queue
 import time
 from collections.abc import Callable
+from contextlib import suppress
 
 import canopen
 from canopen.sdo import client
@@ -116,6 +117,8 @@ class SdoClient(client.SdoClient):
         self.send_request(bytes([sdo.ABORT]) + self._object + sdo.ABORT_CODE.pack(abort_code))
 
     def _next_frame(self, timeout_s: float) -> bytes:
+        with suppress(queue.Empty):
+            return self.responses.get_nowait()
         if self.responses.empty() and self._drained(self._has_response, self.timeout_s):
             timeout_s = 0.0  # an answer that is not there now will not come
         try:

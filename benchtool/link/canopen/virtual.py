@@ -63,25 +63,17 @@ class VirtualTimeBus(VirtualBus):
             timestamp = msg.timestamp
         else:
             timestamp = time.time() if self._clock is None else self._clock.now_s()
+        receivers = [each for each in self.channel if self.receive_own_messages or each is not self.queue]
         full = False
-        for receiver in tuple(self.channel):
-            own = receiver is self.queue
-            if own and not self.receive_own_messages:
+        for receiver in receivers:
+            copy = _copied(msg)
+            copy.timestamp, copy.channel, copy.is_rx = timestamp, self.channel_id, receiver is not self.queue
+            if receiver.maxsize <= 0:
+                with receiver.mutex:  # the queue's own `put`, where nothing is to be waited for
+                    receiver.queue.append(copy)
+                    receiver.unfinished_tasks += 1
+                    receiver.not_empty.notify()
                 continue
-            copy = can.Message(
-                timestamp=timestamp,
-                arbitration_id=msg.arbitration_id,
-                is_extended_id=msg.is_extended_id,
-                is_remote_frame=msg.is_remote_frame,
-                is_error_frame=msg.is_error_frame,
-                channel=self.channel_id,
-                dlc=msg.dlc,
-                data=bytes(msg.data),
-                is_fd=msg.is_fd,
-                is_rx=not own,
-                bitrate_switch=msg.bitrate_switch,
-                error_state_indicator=msg.error_state_indicator,
-            )
             try:
                 receiver.put(copy, timeout=timeout)
             except queue.Full:
@@ -93,6 +85,23 @@ class VirtualTimeBus(VirtualBus):
         super().shutdown()
         with self.queue.all_tasks_done:
             self.queue.all_tasks_done.notify_all()
+
+    def recv(self, timeout: float | None = None) -> can.Message | None:
+        """As in python-can; what is there already is taken at a third of the cost."""
+        if not self._open or self.filters is not None or not self.queue.queue:
+            return super().recv(timeout)
+        self._receiver = threading.current_thread()
+        with self.queue.mutex:  # the queue's own `task_done` and `get` in one
+            if self._in_hand:
+                self.queue.unfinished_tasks -= 1
+                if not self.queue.unfinished_tasks:
+                    self.queue.all_tasks_done.notify_all()
+            self._in_hand = bool(self.queue.queue)
+            if not self._in_hand:
+                return None
+            received: can.Message = self.queue.queue.popleft()
+            self.queue.not_full.notify()
+            return received
 
     def _recv_internal(self, timeout: float | None) -> tuple[can.Message | None, bool]:
         self._receiver = threading.current_thread()
@@ -109,3 +118,18 @@ class VirtualTimeBus(VirtualBus):
         if time.monotonic() > deadline_s:
             return "the receiver does not come back for the next one"
         return ""
+
+
+def _copied(msg: can.Message) -> can.Message:
+    """Return a copy of a frame, without the constructor, which takes three times as long."""
+    copy = can.Message.__new__(can.Message)
+    copy.arbitration_id = msg.arbitration_id
+    copy.is_extended_id = msg.is_extended_id
+    copy.is_remote_frame = msg.is_remote_frame
+    copy.is_error_frame = msg.is_error_frame
+    copy.dlc = msg.dlc
+    copy.data = bytearray(msg.data)
+    copy.is_fd = msg.is_fd
+    copy.bitrate_switch = msg.bitrate_switch
+    copy.error_state_indicator = msg.error_state_indicator
+    return copy

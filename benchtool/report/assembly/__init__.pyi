@@ -4,10 +4,7 @@ from .commissioning import (
 )
 from .comparison import comparison_report as comparison_report
 from .comparison_front import difference as difference
-from .figures import (
-    draw_case as draw_case,
-    draw_cases as draw_cases,
-)
+from .figures import write_pictures as write_pictures
 from .plan import case_label as case_label
 from .run import run_report as run_report
 from .session import session_report as session_report

@@ -179,9 +179,7 @@ def _figures(case: RecordedCase, most: int | None) -> list[Item]:
     """Return the figures of the analyses, or the first few; without any, every recorded channel."""
     if case.assessment is None or not figure_names(panel_of(case.assessment)):
         return list(_every_channel(case))
-    plan = plan_of(case.bundle)
-    drawn = case_figures(case.name if plan is None else plan.title, case.assessment, most)
-    return [picture(name, figure) for name, figure in drawn.items()]
+    return [picture(name, figure) for name, figure in case_figures(case, most).items()]
 
 
 def _every_channel(case: RecordedCase) -> Iterator[Item]:

@@ -44,7 +44,11 @@ def session_report(folder: Path, record: SessionRecord, earlier: Sequence[Sessio
         f"Acceptance of {_object(record)}",
         f"Acceptance report · {record.when} · profile {record.profile_name}",
         record.when,
-        (*_trend_items(record, earlier), *(_test_section(folder, each) for each in record.tests)),
+        (
+            Section("Tests", (_tests(record),), listed=True),
+            *_trend_items(record, earlier),
+            *(_test_section(folder, each) for each in record.tests),
+        ),
         front=tuple(_front(record, profile)),
         appendix=tuple(_appendix(folder, record)),
         fingerprint=hash_of(folder / SESSION).sha256,
@@ -67,7 +71,6 @@ def _front(record: SessionRecord, profile: Profile | None) -> Iterator[Item]:
     yield Section("What was tested", (_tested(record, profile),))
     if record.requirements:
         yield Section("Requirements", (_requirements(record),))
-    yield Section("Tests", (_tests(record),))
     yield Section("Waived and not run", tuple(_left_out(record)))
     yield Section("Decision rule", tuple(Text(each) for each in _rules(record)))
     yield Signatures(ROLES)
@@ -126,15 +129,19 @@ def _false(score: SuiteScore) -> str:
 
 
 def _requirements(record: SessionRecord) -> Grid:
-    tests: dict[str, list[str]] = {}
+    outcomes: dict[str, list[Outcome]] = {}
     for test in record.tests:
         for each in test.requirements:
-            tests.setdefault(each, []).append(test.name)
+            outcomes.setdefault(each, []).append(test.outcome)
     rows = [
-        (name, Cell(str(outcome), _MARKS[outcome]), ", ".join(tests[name]))
+        (
+            name,
+            Cell(str(outcome), _MARKS[outcome]),
+            f"{outcomes[name].count(Outcome.PASSED)} of {len(outcomes[name])}",
+        )
         for name, outcome in record.requirements.items()
     ]
-    return Grid.of(("requirement", "outcome", "tests"), rows)
+    return Grid.of(("requirement", "outcome", ">tests passed"), rows)
 
 
 def _tests(record: SessionRecord) -> Grid:
@@ -142,8 +149,9 @@ def _tests(record: SessionRecord) -> Grid:
     for test in record.tests:
         met = sum(Verdict(each.verdict).met for each in test.judged)
         limits = f"{met} of {len(test.judged)}" if test.judged else NOTHING
-        rows.append((test.name, test.title, Cell(str(test.outcome), _MARKS[test.outcome]), limits))
-    return Grid.of(("test", "what it asks", "outcome", ">limits met"), rows)
+        evidence = ", ".join(test.requirements) or NOTHING
+        rows.append((test.name, test.title, evidence, Cell(str(test.outcome), _MARKS[test.outcome]), limits))
+    return Grid.of(("test", "what it asks", "requirements", "outcome", ">limits met"), rows)
 
 
 def _left_out(record: SessionRecord) -> Iterator[Item]:
@@ -188,7 +196,7 @@ def _rules(record: SessionRecord) -> Iterator[str]:
 def _trend_items(record: SessionRecord, earlier: Sequence[SessionRecord]) -> Iterator[Item]:
     if len(earlier) < _FEWEST:
         told = f"{len(earlier)} earlier sessions of this drive lie beside this one; a trend needs {_FEWEST}."
-        yield Section("Trend", (Text(told, "note"),), listed=True)
+        yield Section("Trend", (Text(told, "note"),), listed=True, short=True)
         return
     changes = sorted(_changes(record, earlier), key=lambda each: -each[0])
     rows = [row for _, row, _ in changes]
@@ -265,7 +273,7 @@ def _test_section(folder: Path, test: TestRecord) -> Section:
             others.append(each)
     if others:
         items.append(Grid.of(("attached", "file"), [(each.name, each.path) for each in others]))
-    return Section(test.name, tuple(items), listed=True, folded=test.outcome is Outcome.PASSED)
+    return Section(test.name, tuple(items), listed=True, folded=test.outcome is Outcome.PASSED, short=True)
 
 
 def _judged_grid(judged: Sequence[Judged]) -> Grid:

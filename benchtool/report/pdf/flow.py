@@ -41,10 +41,10 @@ def story(report: Report) -> Iterator[Flowable]:
         yield PageBreak()
     begun = False
     for item in report.items:
-        listed = isinstance(item, Section) and item.listed and item.paper
-        if begun and listed:
+        begins = isinstance(item, Section) and item.begins_page
+        if begun and begins:
             yield PageBreak()
-        begun = begun or listed
+        begun = begun or begins
         yield from _flow(item, 0)
     everything = (*report.front, *report.items, *report.appendix)
     endnotes = tuple(_definitions(everything))
@@ -52,15 +52,15 @@ def story(report: Report) -> Iterator[Flowable]:
     if not (report.appendix or endnotes or left_out):
         return
     yield _Heading("Appendix", 0)
+    if left_out:
+        more = len(left_out) - _MOST_LEFT_OUT
+        shown = [*left_out[:_MOST_LEFT_OUT], *([f"{more} more sections"] if more > 0 else [])]
+        yield _paragraph(Text(f"On the page besides, in HTML: {'; '.join(shown)}.", "note"))
     if endnotes:
         yield _Heading("Definitions", 1)
         yield from (_endnote(name, notes) for name, notes in endnotes)
     for item in report.appendix:
         yield from _flow(item, 1)
-    if left_out:
-        more = len(left_out) - _MOST_LEFT_OUT
-        shown = [*left_out[:_MOST_LEFT_OUT], *([f"{more} more sections"] if more > 0 else [])]
-        yield _paragraph(Text(f"On the page besides, in HTML: {'; '.join(shown)}.", "note"))
 
 
 def _on_paper(items: Sequence[Item]) -> Iterator[Item]:
@@ -104,7 +104,7 @@ def _flow(item: Item, level: int) -> Iterator[Flowable]:
         case Section():
             if not item.paper:
                 return
-            if item.listed and level:
+            if item.begins_page and level:
                 yield PageBreak()
             heading = _Heading(item.title, level)
             body = list(_body(item.items, level + 1))

@@ -121,3 +121,15 @@ def test_what_is_undecided_is_not_met() -> None:
     assert [verdict.met for verdict in Verdict] == [True, True, True, False, False]
     assert worst([Verdict.MARGINAL, Verdict.UNDECIDED]) is Verdict.UNDECIDED
     assert worst([Verdict.UNDECIDED, Verdict.FAIL]) is Verdict.FAIL
+
+
+@pytest.mark.parametrize(
+    ("limit", "text"),
+    [
+        (Limit(min=1.0, max=2.5), ">= 1, <= 2.5"),
+        (Limit(max=2.5), "<= 2.5"),
+        (Limit(min=3205130000.0, max=3205130000.0), "= 3205130000"),
+    ],
+)
+def test_bounds_in_words(limit: Limit, text: str) -> None:
+    assert limit.bounds == text

@@ -154,7 +154,17 @@ def test_the_pdf_has_its_fonts_its_pages_their_numbers_and_the_run_s_date() -> N
     assert b"20261121120000+01'00'" in document
     assert b"/Outlines" in document
     assert b"(First)" in document
-    assert document.count(b"/Type /Page\n") == 2  # the second listed section begins a page
+    assert _pages(document) == 2  # the second listed section begins a page
+
+
+@pytest.mark.parametrize(("short", "pages"), [(False, 3), (True, 1)])
+def test_short_sections_follow_on_the_page(short: bool, pages: int) -> None:
+    sections = tuple(Section(name, (Text("a line"),), listed=True, short=short) for name in "ABC")
+    assert _pages(pdf_document(Report("title", "subtitle", "2026-11-21T12:00:00+01:00", sections))) == pages
+
+
+def _pages(document: bytes) -> int:
+    return document.count(b"/Type /Page\n")
 
 
 @pytest.mark.parametrize("name", ["DejaVuSans", "DejaVuSans-Bold"])
