@@ -18,6 +18,7 @@ _FEWEST_BINS = 8
 _LOCAL_BINS = 20  # at least, around each harmonic
 _BAND_BINS = 16
 _PAIRS, _NEAREST = 8, 3
+_OF_ONE_PAIR = 3.0  # a distribution of two degrees of freedom has no deviation: 2 u then hold 97 %
 _LAST_DIGIT = 1e-6  # of the strongest line: a smaller step is rounding
 _CLEARLY = 6.0  # a ratio of variances, of 16 degrees of freedom each: by chance once in two thousand
 _LARGE = 1000
@@ -262,7 +263,9 @@ def _of_pairs(sums: NDArray[np.complex128], inside: NDArray[np.bool_]) -> NDArra
             near = values[usable]
             middle = float(np.median(near)) / _median_of_exponentials(len(near))
             found[row] = max(float(np.mean(near[:_NEAREST])), middle)
-            if len(near) < _PAIRS:
+            if len(near) == 1:
+                found[row] *= _OF_ONE_PAIR**2
+            elif len(near) < _PAIRS:
                 found[row] *= students_deviation(2.0 * len(near)) ** 2
     return np.asarray(np.sqrt(found))
 
