@@ -11,9 +11,17 @@ from typing import Final
 import pytest
 from hypothesis import HealthCheck, settings
 
-# Generated examples are the same in every run, and a busy machine fails no test.
+# Generated examples are the same in every run, and a busy machine fails no test. Others, and more of them, by
+# `--hypothesis-profile=thorough`.
 settings.register_profile(
-    "reproducible", derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow]
+    "reproducible",
+    derandomize=True,
+    max_examples=50,
+    deadline=None,
+    suppress_health_check=[HealthCheck.too_slow],
+)
+settings.register_profile(
+    "thorough", max_examples=1000, deadline=None, suppress_health_check=[HealthCheck.too_slow]
 )
 settings.load_profile("reproducible")
 

@@ -13,6 +13,7 @@ import sysconfig
 import tarfile
 import venv
 import zipfile
+from dataclasses import dataclass
 from email import message_from_bytes
 from importlib.metadata import packages_distributions
 from pathlib import Path
@@ -20,6 +21,12 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
+IMPORT_ALL = """
+import importlib, pkgutil, benchtool
+for module in pkgutil.walk_packages(benchtool.__path__, "benchtool."):
+    if not module.name.endswith("__main__"):
+        print(importlib.import_module(module.name).__name__)
+"""
 
 
 def _run(*command: str | Path, cwd: Path, home: Path) -> str:
@@ -48,15 +55,43 @@ def _imported(sources: zipfile.ZipFile) -> set[str]:
     return found - sys.stdlib_module_names - {"benchtool"}
 
 
-@pytest.mark.packaging
-def test_the_wheel_runs_the_demo_in_an_environment_of_its_own(tmp_path: Path) -> None:
-    home, wheels, elsewhere = tmp_path / "home", tmp_path / "wheels", tmp_path / "elsewhere"
+@dataclass(frozen=True)
+class Installed:
+    """The wheel, and an environment of its own in which it is installed, with an empty home."""
+
+    wheel: Path
+    python: Path
+    elsewhere: Path
+    home: Path
+
+    def run(self, name: str, *arguments: str | Path) -> str:
+        return _run(self.python.with_name(name), *arguments, cwd=self.elsewhere, home=self.home)
+
+
+@pytest.fixture(scope="module")
+def installed(tmp_path_factory: pytest.TempPathFactory) -> Installed:
+    place = tmp_path_factory.mktemp("installed")
+    home, wheels, elsewhere = place / "home", place / "wheels", place / "elsewhere"
     for folder in (home, wheels, elsewhere):
         folder.mkdir()
     build = (sys.executable, "-m", "build", "--wheel", "--no-isolation", "-o", wheels, ROOT)
     _run(*build, cwd=elsewhere, home=home)
     (wheel,) = wheels.glob("*.whl")
-    with zipfile.ZipFile(wheel) as archive:
+
+    # The dependencies come from the environment of the tests. A .pth file in a folder which
+    # another .pth file adds is not read, so the checkout, installed there as editable, is out of reach.
+    environment = place / "venv"
+    venv.create(environment)
+    python = environment / "bin" / "python"
+    packages = Path(sysconfig.get_path("purelib", vars={"base": str(environment)}))
+    (packages / "dependencies.pth").write_text(sysconfig.get_path("purelib") + "\n")
+    pip = (sys.executable, "-m", "pip", "--python", python, "install")
+    _run(*pip, "--quiet", "--no-deps", "--no-index", wheel, cwd=elsewhere, home=home)
+    return Installed(wheel, python, elsewhere, home)
+
+
+def test_the_wheel_declares_what_it_imports(installed: Installed) -> None:
+    with zipfile.ZipFile(installed.wheel) as archive:
         (metadata,) = (name for name in archive.namelist() if name.endswith(".dist-info/METADATA"))
         required = message_from_bytes(archive.read(metadata)).get_all("Requires-Dist", [])
         imported = _imported(archive)
@@ -64,39 +99,32 @@ def test_the_wheel_runs_the_demo_in_an_environment_of_its_own(tmp_path: Path) ->
     providers = {name: {_distribution(each) for each in packages_distributions()[name]} for name in imported}
     assert [name for name in imported if not declared & providers[name]] == []
 
-    # The dependencies come from the environment of the tests. A .pth file in a folder which
-    # another .pth file adds is not read, so the checkout, installed there as editable, is out of reach.
-    environment = tmp_path / "venv"
-    venv.create(environment)
-    python = environment / "bin" / "python"
-    packages = Path(sysconfig.get_path("purelib", vars={"base": str(environment)}))
-    (packages / "dependencies.pth").write_text(sysconfig.get_path("purelib") + "\n")
-    install = (
-        sys.executable,
-        "-m",
-        "pip",
-        "--python",
-        python,
-        "install",
-        "--quiet",
-        "--no-deps",
-        "--no-index",
-        wheel,
-    )
-    _run(*install, cwd=elsewhere, home=home)
 
-    printed = _run(python.with_name("benchtool"), "demo", "--json", cwd=elsewhere, home=home)
+def test_the_wheel_has_every_file_of_the_package(installed: Installed) -> None:
+    listed = _run("git", "ls-files", "benchtool", cwd=ROOT, home=installed.home).split()
+    with zipfile.ZipFile(installed.wheel) as archive:
+        assert set(listed) <= set(archive.namelist())
 
-    case = json.loads(printed)["cases"]["tpc"]
+
+def test_every_module_of_the_wheel_is_imported_in_an_environment_of_its_own(installed: Installed) -> None:
+    names = installed.run("python", "-c", IMPORT_ALL).split()
+    assert len(names) > 500
+    where = installed.run("python", "-c", "import benchtool; print(benchtool.__file__)")
+    assert Path(where.strip()).is_relative_to(installed.python.parents[1])
+    installed.run("benchtool", "plan", "new", "mine.toml")  # of a profile that is shipped
+    assert (installed.elsewhere / "mine.toml").is_file()
+
+
+@pytest.mark.slow
+def test_the_wheel_runs_the_demo_in_an_environment_of_its_own(installed: Installed) -> None:
+    case = json.loads(installed.run("benchtool", "demo", "--json"))["cases"]["tpc"]
     assert set(case["measurements"]) >= {"torque_ripple_pp", "transducer_torque_ripple_pp", "current_thd_f"}
-    _run(python.with_name("benchtool"), "report", case["bundle"], "--png", cwd=elsewhere, home=home)
-    assert (elsewhere / case["bundle"] / "report.html").is_file()
-    assert (elsewhere / case["bundle"] / "plots" / "waveforms.png").is_file()
-    where = _run(python, "-c", "import benchtool; print(benchtool.__file__)", cwd=elsewhere, home=home)
-    assert Path(where.strip()).is_relative_to(tmp_path)
+    bundle = installed.elsewhere / case["bundle"]
+    installed.run("benchtool", "report", bundle, "--png")
+    assert (bundle / "report.html").is_file()
+    assert (bundle / "plots" / "waveforms.png").is_file()
 
 
-@pytest.mark.packaging
 def test_what_make_built_is_in_no_distribution(tmp_path: Path) -> None:
     tree, distributions = tmp_path / "tree", tmp_path / "distributions"
     for folder in ("benchtool", "profiles", "firmware_protocol"):

@@ -15,9 +15,8 @@ from scipy.signal import cont2discrete, lfilter
 
 from benchtool.emulator.core import Core
 from benchtool.emulator.core.kernel import run_ticks
-from benchtool.emulator.jit import parts_of
 from benchtool.emulator.machine.sampling import weights
-from benchtool.emulator.machine.sensor_truth import CurrentTruth, EncoderTruth, SensorTruth, VoltageTruth
+from benchtool.emulator.machine.sensor_truth import CurrentTruth, SensorTruth, VoltageTruth
 from benchtool.errors import ValueRefused
 from tests.physics.paper_machine import MOTOR, make_core
 
@@ -162,30 +161,3 @@ def test_a_current_read_more_than_two_periods_late_is_refused_by_its_key() -> No
     assert replace(sensors, i_b=CurrentTruth(delay_s=1.9e-4)).sampling(T_S) is not None
     with pytest.raises(ValueRefused, match="shunt_settling_s with bandwidth_Hz"):
         replace(sensors, shunt_settling_s=1e-6)
-
-
-def test_compiled_with_every_part_the_sensors_read_as_in_python() -> None:
-    """To the converter's step: a law without a switching decision keeps the rounding of both small."""
-    flawed = {
-        "sampling_point": 0.7,
-        "warm_up_K": 20.0,
-        "i_a": CurrentTruth(offset_drift_A_K=0.01, bandwidth_Hz=5e3),
-        "i_b": CurrentTruth(delay_s=9e-5),
-        "u_dc": VoltageTruth(bandwidth_Hz=1e3, noise_V_rms=0.1),
-        "encoder": EncoderTruth(relative=True, index=True, lost_every=50, eccentricity_1_rad=0.01),
-    }
-    cores = [turning(flawed) for _ in range(2)]
-    parts = set(parts_of(cores[0]._truth))
-    assert {"stage.sampling.lag", "sensing.drift", "sensing.u_lag"} <= parts
-    assert {"sensing.encoder.counter", "sensing.encoder.eccentricity"} <= parts
-    for core in cores:
-        core.memory["law"], core.memory["omega_current"] = 5, 1000.0
-    cores[0].run(150)
-    cores[1].run_with(run_ticks, 150)
-    compiled, plain = (core._measurements[0] for core in cores)
-    for name in ("i_a", "i_b", "i_c", "u_dc"):
-        assert getattr(compiled, name) == pytest.approx(getattr(plain, name), abs=2 * STEP_A)
-    assert compiled.count == plain.count != 0
-    for name in ("warm_K", "u_dc", "edge", "error", "travelled"):
-        assert getattr(cores[0]._sensors[0], name) == pytest.approx(getattr(cores[1]._sensors[0], name))
-    assert cores[0].command.trip == 0

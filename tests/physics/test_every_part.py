@@ -10,6 +10,7 @@ from benchtool.emulator.core import Core
 from benchtool.emulator.core.kernel import kernel_of, run_ticks
 from benchtool.emulator.machine.heat import HeatTruth
 from benchtool.emulator.machine.saturation import SaturationTruth
+from benchtool.emulator.machine.sensor_truth import CurrentTruth, EncoderTruth, VoltageTruth
 from benchtool.emulator.machine.train_truth import (
     FlangeTruth,
     LoadMachineTruth,
@@ -48,6 +49,16 @@ TRAIN = TrainTruth(
     load_machine=LoadMachineTruth(bandwidth_Hz=100.0, stiffness_Nms=1.0),
     flange=FlangeTruth(bandwidth_Hz=100.0),
 )
+SENSORS: dict[str, Any] = {
+    **WIDE,
+    "sampling_point": 0.7,
+    "warm_up_K": 20.0,
+    "i_a": CurrentTruth(offset_drift_A_K=0.01, bandwidth_Hz=5e3),
+    "i_b": CurrentTruth(delay_s=9e-5),
+    "u_dc": VoltageTruth(bandwidth_Hz=1e3, noise_V_rms=0.1),
+    "encoder": EncoderTruth(relative=True, index=True, lost_every=10, eccentricity_1_rad=0.01),
+}
+STEP_A = 2000.0 / 2**24
 FIELDS = (
     "i_d",
     "i_q",
@@ -65,7 +76,13 @@ FIELDS = (
 
 
 def started() -> Core:
-    core = make_core(motor=EVERYTHING, inverter=INVERTER, sensors=WIDE, parameters=NO_TRIP, train=TRAIN)
+    core = make_core(
+        motor=EVERYTHING,
+        inverter={**INVERTER, "timer_Hz": 1e8},
+        sensors=SENSORS,
+        parameters=NO_TRIP,
+        train=TRAIN,
+    )
     core.shaft.omega_m = core.shaft.omega_load = 60.0
     core.load.torque_Nm = 0.5
     return core
@@ -92,3 +109,9 @@ def test_compiled_and_plain_functions_agree() -> None:
         assert compiled.energies_J()[name] == pytest.approx(energy, rel=1e-9, abs=1e-12)
     assert compiled.shaft["T_winding"] > 25.0
     assert imbalance(compiled) < 1e-9
+    read, expected = compiled._measurements[0], plain._measurements[0]
+    for name in ("i_a", "i_b", "i_c", "u_dc"):
+        assert getattr(read, name) == pytest.approx(getattr(expected, name), abs=2 * STEP_A)
+    assert read.count == expected.count != 0
+    for name in ("warm_K", "u_dc", "edge", "error", "travelled"):
+        assert getattr(compiled._sensors[0], name) == pytest.approx(getattr(plain._sensors[0], name))
