@@ -36,7 +36,7 @@ _ARRIVED = 0.02  # of the step: tolerance of reaching it, and the least settling
 _SIGMAS = 3.0  # standard uncertainties of the curve: the least that counts as a movement
 _CALM = 5.0  # standard uncertainties of the curve that noise alone hardly ever leaves
 _CONCAVE = 0.3  # of the way back along a line: that of an answer that gets slower, or of a steep one
-_TO_THE_ENDS = 1.25  # standard uncertainties from the middle to such a start and to one along a parabola
+_TO_THE_ENDS = 1.05  # standard uncertainties from the middle to such a start and to one along a parabola
 _AT_REST = 2.0  # times the settling time
 _LONGER = 2.0  # times the samples whose mean is the final value
 _EXTREME = 4.0  # standard uncertainties of an overshoot that has a peak time
@@ -323,7 +323,7 @@ STEP: Final = Analysis(
             "until the curve is 2 % of `height` beyond the signal's mean before the step; where three of its "
             "standard uncertainties are more, from there back to the middle between 0.3 of the way along a "
             "line through there and twice as far, and the way along a parabola (a lag of second order); each "
-            "is 1.25 standard uncertainties away. "
+            "is 1.05 standard uncertainties away. "
             "Undefined where the signal has moved before time zero, along a slow reference",
         ),
         Quantity(
