@@ -22,20 +22,19 @@ from benchtool.analysis.uncertainty import COVERAGE
 
 Floats = NDArray[np.float64]
 
-_LOWEST = 1.0 / 32.0  # cycles in the record: noise is taken to rise no further below that
+_LOWEST = 1.0 / 24.0  # cycles in the record: noise is taken to rise no further below that
 _EXPONENTS = np.array([0.5, 1.0, 1.5, 2.0])  # of the density's fall with frequency
 _CORNERS = _LOWEST * 2.0 ** np.arange(17)  # cycles in the record, below which the density is flat
 _FLOORS = 2.0 ** np.arange(0.0, 12.0, 1.5)  # cycles in the record, above which white noise hides the fall
-_WHITE = 0.7  # probability of white noise before the record is seen
-_FLAT = 0.02  # octaves of rise below the lowest bin, up to which the record shows all of the density
-_STILL_FLAT = 0.02  # probability of that, above which the few lowest bins are high by chance
-_SCALELESS = 0.5  # probability that such a density has no corner
+_WHITE = 0.7  # probability before the record is seen of white noise, or of such from period to period
+_SCALELESS = 0.4  # probability that such a density has no corner
 _SINGLE = 8  # bins that count by themselves
 _BANDS_PER_OCTAVE = 3.0
 _MOST_OF_A_BAND = 6.0  # bins that a band counts as: the models do not hold more exactly than that
 _FEWEST = 5  # bins
 _RISES = 1e-6  # probability that white noise rises as much within two octaves
 _ENOUGH_PERIODS = 24
+_OF_A_PERIOD = math.sqrt(3.0) / math.pi  # of the distance between harmonics: corner of what lasts a period
 _NEAR_HARMONIC = 0.2  # of the distance between harmonics
 _LOST = 4.5  # octaves by which the density rises below the lowest bin: 1/f noise does by five at most
 _WEIGHTLESS = 1e-4  # of all models
@@ -59,8 +58,7 @@ class SlowNoise:
 
 
 def slow_noise(samples: Floats, periods: int = 0) -> SlowNoise | None:
-    """Return the error of the mean of samples, shape (n,), at equal times; None of too few, and of
-    noise whose density may be flat below the lowest frequency of the record.
+    """Return the error of the mean of samples, shape (n,), at equal times; None of too few.
 
     `periods` are the whole periods that the samples hold of what repeats, whose harmonics are left out.
     """
@@ -83,7 +81,7 @@ def slow_noise(samples: Floats, periods: int = 0) -> SlowNoise | None:
     last = _before_a_rise(place, mean, width)
     if np.sum(width[:last]) < _FEWEST:
         return None
-    return _averaged(place[:last], mean[:last], np.minimum(width[:last], _MOST_OF_A_BAND))
+    return _averaged(place[:last], mean[:last], np.minimum(width[:last], _MOST_OF_A_BAND), periods)
 
 
 def _banded(number: Floats, power: Floats) -> tuple[Floats, Floats, Floats]:
@@ -147,9 +145,8 @@ def _density(place: Floats) -> Floats:
     return np.asarray((place**2 + corners**2) ** (-0.5 * exponents))
 
 
-def _averaged(place: Floats, mean: Floats, count: Floats) -> SlowNoise | None:
-    """Return the error by all models, each of any size, with the weight that the bands give it; None where
-    they do not rule out that the density rises no further."""
+def _averaged(place: Floats, mean: Floats, count: Floats, periods: int) -> SlowNoise:
+    """Return the error by all models, each of any size, with the weight that the bands give it."""
     models, single = _models(), int(np.count_nonzero(place <= _SINGLE))
     falling = _density(place)
     falling[:, :, :single] = models.in_bins[:, :, np.round(place[:single]).astype(np.int64) - 1]
@@ -163,8 +160,9 @@ def _averaged(place: Floats, mean: Floats, count: Floats) -> SlowNoise | None:
     of_mean = (models.of_mean[:, usable, np.newaxis] + level[:, usable]).ravel()
     low, one = _density(np.array([_LOWEST])), _density(np.array([1.0]))
     rise = np.log2((low[:, usable] + level[:, usable]) / (one[:, usable] + level[:, usable])).ravel()
-    shape = np.vstack([shape, np.ones(len(place))])
-    of_mean, rise = np.append(of_mean, 1.0), np.append(rise, 0.0)
+    steady = _steady(place, floors, periods)
+    shape = np.vstack([shape, steady[:, 1:]])
+    of_mean, rise = np.append(of_mean, steady[:, 0]), np.append(rise, np.zeros(len(steady)))
     bins = float(np.sum(count))
     # its size is eliminated: 1 / size has a Gamma distribution
     # einsum in place of a product of matrices, which would start threads
@@ -173,10 +171,21 @@ def _averaged(place: Floats, mean: Floats, count: Floats) -> SlowNoise | None:
     prior = _prior(int(np.count_nonzero(usable)), len(floors))
     weight = prior * np.exp(fits - np.max(fits))
     weight /= np.sum(weight)
-    if float(np.sum(weight[rise <= _FLAT])) > _STILL_FLAT:
-        return None
     square = of_mean * scaled / max(bins - 1.0, 0.5)
     return SlowNoise(_half_width(weight, np.sqrt(square)) / _K, _DOF, float(np.sum(weight * rise)))
+
+
+def _steady(place: Floats, floors: Floats, periods: int) -> Floats:
+    """Return the densities that rise no further at zero frequency, then at all places: white noise, and what
+    is the same within a period and another in each, with white noise above the floors; shape (1 + floors, 1 +
+    places).
+
+    The density of the latter is sinc^2, which this one is near.
+    """
+    at = np.append(0.0, place) / (_OF_A_PERIOD * max(1, periods))
+    of_periods = 1.0 / (1.0 + at**2) if periods else np.ones(len(at))
+    hidden = 1.0 / (1.0 + (floors / (_OF_A_PERIOD * max(1, periods))) ** 2)
+    return np.vstack([np.ones(len(at)), of_periods + hidden[:, np.newaxis]])
 
 
 def _half_width(weight: Floats, standard: Floats) -> float:
@@ -195,7 +204,7 @@ def _half_width(weight: Floats, standard: Floats) -> float:
 
 
 def _prior(corners: int, floors: int) -> Floats:
-    """Return the probabilities of all models before a record is seen, the white one last.
+    """Return the probabilities of all models before a record is seen, the steady ones last.
 
     Half of what falls more slowly than a first-order lag has no corner: 1/f noise.
     """
@@ -204,4 +213,5 @@ def _prior(corners: int, floors: int) -> Floats:
         of_corners[:-1] *= 1.0 - _SCALELESS
         of_corners[:-1, 0] += _SCALELESS
     each = np.repeat(of_corners.ravel() / len(_EXPONENTS), floors) / floors
-    return np.append((1.0 - _WHITE) * each, _WHITE)
+    of_periods = np.full(floors, 0.5 * _WHITE / floors)
+    return np.concatenate([(1.0 - _WHITE) * each, [0.5 * _WHITE], of_periods])

@@ -233,7 +233,9 @@ def _numbers(
     if scatter is not None and scatter.steps is not None:
         of_mean, of_rms = max(of_mean, scatter.steps.of_mean()), max(of_rms, scatter.steps.of_rms)
     # noise too slow for the record moves its mean in place of its rms
-    taken = scatter.mean.standard**2 / (2.0 * whole.rms) if scatter is not None and whole.rms > 0.0 else 0.0
+    taken = 0.0
+    if scatter is not None and whole.rms > 0.0 and math.isfinite(scatter.mean.standard):
+        taken = scatter.mean.standard**2 / (2.0 * whole.rms)
     # steps add a twelfth of their square to the mean square
     of_rms = math.hypot(of_rms, step**2 / (24.0 * whole.rms) if whole.rms > 0.0 else 0.0)
     mean = measured(
@@ -254,17 +256,19 @@ def _numbers(
         scatter.rms if scatter else None,
         scatter.incomplete_rms if scatter else 0.0,
         of_rms,
-        slow=taken if math.isfinite(taken) else 0.0,
+        slow=taken,
     )
     yield rms
+    range_between = percentile_range(samples)
     yield measured(
         "ripple_percentile_range",
         f"{_HIGH:g}th minus {_LOW:g}th percentile of {what}",
-        percentile_range(samples),
+        range_between,
         scatter.percentile_range if scatter else None,
         0.0,
         step / math.sqrt(6.0),
         step,
+        slow=taken * range_between / whole.rms if whole.rms > 0.0 else 0.0,
     )
     reason = clipped or _no_base(mean, whole, name)
     for number in (peak_to_peak, rms):
@@ -431,21 +435,38 @@ def _percentile_scatter(
 
     A percentile moves by the share of samples beyond it, more than expected, over the density there (Bahadur,
     Ann. Math. Statist. 37 (1966)); the density is that between percentiles a little to either side. Where
-    neighbouring periods are correlated, how the ranges of parts of the record scatter is added.
+    neighbouring periods are correlated, how the ranges of parts of the record scatter is added. What it moves
+    by from sample to sample is a series as the samples are, with noise that is too slow for the record.
     """
     at = (_LOW - _NEAR, _LOW, _LOW + _NEAR, _HIGH - _NEAR, _HIGH, _HIGH + _NEAR)
     below, low, above_low, below_high, high, above = np.percentile(samples, at)
-    beyond_low = np.add.reduceat(samples < low, begin, dtype=np.float64) / counts
-    beyond_high = np.add.reduceat(samples > high, begin, dtype=np.float64) / counts
     per_share = 100.0 / (2.0 * _NEAR)
-    moved = per_share * ((above_low - below) * beyond_low + (above - below_high) * beyond_high)
-    linear = error_of_series(moved)
+    is_low, is_high = samples < low, samples > high
+    moved = per_share * ((above_low - below) * is_low + (above - below_high) * is_high)
+    by_periods = error_of_series(np.add.reduceat(moved, begin) / counts)
+    linear = at_lowest_frequencies(moved, by_periods, len(begin))
+    of_few = max(_of_few(is_low, begin), _of_few(is_high, begin))
+    linear = MeanError(of_few * linear.standard, linear.dof)
     if len(begin) < _CORRELATED * (linear.dof + 1.0) or len(begin) < 2 * _PARTS:
         return linear
     # few stretches make the tail, and with it the density there: those of parts say how much it varies
     parts = np.array([percentile_range(samples[rows]) for rows in _parts(begin, len(samples))])
     of_parts = _WHOLE_OVER_PARTS * float(np.std(parts, ddof=1)) / math.sqrt(_PARTS)
     return MeanError(math.hypot(linear.standard, of_parts), _PARTS - 1.0)
+
+
+def _of_few(beyond: NDArray[np.bool_], begin: NDArray[np.int64]) -> float:
+    """Return by how much more a percentile scatters where the samples beyond it are of few of the periods.
+
+    Then the density there is that of these few. They count as the n = (sum s)^2 / sum s^2 that their shares s
+    make; of periods alike it is about half of them.
+    """
+    shares = np.add.reduceat(beyond, begin, dtype=np.float64)
+    squares = float(np.sum(shares**2))
+    if not squares > 0.0:
+        return 1.0
+    concentrated = squares / float(np.sum(shares)) ** 2 - 2.0 / len(begin)
+    return math.sqrt(1.0 + 2.0 * max(0.0, concentrated))
 
 
 def _parts(begin: NDArray[np.int64], count: int) -> Iterator[slice]:

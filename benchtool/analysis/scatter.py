@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,7 +64,8 @@ def error_of_series(values: NDArray[np.float64]) -> MeanError:
         tau = max(tau, _of_a_memory(neighbours, count), _without_bias(covariance, tau))
         if tau > count / _FEWEST_INDEPENDENT and correlated > _WITHOUT_DOUBT:
             return MeanError(math.nan, max(1.0, count / tau - 1.0))
-    tau = min(max(tau, 1.0 / count), 0.5 * count)
+    # it is itself not known better than that
+    tau = min(max(tau, 2.0 / math.sqrt(count)), 0.5 * count)
     dof = max(1.0, count / max(tau, 1.0) - 1.0)
     # the deviations are from the mean of these values, and so too small by that mean's own variance
     standard = math.sqrt(covariance[0] * tau / (count - max(tau, 1.0)))
@@ -135,10 +137,11 @@ def at_lowest_frequencies(samples: NDArray[np.float64], by_parts: MeanError, per
     `periods` are the whole periods that the samples hold of what repeats.
     """
     if not math.isfinite(by_parts.standard):
-        by_parts = error_of_series(means_of_parts(samples))
-    size = max(1, len(samples) // _BLOCKS)
-    blocks = len(samples) // size
-    values = np.mean(samples[: blocks * size].reshape(blocks, size), axis=1)
+        parts = means_of_parts(samples)
+        if not len(parts):
+            return by_parts
+        by_parts = error_of_series(parts)
+    values = _means_of_blocks(samples, periods)
     by_parts = _without_oscillations(values, by_parts)
     slow = slow_noise(values, periods)
     if slow is None or slow.standard < _CLEARLY_MORE * by_parts.standard:
@@ -146,6 +149,27 @@ def at_lowest_frequencies(samples: NDArray[np.float64], by_parts: MeanError, per
     if slow.standard < _ROUNDING * float(np.max(np.abs(values))):
         return by_parts
     return MeanError(math.nan if slow.is_lost else slow.standard, slow.dof)
+
+
+def _means_of_blocks(samples: NDArray[np.float64], periods: int) -> NDArray[np.float64]:
+    """Return the means of up to 4096 equal blocks of samples, shape (n,), all of which count: at the edges of
+    blocks a part of a sample.
+
+    Where each period has as many blocks, harmonics of what repeats do not alias beside harmonics.
+    """
+    blocks, count = _BLOCKS, len(samples)
+    if 0 < periods <= blocks:
+        blocks -= blocks % periods
+    if count <= blocks:
+        return samples
+    size = count / blocks
+    edges = size * np.arange(1, blocks)
+    rows = edges.astype(np.int64)
+    within = np.add.reduceat(samples, np.concatenate([[0], rows]))
+    moved = (edges - rows) * samples[rows]  # from the block after the edge to the one before it
+    within[:-1] += moved
+    within[1:] -= moved
+    return np.asarray(within / size)
 
 
 def _without_oscillations(values: NDArray[np.float64], by_parts: MeanError) -> MeanError:
@@ -191,8 +215,17 @@ def scatter_of_largest(values: NDArray[np.float64], tail: float = 0.0) -> float:
     count = len(values)
     beyond = max(_FEWEST_EXTREMES - 1, round(math.sqrt(count)))
     top = np.partition(values, count - beyond - 1)[count - beyond - 1 :]
-    excess = float(np.sum(top - np.min(top))) / beyond
+    excess = float(np.sum(top - np.min(top))) / beyond / _of_gumbel(count, beyond)
     return max(least, _of_extreme(tail, beyond) * excess)
+
+
+@cache
+def _of_gumbel(count: int, beyond: int) -> float:
+    """Return the mean excess of the `beyond` largest of `count` values over the next, on average, of Gumbel's
+    distribution of scale 1, by its quantiles at (i - 1/2) / n: above few values its tail has not begun."""
+    share = (np.arange(count - beyond - 1, count) + 0.5) / count
+    places = -np.log(-np.log(share))
+    return float(np.mean(places[1:]) - places[0])
 
 
 def _of_extreme(tail: float, beyond: int) -> float:

@@ -103,9 +103,10 @@ _NUMBERS: Final = (
         "Nm",
         "max(x) - min(x)",
         "how much the peak-to-peak of another record of this length differs: of maximum and minimum pi / "
-        "sqrt(6) times the mean excess of the sqrt(N_p) largest periods' maxima over the next (Gumbel's "
-        "distribution; of heavy tails Fréchet's); and resolution / sqrt(6), in U a whole step. Without "
-        "periods that alone, or none where the resolution is less than a hundred-thousandth of the ripple",
+        "sqrt(6) times the mean excess of the sqrt(N_p) largest periods' maxima over the next, over that of "
+        "scale 1 (Gumbel's distribution; of heavy tails Fréchet's); and resolution / sqrt(6), in U a whole "
+        "step. Without periods that alone, or none where the resolution is less than a hundred-thousandth of "
+        "the ripple",
     ),
     (
         ("ripple_rms",),
@@ -118,8 +119,10 @@ _NUMBERS: Final = (
         ("ripple_percentile_range",),
         "Nm",
         "99.5th - 0.5th percentile",
-        "s of the periods' shares beyond the percentiles / density there x sqrt(tau / N_p), and resolution / "
-        "sqrt(6), in U a whole step",
+        "s of the periods' shares beyond the percentiles / density there x sqrt(tau / N_p), or by the "
+        "density at zero frequency as for the mean; up to sqrt(1 + 2 / n) times as much where n of the "
+        "periods, fewer than half, hold what is beyond; resolution / sqrt(6), in U a whole step; u(mean)^2 "
+        "as for the rms",
     ),
     (("ripple_percent_of_mean",), "%", "100 pp / |mean|", "those of pp and mean"),
     (("ripple_rms_percent_of_mean",), "%", "100 rms / |mean|", "those of rms and mean"),

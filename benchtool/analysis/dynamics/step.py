@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.declaration import Analysis, Findings, Measured, Quantity, UnitOf
 from benchtool.analysis.dynamics.noisy_curve import Instant, NoisyCurve
+from benchtool.analysis.dynamics.smoothing import Noise
 from benchtool.analysis.dynamics.step_drift import drift_before
 from benchtool.analysis.dynamics.step_shape import TAIL, Step, find_step
 from benchtool.analysis.measurement import Measurement, MeasurementJson, measurements_to_json
@@ -34,7 +35,10 @@ _LOW, _HIGH = 0.1, 0.9
 _ARRIVED = 0.02  # of the step: tolerance of reaching it, and the least settling band
 _SIGMAS = 3.0  # standard uncertainties of the curve: the least that counts as a movement
 _CALM = 5.0  # standard uncertainties of the curve that noise alone hardly ever leaves
-_TO_THE_PARABOLA = 1.5  # standard uncertainties to a start along a parabola
+_CONCAVE = 0.3  # of the way back along a line: that of an answer that gets slower, or of a steep one
+_TO_THE_ENDS = 1.05  # standard uncertainties from the middle to such a start and to one along a parabola
+_AT_REST = 2.0  # times the settling time
+_LONGER = 2.0  # times the samples whose mean is the final value
 _EXTREME = 4.0  # standard uncertainties of an overshoot that has a peak time
 _OF_SAMPLES = "plateau_", "tracking_error_"  # what the samples are, whatever moves them
 _FEWEST_SAMPLES = 20  # whose scatter says something
@@ -83,7 +87,7 @@ def _without_drift(found: Iterable[Measurement], reason: str) -> Iterator[Measur
 
 
 def _measurements(step: Step) -> Iterator[Measurement]:
-    curve = NoisyCurve.through(step.y, step.y_noise)
+    curve = _curve(step)
     arrived = curve.first_above(step.greatest - _ARRIVED * step.height)
     band = _band(step, curve)
     settled = curve.last_outside(step.final, band)
@@ -92,6 +96,22 @@ def _measurements(step: Step) -> Iterator[Measurement]:
     yield from _excursions(step, curve, arrived)
     yield from _plateau(step, arrived)
     yield from _tracking(step, settled)
+
+
+def _curve(step: Step) -> NoisyCurve:
+    """Return the smooth curve, with the noise of all samples at rest where these are many more than the last.
+
+    After as long again as a signal takes to settle within 2 %, what is left of an exponential decay is the
+    square of that.
+    """
+    curve = NoisyCurve.through(step.y, step.y_noise)
+    settled = curve.last_outside(step.final, _band(step, curve))
+    if settled is None or not math.isfinite(settled.standard) or step.y_noise.rms == 0.0:
+        return curve
+    at_rest = step.y[math.ceil(_AT_REST * settled.place) :]
+    if len(at_rest) < _LONGER * TAIL * len(step.y):
+        return curve
+    return NoisyCurve.through(step.y, Noise.of(step.y_before, at_rest))
 
 
 def _band(step: Step, curve: NoisyCurve) -> float:
@@ -112,7 +132,7 @@ def _settling_text(step: Step, band: float) -> str:
 def _times(step: Step, curve: NoisyCurve, arrived: Instant | None) -> Iterator[Measurement]:
     text = (
         f"from the step until the smoothed signal is {_ARRIVED:.0%} of the step beyond the mean before it; "
-        f"where {_SIGMAS:g} x its uncertainty is more, from there half the way back along a line"
+        f"where {_SIGMAS:g} x its uncertainty is more, from there back between a line and a parabola"
     )
     left = _departure(step, curve)
     ahead = left is not None and left.place < step.zero - left.standard
@@ -132,9 +152,9 @@ def _times(step: Step, curve: NoisyCurve, arrived: Instant | None) -> Iterator[M
 def _departure(step: Step, curve: NoisyCurve) -> Instant | None:
     """Return where the signal leaves its level before the step.
 
-    The curve clears the noise later than that: the start is extrapolated, half the way along a line from
-    there and from twice as far; the distance along a parabola, as a second-order lag begins, is in the
-    uncertainty.
+    The curve clears the noise later than that: the start is extrapolated from there and from twice as far. It
+    lies between a part of the way along a line, as of an answer that gets slower, and a parabola, as a
+    second-order lag begins: the middle of both is taken.
     """
     level, least = float(np.mean(step.y_before)), _ARRIVED * step.height
     clear = np.maximum(least, _SIGMAS * curve.standard)
@@ -151,10 +171,10 @@ def _departure(step: Step, curve: NoisyCurve) -> Instant | None:
     line = apart * (1.0 - least / threshold)
     parabola = apart * (1.0 - math.sqrt(least / threshold)) / (math.sqrt(2.0) - 1.0)
     near, far = min(left.place, line), min(left.place, parabola)
-    back = 0.5 * near
+    back = 0.5 * (_CONCAVE * near + far)
     share = back / apart if apart > 0.0 else 0.0
     noise = math.hypot((1.0 + share) * left.standard, share * further.standard)
-    return Instant(left.place - back, math.hypot(noise, (far - back) / _TO_THE_PARABOLA))
+    return Instant(left.place - back, math.hypot(noise, (far - back) / _TO_THE_ENDS))
 
 
 def _time(step: Step, name: str, definition: str, found: Instant | None, reason: str) -> Measurement:
@@ -301,8 +321,9 @@ STEP: Final = Analysis(
             ("step_latency",),
             "s",
             "until the curve is 2 % of `height` beyond the signal's mean before the step; where three of its "
-            "standard uncertainties are more, from there half the way back along a line through there and "
-            "twice as far; the way to a parabola (a lag of second order) is 1.5 standard uncertainties. "
+            "standard uncertainties are more, from there back to the middle between 0.3 of the way along a "
+            "line through there and twice as far, and the way along a parabola (a lag of second order); each "
+            "is 1.05 standard uncertainties away. "
             "Undefined where the signal has moved before time zero, along a slow reference",
         ),
         Quantity(

@@ -29,6 +29,7 @@ _ABOVE_FLOOR = 4.0  # of the rms amplitude of a bin of noise: by chance once in 
 _BLOCKS = 64
 _FEWEST_AT_END = 12  # samples of an angle for a cubic
 _FEWEST_BLOCKS = 8
+_NOISE_AT_ENDS = 3.0 * math.sqrt(2.0)  # a spline scatters at each end three times as much as a period's phase
 _LEFT_OF_ROUNDS = 1.0 / 8.0  # of a phase that is followed in three rounds, each of which leaves a half
 _LARGEST_WANDER_RAD = 0.1  # at which harmonic 5 reads an eighth low
 
@@ -127,9 +128,9 @@ def _random(
         return _of_angle(track, spectrum), "deviation of the angle from its fit, by parts of the record"
     if track.departure is not None:
         left_rad = float(np.std(seen.phase_rad))
-        end_rad = math.hypot(max(seen.noise_rad, left_rad), _beyond_rad(track, spectrum))
-        # a spline scatters at its ends twice as much as between
-        both_ends = MeanError(2.0 * end_rad / turns, float(len(seen.phase_rad) - 1))
+        noise_rad = _NOISE_AT_ENDS * max(seen.noise_rad, left_rad)
+        ends_rad = math.hypot(noise_rad, 2.0 * _beyond_rad(track, spectrum))
+        both_ends = MeanError(ends_rad / turns, float(len(seen.phase_rad) - 1))
         return (
             both_ends,
             "what is left of the followed phase at both ends, and its bend beyond the last period",

@@ -11,12 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.repeated_steps import noise_beside, repeated_steps
+from benchtool.analysis.scatter import students_deviation
 from benchtool.analysis.spectra.spectrum import CoherentSpectrum
 
 _FEWEST_BINS = 8
 _LOCAL_BINS = 20  # at least, around each harmonic
 _BAND_BINS = 16
 _PAIRS, _NEAREST = 8, 3
+_OF_ONE_PAIR = 3.0  # a distribution of two degrees of freedom has no deviation: 2 u then hold 97 %
 _LAST_DIGIT = 1e-6  # of the strongest line: a smaller step is rounding
 _CLEARLY = 6.0  # a ratio of variances, of 16 degrees of freedom each: by chance once in two thousand
 _LARGE = 1000
@@ -211,7 +213,7 @@ def line_noise(spectrum: CoherentSpectrum, lines: NDArray[np.int64]) -> LineNois
     return LineNoise(
         _of_pairs(together, inside),
         _of_pairs(apart, inside),
-        np.maximum(pairs, 1.0),
+        2.0 * np.maximum(pairs, 1.0),
         _lost(together, apart, inside, spectrum.amplitude[lines]),
     )
 
@@ -261,6 +263,10 @@ def _of_pairs(sums: NDArray[np.complex128], inside: NDArray[np.bool_]) -> NDArra
             near = values[usable]
             middle = float(np.median(near)) / _median_of_exponentials(len(near))
             found[row] = max(float(np.mean(near[:_NEAREST])), middle)
+            if len(near) == 1:
+                found[row] *= _OF_ONE_PAIR**2
+            elif len(near) < _PAIRS:
+                found[row] *= students_deviation(2.0 * len(near)) ** 2
     return np.asarray(np.sqrt(found))
 
 

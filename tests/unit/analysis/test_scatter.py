@@ -17,7 +17,11 @@ def test_it_is_the_scatter_of_the_mean_also_of_correlated_samples(memory: float)
     records = signal.lfilter([1.0], [1.0, -memory], records, axis=1)
     scatter = float(np.std(np.mean(records, axis=1)))
     stated = np.array([error_of_record(record).standard for record in records])
-    assert np.sqrt(np.mean(stated**2)) == pytest.approx(scatter, rel=0.1)
+    assert np.median(stated) == pytest.approx(scatter, rel=0.15)
+    # in some of the records a slow drift cannot be excluded, and their mean is known less
+    assert np.mean(stated < 2.0 * scatter) > 0.95
+    errors = np.mean(records, axis=1) / stated
+    assert float(np.sqrt(np.mean(errors**2))) == pytest.approx(0.95, abs=0.1)
 
 
 def test_a_short_record_has_none() -> None:
@@ -35,9 +39,12 @@ def test_the_largest_of_a_record_scatters_over_records_as_stated() -> None:
 
 def test_of_fewer_than_four_the_largest_has_no_scatter() -> None:
     assert math.isnan(scatter_of_largest(np.array([1.0, 3.0, 2.0])))
-    # the mean excess of 2, 3 and 6 over the least of the four, 1
+    # the mean excess of 2, 3 and 6 over the least of the four, 1, over that of quantiles of Gumbel's
+    # distribution at 3/8, 5/8 and 7/8 over the one at 1/8
+    quantiles = -np.log(-np.log(np.array([0.375, 0.625, 0.875])))
+    of_gumbel = float(np.mean(quantiles)) + math.log(-math.log(0.125))
     assert scatter_of_largest(np.array([2.0, 6.0, 1.0, 3.0])) == pytest.approx(
-        math.pi / math.sqrt(6.0) * (1.0 + 2.0 + 5.0) / 3.0
+        math.pi / math.sqrt(6.0) * (1.0 + 2.0 + 5.0) / 3.0 / of_gumbel
     )
 
 
