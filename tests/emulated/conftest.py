@@ -60,7 +60,7 @@ def open_wire() -> Iterator[Opener]:
 
 @pytest.fixture
 def blank_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Has reports show blank pictures, for tests of what is written; drawing is most of a report's time."""
+    """Has reports show blank pictures, for tests of their texts; drawing is most of a report's time."""
     monkeypatch.setattr(html, "data_uri", lambda _: "data:,")
     monkeypatch.setattr(flow, "draw_figure", lambda *_: None)
 

@@ -23,7 +23,8 @@ from tests.physics.paper_machine import make_core
 from tests.wire.raw_host import TABLE, RawHost, mapping
 
 START, STOP, PRE_OPERATIONAL, RESET_COMMUNICATION = 1, 2, 128, 130
-SIGNALS = [e.name for e in TABLE if e.role == "signal" and e.type in (DataType.F32, DataType.U32)][:16]
+OF_A_WORD = [e.name for e in TABLE if e.role == "signal" and e.type in (DataType.F32, DataType.U32)]
+SIGNALS = ["tick", *(name for name in OF_A_WORD if name != "tick")][:16]
 
 
 def _stream(
@@ -57,7 +58,6 @@ def _ticks(batches: list[wire.Batch]) -> list[int]:
 
 def test_three_seconds_of_sixteen_signals_are_every_tick_and_the_bits_of_a_capture(raw: RawHost) -> None:
     assert len(SIGNALS) == 16
-    assert SIGNALS[0] == "tick"
     raw.enable()
     for number, name in enumerate(SIGNALS, start=1):
         raw.write(f"capture_channel_{number}", mapping(name))

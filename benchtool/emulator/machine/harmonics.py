@@ -87,7 +87,7 @@ def _slope(harmonics: Harmonics, c: float, s: float) -> tuple[float, float]:
 def with_harmonic_slopes(
     harmonics: Harmonics | None, h_d: float, h_q: float, g_d: float, g_q: float, per_flux: float
 ) -> tuple[float, float]:
-    """Return the changes of the torque, or of what is proportional to it, with i_d and i_q, with those of
+    """Return the changes of the torque, or of a number proportional to it, with i_d and i_q, with those of
     the torque of harmonics."""
     if harmonics is None:
         return h_d, h_q
