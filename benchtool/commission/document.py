@@ -54,6 +54,7 @@ def _step(result: StepResult) -> dict[str, Any]:
         "energy_J": result.planned_J,
         "spent_J": result.spent_J,
         "resumed": result.resumed,
+        "sets": list(result.sets),
     }
 
 

@@ -20,7 +20,7 @@ from benchtool.commission.results import StepResult, StepVerdict
 from benchtool.commission.steps.step import Finding, Loop, Step
 from benchtool.errors import RecordingError, UsageError
 from benchtool.recording import MANIFEST, Bundle, BundleWriter, Manifest
-from benchtool.report.assembly import LOOPS
+from benchtool.report.assembly import CAPTURES, LOOPS
 
 DETAILS: Final = "commissioned_step"
 """Key of a step's result in the details of its bundle's manifest."""
@@ -47,7 +47,7 @@ class StepRecorder:
         self.folder = folder
         self._manifest = manifest
         self._bundle: BundleWriter | None = None
-        self._streams: list[str] = []
+        self._titles: dict[str, str] = {}  # of the streams
         self._finished: dict[str, Bundle] = {}
         if resume:
             self._finished = {
@@ -88,7 +88,7 @@ class StepRecorder:
         place = self.folder / step.name
         if place.exists():
             _put_aside(place)
-        self._streams = []
+        self._titles = {}
         self._begun += 1
         began = self._manifest(step.name)
         began = began.model_copy(update={"details": began.details | {NUMBER: self._begun}})
@@ -110,8 +110,9 @@ class StepRecorder:
         """
         assert self._bundle is not None  # called while a step is recorded
         words = re.sub(r"[^A-Za-z0-9]+", "-", name).strip("-")
-        self._streams.append(f"{len(self._streams):02d}-{words}")
-        self._bundle.append(self._streams[-1], block)
+        stream = f"{len(self._titles):02d}-{words}"
+        self._titles[stream] = name
+        self._bundle.append(stream, block)
 
     def finish(self, result: StepResult, loops: Sequence[Loop] = ()) -> None:
         """Complete the bundle of a step; `loops` says which captures hold responses.
@@ -120,6 +121,7 @@ class StepRecorder:
             RecordingError: it cannot be written.
         """
         assert self._bundle is not None
+        streams = list(self._titles)
         self._bundle.finish(
             measurements_to_json(tuple(result.estimates.values())),
             verdict=result.verdict.value,
@@ -132,7 +134,8 @@ class StepRecorder:
                     "planned_J": result.planned_J,
                     "spent_J": result.spent_J,
                 },
-                LOOPS: {self._streams[each.capture]: asdict(each) for each in loops if result.estimates},
+                CAPTURES: self._titles,
+                LOOPS: {streams[each.capture]: asdict(each) for each in loops if result.estimates},
             },
         )
 

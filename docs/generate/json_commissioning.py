@@ -55,6 +55,8 @@ class CommissionedStep(Document):
     """The same of its captures."""
     resumed: bool
     """Whether an earlier session has done it."""
+    sets: list[str]
+    """Results that it is for."""
 
 
 class FoundDeviation(Document):

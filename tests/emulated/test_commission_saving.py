@@ -186,7 +186,12 @@ def test_a_commissioning_goes_on_where_it_was_cut_short(boxed: str, tmp_path: Pa
     assert not again["saved"]
     written = tomllib.loads(Path(again["profile"]).read_text(encoding="utf-8"))
     assert written["nameplate"]["R_s_ohm"] == 0.16
-    assert "Commissioning of" in Path(again["report"]).read_text(encoding="utf-8")
+    signed, _, rest = Path(again["report"]).read_text(encoding="utf-8").partition("Tested by")
+    assert "Commissioning of" in signed
+    assert all(name in signed for name in again["steps"]["offsets"]["sets"])
+    assert "current_noise_a" not in signed
+    assert "current_noise_a" in rest
+    assert 'alt="no current.' in rest  # the title of its capture
     verified = runner.invoke(app, ["verify", str(folder), "--json"])
     assert json.loads(verified.stdout)["verdict"] == "pass", verified.output
 

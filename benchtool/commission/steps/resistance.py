@@ -42,7 +42,7 @@ class StandingCurrents:
 
     name = "resistance"
     needs: tuple[str, ...] = ("offsets", "connections")
-    sets: tuple[str, ...] = ("R_s", "current_gain_a", "current_gain_b", "current_gain_c")
+    sets: tuple[str, ...] = ("R_s", "dead_time_voltage", "current_gain_a", "current_gain_b", "current_gain_c")
 
     def plan(self, known: Known) -> tuple[Excitation, ...]:
         """Return a staircase of currents up to the rated one in each of six directions."""

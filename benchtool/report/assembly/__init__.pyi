@@ -1,4 +1,5 @@
 from .commissioning import (
+    CAPTURES as CAPTURES,
     LOOPS as LOOPS,
     commissioning_report as commissioning_report,
 )

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence, Set
+from dataclasses import replace
 from typing import Any, Final
 
 from benchtool.analysis import NOTHING, analyze_response, measurements_from_json, number, with_expanded
@@ -19,6 +20,8 @@ from benchtool.report.results import measurements_section
 
 _MARKS: Final[Mapping[str, Mark]] = {"pass": "pass", "fail": "fail", "skipped": "none"}
 _MOST_PICTURES: Final = 3  # of a step
+CAPTURES: Final = "captures"
+"""Key of a manifest's details: the title of each capture, by the name of its stream."""
 LOOPS: Final = "measured_loops"
 """Key of a manifest's details: captures that hold a loop's response, each with its input and output."""
 
@@ -36,12 +39,15 @@ def commissioning_report(document: Mapping[str, Any], bundles: Sequence[Bundle])
     manifest = bundles[0].manifest if bundles else None
     when = manifest.when if manifest else ""
     front: list[Item] = [_verdict(document), *_warnings(document)]
-    front.append(_estimates(document, bundles))
+    results = {name for each in document["steps"].values() for name in each["sets"]}
+    front.append(_estimates("Results", document, bundles, results))
     if manifest is not None:
         front.append(Section("What was commissioned", (run_facts(manifest),)))
     front.append(Signatures(ROLES))
     items: list[Item] = [_steps(document), *_conventions(document), _parameters(document)]
     items += [_step(bundle) for bundle in bundles]
+    everything = _estimates("Every estimate", document, bundles, set(document["estimates"]))
+    items.append(replace(everything, listed=True, folded=True, paper=False))
     appendix: list[Item] = []
     if manifest is not None:
         command = f"benchtool {' '.join(manifest.command_line)}"
@@ -83,13 +89,18 @@ def _sentence(text: str) -> str:
     return f"{text[:1].upper()}{text[1:]}{'' if text.endswith('.') else '.'}"
 
 
-def _estimates(document: Mapping[str, Any], bundles: Sequence[Bundle]) -> Section:
+def _estimates(
+    title: str, document: Mapping[str, Any], bundles: Sequence[Bundle], shown: Set[str]
+) -> Section:
+    """Return some estimates beside the nameplate; one that is not as it should be is always among them."""
     measured = {each.name: each for bundle in bundles for each in measurements_from_json(bundle.measurements)}
     rows = []
     for name, each in document["estimates"].items():
         found = measured.get(name)
         off = each.get("deviation_percent")
         said = each.get("looks_like", "")
+        if name not in shown and not said:
+            continue
         notes = tuple(filter(None, (each.get("method") or "", each.get("reason") or "")))
         rows.append(
             (
@@ -105,7 +116,7 @@ def _estimates(document: Mapping[str, Any], bundles: Sequence[Bundle]) -> Sectio
         )
     headings = ("estimate", ">value ± U (95 %)", "unit", ">nameplate", ">deviation (%)", "remark")
     caption = "Per phase, amplitude-invariant (peak); each with its method, which unfolds."
-    return Section("Estimates", (Grid.of(headings, rows, caption),))
+    return Section(title, (Grid.of(headings, rows, caption),))
 
 
 def _steps(document: Mapping[str, Any]) -> Section:
@@ -132,7 +143,7 @@ def _conventions(document: Mapping[str, Any]) -> Iterator[Section]:
     rows = [(each["name"], number(each["value"]), each["unit"]) for each in document["conventions"]]
     if rows:
         grid = Grid.of(("as a nameplate states it", ">value", "unit"), rows)
-        yield Section("In other conventions", (grid,), listed=True)
+        yield Section("In other conventions", (grid,), listed=True, short=True)
 
 
 def _parameters(document: Mapping[str, Any]) -> Section:
@@ -140,7 +151,7 @@ def _parameters(document: Mapping[str, Any]) -> Section:
         (key, number(value) if isinstance(value, float) else str(value))
         for key, value in document["parameters"].items()
     )
-    return Section("Parameters of the drive", (Facts(pairs),), listed=True, folded=True)
+    return Section("Parameters of the drive", (Facts(pairs),), listed=True, folded=True, short=True)
 
 
 def _step(bundle: Bundle) -> Section:
@@ -148,11 +159,11 @@ def _step(bundle: Bundle) -> Section:
     measurements = measurements_from_json(bundle.measurements)
     items: list[Item] = [measurements_section("Estimates and measurements", measurements, {}, {})]
     items += _pictures(bundle)
-    return Section(f"Step {name}", tuple(items), listed=True)
+    return Section(f"Step {name}", tuple(items), listed=True, short=True)
 
 
 def _pictures(bundle: Bundle) -> Iterator[Picture]:
-    loops = bundle.manifest.details.get(LOOPS, {})
+    loops, titles = (bundle.manifest.details.get(key, {}) for key in (LOOPS, CAPTURES))
     for stream, loop in loops.items():
         try:
             bode = analyze_response(bundle.block(stream), loop["input"], loop["output"], **loop["rows"])
@@ -165,6 +176,6 @@ def _pictures(bundle: Bundle) -> Iterator[Picture]:
     streams = [each for each in bundle.streams if each not in loops]
     for stream in streams[:_MOST_PICTURES]:
         block = bundle.block(stream)
-        figure = draw_channels(block, stream[3:].replace("-", " "))
+        figure = draw_channels(block, titles.get(stream, stream))
         caption = f"{len(block.data)} rows at {block.sample_rate_Hz:.6g} Hz of {len(streams)} captures."
         yield Picture(figure, caption, content.describe_figure(figure))
