@@ -15,7 +15,7 @@ from typing import Annotated, Any, TypeVar, get_args, get_origin
 from pydantic import BaseModel, ConfigDict, Strict, ValidationError
 from pydantic_core import ErrorDetails
 
-from benchtool.errors import UsageError
+from benchtool.errors import MOST_REASONS, UsageError
 
 _SHOWN = reprlib.Repr()
 _SHOWN.maxstring = _SHOWN.maxother = 120
@@ -116,29 +116,37 @@ def load_document(
     try:
         return model.model_validate(change(content))
     except ValidationError as failed:
-        reasons = _reasons(model, failed)
-        raise error.of_all([f"{path}{line_of(text, place)}: {why}" for place, why in reasons]) from None
+        wrong = _wrong(model, failed)
+        told = [
+            f"{path}{line_of(text, place)}: {_explain(model, detail)}"
+            for place, detail in wrong[:MOST_REASONS]
+        ]
+        raise error.of_all(told, len(wrong)) from None
 
 
 def explain(model: type[BaseModel], failed: ValidationError) -> str:
     """Return half a line on why content does not fit `model`: the first key, what was seen, what to do."""
-    (_, first), *others = _reasons(model, failed)
-    return f"{first} (and {len(others)} more)" if others else first
+    (_, first), *others = _wrong(model, failed)
+    told = _explain(model, first)
+    return f"{told} (and {len(others)} more)" if others else told
 
 
-def _reasons(model: type[BaseModel], failed: ValidationError) -> list[tuple[Path_, str]]:
+def _wrong(model: type[BaseModel], failed: ValidationError) -> list[tuple[Path_, ErrorDetails]]:
     """Return what is wrong, each thing once with its place: misspelt keys before what is missing because of
-    them."""
+    them, which is told of the first `MOST_REASONS`."""
     details = sorted(failed.errors(), key=lambda each: each["type"] != "extra_forbidden")
-    found: dict[Path_, str] = {}
+    found: dict[Path_, ErrorDetails] = {}
+    around: set[Path_] = set()  # places that have one of these, and the arrays and tables about them
     meant: set[Path_] = set()
     for detail in details:
         place = _location(model, detail)
         # pydantic reports every member of a union, and then the array or table around them
-        if place in meant or any(place == other[: len(place)] for other in found):
+        if place in meant or place in around:
             continue
-        found[place] = _explain(model, detail)
-        if detail["type"] == "extra_forbidden" and (key := _key_meant(model, detail)):
+        found[place] = detail
+        around.update(place[:depth] for depth in range(len(place) + 1))
+        misspelt = detail["type"] == "extra_forbidden" and len(found) <= MOST_REASONS
+        if misspelt and (key := _key_meant(model, detail)):
             meant.add((*place[:-1], key))
     return list(found.items())
 

@@ -39,7 +39,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Self
 
-_MOST_REASONS = 40
+MOST_REASONS = 40
 
 
 class BenchError(Exception):
@@ -48,13 +48,14 @@ class BenchError(Exception):
     exit_code = 1
 
     @classmethod
-    def of_all(cls, reasons: Sequence[str]) -> Self:
+    def of_all(cls, reasons: Sequence[str], count: int = 0) -> Self:
         """Return an error of several reasons, a line each: the first is the message, the others are its
-        notes."""
+        notes, `MOST_REASONS` at most. `count`, if given, is how many there are, of which `reasons` has the
+        first."""
         error = cls(reasons[0])
-        for reason in reasons[1:_MOST_REASONS]:
+        for reason in reasons[1:MOST_REASONS]:
             error.add_note(reason)
-        if (more := len(reasons) - _MOST_REASONS) > 0:
+        if (more := max(count, len(reasons)) - MOST_REASONS) > 0:
             error.add_note(f"and {more} more: fix these first")
         return error
 
