@@ -42,6 +42,7 @@ def test_every_shipped_plan_is_valid() -> None:
         load_plan(name)
 
 
+@pytest.mark.slow
 def test_fig_4_the_earlier_tpc_has_at_least_three_times_the_ripple(measured: Any) -> None:
     cases = measured("fig4")
     assert cases["tpc_stator"]["torque_ripple_pp"] >= 3.0 * cases["tpc"]["torque_ripple_pp"]
@@ -77,6 +78,7 @@ def test_fig_8_the_torque_holds_its_limit_and_falls_without_undershoot(measured:
         assert case["plateau_min"] >= 0.95
 
 
+@pytest.mark.slow
 def test_fig_7_the_letter_has_the_papers_order_and_the_improvements_turn_it_round(measured: Any) -> None:
     cases = measured("fig7")
     component = {case: content["current_max_low_harmonic"] for case, content in cases.items()}
@@ -85,6 +87,7 @@ def test_fig_7_the_letter_has_the_papers_order_and_the_improvements_turn_it_roun
     assert component["tpc_stator"] < component["tpc"] <= 0.007
 
 
+@pytest.mark.slow
 def test_deadbeat_beats_tpc_in_the_same_run(measured: Any) -> None:
     cases = measured("laws")
     assert len(cases) == 7

@@ -225,6 +225,7 @@ def covered(
     return {name: sum(each) / len(each) for name, each in inside.items()}
 
 
+@pytest.mark.slow
 def test_the_interval_covers_what_sensors_with_such_errors_read() -> None:
     sensors = {
         "i_a": _sensor(gain_limit_percent=2.0, offset_limit_A=0.05),

@@ -137,6 +137,7 @@ def test_an_amplitude_scatters_by_its_uncertainty() -> None:
         assert np.sqrt(np.mean(np.square(claimed))) == pytest.approx(np.std(amplitudes), rel=0.2)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("reference", list(Reference))
 def test_a_distortion_scatters_by_its_uncertainty(reference: Reference) -> None:
     # a fundamental not much above its harmonics, so that its own uncertainty counts
@@ -178,6 +179,7 @@ def test_what_noise_adds_is_within_the_uncertainty_and_is_taken_out_of_the_corre
     assert {each.is_upper_bound for each in found} == {third < 0.002} or third == 0.002
 
 
+@pytest.mark.slow
 def test_the_corrected_distortion_scatters_by_its_uncertainty() -> None:
     found = [
         total_harmonic_distortion(spectrum_of({1: 1.0, 3: 0.006, 5: 0.006}, seed, 4065))

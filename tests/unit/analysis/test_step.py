@@ -114,6 +114,7 @@ def test_a_signal_that_moves_with_its_reference_has_no_step_latency() -> None:
     assert _measured(_step(0.0, 1.0), _step(0.0, 1.0))["step_latency"] == 0.0
 
 
+@pytest.mark.slow
 def test_step_latency_does_not_take_earlier_noise_for_the_answer() -> None:
     found = [_measured(*_noisy(1.0, 0.03, seed))["step_latency"] for seed in range(20)]
     # the lag has gone 2 % after a fifth of a row
@@ -121,6 +122,7 @@ def test_step_latency_does_not_take_earlier_noise_for_the_answer() -> None:
     assert np.count_nonzero(np.array(found) < 4 / RATE_HZ) <= 1
 
 
+@pytest.mark.slow
 def test_noise_of_the_samples_does_not_delay_settling() -> None:
     found = [_measured(*_noisy(0.65, 0.01, seed))["settling_time"] for seed in range(20)]
     expected_s = 5 / RATE_HZ + 1e-3 * math.log(50.0)
@@ -305,6 +307,7 @@ def test_slow_noise_is_not_taken_away_with_the_line() -> None:
     assert all(len(each) <= count // 2 for each in found)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("zeta", [0.4, 1.0])
 def test_uncertainties_cover_the_error(zeta: float) -> None:
     """The response of a second-order system in 0.3 % and in 1 % of noise, against the noise-free one."""

@@ -70,6 +70,7 @@ def test_one_phase_of_another_gain_is_the_textbook_s_unbalance() -> None:
     assert found["current_unbalance_percent"] == pytest.approx(100 * (2 * e / 3) / (1 + 2 * e / 3), rel=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("common", [0.0, 0.05])
 @pytest.mark.parametrize("negative", [0.0, 0.004, 0.1])
 def test_the_stated_interval_holds_the_truth(negative: float, common: float) -> None:
