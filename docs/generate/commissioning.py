@@ -14,7 +14,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
-PAGE: Final = Path(__file__).parents[1] / "reference" / "commissioning.md"
+PAGE: Final = Path(__file__).parents[1] / "commissioning.md"
 _HEAD: Final = """\
 # Commissioning of the motors that ship
 
