@@ -146,14 +146,14 @@ class Declared:
         """Whether it has a torque transducer."""
         return not isinstance(self.transducer, Absent)
 
-    def without_instruments(self) -> Declared:
-        """Return the same bench without instruments on CAN."""
+    def without_instruments(self, *, thermometer: bool = False) -> Declared:
+        """Return the same bench without instruments on CAN, but for its `thermometer` if that is needed."""
         absent = Absent(kind="none")
         return Declared(
             self.load,
             absent if isinstance(self.transducer, CanFrames) else self.transducer,
             absent if isinstance(self.supply, CanFrames) else self.supply,
-            absent if isinstance(self.temperature, CanFrames) else self.temperature,
+            absent if isinstance(self.temperature, CanFrames) and not thermometer else self.temperature,
         )
 
     def lines(self) -> dict[str, str]:

@@ -59,6 +59,7 @@ def open_session(
     frames: FrameLog | None = None,
     first_tick: int = 0,
     instruments: bool = True,
+    enabling: bool = False,
 ) -> Iterator[Session]:
     """Open a session whose drive is not yet checked; on exit it is disabled and everything opened is closed.
 
@@ -73,6 +74,8 @@ def open_session(
         first_tick: the tick at which an emulated drive is powered up.
         instruments: use those on CAN that the profile names; a session without them does not need their
             adapters.
+        enabling: the drive is to be enabled without them; the thermometer is used where `[limits]` of the
+            profile have a temperature.
 
     Raises:
         ProfileError, DictionaryError, UsageError: what was asked for cannot be.
@@ -88,7 +91,8 @@ def open_session(
     far_end = registry.wire_of(address).far_end if isinstance(address, Address) else FarEnd.DRIVE
     what = declared(profile, far_end)
     if not instruments:
-        what = what.without_instruments()
+        limited = profile.limits.temperature_degC is not None
+        what = what.without_instruments(thermometer=enabling and limited)
     opening = Opening(profile, node_id, seed, real_time, first_tick, frames, note)
     with naming_wires(), ExitStack() as stack:
         if isinstance(address, Address):

@@ -119,7 +119,7 @@ def commission(
 
     def opened() -> Any:
         return open_session(
-            profile, link, seed=seed, real_time=real_time, note=output.note, instruments=False
+            profile, link, seed=seed, real_time=real_time, note=output.note, instruments=False, enabling=True
         )
 
     if dry_run:

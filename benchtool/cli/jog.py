@@ -47,7 +47,7 @@ def jog(
         raise UsageError(f"--duration {duration}: {_SHORTEST_S:g} s at least are expected")
     output = Output(as_json=as_json)
     with open_session(
-        profile, link, seed=seed, real_time=real_time, note=output.note, instruments=False
+        profile, link, seed=seed, real_time=real_time, note=output.note, instruments=False, enabling=True
     ) as session:
         session.drive.connect()
         if unsupervised := session.drive.supervision.unsupervised:

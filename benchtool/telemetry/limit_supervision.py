@@ -47,7 +47,7 @@ class LimitSupervision:
         tell: Callable[[str], None] = lambda _: None,
     ) -> None:
         self._drive, self._limits = drive, limits
-        self._winding_degC = None if limits.temperature_degC is None else winding_degC
+        self._winding_degC = winding_degC
         self._tell = tell
         self._judge = LiveLimits(limits)
         self._enabled = False
@@ -71,9 +71,15 @@ class LimitSupervision:
         """See `StreamSupervisor.begin`.
 
         Raises:
-            CapabilityMissing: the drive does not stream what the limits are of.
+            CapabilityMissing: the drive does not stream what the limits are of, or no thermometer reads the
+                winding.
             ValueRefused: it streams something else at the moment.
         """
+        if self._limits.temperature_degC is not None and self._reading() is None:
+            raise CapabilityMissing(
+                "[limits] of the profile have temperature_degC, and no thermometer reads the winding: name "
+                "one in [bench.temperature], or leave that limit out; the drive was not enabled"
+            )
         self._join()
         self._judge = LiveLimits(self._limits)
         self._claimed, self._read_s = False, self._drive.clock.now_s() - _READING_S
@@ -95,17 +101,20 @@ class LimitSupervision:
 
     def check(self) -> None:
         """See `StreamSupervisor.check`."""
-        if self._enabled and self._winding_degC is not None:
+        if self._enabled and self._limits.temperature_degC is not None:
             now_s = self._drive.clock.now_s()
             if now_s - self._read_s >= _READING_S:
                 self._read_s = now_s
-                self._judge.take_temperature(self._winding_degC())
+                self._judge.take_temperature(self._reading())
         if self._judge.passed:
             self._stop()
             judge, self._judge = self._judge, LiveLimits(self._limits)  # which is told once
             judge.check()
         if (own := self._own) is not None:
             own.check()
+
+    def _reading(self) -> float | None:
+        return None if self._winding_degC is None else self._winding_degC()
 
     # ---- streams -------------------------------------------------------------------------------------------
 

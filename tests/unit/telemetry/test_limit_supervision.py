@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from benchtool.block import Block, Channel
-from benchtool.errors import LimitTrip
+from benchtool.errors import CapabilityMissing, LimitTrip
 from benchtool.profile import Limits
 from benchtool.telemetry.limit_supervision import LimitSupervision
 
@@ -63,4 +63,23 @@ def test_a_caller_and_the_thread_stop_it_once() -> None:
     with pytest.raises(LimitTrip):
         supervised.check()
     supervised.end()
+    assert len(drive.stops) == 1
+
+
+@pytest.mark.parametrize("reads", [None, lambda: None])
+def test_a_limited_temperature_that_is_not_read_keeps_the_drive_off(reads: Any) -> None:
+    supervised = LimitSupervision(_Drive(), Limits(temperature_degC=80.0), reads)  # type: ignore[arg-type]
+    with pytest.raises(CapabilityMissing, match="no thermometer reads the winding"):
+        supervised.begin()
+
+
+def test_a_temperature_beyond_its_limit_stops_the_motor() -> None:
+    drive, readings = _Drive(), [60.0, 60.0, 90.0]
+    supervised = LimitSupervision(drive, Limits(temperature_degC=80.0), lambda: readings.pop(0))  # type: ignore[arg-type]
+    drive.supervision = supervised
+    supervised.begin()
+    supervised.check()
+    drive.clock.now_s = lambda: 1.0
+    with pytest.raises(LimitTrip, match="temperature is 90 degC"):
+        supervised.check()
     assert len(drive.stops) == 1
