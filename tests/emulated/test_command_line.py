@@ -17,6 +17,7 @@ from benchtool.cli import app
 from benchtool.shipped import shipped
 
 Invoke = Callable[..., Result]
+ROOT = Path(__file__).parents[2]
 PROFILE = (shipped("profiles") / "zhu2011" / "profile.toml").read_text(encoding="utf-8")
 PLAN = (shipped("profiles") / "zhu2011" / "ripple.toml").read_text(encoding="utf-8")
 NAMES = {
@@ -91,9 +92,19 @@ def test_the_same_seed_gives_the_same_bytes_and_another_seed_does_not(invoke: In
 
 def test_for_people_the_table_stands_on_standard_output(invoke: Invoke) -> None:
     result = invoke("demo", "--out", "people")
-    assert "torque_ripple_pp" in result.stdout
     assert "verdict: pass" in result.stdout
     assert "capturing" in result.stderr
+    printed = _rows(result.stdout)
+    for page in ("README.md", "docs/start/emulated.md"):
+        shown = _rows((ROOT / page).read_text(encoding="utf-8"))
+        assert len(shown) == 2
+        assert shown <= printed, page
+
+
+def _rows(text: str) -> set[tuple[str, ...]]:
+    """Return the cells of the rows of tables as the terminal has them."""
+    rows = [line.strip("│").split("│") for line in text.splitlines() if "│" in line]
+    return {tuple(filter(None, map(str.strip, row))) for row in rows}
 
 
 def test_limits_that_are_missed_are_exit_code_1(invoke: Invoke, tmp_path: Path) -> None:
