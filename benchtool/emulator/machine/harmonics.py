@@ -70,12 +70,18 @@ def flux_slope(harmonics: Harmonics | None, cos_theta: float, sin_theta: float) 
     return (0.0, 0.0) if harmonics is None else _slope(harmonics, cos_theta, sin_theta)
 
 
-@called
-def _slope(harmonics: Harmonics, c: float, s: float) -> tuple[float, float]:
+@njit
+def _multiples(c: float, s: float) -> tuple[float, float, float, float, float, float]:
+    """Return cosine and sine of twice, six and twelve times an angle."""
     c_2, s_2 = c * c - s * s, 2.0 * s * c
     c_4, s_4 = c_2 * c_2 - s_2 * s_2, 2.0 * s_2 * c_2
     c_6, s_6 = c_4 * c_2 - s_4 * s_2, s_4 * c_2 + c_4 * s_2
-    c_12, s_12 = c_6 * c_6 - s_6 * s_6, 2.0 * s_6 * c_6
+    return c_2, s_2, c_6, s_6, c_6 * c_6 - s_6 * s_6, 2.0 * s_6 * c_6
+
+
+@called
+def _slope(harmonics: Harmonics, c: float, s: float) -> tuple[float, float]:
+    c_2, s_2, c_6, s_6, c_12, s_12 = _multiples(c, s)
     back_5, back_11 = 5.0 * harmonics.psi_5, 11.0 * harmonics.psi_11
     forth_7, forth_13 = 7.0 * harmonics.psi_7, 13.0 * harmonics.psi_13
     g_d = -(back_5 + forth_7) * s_6 - (back_11 + forth_13) * s_12
@@ -116,10 +122,7 @@ def with_turning_torque(
 @called
 def _curvature(harmonics: Harmonics, c: float, s: float) -> tuple[float, float]:
     """Return the change of the slope with theta_e, in Wb/rad^2."""
-    c_2, s_2 = c * c - s * s, 2.0 * s * c
-    c_4, s_4 = c_2 * c_2 - s_2 * s_2, 2.0 * s_2 * c_2
-    c_6, s_6 = c_4 * c_2 - s_4 * s_2, s_4 * c_2 + c_4 * s_2
-    c_12, s_12 = c_6 * c_6 - s_6 * s_6, 2.0 * s_6 * c_6
+    c_2, s_2, c_6, s_6, c_12, s_12 = _multiples(c, s)
     back_5, back_11 = 5.0 * harmonics.psi_5, 11.0 * harmonics.psi_11
     forth_7, forth_13 = 7.0 * harmonics.psi_7, 13.0 * harmonics.psi_13
     k_d = -6.0 * (back_5 + forth_7) * c_6 - 12.0 * (back_11 + forth_13) * c_12
