@@ -184,6 +184,7 @@ def silenced(
             live()
             return upload(*arguments, **options)
 
+        # a host that dies has no hook of its own: its link fails from a write on
         link.download, link.upload = downloading, uploading  # type: ignore[method-assign]
         try:
             with drive.watched(live):

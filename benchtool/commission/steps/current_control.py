@@ -9,6 +9,7 @@ from benchtool.analysis import Measurement
 from benchtool.block import Block
 from benchtool.commission.excitation import Excitation
 from benchtool.commission.known import Known
+from benchtool.commission.steps.alignment import aligning
 from benchtool.commission.steps.step import Finding, Loop
 from benchtool.commission.tuning.bode_check import ExcitedRows, deviations, measured, numbers
 from benchtool.commission.tuning.loops import CurrentLoop, tuned_current_loop
@@ -18,12 +19,10 @@ from benchtool.protocol import Mode
 OF_SAMPLING = 0.05
 """Bandwidth asked for, of 2 pi / T_s."""
 
-_ALIGN_S, _ALIGN_SHARE = 0.8, 0.6  # of the rated current, peak
 _ANGLE_RAD = math.radians(15.0)  # at which no phase current is near zero
 _OFFSET_SHARE, _AMPLITUDE_SHARE = 0.4, 0.06  # of the rated current, peak
 _VOLTAGE_SHARE = 0.25  # of u_dc / sqrt 3, that a change of the reference may ask for
 _BITS, _REPETITIONS = 10, 11
-_ROWS = 200
 
 
 class CurrentControl:
@@ -40,21 +39,8 @@ class CurrentControl:
     def plan(self, known: Known) -> tuple[Excitation, ...]:
         """Return an alignment and a binary sequence."""
         T_s, loop = known.control_period_s, current_loop(known)
-        stride = max(1, round(_ALIGN_S / _ROWS / T_s))
         parameters = {**known.in_force, "law": "foc", "omega_current": loop.omega_rad_s}
-        align = Excitation(
-            "alignment",
-            Stimulus(
-                quantity="current",
-                shape="ramp",
-                amplitude_A=_ALIGN_SHARE * known.I_N_A,
-                duration_s=_ALIGN_S,
-                angle_rad=_ANGLE_RAD,
-            ),
-            CaptureRequest(("i_a", "i_b", "i_c"), math.floor(_ALIGN_S / (stride * T_s)) - 1, stride),
-            (_ALIGN_SHARE * known.I_N_A) ** 2 * _ALIGN_S / 3.0,
-            {**parameters, "omega_current": known.damping_bandwidth_rad_s},
-        )
+        align = aligning(known, parameters, _ANGLE_RAD)
         stimulus = _sequence(known, loop)
         ticks = stimulus.ticks(T_s) * _REPETITIONS
         return (

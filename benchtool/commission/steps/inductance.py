@@ -13,13 +13,11 @@ from benchtool.commission.budget import of_fit
 from benchtool.commission.estimators.inductance import Turning, inductance
 from benchtool.commission.excitation import Excitation
 from benchtool.commission.known import Known
+from benchtool.commission.steps.alignment import aligning
 from benchtool.commission.steps.offsets import CURRENTS
 from benchtool.commission.steps.step import Finding
 from benchtool.drive import CaptureRequest, Stimulus
 
-_ALIGN_S = 0.8
-_ALIGN_ROWS = 200  # which tell no more than the heat of it
-_ALIGN_SHARE = 0.6  # of the rated current, at the end of the ramp that aligns the rotor
 _SHARE = 0.6  # of the rated current, peak, at the end of the ramp
 _LEAST_SHARE = 0.3  # below which the converter's steps show, and the vector turns more slowly
 _VOLTAGE_SHARE = 0.5  # of u_dc / sqrt(3)
@@ -47,7 +45,7 @@ class TurningVoltage:
 
     def plan(self, known: Known) -> tuple[Excitation, ...]:
         """Return an alignment and a turning vector for each speed."""
-        align = aligning(known)
+        align = aligning(known, {"dead_time_compensation": 0.0, **known.offsets})
         return tuple(each for periods in _PERIODS for each in (align, _turning(known, periods)))
 
     def estimate(self, blocks: Sequence[Block], known: Known) -> Mapping[str, Measurement]:
@@ -108,28 +106,6 @@ class TurningVoltage:
                     )
                 )
         return tuple(findings)
-
-
-def aligning(known: Known) -> Excitation:
-    """Return a current that grows along phase a and draws the rotor there."""
-    stride = max(1, round(_ALIGN_S / _ALIGN_ROWS / known.control_period_s))
-    rows = math.floor(_ALIGN_S / (stride * known.control_period_s)) - 1
-    return Excitation(
-        "alignment",
-        Stimulus(
-            quantity="current",
-            shape="ramp",
-            amplitude_A=_ALIGN_SHARE * known.I_N_A,
-            duration_s=_ALIGN_S,
-        ),
-        CaptureRequest(CURRENTS, rows, stride),
-        (_ALIGN_SHARE * known.I_N_A) ** 2 * _ALIGN_S / 3.0,
-        {
-            "omega_current": known.damping_bandwidth_rad_s,
-            "dead_time_compensation": 0.0,
-            **known.offsets,
-        },
-    )
 
 
 def _turning(known: Known, periods: float) -> Excitation:

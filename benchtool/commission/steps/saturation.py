@@ -12,7 +12,7 @@ from benchtool.block import Block
 from benchtool.commission.estimators.saturation import Curve, Pulse, saturation
 from benchtool.commission.excitation import Excitation
 from benchtool.commission.known import Known
-from benchtool.commission.steps.inductance import aligning
+from benchtool.commission.steps.alignment import aligning
 from benchtool.commission.steps.offsets import CURRENTS
 from benchtool.commission.steps.step import Finding
 from benchtool.drive import CaptureRequest, Stimulus
@@ -39,7 +39,7 @@ class Pulses:
 
     def plan(self, known: Known) -> tuple[Excitation, ...]:
         """Return pulses of both signs along both axes, twice each, each after the rotor is aligned."""
-        align = aligning(known)
+        align = aligning(known, {"dead_time_compensation": 0.0, **known.offsets})
         return tuple(
             each
             for axis, angle_rad in _AXES
