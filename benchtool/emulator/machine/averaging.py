@@ -20,6 +20,8 @@ there is no order of edges. What is left out is of the fifth order in the period
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 from benchtool.emulator.jit import njit
 from benchtool.emulator.machine.coefficients import Machine
 from benchtool.emulator.machine.harmonics import (
@@ -88,11 +90,37 @@ def rippled(
     w_alpha, w_beta = clarke(
         moment * first_moment(duty_a), moment * first_moment(duty_b), moment * first_moment(duty_c)
     )
+    u_alpha, u_beta = clarke(u_dc * duty_a, u_dc * duty_b, u_dc * duty_c)
+    product = _product(x, duties, u_dc, T_s, machine) if machine.sigma != 0.0 else 0.0
+    added_by = of_odd_ripple(x, w_alpha, w_beta, u_alpha, u_beta, product, machine, T_load)
+    return turned(x, added_by, machine)
+
+
+class Addition(NamedTuple):
+    """What is added to a state: its currents, its speed, and its angle."""
+
+    i_d: float
+    i_q: float
+    omega_e: float
+    turn: float
+
+
+@njit
+def of_odd_ripple(
+    x: State,
+    w_alpha: float,
+    w_beta: float,
+    u_alpha: float,
+    u_beta: float,
+    product: float,
+    machine: Machine,
+    T_load: float,
+) -> Addition:
+    """Return what a ripple adds in the middle of the period, by its first moment in Vs3 and the integral of
+    the product of the ripples of i_d and i_q in A2s, which only a salient machine needs."""
     w_d, w_q = scaled_voltage(x, w_alpha, w_beta, machine)  # of the ripple of the currents, As2
-    h_d, h_q = machine.sigma * x.i_q, machine.kappa + machine.sigma * x.i_d  # change of domega by currents
     per_flux = machine.gamma * 1.5 * machine.p
-    g_d, g_q = flux_slope(machine.harmonics, x.cos_theta, x.sin_theta)
-    h_d, h_q = with_harmonic_slopes(machine.harmonics, h_d, h_q, g_d, g_q, per_flux)
+    h_d, h_q = torque_slopes(x, machine)
     turn = -(h_d * w_d + h_q * w_q)
     domega = x.omega_e * (h_d * machine.k_d * w_q - h_q * machine.k_q * w_d)
     domega += (machine.rho_d + machine.beta) * h_d * w_d + (machine.rho_q + machine.beta) * h_q * w_q
@@ -100,15 +128,29 @@ def rippled(
         machine.harmonics, domega, w_d, w_q, x.omega_e, x.cos_theta, x.sin_theta, per_flux
     )
     if machine.sigma != 0.0:
-        u_alpha, u_beta = clarke(u_dc * duty_a, u_dc * duty_b, u_dc * duty_c)
         v_d, v_q = scaled_voltage(x, u_alpha, u_beta, machine)
         di_d, di_q, _, _, _ = derivative(x.i_d, x.i_q, x.omega_e, x.theta_e, v_d, v_q, machine, T_load)
-        domega += machine.sigma * (di_q * w_d + di_d * w_q + _product(x, duties, u_dc, T_s, machine))
+        domega += machine.sigma * (di_q * w_d + di_d * w_q + product)
     di_d = -machine.rho_d * (x.omega_e * (machine.k_d - 1.0) * w_q + machine.rho_d * w_d)
     di_q = machine.rho_q * (x.omega_e * (machine.k_q - 1.0) * w_d - machine.rho_q * w_q)
-    # The flux stays where it is in alpha/beta while the rotor turns.
-    di_d += machine.k_d * x.i_q * turn
-    di_q -= (machine.k_q * x.i_d + machine.epsilon) * turn
+    return Addition(di_d, di_q, domega, turn)
+
+
+@njit
+def torque_slopes(x: State, machine: Machine) -> tuple[float, float]:
+    """Return the changes of domega with i_d and i_q."""
+    h_d, h_q = machine.sigma * x.i_q, machine.kappa + machine.sigma * x.i_d
+    g_d, g_q = flux_slope(machine.harmonics, x.cos_theta, x.sin_theta)
+    return with_harmonic_slopes(machine.harmonics, h_d, h_q, g_d, g_q, machine.gamma * 1.5 * machine.p)
+
+
+@njit
+def turned(x: State, added_by: Addition, machine: Machine) -> State:
+    """Return the state with an addition, and with its rotor turned while the flux stays in alpha/beta."""
+    turn = added_by.turn
+    g_d, g_q = flux_slope(machine.harmonics, x.cos_theta, x.sin_theta)
+    di_d = added_by.i_d + machine.k_d * x.i_q * turn
+    di_q = added_by.i_q - (machine.k_q * x.i_d + machine.epsilon) * turn
     di_d, di_q = with_harmonic_emf(
         machine.harmonics, di_d, di_q, turn, g_d, g_q, machine.inv_L_d, machine.inv_L_q
     )
@@ -117,7 +159,7 @@ def rippled(
     return State(
         x.i_d + di_d,
         x.i_q + di_q,
-        x.omega_e + domega,
+        x.omega_e + added_by.omega_e,
         theta_e,
         theta_rest,
         cos_theta,
@@ -142,16 +184,22 @@ def overlap(duty_1: float, duty_2: float) -> float:
 
 
 @njit
-def _product(
-    x: State, duties: tuple[float, float, float], u_dc: float, T_s: float, machine: Machine
-) -> float:
-    """Return the integral of the product of the ripples of i_d and i_q over the period, A2s."""
+def overlaps(duties: tuple[float, float, float]) -> tuple[float, float, float]:
+    """Return the integrals of w_alpha^2, w_beta^2 and w_alpha w_beta, as in `overlap`."""
     a, b, c = duties
     aa, bb, cc = overlap(a, a), overlap(b, b), overlap(c, c)
     ab, bc, ca = overlap(a, b), overlap(b, c), overlap(c, a)
     alpha_alpha = (4.0 * (aa - ab - ca) + bb + cc + 2.0 * bc) * (1.0 / 9.0)
     beta_beta = (bb + cc - 2.0 * bc) * (1.0 / 3.0)
-    alpha_beta = (2.0 * (ab - ca) - bb + cc) * (1.0 / (3.0 * SQRT3))
+    return alpha_alpha, beta_beta, (2.0 * (ab - ca) - bb + cc) * (1.0 / (3.0 * SQRT3))
+
+
+@njit
+def _product(
+    x: State, duties: tuple[float, float, float], u_dc: float, T_s: float, machine: Machine
+) -> float:
+    """Return the integral of the product of the ripples of i_d and i_q over the period, A2s."""
+    alpha_alpha, beta_beta, alpha_beta = overlaps(duties)
     square = x.cos_theta * x.cos_theta - x.sin_theta * x.sin_theta
     d_q = alpha_beta * square + (beta_beta - alpha_alpha) * x.cos_theta * x.sin_theta
     return u_dc * u_dc * T_s * T_s * T_s * machine.inv_L_d * machine.inv_L_q * d_q

@@ -35,6 +35,7 @@ from benchtool.emulator.machine.inverter import (
     forward_voltage,
     phase_currents,
 )
+from benchtool.emulator.machine.legs import HIGH, OFF
 from benchtool.emulator.machine.plant import (
     advance,
     current_rates,
@@ -47,7 +48,6 @@ from benchtool.emulator.machine.state import State, with_currents
 from benchtool.emulator.machine.terminals import inverse_inductance, open_circuit_voltage
 from benchtool.emulator.machine.transducer import coasts, sample
 
-LOW, HIGH, OFF = 0, 1, 2  # modes of a leg: lower or upper switch on, or neither
 NONE = -1  # of the phases
 
 _ZERO = 1e-9  # A, below which a phase has no current

@@ -269,6 +269,8 @@ def sliding_of(friction: Friction | None, x: State, m: Machine, T_load: float) -
     """Return the direction in which the shaft slides, 1 or -1, and 0 while it sticks or has no friction."""
     if friction is None:
         return 0.0
+    if x.omega_e != 0.0:
+        return sliding(friction, x.omega_e, 0.0, m.gamma)
     return sliding(friction, x.omega_e, acceleration_at(x, m, T_load), m.gamma)
 
 
@@ -307,6 +309,23 @@ def _step_once(x: State, u_alpha: float, u_beta: float, h: float, m: Machine, T_
 
 @njit
 def _step(x: State, u_alpha: float, u_beta: float, h: float, m: Machine, T_load: float) -> State:
+    _, after = _through(x, u_alpha, u_beta, h, m, T_load)
+    return after
+
+
+@called
+def step_through(
+    x: State, u_alpha: float, u_beta: float, h: float, m: Machine, T_load: float
+) -> tuple[State, State]:
+    """`step`, which returns the state half-way as well, to third order (Hairer, Norsett and Wanner, Solving
+    ordinary differential equations I, II.6)."""
+    return _through(x, u_alpha, u_beta, h, m, T_load)
+
+
+@njit
+def _through(
+    x: State, u_alpha: float, u_beta: float, h: float, m: Machine, T_load: float
+) -> tuple[State, State]:
     w, theta = x.omega_e, x.theta_e
     c, s = x.cos_theta, x.sin_theta
     y_d, y_q = electrical(m.saturation, x)
@@ -373,7 +392,7 @@ def _step(x: State, u_alpha: float, u_beta: float, h: float, m: Machine, T_load:
     turn = sixth * (w + 2.0 * (w2 + w3) + w4)
     cos_theta, sin_theta = rotate(c, s, turn)
     theta, theta_rest = added(x.theta_e, x.theta_rest, turn)
-    return state_at(
+    after = state_at(
         m.saturation,
         y_d + sixth * (a_d + 2.0 * (b_d + c_d) + d_d),
         y_q + sixth * (a_q + 2.0 * (b_q + c_q) + d_q),
@@ -384,6 +403,21 @@ def _step(x: State, u_alpha: float, u_beta: float, h: float, m: Machine, T_load:
         sin_theta,
         stepped(m.train, x.far, a_far, b_far, c_far, d_far, h),
     )
+    part = 0.25 * sixth
+    turn = part * (5.0 * w + 4.0 * (w2 + w3) - w4)
+    cos_theta, sin_theta = rotate(c, s, turn)
+    middle = state_at(
+        m.saturation,
+        y_d + part * (5.0 * a_d + 4.0 * (b_d + c_d) - d_d),
+        y_q + part * (5.0 * a_q + 4.0 * (b_q + c_q) - d_q),
+        w + part * (5.0 * a_w + 4.0 * (b_w + c_w) - d_w),
+        x.theta_e + turn,
+        x.theta_rest,
+        cos_theta,
+        sin_theta,
+        x.far,
+    )
+    return middle, after
 
 
 @njit

@@ -5,7 +5,7 @@ The dc link holds its voltage over the period; the charge that is drawn over it 
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,9 +14,9 @@ from benchtool.emulator.jit import njit
 from benchtool.emulator.machine.accounts import Rails, account, finer
 from benchtool.emulator.machine.asymmetry import Asymmetry
 from benchtool.emulator.machine.averaging import SLOW_ENOUGH, averaged, can_rest
-from benchtool.emulator.machine.carrier import NEVER, DoubleUpdate, ends_high, pulse, turns_on
+from benchtool.emulator.machine.carrier import DoubleUpdate, ends_high, pulse, turns_on
 from benchtool.emulator.machine.coefficients import Machine, largest_inverse_inductance
-from benchtool.emulator.machine.diodes import HIGH, LOW, OFF, integrate_conduction
+from benchtool.emulator.machine.diodes import integrate_conduction
 from benchtool.emulator.machine.drive_train import DriveTrain
 from benchtool.emulator.machine.inverter import (
     Accounts,
@@ -28,7 +28,18 @@ from benchtool.emulator.machine.inverter import (
     quantised,
 )
 from benchtool.emulator.machine.iron import Iron
+from benchtool.emulator.machine.legs import (
+    HIGH,
+    LOW,
+    OFF,
+    Leg,
+    mode_of,
+    next_change,
+    next_edge,
+    told,
+)
 from benchtool.emulator.machine.plant import move, substep
+from benchtool.emulator.machine.pulses import pulsed
 from benchtool.emulator.machine.sampling import Sampling, observe
 from benchtool.emulator.machine.saturation import Saturation
 from benchtool.emulator.machine.state import State
@@ -116,9 +127,7 @@ def _period(
     torque: NDArray[np.float64],
 ) -> tuple[State, float]:
     if (
-        dead_time is None
-        and devices is None
-        and sampling is None
+        sampling is None
         and update is None
         and accounts is None
         and saturation is None
@@ -129,7 +138,11 @@ def _period(
         watched = transducer.recording != 0
         slow = rate * stage.T_s <= SLOW_ENOUGH
         if slow and not watched and not can_rest(machine.friction, x, shaft.u_dc, stage.T_s, machine, T_load):
-            return averaged(x, duties, shaft.u_dc, stage.T_s, machine, T_load, stage.metered)
+            if dead_time is None and devices is None:
+                return averaged(x, duties, shaft.u_dc, stage.T_s, machine, T_load, stage.metered)
+            x, charge, complete = pulsed(x, duties, rise, fall, shaft, stage, machine, T_load)
+            if complete:
+                return x, charge
     if dead_time is None:
         return _without_dead_time(x, rate, rise, fall, shaft, stage, machine, T_load, transducer, torque)
     return _with_dead_time(dead_time, x, rate, rise, fall, shaft, stage, machine, T_load, transducer, torque)
@@ -153,9 +166,9 @@ def _without_dead_time(
     charge, time = 0.0, 0.0
     while time < stage.T_s:
         until = min(
-            _next_edge(time, rise_a, fall_a),
-            _next_edge(time, rise_b, fall_b),
-            _next_edge(time, rise_c, fall_c),
+            next_edge(time, rise_a, fall_a),
+            next_edge(time, rise_b, fall_b),
+            next_edge(time, rise_c, fall_c),
             stage.T_s,
         )
         high_a = rise_a <= time < fall_a
@@ -272,15 +285,6 @@ def _across_zero(
     )
 
 
-class Leg(NamedTuple):
-    """A leg with dead time: what its switches are told, and until when neither is on."""
-
-    rise: float
-    fall: float
-    high: bool
-    blank: float
-
-
 @njit
 def _with_dead_time(
     dead_time: DeadTime,
@@ -309,19 +313,19 @@ def _with_dead_time(
     while time < stage.T_s:
         i_a, i_b, i_c = phase_currents(x)
         leg_a, leg_b, leg_c = (
-            _told(leg_a, time, dead_time),
-            _told(leg_b, time, dead_time),
-            _told(leg_c, time, dead_time),
+            told(leg_a, time, dead_time.duration),
+            told(leg_b, time, dead_time.duration),
+            told(leg_c, time, dead_time.duration),
         )
         mode_a, mode_b, mode_c = (
-            _mode(leg_a, time, i_a, small),
-            _mode(leg_b, time, i_b, small),
-            _mode(leg_c, time, i_c, small),
+            mode_of(leg_a, time, i_a, small),
+            mode_of(leg_b, time, i_b, small),
+            mode_of(leg_c, time, i_c, small),
         )
         until = min(
-            _next_change(leg_a, time, mode_a),
-            _next_change(leg_b, time, mode_b),
-            _next_change(leg_c, time, mode_c),
+            next_change(leg_a, time, mode_a),
+            next_change(leg_b, time, mode_b),
+            next_change(leg_c, time, mode_c),
             stage.T_s,
         )
         if mode_a == OFF or mode_b == OFF or mode_c == OFF:
@@ -362,44 +366,6 @@ def _with_dead_time(
     shaft.blank_b = max(leg_b.blank - stage.T_s, 0.0)
     shaft.blank_c = max(leg_c.blank - stage.T_s, 0.0)
     return x, charge
-
-
-@njit
-def _told(leg: Leg, time: float, dead_time: DeadTime) -> Leg:
-    """Return the leg as its switches are told at `time`: a change of it begins a dead time."""
-    high = leg.rise <= time < leg.fall
-    if high == leg.high:
-        return leg
-    return Leg(leg.rise, leg.fall, high, time + dead_time.duration)
-
-
-@njit
-def _mode(leg: Leg, time: float, current: float, small: float) -> int:
-    if time >= leg.blank:
-        return HIGH if leg.high else LOW
-    if abs(current) <= small:
-        return OFF
-    return LOW if current > 0.0 else HIGH
-
-
-@njit
-def _next_change(leg: Leg, time: float, mode: int) -> float:
-    """Return when the leg's mode may change next: at an edge, or where a dead time ends that has an
-    effect."""
-    change = _next_edge(time, leg.rise, leg.fall)
-    if time < leg.blank and mode != (HIGH if leg.high else LOW):
-        change = min(change, leg.blank)
-    return change
-
-
-@njit
-def _next_edge(time: float, rise: float, fall: float) -> float:
-    """Return the edge of a leg that comes next after `time`, or never.
-
-    Chosen without a branch, as are the legs' states, because their order is unpredictable to a processor.
-    """
-    second = fall if fall > time else NEVER
-    return rise if rise > time else second
 
 
 @njit

@@ -1,0 +1,253 @@
+"""A PWM period of real legs followed from one change of a leg to the next, without a step of the machine.
+
+Along the course of the currents under a mean voltage each leg's potential is known from what its switches are
+told and the sign of its current. A current that comes to zero ends an interval there; it goes on with the
+other sign where a device carries it, and else rests, as the leg floats at the potential that leaves it none.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from benchtool.emulator.jit import called, njit
+from benchtool.emulator.machine.coefficients import Machine
+from benchtool.emulator.machine.course import Course, Ripple, ahead, currents_after, with_ripple
+from benchtool.emulator.machine.inverter import (
+    SQRT3,
+    PowerStage,
+    clarke,
+    forward_voltage,
+    phase_currents,
+)
+from benchtool.emulator.machine.legs import duration_of, next_edge
+from benchtool.emulator.machine.state import State
+
+_ZERO = 1e-9  # A, below which a phase has no current
+_MOST_CHANGES = 64  # in a period: one that has more is left to the steps between edges
+_PARTS = 16  # of a period, in which a leg that floats is looked at again
+
+
+@called
+def followed(
+    x: State,
+    middle: State,
+    end: State,
+    course: Course,
+    mean_alpha: float,
+    mean_beta: float,
+    small: float,
+    rise: tuple[float, float, float],
+    fall: tuple[float, float, float],
+    shaft: Any,
+    stage: PowerStage,
+    machine: Machine,
+    T_load: float,
+) -> tuple[State, float, bool]:
+    """Return the end of a period from `x` whose course is that of a mean voltage, through `middle` to `end`.
+
+    `small` is the current beyond which none ends within a dead time.
+
+    Returns the charge drawn from the dc link as well, in As, and whether the period could be followed so:
+    where two currents rest at zero at once it could not, and nothing has changed.
+    """
+    T_s, u_dc = stage.T_s, shaft.u_dc
+    dead_time, drop = duration_of(stage.dead_time), forward_voltage(stage.devices)
+    i_a, i_b, i_c = phase_currents(x)
+    high_a, high_b, high_c = float(shaft.high_a), float(shaft.high_b), float(shaft.high_c)
+    blank_a, blank_b, blank_c = shaft.blank_a, shaft.blank_b, shaft.blank_c
+    sign_a, sign_b, sign_c = sign_of(i_a), sign_of(i_b), sign_of(i_c)
+    ripple = Ripple(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    charge, time, changes = 0.0, 0.0, 0
+    while time < T_s:
+        changes += 1
+        resting = sign_a * sign_b * sign_c == 0.0
+        if changes > _MOST_CHANGES or (resting and abs(sign_a) + abs(sign_b) + abs(sign_c) < 2.0):
+            return x, 0.0, False
+        high_a, blank_a, off_a, rail_a, change_a = _leg(
+            rise[0], fall[0], high_a, blank_a, time, dead_time, sign_a, i_a, small, u_dc
+        )
+        high_b, blank_b, off_b, rail_b, change_b = _leg(
+            rise[1], fall[1], high_b, blank_b, time, dead_time, sign_b, i_b, small, u_dc
+        )
+        high_c, blank_c, off_c, rail_c, change_c = _leg(
+            rise[2], fall[2], high_c, blank_c, time, dead_time, sign_c, i_c, small, u_dc
+        )
+        until = min(change_a, change_b, change_c, T_s)
+        if resting:
+            until = min(until, time + T_s / _PARTS)
+        h = until - time
+        v_a, v_b, v_c = rail_a - sign_a * drop, rail_b - sign_b * drop, rail_c - sign_c * drop
+        if resting:
+            v_a, v_b, v_c, sign_a, sign_b, sign_c = _resting(
+                (v_a, v_b, v_c),
+                (sign_a, sign_b, sign_c),
+                (off_a, off_b, off_c),
+                h,
+                time,
+                course,
+                ripple,
+                mean_alpha,
+                mean_beta,
+                u_dc,
+                drop,
+            )
+        u_alpha, u_beta = clarke(v_a, v_b, v_c)
+        d_alpha, d_beta = u_alpha - mean_alpha, u_beta - mean_beta
+        j_a, j_b, j_c = currents_after(course, until, ripple, d_alpha, d_beta, h)
+        if drop == 0.0:  # a switch that is on carries currents of both signs alike
+            sign_a = off_a * sign_a + (1.0 - off_a) * sign_of(j_a)
+            sign_b = off_b * sign_b + (1.0 - off_b) * sign_of(j_b)
+            sign_c = off_c * sign_c + (1.0 - off_c) * sign_of(j_c)
+        if min(sign_a * j_a, sign_b * j_b, sign_c * j_c) < 0.0:
+            part_a, part_b, part_c = (
+                _crossing(sign_a, i_a, j_a),
+                _crossing(sign_b, i_b, j_b),
+                _crossing(sign_c, i_c, j_c),
+            )
+            part = min(part_a, part_b, part_c)
+            phase = 0 if part == part_a else (1 if part == part_b else 2)
+            whole = h
+            slope = _of(phase, j_a, j_b, j_c) - _of(phase, i_a, i_b, i_c)
+            for _ in range(3):
+                h = part * whole
+                j_a, j_b, j_c = currents_after(course, time + h, ripple, d_alpha, d_beta, h)
+                part = min(max(part - _of(phase, j_a, j_b, j_c) / slope, 0.0), 1.0)
+            until = time + h
+            sign_a, j_a = (0.0, 0.0) if phase == 0 else (sign_a, j_a)
+            sign_b, j_b = (0.0, 0.0) if phase == 1 else (sign_b, j_b)
+            sign_c, j_c = (0.0, 0.0) if phase == 2 else (sign_c, j_c)
+        if stage.metered:
+            drawn = _drawn(off_a, high_a, i_a + j_a) + _drawn(off_b, high_b, i_b + j_b)
+            charge += 0.5 * h * (drawn + _drawn(off_c, high_c, i_c + j_c))
+        ripple = ahead(ripple, d_alpha, d_beta, h, time - 0.5 * T_s, machine.sigma != 0.0)
+        i_a, i_b, i_c = j_a, j_b, j_c
+        time = until
+    shaft.blank_a = max(blank_a - T_s, 0.0)
+    shaft.blank_b = max(blank_b - T_s, 0.0)
+    shaft.blank_c = max(blank_c - T_s, 0.0)
+    end = with_ripple(middle, end, ripple, mean_alpha, mean_beta, T_s, machine, T_load)
+    return _without(end, sign_a, sign_b, sign_c), charge, True
+
+
+@njit
+def sign_of(current: float) -> float:
+    """Return 1 or -1, and 0 for no current."""
+    return math.copysign(1.0, current) * (abs(current) > _ZERO)
+
+
+@njit
+def _leg(
+    rise: float,
+    fall: float,
+    was_high: float,
+    blank: float,
+    time: float,
+    dead_time: float,
+    sign: float,
+    current: float,
+    small: float,
+    u_dc: float,
+) -> tuple[float, float, float, float, float]:
+    """Return what a leg is told at `time`, until when neither of its switches is on, whether that is so now,
+    the rail that it is at, half-way between them where nothing decides, and when that may change next.
+
+    Whether is 1 or 0, and all are computed without a branch, because the order of the legs' changes is
+    unpredictable to a processor.
+    """
+    high = 1.0 * ((rise <= time) & (time < fall))
+    changed = abs(high - was_high)
+    blank = changed * (time + dead_time) + (1.0 - changed) * blank
+    off = 1.0 * (time < blank)
+    rail = off * 0.5 * (1.0 - sign) + (1.0 - off) * high
+    edge = next_edge(time, rise, fall)
+    ends = (off != 0.0) & ((rail != high) | (abs(current) <= small))  # of a dead time that has an effect
+    return high, blank, off, u_dc * rail, min(edge, blank) if ends else edge
+
+
+@njit
+def _resting(
+    v: tuple[float, float, float],
+    sign: tuple[float, float, float],
+    off: tuple[float, float, float],
+    h: float,
+    time: float,
+    course: Course,
+    ripple: Ripple,
+    mean_alpha: float,
+    mean_beta: float,
+    u_dc: float,
+    drop: float,
+) -> tuple[float, float, float, float, float, float]:
+    """Return potentials and signs of the currents with those of the leg that has none for the next `h`
+    seconds: a sign if a device carries a current, or 0 where it floats at the potential that leaves it
+    none."""
+    (v_a, v_b, v_c), (sign_a, sign_b, sign_c) = v, sign
+    phase, n_alpha, n_beta, is_off, found = 0, 1.0, 0.0, off[0], v_a
+    if sign_b == 0.0:
+        phase, n_alpha, n_beta, is_off, found = 1, -0.5, 0.5 * SQRT3, off[1], v_b
+    elif sign_c == 0.0:
+        phase, n_alpha, n_beta, is_off, found = 2, -0.5, -0.5 * SQRT3, off[2], v_c
+    u_alpha, u_beta = clarke(v_a, v_b, v_c)
+    d_alpha, d_beta = u_alpha - mean_alpha, u_beta - mean_beta
+    i_a, i_b, i_c = currents_after(course, time + h, ripple, d_alpha, d_beta, h)
+    at = course.turning * (time + h - course.middle)
+    c, s = course.c - at * course.s, course.s + at * course.c
+    G = course.G + c * (n_alpha * n_alpha - n_beta * n_beta) + 2.0 * s * n_alpha * n_beta
+    either = drop + 0.5 * u_dc * is_off
+    change = -1.5 * _of(phase, i_a, i_b, i_c) / (h * G - 0.5 * h * h * course.loss)
+    carries = 0.0
+    if abs(change) > either:
+        carries, change = math.copysign(1.0, -change), math.copysign(either, change)
+    found += change
+    if phase == 0:
+        return found, v_b, v_c, carries, sign_b, sign_c
+    if phase == 1:
+        return v_a, found, v_c, sign_a, carries, sign_c
+    return v_a, v_b, found, sign_a, sign_b, carries
+
+
+@njit
+def _crossing(sign: float, before: float, after: float) -> float:
+    """Return the part of an interval after which a current is zero, by the secant; 1 if it keeps its sign."""
+    start = max(sign * before, 0.0)
+    return start / (start - sign * after) if sign * after < 0.0 else 1.0
+
+
+@njit
+def _of(phase: int, a: float, b: float, c: float) -> float:
+    if phase == 0:
+        return a
+    return b if phase == 1 else c
+
+
+@njit
+def _drawn(off: float, high: float, current: float) -> float:
+    """Return what a leg draws from the dc link; one that is off feeds it."""
+    return off * min(current, 0.0) + (1.0 - off) * high * current
+
+
+@njit
+def _without(x: State, sign_a: float, sign_b: float, sign_c: float) -> State:
+    """Return the state without current in a phase that rests."""
+    n_alpha, n_beta = 1.0, 0.0
+    if sign_b == 0.0:
+        n_alpha, n_beta = -0.5, 0.5 * SQRT3
+    elif sign_c == 0.0:
+        n_alpha, n_beta = -0.5, -0.5 * SQRT3
+    elif sign_a != 0.0:
+        return x
+    n_d = n_alpha * x.cos_theta + n_beta * x.sin_theta
+    n_q = n_beta * x.cos_theta - n_alpha * x.sin_theta
+    along = x.i_d * n_d + x.i_q * n_q
+    return State(
+        x.i_d - along * n_d,
+        x.i_q - along * n_q,
+        x.omega_e,
+        x.theta_e,
+        x.theta_rest,
+        x.cos_theta,
+        x.sin_theta,
+        x.far,
+        x.flux,
+    )
