@@ -17,8 +17,9 @@ from benchtool.emulator.control.svpwm import compensated, modulate
 from benchtool.emulator.core import Trip
 from benchtool.emulator.machine.coefficients import holding
 from benchtool.emulator.machine.inverter import clarke
-from benchtool.emulator.machine.plant import advance, airgap_torque
+from benchtool.emulator.machine.plant import airgap_torque
 from benchtool.emulator.machine.state import place
+from benchtool.emulator.machine.steps import advance
 from benchtool.emulator.machine.truth import MotorTruth
 from benchtool.emulator.memory import CONTROL, Record
 from benchtool.protocol.modes import Mode

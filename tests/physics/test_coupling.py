@@ -15,8 +15,8 @@ from scipy.integrate import solve_ivp
 from benchtool.emulator.machine.bounds import machine_of_bench, require_computable
 from benchtool.emulator.machine.coefficients import Machine, driven_by, holding
 from benchtool.emulator.machine.drive_train import Far
-from benchtool.emulator.machine.plant import advance
 from benchtool.emulator.machine.state import State, facing, place
+from benchtool.emulator.machine.steps import advance
 from benchtool.emulator.machine.train_truth import ShaftTruth, TrainTruth
 from benchtool.emulator.machine.truth import MotorTruth
 from benchtool.errors import ValueRefused

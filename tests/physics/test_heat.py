@@ -12,9 +12,9 @@ from scipy.linalg import expm
 from benchtool.emulator.core.kernel import run_ticks
 from benchtool.emulator.machine.coefficients import holding, warmed
 from benchtool.emulator.machine.heat import HeatTruth
-from benchtool.emulator.machine.plant import advance
 from benchtool.emulator.machine.saturation import SaturationTruth, flux_at
 from benchtool.emulator.machine.state import place
+from benchtool.emulator.machine.steps import advance
 from benchtool.emulator.machine.truth import MotorTruth
 from tests.physics.paper_machine import make_core
 from tests.physics.test_asymmetry import MOTOR, NO_TRIP, WIDE

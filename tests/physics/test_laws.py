@@ -16,8 +16,9 @@ from benchtool.emulator.control.laws import Law, demand
 from benchtool.emulator.control.svpwm import modulate
 from benchtool.emulator.control.vectors import MODULATED, held, nearest_zero
 from benchtool.emulator.machine.coefficients import holding
-from benchtool.emulator.machine.plant import advance, airgap_torque
+from benchtool.emulator.machine.plant import airgap_torque
 from benchtool.emulator.machine.state import State, place
+from benchtool.emulator.machine.steps import advance
 from benchtool.emulator.machine.truth import MotorTruth
 from benchtool.emulator.memory import CONTROL
 from tests.physics.paper_machine import MOTOR, make_core

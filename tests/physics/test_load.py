@@ -13,8 +13,8 @@ from benchtool.emulator.core.kernel import run_ticks
 from benchtool.emulator.machine.bounds import machine_of_bench, require_computable
 from benchtool.emulator.machine.coefficients import Machine, driven_by, holding
 from benchtool.emulator.machine.drive_train import asked_torque
-from benchtool.emulator.machine.plant import advance
 from benchtool.emulator.machine.state import State, place
+from benchtool.emulator.machine.steps import advance
 from benchtool.emulator.machine.train_truth import LoadMachineTruth, LoadTruth, ShaftTruth, TrainTruth
 from benchtool.emulator.machine.truth import MotorTruth
 from benchtool.emulator.memory import LOAD

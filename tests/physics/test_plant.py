@@ -9,8 +9,9 @@ import pytest
 
 from benchtool.emulator.machine.coefficients import Machine, holding
 from benchtool.emulator.machine.inverter import clarke
-from benchtool.emulator.machine.plant import added, advance, airgap_torque, derivative, step
+from benchtool.emulator.machine.plant import added, airgap_torque, derivative, step
 from benchtool.emulator.machine.state import State, place
+from benchtool.emulator.machine.steps import advance
 from benchtool.emulator.machine.truth import MotorTruth
 from benchtool.emulator.rotate import rotate
 

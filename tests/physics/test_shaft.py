@@ -11,8 +11,8 @@ from scipy.integrate import solve_ivp
 
 from benchtool.emulator.core.kernel import run_ticks
 from benchtool.emulator.machine.coefficients import fastest_rate, holding
-from benchtool.emulator.machine.plant import advance
 from benchtool.emulator.machine.state import place
+from benchtool.emulator.machine.steps import advance
 from benchtool.emulator.machine.truth import MotorTruth
 from tests.physics.paper_machine import make_core
 

@@ -32,9 +32,10 @@ from benchtool.emulator.machine.harmonics import (
     with_turning_torque,
 )
 from benchtool.emulator.machine.inverter import SQRT3, clarke, phase_currents
-from benchtool.emulator.machine.plant import added, derivative, move, scaled_voltage
+from benchtool.emulator.machine.plant import added, derivative, scaled_voltage
 from benchtool.emulator.machine.shaft import Friction
 from benchtool.emulator.machine.state import State
+from benchtool.emulator.machine.steps import move
 from benchtool.emulator.rotate import rotate
 
 SLOW_ENOUGH = 0.1  # rad of the fastest process in a period; a step of half of it leaves less than 1e-8

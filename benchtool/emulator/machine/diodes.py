@@ -36,15 +36,10 @@ from benchtool.emulator.machine.inverter import (
     phase_currents,
 )
 from benchtool.emulator.machine.legs import HIGH, OFF
-from benchtool.emulator.machine.plant import (
-    advance,
-    current_rates,
-    move,
-    step,
-    substep,
-)
+from benchtool.emulator.machine.plant import current_rates, step
 from benchtool.emulator.machine.sampling import observe
 from benchtool.emulator.machine.state import State, with_currents
+from benchtool.emulator.machine.steps import advance, move, substep
 from benchtool.emulator.machine.terminals import inverse_inductance, open_circuit_voltage
 from benchtool.emulator.machine.transducer import coasts, sample
 

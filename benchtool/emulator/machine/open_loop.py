@@ -12,8 +12,8 @@ from benchtool.emulator.in_place import in_place
 from benchtool.emulator.jit import entry
 from benchtool.emulator.machine.coefficients import Machine
 from benchtool.emulator.machine.inverter import clarke
-from benchtool.emulator.machine.plant import advance
 from benchtool.emulator.machine.state import place
+from benchtool.emulator.machine.steps import advance
 from benchtool.emulator.machine.truth import MotorTruth, finite, not_negative, positive
 from benchtool.errors import ValueRefused
 

@@ -73,7 +73,6 @@ def pulsed(
     least = min(a.sign * i_a, b.sign * i_b, c.sign * i_c, a.sign * j_a, b.sign * j_b, c.sign * j_c)
     least = min(least, a.sign * k_a, b.sign * k_b, c.sign * k_c)
     if least > _RIPPLE * course.G * u_dc * T_s and within_a and within_b and within_c:
-    if within_a and within_b and within_c:
         rise_a, fall_a = _seen(course, a, b, c, a.rise, u_dc), _seen(course, a, b, c, a.fall, u_dc)
         rise_b, fall_b = _seen(course, a, b, c, b.rise, u_dc), _seen(course, a, b, c, b.fall, u_dc)
         rise_c, fall_c = _seen(course, a, b, c, c.rise, u_dc), _seen(course, a, b, c, c.fall, u_dc)

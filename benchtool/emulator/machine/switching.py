@@ -38,11 +38,11 @@ from benchtool.emulator.machine.legs import (
     next_edge,
     told,
 )
-from benchtool.emulator.machine.plant import move, substep
 from benchtool.emulator.machine.pulses import pulsed
 from benchtool.emulator.machine.sampling import Sampling, observe
 from benchtool.emulator.machine.saturation import Saturation
 from benchtool.emulator.machine.state import State
+from benchtool.emulator.machine.steps import move, substep
 from benchtool.emulator.machine.transducer import sample
 
 # rad of the fastest process in one step: fourth order leaves less than 1e-8 of it
