@@ -8,7 +8,7 @@ other sign where a device carries it, and else rests, as the leg floats at the p
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 from benchtool.emulator.jit import called, njit
 from benchtool.emulator.machine.coefficients import Machine
@@ -20,11 +20,12 @@ from benchtool.emulator.machine.inverter import (
     forward_voltage,
     phase_currents,
 )
-from benchtool.emulator.machine.legs import duration_of, next_edge
+from benchtool.emulator.machine.legs import duration_of
 from benchtool.emulator.machine.state import State
 
 _ZERO = 1e-9  # A, below which a phase has no current
 _MOST_CHANGES = 64  # in a period: one that has more is left to the steps between edges
+_NEVER = 1e3  # s, beyond any period; not infinite, as zero times that is nothing
 _PARTS = 16  # of a period, in which a leg that floats is looked at again
 
 
@@ -54,8 +55,9 @@ def followed(
     T_s, u_dc = stage.T_s, shaft.u_dc
     dead_time, drop = duration_of(stage.dead_time), forward_voltage(stage.devices)
     i_a, i_b, i_c = phase_currents(x)
-    high_a, high_b, high_c = float(shaft.high_a), float(shaft.high_b), float(shaft.high_c)
-    blank_a, blank_b, blank_c = shaft.blank_a, shaft.blank_b, shaft.blank_c
+    a = _at_the_start(rise[0], fall[0], shaft.high_a, shaft.blank_a, dead_time)
+    b = _at_the_start(rise[1], fall[1], shaft.high_b, shaft.blank_b, dead_time)
+    c = _at_the_start(rise[2], fall[2], shaft.high_c, shaft.blank_c, dead_time)
     sign_a, sign_b, sign_c = sign_of(i_a), sign_of(i_b), sign_of(i_c)
     ripple = Ripple(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     charge, time, changes = 0.0, 0.0, 0
@@ -64,20 +66,23 @@ def followed(
         resting = sign_a * sign_b * sign_c == 0.0
         if changes > _MOST_CHANGES or (resting and abs(sign_a) + abs(sign_b) + abs(sign_c) < 2.0):
             return x, 0.0, False
-        high_a, blank_a, off_a, rail_a, change_a = _leg(
-            rise[0], fall[0], high_a, blank_a, time, dead_time, sign_a, i_a, small, u_dc
+        a, b, c = (
+            _told(a, time, dead_time),
+            _told(b, time, dead_time),
+            _told(c, time, dead_time),
         )
-        high_b, blank_b, off_b, rail_b, change_b = _leg(
-            rise[1], fall[1], high_b, blank_b, time, dead_time, sign_b, i_b, small, u_dc
-        )
-        high_c, blank_c, off_c, rail_c, change_c = _leg(
-            rise[2], fall[2], high_c, blank_c, time, dead_time, sign_c, i_c, small, u_dc
-        )
+        off_a, rail_a, change_a = _rail(a, time, sign_a, i_a, small)
+        off_b, rail_b, change_b = _rail(b, time, sign_b, i_b, small)
+        off_c, rail_c, change_c = _rail(c, time, sign_c, i_c, small)
         until = min(change_a, change_b, change_c, T_s)
         if resting:
             until = min(until, time + T_s / _PARTS)
         h = until - time
-        v_a, v_b, v_c = rail_a - sign_a * drop, rail_b - sign_b * drop, rail_c - sign_c * drop
+        v_a, v_b, v_c = (
+            u_dc * rail_a - sign_a * drop,
+            u_dc * rail_b - sign_b * drop,
+            u_dc * rail_c - sign_c * drop,
+        )
         if resting:
             v_a, v_b, v_c, sign_a, sign_b, sign_c = _resting(
                 (v_a, v_b, v_c),
@@ -95,10 +100,11 @@ def followed(
         u_alpha, u_beta = clarke(v_a, v_b, v_c)
         d_alpha, d_beta = u_alpha - mean_alpha, u_beta - mean_beta
         j_a, j_b, j_c = currents_after(course, until, ripple, d_alpha, d_beta, h)
-        if drop == 0.0:  # a switch that is on carries currents of both signs alike
-            sign_a = off_a * sign_a + (1.0 - off_a) * sign_of(j_a)
-            sign_b = off_b * sign_b + (1.0 - off_b) * sign_of(j_b)
-            sign_c = off_c * sign_c + (1.0 - off_c) * sign_of(j_c)
+        if drop == 0.0 and min(sign_a * j_a, sign_b * j_b, sign_c * j_c) < 0.0:
+            # a switch that is on carries currents of both signs alike
+            sign_a = -sign_a if sign_a * j_a < 0.0 and off_a == 0.0 else sign_a
+            sign_b = -sign_b if sign_b * j_b < 0.0 and off_b == 0.0 else sign_b
+            sign_c = -sign_c if sign_c * j_c < 0.0 and off_c == 0.0 else sign_c
         if min(sign_a * j_a, sign_b * j_b, sign_c * j_c) < 0.0:
             part_a, part_b, part_c = (
                 _crossing(sign_a, i_a, j_a),
@@ -118,14 +124,14 @@ def followed(
             sign_b, j_b = (0.0, 0.0) if phase == 1 else (sign_b, j_b)
             sign_c, j_c = (0.0, 0.0) if phase == 2 else (sign_c, j_c)
         if stage.metered:
-            drawn = _drawn(off_a, high_a, i_a + j_a) + _drawn(off_b, high_b, i_b + j_b)
-            charge += 0.5 * h * (drawn + _drawn(off_c, high_c, i_c + j_c))
+            drawn = _drawn(off_a, a.high, i_a + j_a) + _drawn(off_b, b.high, i_b + j_b)
+            charge += 0.5 * h * (drawn + _drawn(off_c, c.high, i_c + j_c))
         ripple = ahead(ripple, d_alpha, d_beta, h, time - 0.5 * T_s, machine.sigma != 0.0)
         i_a, i_b, i_c = j_a, j_b, j_c
         time = until
-    shaft.blank_a = max(blank_a - T_s, 0.0)
-    shaft.blank_b = max(blank_b - T_s, 0.0)
-    shaft.blank_c = max(blank_c - T_s, 0.0)
+    shaft.blank_a = max(a.blank - T_s, 0.0)
+    shaft.blank_b = max(b.blank - T_s, 0.0)
+    shaft.blank_c = max(c.blank - T_s, 0.0)
     end = with_ripple(middle, end, ripple, mean_alpha, mean_beta, T_s, machine, T_load)
     return _without(end, sign_a, sign_b, sign_c), charge, True
 
@@ -136,33 +142,52 @@ def sign_of(current: float) -> float:
     return math.copysign(1.0, current) * (abs(current) > _ZERO)
 
 
-@njit
-def _leg(
-    rise: float,
-    fall: float,
-    was_high: float,
-    blank: float,
-    time: float,
-    dead_time: float,
-    sign: float,
-    current: float,
-    small: float,
-    u_dc: float,
-) -> tuple[float, float, float, float, float]:
-    """Return what a leg is told at `time`, until when neither of its switches is on, whether that is so now,
-    the rail that it is at, half-way between them where nothing decides, and when that may change next.
+class _Leg(NamedTuple):
+    """Whether a leg is told to be high, 1 or 0, its next two edges, and until when neither switch is on."""
 
-    Whether is 1 or 0, and all are computed without a branch, because the order of the legs' changes is
-    unpredictable to a processor.
-    """
-    high = 1.0 * ((rise <= time) & (time < fall))
-    changed = abs(high - was_high)
-    blank = changed * (time + dead_time) + (1.0 - changed) * blank
-    off = 1.0 * (time < blank)
-    rail = off * 0.5 * (1.0 - sign) + (1.0 - off) * high
-    edge = next_edge(time, rise, fall)
-    ends = (off != 0.0) & ((rail != high) | (abs(current) <= small))  # of a dead time that has an effect
-    return high, blank, off, u_dc * rail, min(edge, blank) if ends else edge
+    high: float
+    edge: float
+    following: float
+    blank: float
+
+
+@njit
+def _at_the_start(rise: float, fall: float, was_high: int, blank: float, dead_time: float) -> _Leg:
+    """Return a leg at the start of a period, where what it is told may change."""
+    rise, fall = min(rise, _NEVER), min(fall, _NEVER)
+    starts_high = rise <= 0.0
+    if starts_high != (was_high != 0):
+        blank = dead_time
+    if starts_high:
+        return _Leg(1.0, fall, _NEVER, blank)
+    return _Leg(0.0, rise, fall, blank)
+
+
+# What follows is computed without a branch, because the order of the legs' changes is unpredictable to a
+# processor: whether is 1 or 0.
+
+
+@njit
+def _told(leg: _Leg, time: float, dead_time: float) -> _Leg:
+    """Return the leg at `time`, which is at its next edge at the latest: a change begins a dead time."""
+    passed = 1.0 * (time >= leg.edge)
+    kept = 1.0 - passed
+    return _Leg(
+        leg.high + passed * (1.0 - 2.0 * leg.high),
+        kept * leg.edge + passed * leg.following,
+        kept * leg.following + passed * _NEVER,
+        kept * leg.blank + passed * (time + dead_time),
+    )
+
+
+@njit
+def _rail(leg: _Leg, time: float, sign: float, current: float, small: float) -> tuple[float, float, float]:
+    """Return whether neither switch is on, the rail that the leg is at, 1 or 0, half-way between them where
+    nothing decides, and when that may change next."""
+    off = 1.0 * (time < leg.blank)
+    rail = off * (0.5 - 0.5 * sign) + (1.0 - off) * leg.high
+    ends = off * (1.0 * ((rail != leg.high) | (abs(current) <= small)))  # of a dead time that has an effect
+    return off, rail, min(leg.edge, ends * leg.blank + (1.0 - ends) * _NEVER)
 
 
 @njit

@@ -16,8 +16,10 @@ from benchtool.emulator.machine.asymmetry import Asymmetry
 from benchtool.emulator.machine.averaging import SLOW_ENOUGH, averaged, can_rest
 from benchtool.emulator.machine.carrier import DoubleUpdate, ends_high, pulse, turns_on
 from benchtool.emulator.machine.coefficients import Machine, largest_inverse_inductance
+from benchtool.emulator.machine.cogging import Cogging
 from benchtool.emulator.machine.diodes import integrate_conduction
 from benchtool.emulator.machine.drive_train import DriveTrain
+from benchtool.emulator.machine.harmonics import Harmonics
 from benchtool.emulator.machine.inverter import (
     Accounts,
     DeadTime,
@@ -140,12 +142,33 @@ def _period(
         if slow and not watched and not can_rest(machine.friction, x, shaft.u_dc, stage.T_s, machine, T_load):
             if dead_time is None and devices is None:
                 return averaged(x, duties, shaft.u_dc, stage.T_s, machine, T_load, stage.metered)
-            x, charge, complete = pulsed(x, duties, rise, fall, shaft, stage, machine, T_load)
+            x, charge, complete = _by_pulses(
+                machine.harmonics, machine.cogging, x, duties, rise, fall, shaft, stage, machine, T_load
+            )
             if complete:
                 return x, charge
     if dead_time is None:
         return _without_dead_time(x, rate, rise, fall, shaft, stage, machine, T_load, transducer, torque)
     return _with_dead_time(dead_time, x, rate, rise, fall, shaft, stage, machine, T_load, transducer, torque)
+
+
+@njit
+def _by_pulses(
+    harmonics: Harmonics | None,
+    cogging: Cogging | None,
+    x: State,
+    duties: tuple[float, float, float],
+    rise: tuple[float, float, float],
+    fall: tuple[float, float, float],
+    shaft: Any,
+    stage: PowerStage,
+    machine: Machine,
+    T_load: float,
+) -> tuple[State, float, bool]:
+    """Return `pulsed` of a machine whose steps take long enough for that to be worth it."""
+    if harmonics is None and cogging is None:
+        return x, 0.0, False
+    return pulsed(x, duties, rise, fall, shaft, stage, machine, T_load)
 
 
 @njit
