@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from benchtool.emulator.core import Core
-from benchtool.emulator.machine import changes, diodes, pulses, switching
+from benchtool.emulator.machine import diodes, pulses, switching
 from tests.physics.alpha_beta import Reference, centred, gates
 from tests.physics.paper_machine import MOTOR, make_core
 from tests.physics.test_diodes import NO_TRIP, WIDE, run_period
@@ -85,18 +85,11 @@ def ways(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     seen: list[str] = []
 
     def pulsed(*given: Any) -> Any:
-        seen.append("closed")
         done = pulses.pulsed(*given)
-        if not done[2]:
-            seen[-1] = "edges"
+        seen.append("followed" if done[2] else "edges")
         return done
 
-    def followed(*given: Any) -> Any:
-        seen[-1] = "followed"
-        return changes.followed(*given)
-
     monkeypatch.setattr(switching, "pulsed", pulsed)
-    monkeypatch.setattr(pulses, "followed", followed)
     return seen
 
 
@@ -110,16 +103,16 @@ def fine(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.usefixtures("fine")
 @pytest.mark.parametrize("bench", BENCHES)
-@pytest.mark.parametrize(("current_A", "way", "bound_A"), [(0.5, "followed", 1e-4), (20.0, "closed", 1e-6)])
+@pytest.mark.parametrize(("current_A", "bound_A"), [(0.5, 1e-4), (20.0, 1e-6)])
 def test_a_period_ends_where_short_steps_between_edges_do(
-    bench: str, current_A: float, way: str, bound_A: float, ways: list[str]
+    bench: str, current_A: float, bound_A: float, ways: list[str]
 ) -> None:
     """Currents through zero, resting there or not, and those that keep their signs."""
     errors = []
     for seed in range(12):
         period = Period(bench, seed, current_A)
         errors.append(np.abs(period.run(edges=False) - period.run(edges=True)))
-    assert ways.count(way) >= 6
+    assert ways.count("followed") >= 11
     i_d, i_q, omega_m, theta_e, u_dc = np.max(errors, axis=0)
     assert max(i_d, i_q) < bound_A
     assert omega_m < 5e-6
@@ -166,7 +159,7 @@ def test_what_is_left_out_is_of_the_fourth_order(ways: list[str]) -> None:
         period = Period("dead time", 3, 20.0, T_s=T_s)
         error = np.abs(period.run(edges=False) - period.run(edges=True))
         errors.append(error[:4].max())
-    assert ways == ["closed", "closed"]
+    assert ways == ["followed", "followed"]
     assert np.log2(errors[0] / errors[1]) > 3.5
 
 

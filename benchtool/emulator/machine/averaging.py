@@ -185,22 +185,16 @@ def overlap(duty_1: float, duty_2: float) -> float:
 
 
 @njit
-def overlaps(duties: tuple[float, float, float]) -> tuple[float, float, float]:
-    """Return the integrals of w_alpha^2, w_beta^2 and w_alpha w_beta, as in `overlap`."""
+def _product(
+    x: State, duties: tuple[float, float, float], u_dc: float, T_s: float, machine: Machine
+) -> float:
+    """Return the integral of the product of the ripples of i_d and i_q over the period, A2s."""
     a, b, c = duties
     aa, bb, cc = overlap(a, a), overlap(b, b), overlap(c, c)
     ab, bc, ca = overlap(a, b), overlap(b, c), overlap(c, a)
     alpha_alpha = (4.0 * (aa - ab - ca) + bb + cc + 2.0 * bc) * (1.0 / 9.0)
     beta_beta = (bb + cc - 2.0 * bc) * (1.0 / 3.0)
-    return alpha_alpha, beta_beta, (2.0 * (ab - ca) - bb + cc) * (1.0 / (3.0 * SQRT3))
-
-
-@njit
-def _product(
-    x: State, duties: tuple[float, float, float], u_dc: float, T_s: float, machine: Machine
-) -> float:
-    """Return the integral of the product of the ripples of i_d and i_q over the period, A2s."""
-    alpha_alpha, beta_beta, alpha_beta = overlaps(duties)
+    alpha_beta = (2.0 * (ab - ca) - bb + cc) * (1.0 / (3.0 * SQRT3))
     square = x.cos_theta * x.cos_theta - x.sin_theta * x.sin_theta
     d_q = alpha_beta * square + (beta_beta - alpha_alpha) * x.cos_theta * x.sin_theta
     return u_dc * u_dc * T_s * T_s * T_s * machine.inv_L_d * machine.inv_L_q * d_q

@@ -190,7 +190,7 @@ def _rail(leg: _Leg, time: float, sign: float, current: float, small: float) -> 
     return off, rail, min(leg.edge, ends * leg.blank + (1.0 - ends) * _NEVER)
 
 
-@njit
+@called
 def _resting(
     v: tuple[float, float, float],
     sign: tuple[float, float, float],

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from benchtool.emulator.jit import njit
+from benchtool.emulator.jit import called, njit
 from benchtool.emulator.machine.averaging import Addition, of_odd_ripple, torque_slopes, turned
 from benchtool.emulator.machine.coefficients import Machine
 from benchtool.emulator.machine.inverter import SQRT3
@@ -143,7 +143,7 @@ def ahead(
     )
 
 
-@njit
+@called
 def with_ripple(
     middle: State,
     end: State,
