@@ -13,7 +13,15 @@ from pathlib import PurePath
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
-from benchtool.bench.equipment import Declared, LoadMachine, Supply, Thermometer, Transducer, declared
+from benchtool.bench.equipment import (
+    Declared,
+    EnergyMeter,
+    LoadMachine,
+    Supply,
+    Thermometer,
+    Transducer,
+    declared,
+)
 from benchtool.bench.faults import Faults
 from benchtool.bench.mounting import mount
 from benchtool.bench.wires import registry
@@ -44,6 +52,7 @@ class Session:
     transducer: Transducer | None = None
     supply: Supply | None = None
     thermometer: Thermometer | None = None
+    energy_meter: EnergyMeter | None = None
     faults: Faults | None = None
 
 
