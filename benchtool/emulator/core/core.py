@@ -250,7 +250,12 @@ class Core:
 
     def restart_counter(self) -> None:
         """Have the encoder's counter begin again, as when the drive is switched on."""
-        self._sensors[0].counting = self._sensors[0].travelled = 0
+        self._sensors[0].counting = self._sensors[0].travelled = self._sensors[0].index_passed = 0
+
+    @property
+    def index_passed(self) -> bool:
+        """Whether the index of the encoder has passed since its counter began."""
+        return bool(self._sensors[0].index_passed)
 
     def begin_observer(self) -> None:
         """Have the speed observer begin again: an encoder that is read in another way has not turned."""

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.emulator.control.cycle import control_tick
+from benchtool.emulator.control.observer import shift
 from benchtool.emulator.core.capture_memory import capture_row
 from benchtool.emulator.core.stream_ring import stream_row
 from benchtool.emulator.in_place import in_place, renewed
@@ -35,6 +36,7 @@ from benchtool.emulator.machine.drive_train import (
     holds_rotor,
     is_ideal,
 )
+from benchtool.emulator.machine.encoder import found
 from benchtool.emulator.machine.energies import keep_energies
 from benchtool.emulator.machine.flange import follow
 from benchtool.emulator.machine.heat import Heat, warm
@@ -141,6 +143,7 @@ def run_ticks(
             noise[done],
             measurement,
         )
+        shift(found(sensing.encoder.counter, sensor), drive, control)
         tripped = control_tick(drive, command, control, stimulus, measurement)
         began = stimulus.began != 0
         capture_row(capture, drive, memory_words, memory_floats, channels, rows, tripped, began)
