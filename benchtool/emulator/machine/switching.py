@@ -19,9 +19,9 @@ from benchtool.emulator.machine.coefficients import Machine, largest_inverse_ind
 from benchtool.emulator.machine.cogging import Cogging
 from benchtool.emulator.machine.diodes import integrate_conduction
 from benchtool.emulator.machine.drive_train import DriveTrain
+from benchtool.emulator.machine.energies import Accounts
 from benchtool.emulator.machine.harmonics import Harmonics
 from benchtool.emulator.machine.inverter import (
-    Accounts,
     DeadTime,
     Devices,
     PowerStage,
