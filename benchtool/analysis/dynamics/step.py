@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Final
 
@@ -111,7 +111,11 @@ def _curve(step: Step) -> NoisyCurve:
     at_rest = step.y[math.ceil(_AT_REST * settled.place) :]
     if len(at_rest) < _LONGER * TAIL * len(step.y):
         return curve
-    return NoisyCurve.through(step.y, Noise.of(step.y_before, at_rest))
+    noise = Noise.of(step.y_before, at_rest)
+    if noise.offset:  # slow noise is as far off after the step as it was before
+        before = float(np.mean(step.y_before)) - step.before
+        noise = replace(noise, offset=math.hypot(noise.offset, before))
+    return NoisyCurve.through(step.y, noise)
 
 
 def _band(step: Step, curve: NoisyCurve) -> float:

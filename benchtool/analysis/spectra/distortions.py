@@ -102,7 +102,7 @@ def group_distortions(
     lines = [each for each in distortion.budget[:-1] if each.name != "fundamental"]
     by_noise = combined(lines, "")
     noise = None if by_noise is None else MeanError(by_noise.standard, by_noise.dof)
-    of_order_1 = _relative(errors, spectrum.fundamental)
+    of_order_1 = _relative(distortion)
     for name, kind in (("current_thd_f_groups", "group"), ("current_thd_f_subgroups", "subgroup")):
         base = f"{kind} of order 1"
         if groups is None:
@@ -127,10 +127,11 @@ def group_distortions(
             yield Measurement(name, 100.0 * value.ratio, "%", text, own, uncertain)
 
 
-def _relative(errors: LineErrors, fundamental: float) -> float:
-    """Return the relative standard uncertainty of the fundamental; nan where it is not known."""
-    own = combined(errors.budget(0), "")
-    return own.standard / fundamental if own is not None and fundamental > 0.0 else math.nan
+def _relative(distortion: Distortion) -> float:
+    """Return the relative standard uncertainty of the fundamental, but for what the harmonics have in common
+    with it; nan where it is not known."""
+    own = [each.standard for each in distortion.budget if each.name == "fundamental"]
+    return own[0] / distortion.ratio if own and distortion.ratio > 0.0 else math.nan
 
 
 def group_basis(coherent: CoherentSamples, groups: HarmonicGroups, basis: Basis) -> Basis:

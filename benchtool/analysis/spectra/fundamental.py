@@ -15,7 +15,7 @@ from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.regimes import STANDS_OUT, change_of_regime
 from benchtool.analysis.repeatability import wander_of_difference
 from benchtool.analysis.scatter import MeanError, error_of_series
-from benchtool.analysis.spectra.noise import harmonic_noise, line_noise
+from benchtool.analysis.spectra.noise import hann_quadrature, harmonic_noise, line_noise
 from benchtool.analysis.spectra.phase_following import Wander
 from benchtool.analysis.spectra.spectrum import FIRST_ROW, CoherentSpectrum
 from benchtool.analysis.uncertainty import Contribution, combined
@@ -25,6 +25,7 @@ _HANN_FIT = math.sqrt(54.463)
 the duration: root of int w^4 t^2 dt / (int w^2 t^2 dt)^2, w = cos^2(pi t), t from -1/2 to 1/2; unweighted it
 is sqrt(12)."""
 
+_LEAKS = 4.0  # times the power under a Hann window: what the rectangular one leaks, beyond chance
 _ABOVE_FLOOR = 4.0  # of the rms amplitude of a bin of noise: by chance once in ten million
 _BLOCKS = 64
 _FEWEST_AT_END = 12  # samples of an angle for a cubic
@@ -136,8 +137,12 @@ def _random(
             "what is left of the followed phase at both ends, and its bend beyond the last period",
         )
     noise = line_noise(spectrum, np.array([spectrum.periods]))
-    phase_rad = float(noise.quadrature[0]) / spectrum.fundamental if spectrum.fundamental else math.nan
-    found = MeanError(_HANN_FIT * phase_rad / turns, float(noise.dof[0]))
+    beside = MeanError(float(noise.quadrature[0]), float(noise.dof[0]))
+    windowed = hann_quadrature(spectrum)
+    if _LEAKS * windowed.standard**2 < beside.standard**2:
+        beside = windowed
+    phase_rad = beside.standard / spectrum.fundamental if spectrum.fundamental else math.nan
+    found = MeanError(_HANN_FIT * phase_rad / turns, beside.dof)
     return found, "noise beside the fundamental, by the sine fit under a Hann window"
 
 
