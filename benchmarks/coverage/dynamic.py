@@ -36,8 +36,8 @@ class Lag:
         return 2.0 * math.pi * self.corner_Hz
 
     def varied(self, random: np.random.Generator) -> Lag:
-        """Return one that is like it: where its corner is among the lines of a spectrum, or its peak among the
-        samples, is not to be the same in all records."""
+        """Return one that is like it: where its corner is among the lines of a spectrum, or its peak among
+        the samples, is not to be the same in all records."""
         corner_Hz = self.corner_Hz * random.uniform(*_VARIED)
         damping = None if self.damping is None else self.damping * random.uniform(*_VARIED)
         return replace(self, corner_Hz=corner_Hz, damping=damping)

@@ -68,7 +68,8 @@ class Score:
 def scores(family: Family, repetitions: int, seed: int = 0) -> Iterator[Score]:
     """Yield every measurement of a family, over that many random records."""
     found: dict[str, list[tuple[Measurement, float]]] = {}
-    own = zlib.crc32(family.name.encode())  # equal records in many families would be one chance, counted often
+    # equal records in many families would be one chance, counted often
+    own = zlib.crc32(family.name.encode())
     for number in range(repetitions):
         random = np.random.default_rng([seed, own, number])
         try:

@@ -88,10 +88,11 @@ def current_spectrum(
     floor = noise_floor(spectrum)
     sound = soundness(spectrum, seen, clipping(samples), channel)
     highest = min(HIGHEST_HARMONIC, len(harmonics(spectrum)))
-    errors = line_errors(spectrum, highest, seen.excess_rad, resolution(samples))
+    step = resolution(samples)
+    errors = line_errors(spectrum, highest, seen.excess_rad, step)
     groups = harmonic_groups(coherent, HIGHEST_HARMONIC)
     found = (
-        frequency(spectrum, track, seen, basis, rate_relative, sound.of_ratios),
+        frequency(spectrum, track, seen, basis, rate_relative, sound.of_ratios, step),
         *_refused(_lines(spectrum, errors, unit, basis), sound.of_amplitudes),
         *_refused(distortions(spectrum, errors, basis, current_rated_A_rms, unit), sound.of_ratios),
         *_refused(group_distortions(coherent, spectrum, errors, groups, basis), sound.of_ratios),

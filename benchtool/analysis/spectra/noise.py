@@ -10,7 +10,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis.repeated_steps import noise_beside, repeated_steps
+from benchtool.analysis.repeated_steps import RepeatedSteps, noise_beside, repeated_steps
 from benchtool.analysis.scatter import MeanError, students_deviation
 from benchtool.analysis.spectra.spectrum import CoherentSpectrum
 
@@ -23,6 +23,10 @@ _OF_ONE_PAIR = 3.0  # a distribution of two degrees of freedom has no deviation:
 _LAST_DIGIT = 1e-6  # of the strongest line: a smaller step is rounding
 _CLEARLY = 6.0  # a ratio of variances, of 16 degrees of freedom each: by chance once in two thousand
 _LARGE = 1000
+_FOLDED, _MAIN_LOBE = (
+    4,
+    2.5,
+)  # multiples of the rate; bins to either side of a line under a squared Hann window
 _STEEP = 0.25  # change of the logarithm of the density over a band, above which it is taken into account
 _BANDS_AROUND = 2
 _MOVED_MOST = 10  # harmonics around which a wander of the phase may be seen
@@ -271,16 +275,41 @@ def repeated_quantisation(
     The standard uncertainty of the amplitude of each, and the mean square of the amplitude that is added to
     each, both of shape (harmonics,). What is between the harmonics is the noise that hides the steps.
     """
-    periods, lines = spectrum.periods, spectrum.phasor[spectrum.periods :: spectrum.periods]
+    lines = spectrum.phasor[spectrum.periods :: spectrum.periods]
+    found = _steps(spectrum, step)
     none = np.zeros(len(lines))
+    return (none, none) if found is None else found.of_lines(lines)
+
+
+def aliased_quantisation(spectrum: CoherentSpectrum, step: float) -> float:
+    """Return the rms amplitude of errors of a converter's steps that fold to beside the fundamental, each as
+    much as it moves a frequency by a fit under a Hann window, relative to a line a bin away.
+
+    Where j periods hold nearly a whole number n of samples, orders n - 1 and n + 1 of the error fold to
+    lines so few bins beside the fundamental that the window does not keep them off.
+    """
+    found = _steps(spectrum, step)
+    if found is None:
+        return 0.0
+    whole = np.arange(1, _FOLDED + 1) * (spectrum.samples / spectrum.periods)
+    nearest = np.round(whole).astype(np.int64)
+    apart = np.abs(nearest - whole) * spectrum.periods
+    power = found.power_at(nearest - 1) + found.power_at(nearest + 1)
+    # of int cos^4 t sin(2 pi d t) dt, which is near its greatest from half a bin to one and a half
+    moved = np.minimum(1.0, 2.0 * apart) * (apart < _MAIN_LOBE)
+    return math.sqrt(float(np.sum(power * moved**2)))
+
+
+def _steps(spectrum: CoherentSpectrum, step: float) -> RepeatedSteps | None:
+    """Return the errors of a converter's steps; None where there are none, or noise hides them."""
+    periods, lines = spectrum.periods, spectrum.phasor[spectrum.periods :: spectrum.periods]
     if not step > _LAST_DIGIT * float(np.max(np.abs(lines), initial=0.0)):
-        return none, none
+        return None
     square = np.square(spectrum.amplitude)
     between = 0.5 * float(np.sum(square[1:]) - np.sum(square[periods::periods]))
     in_band = 2.0 * (len(spectrum.amplitude) / spectrum.samples)
     noise = noise_beside(between / in_band, step)
-    found = repeated_steps(float(spectrum.phasor[0].real), lines, step, noise, spectrum.samples, periods)
-    return (none, none) if found is None else found.of_lines(lines)
+    return repeated_steps(float(spectrum.phasor[0].real), lines, step, noise, spectrum.samples, periods)
 
 
 def _lost(
