@@ -5,9 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from benchmarks.coverage.channels import Flux, Lines, Residual, Unbalance
-from benchmarks.coverage.channels import Kind as Channel
-from benchmarks.coverage.channels import trial as channel_trial
+from benchmarks.coverage.channels import (
+    Flux,
+    Kind as Channel,
+    Lines,
+    Residual,
+    Unbalance,
+    trial as channel_trial,
+)
 from benchmarks.coverage.dynamic import Excited, Lag, Stepped, excited_trial, stepped_trial
 from benchmarks.coverage.families import Family
 from benchmarks.coverage.steady import Disturbance, trial

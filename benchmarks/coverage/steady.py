@@ -224,7 +224,8 @@ def trial(what: Disturbance, random: np.random.Generator) -> Iterator[tuple[Meas
     if is_noise_alone and is_steady and what.second_regime == 1.0:
         truths["current_noise_floor"] = math.nan
     if not any(relative > 0.03 for _, relative in what.lines) and not what.decay[0]:
-        truths["current_max_low_harmonic"] = what.amplitude_A * max(what.harmonics.values(), default=0.0)
+        largest = max(what.harmonics.values(), default=0.0)
+        truths["current_max_low_harmonic"] = truths["current_fundamental"] * largest
     steady = analyze_steady_state(
         made.block, pole_pairs=POLE_PAIRS, torque_rated_Nm=TORQUE_NM, current_rated_A_rms=4.0
     )
@@ -242,7 +243,7 @@ def trial(what: Disturbance, random: np.random.Generator) -> Iterator[tuple[Meas
                 row = table.rows[order - 1]
                 uncertain = Uncertainty(row[5], "") if math.isfinite(row[5]) else None
                 number = Measurement(f"harmonic_{order}", row[2], "A", "", uncertainty=uncertain)
-                yield number, what.amplitude_A * relative
+                yield number, truths["current_fundamental"] * relative
     if what.angle and not what.peaked:
         try:
             orders = order_analysis(made.block, "torque", pole_pairs=POLE_PAIRS)

@@ -111,7 +111,7 @@ def group_distortions(
             yield Measurement.undefined(name, "%", text, reason, replace(basis, reference=base))
             continue
         squares = groups.group2 if kind == "group" else groups.subgroup2
-        value: GroupDistortion = group_distortion(squares, noise, of_order_1)
+        value: GroupDistortion = group_distortion(squares, noise, of_order_1, distortion.ratio)
         text = f"100 x rms of harmonic {kind}s of order 2 to {groups.orders} / {base}, after IEC 61000-4-7"
         if groups.periods_per_window < PERIODS_PER_WINDOW:
             text += (

@@ -23,6 +23,7 @@ from benchtool.analysis.spectra.spectrum import CoherentSpectrum
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
 
 HIGHEST_HARMONIC = 50
+_STANDS_OUT = 5.0  # standard uncertainties of an amplitude
 _OTHERWISE = 3.0  # a ratio of variances: by chance once in fifty
 
 
@@ -246,7 +247,8 @@ def _in_common(
     fundamental, and adds up in one to a stated amplitude.
     """
     total = math.sqrt(float(np.sum(amplitude[1:] ** 2)))
-    if not (total > 0.0 and slope > 0.0):
+    stand_out = amplitude[1:] > _STANDS_OUT * errors.noise[1:]
+    if not (total > 0.0 and slope > 0.0 and np.any(stand_out)):
         return None
     weights = np.concatenate([[-by_fundamental / slope], amplitude[1:] / total])
     apart2 = float(np.sum((weights * errors.noise) ** 2))

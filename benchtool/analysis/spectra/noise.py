@@ -23,10 +23,8 @@ _OF_ONE_PAIR = 3.0  # a distribution of two degrees of freedom has no deviation:
 _LAST_DIGIT = 1e-6  # of the strongest line: a smaller step is rounding
 _CLEARLY = 6.0  # a ratio of variances, of 16 degrees of freedom each: by chance once in two thousand
 _LARGE = 1000
-_FOLDED, _MAIN_LOBE = (
-    4,
-    2.5,
-)  # multiples of the rate; bins to either side of a line under a squared Hann window
+_FOLDED = 4  # multiples of the rate
+_MAIN_LOBE = 2.5  # bins beside a line under a squared Hann window
 _STEEP = 0.25  # change of the logarithm of the density over a band, above which it is taken into account
 _BANDS_AROUND = 2
 _MOVED_MOST = 10  # harmonics around which a wander of the phase may be seen
