@@ -19,7 +19,7 @@ PERIODS_PER_WINDOW = 10
 
 _FEWEST_PERIODS = 4  # with fewer, subgroups overlap and there are no bins between them
 _FEWEST_WINDOWS = 3
-_OF_EXCESS = 0.5
+_OF_EXCESS = 0.7
 _BY_CHANCE, _RARELY = 0.1, 0.02
 _BATCH = 1 << 18  # samples transformed at a time
 
@@ -110,7 +110,7 @@ def group_distortion(
     scatters with what the orders have in common, but of few windows by few degrees of freedom: that counts
     where it is more than the others explain (F-test, one in ten by chance), or so much less than the orders'
     (one in fifty) that they share what they scatter by. What the groups have beyond the lines, whose ratio is
-    `of_lines`, then counts by half: it is of few events, whose scatter few windows do not show.
+    `of_lines`, then counts by 0.7 of itself: it is of few events, whose scatter few windows do not show.
     """
     mean = np.mean(squares, axis=0)
     if squares.shape[1] < 2 or not mean[0] > 0.0:
