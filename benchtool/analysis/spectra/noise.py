@@ -332,11 +332,11 @@ def _of_pairs(sums: NDArray[np.complex128], inside: NDArray[np.bool_]) -> NDArra
     found = np.full(len(square), np.nan)
     for row, (values, usable) in enumerate(zip(square, inside, strict=True)):
         if usable.any():
-            found[row] = _of_line(values[usable])
+            found[row] = noise_at_line(values[usable])
     return np.asarray(np.sqrt(found))
 
 
-def _of_line(power: NDArray[np.float64]) -> float:
+def noise_at_line(power: NDArray[np.float64]) -> float:
     """Return the noise power at a line by that of pairs around it, the nearest first, shape (pairs,).
 
     Where the nearest have more than the median of all, and more than twice that of those beyond, the noise
