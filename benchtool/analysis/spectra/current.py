@@ -215,7 +215,7 @@ CURRENT_SPECTRUM: Final = Analysis(
             "phase between first and last row / (2 pi duration)",
             "of the slope of the angle's fit, by 64 parts of the record and their correlation; of the sine "
             "fit sqrt(54.5) u_q / (2 pi A_1 duration), u_q the noise beside the line in quadrature "
-            "(Hann-weighted; unweighted it were sqrt(12)), or, where that is clearly less, under a Hann window, "
+            "(Hann-weighted; unweighted it were sqrt(12)), under a Hann window where that is clearly less, "
             "and the converter's steps that fold to beside the line; of a phase that was followed, its noise "
             "at both ends",
         ),
@@ -284,8 +284,8 @@ CURRENT_SPECTRUM: Final = Analysis(
             ("current_noise_floor",),
             "A",
             "A_n: mean square over bands of the bins between harmonics, each from the median / 0.8326",
-            "of each band's power 1 / (ln 2 sqrt(bins)) of it; of the root, half of that of a power two standard "
-            "uncertainties above",
+            "of each band's power 1 / (ln 2 sqrt(bins)) of it; of the root, half of that of a power two "
+            "standard uncertainties above",
         ),
         Quantity(
             ("current_noise_density",), "A/sqrt(Hz)", "A_n / sqrt(2 bin width), rms per sqrt(Hz)", "likewise"

@@ -342,7 +342,7 @@ def test_a_frequency_is_as_certain_as_its_window_makes_it() -> None:
 
 
 def test_steps_that_fold_beside_the_fundamental_are_in_its_frequency() -> None:
-    """A period of 578.03 samples: orders 577 and 579 of the steps' error are 0.8 bins from the fundamental."""
+    """A period of 578.03 samples: orders 577 and 579 of the steps are 0.8 bins from the fundamental."""
     relative = []
     for seed in range(12):
         random = np.random.default_rng(seed)
