@@ -123,7 +123,7 @@ def _lost(
     """
     size2 = np.maximum(np.abs(coefficient) ** 2, np.finfo(float).tiny)
     excess = np.where(across2 > _CLEARLY * along2, across2 - along2, 0.0)
-    return 2.0 * np.abs(coefficient) * np.minimum(1.0, 0.5 * revolutions * excess / size2)
+    return np.asarray(2.0 * np.abs(coefficient) * np.minimum(1.0, 0.5 * revolutions * excess / size2))
 
 
 def sector_means(

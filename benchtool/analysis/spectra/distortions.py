@@ -6,6 +6,8 @@ import math
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
+import numpy as np
+
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.scatter import MeanError
 from benchtool.analysis.spectra.groups import (
@@ -103,6 +105,8 @@ def group_distortions(
     by_noise = combined(lines, "")
     noise = None if by_noise is None else MeanError(by_noise.standard, by_noise.dof)
     of_order_1 = _relative(distortion)
+    # twice the mean square that a converter's steps add to the harmonics, over that of the fundamental
+    steps2 = 2.0 * float(np.sum(errors.steps2[1:])) / spectrum.fundamental**2 if spectrum.fundamental else 0.0
     for name, kind in (("current_thd_f_groups", "group"), ("current_thd_f_subgroups", "subgroup")):
         base = f"{kind} of order 1"
         if groups is None:
@@ -123,7 +127,9 @@ def group_distortions(
         else:
             source = f"scatter over {groups.windows} windows, or the noise beside the lines"
             scatter = Contribution(source, "A", value.standard, value.dof)
-            uncertain = _percent((scatter,), source)
+            added = value.ratio - math.sqrt(max(0.0, value.ratio**2 - steps2))
+            of_steps = Contribution("steps of the converter that repeat", "B", added)
+            uncertain = _percent((scatter, of_steps) if added else (scatter,), source)
             yield Measurement(name, 100.0 * value.ratio, "%", text, own, uncertain)
 
 
