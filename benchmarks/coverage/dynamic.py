@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -20,6 +20,7 @@ Floats = NDArray[np.float64]
 
 RATE_HZ = 10_000.0
 _BEFORE_S = 0.02
+_VARIED = 0.93, 1.07  # of corner and damping, from record to record
 
 
 @dataclass(frozen=True)
@@ -33,6 +34,13 @@ class Lag:
     @property
     def omega(self) -> float:
         return 2.0 * math.pi * self.corner_Hz
+
+    def varied(self, random: np.random.Generator) -> Lag:
+        """Return one that is like it: where its corner is among the lines of a spectrum, or its peak among
+        the samples, is not to be the same in all records."""
+        corner_Hz = self.corner_Hz * random.uniform(*_VARIED)
+        damping = None if self.damping is None else self.damping * random.uniform(*_VARIED)
+        return replace(self, corner_Hz=corner_Hz, damping=damping)
 
     def step(self, time_s: Floats) -> Floats:
         """Return the answer to a unit step at zero, of unit gain at rest, at times of any sign."""
@@ -103,6 +111,7 @@ class Excited:
 
 def stepped_trial(what: Stepped, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
     """Yield the numbers of one step response."""
+    what = replace(what, lag=what.lag.varied(random))
     row = np.arange(-round(_BEFORE_S * RATE_HZ), round(what.duration_s * RATE_HZ), dtype=np.float64)
     time_s: Floats = (row + (0.0 if what.held else random.uniform())) / RATE_HZ
 
@@ -163,6 +172,7 @@ def _crossing(time_s: Floats, y: Floats, level: float) -> float:
 
 def excited_trial(what: Excited, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
     """Yield the numbers of one frequency response; the system runs in continuous time, its input is held."""
+    what = replace(what, lag=what.lag.varied(random))
     count = round(what.duration_s * RATE_HZ)
     period = None
     if what.excitation == "chirp":

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import zlib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -67,8 +68,10 @@ class Score:
 def scores(family: Family, repetitions: int, seed: int = 0) -> Iterator[Score]:
     """Yield every measurement of a family, over that many random records."""
     found: dict[str, list[tuple[Measurement, float]]] = {}
+    # equal records in many families would be one chance, counted often
+    own = zlib.crc32(family.name.encode())
     for number in range(repetitions):
-        random = np.random.default_rng([seed, number])
+        random = np.random.default_rng([seed, own, number])
         try:
             for measured, truth in family.trial(random):
                 found.setdefault(measured.name, []).append((measured, truth))
@@ -92,8 +95,11 @@ def _score(family: str, name: str, repetitions: int, results: Sequence[tuple[Mea
     truth = np.array([each for _, each, _ in answers])
     standard = np.array([max(each.standard, 1e-300) for _, _, each in answers])
     expanded = np.array([each.expanded for _, _, each in answers])
-    truth[np.isnan(truth)] = float(np.mean(value))
+    of_ensemble = np.isnan(truth)
+    truth[of_ensemble] = float(np.mean(value))
     error = value - truth
+    if len(value) > 1:  # from their own mean the values deviate less than from that of the ensemble
+        error[of_ensemble] *= math.sqrt(len(value) / (len(value) - 1.0))
     error[np.abs(error) < _ROUNDING * np.abs(truth)] = 0.0
     relative = error / standard
     return Score(

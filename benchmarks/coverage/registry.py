@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from benchmarks.coverage import channels, disturbances, dynamic, stamps, unusual
+from benchmarks.coverage import channels, disturbances, dynamic, mixed, stamps, unusual
 from benchmarks.coverage.families import Family
 
 FAMILIES: Mapping[str, Family] = {
@@ -15,5 +15,6 @@ FAMILIES: Mapping[str, Family] = {
         *stamps.FAMILIES,
         *dynamic.FAMILIES,
         *unusual.FAMILIES,
+        *mixed.FAMILIES,
     )
 }

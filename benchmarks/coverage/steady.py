@@ -31,6 +31,8 @@ HARMONICS: Mapping[int, float] = {5: 0.03, 7: 0.02}
 TORQUE_NM, RIPPLE_NM, COGGING_NM = 2.0, 0.1, 0.05
 RIPPLE_ORDER, COGGING_ORDER = 6 * POLE_PAIRS, 3 * POLE_PAIRS
 _MEAN_OF_PEAKS = float(np.i0(6.0)) * math.exp(-6.0)
+_MUCH_LESS = 0.05  # of a step
+_NO_POWER = 1e-5
 THD_PERCENT = 100.0 * math.sqrt(sum(each**2 for each in HARMONICS.values()))
 
 
@@ -120,7 +122,7 @@ def record(what: Disturbance, random: np.random.Generator) -> Record:
     period -= period.min()
     current *= 1.0 + _by_period(what.amplitude_noise, period, random)
     size, swing_Hz = what.amplitude_swing
-    current *= 1.0 + size * np.cos(2 * np.pi * swing_Hz * time_s + 1.0)
+    current *= 1.0 + size * np.cos(2 * np.pi * swing_Hz * time_s + random.uniform(0, 2 * np.pi))
     current *= 1.0 + what.amplitude_ramp * (time_s / duration_s - 0.5)
     current *= np.where(time_s < 0.5 * duration_s, 1.0, what.second_regime)
     for place, amplitude in what.lines:
@@ -139,10 +141,12 @@ def record(what: Disturbance, random: np.random.Generator) -> Record:
     current = np.clip(current, -what.clip * AMPLITUDE_A, what.clip * AMPLITUDE_A)
 
     theta_true = theta_e / POLE_PAIRS
+    # between the levels of a converter the extremes are anywhere; without it the ensemble's are the truth
+    of_ripple, of_cogging = random.uniform(0, 2 * np.pi, 2) if _is_clean(what) else (0.3, 1.1)
     torque = what.torque_Nm + RIPPLE_NM * (1.0 + _by_period(what.ripple_noise, period, random)) * np.cos(
-        RIPPLE_ORDER * theta_true + 0.3
+        RIPPLE_ORDER * theta_true + of_ripple
     )
-    torque += COGGING_NM * np.cos(COGGING_ORDER * theta_true + 1.1)
+    torque += COGGING_NM * np.cos(COGGING_ORDER * theta_true + of_cogging)
     torque += TORQUE_NM * what.noise * coloured(noise_of(what.kind, random, count), what.colour)
     if what.peaked:
         torque += what.peaked * (np.exp(6.0 * np.cos(RIPPLE_ORDER * theta_true) - 6.0) - _MEAN_OF_PEAKS)
@@ -198,7 +202,7 @@ def trial(what: Disturbance, random: np.random.Generator) -> Iterator[tuple[Meas
         "current_thd_f_noise_corrected": thd,
         "current_thd_r": 100.0 / math.sqrt(1.0 + (100.0 / thd) ** 2) if thd else 0.0,
         "torque_mean": what.torque_Nm,
-        "torque_ripple_pp": OF_THE_ENSEMBLE,
+        "torque_ripple_pp": float(np.ptp(made.clean_torque_Nm)) if _is_clean(what) else OF_THE_ENSEMBLE,
         "torque_ripple_percentile_range": percentile_range(made.clean_torque_Nm)
         if what.bits
         else OF_THE_ENSEMBLE,
@@ -211,14 +215,17 @@ def trial(what: Disturbance, random: np.random.Generator) -> Iterator[tuple[Meas
         "current_thd_f_subgroups": OF_THE_ENSEMBLE,
         "current_thd_f_groups": OF_THE_ENSEMBLE,
     }
+    if _is_clean(what) and what.noise <= _NO_POWER:  # what is between harmonics is nothing
+        truths["current_thd_f_subgroups"] = truths["current_thd_f_groups"] = thd
     if what.peaked or what.kind == "walk":
         truths["torque_ripple_rms"] = OF_THE_ENSEMBLE  # crests are ripple too, and a walk has no rms
     if what.torque_Nm:
-        truths["torque_ripple_percent_of_mean"] = OF_THE_ENSEMBLE
+        truths["torque_ripple_percent_of_mean"] = 100.0 * truths["torque_ripple_pp"] / abs(what.torque_Nm)
     if is_noise_alone and is_steady and what.second_regime == 1.0:
         truths["current_noise_floor"] = math.nan
     if not any(relative > 0.03 for _, relative in what.lines) and not what.decay[0]:
-        truths["current_max_low_harmonic"] = what.amplitude_A * max(what.harmonics.values(), default=0.0)
+        largest = max(what.harmonics.values(), default=0.0)
+        truths["current_max_low_harmonic"] = truths["current_fundamental"] * largest
     steady = analyze_steady_state(
         made.block, pole_pairs=POLE_PAIRS, torque_rated_Nm=TORQUE_NM, current_rated_A_rms=4.0
     )
@@ -236,7 +243,7 @@ def trial(what: Disturbance, random: np.random.Generator) -> Iterator[tuple[Meas
                 row = table.rows[order - 1]
                 uncertain = Uncertainty(row[5], "") if math.isfinite(row[5]) else None
                 number = Measurement(f"harmonic_{order}", row[2], "A", "", uncertainty=uncertain)
-                yield number, what.amplitude_A * relative
+                yield number, truths["current_fundamental"] * relative
     if what.angle and not what.peaked:
         try:
             orders = order_analysis(made.block, "torque", pole_pairs=POLE_PAIRS)
@@ -247,6 +254,11 @@ def trial(what: Disturbance, random: np.random.Generator) -> Iterator[tuple[Meas
             f"torque_order_{COGGING_ORDER}": COGGING_NM,
         }
         yield from selected(orders.measurements, listed)
+
+
+def _is_clean(what: Disturbance) -> bool:
+    """Return whether there is a converter, whose steps are much more than the noise."""
+    return bool(what.bits) and what.noise <= _MUCH_LESS * 2.0 / 2**what.bits
 
 
 def _share_between(pole: float, spectrum: CoherentSpectrum) -> float:

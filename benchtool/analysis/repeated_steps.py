@@ -63,6 +63,13 @@ class RepeatedSteps:
         power = np.abs(upper) ** 2 + np.abs(lower) ** 2
         return np.sqrt(0.5 * np.sum(along, axis=0)), np.asarray(np.sum(power, axis=0))
 
+    def power_at(self, orders: NDArray[np.int64]) -> Floats:
+        """Return the mean square of the amplitude that the errors have at these orders, shape (n,)."""
+        points = self.terms.shape[1]
+        bins = fft.fft(self.terms, axis=1) / points
+        power = np.abs(bins[:, orders % points]) ** 2 + np.abs(bins[:, -orders % points]) ** 2
+        return np.asarray(np.sum(power, axis=0))
+
 
 def repeated_steps(
     mean: float, phasors: Complex, step: float, noise_rms: float, samples: float, periods: int

@@ -19,6 +19,7 @@ _BY_CHANCE, _CLEARLY, _WITHOUT_DOUBT = 2.5, 2.0, 3.5  # standard deviations of a
 _FEWEST_INDEPENDENT = 4.0  # values that a record must hold
 _LOWEST, _FEWEST_OF_LOWEST, _BLOCKS, _FAR_BELOW = 5, 5, 4096, 5.0
 _CLEARLY_MORE = 1.4  # times the error by parts: by chance both differ by less
+_FEW_PARTS = 15.0  # degrees of freedom
 _ROUNDS, _MOST_CORRELATED = 4, 0.4
 _ROUNDING = 1e-12  # of the largest value
 _NEIGHBOURS = 2  # values that count as one by chance alone
@@ -144,7 +145,9 @@ def at_lowest_frequencies(samples: NDArray[np.float64], by_parts: MeanError, per
     values = _means_of_blocks(samples, periods)
     by_parts = _without_oscillations(values, by_parts)
     slow = slow_noise(values, periods)
-    if slow is None or slow.standard < _CLEARLY_MORE * by_parts.standard:
+    # the scatter of few parts is itself so uncertain that it does not speak against more
+    clearly = _CLEARLY_MORE if by_parts.dof > _FEW_PARTS else 1.0
+    if slow is None or slow.standard < clearly * by_parts.standard:
         return by_parts
     if slow.standard < _ROUNDING * float(np.max(np.abs(values))):
         return by_parts

@@ -239,4 +239,4 @@ def _top(values: Floats, top: int) -> _Top:
         return _Top(0.0, 0.0, 0.0, 0.5)
     uneven = float(np.max(np.abs(bends - bend)))
     place = min(max(-slope / bend, -0.5), 0.5)
-    return _Top(-(slope**2) / (2.0 * bend), uneven / 8.0, place, min(0.5, uneven / (4.0 * abs(bend))))
+    return _Top(-(slope**2) / (2.0 * bend), uneven / 16.0, place, min(0.5, uneven / (4.0 * abs(bend))))

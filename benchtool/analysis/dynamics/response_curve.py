@@ -21,6 +21,7 @@ Floats = NDArray[np.float64]
 
 _FEWEST = 2  # neighbours to either side of a local fit
 _LONGER = 1.5
+_LEFT_OF_CHANGE = 0.5  # what a parabola leaves out grows as the cube of its reach: 1 / (1.5^3 - 1) is left
 _MOST_UNCERTAIN = 0.2  # of a frequency: beyond this standard uncertainty it is undefined
 _CLEAR = 3.0  # standard uncertainties of a smooth value beyond which it is off a level
 _REACH = 0.7  # of the frequency: a local fit goes at most so far to either side
@@ -97,7 +98,7 @@ class ResponseCurve:
         other, _ = long.zero(level)
         if not math.isfinite(place):
             return Point(start_Hz, math.inf)
-        changed = other - place if math.isfinite(other) else 0.0
+        changed = _LEFT_OF_CHANGE * (other - place) if math.isfinite(other) else 0.0
         slope = abs(short.slope_at(place))
         bent = float(short.left_out(place)) / slope
         spread = math.hypot(standard, level_error / slope, changed, bent)
@@ -135,7 +136,29 @@ class ResponseCurve:
         if len(bends) < _AT_THE_TOP:
             return value, standard
         cusp = _OF_A_CUSP * abs(float(bends[1])) if np.max(bends) >= 0.0 else 0.0
-        return value, math.hypot(standard, cusp)
+        return value, math.hypot(standard, cusp, self._of_resonance(top))
+
+    def _of_resonance(self, top: int) -> float:
+        """Return how much higher the peak of a resonance through the greatest value, in dB, and its
+        neighbours is than a parabola.
+
+        Of a resonance the inverse square of the gain is a parabola of frequency, to second order about its
+        peak; infinite where that falls to zero between them.
+        """
+        if not 0 < top < len(self.smooth) - 1:
+            return 0.0
+        near = slice(top - 1, top + 2)
+        places, values = self.frequency_Hz[near] / self.frequency_Hz[top] - 1.0, self.smooth[near]
+        inverse = 10.0 ** (-0.1 * (values - values[1]))
+        constant, slope, bend = np.polynomial.polynomial.polyfit(places, inverse, 2).tolist()
+        if not bend > 0.0:
+            return 0.0
+        least = constant - slope**2 / (4.0 * bend)
+        if not least > 0.0:
+            return math.inf
+        _, slope_dB, bend_dB = np.polynomial.polynomial.polyfit(places, values, 2).tolist()
+        above_dB = -(slope_dB**2) / (4.0 * bend_dB) if bend_dB < 0.0 else 0.0
+        return abs(-10.0 * math.log10(least) - above_dB)
 
     @cached_property
     def smooth(self) -> Floats:

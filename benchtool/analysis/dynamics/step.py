@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Final
 
@@ -22,7 +22,7 @@ from benchtool.analysis.dynamics.smoothing import Noise
 from benchtool.analysis.dynamics.step_drift import drift_before
 from benchtool.analysis.dynamics.step_shape import TAIL, Step, find_step
 from benchtool.analysis.measurement import Measurement, MeasurementJson, measurements_to_json
-from benchtool.analysis.scatter import error_of_record, scatter_of_largest
+from benchtool.analysis.scatter import error_of_record, means_of_parts, scatter_of_largest
 from benchtool.analysis.torque import TORQUE
 from benchtool.analysis.uncertainty import Uncertainty
 from benchtool.analysis.window import Window
@@ -111,7 +111,14 @@ def _curve(step: Step) -> NoisyCurve:
     at_rest = step.y[math.ceil(_AT_REST * settled.place) :]
     if len(at_rest) < _LONGER * TAIL * len(step.y):
         return curve
-    return NoisyCurve.through(step.y, Noise.of(step.y_before, at_rest))
+    noise = Noise.of(step.y_before, at_rest)
+    offset = max(noise.offset, Noise.of(at_rest).offset)  # of the longer piece, be it the calmer
+    if offset:
+        # slow noise is as far off after the step as it was before, and wanders as it does at rest
+        before = float(np.mean(step.y_before)) - step.before
+        wander = float(np.std(means_of_parts(at_rest)))
+        noise = replace(noise, offset=max(offset, math.hypot(before, wander)))
+    return NoisyCurve.through(step.y, noise)
 
 
 def _band(step: Step, curve: NoisyCurve) -> float:

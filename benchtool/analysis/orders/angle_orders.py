@@ -18,6 +18,8 @@ _STEPS_PER_PERIOD = 10  # of a coarse angle: the amplitude then reads at most si
 _CELLS_PER_UNKNOWN = 2
 _WORST_CONDITION = 0.2  # least eigenvalue of the normal matrix, 1 for even coverage
 _FEWEST_REVOLUTIONS = 4  # for a scatter over revolutions
+_FEWEST_OF_PHASE = 8  # revolutions whose phase is told to wander
+_CLEARLY = 6.0  # a ratio of variances of as many revolutions: by chance once in a hundred, or much less
 MOST_GROUPS = 1000  # which are held in memory, each with the sums of all orders
 _PIECE = 256  # samples whose powers stay in the cache
 
@@ -91,16 +93,37 @@ def fit_orders(coverage: AngleCoverage, values: NDArray[np.float64], highest_ord
     power = max(0.0, float(weights @ values**2 - np.real(np.vdot(solution, full.sum(axis=0)))))
     if revolutions >= _FEWEST_REVOLUTIONS:
         shift = cho_solve(factor, scores.T)[order + 1 :]
-        along = np.real(np.conj(towards)[:, np.newaxis] * shift)
-        standard = 2.0 * np.sqrt(revolutions / (revolutions - 1) * np.sum(along**2, axis=1))
+        turned = np.conj(towards)[:, np.newaxis] * shift
+        along2, across2 = np.sum(turned.real**2, axis=1), np.sum(turned.imag**2, axis=1)
+        standard = 2.0 * np.sqrt(revolutions / (revolutions - 1) * along2)
         what = "revolutions" if revolutions < MOST_GROUPS else "groups of revolutions"
         source = f"scatter of the amplitude over {revolutions} {what}, as standard error of its mean"
+        if revolutions >= _FEWEST_OF_PHASE:
+            standard = np.hypot(standard, _lost(coefficient, along2, across2, revolutions))
+            source += ", and what a phase that wanders takes off it"
     else:
         freedom = max(1.0, 1.0 / float(weights @ weights) - (2 * order + 1))
         standard = np.full(order, math.sqrt(2.0 * power / freedom))
         source = "noise about the fit, taken as white: with fewer than 4 revolutions none from their scatter"
     mean = float(np.real(solution[order]))
     return AngleFit(coefficient, standard, source, mean, math.sqrt(power))
+
+
+def _lost(
+    coefficient: NDArray[np.complex128],
+    along2: NDArray[np.float64],
+    across2: NDArray[np.float64],
+    revolutions: int,
+) -> NDArray[np.float64]:
+    """Return what is lost of the amplitude of each order to a phase that differs between revolutions, as that
+    of an encoder that slips: half of the phase's variance times it, 0 where noise explains it.
+
+    `along2` and `across2` are sums over the revolutions of the squares of what each adds along a coefficient
+    and across it.
+    """
+    size2 = np.maximum(np.abs(coefficient) ** 2, np.finfo(float).tiny)
+    excess = np.where(across2 > _CLEARLY * along2, across2 - along2, 0.0)
+    return np.asarray(2.0 * np.abs(coefficient) * np.minimum(1.0, 0.5 * revolutions * excess / size2))
 
 
 def sector_means(

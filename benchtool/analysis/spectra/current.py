@@ -88,10 +88,11 @@ def current_spectrum(
     floor = noise_floor(spectrum)
     sound = soundness(spectrum, seen, clipping(samples), channel)
     highest = min(HIGHEST_HARMONIC, len(harmonics(spectrum)))
-    errors = line_errors(spectrum, highest, seen.excess_rad, resolution(samples))
+    step = resolution(samples)
+    errors = line_errors(spectrum, highest, seen.excess_rad, step)
     groups = harmonic_groups(coherent, HIGHEST_HARMONIC)
     found = (
-        frequency(spectrum, track, seen, basis, rate_relative, sound.of_ratios),
+        frequency(spectrum, track, seen, basis, rate_relative, sound.of_ratios, step),
         *_refused(_lines(spectrum, errors, unit, basis), sound.of_amplitudes),
         *_refused(distortions(spectrum, errors, basis, current_rated_A_rms, unit), sound.of_ratios),
         *_refused(group_distortions(coherent, spectrum, errors, groups, basis), sound.of_ratios),
@@ -214,8 +215,9 @@ CURRENT_SPECTRUM: Final = Analysis(
             "phase between first and last row / (2 pi duration)",
             "of the slope of the angle's fit, by 64 parts of the record and their correlation; of the sine "
             "fit sqrt(54.5) u_q / (2 pi A_1 duration), u_q the noise beside the line in quadrature "
-            "(Hann-weighted; unweighted it were sqrt(12)); of a phase that was followed, its noise at both "
-            "ends",
+            "(Hann-weighted; unweighted it were sqrt(12)), under a Hann window where that is clearly less, "
+            "and the converter's steps that fold to beside the line; of a phase that was followed, its noise "
+            "at both ends",
         ),
         Quantity(
             ("current_fundamental",),
@@ -233,8 +235,9 @@ CURRENT_SPECTRUM: Final = Analysis(
             ("current_thd_f",),
             "%",
             "100 sqrt(A_2^2 + ... + A_H^2) / A_1: THD_F, after IEC 61000-4-7:2002+A1:2008",
-            "of each A_k, propagated to first order, and beside it (root of the sum of squares) what noise "
-            "and repeated quantisation add: `current_thd_f` - `current_thd_f_noise_corrected`",
+            "of each A_k, propagated to first order, with what modulates all of them alike where that is "
+            "significant, and beside it (root of the sum of squares) what noise and repeated quantisation "
+            "add: `current_thd_f` - `current_thd_f_noise_corrected`",
             headline=True,
         ),
         Quantity(
@@ -281,7 +284,8 @@ CURRENT_SPECTRUM: Final = Analysis(
             ("current_noise_floor",),
             "A",
             "A_n: mean square over bands of the bins between harmonics, each from the median / 0.8326",
-            "of each band's power 1 / (ln 2 sqrt(bins)) of it",
+            "of each band's power 1 / (ln 2 sqrt(bins)) of it; of the root, half of that of a power two "
+            "standard uncertainties above",
         ),
         Quantity(
             ("current_noise_density",), "A/sqrt(Hz)", "A_n / sqrt(2 bin width), rms per sqrt(Hz)", "likewise"

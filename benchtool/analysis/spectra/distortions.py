@@ -6,6 +6,8 @@ import math
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
+import numpy as np
+
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.scatter import MeanError
 from benchtool.analysis.spectra.groups import (
@@ -102,7 +104,9 @@ def group_distortions(
     lines = [each for each in distortion.budget[:-1] if each.name != "fundamental"]
     by_noise = combined(lines, "")
     noise = None if by_noise is None else MeanError(by_noise.standard, by_noise.dof)
-    of_order_1 = _relative(errors, spectrum.fundamental)
+    of_order_1 = _relative(distortion)
+    # twice the mean square that a converter's steps add to the harmonics, over that of the fundamental
+    steps2 = 2.0 * float(np.sum(errors.steps2[1:])) / spectrum.fundamental**2 if spectrum.fundamental else 0.0
     for name, kind in (("current_thd_f_groups", "group"), ("current_thd_f_subgroups", "subgroup")):
         base = f"{kind} of order 1"
         if groups is None:
@@ -111,7 +115,7 @@ def group_distortions(
             yield Measurement.undefined(name, "%", text, reason, replace(basis, reference=base))
             continue
         squares = groups.group2 if kind == "group" else groups.subgroup2
-        value: GroupDistortion = group_distortion(squares, noise, of_order_1)
+        value: GroupDistortion = group_distortion(squares, noise, of_order_1, distortion.ratio)
         text = f"100 x rms of harmonic {kind}s of order 2 to {groups.orders} / {base}, after IEC 61000-4-7"
         if groups.periods_per_window < PERIODS_PER_WINDOW:
             text += (
@@ -123,14 +127,17 @@ def group_distortions(
         else:
             source = f"scatter over {groups.windows} windows, or the noise beside the lines"
             scatter = Contribution(source, "A", value.standard, value.dof)
-            uncertain = _percent((scatter,), source)
+            added = value.ratio - math.sqrt(max(0.0, value.ratio**2 - steps2))
+            of_steps = Contribution("steps of the converter that repeat", "B", added)
+            uncertain = _percent((scatter, of_steps) if added else (scatter,), source)
             yield Measurement(name, 100.0 * value.ratio, "%", text, own, uncertain)
 
 
-def _relative(errors: LineErrors, fundamental: float) -> float:
-    """Return the relative standard uncertainty of the fundamental; nan where it is not known."""
-    own = combined(errors.budget(0), "")
-    return own.standard / fundamental if own is not None and fundamental > 0.0 else math.nan
+def _relative(distortion: Distortion) -> float:
+    """Return the relative standard uncertainty of the fundamental, but for what the harmonics have in common
+    with it; nan where it is not known."""
+    own = [each.standard for each in distortion.budget if each.name == "fundamental"]
+    return own[0] / distortion.ratio if own and distortion.ratio > 0.0 else math.nan
 
 
 def group_basis(coherent: CoherentSamples, groups: HarmonicGroups, basis: Basis) -> Basis:

@@ -15,7 +15,12 @@ from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.regimes import STANDS_OUT, change_of_regime
 from benchtool.analysis.repeatability import wander_of_difference
 from benchtool.analysis.scatter import MeanError, error_of_series
-from benchtool.analysis.spectra.noise import harmonic_noise, line_noise
+from benchtool.analysis.spectra.noise import (
+    aliased_quantisation,
+    hann_quadrature,
+    harmonic_noise,
+    line_noise,
+)
 from benchtool.analysis.spectra.phase_following import Wander
 from benchtool.analysis.spectra.spectrum import FIRST_ROW, CoherentSpectrum
 from benchtool.analysis.uncertainty import Contribution, combined
@@ -25,6 +30,8 @@ _HANN_FIT = math.sqrt(54.463)
 the duration: root of int w^4 t^2 dt / (int w^2 t^2 dt)^2, w = cos^2(pi t), t from -1/2 to 1/2; unweighted it
 is sqrt(12)."""
 
+_OF_FOLDED = 0.6 / math.sqrt(2.0)  # cycles over the record, of a line a bin away, of any phase
+_LEAKS = 4.0  # times the power under a Hann window: what the rectangular one leaks, beyond chance
 _ABOVE_FLOOR = 4.0  # of the rms amplitude of a bin of noise: by chance once in ten million
 _BLOCKS = 64
 _FEWEST_AT_END = 12  # samples of an angle for a cubic
@@ -69,9 +76,10 @@ def frequency(
     basis: Basis,
     rate_relative: float | None,
     reason: str,
+    step: float = 0.0,
 ) -> Measurement:
-    """Return the mean electrical frequency over the window; undefined for a `reason` where the signal itself
-    gave it."""
+    """Return the mean electrical frequency over the window, of a signal with steps of `step`; undefined for a
+    `reason` where the signal itself gave it."""
     name, text = "fundamental_frequency", "mean electrical frequency of the window"
     by_tone = track.residual_rad is None or (track.departure is not None and "itself" in track.source)
     if by_tone and track.residual_rad is not None:
@@ -89,6 +97,10 @@ def frequency(
     else:
         turned_rad = 2.0 * math.pi * track.periods
         budget = [Contribution(source, "A", random.standard, random.dof)]
+        if by_tone and track.departure is None and spectrum.fundamental:
+            folded_rad = aliased_quantisation(spectrum, step) / spectrum.fundamental
+            of_steps = _OF_FOLDED * folded_rad / spectrum.duration_s
+            budget.append(Contribution("steps that fold to beside the fundamental", "B", of_steps))
     clock = "; the clock is left out" if rate_relative is None else ", and of the rate by the time stamps"
     # residue of Newton's method and rounding in a phase
     rounding_rad = 1e-9 + np.finfo(float).eps * 2.0 * math.pi * spectrum.periods
@@ -96,7 +108,7 @@ def frequency(
     if rate_relative is not None:
         of_rate = Contribution("sample rate", "B", rate_relative * spectrum.fundamental_Hz)
         budget.append(of_rate)
-    uncertain = combined(budget, f"{source}{clock}")
+    uncertain = combined([each for each in budget if each.standard != 0.0], f"{source}{clock}")
     value_Hz = per_rad_Hz * turned_rad
     whole = replace(basis, samples=track.samples, duration_s=track.samples / rate_Hz)
     return Measurement(
@@ -136,8 +148,12 @@ def _random(
             "what is left of the followed phase at both ends, and its bend beyond the last period",
         )
     noise = line_noise(spectrum, np.array([spectrum.periods]))
-    phase_rad = float(noise.quadrature[0]) / spectrum.fundamental if spectrum.fundamental else math.nan
-    found = MeanError(_HANN_FIT * phase_rad / turns, float(noise.dof[0]))
+    beside = MeanError(float(noise.quadrature[0]), float(noise.dof[0]))
+    windowed = hann_quadrature(spectrum)
+    if _LEAKS * windowed.standard**2 < beside.standard**2:
+        beside = windowed
+    phase_rad = beside.standard / spectrum.fundamental if spectrum.fundamental else math.nan
+    found = MeanError(_HANN_FIT * phase_rad / turns, beside.dof)
     return found, "noise beside the fundamental, by the sine fit under a Hann window"
 
 

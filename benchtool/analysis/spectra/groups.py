@@ -19,7 +19,8 @@ PERIODS_PER_WINDOW = 10
 
 _FEWEST_PERIODS = 4  # with fewer, subgroups overlap and there are no bins between them
 _FEWEST_WINDOWS = 3
-_BY_CHANCE = 0.1
+_OF_EXCESS = 0.7
+_BY_CHANCE, _RARELY = 0.1, 0.02
 _BATCH = 1 << 18  # samples transformed at a time
 
 
@@ -95,7 +96,10 @@ def harmonic_groups(
 
 
 def group_distortion(
-    squares: NDArray[np.float64], by_noise: MeanError | None = None, of_order_1: float = 0.0
+    squares: NDArray[np.float64],
+    by_noise: MeanError | None = None,
+    of_order_1: float = 0.0,
+    of_lines: float = 0.0,
 ) -> GroupDistortion:
     """Return sqrt(sum over h = 2 ... H of Y_h^2) / Y_1 of squares of rms, shape (windows, orders): THDG or
     THDS.
@@ -104,7 +108,9 @@ def group_distortion(
     beside the lines makes of the ratio, with `of_order_1`, the relative uncertainty of Y_1, and of the
     scatter of the squares of the orders over the windows, each taken as independent. The ratio of each window
     scatters with what the orders have in common, but of few windows by few degrees of freedom: that counts
-    where it is more than the others explain (F-test, one in ten by chance).
+    where it is more than the others explain (F-test, one in ten by chance), or so much less than the orders'
+    (one in fifty) that they share what they scatter by. What the groups have beyond the lines, whose ratio is
+    `of_lines`, then counts by 0.7 of itself: it is of few events, whose scatter few windows do not show.
     """
     mean = np.mean(squares, axis=0)
     if squares.shape[1] < 2 or not mean[0] > 0.0:
@@ -123,6 +129,9 @@ def group_distortion(
     fourth = float(np.sum(variance**2))
     dof = (windows - 1) * float(np.sum(variance)) ** 2 / fourth if fourth > 0.0 else math.inf
     dof = max(1.0, dof)
+    if math.isfinite(together.standard) and _exceeds(MeanError(apart, dof), together, _RARELY):
+        # what all orders do alike cancels
+        apart, dof = min(apart, max(together.standard, _OF_EXCESS * (ratio - of_lines))), together.dof
     if math.isfinite(noise.standard):
         # the larger of two needs no Student's deviation on top
         found = max(MeanError(apart, dof), noise, key=lambda each: each.standard)
@@ -133,9 +142,9 @@ def group_distortion(
     return GroupDistortion(ratio, found.standard, max(1.0, found.dof))
 
 
-def _exceeds(one: MeanError, other: MeanError) -> bool:
+def _exceeds(one: MeanError, other: MeanError, by_chance: float = _BY_CHANCE) -> bool:
     """Return whether a standard uncertainty is more than another by more than chance."""
-    quantile = fdtri(one.dof, min(other.dof, 1e9), 1.0 - _BY_CHANCE)
+    quantile = fdtri(one.dof, min(other.dof, 1e9), 1.0 - by_chance)
     return bool(one.standard**2 > quantile * other.standard**2)
 
 

@@ -11,11 +11,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.measurement import Basis, Table
-from benchtool.analysis.spectra.noise import harmonic_noise, line_noise, noise_floor, repeated_quantisation
+from benchtool.analysis.scatter import MeanError
+from benchtool.analysis.spectra.noise import (
+    harmonic_noise,
+    line_noise,
+    noise_floor,
+    noise_of_sum,
+    repeated_quantisation,
+)
 from benchtool.analysis.spectra.spectrum import CoherentSpectrum
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
 
 HIGHEST_HARMONIC = 50
+_STANDS_OUT = 5.0  # standard uncertainties of an amplitude
+_OTHERWISE = 3.0  # a ratio of variances: by chance once in fifty
 
 
 class Reference(Enum):
@@ -179,7 +188,7 @@ def total_harmonic_distortion(
         raise ValueError("a stated reference needs its amplitude")
     amplitude = harmonics(spectrum)[:highest_harmonic]
     errors = errors or line_errors(spectrum, len(amplitude))
-    fundamental, content = float(amplitude[0]), _content(spectrum, amplitude, errors)
+    fundamental, total = float(amplitude[0]), math.sqrt(float(np.sum(amplitude[1:] ** 2)))
 
     def over(value: float) -> tuple[float, float, float]:
         """Return the ratio of a content to the reference, and its derivatives by content and fundamental."""
@@ -195,15 +204,21 @@ def total_harmonic_distortion(
                 share, ratio = _ratio(fundamental, base), _ratio(value, base)
                 return ratio, _ratio(share**2, base), _ratio(share * ratio, base)
 
+    ratio, slope, by_fundamental = over(total)
+    common = _in_common(spectrum, amplitude, errors, slope, by_fundamental)
+    content = _content(spectrum, amplitude, errors, common)
+    of_fundamental = errors.budget(0)
+    if common is not None:  # the fundamental's noise is in it
+        of_fundamental = tuple(each for each in of_fundamental if each.evaluation == "B")
+
     def budget(
         contributions: Iterable[Contribution], slope: float, by_fundamental: float
     ) -> list[Contribution]:
         own = [replace(each, standard=slope * each.standard) for each in contributions]
-        base = combined(errors.budget(0), "") or Uncertainty(math.nan, "")
+        base = combined(of_fundamental, "") or Uncertainty(math.nan, "")
         of_base = Contribution("fundamental", "A", by_fundamental * base.standard, base.dof)
         return [*own, of_base] if by_fundamental else own
 
-    ratio, slope, by_fundamental = over(content.measured)
     corrected, corrected_slope, corrected_by = over(content.corrected)
     bias = Contribution("power that the noise adds", "B", ratio - over(content.least)[0])
     random = Contribution("noise in the harmonics and the floor", "A", content.corrected_random)
@@ -218,8 +233,38 @@ def total_harmonic_distortion(
     )
 
 
-def _content(spectrum: CoherentSpectrum, amplitude: NDArray[np.float64], errors: LineErrors) -> _Content:
-    """Return the content of harmonics 2 and above.
+def _in_common(
+    spectrum: CoherentSpectrum,
+    amplitude: NDArray[np.float64],
+    errors: LineErrors,
+    slope: float,
+    by_fundamental: float,
+) -> MeanError | None:
+    """Return the noise of a ratio with what all its lines have in common, over `slope`; None where the noise
+    of the lines, taken as independent, explains it.
+
+    An amplitude that swings moves all harmonics of a current alike: that cancels in the ratio to the
+    fundamental, and adds up in one to a stated amplitude.
+    """
+    total = math.sqrt(float(np.sum(amplitude[1:] ** 2)))
+    stand_out = amplitude[1:] > _STANDS_OUT * errors.noise[1:]
+    if not (total > 0.0 and slope > 0.0 and np.any(stand_out)):
+        return None
+    weights = np.concatenate([[-by_fundamental / slope], amplitude[1:] / total])
+    apart2 = float(np.sum((weights * errors.noise) ** 2))
+    together = noise_of_sum(spectrum, weights)
+    if _OTHERWISE * together.standard**2 < apart2 or together.standard**2 > _OTHERWISE * apart2:
+        return together
+    return None
+
+
+def _content(
+    spectrum: CoherentSpectrum,
+    amplitude: NDArray[np.float64],
+    errors: LineErrors,
+    common: MeanError | None = None,
+) -> _Content:
+    """Return the content of harmonics 2 and above; `common` stands for the noise beside the lines.
 
     With a line a and noise of mean square n^2 in a bin, its square has the mean a^2 + n^2 and the variance
     2 a^2 n^2 + n^4 (noncentral chi-square of two degrees of freedom: Kendall and Stuart, vol. 2, 24.5).
@@ -231,7 +276,10 @@ def _content(spectrum: CoherentSpectrum, amplitude: NDArray[np.float64], errors:
     alone2 = float(np.sum(2.0 * errors.floor[1:] ** 2)) + repeated2
     alone4 = float(np.sum(noise2**2))
     # 2 a^2 n^2 + n^4 with a^2 + n^2 as measured, and no less than without any line
-    variance = max(2.0 * float(np.sum(square * noise2)) - alone4, alone4)
+    beside2 = 2.0 * float(np.sum(square * noise2))
+    if common is not None:
+        beside2 = 4.0 * (measured * common.standard) ** 2
+    variance = max(beside2 - alone4, alone4)
     floor = noise_floor(spectrum, 1.0, len(amplitude) + 1.0)
     of_floor = 2.0 * alone2 * floor.relative_error if floor is not None else math.nan
     deviation = math.hypot(math.sqrt(variance), of_floor, repeated2) if math.isfinite(variance) else math.nan
@@ -250,9 +298,10 @@ def _content(spectrum: CoherentSpectrum, amplitude: NDArray[np.float64], errors:
     random = weighted(errors.noise)
     fourth = float(np.sum(random**4 / errors.dof[1:]))
     dof = float(np.sum(random**2)) ** 2 / fourth if fourth > 0.0 else math.inf
+    beside = MeanError(math.sqrt(float(np.sum(random**2))), dof) if common is None else common
     by_steps = weighted(errors.resolution)
     budget = (
-        Contribution("noise and leakage beside the harmonics", "A", math.sqrt(float(np.sum(random**2))), dof),
+        Contribution("noise and leakage beside the harmonics", "A", beside.standard, beside.dof),
         Contribution("resampling", "B", float(np.sum(weighted(errors.resampling)))),
         Contribution("wander of the phase", "B", float(np.sum(weighted(errors.phase)))),
         Contribution("resolution", "B", math.sqrt(float(np.sum(by_steps**2)))),

@@ -10,18 +10,21 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis.repeated_steps import noise_beside, repeated_steps
-from benchtool.analysis.scatter import students_deviation
+from benchtool.analysis.repeated_steps import RepeatedSteps, noise_beside, repeated_steps
+from benchtool.analysis.scatter import MeanError, students_deviation
 from benchtool.analysis.spectra.spectrum import CoherentSpectrum
 
 _FEWEST_BINS = 8
 _LOCAL_BINS = 20  # at least, around each harmonic
 _BAND_BINS = 16
 _PAIRS, _NEAREST = 8, 3
+_OF_NEAREST, _RISES, _RISES_MOST = 1.3, 2.0, 4.0
 _OF_ONE_PAIR = 3.0  # a distribution of two degrees of freedom has no deviation: 2 u then hold 97 %
 _LAST_DIGIT = 1e-6  # of the strongest line: a smaller step is rounding
 _CLEARLY = 6.0  # a ratio of variances, of 16 degrees of freedom each: by chance once in two thousand
 _LARGE = 1000
+_FOLDED = 4  # multiples of the rate
+_MAIN_LOBE = 2.5  # bins beside a line under a squared Hann window
 _STEEP = 0.25  # change of the logarithm of the density over a band, above which it is taken into account
 _BANDS_AROUND = 2
 _MOVED_MOST = 10  # harmonics around which a wander of the phase may be seen
@@ -118,7 +121,9 @@ def noise_floor(
     relative = math.hypot(relative, leaked / (total * len(bins))) if total > 0.0 else 0.0
     amplitude = math.sqrt(total)
     bin_Hz = spectrum.fundamental_Hz / spectrum.periods
-    return NoiseFloor(amplitude, amplitude / math.sqrt(2.0 * bin_Hz), len(bins), 0.5 * relative, dof)
+    # a power that is low by chance is taken for a sure one: that of two standard uncertainties above
+    of_root = 0.5 * relative * (1.0 + 2.0 * relative)
+    return NoiseFloor(amplitude, amplitude / math.sqrt(2.0 * bin_Hz), len(bins), of_root, dof)
 
 
 def _additive(spectrum: CoherentSpectrum) -> tuple[NDArray[np.float64], float]:
@@ -218,6 +223,48 @@ def line_noise(spectrum: CoherentSpectrum, lines: NDArray[np.int64]) -> LineNois
     )
 
 
+def noise_of_sum(spectrum: CoherentSpectrum, weights: NDArray[np.float64]) -> MeanError:
+    """Return the noise of a weighted sum of the amplitudes of harmonics 1, 2 ..., weights of shape (orders,),
+    by the pairs of bins of `line_noise` around all of them at once; nan where no pair is around each.
+
+    What modulates all harmonics alike is in the same pair around each, and adds or cancels as in the sum.
+    """
+    periods, bins = spectrum.periods, spectrum.phasor
+    lines = periods * np.arange(1, len(weights) + 1)
+    offsets = np.arange(1, 2 * _PAIRS + 1)
+    inside = (offsets % periods != 0) & (offsets < periods) & (lines[-1] + offsets < len(bins))
+    offsets = offsets[inside][:_PAIRS]
+    if not len(offsets):
+        return MeanError(math.nan, 1.0)
+    towards = np.exp(-1j * np.angle(bins[lines]))[:, np.newaxis]
+    above = bins[lines[:, np.newaxis] + offsets] * towards
+    below = np.conj(bins[lines[:, np.newaxis] - offsets] * towards)
+    together = np.sum(weights[:, np.newaxis] * (above + below), axis=0)[np.newaxis, :]
+    standard = float(_of_pairs(together, np.ones(together.shape, dtype=np.bool_))[0])
+    return MeanError(standard, 2.0 * len(offsets))
+
+
+def hann_quadrature(spectrum: CoherentSpectrum) -> MeanError:
+    """Return the noise of the amplitude times phase of the fundamental under a Hann window, from the pairs of
+    bins around it; nan where there are fewer than three.
+
+    What leaks from a decaying dc or a line far away is in the bins of the rectangular window, and hardly in
+    these, as it is hardly in a fit with such a window. A bin is X_b - (X_(b-1) + X_(b+1)) / 2, of 3/2 of the
+    power of the noise, and neighbours are correlated by 2/3: about two of them count as one.
+    """
+    periods, bins = spectrum.periods, spectrum.phasor
+    window = bins.copy()
+    window[1:-1] -= 0.5 * (bins[2:] + bins[:-2])
+    offsets = np.arange(2, min(2 * _PAIRS, periods - 1))
+    offsets = offsets[periods + offsets < len(bins) - 1][:_PAIRS]
+    if len(offsets) < _NEAREST:
+        return MeanError(math.nan, 1.0)
+    towards = np.exp(-1j * np.angle(bins[periods]))
+    apart = window[periods + offsets] * towards - np.conj(window[periods - offsets] * towards)
+    found = _of_pairs(apart[np.newaxis, :] / math.sqrt(1.5), np.ones((1, len(offsets)), dtype=np.bool_))
+    return MeanError(float(found[0]), float(len(offsets)))
+
+
 def repeated_quantisation(
     spectrum: CoherentSpectrum, step: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -226,16 +273,41 @@ def repeated_quantisation(
     The standard uncertainty of the amplitude of each, and the mean square of the amplitude that is added to
     each, both of shape (harmonics,). What is between the harmonics is the noise that hides the steps.
     """
-    periods, lines = spectrum.periods, spectrum.phasor[spectrum.periods :: spectrum.periods]
+    lines = spectrum.phasor[spectrum.periods :: spectrum.periods]
+    found = _steps(spectrum, step)
     none = np.zeros(len(lines))
+    return (none, none) if found is None else found.of_lines(lines)
+
+
+def aliased_quantisation(spectrum: CoherentSpectrum, step: float) -> float:
+    """Return the rms amplitude of errors of a converter's steps that fold to beside the fundamental, each as
+    much as it moves a frequency by a fit under a Hann window, relative to a line a bin away.
+
+    Where j periods hold nearly a whole number n of samples, orders n - 1 and n + 1 of the error fold to
+    lines so few bins beside the fundamental that the window does not keep them off.
+    """
+    found = _steps(spectrum, step)
+    if found is None:
+        return 0.0
+    whole = np.arange(1, _FOLDED + 1) * (spectrum.samples / spectrum.periods)
+    nearest = np.round(whole).astype(np.int64)
+    apart = np.abs(nearest - whole) * spectrum.periods
+    power = found.power_at(nearest - 1) + found.power_at(nearest + 1)
+    # of int cos^4 t sin(2 pi d t) dt, which is near its greatest from half a bin to one and a half
+    moved = np.minimum(1.0, 2.0 * apart) * (apart < _MAIN_LOBE)
+    return math.sqrt(float(np.sum(power * moved**2)))
+
+
+def _steps(spectrum: CoherentSpectrum, step: float) -> RepeatedSteps | None:
+    """Return the errors of a converter's steps; None where there are none, or noise hides them."""
+    periods, lines = spectrum.periods, spectrum.phasor[spectrum.periods :: spectrum.periods]
     if not step > _LAST_DIGIT * float(np.max(np.abs(lines), initial=0.0)):
-        return none, none
+        return None
     square = np.square(spectrum.amplitude)
     between = 0.5 * float(np.sum(square[1:]) - np.sum(square[periods::periods]))
     in_band = 2.0 * (len(spectrum.amplitude) / spectrum.samples)
     noise = noise_beside(between / in_band, step)
-    found = repeated_steps(float(spectrum.phasor[0].real), lines, step, noise, spectrum.samples, periods)
-    return (none, none) if found is None else found.of_lines(lines)
+    return repeated_steps(float(spectrum.phasor[0].real), lines, step, noise, spectrum.samples, periods)
 
 
 def _lost(
@@ -260,14 +332,28 @@ def _of_pairs(sums: NDArray[np.complex128], inside: NDArray[np.bool_]) -> NDArra
     found = np.full(len(square), np.nan)
     for row, (values, usable) in enumerate(zip(square, inside, strict=True)):
         if usable.any():
-            near = values[usable]
-            middle = float(np.median(near)) / _median_of_exponentials(len(near))
-            found[row] = max(float(np.mean(near[:_NEAREST])), middle)
-            if len(near) == 1:
-                found[row] *= _OF_ONE_PAIR**2
-            elif len(near) < _PAIRS:
-                found[row] *= students_deviation(2.0 * len(near)) ** 2
+            found[row] = noise_at_line(values[usable])
     return np.asarray(np.sqrt(found))
+
+
+def noise_at_line(power: NDArray[np.float64]) -> float:
+    """Return the noise power at a line by that of pairs around it, the nearest first, shape (pairs,).
+
+    Where the nearest have more than the median of all, and more than twice that of those beyond, the noise
+    rises towards the line, and goes on to rise by as much again. The nearest are few: their mean counts as
+    Student's distribution would have it, less what is gained where the median is the larger.
+    """
+    middle = float(np.median(power)) / _median_of_exponentials(len(power))
+    nearest = float(np.mean(power[:_NEAREST]))
+    if len(power) == 1:
+        return nearest * _OF_ONE_PAIR**2
+    if len(power) < _PAIRS:
+        return max(nearest, middle) * students_deviation(2.0 * len(power)) ** 2
+    if nearest <= middle:
+        return middle
+    beyond = float(np.median(power[_NEAREST:])) / _median_of_exponentials(len(power) - _NEAREST)
+    rise = nearest / beyond if beyond > 0.0 else 1.0
+    return nearest * _OF_NEAREST * min(max(rise / _RISES, 1.0), _RISES_MOST)
 
 
 def _bands(count: int) -> list[slice]:

@@ -169,3 +169,15 @@ def test_a_value_of_a_response_is_as_uncertain_as_its_points_scatter(more: float
     assert 0.6 < float(np.sqrt(np.mean(np.square(misses)))) < 1.6
     # a level that many points share is told better than each of them
     assert more > 1.0 or float(np.median(stated)) < 0.005
+
+
+@pytest.mark.parametrize("apart_Hz", [1.0, 5.0, 8.0])
+def test_a_sharp_peak_between_two_frequencies_is_as_uncertain_as_they_are_apart(apart_Hz: float) -> None:
+    frequency_Hz = np.arange(20.0, 120.0, apart_Hz)
+    for peak_Hz in 60.0 + apart_Hz * np.array([0.1, 0.4, 0.7]):
+        x = frequency_Hz / peak_Hz
+        gain_dB = -10.0 * np.log10((1.0 - x**2) ** 2 + (0.2 * x) ** 2)
+        truth_dB = -10.0 * math.log10(0.2**2 * (1.0 - 0.1**2))
+        value, uncertain = ResponseCurve(frequency_Hz, gain_dB, np.full(len(x), 1e-3), 3.0).greatest()
+        assert abs(value - truth_dB) < 2.0 * uncertain
+        assert uncertain < 0.1 + 0.06 * apart_Hz**2

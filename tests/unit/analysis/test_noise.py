@@ -23,6 +23,7 @@ from benchtool.analysis import (
     track_angle,
     track_tone,
 )
+from benchtool.analysis.spectra.noise import noise_at_line
 from benchtool.analysis.spectra.spectrum import spectrum_of as spectrum_of_samples
 from benchtool.block import Block, Channel
 
@@ -290,3 +291,68 @@ def test_what_moves_only_the_phase_of_the_fundamental_is_no_floor() -> None:
     assert still is not None
     assert moved is not None
     assert moved.amplitude == pytest.approx(still.amplitude, rel=0.1)
+
+
+def _swinging(seed: int, together: bool) -> CoherentSpectrum:
+    """Harmonics 5 and 7 and a fundamental whose amplitudes wander, with one another or each by itself."""
+    samples, random = 8_065, np.random.default_rng(seed)
+    theta_e = 2 * np.pi * 50.0 * np.arange(samples, dtype=np.float64) / RATE_HZ
+    own = [0.02 * coloured(random.standard_normal(samples), 0.999) for _ in range(3)]
+    lines = zip((1, 5, 7), (1.0, 0.05, 0.03), own[:1] * 3 if together else own, strict=True)
+    clean = sum(size * (1.0 + wander) * np.cos(order * theta_e) for order, size, wander in lines)
+    noise = random.normal(0.0, 1e-4, samples)
+    return coherent_spectrum(np.asarray(clean) + noise, RATE_HZ, track_angle(theta_e, 1))
+
+
+@pytest.mark.parametrize("together", [True, False])
+def test_what_modulates_all_lines_alike_is_not_in_their_ratio(together: bool) -> None:
+    found = [total_harmonic_distortion(_swinging(seed, together), 7) for seed in range(24)]
+
+    error = np.array([each.ratio for each in found]) - math.hypot(0.05, 0.03)
+    relative = error / np.array([each.standard for each in found])
+    assert 0.5 < np.sqrt(np.mean(relative**2)) < 1.6
+    assert np.sqrt(np.mean(error**2)) < (2e-4 if together else 1.0)
+
+
+def test_noise_that_rises_towards_a_line_goes_on_to_rise() -> None:
+    """Powers of eight pairs of bins, exponentially distributed about a Lorentz curve, and the line's own."""
+    distance = np.arange(1.0, 9.0)
+    for corner, least, most in ((math.inf, 0.85, 1.05), (3.35, 0.95, 1.25), (1.5, 1.1, 1.5)):
+        random = np.random.default_rng(7)
+        powers = random.exponential(1.0, (1500, 8)) / (1.0 + (distance / corner) ** 2)
+        standard = np.sqrt([noise_at_line(each) for each in powers])
+        relative = random.standard_normal(1500) / standard
+        assert least < np.sqrt(np.mean(relative**2)) < most
+
+
+def test_a_frequency_is_as_certain_as_its_window_makes_it() -> None:
+    """A dc that decays leaks into the bins of a rectangular window, and hardly moves a fit under Hann's."""
+    time_s = np.arange(12_000) / RATE_HZ
+    noise = np.random.default_rng(3).normal(0.0, 1e-3, len(time_s))
+    tone = np.cos(2 * np.pi * 20.0 * time_s + 1.0) + noise
+    stated = []
+    for dc in (0.0, 0.3):
+        values = tone + dc * np.exp(-time_s / 0.1)
+        block = Block((Channel("i_a", "A"),), 0, 1, 1 / RATE_HZ, values[:, np.newaxis])
+        found = current_spectrum(block, "i_a", track_tone(values)).measurements[0]
+        assert found.uncertainty is not None
+        assert abs(found.value - 20.0) < 4.0 * found.uncertainty.standard
+        stated.append(found.uncertainty.standard)
+    assert stated[1] < 3.0 * stated[0]
+
+
+def test_steps_that_fold_beside_the_fundamental_are_in_its_frequency() -> None:
+    """A period of 578.03 samples: orders 577 and 579 of the steps are 0.8 bins from the fundamental."""
+    relative = []
+    for seed in range(12):
+        random = np.random.default_rng(seed)
+        time_s = np.arange(13_988) / RATE_HZ
+        values = np.cos(2 * np.pi * 17.3 * time_s + random.uniform(0, 6.28))
+        values += random.normal(0.0, 3e-4, len(time_s))
+        step = 2.04 / 256
+        values = np.round(values / step + random.uniform()) * step
+        block = Block((Channel("i_a", "A"),), 0, 1, 1 / RATE_HZ, values[:, np.newaxis])
+        found = current_spectrum(block, "i_a", track_tone(values)).measurements[0]
+        assert found.uncertainty is not None
+        relative.append((found.value - 17.3) / found.uncertainty.standard)
+    assert 0.4 < np.sqrt(np.mean(np.square(relative))) < 1.3

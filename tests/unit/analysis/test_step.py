@@ -307,6 +307,23 @@ def test_slow_noise_is_not_taken_away_with_the_line() -> None:
     assert all(len(each) <= count // 2 for each in found)
 
 
+def test_slow_noise_at_rest_is_no_certain_overshoot() -> None:
+    """A slow lag that has none, under a random walk that white noise hides at first."""
+    relative = []
+    for seed in (0, 17, 19, 35, 37, 39):
+        random = np.random.default_rng([3, seed])
+        time_s = np.arange(-200, 2000) * 1e-4
+        walk = np.cumsum(random.standard_normal(len(time_s))) / math.sqrt(len(time_s))
+        noise = 9e-3 * (walk - 0.5 * walk[-1] + random.standard_normal(len(time_s)))
+        lag = 1.0 - np.exp(-np.maximum(time_s, 0.0) * 2.0 * math.pi * 15.0)
+        rows = np.stack([lag + noise, np.where(time_s >= 0.0, 1.0, 0.0)], axis=1)
+        block = Block((Channel("y", "Nm"), Channel("r", "Nm")), 0, 1, 1e-4, rows)
+        found = {each.name: each for each in analyze_step(block, "y", "r").measurements}["overshoot"]
+        assert found.uncertainty is not None
+        relative.append(found.value / found.uncertainty.standard)
+    assert max(relative) < 2.5
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("zeta", [0.4, 1.0])
 def test_uncertainties_cover_the_error(zeta: float) -> None:
