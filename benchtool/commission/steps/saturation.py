@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from typing import Final
 
 import numpy as np
 
@@ -17,10 +18,12 @@ from benchtool.commission.steps.offsets import CURRENTS
 from benchtool.commission.steps.step import Finding
 from benchtool.drive import CaptureRequest, Stimulus
 
+CURVE_PERCENT: Final = (-80, -40, 40, 80)
+"""Of the rated current, at which the inductances are told."""
+
 _AXES = (("d", 0.0), ("q", 0.5 * math.pi))
 _REPEATS = 2
 _TOP = 0.85  # of the rated current, at the end of a pulse
-_TOLD_PERCENT = (-80, -40, 40, 80)  # of the rated current, at which the inductances are told
 _FEWEST_PERIODS: Mapping[str, int] = {"d": 40, "q": 12}  # across, the rotor is moved meanwhile
 _MOST_PERIODS = 400
 _VOLTAGE_SHARE = 0.5  # of u_dc / sqrt(3)
@@ -53,7 +56,7 @@ class Pulses:
         Raises:
             AnalysisError: the captures do not define them.
         """
-        currents = np.array([share / 100.0 * known.I_N_A for share in _TOLD_PERCENT])
+        currents = np.array([share / 100.0 * known.I_N_A for share in CURVE_PERCENT])
         each = 2 * _REPEATS
         found: dict[str, Measurement] = {}
         for k, (axis, _) in enumerate(_AXES):
@@ -112,7 +115,7 @@ def _measurements(axis: str, curve: Curve, known: Known) -> Iterator[Measurement
     basis = Basis(samples=2 * _REPEATS, sample_rate_Hz=1.0 / known.control_period_s)
     first_Wb = _FIRST * _CREST * abs(known.drop_V) * known.control_period_s
     for percent, i_A, L_H, standard in zip(
-        _TOLD_PERCENT, curve.currents_A, curve.L_H, curve.standard_H, strict=True
+        CURVE_PERCENT, curve.currents_A, curve.L_H, curve.standard_H, strict=True
     ):
         if axis == "q" and percent < 0:
             continue  # as with the other sign

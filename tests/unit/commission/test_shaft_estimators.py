@@ -14,7 +14,7 @@ from benchtool.commission.estimators.cogging import cogging
 from benchtool.commission.estimators.flux_linkage import (
     TurningFlux,
     harmonics,
-    softest_circle,
+    ripple_A,
     turning_flux,
 )
 from benchtool.commission.estimators.mechanics import Course, mechanics
@@ -196,12 +196,18 @@ def test_cogging_is_told_by_its_order(shaken: list[Course]) -> None:
 
 
 def test_dead_time_within_the_ripple_of_the_current_does_not_shrink_the_flux() -> None:
-    """A drop in proportion to the current below 2 A, taken for one that is there at once."""
-    u, phases, _ = turning(900.0)
-    clipped = np.clip(phases / 2.0, -1.0, 1.0) @ np.exp(2j * math.pi / 3.0 * np.arange(3)) * (2.0 / 3.0)
-    u = u + 0.5 * 0.5 * (clipped[1:] + clipped[:-1])
+    """A drop in proportion to the current below 2 A, with the current forth and back along the rotor flux."""
+    n, omega_e = 4000, 900.0
+    theta = omega_e * T_S * np.arange(n) + 0.7
+    i_dq = np.where(np.arange(n) < n // 2, 12.0, -12.0) + 1.5j
+    i = i_dq * np.exp(1j * theta)
+    flux = (PSI + L_D * i_dq.real + 1j * L_Q * i_dq.imag) * np.exp(1j * theta)
+    phases = np.column_stack([(i * np.exp(-2j * np.pi * k / 3.0)).real for k in range(3)])
+    drops = 0.5 * np.clip(phases / 2.0, -1.0, 1.0) @ np.exp(2j * math.pi / 3.0 * np.arange(3)) * (2.0 / 3.0)
+    mean_of = lambda each: 0.5 * (each[1:] + each[:-1])  # noqa: E731
+    u = np.diff(flux) / T_S + R_S * mean_of(i) + mean_of(drops)
 
-    def flux(soft_A: float) -> TurningFlux:
+    def found(soft_A: float) -> TurningFlux:
         return turning_flux(
             u,
             phases,
@@ -212,8 +218,12 @@ def test_dead_time_within_the_ripple_of_the_current_does_not_shrink_the_flux() -
             drop_V=0.5,
             gains=np.ones(3),
             soft_A=soft_A,
+            stretches=((0, n // 2), (n // 2, n)),
         )
 
-    best = softest_circle(phases, flux)
-    assert abs(best.psi_r_Wb / PSI - 1.0) < 0.5 * abs(flux(0.0).psi_r_Wb / PSI - 1.0)
-    assert best.ripple <= flux(0.0).ripple
+    soft = found(2.0)
+    assert soft.psi_r_Wb == pytest.approx(PSI, rel=2e-4)
+    assert soft.L_d_H == pytest.approx(L_D, rel=0.01)
+    assert abs(found(0.0).psi_r_Wb / PSI - 1.0) < 4e-3  # the drop is along the current, the flux across it
+    assert found(0.0).ripple > soft.ripple
+    assert ripple_A(soft, T_S, L_Q) == pytest.approx(PSI * omega_e * T_S / 4.0 / L_Q, rel=1e-3)
