@@ -35,7 +35,7 @@ def balanced(blocks: Sequence[Block], known: Known) -> tuple[Measurement, ...]:
     reasons = dict.fromkeys(_TOLERANCES, "")
     for block in blocks:
         try:
-            found = flux_balance(_centred(block, known), known.identified).solution
+            found = flux_balance(centred(block, known), known.identified).solution
         except AnalysisError as failed:
             reasons = {name: why or str(failed) for name, why in reasons.items()}
             continue
@@ -74,7 +74,7 @@ def contradictions(found: Mapping[str, Measurement], known: Known) -> tuple[Find
     return tuple(findings)
 
 
-def _centred(block: Block, known: Known) -> Block:
+def centred(block: Block, known: Known) -> Block:
     """Return a capture as a centred encoder would have it."""
     place = [each.name for each in block.channels].index("theta_m")
     data = np.array(block.data)

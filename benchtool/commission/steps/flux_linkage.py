@@ -30,8 +30,9 @@ from benchtool.commission.steps.step import Finding
 from benchtool.drive import CaptureRequest, Stimulus
 
 _SPEEDS = (0.2, 0.32, 0.4)  # of the rated speed; the drive trips at half of it
-_SHARES = (0.4, 0.9)  # of the rated current, along the rotor flux: least and most
+_SHARES = (0.35, 0.9)  # of the rated current, along the rotor flux: least and most
 _OF_FLUX = 0.25  # of the rotor flux, by that current at most: what saturation bends is not the magnet's
+_CALM, _ANGLE_LEFT_RAD = 0.05, 0.03  # of the rated speed; electrical, beside what is known of the encoder
 _SOFT = 0.75  # of that ripple, with which the flux is estimated again
 _LEVELS = 3  # of it, a binary sequence: forth, back and forth
 _SETTLED = 6.0  # time constants of the current loop, after which it stands
@@ -177,10 +178,21 @@ def _lopsided(known: Known) -> Measurement:
 
 
 def _amplitude_A(known: Known) -> float:
-    """Return the current along the rotor flux: the larger, the less dead time takes across the flux."""
-    least, most = _SHARES
-    bends = _OF_FLUX * known.identified.psi_r_Wb / (known.identified.L_d_H * known.I_N_A)
-    return min(max(least, bends), most) * known.I_N_A
+    """Return the current along the rotor flux: the larger, the less dead time takes across the flux.
+
+    An eccentric encoder has a part of it make torque. When the current is reversed, that moves a speed which
+    a critically damped controller of the gain K_p holds, by 2/e of the change over K_p at most.
+    """
+    motor = known.identified
+    bends_A = _OF_FLUX * motor.psi_r_Wb / motor.L_d_H
+    eccentric = (known.value(f"eccentricity_{n}_{part}", 0.0) for n in (1, 2) for part in ("cos", "sin"))
+    aside_rad = _ANGLE_LEFT_RAD + motor.pole_pairs * math.hypot(*eccentric)
+    K_p = at_speed(known)["K_p_speed"]
+    assert isinstance(K_p, float)
+    moves_rad_s = 2.0 * known.torque_per_A * aside_rad * 2.0 / math.e / K_p  # per ampere
+    calm_A = _CALM * known.motor.omega_m_N_rad_s / moves_rad_s
+    least, most = (share * known.I_N_A for share in _SHARES)
+    return min(max(least, min(bends_A, calm_A)), most)
 
 
 def _of_nameplate(psi_r_Wb: float, known: Known) -> Iterator[Finding]:
