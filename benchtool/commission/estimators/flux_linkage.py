@@ -150,13 +150,14 @@ def turning_flux(
     )
 
 
-def ripple_A(of: TurningFlux, pwm_period_s: float, L_H: float) -> float:
+def ripple_A(of: TurningFlux, pwm_period_s: float, L_H: float, u_dc_V: float) -> float:
     """Return the amplitude of the ripple of a phase current where it goes through zero.
 
-    With a current along the rotor flux the EMF of that phase is largest there, and through the quarter of
-    the PWM period in which a zero vector lasts it alone changes the current.
+    With a current along the rotor flux the EMF lies along that phase there. A zero vector, which lasts half
+    of what the active one of 2/3 u_dc leaves of half a PWM period, leaves the current to the EMF alone.
     """
-    return abs(of.psi_r_Wb * of.omega_e_rad_s) * pwm_period_s / (4.0 * L_H)
+    E = abs(of.psi_r_Wb * of.omega_e_rad_s)
+    return E * pwm_period_s / (4.0 * L_H) * max(0.0, 1.0 - 1.5 * E / u_dc_V)
 
 
 def harmonics(flux_Wb: NDArray[np.complex128], theta_e_rad: NDArray[np.float64]) -> dict[int, complex]:

@@ -91,7 +91,9 @@ def mechanics(courses: Sequence[Course]) -> Mechanics:
         for before, after in itertools.pairwise(held):
             changes.append(after.omega - before.omega)
             impulses.append(_impulse(course, before, after, coulomb, friction, load))
-    inertia = least_squares(np.array(changes)[:, None], np.array(impulses))
+    change = np.array(changes)
+    counts = np.abs(change)  # what cogging leaves of an impulse is the less, the faster the shaft passes it
+    inertia = least_squares((change * counts)[:, None], np.array(impulses) * counts)
     return Mechanics(
         float(inertia.x[0]),
         inertia.standard(0),

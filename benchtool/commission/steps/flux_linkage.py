@@ -19,6 +19,7 @@ from benchtool.commission.estimators.flux_linkage import (
     turning_flux,
 )
 from benchtool.commission.estimators.regression import least_squares
+from benchtool.commission.estimators.vectors import vector_of
 from benchtool.commission.excitation import Excitation
 from benchtool.commission.known import Known
 from benchtool.commission.nameplate import probable_cause
@@ -32,8 +33,9 @@ from benchtool.drive import CaptureRequest, Stimulus
 _SPEEDS = (0.2, 0.32, 0.4)  # of the rated speed; the drive trips at half of it
 _SHARES = (0.35, 0.9)  # of the rated current, along the rotor flux: least and most
 _OF_FLUX = 0.25  # of the rotor flux, by that current at most: what saturation bends is not the magnet's
-_CALM, _ANGLE_LEFT_RAD = 0.05, 0.03  # of the rated speed; electrical, beside what is known of the encoder
-_SOFT = 0.75  # of that ripple, with which the flux is estimated again
+_CALM, _ANGLE_LEFT_RAD = 0.1, 0.03  # of the rated speed; electrical, beside what is known of the encoder
+_ACROSS = 0.06  # of what dead time takes across the flux, left after its correction
+_SOFT = 0.5  # of that ripple, with which the flux is estimated again
 _LEVELS = 3  # of it, a binary sequence: forth, back and forth
 _SETTLED = 6.0  # time constants of the current loop, after which it stands
 _TURNS = 12.0  # electrical
@@ -99,7 +101,7 @@ class BackEmf:
             reason = f"the shaft may turn {known.travel_rad:.3g} rad only: no EMF worth measuring"
             return {"psi_r": Measurement.undefined("psi_r", "Wb", definition, reason)}
         pwm_s, L_q_H = known.pwm_period_s or known.control_period_s, known.identified.L_q_H
-        ripples_A = [ripple_A(_turning(block, known), pwm_s, L_q_H) for block in blocks]
+        ripples_A = [ripple_A(_turning(block, known), pwm_s, L_q_H, known.u_dc_V) for block in blocks]
         turning = [_turning(block, known, A) for block, A in zip(blocks, ripples_A, strict=True)]
         lopsided = _lopsided(known)
         psi = np.array([each.psi_r_Wb for each in turning]) - lopsided.value
@@ -118,6 +120,7 @@ class BackEmf:
                 found.psi_Wb * known.u_dc_full_scale_V / 1024.0 / known.u_dc_V / math.sqrt(12.0),
             ),
             Contribution("voltage that slow speeds show more of", "B", found.curved_Wb),
+            Contribution("dead time across the flux", "B", _across_Wb(blocks[-1], turning[-1], known)),
             Contribution("ripple of the current", "B", abs(found.psi_Wb - less_Wb) / math.sqrt(3.0)),
             Contribution("saturation", "A", lopsided.uncertainty.standard if lopsided.uncertainty else 0.0),
             Contribution("what the equation leaves out", "B", found.psi_Wb * _LEFT_OUT / math.sqrt(3.0)),
@@ -297,6 +300,15 @@ def _turning(block: Block, known: Known, soft_A: float = 0.0) -> TurningFlux:
         soft_A=soft_A,
         stretches=_stretches(len(readings_A), known),
     )
+
+
+def _across_Wb(block: Block, of: TurningFlux, known: Known) -> float:
+    """Return what the voltage of dead time and devices across the flux may be off by, as a flux: a share of
+    what goes with the current that overcomes friction."""
+    i = vector_of(np.column_stack([block.column(name) for name in CURRENTS])[1:])[of.rows]
+    i_q = float(np.mean((i * np.exp(-1j * of.angle_rad)).imag))
+    across_V = 4.0 / math.pi * known.drop_V * i_q / float(np.mean(np.abs(i)))
+    return _ACROSS * abs(across_V / of.omega_e_rad_s)
 
 
 def _stretches(rows: int, known: Known) -> tuple[tuple[int, int], ...]:

@@ -226,4 +226,5 @@ def test_dead_time_within_the_ripple_of_the_current_does_not_shrink_the_flux() -
     assert soft.L_d_H == pytest.approx(L_D, rel=0.01)
     assert abs(found(0.0).psi_r_Wb / PSI - 1.0) < 4e-3  # the drop is along the current, the flux across it
     assert found(0.0).ripple > soft.ripple
-    assert ripple_A(soft, T_S, L_Q) == pytest.approx(PSI * omega_e * T_S / 4.0 / L_Q, rel=1e-3)
+    E = PSI * omega_e
+    assert ripple_A(soft, T_S, L_Q, 24.0) == pytest.approx(E * (0.5 - E / 32.0) * T_S / 2.0 / L_Q, rel=1e-3)
