@@ -92,7 +92,7 @@ def mechanics(courses: Sequence[Course]) -> Mechanics:
             changes.append(after.omega - before.omega)
             impulses.append(_impulse(course, before, after, coulomb, friction, load))
     change = np.array(changes)
-    counts = np.abs(change)  # what cogging leaves of an impulse is the less, the faster the shaft passes it
+    counts = np.sqrt(np.abs(change))  # cogging leaves the less, the faster the shaft passes it
     inertia = least_squares((change * counts)[:, None], np.array(impulses) * counts)
     return Mechanics(
         float(inertia.x[0]),

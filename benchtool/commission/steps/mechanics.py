@@ -21,7 +21,7 @@ from benchtool.commission.steps.speed_loop import at_speed, settling_s
 from benchtool.commission.steps.step import Finding
 from benchtool.drive import CaptureRequest, Stimulus
 
-_SPEEDS = (0.1, 0.18, 0.26, 0.34)  # of the rated speed; the drive trips at half of it
+_SPEEDS = (0.12, 0.2, 0.28, 0.36)  # of the rated speed; the drive trips at half of it
 _LEVELS = 3  # a binary sequence of three bits: on, back, on
 _LEAST_S, _REVOLUTIONS = 0.2, 2.15  # of a steady stretch: of one, what comes once in it looks like a drift
 _ROWS = 6000

@@ -113,7 +113,7 @@ J, COULOMB, FRICTION, LOAD = 3e-4, 0.02, 1e-4, 0.003
 
 def reversal(omega: float, noise_Nm: float, rng: np.random.Generator) -> Course:
     """On, back and on: a first-order lag towards each setpoint, with the torque that this takes."""
-    step_s, level = 1e-3, 1500
+    step_s, level = 1e-4, 15_000  # the torque leaps at a setpoint: a tenth of a millisecond is 0.2 % of J
     t = step_s * np.arange(level)
     speeds, accelerations, start = [], [], 0.0
     for target in (omega, -omega, omega):
@@ -125,7 +125,7 @@ def reversal(omega: float, noise_Nm: float, rng: np.random.Generator) -> Course:
     theta = step_s * np.cumsum(speed)
     torque = J * acceleration + COULOMB * np.sign(speed) + FRICTION * speed + LOAD
     torque += rng.normal(0.0, noise_Nm, len(torque)) + 0.01 * np.sin(12.0 * theta)
-    return Course(theta, torque, step_s, (level, 2 * level, 3 * level), 1200)
+    return Course(theta, torque, step_s, (level, 2 * level, 3 * level), 12_000)
 
 
 def test_inertia_and_friction_of_a_shaft_that_is_reversed() -> None:
