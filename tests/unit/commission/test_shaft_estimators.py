@@ -204,8 +204,8 @@ def test_dead_time_within_the_ripple_of_the_current_does_not_shrink_the_flux() -
     flux = (PSI + L_D * i_dq.real + 1j * L_Q * i_dq.imag) * np.exp(1j * theta)
     phases = np.column_stack([(i * np.exp(-2j * np.pi * k / 3.0)).real for k in range(3)])
     drops = 0.5 * np.clip(phases / 2.0, -1.0, 1.0) @ np.exp(2j * math.pi / 3.0 * np.arange(3)) * (2.0 / 3.0)
-    mean_of = lambda each: 0.5 * (each[1:] + each[:-1])  # noqa: E731
-    u = np.diff(flux) / T_S + R_S * mean_of(i) + mean_of(drops)
+    lost = R_S * i + drops
+    u = np.diff(flux) / T_S + 0.5 * (lost[1:] + lost[:-1])
 
     def found(soft_A: float) -> TurningFlux:
         return turning_flux(
