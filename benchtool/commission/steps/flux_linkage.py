@@ -26,14 +26,15 @@ from benchtool.commission.nameplate import probable_cause
 from benchtool.commission.second_opinion import balanced, contradictions
 from benchtool.commission.steps.offsets import CURRENTS
 from benchtool.commission.steps.saturation import CURVE_PERCENT
-from benchtool.commission.steps.speed_loop import at_speed, settling_s
+from benchtool.commission.steps.speed_loop import FASTEST, at_speed, settling_s
 from benchtool.commission.steps.step import Finding
 from benchtool.drive import CaptureRequest, Stimulus
 
 _SPEEDS = (0.2, 0.32, 0.4)  # of the rated speed; the drive trips at half of it
-_SHARES = (0.35, 0.9)  # of the rated current, along the rotor flux: least and most
+_SHARES = (0.35, 0.75)  # of the rated current, along the rotor flux: least and most
 _OF_FLUX = 0.25  # of the rotor flux, by that current at most: what saturation bends is not the magnet's
 _CALM, _ANGLE_LEFT_RAD = 0.1, 0.03  # of the rated speed; electrical, beside what is known of the encoder
+_OVERSHOOT = 1.65  # of the current when it is reversed, with what harmonics drive and friction takes
 _ACROSS = 0.06  # of what dead time takes across the flux, left after its correction
 _SOFT = 0.5  # of that ripple, with which the flux is estimated again
 _LEVELS = 3  # of it, a binary sequence: forth, back and forth
@@ -194,8 +195,12 @@ def _amplitude_A(known: Known) -> float:
     assert isinstance(K_p, float)
     moves_rad_s = 2.0 * known.torque_per_A * aside_rad * 2.0 / math.e / K_p  # per ampere
     calm_A = _CALM * known.motor.omega_m_N_rad_s / moves_rad_s
+    E = motor.pole_pairs * motor.psi_r_Wb * FASTEST * known.motor.omega_m_N_rad_s
+    ripple = E * (known.pwm_period_s or known.control_period_s) / (4.0 * motor.L_q_H)
+    trip_A = float(known.held.get("i_trip", known.I_N_A))
+    safe_A = (trip_A - 2.0 * ripple) / _OVERSHOOT
     least, most = (share * known.I_N_A for share in _SHARES)
-    return min(max(least, min(bends_A, calm_A)), most)
+    return min(max(least, min(bends_A, calm_A, safe_A)), most)
 
 
 def _of_nameplate(psi_r_Wb: float, known: Known) -> Iterator[Finding]:
