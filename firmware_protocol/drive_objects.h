@@ -8,7 +8,7 @@
 extern "C" {
 #endif
 
-#define BT_DICTIONARY_HASH 0x03B94D7Au
+#define BT_DICTIONARY_HASH 0x49A8518Eu
 #define BT_VENDOR_ID 0x00000B7Cu
 #define BT_PRODUCT_CODE 0x00002011u
 #define BT_REVISION 0x00010001u
@@ -275,6 +275,8 @@ enum bt_role {
 #define BT_SUB_CURRENT_GAIN_A 12u
 #define BT_SUB_CURRENT_GAIN_B 13u
 #define BT_SUB_CURRENT_GAIN_C 14u
+#define BT_SUB_ENCODER_REFERENCE 15u
+#define BT_SUB_ANGLE_KNOWN 16u
 #define BT_SUB_TORQUE_CONTROL_COUNT 0u
 #define BT_SUB_LAW 1u
 #define BT_SUB_U_S 2u
@@ -427,6 +429,16 @@ enum bt_encoder_direction {
 enum bt_phase_order {
     BT_PHASE_ORDER_ABC = 0,
     BT_PHASE_ORDER_ACB = 1
+};
+
+enum bt_encoder_reference {
+    BT_ENCODER_REFERENCE_ABSOLUTE = 0,
+    BT_ENCODER_REFERENCE_INDEX = 1
+};
+
+enum bt_angle_known {
+    BT_ANGLE_KNOWN_NO = 0,
+    BT_ANGLE_KNOWN_YES = 1
 };
 
 enum bt_law {
@@ -704,7 +716,7 @@ enum bt_mode_of_operation_display {
     X(0x2000u, 6u, J, F32, RW, PARAMETER, 1, 0, 0.0f, 1000.0f, 0.0f) \
     X(0x2000u, 7u, T_N, F32, RW, PARAMETER, 0, 0, 0.001f, 100000.0f, 1.0f) \
     X(0x2000u, 8u, omega_m_N, F32, RW, PARAMETER, 0, 0, 0.1f, 100000.0f, 100.0f) \
-    X(0x2001u, 0u, sensors_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 14u) \
+    X(0x2001u, 0u, sensors_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 16u) \
     X(0x2001u, 1u, encoder_lines, U32, RW, PARAMETER, 0, 0, 1u, 1000000u, 2500u) \
     X(0x2001u, 2u, encoder_offset, F32, RW, PARAMETER, 0, 0, -6.2832f, 6.2832f, 0.0f) \
     X(0x2001u, 3u, i_full_scale, F32, RO, STATUS, 1, 0, -3.4028235e+38f, 3.4028235e+38f, 0.0f) \
@@ -719,6 +731,8 @@ enum bt_mode_of_operation_display {
     X(0x2001u, 12u, current_gain_a, F32, RW, PARAMETER, 0, 0, 0.5f, 2.0f, 1.0f) \
     X(0x2001u, 13u, current_gain_b, F32, RW, PARAMETER, 0, 0, 0.5f, 2.0f, 1.0f) \
     X(0x2001u, 14u, current_gain_c, F32, RW, PARAMETER, 0, 0, 0.5f, 2.0f, 1.0f) \
+    X(0x2001u, 15u, encoder_reference, U8, RW, PARAMETER, 0, 0, 0u, 255u, 0u) \
+    X(0x2001u, 16u, angle_known, U8, RO, STATUS, 1, 0, 0u, 255u, 1u) \
     X(0x2010u, 0u, torque_control_count, U8, CONST, STATUS, 1, 0, 0u, 255u, 7u) \
     X(0x2010u, 1u, law, U8, RW, PARAMETER, 0, 0, 0u, 255u, 0u) \
     X(0x2010u, 2u, u_s, F32, RW, PARAMETER, 1, 0, 0.0f, 1000.0f, 50.0f) \
@@ -841,7 +855,7 @@ enum bt_mode_of_operation_display {
     X(0x2051u, 1u, stream_sequence, U32, RO, SIGNAL, 1, 0, 0u, 4294967295u, 0u) \
     X(0x2051u, 2u, rpdo_dropped, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 0u) \
     X(0x2051u, 3u, serial_dropped, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 0u) \
-    X(0x2060u, 0u, dictionary_hash, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 62475642u) \
+    X(0x2060u, 0u, dictionary_hash, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 1235767694u) \
     X(0x6007u, 0u, abort_connection_option, I16, RW, PARAMETER, 0, 0, -32768, 32767, 1) \
     X(0x603Fu, 0u, error_code, U16, RO, STATUS, 1, 0, 0u, 65535u, 0u) \
     X(0x6040u, 0u, controlword, U16, RW, STATUS, 1, 0, 0u, 65535u, 0u) \
@@ -863,7 +877,7 @@ enum bt_mode_of_operation_display {
     X(0x6502u, 0u, supported_modes, U32, RO, STATUS, 1, 0, 0u, 4294967295u, 196620u) \
     /* end */
 
-#define BT_ENTRY_COUNT 285u
+#define BT_ENTRY_COUNT 287u
 
 /* What an enumeration may be: X(name, value) for each of its values, in the order of BT_ENTRIES. Any other is
  * refused. */
@@ -872,6 +886,10 @@ enum bt_mode_of_operation_display {
     X(encoder_direction, -1) \
     X(phase_order, 0) \
     X(phase_order, 1) \
+    X(encoder_reference, 0) \
+    X(encoder_reference, 1) \
+    X(angle_known, 0) \
+    X(angle_known, 1) \
     X(law, 0) \
     X(law, 1) \
     X(law, 2) \
@@ -949,7 +967,7 @@ enum bt_mode_of_operation_display {
     X(mode_of_operation_display, 4) \
     /* end */
 
-#define BT_VALUE_COUNT 79u
+#define BT_VALUE_COUNT 83u
 
 /* Entries that another's value limits as well: X(name, least, times) with the limit least * times, and
  * X(name, most, times) with the limit most * times. A limit of 0 is not known, and none. */

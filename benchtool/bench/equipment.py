@@ -75,6 +75,21 @@ class Transducer(Protocol):
         """Return facts on the last recording for the manifest: counters, resolution, alignment."""
 
 
+class EnergyMeter(Protocol):
+    """Tells where the energy of the bench goes, which an emulated bench knows that keeps accounts of it."""
+
+    @property
+    def longest_s(self) -> float:
+        """The longest time that it records."""
+
+    def start(self, duration_s: float) -> None:
+        """Record for `duration_s` from now."""
+
+    def block(self) -> Block:
+        """Return what was recorded: channels `energy_supply` to `energy_load` in J, since power-up, a row per
+        control period."""
+
+
 class Supply(Protocol):
     """The supply of the drive's dc link, or a power analyser at it."""
 

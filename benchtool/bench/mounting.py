@@ -15,6 +15,7 @@ from benchtool.bench.dbc import DbcSupply, DbcThermometer, DbcTransducer, factor
 from benchtool.bench.equipment import (
     Declared,
     EmulatedTemperatures,
+    EnergyMeter,
     LoadMachine,
     Supply,
     Thermometer,
@@ -58,6 +59,7 @@ class Equipment:
     transducer: Transducer | None = None
     supply: Supply | None = None
     thermometer: Thermometer | None = None
+    energy_meter: EnergyMeter | None = None
 
 
 def mount(
@@ -89,7 +91,8 @@ def mount(
         supply = mounting.supply(what.supply)
     with _stated(source, "temperature"):
         thermometer = mounting.thermometer(what.temperature)
-    return Equipment(load, transducer, supply, thermometer)
+    meter = None if emulated is None else emulated.energy_meter
+    return Equipment(load, transducer, supply, thermometer, meter)
 
 
 @contextmanager

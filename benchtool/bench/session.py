@@ -9,11 +9,20 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import PurePath
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
-from benchtool.bench.equipment import Declared, LoadMachine, Supply, Thermometer, Transducer, declared
+from benchtool.bench.equipment import (
+    Declared,
+    EnergyMeter,
+    LoadMachine,
+    Supply,
+    Thermometer,
+    Transducer,
+    declared,
+)
 from benchtool.bench.faults import Faults
 from benchtool.bench.mounting import mount
 from benchtool.bench.wires import registry
@@ -21,7 +30,7 @@ from benchtool.bench.wires.address import Address
 from benchtool.bench.wires.failures import naming_wires
 from benchtool.bench.wires.wire import Connection, FarEnd, Opening
 from benchtool.clock import Clock
-from benchtool.drive import RemoteDrive
+from benchtool.drive import RemoteDrive, find_index
 from benchtool.errors import UsageError
 from benchtool.link import Link, StreamSupervisor
 from benchtool.profile import Profile, altered, load_profile, profile_path
@@ -44,6 +53,7 @@ class Session:
     transducer: Transducer | None = None
     supply: Supply | None = None
     thermometer: Thermometer | None = None
+    energy_meter: EnergyMeter | None = None
     faults: Faults | None = None
 
 
@@ -118,6 +128,8 @@ def open_session(
             stack.callback(bench.load.apply, 0.0)
         mounted = mount(stack, what, source, drive.link, connection.clock, bench)
         faults = None if bench is None else bench.faults
+        if (current_A := profile.drive.index_search_A) is not None:
+            drive.index_search = partial(find_index, drive, profile.motor, current_A)
         drive.supervisor = _supervisor(drive, profile, mounted.thermometer, note)
         yield Session(profile_name, profile, text, drive, connection.clock, **vars(mounted), faults=faults)
 

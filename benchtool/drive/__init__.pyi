@@ -8,6 +8,7 @@ from .capture import (
     CaptureRequest as CaptureRequest,
 )
 from .identity import Identity as Identity
+from .index_search import find_index as find_index
 from .player import play as play
 from .quantities import (
     SPEED as SPEED,

@@ -25,6 +25,9 @@ _QUICK_STOP_S = 1.0
 _QUICK_STOP_POLL_S = 0.005
 _BRAKES_WITHIN_S = 0.1
 _SLOWER = 0.95
+_TURNING_MODES = (Mode.TORQUE, Mode.VELOCITY)
+ANGLE_KNOWN = "angle_known"
+"""Object of a drive that does not know its rotor angle at power-up."""
 
 
 class RemoteDrive(Cia402Node):
@@ -42,6 +45,8 @@ class RemoteDrive(Cia402Node):
 
     Attributes:
         supervisor: looks at what an enabled drive streams; None where nothing is to be looked at.
+        index_search: has the index of its encoder pass, where its angle is not known; None: it is not to turn
+            the shaft for that.
     """
 
     def __init__(
@@ -63,6 +68,7 @@ class RemoteDrive(Cia402Node):
         self._prove_watchdog = prove_watchdog
         self._proven: Identity | None = None
         self.supervisor: StreamSupervisor | None = None
+        self.index_search: Callable[[], None] | None = None
         self._reopen = reopen
         self._watch = Watch(self)
         self._watches: list[Callable[[], None]] = []
@@ -211,18 +217,31 @@ class RemoteDrive(Cia402Node):
         """As `Cia402Node.enable`, of a drive that watches this host, and whose number is its own.
 
         Raises:
-            CapabilityMissing, SdoAbort, WriteNotVerified, StateError: it does not watch, or two nodes have
-                its number; it was not enabled.
+            CapabilityMissing, SdoAbort, WriteNotVerified, StateError: it does not watch, two nodes have its
+                number, or it does not know its rotor angle, which `mode` needs; it was not enabled.
             DictionaryMismatch: its firmware has become another one.
         """
         self.require_dictionary()
         self.supervision.require()
         self._require_proof()
         require_alone(self)
+        self._require_angle(mode)
         if self.supervisor is not None:
             self.supervisor.begin()
         super().enable(mode)
         self._watch.begin()
+
+    def _require_angle(self, mode: Mode) -> None:
+        if mode not in _TURNING_MODES or self.optional_number(ANGLE_KNOWN) != 0:
+            return
+        if self.index_search is None:
+            raise StateError(
+                "the drive does not know its rotor angle: the index of its encoder (encoder_reference) has "
+                "not passed since power-up; turn the shaft by hand, up to one revolution, or state "
+                "drive.index_search_A in the profile, the current by which the drive turns it; it was not "
+                "enabled"
+            )
+        self.index_search()
 
     def _require_proof(self) -> None:
         if not self._prove_watchdog:

@@ -13,7 +13,7 @@ import numpy as np
 from benchtool.clock import VirtualClock
 from benchtool.emulator.core.core import Core, truth_of
 from benchtool.emulator.core.kernel import kernel_is_cached
-from benchtool.emulator.equipment import EmulatedLoad, EmulatedSupply, EmulatedTransducer
+from benchtool.emulator.equipment import EmulatedEnergyMeter, EmulatedLoad, EmulatedSupply, EmulatedTransducer
 from benchtool.emulator.faults import FaultInjector
 from benchtool.emulator.firmware.device import Firmware
 from benchtool.emulator.flux_table import fit_flux_linkages
@@ -101,6 +101,7 @@ class EmulatedBench:
         self.load = EmulatedLoad(core)
         self.transducer = EmulatedTransducer(core)
         self.supply = EmulatedSupply(core)
+        self.energy_meter = EmulatedEnergyMeter(core) if core.keeps_accounts else None
         self._core = core
         self._seed = seed
         self._temperature_sensor = emulator.sensors.temperature
@@ -208,7 +209,7 @@ class EmulatedBench:
 
     def energies_J(self) -> Mapping[str, float]:
         """Return the energy accounts since power-up: `dc`, and what it went to; zeros where none are kept."""
-        return self._core.energies_J()
+        return self._core.energies.now_J()
 
     def temperatures_degC(self) -> Mapping[str, float]:
         """Return the true temperatures of `winding` and `magnet`; nothing where they are constants."""

@@ -57,8 +57,28 @@ class EmulatedTransducer:
 
     def facts(self) -> dict[str, Any]:
         """Return the bench's energy accounts since power-up, where it keeps them; no sample is lost."""
-        energies = self._core.energies_J()
+        energies = self._core.energies.now_J()
         return {"energies_J": energies} if any(energies.values()) else {}
+
+
+class EmulatedEnergyMeter:
+    """The energy accounts of an emulated bench, a row per control period."""
+
+    def __init__(self, core: Core) -> None:
+        self._core = core
+
+    @property
+    def longest_s(self) -> float:
+        """The longest time that it records."""
+        return MAX_TICKS * self._core.control_period_s
+
+    def start(self, duration_s: float) -> None:
+        """Record for `duration_s` from now."""
+        self._core.energies.start(round(duration_s / self._core.control_period_s))
+
+    def block(self) -> Block:
+        """Return what was recorded, channels `energy_supply` to `energy_load` since power-up in J."""
+        return self._core.energies.block()
 
 
 class EmulatedSupply:

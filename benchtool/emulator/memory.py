@@ -189,6 +189,8 @@ SENSOR = record_type(
         ("low_b", "f8"),
         ("low_c", "f8"),
         ("counting", "i8"),  # the encoder's counter has started
+        ("index_passed", "u4"),  # since that
+        ("found", "i8"),  # counts by which the first of them has just moved the counter
         ("edge", "i8"),  # of the disc, counted on over the revolutions
         ("error", "i8"),  # of the counter against that
         ("travelled", "i8"),  # edges in either direction

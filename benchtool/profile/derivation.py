@@ -114,7 +114,7 @@ def derived_parameters(motor: Motor, given: Given, law: str = "") -> tuple[Deriv
         ),
         Derived(
             "i_trip_A",
-            max(_OVERCURRENT * I_N, 1.05 * (I_N + ripple_A) / _USABLE),
+            min(max(_OVERCURRENT * I_N, 1.05 * (I_N + ripple_A) / _USABLE), 10_000.0),
             f"{_OVERCURRENT:g} I_N peak, or I_N and the ripple of the law's voltage",
         ),
         Derived("i2t_current_A", _BORNE * I_N, f"{_BORNE:g} I_N peak, borne at length"),

@@ -33,6 +33,10 @@ class Drive(Section):
     prove_watchdog: bool = False
     """Prove before the first enabling of a session, and after any change of the firmware, that the drive
     notices a silent host: by being silent, with the power stage off."""
+    index_search_A: Annotated[float, Field(gt=0, le=10_000)] | None = None
+    """Current, peak, by which the rotor of a drive whose `encoder_reference` is the index is turned before it
+    is enabled, until that has passed: a revolution within seconds, the load with it. Without it such a drive
+    is not enabled before the shaft was turned by hand."""
     control_period_s: Annotated[float, Field(gt=0, le=1)] | None = None
     """Control period T_s that the drive is to have, in whole nanoseconds; an emulated drive has it, and
     100 us (10 kHz) where it is left out."""

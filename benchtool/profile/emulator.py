@@ -195,7 +195,8 @@ class Emulator(Section):
     sensors: Sensors
     """What the drive measures with."""
     energy_accounts: bool = False
-    """Keep accounts of where the energy from the dc link goes; with `motor.heat` they are kept anyway."""
+    """Keep accounts of where the energy goes, from the supply to the load, and record them with every run;
+    with `motor.heat` they are kept anyway."""
     commissioned: bool = True
     """Whether the drive has stored what the profile states of it; false: it starts with the defaults of its
     dictionary, as it comes out of its box."""

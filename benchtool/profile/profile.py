@@ -120,6 +120,8 @@ def load_bench(name: str) -> Bench:
 def altered(profile: Profile, emulator: Mapping[str, Number]) -> Profile:
     """Return profile with another emulated bench; `emulator` names what differs, such as `inverter.u_dc_V`.
 
+    What is true or false is 1 or 0.
+
     Raises:
         ProfileError: it has no emulated bench, or a key or value does not fit.
     """
@@ -138,7 +140,8 @@ def altered(profile: Profile, emulator: Mapping[str, Number]) -> Profile:
             if not isinstance(table.get(section), dict):
                 table[section] = {}
             table = table[section]
-        table[name] = value
+        is_flag = isinstance(table.get(name), bool) and value in (0, 1)
+        table[name] = bool(value) if is_flag else value
     try:
         bench = Emulator.model_validate(content)
     except ValidationError as failed:

@@ -112,6 +112,7 @@ def profile_text(title: str, motor: Motor, given: Given, derived: Iterable[Deriv
                 ("#allow_unsupervised", False, "true: enable a drive that cannot supervise its link"),
                 ("#link_timeout_s", 0.5, "s: without a heartbeat of the host, in which the torque is to end"),
                 ("#prove_watchdog", False, "true: have the drive show that it notices a silent host"),
+                ("#index_search_A", 1.0, "turn the shaft until the encoder's index passed, before enabling"),
                 (
                     "control_period_s",
                     given.control_period_s,

@@ -27,6 +27,8 @@ from benchtool.results.regimes import SHORTEST_S, Regime, regimes
 from benchtool.results.windows import longest_unbroken
 
 TRANSDUCER: Final = "transducer"
+BESIDE: Final = frozenset({TRANSDUCER, "energies"})
+"""Streams that are not the drive's."""
 _FEWEST_ROWS = 8
 
 
@@ -118,7 +120,7 @@ def _content(manifest: Manifest) -> dict[str, Any]:
 def _streams(bundle: Bundle, selection: Selection) -> tuple[str, ...]:
     if selection.stream:
         return (selection.stream,)
-    streams = tuple(name for name in bundle.streams if name != TRANSDUCER)
+    streams = tuple(name for name in bundle.streams if name not in BESIDE)
     if not streams:
         failure = bundle.manifest.details.get("failure", "it was cut short, or nothing was streamed")
         raise AnalysisError(f"{bundle.directory} holds no stream ({failure}): record again")

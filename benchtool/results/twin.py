@@ -37,7 +37,7 @@ from benchtool.block import Block
 from benchtool.errors import AnalysisError, RecordingError
 from benchtool.profile import Motor
 from benchtool.recording import Bundle
-from benchtool.results.recordings import TRANSDUCER, motor_of
+from benchtool.results.recordings import BESIDE, motor_of
 from benchtool.results.runs import recorded_bundles
 from benchtool.results.windows import longest_unbroken
 
@@ -214,7 +214,7 @@ def _believed_motor(bundle: Bundle) -> Motor:
 def _stream_of(bundle: Bundle, stream: str) -> str:
     if stream:
         return stream
-    streams = [name for name in bundle.streams if name != TRANSDUCER]
+    streams = [name for name in bundle.streams if name not in BESIDE]
     if "capture" in streams:
         return "capture"
     if len(streams) != 1:

@@ -33,12 +33,13 @@ class Progress(Protocol):
 
 @dataclass(frozen=True)
 class CaseRecording:
-    """Recording of a case: the drive's capture, that of the torque transducer if the bench has one, and
-    readings of the drive just before, by signal."""
+    """Recording of a case: the drive's capture, that of the torque transducer if the bench has one, readings
+    of the drive just before, by signal, and the energies of a bench that keeps accounts of them."""
 
     capture: Block
     transducer: Block | None
     readings: Mapping[str, Sequence[float]]
+    energies: Block | None
 
 
 def run_case(
@@ -69,7 +70,9 @@ def run_case(
             readings = read(session.drive, names)
             record = _play if plan.stimulus else _capture
             _inject(session, plan, progress)
-            return CaseRecording(*record(session, plan, progress, clock), readings)
+            capture, transducer = record(session, plan, progress, clock)
+            energies = None if session.energy_meter is None else session.energy_meter.block()
+            return CaseRecording(capture, transducer, readings, energies)
     finally:
         if session.load is not None:
             session.load.apply(0.0)
@@ -143,8 +146,7 @@ def capture(
         BenchError: any failure.
     """
     armed = Capture(session.drive, _request(session, record))
-    if session.transducer is not None:
-        session.transducer.start(armed.duration_s)
+    _start(session, armed.duration_s)
     armed.wait()
     transducer = _recorded(session, clock)
     reading()
@@ -158,11 +160,18 @@ def capture_stimulus(
     request = _request(session, record)
     row_s = record.duration_s / request.rows
     request = replace(request, pretrigger_rows=round(record.pretrigger_s / row_s))
-    if session.transducer is not None:
-        session.transducer.start(record.duration_s)
+    _start(session, record.duration_s)
     block = play(session.drive, stimulus, request, motor=session.profile.motor)
     assert block is not None  # there was a request
     return block, _recorded(session, clock)
+
+
+def _start(session: Session, duration_s: float) -> None:
+    """Have what records beside the drive begin."""
+    if session.transducer is not None:
+        session.transducer.start(duration_s)
+    if session.energy_meter is not None:
+        session.energy_meter.start(duration_s)
 
 
 def _recorded(session: Session, clock: Clock) -> Block | None:

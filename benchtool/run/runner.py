@@ -190,12 +190,15 @@ def _require_rated(session: Session, plan: Plan, case: Case) -> None:
     """Refuse cases beyond the motor's rating, or that the bench cannot record, before anything is set up."""
     parameters = {**session.profile.drive.parameters, **plan.setup, **case.setup}
     require_rated(case.operating_point, plan.stimulus, session.profile.motor, parameters)
-    transducer = session.transducer
-    if transducer is not None and plan.record.duration_s > transducer.longest_s:
-        raise ValueRefused(
-            f"record.duration_s is {plan.record.duration_s:g} s, the torque transducer records "
-            f"{transducer.longest_s:g} s at most: shorten it; the drive was not enabled"
-        )
+    for name, beside in (
+        ("the torque transducer records", session.transducer),
+        ("energies are recorded for", session.energy_meter),
+    ):
+        if beside is not None and plan.record.duration_s > beside.longest_s:
+            raise ValueRefused(
+                f"record.duration_s is {plan.record.duration_s:g} s, {name} "
+                f"{beside.longest_s:g} s at most: shorten it; the drive was not enabled"
+            )
 
 
 @contextmanager
@@ -263,6 +266,8 @@ def _record_case(
                 writer.append("capture", capture)
                 if transducer is not None:
                     writer.append("transducer", transducer)
+                if recorded.energies is not None:
+                    writer.append("energies", recorded.energies)
                 observer.captured(capture, transducer, _trigger_row(plan, capture))
                 progress.note("analysing")
                 certificate, stated = certify_recording(stream, {"capture": capture}, link.counters)

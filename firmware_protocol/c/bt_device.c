@@ -76,7 +76,7 @@ static void report(struct bt_device *device, uint16_t code)
 static void quick_stop(struct bt_device *device, bool may_hold)
 {
     const int16_t option = device->variables.quick_stop_option;
-    if (option == BT_QUICK_STOP_OPTION_DISABLE) {
+    if (option == BT_QUICK_STOP_OPTION_DISABLE || device->variables.angle_known == BT_ANGLE_KNOWN_NO) {
         enter(device, BT_STATE_SWITCH_ON_DISABLED);
         return;
     }
@@ -227,13 +227,21 @@ void bt_device_look_after(struct bt_device *device)
     }
 }
 
+/* Modes of the manufacturer, which are below 0, do without the angle. */
+bool bt_device_has_angle(const struct bt_device *device, int32_t mode)
+{
+    return mode < 0 || device->variables.angle_known != BT_ANGLE_KNOWN_NO;
+}
+
 uint32_t bt_device_check_control(const struct bt_device *device, uint16_t controlword)
 {
     const enum bt_state state = (enum bt_state)device->state;
     const enum bt_state after = bt_cia402_transition(state, controlword, device->controlword);
-    if (after == BT_STATE_OPERATION_ENABLED && state != after && !bt_watchdog_may_enable(&device->watchdog))
+    if (after != BT_STATE_OPERATION_ENABLED || state == after)
+        return BT_OK;
+    if (!bt_watchdog_may_enable(&device->watchdog))
         return BT_ABORT_DEVICE_STATE;
-    return BT_OK;
+    return bt_device_has_angle(device, device->variables.mode_of_operation) ? BT_OK : BT_ABORT_DEVICE_STATE;
 }
 
 void bt_device_control(struct bt_device *device, uint16_t controlword)

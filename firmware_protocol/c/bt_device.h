@@ -97,6 +97,10 @@ void bt_device_look_after(struct bt_device *device);
  * connection lost. */
 void bt_device_stop(struct bt_device *device);
 
+/* Whether a mode can do with what is known of the rotor: the firmware sets variable angle_known to 0 at power-up where
+ * encoder_reference says so, and to 1 when the index has passed. */
+bool bt_device_has_angle(const struct bt_device *device, int32_t mode);
+
 /* Takes a controlword, or says why not; the same for what a write of the object does. */
 uint32_t bt_device_check_control(const struct bt_device *device, uint16_t controlword);
 void bt_device_control(struct bt_device *device, uint16_t controlword);

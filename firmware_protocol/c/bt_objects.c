@@ -189,7 +189,11 @@ static uint32_t check(const struct bt_device *device, enum bt_id id, union bt_nu
             return BT_OK;
         return device->state == BT_STATE_OPERATION_ENABLED ? BT_ABORT_DEVICE_INCOMPATIBLE : BT_ABORT_DEVICE_STATE;
     case BT_ID_mode_of_operation:
-        return is_supported(device, number.i) ? BT_OK : BT_ABORT_VALUE;
+        if (!is_supported(device, number.i))
+            return BT_ABORT_VALUE;
+        if (bt_cia402_power_stage_on((enum bt_state)device->state) && !bt_device_has_angle(device, number.i))
+            return BT_ABORT_DEVICE_STATE;
+        return BT_OK;
     case BT_ID_error_history_count:
         return number.u == 0 ? BT_OK : BT_ABORT_VALUE;
     case BT_ID_store_all:

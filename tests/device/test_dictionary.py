@@ -17,7 +17,7 @@ from benchtool.protocol.serial import Nmt, Read, ReadReply, Write, WriteReply
 from tests.device.c_drive import CHost
 from tests.wire.raw_host import TABLE, RawHost
 
-_MEASURED = {"torque_actual", "velocity_actual", "current_actual", "dc_link_voltage"}
+_MEASURED = {"torque_actual", "velocity_actual", "current_actual", "dc_link_voltage", "angle_known"}
 _NAMED = {"hardware_version"}
 
 

@@ -211,6 +211,7 @@ def test_a_limit_that_is_missed_is_exit_code_1_and_said_in_words(demo: Path) -> 
     assert "✗ fail" in text
 
 
+@blank
 def test_what_a_manifest_says_is_text_and_nothing_else(demo: Path) -> None:
     hostile = "<script>alert(1)</script><img src=x onerror=alert(1)>"
 

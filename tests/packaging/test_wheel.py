@@ -96,7 +96,8 @@ def test_the_wheel_declares_what_it_imports(installed: Installed) -> None:
         required = message_from_bytes(archive.read(metadata)).get_all("Requires-Dist", [])
         imported = _imported(archive)
     declared = {_distribution(re.split(r"[^\w.-]", each, maxsplit=1)[0]) for each in required}
-    providers = {name: {_distribution(each) for each in packages_distributions()[name]} for name in imported}
+    installed_by = packages_distributions()
+    providers = {name: {_distribution(each) for each in installed_by[name]} for name in imported}
     assert [name for name in imported if not declared & providers[name]] == []
 
 

@@ -11,7 +11,7 @@ from hypothesis import given, settings, strategies as st
 from scipy.integrate import solve_ivp
 
 from benchtool.emulator.core import Core, Trip
-from benchtool.emulator.machine.dc_link import charged
+from benchtool.emulator.machine.dc_link import charged, giving
 from benchtool.emulator.machine.truth import InverterTruth
 from benchtool.errors import ValueRefused
 from tests.physics.paper_machine import FINE, captured, make_core
@@ -31,12 +31,38 @@ LINK: dict[str, Any] = {"u_dc_V": 122.5, "dc_link_R_ohm": 0.5, "dc_link_C_F": 1e
 def test_the_closed_form_is_the_solution_of_the_equation(
     C: float, u: float, u_s: float, R: float, G: float, current: float
 ) -> None:
-    def rate(_: float, u: np.ndarray[Any, Any]) -> Any:
-        return (np.maximum(u_s - u, 0.0) / R - G * u - current) / C
+    def rates(_: float, x: np.ndarray[Any, Any]) -> Any:
+        fed = np.maximum(u_s - x[0], 0.0) / R
+        return [(fed - G * x[0] - current) / C, x[0], fed, R * fed * fed, G * x[0] * x[0]]
 
-    span = (0.0, 1e-4)
-    exact = solve_ivp(rate, span, [u], "LSODA", rtol=1e-10, atol=1e-10, max_step=2e-6).y[0, -1]
-    assert charged(C, u, u_s, 1.0 / R, G, current, 1e-4) == pytest.approx(max(exact, 0.0), abs=1e-6)
+    start = [u, 0.0, 0.0, 0.0, 0.0]
+    exact = solve_ivp(rates, (0.0, 1e-4), start, "LSODA", rtol=1e-10, atol=1e-12, max_step=2e-6).y[:, -1]
+    found = charged(C, u, u_s, 1.0 / R, G, current, 1e-4)
+    assert found.u == pytest.approx(max(exact[0], 0.0), abs=1e-6)
+    assert found[1:] == pytest.approx(exact[1:], rel=1e-6, abs=1e-9)
+    if found.u > 0.0:
+        stored = 0.5 * C * (found.u**2 - u**2)
+        moved = abs(u_s * found.fed) + found.lost + found.burnt + abs(current * found.area) + abs(stored)
+        left = u_s * found.fed - found.lost - found.burnt - current * found.area - stored
+        assert abs(left) <= 1e-11 * moved + 1e-15 * C * u**2
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    C=st.floats(1e-4, 1e-2),
+    u=st.floats(50.0, 200.0),
+    u_s=st.floats(50.0, 200.0),
+    R=st.floats(0.05, 50.0),
+    G=st.just(0.0) | st.floats(0.001, 0.5),
+    power_W=st.floats(-2000.0, 2000.0),
+)
+def test_the_capacitor_gives_the_energy_that_the_legs_took(
+    C: float, u: float, u_s: float, R: float, G: float, power_W: float
+) -> None:
+    found = giving(C, u, u_s, 1.0 / R, G, 1e-4 * power_W, 1e-4)
+    given_J = u_s * found.fed - found.lost - found.burnt - 0.5 * C * (found.u**2 - u**2)
+    moved = abs(u_s * found.fed) + found.lost + found.burnt + 1e-4 * abs(power_W) + C * abs(found.u**2 - u**2)
+    assert abs(given_J - 1e-4 * power_W) <= 1e-11 * moved + 1e-15 * C * u**2
 
 
 def braking(**inverter: float) -> Core:

@@ -54,7 +54,7 @@ def test_two_masses_warm_as_their_closed_form() -> None:
         core._controls["duty_a"] = 1.5 * u / 60.0
         core._controls["duty_b"] = core._controls["duty_c"] = 0.0
         core.run_with(run_ticks, 1)
-    copper_W = core.energies_J()["copper"] / (100 * T_S)
+    copper_W = core.energies.now_J()["copper"] / (100 * T_S)
     assert copper_W == pytest.approx(1.5 * 0.4 * 81.0, rel=1e-2)
     expected = closed_form(SMALL, copper_W, 0.0, 100 * T_S)
     assert (core.shaft.T_winding, core.shaft.T_magnet) == pytest.approx(tuple(expected), abs=0.05)
@@ -115,5 +115,7 @@ def test_iron_loss_is_that_of_a_resistance_across_the_emf() -> None:
     )
     core.load.held, core.load.omega_m_rad_s = 1, 200.0
     core.run_with(run_ticks, 5)
-    assert core.energies_J()["iron"] == pytest.approx(5 * T_S * 1.5 * (600.0 * 0.12) ** 2 / 50.0, rel=1e-9)
-    assert core.energies_J()["shaft"] == pytest.approx(-core.energies_J()["iron"], rel=1e-12)
+    assert core.energies.now_J()["iron"] == pytest.approx(
+        5 * T_S * 1.5 * (600.0 * 0.12) ** 2 / 50.0, rel=1e-9
+    )
+    assert core.energies.now_J()["shaft"] == pytest.approx(-core.energies.now_J()["iron"], rel=1e-12)

@@ -33,6 +33,15 @@ def rotor_angle(count: int, drive: Any) -> float:
 
 
 @njit
+def shift(count: int, drive: Any, control: Any) -> None:
+    """Have the observer's angle move with an encoder whose index has just moved its counter: nothing has
+    turned."""
+    if count != 0:
+        turned = drive.encoder_direction * (float(count) * TWO_PI / (4.0 * drive.encoder_lines))
+        control.theta_m = wrapped(control.theta_m + turned)
+
+
+@njit
 def accelerating_torque(drive: Any, command: Any) -> float:
     """Return the air-gap torque of the tick before while the speed loop is closed, else 0.
 

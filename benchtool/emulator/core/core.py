@@ -14,9 +14,9 @@ from benchtool.emulator.core.capture_memory import CaptureRecorder
 from benchtool.emulator.core.kernel import Truth, kernel_of
 from benchtool.emulator.core.stream_ring import StreamRecorder
 from benchtool.emulator.first_call import call_first
-from benchtool.emulator.machine.accounts import NAMES
 from benchtool.emulator.machine.bounds import machine_of_bench, require_computable, runaway
-from benchtool.emulator.machine.inverter import Accounts, phase_currents
+from benchtool.emulator.machine.energies import Accounts, EnergyRecorder
+from benchtool.emulator.machine.inverter import phase_currents
 from benchtool.emulator.machine.sensor_truth import SensorTruth, going_on
 from benchtool.emulator.machine.sensors import Noise
 from benchtool.emulator.machine.state import place
@@ -95,7 +95,7 @@ class Core:
             the load behind an elastic coupling `omega_load` and `twist`; with heat `T_winding` and
             `T_magnet` in degC.
         tick: the drive's tick, counted on past 2**32 where memory has it modulo that.
-        capture, stream, transducer: the recorders.
+        capture, stream, transducer, energies: the recorders.
     """
 
     def __init__(
@@ -134,6 +134,7 @@ class Core:
         self.stream = StreamRecorder(self.memory, lambda: self.tick)
         flange = train.flange.error(seed) if train.flange is not None else None
         self.transducer = Transducer(lambda: self.tick, self.control_period_s, flange=flange)
+        self.energies = EnergyRecorder(self.transducer.record[0], lambda: self.tick, self.control_period_s)
         self._truth = truth_of(motor, inverter, sensors, train, T_s=control_period_s)
         self._noise = Noise(sensors.noise_rms, seed)
 
@@ -148,10 +149,10 @@ class Core:
         stage = self.inverter.power_stage(self.control_period_s, before.sampling)
         self._truth = self._truth._replace(stage=stage._replace(accounts=before.accounts, heat=before.heat))
 
-    def energies_J(self) -> dict[str, float]:
-        """Return the energy accounts since power-up in J, by their names; zeros where none are kept."""
-        record = self.transducer.record[0]
-        return {name: float(record[f"E_{name}"]) for name in NAMES}
+    @property
+    def keeps_accounts(self) -> bool:
+        """Whether energy accounts are kept."""
+        return self._truth.stage.accounts is not None
 
     def temperatures_degC(self) -> dict[str, float]:
         """Return the temperatures of `winding` and `magnet`; nothing where the machine has no heat."""
@@ -249,7 +250,12 @@ class Core:
 
     def restart_counter(self) -> None:
         """Have the encoder's counter begin again, as when the drive is switched on."""
-        self._sensors[0].counting = self._sensors[0].travelled = 0
+        self._sensors[0].counting = self._sensors[0].travelled = self._sensors[0].index_passed = 0
+
+    @property
+    def index_passed(self) -> bool:
+        """Whether the index of the encoder has passed since its counter began."""
+        return bool(self._sensors[0].index_passed)
 
     def begin_observer(self) -> None:
         """Have the speed observer begin again: an encoder that is read in another way has not turned."""
@@ -318,4 +324,5 @@ class Core:
             stream.ring,
             transducer.record,
             transducer.torque,
+            self.energies.rows,
         )

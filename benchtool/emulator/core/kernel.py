@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.emulator.control.cycle import control_tick
+from benchtool.emulator.control.observer import shift
 from benchtool.emulator.core.capture_memory import capture_row
 from benchtool.emulator.core.stream_ring import stream_row
 from benchtool.emulator.in_place import in_place, renewed
@@ -35,6 +36,8 @@ from benchtool.emulator.machine.drive_train import (
     holds_rotor,
     is_ideal,
 )
+from benchtool.emulator.machine.encoder import found
+from benchtool.emulator.machine.energies import keep_energies
 from benchtool.emulator.machine.flange import follow
 from benchtool.emulator.machine.heat import Heat, warm
 from benchtool.emulator.machine.inverter import PowerStage
@@ -72,6 +75,7 @@ def run_ticks(
     ring: NDArray[np.uint32],
     transducers: Any,
     torque: NDArray[np.float64],
+    energies: NDArray[np.float64],
 ) -> int:
     """Run up to `ticks` ticks. Returns how many.
 
@@ -97,7 +101,7 @@ def run_ticks(
         if not (rate + gain) * stage.T_s <= MOST_TURN:  # nor is what is no number
             return done
         transducer.next_sample = 0
-        copper, iron = transducer.E_copper, transducer.E_iron
+        dc, copper, iron = transducer.E_dc, transducer.E_copper, transducer.E_iron
         follow(driven.train, x, driven, T_load, transducer, stage.T_s)
         switching = command.pwm_enabled != 0 and control.gated != 0
         if switching:
@@ -107,13 +111,23 @@ def run_ticks(
             shaft.blank_a, shaft.blank_b, shaft.blank_c = 0.0, 0.0, 0.0
             x, charge = freewheel(x, shaft.u_dc, stage, driven, T_load, transducer, torque)
         shaft.u_dc = supplied(
-            stage.link, shaft, stage.u_dc, stage.R_dc, charge, drive.tick * stage.T_s, stage.T_s
+            stage.link,
+            stage.accounts,
+            shaft,
+            stage.u_dc,
+            stage.R_dc,
+            charge,
+            transducer.E_dc - dc,
+            drive.tick * stage.T_s,
+            stage.T_s,
+            transducer,
         )
         shaft.i_d, shaft.i_q, shaft.omega_m = x.i_d, x.i_q, x.omega_e / machine.p
         shaft.theta_e, shaft.cos_theta, shaft.sin_theta = x.theta_e, x.cos_theta, x.sin_theta
         shaft.omega_load, shaft.twist, shaft.load_torque = x.far.omega, x.far.twist, x.far.torque
         _keep(driven.saturation, x.flux, shaft)
         warm(stage.heat, shaft, transducer.E_copper - copper, transducer.E_iron - iron, stage.T_s)
+        keep_energies(stage.accounts, transducer, energies)
         if transducer.recording == 1 and transducer.filled >= torque.shape[0]:
             transducer.recording = 0
         drive.tick = (int(drive.tick) + 1) & _LAST_TICK
@@ -129,6 +143,7 @@ def run_ticks(
             noise[done],
             measurement,
         )
+        shift(found(sensing.encoder.counter, sensor), drive, control)
         tripped = control_tick(drive, command, control, stimulus, measurement)
         began = stimulus.began != 0
         capture_row(capture, drive, memory_words, memory_floats, channels, rows, tripped, began)

@@ -23,6 +23,8 @@ _HALT_BIT = 0x100
 _POLL_S = 1e-3
 _REACTION_TICKS = 3  # the period under way, the one that the stage is off for, and its currents' end
 _HOLDING_OPTIONS = (5, 6)
+_INDEX = 1  # of `encoder_reference`
+_TURNING_MODES = (Mode.TORQUE, Mode.VELOCITY)  # whose laws need the rotor angle
 _TARGETS = ("torque_command", "omega_m_command", "target_torque", "target_velocity")
 
 _ERROR_OF_TRIP = {
@@ -234,7 +236,19 @@ class Firmware:
 
     def _check_control(self, raw: Number) -> None:
         after = transition(self.state, int(raw), self._controlword)
-        if after is State.OPERATION_ENABLED and self.state is not after and not self.supervision.may_enable:
+        if after is not State.OPERATION_ENABLED or self.state is after:
+            return
+        if not self.supervision.may_enable or self._lacks_angle(self.core.command.mode):
+            raise Refused(Abort.DEVICE_STATE)
+
+    def _angle_known(self) -> bool:
+        return self.objects["encoder_reference"] != _INDEX or self.core.index_passed
+
+    def _lacks_angle(self, mode: int) -> bool:
+        return mode in _TURNING_MODES and not self._angle_known()
+
+    def _check_mode(self, raw: Number) -> None:
+        if self.state.power_stage_on and self._lacks_angle(int(raw)):
             raise Refused(Abort.DEVICE_STATE)
 
     def _set_halt(self, halted: bool) -> None:
@@ -245,7 +259,7 @@ class Firmware:
     def _quick_stop(self, *, hold: bool = True) -> None:
         """Brake to standstill, and hold it if the option says so and `hold` permits."""
         option = self.objects["quick_stop_option"]
-        if option == 0:
+        if option == 0 or not self._angle_known():  # it would brake against the wrong angle
             self._enter(State.SWITCH_ON_DISABLED)
             return
         self._stimulus.stop()
@@ -288,7 +302,9 @@ class Firmware:
         objects.check("controlword", self._check_control)
         objects.on_write("controlword", self._control)
         objects.compute("statusword", self._statusword)
+        objects.check("mode_of_operation", self._check_mode)
         objects.on_write("mode_of_operation", self._set_mode)
+        objects.compute("angle_known", lambda: int(self._angle_known()))
         objects.check("host_heartbeat", _sane_timeout)
         objects.on_write("host_heartbeat", lambda raw: self.supervision.configure(int(raw)))
         for name in ("encoder_lines", "encoder_offset", "encoder_direction"):

@@ -1,12 +1,11 @@
 """Energy accounts of the bench, optional: where the energy that is drawn from the dc link goes.
 
-    dc = copper + iron + inverter + friction + shaft + magnetic + kinetic
-
-`magnetic` and `kinetic` are what is stored since the accounts began, `shaft` is what the rotor passes on,
-through an elastic coupling if there is one; what is rigid on the rotor turns with it in `kinetic`. Each is
-integrated by Simpson's rule over the steps of the machine, with the state half-way from the cubic through
-both ends, of the order of the steps. Devices lose their forward voltage times the current that they carry;
-nothing is the remainder of the others, so that the balance shows what a bench's equations are worth.
+They are those of `energies`, since they began; `shaft` is what the rotor passes on, through an elastic
+coupling if there is one; what is rigid on the rotor turns with it in `kinetic`. Each is integrated by
+Simpson's rule over the steps of the machine, with the state half-way from the cubic through both ends, of the
+order of the steps. Devices lose their forward voltage times the current that they carry; nothing is the
+remainder of the others, so that the balance shows what a bench's equations are worth. Those of the dc link
+are booked by `dc_link`, once a control period.
 """
 
 from __future__ import annotations
@@ -17,8 +16,10 @@ from benchtool.emulator.jit import called, njit
 from benchtool.emulator.machine.asymmetry import leakage_energy, loss_in_series
 from benchtool.emulator.machine.coefficients import Machine
 from benchtool.emulator.machine.cogging import cogging_torque
-from benchtool.emulator.machine.drive_train import Far, beyond, contact_of
-from benchtool.emulator.machine.inverter import SQRT3, Accounts
+from benchtool.emulator.machine.coupling import Coupling, twist_energy
+from benchtool.emulator.machine.drive_train import DriveTrain, Far, beyond, contact_of, passed_on
+from benchtool.emulator.machine.energies import Accounts
+from benchtool.emulator.machine.inverter import SQRT3
 from benchtool.emulator.machine.iron import iron_torque
 from benchtool.emulator.machine.plant import (
     airgap_torque,
@@ -32,8 +33,6 @@ from benchtool.emulator.machine.shaft import less_friction
 from benchtool.emulator.machine.state import State, electrical, state_at
 from benchtool.emulator.rotate import rotate
 
-NAMES = ("dc", "copper", "iron", "inverter", "friction", "shaft", "magnetic", "kinetic")
-
 
 class Powers(NamedTuple):
     """Currents in A, and powers in W, of one moment."""
@@ -46,6 +45,8 @@ class Powers(NamedTuple):
     friction: float
     cogging: float
     shaft: float
+    coupling: float
+    load: float
 
 
 class Rails(NamedTuple):
@@ -106,9 +107,9 @@ def _book(
     far = _half_way_of(h, before.far, after.far, far0, far2)
     middle = _half_way(h, before, after, u_alpha, u_beta, slide, m, T0, T2, far)
     T1, _ = beyond(m.train, middle.far, middle.omega_e, middle.theta_e, T_load, contact)
-    p0 = _powers(accounts, before, slide, m, T0)
-    p1 = _powers(accounts, middle, slide, m, T1)
-    p2 = _powers(accounts, after, slide, m, T2)
+    p0 = _powers(accounts, before, slide, m, T0, T_load, contact)
+    p1 = _powers(accounts, middle, slide, m, T1, T_load, contact)
+    p2 = _powers(accounts, after, slide, m, T2, T_load, contact)
     i_alpha = _simpson(h, p0.i_alpha, p1.i_alpha, p2.i_alpha)
     i_beta = _simpson(h, p0.i_beta, p1.i_beta, p2.i_beta)
     q_a = i_alpha
@@ -124,6 +125,9 @@ def _book(
     record.E_shaft += _simpson(h, p0.shaft, p1.shaft, p2.shaft)
     record.E_magnetic += _field(m.saturation, after, m) - _field(m.saturation, before, m)
     record.E_magnetic += _simpson(h, p0.cogging, p1.cogging, p2.cogging)
+    record.E_coupling += _simpson(h, p0.coupling, p1.coupling, p2.coupling)
+    record.E_load += _simpson(h, p0.load, p1.load, p2.load)
+    _store(m.train, contact, before.far, after.far, record)
     per = 0.5 * (m.J + m.J_load) / (m.p * m.p)
     record.E_kinetic += per * (after.omega_e - before.omega_e) * (after.omega_e + before.omega_e)
 
@@ -142,7 +146,9 @@ def _drawn(rail: float, off: bool, u_dc: float, charge: float) -> float:
 
 
 @called
-def _powers(accounts: Accounts, x: State, slide: float, m: Machine, T: float) -> Powers:
+def _powers(
+    accounts: Accounts, x: State, slide: float, m: Machine, T: float, T_load: float, contact: float
+) -> Powers:
     omega_m = x.omega_e / m.p
     squared = 1.5 * (x.i_d * x.i_d + x.i_q * x.i_q)
     cogging = cogging_torque(m.cogging, x.theta_e)
@@ -154,6 +160,7 @@ def _powers(accounts: Accounts, x: State, slide: float, m: Machine, T: float) ->
     torque = T
     if m.gamma == 0.0:  # what holds the speed takes what is left
         torque = airgap_torque(y_d, y_q, x.theta_e, m) - iron - friction - cogging
+    lost, load = passed_on(m.train, x.far, omega_m, x.theta_e, T_load, contact, torque)
     return Powers(
         x.i_d * x.cos_theta - x.i_q * x.sin_theta,
         x.i_d * x.sin_theta + x.i_q * x.cos_theta,
@@ -164,7 +171,30 @@ def _powers(accounts: Accounts, x: State, slide: float, m: Machine, T: float) ->
         friction * omega_m,
         cogging * omega_m,
         torque * omega_m,
+        lost,
+        load,
     )
+
+
+@njit
+def _store(train: DriveTrain | None, contact: float, before: Far, after: Far, record: Any) -> None:
+    """Book what an elastic coupling and the load behind it store."""
+    if train is None:
+        return
+    _store_behind(train.coupling, contact, before, after, record)
+
+
+@njit
+def _store_behind(coupling: Coupling | None, contact: float, before: Far, after: Far, record: Any) -> None:
+    if coupling is None:
+        return
+    if coupling.inv_J > 0.0:
+        record.E_load_kinetic += (
+            0.5 * (after.omega - before.omega) * (after.omega + before.omega) / coupling.inv_J
+        )
+    # Faces that have parted let go of what they were still bent by: they have no mass.
+    record.E_coupling += record.E_twist - twist_energy(coupling.play, coupling, before.twist, contact)
+    record.E_twist = twist_energy(coupling.play, coupling, after.twist, contact)
 
 
 @njit

@@ -50,6 +50,30 @@ def _torque(play: Play | None, coupling: Coupling, twist: float, slip: float, co
 
 
 @njit
+def damped_power(coupling: Coupling, slip: float, contact: float) -> float:
+    """Return the power that the damping takes; faces touch on the side `contact`."""
+    return _damped(coupling.play, coupling, slip, contact)
+
+
+@njit
+def _damped(play: Play | None, coupling: Coupling, slip: float, contact: float) -> float:
+    if play is None:
+        return coupling.damping * slip * slip
+    return coupling.damping * slip * slip if contact != 0.0 else 0.0
+
+
+@njit
+def twist_energy(play: Play | None, coupling: Coupling, twist: float, contact: float) -> float:
+    """Return the energy of the spring in J; faces touch on the side `contact`."""
+    if play is None:
+        return 0.5 * coupling.stiffness * twist * twist
+    if contact == 0.0:
+        return 0.0
+    bent = twist - contact * play.half
+    return 0.5 * coupling.stiffness * bent * bent
+
+
+@njit
 def contact_side(coupling: Coupling | None, twist: float, slip: float) -> float:
     """Return the side on which faces touch, 1 or -1, and 0 where none do, or where there is no play."""
     if coupling is None:

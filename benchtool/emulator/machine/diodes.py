@@ -26,10 +26,10 @@ from benchtool.emulator.machine.coefficients import (
     rate_at,
     turning_rate,
 )
+from benchtool.emulator.machine.energies import Accounts
 from benchtool.emulator.machine.harmonics import linkage
 from benchtool.emulator.machine.inverter import (
     SQRT3,
-    Accounts,
     PowerStage,
     clarke,
     forward_voltage,

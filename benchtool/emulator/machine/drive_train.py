@@ -18,6 +18,7 @@ from benchtool.emulator.machine.coupling import (
     contact_side,
     coupling_rate,
     coupling_torque,
+    damped_power,
 )
 from benchtool.emulator.machine.load import (
     Curve,
@@ -112,6 +113,45 @@ def _coupled(
     slip = omega_m - far.omega
     passed = coupling_torque(coupling, far.twist, slip, contact)
     return passed, Far((passed - torque) * coupling.inv_J, slip, rate)
+
+
+@njit
+def passed_on(
+    train: DriveTrain | None,
+    far: Far,
+    omega_m: float,
+    theta_e: float,
+    T_load: float,
+    contact: float,
+    torque: float,
+) -> tuple[float, float]:
+    """Return the powers that an elastic coupling's damping and the load take, of a rotor that passes on this
+    torque."""
+    if train is None:
+        return 0.0, torque * omega_m
+    return _passed_behind(train.coupling, train, far, omega_m, theta_e, T_load, contact, torque)
+
+
+@njit
+def _passed_behind(
+    coupling: Coupling | None,
+    train: DriveTrain,
+    far: Far,
+    omega_m: float,
+    theta_e: float,
+    T_load: float,
+    contact: float,
+    torque: float,
+) -> tuple[float, float]:
+    if coupling is None:
+        return 0.0, torque * omega_m
+    slip = omega_m - far.omega
+    if coupling.inv_J == 0.0:  # what holds the load takes what is passed
+        load = coupling_torque(coupling, far.twist, slip, contact)
+    else:
+        load = machine_torque(train.machine, far.torque, T_load)
+        load += driven_torque(train, far.omega, theta_e * train.per_p - far.twist)
+    return damped_power(coupling, slip, contact), load * far.omega
 
 
 @njit

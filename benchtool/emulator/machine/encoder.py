@@ -62,6 +62,16 @@ def encoder_count(theta_m: float, encoder: Encoder, sensor: Any) -> int:
 
 
 @njit
+def found(counter: Counter | None, sensor: Any) -> int:
+    """Return by how much the first index since power-up has just moved the counter, in counts, once."""
+    if counter is None:
+        return 0
+    counts = int(sensor.found)
+    sensor.found = 0
+    return counts
+
+
+@njit
 def shown(eccentricity: Eccentricity | None, angle: float) -> float:
     """Return the position that the lines of a disc at this angle show."""
     if eccentricity is None:
@@ -83,7 +93,8 @@ def counted(counter: Counter | None, edge: int, counts: int, sensor: Any) -> int
     turn, turn_before = math.floor(edge / counts), math.floor(sensor.edge / counts)
     since = abs(moved)  # edges that an error may come from
     if counter.has_index and turn != turn_before:
-        sensor.error = 0
+        sensor.found = -sensor.error if sensor.index_passed == 0 else 0
+        sensor.error, sensor.index_passed = 0, 1
         since = edge - turn * counts if moved > 0 else (turn + 1) * counts - 1 - edge
     travelled = sensor.travelled + abs(moved)
     if counter.lost_every > 0:

@@ -15,6 +15,7 @@ from typing import NamedTuple
 from benchtool.emulator.jit import njit
 from benchtool.emulator.machine.carrier import DoubleUpdate
 from benchtool.emulator.machine.dc_link import DcLink
+from benchtool.emulator.machine.energies import Accounts
 from benchtool.emulator.machine.heat import Heat
 from benchtool.emulator.machine.sampling import Sampling
 from benchtool.emulator.machine.state import State
@@ -37,13 +38,6 @@ class Timer(NamedTuple):
 class Devices(NamedTuple):
     """Forward voltage of a conducting switch or diode, in V."""
 
-    drop: float
-
-
-class Accounts(NamedTuple):
-    """What energy accounts need of the devices: their resistance, a part of the machine's, and their drop."""
-
-    R_devices: float
     drop: float
 
 

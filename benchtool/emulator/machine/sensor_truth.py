@@ -155,7 +155,7 @@ class EncoderTruth:
                 self.eccentricity_2_rad,
                 self.eccentricity_2_phase_rad,
             )
-        if self.relative or self.lost_every > 0:
+        if self.relative or self.index or self.lost_every > 0:
             counter = Counter(self.relative, self.index, self.lost_every)
         edges = -4 * lines if self.reversed else 4 * lines
         return Encoder(edges, self.turn, zero_rad, eccentricity, counter)

@@ -18,8 +18,8 @@ from benchtool.emulator.machine.carrier import NEVER, DoubleUpdate, ends_high, p
 from benchtool.emulator.machine.coefficients import Machine, largest_inverse_inductance
 from benchtool.emulator.machine.diodes import HIGH, LOW, OFF, integrate_conduction
 from benchtool.emulator.machine.drive_train import DriveTrain
+from benchtool.emulator.machine.energies import Accounts
 from benchtool.emulator.machine.inverter import (
-    Accounts,
     DeadTime,
     Devices,
     PowerStage,

@@ -18,6 +18,7 @@ from benchtool.block import Block, Channel
 from benchtool.emulator.jit import called, njit
 from benchtool.emulator.machine.coefficients import Machine
 from benchtool.emulator.machine.drive_train import DriveTrain, Far, Flange, slip_of
+from benchtool.emulator.machine.energies import FIELDS
 from benchtool.emulator.machine.flange import flange_torque, reading
 from benchtool.emulator.machine.plant import airgap_torque, derivative, scaled_voltage
 from benchtool.emulator.machine.state import State, electrical, state_at
@@ -27,7 +28,7 @@ from benchtool.errors import ValueRefused
 
 MAX_TICKS = 2_000_000
 
-# `next_sample` counts within the control period under way. The energies are those of `accounts`, in J.
+# `next_sample` counts within the control period under way. The energies are those of `energies`, in J.
 TRANSDUCER = record_type(
     [
         ("recording", "u4"),
@@ -35,14 +36,8 @@ TRANSDUCER = record_type(
         ("next_sample", "u4"),
         ("samples_per_tick", "u4"),
         ("spacing", "f8"),
-        ("E_dc", "f8"),
-        ("E_copper", "f8"),
-        ("E_iron", "f8"),
-        ("E_inverter", "f8"),
-        ("E_friction", "f8"),
-        ("E_shaft", "f8"),
-        ("E_magnetic", "f8"),
-        ("E_kinetic", "f8"),
+        *FIELDS,
+        ("rows", "i8"),  # of the energies that are recorded
         ("flange", "f8"),  # what a transducer at the flange reads
         ("flange_before", "f8"),  # the torque there that it read last
         ("until_next", "f8"),  # s from then to what it reads next; 0 if it has read nothing

@@ -12,9 +12,10 @@ from benchtool.emulator.machine.coefficients import Machine, machine_of
 from benchtool.emulator.machine.cogging import Cogging, cogging_of
 from benchtool.emulator.machine.dc_link import DcLink
 from benchtool.emulator.machine.drive_train import DriveTrain
+from benchtool.emulator.machine.energies import Accounts
 from benchtool.emulator.machine.harmonics import Harmonics, Unbalance
 from benchtool.emulator.machine.heat import HeatTruth
-from benchtool.emulator.machine.inverter import Accounts, DeadTime, Devices, PowerStage, Timer
+from benchtool.emulator.machine.inverter import DeadTime, Devices, PowerStage, Timer
 from benchtool.emulator.machine.iron import Iron
 from benchtool.emulator.machine.sampling import Sampling
 from benchtool.emulator.machine.saturation import Saturation, SaturationTruth

@@ -14,7 +14,6 @@ import binascii
 import queue
 import time
 from collections.abc import Callable
-from contextlib import suppress
 
 import canopen
 from canopen.sdo import client
@@ -117,8 +116,10 @@ class SdoClient(client.SdoClient):
         self.send_request(bytes([sdo.ABORT]) + self._object + sdo.ABORT_CODE.pack(abort_code))
 
     def _next_frame(self, timeout_s: float) -> bytes:
-        with suppress(queue.Empty):
+        try:  # `suppress` would cost as much as all else here
             return self.responses.get_nowait()
+        except queue.Empty:
+            pass
         if self.responses.empty() and self._drained(self._has_response, self.timeout_s):
             timeout_s = 0.0  # an answer that is not there now will not come
         try:
@@ -265,10 +266,18 @@ class SdoClient(client.SdoClient):
     def _receive_segments(self) -> list[bytes]:
         segments: list[bytes] = []
         in_order = fruitless = 0
+        take = self.responses.get_nowait
         while True:
             ended = complete = False
             try:
-                frame = self.read_response()
+                frame = self._next_frame(self.timeout_s)
+                while frame[0] == in_order + 1 < MAX_BLOCK_SIZE:  # most of a block
+                    in_order += 1
+                    segments.append(frame[1:])
+                    frame = take()
+                self._raise_abort(frame)
+            except queue.Empty:
+                continue
             except SdoTimeoutError:
                 # With none in order nothing may be acknowledged: a lost acknowledgement would count twice.
                 if not in_order:

@@ -100,7 +100,8 @@ class VirtualTimeBus(VirtualBus):
             if not self._in_hand:
                 return None
             received: can.Message = self.queue.queue.popleft()
-            self.queue.not_full.notify()
+            if self.queue.maxsize > 0:
+                self.queue.not_full.notify()
             return received
 
     def _recv_internal(self, timeout: float | None) -> tuple[can.Message | None, bool]:

@@ -174,8 +174,29 @@ static void check_trips_between(void)
     assert(device->state == BT_STATE_SWITCH_ON_DISABLED); /* what was seen is cleared */
 }
 
+/* Without the rotor's angle no mode of the standard is enabled, and none is taken then; a quick stop switches off. */
+static void check_angle(void)
+{
+    struct bt_device *device = &drive.node.device;
+    check_power_up(&drive);
+    device->variables.angle_known = BT_ANGLE_KNOWN_NO;
+    assert(host_read(&drive, BT_ID_angle_known) == BT_ANGLE_KNOWN_NO);
+    host_nmt(&drive, BT_NMT_START);
+    host_write(&drive, BT_ID_controlword, 6);
+    host_write(&drive, BT_ID_controlword, 7);
+    assert(host_write(&drive, BT_ID_controlword, 15) == BT_ABORT_DEVICE_STATE);
+    assert(!bt_may_switch(&drive));
+    device->variables.angle_known = BT_ANGLE_KNOWN_YES;
+    assert(host_write(&drive, BT_ID_controlword, 15) == BT_OK);
+    device->variables.angle_known = BT_ANGLE_KNOWN_NO; /* as in a mode of the manufacturer */
+    assert(host_write(&drive, BT_ID_mode_of_operation, BT_MODE_OF_OPERATION_VELOCITY) == BT_ABORT_DEVICE_STATE);
+    host_write(&drive, BT_ID_controlword, 2);
+    assert(device->state == BT_STATE_SWITCH_ON_DISABLED && !bt_may_switch(&drive));
+}
+
 void check_control(void)
 {
+    check_angle();
     check_silence();
     check_silence_in_a_poll();
     check_actions();
