@@ -269,7 +269,13 @@ def _show_plan(session: Session, steps: Sequence[Step], travel_rad: float, outpu
         for name, excitations in plan.items()
         for each in excitations
     ]
+    ranges_J = [each.energy_range_J(known.R_s_ohm) for excitations in plan.values() for each in excitations]
+    least_J, most_J = (sum(each) for each in zip(*ranges_J, strict=True)) if ranges_J else (0.0, 0.0)
     output.table("what would be played", ("step", "excitation", ">J"), rows)
+    output.line(
+        f"{significant(sum(energy_J.values()))} J by the nameplate's resistance, {significant(least_J)} to "
+        f"{significant(most_J)} J as far as nameplates are off; the step 'resistance' tells it"
+    )
     output.line("nothing was enabled; each step's estimates would be for the parameters that it sets")
     output.document(
         {
@@ -278,6 +284,7 @@ def _show_plan(session: Session, steps: Sequence[Step], travel_rad: float, outpu
                 step.name: {"energy_J": energy_J[step.name], "sets": list(step.sets)} for step in steps
             },
             "energy_J": sum(energy_J.values()),
+            "energy_range_J": [least_J, most_J],
         }
     )
     return 0

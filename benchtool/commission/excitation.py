@@ -20,6 +20,7 @@ MOST_RISE_K: Final = 10.0
 OVERLOAD: Final = 1.1
 """Of the rated current, what is injected at most."""
 
+_AS_STATED: Final = (0.65, 1.5)  # resistance of a winding with its cable, over what a nameplate states of it
 _RATED_RISE_K: Final = 100.0  # at the rated current for ever, of insulation class F (IEC 60034-1: 105 K)
 _TIME_CONSTANT_S: Final = 60.0  # of a winding against its iron: of a small motor, the shortest that is usual
 
@@ -47,6 +48,11 @@ class Excitation:
     def energy_J(self, R_s_ohm: float) -> float:
         """Return the heat in the winding, 3/2 R_s times the integral, and the mechanical work."""
         return 1.5 * R_s_ohm * self.squares_A2s + self.work_J
+
+    def energy_range_J(self, R_s_ohm: float) -> tuple[float, float]:
+        """Return the least and the most that it may be by a resistance that is only stated."""
+        least, most = _AS_STATED
+        return self.energy_J(least * R_s_ohm), self.energy_J(most * R_s_ohm)
 
     @property
     def mode_of_speed(self) -> bool:

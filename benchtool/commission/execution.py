@@ -181,10 +181,11 @@ def _why_not(found: Commissioning, *, force: bool) -> str:
     """Return why the parameters are not to be stored; empty if they are."""
     unfinished = [each.name for each in found.results if each.verdict is not StepVerdict.PASS]
     if unfinished:
-        return f"{', '.join(unfinished)} did not pass"
-    if found.passed or force:
+        failed = any(each.verdict is StepVerdict.FAIL for each in found.results)
+        return f"{', '.join(unfinished)} {'did not pass' if failed else 'were left out'}"
+    wrong = [finding.what for each in found.results for finding in each.findings if finding.withholds]
+    if force or not wrong:
         return ""
-    wrong = [finding.what for each in found.results for finding in each.findings]
     return f"something is not as it should be ({wrong[0]}); correct it, or use --force"
 
 

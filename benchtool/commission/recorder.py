@@ -130,7 +130,7 @@ class StepRecorder:
                     "name": result.name,
                     "verdict": result.verdict.value,
                     "reason": result.reason,
-                    "findings": [{**each.to_json(), "fails": each.fails} for each in result.findings],
+                    "findings": [asdict(each) for each in result.findings],
                     "planned_J": result.planned_J,
                     "spent_J": result.spent_J,
                 },

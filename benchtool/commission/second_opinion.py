@@ -14,6 +14,7 @@ from benchtool.analysis import Measurement, Uncertainty
 from benchtool.analysis.balances import flux_balance
 from benchtool.block import Block
 from benchtool.commission.known import Known
+from benchtool.commission.steps.speed_loop import FASTEST
 from benchtool.commission.steps.step import Finding
 from benchtool.errors import AnalysisError
 
@@ -21,6 +22,7 @@ _SURE = 3.0  # combined standard uncertainties
 _TOLERANCES: Final[Mapping[str, float]] = {"R_s": 0.05, "psi_r": 0.01}
 """Relative differences below which two methods agree, however sure of themselves they are."""
 
+_ACROSS: Final = 0.25  # of what dead time and devices take
 _CREST: Final = 4.0 / math.pi  # fundamental of what dead time and devices take of a phase, over V_drop
 _UNITS = {"R_s": "ohm", "psi_r": "Wb"}
 PREFIX: Final = "balance_"
@@ -35,7 +37,7 @@ def balanced(blocks: Sequence[Block], known: Known) -> tuple[Measurement, ...]:
     reasons = dict.fromkeys(_TOLERANCES, "")
     for block in blocks:
         try:
-            found = flux_balance(_centred(block, known), known.identified).solution
+            found = flux_balance(centred(block, known), known.identified).solution
         except AnalysisError as failed:
             reasons = {name: why or str(failed) for name, why in reasons.items()}
             continue
@@ -59,6 +61,9 @@ def contradictions(found: Mapping[str, Measurement], known: Known) -> tuple[Find
         agreed = max(_SURE * math.hypot(*standards), tolerance * abs(own.value))
         if name == "R_s":  # with a current that turns, dead time near zero looks like a resistance
             agreed = max(agreed, _CREST * abs(known.drop_V) / known.I_N_A)
+        if name == "psi_r":  # and across the flux like an EMF, at the fastest speed the least
+            omega_e = FASTEST * known.motor.omega_m_N_rad_s * known.identified.pole_pairs
+            agreed = max(agreed, _ACROSS * _CREST * abs(known.drop_V) / omega_e)
         if abs(difference) <= agreed:
             continue
         findings.append(
@@ -74,7 +79,7 @@ def contradictions(found: Mapping[str, Measurement], known: Known) -> tuple[Find
     return tuple(findings)
 
 
-def _centred(block: Block, known: Known) -> Block:
+def centred(block: Block, known: Known) -> Block:
     """Return a capture as a centred encoder would have it."""
     place = [each.name for each in block.channels].index("theta_m")
     data = np.array(block.data)

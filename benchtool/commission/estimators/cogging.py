@@ -10,9 +10,10 @@ controller that holds the speed shows cogging as torque, one that does not as sp
 
 from __future__ import annotations
 
+import cmath
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,10 +30,11 @@ _FEWEST = 3  # stretches
 @dataclass(frozen=True)
 class Cogging:
     """One order: periods in a revolution, amplitude in Nm with its standard uncertainty and degrees of
-    freedom."""
+    freedom. The torque that overcomes it is amplitude_Nm cos(order theta_m + phase_rad)."""
 
     order: int
     amplitude_Nm: float
+    phase_rad: float
     standard_Nm: float
     dof: float
 
@@ -60,8 +62,29 @@ def cogging(courses: Sequence[Course], J_kgm2: float, least_Nm: float) -> tuple[
         standard = math.sqrt(float(np.sum(np.abs(values - mean) ** 2)) / (n - 1.0) / n / 2.0)
         sure = math.sqrt(2.0 * float(f.isf(_BY_CHANCE, 2.0, 2.0 * (n - 1.0))))
         if abs(mean) > max(least_Nm, sure * standard):
-            told.append(Cogging(order, abs(mean), standard, 2.0 * (n - 1.0)))
+            told.append(Cogging(order, abs(mean), cmath.phase(mean), standard, 2.0 * (n - 1.0)))
     return tuple(sorted(told, key=lambda each: -each.amplitude_Nm))
+
+
+def without(courses: Sequence[Course], orders: Sequence[Cogging]) -> tuple[Course, ...]:
+    """Return courses whose torque is less what overcomes the cogging.
+
+    Of a small rotor, cogging has as large an impulse as the inertia while the shaft is reversed.
+    """
+    return tuple(
+        replace(
+            course,
+            torque_Nm=course.torque_Nm
+            - sum(
+                (
+                    each.amplitude_Nm * np.cos(each.order * course.theta_m_rad + each.phase_rad)
+                    for each in orders
+                ),
+                np.zeros(len(course.theta_m_rad)),
+            ),
+        )
+        for course in courses
+    )
 
 
 def _orders(course: Course, end: int, J_kgm2: float) -> NDArray[np.complex128] | None:

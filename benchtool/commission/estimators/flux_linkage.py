@@ -9,14 +9,14 @@ Trans. Power Electron. 23 (2008) no. 6), which lies along the rotor and is psi_r
 beginning of the integral and a constant voltage that is left of offsets are unknowns: a centre that moves
 evenly. Neither the angle nor the speed of the encoder enters.
 
-With a current along the rotor flux, forth and back, L_d is an unknown of its own, and an error of R_s or of
-V_drop turns the flux instead of changing its length.
+With a current along the rotor flux, forth and then back, L_d is an unknown of its own, and an error of R_s or
+of V_drop turns the flux instead of changing its length. Where that current goes through zero it does not: the
+stretches before and after are integrated each by itself, with a centre of its own.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -33,7 +33,6 @@ HARMONICS: Final = (-5, 7)
 _FEWEST, _FEWEST_TURNS = 300, 2.0
 _ITERATIONS = 12
 _CONVERGED = 1e-9
-_SOFT = (0.03, 0.06, 0.1, 0.15, 0.22)  # of the largest current, tried
 _ROUND = 0.25  # largest rms deviation from the circle over its radius
 
 
@@ -41,8 +40,9 @@ _ROUND = 0.25  # largest rms deviation from the circle over its radius
 class TurningFlux:
     """What one capture of a turning motor tells.
 
-    `omega_e_rad_s` is the mean electrical speed by the flux, `angle_rad` the electrical angle of the rotor
-    flux at the ticks of `readings_A`, shape (n,), and `flux_Wb` the rotor flux itself. `second_Wb` is the
+    `rows` are the rows of `readings_A` that were used, shape (n,). `omega_e_rad_s` is the mean electrical
+    speed by the flux, `angle_rad` the electrical angle of the rotor flux there, and `flux_Wb` the rotor flux
+    itself. `second_Wb` is the
     complex amplitude of what turns against the rotor, of phases that differ. `ripple` is the rms deviation
     from the circle over its radius.
     """
@@ -51,6 +51,7 @@ class TurningFlux:
     psi_r_standard_Wb: float
     L_d_H: float
     omega_e_rad_s: float
+    rows: NDArray[np.int64]
     angle_rad: NDArray[np.float64]
     flux_Wb: NDArray[np.complex128]
     second_Wb: complex
@@ -69,6 +70,7 @@ def turning_flux(
     drop_V: float,
     gains: NDArray[np.float64],
     soft_A: float = 0.0,
+    stretches: Sequence[tuple[int, int]] = ((0, -1),),
 ) -> TurningFlux:
     """Return the rotor flux of one capture.
 
@@ -80,36 +82,48 @@ def turning_flux(
             phase; the inductance along the rotor flux is where the search for it begins.
         gains: corrections of the current sensors, shape (3,).
         soft_A: size of a phase current below which dead time takes less than its whole voltage.
+        stretches: first row and the one after the last of each stretch that is used, -1 for the end.
 
     Raises:
         AnalysisError: too short, or no flux that turns.
     """
-    if len(readings_A) < _FEWEST:
-        raise AnalysisError(f"{len(readings_A)} ticks of a turning motor, {_FEWEST} at least are needed")
+    n = len(readings_A)
+    parts = [np.arange(first, n if end < 0 else end) for first, end in stretches]
+    used = np.concatenate(parts)
+    if len(used) < _FEWEST:
+        raise AnalysisError(f"{len(used)} ticks of a turning motor, {_FEWEST} at least are needed")
     i = vector_of(readings_A * gains)
     mean = 0.5 * (i[1:] + i[:-1])
     drops = 0.5 * (drop_vector(readings_A[1:], soft_A) + drop_vector(readings_A[:-1], soft_A))
     moved = T_s * (u_V - R_s_ohm * mean - drop_V * drops)
-    flux = np.concatenate(([0.0], np.cumsum(moved))) - L_q_H * i
-    t = np.linspace(-1.0, 1.0, len(flux))
-    flux = flux - np.mean(flux)
-    radius, centre, drift, saliency = float(np.std(flux)), 0.0j, 0.0j, L_d_H - L_q_H
+    whole = np.concatenate(([0.0], np.cumsum(moved))) - L_q_H * i
+    flux = np.concatenate([whole[part] - np.mean(whole[part]) for part in parts])
+    i = i[used]
+    slow = np.zeros((len(used), 2 * len(parts)))  # of each stretch a constant and a line
+    of = np.repeat(np.arange(len(parts)), [len(part) for part in parts])
+    for k, part in enumerate(parts):
+        slow[of == k, 2 * k : 2 * k + 2] = np.column_stack(
+            [np.ones(len(part)), np.linspace(-1.0, 1.0, len(part))]
+        )
+    radius, centres, saliency = float(np.std(flux)), np.zeros(slow.shape[1], np.complex128), L_d_H - L_q_H
     for _ in range(_ITERATIONS):
-        vector = flux - centre - drift * t
+        vector = flux - slow @ centres
         along = vector / np.abs(vector)
         i_d = (i * np.conj(along)).real
         error = np.abs(vector) - radius - saliency * i_d
-        rows = np.column_stack([np.ones(len(t)), i_d, along.real, along.imag, t * along.real, t * along.imag])
+        rows = np.column_stack(
+            [np.ones(len(used)), i_d, slow * along.real[:, None], slow * along.imag[:, None]]
+        )
         x = np.linalg.lstsq(rows.T @ rows, rows.T @ error, rcond=None)[0]
         radius, saliency = radius + float(x[0]), saliency + float(x[1])
-        centre += complex(x[2], x[3])
-        drift += complex(x[4], x[5])
-        if np.max(np.abs(x[[0, 2, 3, 4, 5]])) < _CONVERGED * abs(radius):
+        moves = x[2:].reshape(2, -1)
+        centres += moves[0] + 1j * moves[1]
+        if max(abs(x[0]), np.max(np.abs(moves))) < _CONVERGED * abs(radius):
             break
     fit = least_squares(rows, error)
-    vector = flux - centre - drift * t
-    angle = np.unwrap(np.angle(vector))
-    turns = abs(angle[-1] - angle[0]) / (2.0 * np.pi)
+    vector = flux - slow @ centres
+    angles = [np.unwrap(np.angle(vector[of == k])) for k in range(len(parts))]
+    turns = sum(abs(each[-1] - each[0]) for each in angles) / (2.0 * np.pi)
     ripple = fit.scatter / radius if radius > 0.0 else np.inf
     if not (turns > _FEWEST_TURNS and ripple < _ROUND):
         raise AnalysisError(
@@ -117,14 +131,17 @@ def turning_flux(
             f"not turn, "
             f"or another machine than the one believed"
         )
-    slope = float(np.polyfit(np.arange(len(angle)) * T_s, angle, 1)[0])
+    slopes = [float(np.polyfit(np.arange(len(each)) * T_s, each, 1)[0]) for each in angles]
+    slope = float(np.average(slopes, weights=[len(each) for each in angles]))
+    angle = np.concatenate(angles)
     against = complex(np.mean(vector * np.exp(1j * angle)))
-    standard = _of_turns(rows, fit, angle)
+    standard = _of_turns(rows, fit, angle, of)
     return TurningFlux(
         radius,
         standard,
         L_q_H + saliency,
         slope,
+        used,
         angle,
         np.asarray(vector - saliency * i_d * along, np.complex128),
         against,
@@ -133,37 +150,14 @@ def turning_flux(
     )
 
 
-def softest_circle(readings_A: NDArray[np.float64], flux: Callable[[float], TurningFlux]) -> TurningFlux:
-    """Return the flux that lies nearest to a circle, of those by several sizes of the phase current below
-    which dead time takes less than its whole voltage.
+def ripple_A(of: TurningFlux, pwm_period_s: float, L_H: float, u_dc_V: float) -> float:
+    """Return the amplitude of the ripple of a phase current where it goes through zero.
 
-    That size is the ripple of the current in a period, which grows with the speed. With none the voltage
-    that a current across the flux takes came out twice too large on motors of small inductance, and the flux
-    up to 1.5 % too small.
-
-    Args:
-        readings_A: phase currents, shape (n, 3).
-        flux: returns the flux by such a size.
-
-    Raises:
-        AnalysisError: there is no flux that turns.
+    With a current along the rotor flux the EMF lies along that phase there. A zero vector, which lasts half
+    of what the active one of 2/3 u_dc leaves of half a PWM period, leaves the current to the EMF alone.
     """
-    largest = float(np.max(np.abs(readings_A)))
-    tried = {0.0: flux(0.0)}
-
-    def attempt(share: float) -> None:
-        with suppress(AnalysisError):  # too soft a sign leaves no circle
-            tried[share] = flux(share * largest)
-
-    for share in _SOFT:
-        attempt(share)
-    for _ in range(2):
-        best = min(tried, key=lambda share: tried[share].ripple)
-        ordered = sorted(tried)
-        place = ordered.index(best)
-        for other in ordered[max(0, place - 1) : place] + ordered[place + 1 : place + 2]:
-            attempt(0.5 * (best + other))
-    return min(tried.values(), key=lambda each: each.ripple)
+    E = abs(of.psi_r_Wb * of.omega_e_rad_s)
+    return E * pwm_period_s / (4.0 * L_H) * max(0.0, 1.0 - 1.5 * E / u_dc_V)
 
 
 def harmonics(flux_Wb: NDArray[np.complex128], theta_e_rad: NDArray[np.float64]) -> dict[int, complex]:
@@ -176,12 +170,14 @@ def harmonics(flux_Wb: NDArray[np.complex128], theta_e_rad: NDArray[np.float64])
     return {order: complex(each) for order, each in zip(orders, found, strict=True) if order != 1}
 
 
-def _of_turns(rows: NDArray[np.float64], fit: Fit, angle: NDArray[np.float64]) -> float:
+def _of_turns(
+    rows: NDArray[np.float64], fit: Fit, angle: NDArray[np.float64], of: NDArray[np.int64]
+) -> float:
     """Return the standard uncertainty of the radius by scores summed over half revolutions of the flux: what
     deviates comes again with these."""
     bread = fit.covariance / fit.scatter**2
-    half = np.abs(angle - angle[0]) // np.pi
-    (starts,) = np.nonzero(np.diff(half, prepend=-1.0))
+    half = np.abs(angle - angle[np.searchsorted(of, of)]) // np.pi
+    (starts,) = np.nonzero((np.diff(half, prepend=-1.0) != 0.0) | (np.diff(of, prepend=-1) != 0))
     scores = np.add.reduceat(rows * fit.residuals[:, None], starts, axis=0)
     spread = bread @ (scores.T @ scores) @ bread
     return float(np.sqrt(max(spread[0, 0], fit.covariance[0, 0])))

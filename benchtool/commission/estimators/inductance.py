@@ -38,6 +38,7 @@ from benchtool.errors import AnalysisError
 _CLEAR = 0.15  # of the largest current, by what goes with the voltage: so clear of zero is every phase
 _SEEN_CLEAR = 0.05  # by its readings: so far below that their noise does not choose
 _FEWEST = 40
+_SLOW = 6  # degree of the polynomial by which the rotor moves slowly
 
 
 @dataclass(frozen=True)
@@ -45,12 +46,12 @@ class Turning:
     """One capture: voltages asked for, shape (n,), and phase currents, shape (n + 1, 3).
 
     u_V[k] acts from readings_A[k] to readings_A[k + 1]. `rotor_rad` is the electrical angle of the rotor by
-    the encoder, or 0 where it is not known: of captures between which the rotor moved it has to be.
+    the encoder over each period, shape (n,), or 0 where it is not known: where the rotor moved it has to be.
     """
 
     u_V: NDArray[np.complex128]
     readings_A: NDArray[np.float64]
-    rotor_rad: float = 0.0
+    rotor_rad: NDArray[np.float64] | float = 0.0
 
 
 @dataclass(frozen=True)
@@ -78,6 +79,7 @@ def inductance(
     drop_V: float,
     gains: NDArray[np.float64],
     aligned_rad: float,
+    aligned_standard_rad: float = math.inf,
 ) -> Inductance:
     """Return the estimates.
 
@@ -88,6 +90,8 @@ def inductance(
         gains: corrections of the current sensors, shape (3,).
         aligned_rad: electrical angle at which the rotor was aligned, against phase a, or what is left of it
             beyond `rotor_rad`.
+        aligned_standard_rad: standard uncertainty of that, with which it stands against the axis of the
+            anisotropy; infinite where a clear anisotropy alone is to tell.
 
     Raises:
         AnalysisError: too short, or of one speed only.
@@ -96,7 +100,7 @@ def inductance(
     fit = least_squares(
         np.concatenate([part.A for part in parts]),
         np.concatenate([part.y for part in parts]),
-        lost_dof=2 * len(parts),
+        lost_dof=(_SLOW + 1) * len(parts),
     )
     covariance = _of_differences(parts, fit)
     g_1 = complex(fit.x[1], fit.x[2])
@@ -106,6 +110,9 @@ def inductance(
     turned = cmath.phase(g_1 * along) if clear else 0.0
     if abs(turned) > 0.5 * math.pi:  # 1/L_q is the larger: the other axis of the anisotropy is near
         turned -= math.copysign(math.pi, turned)
+    if math.isfinite(aligned_standard_rad) and clear:  # a weak anisotropy turned by noise looks stronger
+        by_fit, by_encoder = (0.5 * u_g_1 / abs(g_1)) ** 2, aligned_standard_rad**2
+        turned *= by_encoder / (by_encoder + by_fit)
     axis = aligned_rad + 0.5 * turned
     c, s = math.cos(2.0 * axis), math.sin(2.0 * axis)
     d, q = np.array([1.0, c, s, 0.0]), np.array([1.0, -c, -s, 0.0])
@@ -125,7 +132,7 @@ def _exact(L_H: float, RT: float) -> float:
 
 @dataclass(frozen=True)
 class _Part:
-    """Rows of one component of one capture, less a straight line; `k` is the control period of each."""
+    """Rows of one component of one capture, less what changes slowly; `k` is the control period of each."""
 
     A: NDArray[np.float64]
     y: NDArray[np.float64]
@@ -147,21 +154,24 @@ def _changes(
             f"a larger current turn more slowly"
         )
     across = cmath.exp(1j * (aligned_rad + 0.5 * math.pi))
-    turned = cmath.exp(-1j * of.rotor_rad)
+    turned = np.exp(-1j * np.broadcast_to(of.rotor_rad, mean.shape))
     speed = np.cumsum(T_s * (mean * turned * across.conjugate()).real)
     x = T_s * turned * (of.u_V - R_s * mean - drop_V * drop_vector(phases[1:]))
     columns = (x, x.conj(), 1j * x.conj(), -T_s * speed * across, turned * np.diff(i))
     rows = np.column_stack([each[k] for each in columns])
     for component in (rows.real, rows.imag):
-        left = _less_line(component, k)
+        left = _less_slow(component, k)
         yield _Part(left[:, :-1], left[:, -1], k)
 
 
-def _less_line(columns: NDArray[np.float64], k: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Return columns less a straight line over k each: what is left of an offset of the current sensors looks
-    like a constant torque, that is an EMF which grows evenly."""
-    line, _ = np.linalg.qr(np.column_stack((np.ones(len(k)), k - k.mean())))
-    left: NDArray[np.float64] = columns - line @ (line.T @ columns)
+def _less_slow(columns: NDArray[np.float64], k: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Return columns less a polynomial over k each.
+
+    What is left of an offset of the current sensors looks like a constant torque, that is an EMF which grows
+    evenly, and cogging swings the rotor slowly about where it stands.
+    """
+    slow, _ = np.linalg.qr(np.polynomial.legendre.legvander((k - k[0]) / (k[-1] - k[0]) * 2.0 - 1.0, _SLOW))
+    left: NDArray[np.float64] = columns - slow @ (slow.T @ columns)
     return left
 
 

@@ -27,6 +27,7 @@ from benchtool.commission.estimators.regression import least_squares
 from benchtool.errors import AnalysisError, SetUpError
 
 _FEWEST_ROWS = 20
+_SPAN = 8  # rows of a difference for a speed
 _DRIFT = 0.05  # of its speed, that a steady stretch may change by
 
 
@@ -64,12 +65,13 @@ class Mechanics:
 
 @dataclass(frozen=True)
 class _Stretch:
-    """A steady stretch: its middle and length in rows, speed in rad/s, mean torque over its angle and over
-    its time."""
+    """A steady stretch: its middle and length in rows, speed in rad/s, its mean over the angle, and the mean
+    torque over its angle and over its time."""
 
     middle: float
     rows: int
     omega: float
+    over_angle: float
     torque: float
     over_time: float
 
@@ -83,7 +85,7 @@ def mechanics(courses: Sequence[Course]) -> Mechanics:
     """
     stretches = [[_stretch(course, end) for end in course.levels] for course in courses]
     every = [one for each in stretches for one in each]
-    omega, torque = np.array([each.omega for each in every]), np.array([each.torque for each in every])
+    omega, torque = np.array([each.over_angle for each in every]), np.array([each.torque for each in every])
     fit = least_squares(np.column_stack([np.sign(omega), omega, np.ones(len(omega))]), torque)
     coulomb, friction, load = (float(value) for value in fit.x)
     changes, impulses = [], []
@@ -91,7 +93,9 @@ def mechanics(courses: Sequence[Course]) -> Mechanics:
         for before, after in itertools.pairwise(held):
             changes.append(after.omega - before.omega)
             impulses.append(_impulse(course, before, after, coulomb, friction, load))
-    inertia = least_squares(np.array(changes)[:, None], np.array(impulses))
+    change = np.array(changes)
+    counts = np.sqrt(np.abs(change))  # cogging leaves the less, the faster the shaft passes it
+    inertia = least_squares((change * counts)[:, None], np.array(impulses) * counts)
     return Mechanics(
         float(inertia.x[0]),
         inertia.standard(0),
@@ -130,7 +134,9 @@ def _stretch(course: Course, end: int) -> _Stretch:
         )
     steps = np.diff(theta)
     by_angle = float(np.sum(0.5 * (torque[1:] + torque[:-1]) * steps) / np.sum(steps))
-    return _Stretch(end - 0.5 * (rows + 1), rows, omega, by_angle, float(np.mean(torque)))
+    spans = theta[_SPAN:] - theta[:-_SPAN]  # a shaft that cogs is faster where it covers more of its angle
+    over_angle = float(np.sum(spans**2) / np.sum(spans)) / (_SPAN * course.step_s)
+    return _Stretch(end - 0.5 * (rows + 1), rows, omega, over_angle, by_angle, float(np.mean(torque)))
 
 
 def _impulse(

@@ -15,32 +15,41 @@ from benchtool.commission.estimators.flux_linkage import (
     HARMONICS,
     TurningFlux,
     harmonics,
-    softest_circle,
+    ripple_A,
     turning_flux,
 )
 from benchtool.commission.estimators.regression import least_squares
+from benchtool.commission.estimators.vectors import vector_of
 from benchtool.commission.excitation import Excitation
 from benchtool.commission.known import Known
 from benchtool.commission.nameplate import probable_cause
 from benchtool.commission.second_opinion import balanced, contradictions
 from benchtool.commission.steps.offsets import CURRENTS
-from benchtool.commission.steps.speed_loop import at_speed, settling_s
+from benchtool.commission.steps.saturation import CURVE_PERCENT
+from benchtool.commission.steps.speed_loop import FASTEST, at_speed, settling_s
 from benchtool.commission.steps.step import Finding
 from benchtool.drive import CaptureRequest, Stimulus
 
-_SPEEDS = (0.16, 0.28, 0.4)  # of the rated speed
-_SHARE = 0.5  # of the rated current, along the rotor flux
-_SWINGS = 2.0  # of that current in a capture
+_SPEEDS = (0.2, 0.32, 0.4)  # of the rated speed; the drive trips at half of it
+_SHARES = (0.35, 0.75)  # of the rated current, along the rotor flux: least and most
+_OF_FLUX = 0.25  # of the rotor flux, by that current at most: what saturation bends is not the magnet's
+_CALM, _ANGLE_LEFT_RAD = 0.1, 0.03  # of the rated speed; electrical, beside what is known of the encoder
+_OVERSHOOT = 1.65  # of the current when it is reversed, with what harmonics drive and friction takes
+_ACROSS = 0.06  # of what dead time takes across the flux, left after its correction
+_SOFT = 0.5  # of that ripple, with which the flux is estimated again
+_LEVELS = 3  # of it, a binary sequence: forth, back and forth
+_SETTLED = 6.0  # time constants of the current loop, after which it stands
 _TURNS = 12.0  # electrical
 _FEWEST_ROWS, _MOST_ROWS = 1500, 8000
-_LEFT_OUT = 0.002
+_LEFT_OUT = 0.0025
+_SURE = 3.0  # standard uncertainties, from which on saturation is taken off
 _FACTOR = 1.35  # of the nameplate's flux, that no magnet is off by
 _AS_STATED, _NEAR = 1.21, 0.04  # a deviation that tells nothing; of a factor between two conventions
 _ANGLE_RAD = math.radians(8.0)
 
 
 class BackEmf:
-    """Hold three speeds in both directions, with a current along the rotor flux forth and back."""
+    """Hold three speeds in both directions, with a current along the rotor flux, forth, back and forth."""
 
     name = "flux_linkage"
     needs: tuple[str, ...] = ("inductance", "encoder")
@@ -57,7 +66,7 @@ class BackEmf:
             rows = _TURNS * 2.0 * math.pi / (motor.pole_pairs * omega * T_s)
             rows = round(min(max(rows, _FEWEST_ROWS), _MOST_ROWS))
             duration_s = (rows + 3) * T_s
-            amplitude = _SHARE * known.I_N_A
+            amplitude = _amplitude_A(known)
             for sense in (1.0, -1.0):
                 settle_s = settling_s(known, omega)
                 found.append(
@@ -65,13 +74,14 @@ class BackEmf:
                         f"{sense * omega:.3g} rad/s",
                         Stimulus(
                             quantity="d_current",
-                            shape="sine",
+                            shape="prbs",
                             amplitude_A=amplitude,
-                            frequency_Hz=_SWINGS / duration_s,
-                            duration_s=duration_s,
+                            prbs_clock_s=duration_s / _LEVELS,
+                            prbs_length=2,
+                            seed=1,
                         ),
                         CaptureRequest((*CURRENTS, "u_alpha", "u_beta", "theta_m", "u_dc"), rows=rows),
-                        0.5 * amplitude**2 * duration_s,
+                        amplitude**2 * duration_s,
                         at_speed(known),
                         sense * omega,
                         settle_s,
@@ -91,12 +101,15 @@ class BackEmf:
         if not blocks:
             reason = f"the shaft may turn {known.travel_rad:.3g} rad only: no EMF worth measuring"
             return {"psi_r": Measurement.undefined("psi_r", "Wb", definition, reason)}
-        turning = [_turning(block, known) for block in blocks]
-        psi = np.array([each.psi_r_Wb for each in turning])
+        pwm_s, L_q_H = known.pwm_period_s or known.control_period_s, known.identified.L_q_H
+        ripples_A = [ripple_A(_turning(block, known), pwm_s, L_q_H, known.u_dc_V) for block in blocks]
+        turning = [_turning(block, known, A) for block, A in zip(blocks, ripples_A, strict=True)]
+        lopsided = _lopsided(known)
+        psi = np.array([each.psi_r_Wb for each in turning]) - lopsided.value
         omega = np.array([each.omega_e_rad_s for each in turning])
         found = _regression(psi, omega)
-        hard = np.array([_turning(block, known, soft=False).psi_r_Wb for block in blocks])
-        hard_Wb = _regression(hard, omega).psi_Wb
+        less = [_turning(block, known, _SOFT * A) for block, A in zip(blocks, ripples_A, strict=True)]
+        less_Wb = _regression(np.array([each.psi_r_Wb for each in less]) - lopsided.value, omega).psi_Wb
         rows = sum(len(block.data) for block in blocks)
         own = math.sqrt(sum(each.psi_r_standard_Wb**2 for each in turning)) / len(turning)
         lines = [
@@ -107,8 +120,10 @@ class BackEmf:
                 "B",
                 found.psi_Wb * known.u_dc_full_scale_V / 1024.0 / known.u_dc_V / math.sqrt(12.0),
             ),
-            Contribution("a constant voltage", "B", found.curved_Wb / math.sqrt(3.0)),
-            Contribution("dead time of a current near zero", "B", abs(found.psi_Wb - hard_Wb)),
+            Contribution("voltage that slow speeds show more of", "B", found.curved_Wb),
+            Contribution("dead time across the flux", "B", _across_Wb(blocks[-1], turning[-1], known)),
+            Contribution("ripple of the current", "B", abs(found.psi_Wb - less_Wb) / math.sqrt(3.0)),
+            Contribution("saturation", "A", lopsided.uncertainty.standard if lopsided.uncertainty else 0.0),
             Contribution("what the equation leaves out", "B", found.psi_Wb * _LEFT_OUT / math.sqrt(3.0)),
         ]
         measured = [
@@ -148,6 +163,46 @@ class BackEmf:
         return tuple(findings)
 
 
+def _lopsided(known: Known) -> Measurement:
+    """Return by how much a current along the rotor flux raises that, mean of forth and back, as the curve of
+    saturation has it; 0 where that tells no difference between both signs."""
+    definition = "mean change of the flux by a current along it, forth and back"
+    percent = CURVE_PERCENT[-1]
+    forth, back = (known.estimates.get(f"L_d_at_{sign}{percent}") for sign in ("", "minus_"))
+    if forth is None or back is None:
+        return Measurement("lopsided", 0.0, "Wb", definition)
+    at_A, amplitude_A = percent / 100.0 * known.I_N_A, _amplitude_A(known)
+    per_H = 0.5 * amplitude_A**2 / at_A
+    standard = math.hypot(*(each.uncertainty.standard for each in (forth, back) if each.uncertainty))
+    difference = forth.value - back.value
+    if abs(difference) < _SURE * standard:
+        return Measurement("lopsided", 0.0, "Wb", definition)
+    u = Uncertainty(per_H * standard, "saturation curve", 3.0)
+    return Measurement("lopsided", per_H * difference, "Wb", definition, uncertainty=u)
+
+
+def _amplitude_A(known: Known) -> float:
+    """Return the current along the rotor flux: the larger, the less dead time takes across the flux.
+
+    An eccentric encoder has a part of it make torque. When the current is reversed, that moves a speed which
+    a critically damped controller of the gain K_p holds, by 2/e of the change over K_p at most.
+    """
+    motor = known.identified
+    bends_A = _OF_FLUX * motor.psi_r_Wb / motor.L_d_H
+    eccentric = (known.value(f"eccentricity_{n}_{part}", 0.0) for n in (1, 2) for part in ("cos", "sin"))
+    aside_rad = _ANGLE_LEFT_RAD + motor.pole_pairs * math.hypot(*eccentric)
+    K_p = at_speed(known)["K_p_speed"]
+    assert isinstance(K_p, float)
+    moves_rad_s = 2.0 * known.torque_per_A * aside_rad * 2.0 / math.e / K_p  # per ampere
+    calm_A = _CALM * known.motor.omega_m_N_rad_s / moves_rad_s
+    E = motor.pole_pairs * motor.psi_r_Wb * FASTEST * known.motor.omega_m_N_rad_s
+    ripple = E * (known.pwm_period_s or known.control_period_s) / (4.0 * motor.L_q_H)
+    trip_A = float(known.held.get("i_trip", known.I_N_A))
+    safe_A = (trip_A - 2.0 * ripple) / _OVERSHOOT
+    least, most = (share * known.I_N_A for share in _SHARES)
+    return min(max(least, min(bends_A, calm_A, safe_A)), most)
+
+
 def _of_nameplate(psi_r_Wb: float, known: Known) -> Iterator[Finding]:
     """Yield that the nameplate's flux is another one, with what it probably is."""
     ratio = psi_r_Wb / known.motor.psi_r_Wb
@@ -180,14 +235,16 @@ class _Line:
 
 
 def _regression(psi: NDArray[np.float64], omega: NDArray[np.float64]) -> _Line:
-    """Return the slope of E = psi omega over the speeds, and how far that differs if a constant voltage
-    against
-    the motion is admitted, which there should not be."""
+    """Return the slope of E = psi omega over the speeds, and how far that differs if all count alike.
+
+    What is left of the voltage of dead time and devices is the smaller, the faster the EMF takes a phase
+    current through zero: a speed counts by its square.
+    """
     E = psi * omega
-    fit = least_squares(omega[:, None], E)
-    admitted = least_squares(np.column_stack([omega, np.sign(omega)]), E)
+    fit = least_squares(omega[:, None] * np.abs(omega)[:, None], E * np.abs(omega))
+    alike = least_squares(omega[:, None], E)
     slope = float(fit.x[0])
-    return _Line(slope, fit.standard(0), fit.dof, abs(float(admitted.x[0]) - slope))
+    return _Line(slope, fit.standard(0), fit.dof, abs(float(alike.x[0]) - slope))
 
 
 def _angle(blocks: Sequence[Block], turning: Sequence[TurningFlux], known: Known) -> Measurement:
@@ -195,7 +252,7 @@ def _angle(blocks: Sequence[Block], turning: Sequence[TurningFlux], known: Known
     captures."""
     ahead = []
     for block, each in zip(blocks, turning, strict=True):
-        shaft = known.without_eccentricity(_angle_of(block))
+        shaft = known.without_eccentricity(_angle_of(block))[each.rows]
         ahead.append(np.mean(np.exp(1j * (known.identified.pole_pairs * shaft - each.angle_rad))))
     angles = np.angle(np.array(ahead) * np.conj(np.mean(ahead))) + np.angle(np.mean(ahead))
     u = Uncertainty(float(np.std(angles, ddof=1)) / math.sqrt(len(angles)), "scatter", len(angles) - 1.0)
@@ -208,7 +265,10 @@ def _harmonics(
 ) -> Iterator[Measurement]:
     """Yield the harmonics of the rotor flux, mean over the captures, in the frame of the encoder's angle."""
     found = [
-        harmonics(each.flux_Wb, known.identified.pole_pairs * known.without_eccentricity(_angle_of(block)))
+        harmonics(
+            each.flux_Wb,
+            known.identified.pole_pairs * known.without_eccentricity(_angle_of(block))[each.rows],
+        )
         for block, each in zip(blocks, turning, strict=True)
     ]
     for order in HARMONICS:
@@ -229,22 +289,37 @@ def _angle_of(block: Block) -> NDArray[np.float64]:
     return unwrapped
 
 
-def _turning(block: Block, known: Known, *, soft: bool = True) -> TurningFlux:
+def _turning(block: Block, known: Known, soft_A: float = 0.0) -> TurningFlux:
     u_V = block.column("u_alpha") + 1j * block.column("u_beta")
     readings_A = np.column_stack([block.column(name) for name in CURRENTS])[1:]
     motor = known.identified
+    return turning_flux(
+        u_V[:-2],
+        readings_A,
+        T_s=known.control_period_s,
+        R_s_ohm=known.R_s_ohm,
+        L_d_H=motor.L_d_H,
+        L_q_H=motor.L_q_H,
+        drop_V=known.drop_V,
+        gains=np.ones(3),  # the drive has corrected them
+        soft_A=soft_A,
+        stretches=_stretches(len(readings_A), known),
+    )
 
-    def flux(soft_A: float) -> TurningFlux:
-        return turning_flux(
-            u_V[:-2],
-            readings_A,
-            T_s=known.control_period_s,
-            R_s_ohm=known.R_s_ohm,
-            L_d_H=motor.L_d_H,
-            L_q_H=motor.L_q_H,
-            drop_V=known.drop_V,
-            gains=np.ones(3),  # the drive has corrected them
-            soft_A=soft_A,
-        )
 
-    return softest_circle(readings_A, flux) if soft else flux(0.0)
+def _across_Wb(block: Block, of: TurningFlux, known: Known) -> float:
+    """Return what the voltage of dead time and devices across the flux may be off by, as a flux: a share of
+    what goes with the current that overcomes friction."""
+    i = vector_of(np.column_stack([block.column(name) for name in CURRENTS])[1:])[of.rows]
+    i_q = float(np.mean((i * np.exp(-1j * of.angle_rad)).imag))
+    across_V = 4.0 / math.pi * known.drop_V * i_q / float(np.mean(np.abs(i)))
+    return _ACROSS * abs(across_V / of.omega_e_rad_s)
+
+
+def _stretches(rows: int, known: Known) -> tuple[tuple[int, int], ...]:
+    """Return the rows of each level of the current along the rotor flux, from where it has settled."""
+    bandwidth = at_speed(known)["omega_current"]
+    assert isinstance(bandwidth, float)
+    level = rows / _LEVELS
+    settled = min(math.ceil(_SETTLED / (bandwidth * known.control_period_s)), math.floor(0.5 * level))
+    return tuple((math.ceil(k * level) + settled, math.floor((k + 1) * level) - 1) for k in range(_LEVELS))

@@ -21,9 +21,10 @@ from benchtool.drive import CaptureRequest, Stimulus
 _SHARE = 0.6  # of the rated current, peak, at the end of the ramp
 _LEAST_SHARE = 0.3  # below which the converter's steps show, and the vector turns more slowly
 _VOLTAGE_SHARE = 0.5  # of u_dc / sqrt(3)
-_PERIODS = (14.0, 31.0)  # control periods in a turn of the vector
+_PERIODS = (14.38, 31.17)  # control periods in a turn of the vector: no two turns are sampled alike
 _ROWS = 1200
 _LEFT_OUT_D, _LEFT_OUT_Q = 0.007, 0.012  # largest deviations of sixteen motors without flaws, decision 0119
+_LEFT_OUT_RAD = 0.03  # of the encoder's electrical angle, by its finer errors
 _CREST = 4.0 / math.pi  # fundamental of what dead time and devices take of a phase, over V_drop
 _FACTOR = 2.5
 _OF_LINE_TO_LINE, _NEAR = 0.5, 0.15
@@ -61,6 +62,7 @@ class TurningVoltage:
             drop_V=known.drop_V,
             gains=known.gains,
             aligned_rad=0.0,
+            aligned_standard_rad=_axis_standard_rad(known),
         )
         rows = sum(len(block.data) for block in blocks[1::2])
         basis = Basis(samples=rows, sample_rate_Hz=1.0 / known.control_period_s)
@@ -137,6 +139,12 @@ def _directed(block: Block, known: Known) -> Turning:
     """Return voltages and currents of a capture: what a row asks for acts from the next row on to the one
     after. The rotor is where the encoder says: friction may have kept it from where it was aligned."""
     u_V = block.column("u_alpha") + 1j * block.column("u_beta")
-    turned = known.identified.pole_pairs * known.without_eccentricity(block.column("theta_m"))
-    rotor_rad = float(np.angle(np.mean(np.exp(1j * turned))))
-    return Turning(u_V[:-2], block.data[1:, :3], rotor_rad)
+    turned = known.identified.pole_pairs * known.without_eccentricity(np.unwrap(block.column("theta_m")))
+    return Turning(u_V[:-2], block.data[1:, :3], 0.5 * (turned[1:-1] + turned[2:]))
+
+
+def _axis_standard_rad(known: Known) -> float:
+    """Return the standard uncertainty of the electrical angle by the encoder."""
+    offset = known.estimates.get("encoder_offset")
+    standard = 0.0 if offset is None or offset.uncertainty is None else offset.uncertainty.standard
+    return math.hypot(known.identified.pole_pairs * standard, _LEFT_OUT_RAD)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from typing import Final
 
 import numpy as np
 
@@ -17,11 +18,13 @@ from benchtool.commission.steps.offsets import CURRENTS
 from benchtool.commission.steps.step import Finding
 from benchtool.drive import CaptureRequest, Stimulus
 
+CURVE_PERCENT: Final = (-80, -40, 40, 80)
+"""Of the rated current, at which the inductances are told."""
+
 _AXES = (("d", 0.0), ("q", 0.5 * math.pi))
 _REPEATS = 2
 _TOP = 0.85  # of the rated current, at the end of a pulse
-_TOLD_PERCENT = (-80, -40, 40, 80)  # of the rated current, at which the inductances are told
-_FEWEST_PERIODS: Mapping[str, int] = {"d": 40, "q": 12}  # across, the rotor is moved meanwhile
+_FEWEST_PERIODS: Mapping[str, int] = {"d": 16, "q": 12}  # across, the rotor is moved meanwhile
 _MOST_PERIODS = 400
 _VOLTAGE_SHARE = 0.5  # of u_dc / sqrt(3)
 _CREST = 4.0 / 3.0  # the longest vector of what dead time and devices take, over V_drop
@@ -53,7 +56,7 @@ class Pulses:
         Raises:
             AnalysisError: the captures do not define them.
         """
-        currents = np.array([share / 100.0 * known.I_N_A for share in _TOLD_PERCENT])
+        currents = np.array([share / 100.0 * known.I_N_A for share in CURVE_PERCENT])
         each = 2 * _REPEATS
         found: dict[str, Measurement] = {}
         for k, (axis, _) in enumerate(_AXES):
@@ -75,13 +78,25 @@ class Pulses:
         return ()
 
 
+def _periods(known: Known, axis: str) -> tuple[int, float]:
+    """Return how many control periods a pulse lasts, and the voltage that the winding may have meanwhile.
+
+    What dead time takes is known to a fraction of a percent, and of a small inductance the larger part of the
+    voltage: the shorter the pulse, the less its error makes of the flux.
+    """
+    L = known.identified.L_d_H if axis == "d" else known.identified.L_q_H
+    lost_V = _CREST * known.drop_V
+    most_V = max(_VOLTAGE_SHARE * known.u_dc_V / math.sqrt(3.0) - lost_V, 0.1 * known.u_dc_V)
+    needed = math.ceil(L * _TOP * known.I_N_A / (most_V * known.control_period_s))
+    return min(max(_FEWEST_PERIODS[axis], needed), _MOST_PERIODS), most_V
+
+
 def _excitation(known: Known, axis: str, angle_rad: float) -> Excitation:
     """Return a pulse of voltage, of a rotor that lies along phase a."""
     L = known.identified.L_d_H if axis == "d" else known.identified.L_q_H
     i_A, T_s, R_s = _TOP * known.I_N_A, known.control_period_s, known.R_s_ohm
     lost_V = _CREST * known.drop_V
-    most_V = max(_VOLTAGE_SHARE * known.u_dc_V / math.sqrt(3.0) - lost_V, 0.1 * known.u_dc_V)
-    periods = min(max(_FEWEST_PERIODS[axis], math.ceil(L * i_A / (most_V * T_s))), _MOST_PERIODS)
+    periods, most_V = _periods(known, axis)
     rises = -math.expm1(-R_s / L * periods * T_s) / R_s if R_s > 0.0 else periods * T_s / L
     u_V = min(i_A / rises, most_V) + lost_V
     duration_s = periods * T_s
@@ -111,8 +126,13 @@ def _captured(block: Block, known: Known) -> Pulse:
 def _measurements(axis: str, curve: Curve, known: Known) -> Iterator[Measurement]:
     basis = Basis(samples=2 * _REPEATS, sample_rate_Hz=1.0 / known.control_period_s)
     first_Wb = _FIRST * _CREST * abs(known.drop_V) * known.control_period_s
+    lasts_s = _periods(known, axis)[0] * known.control_period_s
+    lost = known.estimates.get("dead_time_voltage")
+    lost_Wb = (
+        _CREST * lasts_s * (0.0 if lost is None or lost.uncertainty is None else lost.uncertainty.standard)
+    )
     for percent, i_A, L_H, standard in zip(
-        _TOLD_PERCENT, curve.currents_A, curve.L_H, curve.standard_H, strict=True
+        CURVE_PERCENT, curve.currents_A, curve.L_H, curve.standard_H, strict=True
     ):
         if axis == "q" and percent < 0:
             continue  # as with the other sign
@@ -121,6 +141,7 @@ def _measurements(axis: str, curve: Curve, known: Known) -> Iterator[Measurement
         lines = [
             Contribution("scatter of the pulses about the curve", "A", float(standard), curve.dof),
             Contribution("dead time in the first period", "B", first_Wb / abs(float(i_A)) / math.sqrt(3.0)),
+            Contribution("dead time of the others", "B", lost_Wb / abs(float(i_A))),
             Contribution("what the equation leaves out", "B", abs(float(L_H)) * _LEFT_OUT / math.sqrt(3.0)),
         ]
         u = combined(lines, "scatter of the pulses about the curve")

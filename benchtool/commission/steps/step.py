@@ -17,13 +17,15 @@ from benchtool.drive import RemoteDrive
 class Finding:
     """Something that is not as it should be, what probably causes it, and what to do about it.
 
-    With `fails` the step fails, and nothing of it is to be used.
+    With `fails` the step fails, and nothing of it is to be used. With `withholds` the drive does not store
+    what was found; without, it is of no account for the parameters.
     """
 
     what: str
     cause: str
     remedy: str
     fails: bool = True
+    withholds: bool = True
 
     def to_json(self) -> dict[str, str]:
         """Return its sentences."""
