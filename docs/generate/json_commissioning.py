@@ -125,4 +125,6 @@ class PlannedCommissioning(Document):
     steps: dict[str, PlannedStep]
     """The steps by name, in their order."""
     energy_J: float
-    """Energy of all steps."""
+    """Energy of all steps, by the nameplate's resistance."""
+    energy_range_J: tuple[float, float]
+    """The least and the most of it, as far as resistances of nameplates are off."""
