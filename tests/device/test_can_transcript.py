@@ -64,9 +64,7 @@ def test_every_object_takes_or_refuses_the_same_values(pair: Pair) -> None:
                 continue
             (answer,) = pair.play([download(entry.index, entry.sub, data)])
             taken, refused = taken + (answer[1][0] == 0x60), refused + (answer[1][0] == 0x80)
-        if (
-            entry.name != "angle_known"
-        ):  # encoder_reference has become 'index', which passes on a machine only
+        if entry.name != "angle_known":  # no index passes here, for which encoder_reference waits now
             pair.play([upload(entry.name)])
     assert taken > 300
     assert refused > 2000
