@@ -19,6 +19,9 @@ from benchtool.commission.steps.step import Finding
 from benchtool.errors import AnalysisError
 
 _SURE = 3.0  # combined standard uncertainties
+_LEAST_SHARE: Final = (
+    0.5  # of the captures: what a limit lets through beside many that it refuses tells nothing
+)
 _TOLERANCES: Final[Mapping[str, float]] = {"R_s": 0.05, "psi_r": 0.01}
 """Relative differences below which two methods agree, however sure of themselves they are."""
 
@@ -31,7 +34,8 @@ PREFIX: Final = "balance_"
 def balanced(blocks: Sequence[Block], known: Known) -> tuple[Measurement, ...]:
     """Return what the flux balance estimates of captures, the mean over those that tell it.
 
-    The names are those of the parameters after `PREFIX`; what no capture tells is undefined, with a reason.
+    The names are those of the parameters after `PREFIX`; what fewer than half of the captures tell is
+    undefined, with a reason.
     """
     values: dict[str, list[tuple[float, float]]] = {name: [] for name in _TOLERANCES}
     reasons = dict.fromkeys(_TOLERANCES, "")
@@ -46,6 +50,10 @@ def balanced(blocks: Sequence[Block], known: Known) -> tuple[Measurement, ...]:
                 reasons[name] = reasons[name] or why
             else:
                 each.append((found.value(name), found.standard(name)))
+    for name, each in values.items():
+        if len(each) < _LEAST_SHARE * len(blocks):
+            reasons[name] = f"{len(each)} of {len(blocks)} captures tell it, half are needed: {reasons[name]}"
+            each.clear()
     return tuple(_mean(name, each, reasons[name]) for name, each in values.items())
 
 
