@@ -42,6 +42,7 @@ _SETTLED = 6.0  # time constants of the current loop, after which it stands
 _TURNS = 12.0  # electrical
 _FEWEST_ROWS, _MOST_ROWS = 1500, 8000
 _LEFT_OUT = 0.0025
+_ROUNDED = 0.008  # of the voltage of dead time and devices: what its course near zero current is off by
 _SURE = 3.0  # standard uncertainties, from which on saturation is taken off
 _FACTOR = 1.35  # of the nameplate's flux, that no magnet is off by
 _AS_STATED, _NEAR = 1.21, 0.04  # a deviation that tells nothing; of a factor between two conventions
@@ -122,6 +123,7 @@ class BackEmf:
             ),
             Contribution("voltage that slow speeds show more of", "B", found.curved_Wb),
             Contribution("dead time across the flux", "B", _across_Wb(blocks[-1], turning[-1], known)),
+            Contribution("dead time near zero current", "B", _rounded_Wb(turning[-1], known)),
             Contribution("ripple of the current", "B", abs(found.psi_Wb - less_Wb) / math.sqrt(3.0)),
             Contribution("saturation", "A", lopsided.uncertainty.standard if lopsided.uncertainty else 0.0),
             Contribution("what the equation leaves out", "B", found.psi_Wb * _LEFT_OUT / math.sqrt(3.0)),
@@ -314,6 +316,11 @@ def _across_Wb(block: Block, of: TurningFlux, known: Known) -> float:
     i_q = float(np.mean((i * np.exp(-1j * of.angle_rad)).imag))
     across_V = 4.0 / math.pi * known.drop_V * i_q / float(np.mean(np.abs(i)))
     return _ACROSS * abs(across_V / of.omega_e_rad_s)
+
+
+def _rounded_Wb(of: TurningFlux, known: Known) -> float:
+    """Return what the fundamental of that voltage may be off by, as a flux."""
+    return _ROUNDED * 4.0 / math.pi * abs(known.drop_V / of.omega_e_rad_s)
 
 
 def _stretches(rows: int, known: Known) -> tuple[tuple[int, int], ...]:
