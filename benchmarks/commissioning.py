@@ -228,7 +228,7 @@ def figures(runs: Sequence[Mapping[str, Any]]) -> dict[str, object]:
         f"{each['motor']}: {one['what']}" for each in runs for one in each["document"]["findings"]
     ]
     every: list[float] = []
-    for name in runs[0]["errors"] if runs else ():
+    for name in dict.fromkeys(name for each in runs for name in each["errors"]):
         of = [each["errors"][name] for each in runs if name in each["errors"]]
         shares = np.abs([each["of_tolerance"] for each in of])
         line = f"told {len(of)}, within tolerance {100.0 * np.mean(shares <= 1.0):.0f} %, "
