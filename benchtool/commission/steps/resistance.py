@@ -140,8 +140,9 @@ class StandingCurrents:
             )
         if apart := _apart(found):
             return (apart,)
+        stated = known.motor.R_s_ohm
         seen = f"R_s is {found['R_s'].value:.4g} ohm, {ratio:.3g} times the nameplate's"
-        if abs(ratio / _OF_LINE_TO_LINE - 1.0) < _NEAR:
+        if _looks_line_to_line(found["R_s"].value, stated):
             return (
                 Finding(
                     f"{seen}: R looks line to line",
@@ -150,7 +151,6 @@ class StandingCurrents:
                     fails=False,
                 ),
             )
-        stated = known.motor.R_s_ohm
         if not stated / _FACTOR < found["R_s"].value < _FACTOR * stated + _IN_SERIES_OHM:
             return (
                 Finding(
@@ -161,6 +161,14 @@ class StandingCurrents:
                 ),
             )
         return ()
+
+
+def _looks_line_to_line(R_s_ohm: float, stated_ohm: float) -> bool:
+    """Return whether half of what the nameplate states was found, with what is in series beside it."""
+    half = _OF_LINE_TO_LINE * stated_ohm
+    if abs(R_s_ohm / half - 1.0) < _NEAR:
+        return True
+    return half < R_s_ohm < min(half + _IN_SERIES_OHM, stated_ohm / _FACTOR)
 
 
 def _apart(found: Mapping[str, Measurement]) -> Finding | None:
