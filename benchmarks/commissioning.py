@@ -354,7 +354,8 @@ def campaign(motors: Sequence[str], options: argparse.Namespace) -> dict[str, ob
                 said = [each["what"] for each in made["findings"]]
                 print(motor, f"{made['drive_s']:.1f} s", "of tolerance", shares, "z", z, said, flush=True)
     repeated = spread(runs) if options.series == "repeats" else {}
-    return {**figures(runs), **repeated, "motors": of_motors(runs)}
+    drawn = {"series": options.series, "seed": options.seed}
+    return {**drawn, **figures(runs), **repeated, "motors": of_motors(runs)}
 
 
 if __name__ == "__main__":

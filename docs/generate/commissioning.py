@@ -22,6 +22,8 @@ What `benchtool commission` finds on emulated motors whose nameplate and sensors
 truth it does not see. Generated from `python -m benchmarks.commissioning --json`.
 """
 _FIGURES: Final = {
+    "series": "series of draws",
+    "seed": "seed of the draws",
     "runs": "motors commissioned",
     "estimates": "estimates with an uncertainty",
     "z_rms": "deviation over standard uncertainty, rms",
@@ -49,7 +51,11 @@ def page(campaign: Mapping[str, Any]) -> str:
 
 
 def _of_figures(campaign: Mapping[str, Any]) -> list[tuple[str, ...]]:
-    return [(said, f"{campaign[key]:g}") for key, said in _FIGURES.items() if key in campaign]
+    return [(said, _shown(campaign[key])) for key, said in _FIGURES.items() if key in campaign]
+
+
+def _shown(figure: str | float) -> str:
+    return figure if isinstance(figure, str) else f"{figure:.15g}"
 
 
 def _share(value: float | None) -> str:
