@@ -41,15 +41,23 @@ def balanced(blocks: Sequence[Block], known: Known) -> tuple[Measurement, ...]:
     reasons = dict.fromkeys(_TOLERANCES, "")
     for block in blocks:
         try:
-            found = flux_balance(centred(block, known), known.identified).solution
+            balance = flux_balance(centred(block, known), known.identified)
         except AnalysisError as failed:
             reasons = {name: why or str(failed) for name, why in reasons.items()}
             continue
+        found = balance.solution
+        # What is left of the voltage is along the current, or along the EMF, as much as anywhere else; and
+        # with a current that turns, dead time near zero looks like a resistance.
+        dead_V = _CREST * abs(known.drop_V) / math.sqrt(3.0)
+        left = {
+            "R_s": math.hypot(balance.unexplained_V, dead_V) / balance.current_A,
+            "psi_r": balance.unexplained_V / balance.omega_e_rad_s,
+        }
         for name, each in values.items():
             if why := found.why_not(name):
                 reasons[name] = reasons[name] or why
             else:
-                each.append((found.value(name), found.standard(name)))
+                each.append((found.value(name), math.hypot(found.standard(name), left[name])))
     for name, each in values.items():
         if len(each) < _LEAST_SHARE * len(blocks):
             reasons[name] = f"{len(each)} of {len(blocks)} captures tell it, half are needed: {reasons[name]}"
@@ -67,9 +75,7 @@ def contradictions(found: Mapping[str, Measurement], known: Known) -> tuple[Find
         standards = [each.uncertainty.standard for each in (own, other) if each.uncertainty is not None]
         difference = other.value - own.value
         agreed = max(_SURE * math.hypot(*standards), tolerance * abs(own.value))
-        if name == "R_s":  # with a current that turns, dead time near zero looks like a resistance
-            agreed = max(agreed, _CREST * abs(known.drop_V) / known.I_N_A)
-        if name == "psi_r":  # and across the flux like an EMF, at the fastest speed the least
+        if name == "psi_r":  # dead time across the flux looks like an EMF, at the fastest speed the least
             omega_e = FASTEST * known.motor.omega_m_N_rad_s * known.identified.pole_pairs
             agreed = max(agreed, _ACROSS * _CREST * abs(known.drop_V) / omega_e)
         if abs(difference) <= agreed:
@@ -101,6 +107,6 @@ def _mean(name: str, values: Sequence[tuple[float, float]], reason: str) -> Meas
         return Measurement.undefined(f"{PREFIX}{name}", unit, definition, reason or "nothing was captured")
     each, standards = np.array(values).T
     scatter = float(np.std(each, ddof=1)) / math.sqrt(len(each)) if len(each) > 1 else 0.0
-    own = math.sqrt(float(np.mean(standards**2)) / len(each))
+    own = math.sqrt(float(np.mean(standards**2)))  # what is unexplained is the same in every capture
     u = Uncertainty(max(scatter, own), "scatter over the captures", max(1.0, len(each) - 1.0))
     return Measurement(f"{PREFIX}{name}", float(np.mean(each)), unit, definition, uncertainty=u)

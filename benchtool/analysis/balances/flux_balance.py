@@ -82,6 +82,7 @@ class FluxBalance:
         solution: of the unknowns of `Electrical`, and of the gain of phase c.
         left_out: the periods of which the balance is not used, shape (n,).
         error_A: rms error of the current predicted a tick ahead with the estimate, and with the belief.
+        unexplained_V: rms of the voltage that no parameters explain, over stretches of 50 periods.
     """
 
     ticks: Ticks
@@ -89,6 +90,18 @@ class FluxBalance:
     solution: Solution
     left_out: NDArray[np.bool_]
     error_A: tuple[float, float]
+    unexplained_V: float
+
+    @property
+    def current_A(self) -> float:
+        """The current vector's length, peak, rms over the capture."""
+        return math.sqrt(float(np.mean(np.abs(self.ticks.measured_dq) ** 2)))
+
+    @property
+    def omega_e_rad_s(self) -> float:
+        """The mean electrical speed, without its sign."""
+        turned = np.angle(self.ticks.rotor[1:] * np.conj(self.ticks.rotor[:-1]))
+        return abs(float(np.mean(turned))) / self.ticks.T_s
 
     @property
     def estimate(self) -> Electrical:
@@ -177,7 +190,8 @@ def _balance(ticks: Ticks, belief: Electrical) -> FluxBalance:
     bias = np.maximum(0.0, moved - _BY_CHANCE * np.sqrt(np.diag(noisy.covariance)))
     of_belief = _rms(ticks.errors(belief, _signs(ticks, p)[0]), belief, left_out)
     found = replace(solution, bias=bias)
-    return FluxBalance(ticks, belief, _with_phase_c(found), left_out, (error_A, of_belief))
+    unexplained_V = share * math.sqrt(float(np.mean(np.abs(ticks.u_s) ** 2)))
+    return FluxBalance(ticks, belief, _with_phase_c(found), left_out, (error_A, of_belief), unexplained_V)
 
 
 def _iterate(

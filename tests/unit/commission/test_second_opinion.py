@@ -25,6 +25,8 @@ def capture() -> Block:
 class Told:
     """A balance that tells psi_r, and of R_s only why not."""
 
+    unexplained_V, current_A, omega_e_rad_s = 0.6, 2.0, 100.0
+
     @property
     def solution(self) -> Told:
         return self
@@ -55,6 +57,9 @@ def test_what_fewer_than_half_of_the_captures_tell_is_no_second_opinion(
     assert R_s.name == "balance_R_s"
     assert np.isnan(R_s.value)
     assert np.isfinite(psi_r.value) == told
-    if not told:
+    if told:
+        assert psi_r.uncertainty is not None
+        assert psi_r.uncertainty.standard == pytest.approx(np.hypot(0.001, 0.006))
+    else:
         assert f"{6 - refused} of 6 captures" in (psi_r.reason or "")
         assert "7 % of the voltage" in (psi_r.reason or "")
