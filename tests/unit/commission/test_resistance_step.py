@@ -33,7 +33,9 @@ def told(found_ohm: float, stated_ohm: float) -> str:
         (1.7, 1.0, "within a factor of 1.5"),
     ],
 )
-def test_half_of_what_is_stated_looks_line_to_line(found_ohm: float, stated_ohm: float, words: str) -> None:
+def test_a_resistance_near_half_of_the_stated_one_looks_line_to_line(
+    found_ohm: float, stated_ohm: float, words: str
+) -> None:
     said = told(found_ohm, stated_ohm)
     assert words in said
     assert bool(said) == bool(words)
