@@ -188,6 +188,11 @@ class Known:
         return self.value("dead_time_voltage", 0.0)
 
     @property
+    def drop_fundamental_V(self) -> float:
+        """The fundamental, peak, of what dead time and devices take of a phase whose current is a sine."""
+        return 4.0 / math.pi * self.drop_V
+
+    @property
     def identified(self) -> Motor:
         """The nameplate with what was estimated in its place."""
         found = {key: self.estimates[name].value for name, key in KEYS.items() if name in self.estimates}

@@ -26,7 +26,6 @@ _TOLERANCES: Final[Mapping[str, float]] = {"R_s": 0.05, "psi_r": 0.01}
 """Relative differences below which two methods agree, however sure of themselves they are."""
 
 _ACROSS: Final = 0.25  # of what dead time and devices take
-_CREST: Final = 4.0 / math.pi  # fundamental of what dead time and devices take of a phase, over V_drop
 _UNITS = {"R_s": "ohm", "psi_r": "Wb"}
 PREFIX: Final = "balance_"
 
@@ -48,7 +47,7 @@ def balanced(blocks: Sequence[Block], known: Known) -> tuple[Measurement, ...]:
         found = balance.solution
         # What is left of the voltage is along the current, or along the EMF, as much as anywhere else; and
         # with a current that turns, dead time near zero looks like a resistance.
-        dead_V = _CREST * abs(known.drop_V) / math.sqrt(3.0)
+        dead_V = abs(known.drop_fundamental_V) / math.sqrt(3.0)
         left = {
             "R_s": math.hypot(balance.unexplained_V, dead_V) / balance.current_A,
             "psi_r": balance.unexplained_V / balance.omega_e_rad_s,
@@ -77,7 +76,7 @@ def contradictions(found: Mapping[str, Measurement], known: Known) -> tuple[Find
         agreed = max(_SURE * math.hypot(*standards), tolerance * abs(own.value))
         if name == "psi_r":  # dead time across the flux looks like an EMF, at the fastest speed the least
             omega_e = FASTEST * known.motor.omega_m_N_rad_s * known.identified.pole_pairs
-            agreed = max(agreed, _ACROSS * _CREST * abs(known.drop_V) / omega_e)
+            agreed = max(agreed, _ACROSS * abs(known.drop_fundamental_V) / omega_e)
         if abs(difference) <= agreed:
             continue
         findings.append(

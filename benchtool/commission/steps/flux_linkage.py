@@ -314,13 +314,13 @@ def _across_Wb(block: Block, of: TurningFlux, known: Known) -> float:
     what goes with the current that overcomes friction."""
     i = vector_of(np.column_stack([block.column(name) for name in CURRENTS])[1:])[of.rows]
     i_q = float(np.mean((i * np.exp(-1j * of.angle_rad)).imag))
-    across_V = 4.0 / math.pi * known.drop_V * i_q / float(np.mean(np.abs(i)))
+    across_V = known.drop_fundamental_V * i_q / float(np.mean(np.abs(i)))
     return _ACROSS * abs(across_V / of.omega_e_rad_s)
 
 
 def _rounded_Wb(of: TurningFlux, known: Known) -> float:
     """Return what the fundamental of that voltage may be off by, as a flux."""
-    return _ROUNDED * 4.0 / math.pi * abs(known.drop_V / of.omega_e_rad_s)
+    return _ROUNDED * abs(known.drop_fundamental_V / of.omega_e_rad_s)
 
 
 def _stretches(rows: int, known: Known) -> tuple[tuple[int, int], ...]:

@@ -25,7 +25,6 @@ _PERIODS = (14.38, 31.17)  # control periods in a turn of the vector: no two tur
 _ROWS = 1200
 _LEFT_OUT_D, _LEFT_OUT_Q = 0.007, 0.012  # largest deviations of sixteen motors without flaws, decision 0119
 _LEFT_OUT_RAD = 0.03  # of the encoder's electrical angle, by its finer errors
-_CREST = 4.0 / math.pi  # fundamental of what dead time and devices take of a phase, over V_drop
 _FACTOR = 2.5
 _OF_LINE_TO_LINE, _NEAR = 0.5, 0.15
 
@@ -118,7 +117,7 @@ def _turning(known: Known, periods: float) -> Excitation:
     slower = max(1.0, _LEAST_SHARE * a_turn_Vs / (most_V * _PERIODS[0] * T_s))
     turn_s = slower * periods * T_s
     impedance_ohm = math.hypot(known.R_s_ohm, 2.0 * math.pi * L / turn_s)
-    u_V = min(most_V, _SHARE * known.I_N_A * impedance_ohm + _CREST * known.drop_V)
+    u_V = min(most_V, _SHARE * known.I_N_A * impedance_ohm + known.drop_fundamental_V)
     duration_s = (_ROWS + 2) * T_s
     return Excitation(
         f"{u_V:.3g} V at {1.0 / turn_s:.4g} Hz",

@@ -165,7 +165,7 @@ def _near_zero(name: str, known: Known) -> float:
     voltage too small, and for it a resistance too large at the current of the swing."""
     lost_V = _NEAR_ZERO * abs(known.drop_V)
     if name == "R_s":
-        return 4.0 / math.pi * lost_V / (_TORQUE_SHARE * known.I_N_A)
+        return _NEAR_ZERO * abs(known.drop_fundamental_V) / (_TORQUE_SHARE * known.I_N_A)
     return lost_V if name == "dead_time_voltage" else 0.0
 
 
