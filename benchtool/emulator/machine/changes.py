@@ -21,7 +21,7 @@ from benchtool.emulator.machine.inverter import (
     phase_currents,
 )
 from benchtool.emulator.machine.legs import duration_of
-from benchtool.emulator.machine.state import State
+from benchtool.emulator.machine.state import State, with_currents
 
 _ZERO = 1e-9  # A, below which a phase has no current
 _MOST_CHANGES = 64  # in a period: one that has more is left to the steps between edges
@@ -133,7 +133,7 @@ def followed(
     shaft.blank_b = max(b.blank - T_s, 0.0)
     shaft.blank_c = max(c.blank - T_s, 0.0)
     end = with_ripple(middle, end, ripple, mean_alpha, mean_beta, T_s, machine, T_load)
-    return _without(end, sign_a, sign_b, sign_c), charge, True
+    return _without(end, sign_a, sign_b, sign_c, machine), charge, True
 
 
 @njit
@@ -253,7 +253,7 @@ def _drawn(off: float, high: float, current: float) -> float:
 
 
 @njit
-def _without(x: State, sign_a: float, sign_b: float, sign_c: float) -> State:
+def _without(x: State, sign_a: float, sign_b: float, sign_c: float, machine: Machine) -> State:
     """Return the state without current in a phase that rests."""
     n_alpha, n_beta = 1.0, 0.0
     if sign_b == 0.0:
@@ -265,14 +265,4 @@ def _without(x: State, sign_a: float, sign_b: float, sign_c: float) -> State:
     n_d = n_alpha * x.cos_theta + n_beta * x.sin_theta
     n_q = n_beta * x.cos_theta - n_alpha * x.sin_theta
     along = x.i_d * n_d + x.i_q * n_q
-    return State(
-        x.i_d - along * n_d,
-        x.i_q - along * n_q,
-        x.omega_e,
-        x.theta_e,
-        x.theta_rest,
-        x.cos_theta,
-        x.sin_theta,
-        x.far,
-        x.flux,
-    )
+    return with_currents(machine.saturation, x, x.i_d - along * n_d, x.i_q - along * n_q)

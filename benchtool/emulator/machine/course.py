@@ -16,7 +16,7 @@ from benchtool.emulator.machine.averaging import Addition, of_odd_ripple, torque
 from benchtool.emulator.machine.coefficients import Machine
 from benchtool.emulator.machine.inverter import SQRT3
 from benchtool.emulator.machine.plant import scaled_voltage
-from benchtool.emulator.machine.state import State
+from benchtool.emulator.machine.state import State, with_currents
 
 
 class Course(NamedTuple):
@@ -169,14 +169,4 @@ def with_ripple(
     w_d, w_q = scaled_voltage(x, ripple.alpha, ripple.beta, machine)
     n_d, n_q = scaled_voltage(x, ripple.alpha_0, ripple.beta_0, machine)
     w_d, w_q = w_d - machine.rho_d * n_d, w_q - machine.rho_q * n_q
-    return State(
-        x.i_d + w_d,
-        x.i_q + w_q,
-        x.omega_e,
-        x.theta_e,
-        x.theta_rest,
-        x.cos_theta,
-        x.sin_theta,
-        x.far,
-        x.flux,
-    )
+    return with_currents(machine.saturation, x, x.i_d + w_d, x.i_q + w_q)
