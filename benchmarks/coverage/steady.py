@@ -27,6 +27,7 @@ Floats = NDArray[np.float64]
 RATE_HZ = 10_000.0
 POLE_PAIRS = 4
 AMPLITUDE_A = 5.0
+RATED_A_RMS = 4.0
 HARMONICS: Mapping[int, float] = {5: 0.03, 7: 0.02}
 TORQUE_NM, RIPPLE_NM, COGGING_NM = 2.0, 0.1, 0.05
 RIPPLE_ORDER, COGGING_ORDER = 6 * POLE_PAIRS, 3 * POLE_PAIRS
@@ -217,6 +218,7 @@ def trial(what: Disturbance, random: np.random.Generator) -> Iterator[tuple[Meas
     }
     if _is_clean(what) and what.noise <= _NO_POWER:  # what is between harmonics is nothing
         truths["current_thd_f_subgroups"] = truths["current_thd_f_groups"] = thd
+    truths["current_tdd"] = thd * truths["current_fundamental"] / (math.sqrt(2.0) * RATED_A_RMS)
     if what.peaked or what.kind == "walk":
         truths["torque_ripple_rms"] = OF_THE_ENSEMBLE  # crests are ripple too, and a walk has no rms
     if what.torque_Nm:
@@ -227,7 +229,7 @@ def trial(what: Disturbance, random: np.random.Generator) -> Iterator[tuple[Meas
         largest = max(what.harmonics.values(), default=0.0)
         truths["current_max_low_harmonic"] = truths["current_fundamental"] * largest
     steady = analyze_steady_state(
-        made.block, pole_pairs=POLE_PAIRS, torque_rated_Nm=TORQUE_NM, current_rated_A_rms=4.0
+        made.block, pole_pairs=POLE_PAIRS, torque_rated_Nm=TORQUE_NM, current_rated_A_rms=RATED_A_RMS
     )
     if "current_noise_floor" in truths and steady.spectrum is not None:
         density = 2.0 * noise_rms * _share_between(what.colour, steady.spectrum)

@@ -368,11 +368,13 @@ def _percent(
     if number.uncertainty is not None:
         own = number.uncertainty
         budget = [Contribution(number.name, "A", scale * own.standard, own.dof)]
+        width = None if own.half_width is None else scale * own.half_width
         if base_number is not None and base_number.uncertainty is not None:
             of_base = base_number.uncertainty
             share = scale * number.value / base
             budget.append(Contribution(base_number.name, "A", share * of_base.standard, of_base.dof))
-        uncertain = combined(budget, " and ".join(each.name for each in budget))
+            width = None if width is None else math.hypot(width, share * of_base.expanded)
+        uncertain = combined(budget, " and ".join(each.name for each in budget), half_width=width)
     return Measurement(name, scale * number.value, "%", text, basis, uncertain)
 
 

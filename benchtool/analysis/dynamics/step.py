@@ -72,9 +72,21 @@ def analyze_step(block: Block, signal: str, reference: str, *, held: bool = Fals
     """
     step = find_step(block, signal, reference, held=held)
     found = tuple(_measurements(step))
+    if step.clicks:
+        found = tuple(_without_clicks(found, step.clicks))
     if drifting := drift_before(step):
         found = tuple(_without_drift(found, drifting))
     return StepResponse(found, step.row)
+
+
+def _without_clicks(found: Iterable[Measurement], clicks: int) -> Iterator[Measurement]:
+    """Yield the numbers; what is of the smooth curve says how many samples are not in it."""
+    for each in found:
+        if each.name.startswith(_OF_SAMPLES):
+            yield each
+        else:
+            text = f"{each.definition}; without {clicks} samples that are far from their neighbours"
+            yield replace(each, definition=text)
 
 
 def _without_drift(found: Iterable[Measurement], reason: str) -> Iterator[Measurement]:
@@ -104,11 +116,11 @@ def _curve(step: Step) -> NoisyCurve:
     After as long again as a signal takes to settle within 2 %, what is left of an exponential decay is the
     square of that.
     """
-    curve = NoisyCurve.through(step.y, step.y_noise)
+    curve = NoisyCurve.through(step.y_clear, step.y_noise)
     settled = curve.last_outside(step.final, _band(step, curve))
     if settled is None or not math.isfinite(settled.standard) or step.y_noise.rms == 0.0:
         return curve
-    at_rest = step.y[math.ceil(_AT_REST * settled.place) :]
+    at_rest = step.y_clear[math.ceil(_AT_REST * settled.place) :]
     if len(at_rest) < _LONGER * TAIL * len(step.y):
         return curve
     noise = Noise.of(step.y_before, at_rest)
@@ -118,7 +130,7 @@ def _curve(step: Step) -> NoisyCurve:
         before = float(np.mean(step.y_before)) - step.before
         wander = float(np.std(means_of_parts(at_rest)))
         noise = replace(noise, offset=max(offset, math.hypot(before, wander)))
-    return NoisyCurve.through(step.y, noise)
+    return NoisyCurve.through(step.y_clear, noise)
 
 
 def _band(step: Step, curve: NoisyCurve) -> float:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from benchtool.analysis.dynamics.clicks import without_clicks
 from benchtool.analysis.dynamics.smoothing import Noise, fitted_smoothers
 from benchtool.analysis.measurement import Basis
 from benchtool.analysis.validity import require_signal, require_unbroken
@@ -35,11 +36,14 @@ class Step:
 
     `begin` is the row in which the reference leaves its first level, `row` the one in which it has come half
     the way. `zero` is the instant of that, in samples from `begin`, and `zero_error` its standard
-    uncertainty. `before`, `greatest` and `final` are levels of the reference; `y_before` is the signal up to
-    the step, and `y_noise` the noise of the signal at rest.
+    uncertainty. `before`, `greatest` and `final` are levels of the reference. `y_clear` is the signal without
+    its `clicks` samples that are far from their neighbours, `y_before` the same up to the step, and `y_noise`
+    its noise at rest.
     """
 
     y: Floats
+    y_clear: Floats
+    clicks: int
     y_before: Floats
     y_noise: Noise
     r: Floats
@@ -91,6 +95,7 @@ def find_step(block: Block, signal: str, reference: str, *, held: bool = False) 
     before, greatest = float(r[0]), float(np.max(r))
     _require_one_step(r, before, greatest, reference, unit)
     begin, zero = _begin(r, row, r_noise.rms)
+    clear, clicks = without_clicks(y)
     rate_Hz, after = block.sample_rate_Hz, len(y) - begin
     against = (
         f"{signal} against {reference}, which goes from {sign * before:.6g} to {sign * greatest:.6g} "
@@ -98,8 +103,10 @@ def find_step(block: Block, signal: str, reference: str, *, held: bool = False) 
     )
     return Step(
         y=y[begin:],
-        y_before=y[: max(1, begin)],
-        y_noise=Noise.of(y[:begin], y[-tail:]),
+        y_clear=clear[begin:],
+        clicks=clicks,
+        y_before=clear[: max(1, begin)],
+        y_noise=Noise.of(clear[:begin], clear[-tail:]),
         r=r[begin:],
         sign=sign,
         begin=begin,

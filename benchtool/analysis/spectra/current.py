@@ -89,7 +89,7 @@ def current_spectrum(
     sound = soundness(spectrum, seen, clipping(samples), channel)
     highest = min(HIGHEST_HARMONIC, len(harmonics(spectrum)))
     step = resolution(samples)
-    errors = line_errors(spectrum, highest, seen.excess_rad, step)
+    errors = line_errors(spectrum, highest, seen.excess_rad, step, seen.amplitude)
     groups = harmonic_groups(coherent, HIGHEST_HARMONIC)
     found = (
         frequency(spectrum, track, seen, basis, rate_relative, sound.of_ratios, step),
@@ -168,6 +168,9 @@ def _of_largest(spectrum: CoherentSpectrum, largest: Component, errors: LineErro
         Contribution("largest of many bins of noise", "B", bias),
         Contribution("resampling", "B", spectrum.resampling_error(largest.amplitude, order)),
         Contribution("wander of the phase and resolution", "B", _beside(errors, nearest)),
+        Contribution(
+            "wander of the amplitude", "A", 0.0 if place % spectrum.periods else errors.wander[nearest]
+        ),
     )
     return combined(lines, "noise beside the line, that of the largest of many bins, and the resampling")
 

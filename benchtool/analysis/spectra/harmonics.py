@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.measurement import Basis, Table
 from benchtool.analysis.scatter import MeanError
+from benchtool.analysis.spectra.modulation import is_modulated_alike, noise_of_sum, wander_of_mean
 from benchtool.analysis.spectra.noise import (
     harmonic_noise,
     line_noise,
     noise_floor,
-    noise_of_sum,
     repeated_quantisation,
 )
 from benchtool.analysis.spectra.spectrum import CoherentSpectrum
@@ -47,7 +47,8 @@ class LineErrors:
     `noise`, of `dof` degrees of freedom, is by noise and leakage beside the line; `resampling` by that;
     `phase` what a phase that wanders by `wander_rad`, rms, takes off the line; `resolution` by the steps of a
     quantised signal, as far as they repeat with the period; `steps2` is the mean square of the amplitude that
-    they add. `floor` is that of white noise around the line.
+    they add. `floor` is that of white noise around the line. `wander` is that of an amplitude that wanders too
+    slowly for the bins beside the line; lines that are modulated as the fundamental is have it in common.
     """
 
     noise: NDArray[np.float64]
@@ -57,20 +58,23 @@ class LineErrors:
     phase: NDArray[np.float64]
     resolution: NDArray[np.float64]
     steps2: NDArray[np.float64]
+    wander: NDArray[np.float64]
 
     @property
     def standard(self) -> NDArray[np.float64]:
         """Combined standard uncertainty of each amplitude."""
-        squares = self.noise**2 + self.resampling**2 + self.phase**2 + self.resolution**2
+        squares = self.noise**2 + self.resampling**2 + self.phase**2 + self.resolution**2 + self.wander**2
         return np.asarray(np.sqrt(squares))
 
-    def budget(self, index: int) -> tuple[Contribution, ...]:
-        """Return the contributions to the amplitude of harmonic `index` + 1, without those that are zero."""
+    def budget(self, index: int, *, of_ratio: bool = False) -> tuple[Contribution, ...]:
+        """Return the contributions to the amplitude of harmonic `index` + 1, without those that are zero; in a
+        ratio of lines what they have in common cancels."""
         lines = (
             Contribution("noise and leakage beside the line", "A", self.noise[index], self.dof[index]),
             Contribution("resampling", "B", self.resampling[index]),
             Contribution("wander of the phase", "B", self.phase[index]),
             Contribution("resolution", "B", self.resolution[index]),
+            Contribution("wander of the amplitude", "A", 0.0 if of_ratio else self.wander[index]),
         )
         return tuple(each for each in lines if each.standard != 0.0)
 
@@ -129,9 +133,14 @@ class _Content:
 
 
 def line_errors(
-    spectrum: CoherentSpectrum, orders: int, wander_rad: float = 0.0, step: float = 0.0
+    spectrum: CoherentSpectrum,
+    orders: int,
+    wander_rad: float = 0.0,
+    step: float = 0.0,
+    amplitudes: NDArray[np.float64] | None = None,
 ) -> LineErrors:
-    """Of harmonics 1 to `orders`; the phase wanders by `wander_rad`, rms, the signal has steps of `step`."""
+    """Of harmonics 1 to `orders`; the phase wanders by `wander_rad`, rms, the signal has steps of `step`, and
+    `amplitudes`, shape (periods,), are those of the fundamental in each period."""
     order = np.arange(1, orders + 1)
     amplitude = harmonics(spectrum)[:orders]
     noise = line_noise(spectrum, spectrum.periods * order)
@@ -146,7 +155,26 @@ def line_errors(
         phase=np.maximum(amplitude * np.minimum(1.0, 0.5 * (order * wander_rad) ** 2), noise.lost),
         resolution=resolution[:orders],
         steps2=steps2[:orders],
+        wander=_wander(spectrum, amplitude, noise.in_phase, amplitudes),
     )
+
+
+def _wander(
+    spectrum: CoherentSpectrum,
+    amplitude: NDArray[np.float64],
+    noise: NDArray[np.float64],
+    amplitudes: NDArray[np.float64] | None,
+) -> NDArray[np.float64]:
+    """Return what a slow wander of the fundamental's amplitude makes of each line that is modulated alike."""
+    none = np.zeros(len(amplitude))
+    if amplitudes is None or not len(amplitude) or not amplitude[0] > 0.0:
+        return none
+    of_first = wander_of_mean(amplitudes, float(noise[0]))
+    if not of_first > 0.0:
+        return none
+    alike = is_modulated_alike(spectrum, np.eye(len(amplitude)))
+    alike[0] = True
+    return np.where(alike, of_first / amplitude[0] * amplitude, 0.0)
 
 
 def harmonics(spectrum: CoherentSpectrum) -> NDArray[np.float64]:
@@ -207,7 +235,7 @@ def total_harmonic_distortion(
     ratio, slope, by_fundamental = over(total)
     common = _in_common(spectrum, amplitude, errors, slope, by_fundamental)
     content = _content(spectrum, amplitude, errors, common)
-    of_fundamental = errors.budget(0)
+    of_fundamental = errors.budget(0, of_ratio=True)
     if common is not None:  # the fundamental's noise is in it
         of_fundamental = tuple(each for each in of_fundamental if each.evaluation == "B")
 
@@ -253,6 +281,10 @@ def _in_common(
     weights = np.concatenate([[-by_fundamental / slope], amplitude[1:] / total])
     apart2 = float(np.sum((weights * errors.noise) ** 2))
     together = noise_of_sum(spectrum, weights)
+    if not by_fundamental and is_modulated_alike(spectrum, weights[np.newaxis, :])[0]:
+        # to a stated amplitude what they have in common adds up, of two lines by no more than chance would
+        of_wander = float(np.sum(weights * errors.wander))
+        return MeanError(math.hypot(together.standard, of_wander), together.dof)
     if _OTHERWISE * together.standard**2 < apart2 or together.standard**2 > _OTHERWISE * apart2:
         return together
     return None

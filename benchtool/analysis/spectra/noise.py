@@ -17,7 +17,10 @@ from benchtool.analysis.spectra.spectrum import CoherentSpectrum
 _FEWEST_BINS = 8
 _LOCAL_BINS = 20  # at least, around each harmonic
 _BAND_BINS = 16
-_PAIRS, _NEAREST = 8, 3
+PAIRS = 8
+"""Pairs of bins around a line that its noise is read off."""
+
+_NEAREST = 3
 _OF_NEAREST, _RISES, _RISES_MOST = 1.3, 2.0, 4.0
 _OF_ONE_PAIR = 3.0  # a distribution of two degrees of freedom has no deviation: 2 u then hold 97 %
 _LAST_DIGIT = 1e-6  # of the strongest line: a smaller step is rounding
@@ -206,42 +209,21 @@ def line_noise(spectrum: CoherentSpectrum, lines: NDArray[np.int64]) -> LineNois
     by their median, which lines do not disturb, and the larger of both is taken.
     """
     periods, bins = spectrum.periods, spectrum.phasor
-    offsets = np.arange(1, 2 * _PAIRS + 1)
+    offsets = np.arange(1, 2 * PAIRS + 1)
     upper, lower = lines[:, np.newaxis] + offsets, lines[:, np.newaxis] - offsets
     inside = (upper < len(bins)) & (lower > 0) & (upper % periods != 0) & (lower % periods != 0)
-    inside &= np.cumsum(inside, axis=1) <= _PAIRS
+    inside &= np.cumsum(inside, axis=1) <= PAIRS
     towards = np.exp(-1j * np.angle(bins[lines]))[:, np.newaxis]
     above = bins[np.where(inside, upper, 0)] * towards
     below = np.conj(bins[np.where(inside, lower, 0)] * towards)
     pairs = np.count_nonzero(inside, axis=1).astype(np.float64)
     together, apart = above + below, above - below
     return LineNoise(
-        _of_pairs(together, inside),
-        _of_pairs(apart, inside),
+        noise_of_pairs(together, inside),
+        noise_of_pairs(apart, inside),
         2.0 * np.maximum(pairs, 1.0),
         _lost(together, apart, inside, spectrum.amplitude[lines]),
     )
-
-
-def noise_of_sum(spectrum: CoherentSpectrum, weights: NDArray[np.float64]) -> MeanError:
-    """Return the noise of a weighted sum of the amplitudes of harmonics 1, 2 ..., weights of shape (orders,),
-    by the pairs of bins of `line_noise` around all of them at once; nan where no pair is around each.
-
-    What modulates all harmonics alike is in the same pair around each, and adds or cancels as in the sum.
-    """
-    periods, bins = spectrum.periods, spectrum.phasor
-    lines = periods * np.arange(1, len(weights) + 1)
-    offsets = np.arange(1, 2 * _PAIRS + 1)
-    inside = (offsets % periods != 0) & (offsets < periods) & (lines[-1] + offsets < len(bins))
-    offsets = offsets[inside][:_PAIRS]
-    if not len(offsets):
-        return MeanError(math.nan, 1.0)
-    towards = np.exp(-1j * np.angle(bins[lines]))[:, np.newaxis]
-    above = bins[lines[:, np.newaxis] + offsets] * towards
-    below = np.conj(bins[lines[:, np.newaxis] - offsets] * towards)
-    together = np.sum(weights[:, np.newaxis] * (above + below), axis=0)[np.newaxis, :]
-    standard = float(_of_pairs(together, np.ones(together.shape, dtype=np.bool_))[0])
-    return MeanError(standard, 2.0 * len(offsets))
 
 
 def hann_quadrature(spectrum: CoherentSpectrum) -> MeanError:
@@ -255,13 +237,13 @@ def hann_quadrature(spectrum: CoherentSpectrum) -> MeanError:
     periods, bins = spectrum.periods, spectrum.phasor
     window = bins.copy()
     window[1:-1] -= 0.5 * (bins[2:] + bins[:-2])
-    offsets = np.arange(2, min(2 * _PAIRS, periods - 1))
-    offsets = offsets[periods + offsets < len(bins) - 1][:_PAIRS]
+    offsets = np.arange(2, min(2 * PAIRS, periods - 1))
+    offsets = offsets[periods + offsets < len(bins) - 1][:PAIRS]
     if len(offsets) < _NEAREST:
         return MeanError(math.nan, 1.0)
     towards = np.exp(-1j * np.angle(bins[periods]))
     apart = window[periods + offsets] * towards - np.conj(window[periods - offsets] * towards)
-    found = _of_pairs(apart[np.newaxis, :] / math.sqrt(1.5), np.ones((1, len(offsets)), dtype=np.bool_))
+    found = noise_of_pairs(apart[np.newaxis, :] / math.sqrt(1.5), np.ones((1, len(offsets)), dtype=np.bool_))
     return MeanError(float(found[0]), float(len(offsets)))
 
 
@@ -325,7 +307,7 @@ def _lost(
     return np.asarray(amplitude * np.minimum(1.0, 0.5 * variance))
 
 
-def _of_pairs(sums: NDArray[np.complex128], inside: NDArray[np.bool_]) -> NDArray[np.float64]:
+def noise_of_pairs(sums: NDArray[np.complex128], inside: NDArray[np.bool_]) -> NDArray[np.float64]:
     """Return the standard uncertainty of one component, shape (orders,), from sums of pairs, shape (orders,
     pairs)."""
     square = np.where(inside, 0.25 * (sums.real**2 + sums.imag**2), np.nan)
@@ -347,7 +329,7 @@ def noise_at_line(power: NDArray[np.float64]) -> float:
     nearest = float(np.mean(power[:_NEAREST]))
     if len(power) == 1:
         return nearest * _OF_ONE_PAIR**2
-    if len(power) < _PAIRS:
+    if len(power) < PAIRS:
         return max(nearest, middle) * students_deviation(2.0 * len(power)) ** 2
     if nearest <= middle:
         return middle

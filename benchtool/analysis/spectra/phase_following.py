@@ -28,6 +28,7 @@ _MEDIAN_DEVIATION = 0.6745  # median of the magnitude of a normal deviate
 _FAR = 8.0  # standard deviations; the largest step of a swing or of a drift is within two
 _LEAST_JUMP_RAD = 0.1  # largest wander with which harmonics are still defined
 _PER_PERIOD = 16  # places at which an angle is followed, in each electrical period
+_OF_STEPS = 0.3  # standard deviation of a value that is known to a step
 _LONGEST_TURN = 0.45  # of a turn between periods: largest unambiguous change of phase
 
 
@@ -119,21 +120,39 @@ def _off(seen: Wander) -> float:
 
 
 def _by_angle(track: PhaseTrack, samples_per_period: float) -> PhaseTrack | None:
-    """Return track along the angle, averaged over a sixteenth of a period; None if that makes no change."""
+    """Return track along the angle, averaged over a sixteenth of a period; None if that makes no change.
+
+    What is left within a period may be the steps in which the angle counts, which beat with the samples near
+    harmonics: where it is no more than these, the angle is averaged over whole periods.
+    """
     if track.measured_rad is None or not (track.residual_rad or 0.0) > _OFF_RAD:
         return None
     size = max(1, round(samples_per_period / _PER_PERIOD))
-    count = len(track.measured_rad) // size
-    number = size * np.arange(count) + 0.5 * (size - 1)
-    # of a part in which the speed is constant the mean is the value in the middle
-    means = np.mean(track.measured_rad[: count * size].reshape(count, size), axis=1)
-    departure = means - np.asarray(track.phase(number))
-    if count < _FEWEST_KNOTS or not float(np.std(departure)) > _OFF_RAD:
+    number, departure = _means_of_angle(track, track.measured_rad, size)
+    whole_number, whole = _means_of_angle(track, track.measured_rad, max(1, round(samples_per_period)))
+    if len(whole) >= _FEWEST_KNOTS and track.resolution_rad > 0.0:
+        inner = (number >= whole_number[0]) & (number <= whole_number[-1])
+        within = departure[inner] - np.interp(number[inner], whole_number, whole)
+        if float(np.std(within)) < _OF_STEPS * track.resolution_rad:
+            number, departure = whole_number, whole
+    if len(number) < _FEWEST_KNOTS or not float(np.std(departure)) > _OFF_RAD:
         return None
     from scipy.interpolate import CubicSpline  # draws in scipy.optimize, which most runs do not need
 
     spline = CubicSpline(number, departure)
     return replace(track, departure=spline, source=f"{track.source}, and the measured angle about it")
+
+
+def _means_of_angle(
+    track: PhaseTrack, measured_rad: NDArray[np.float64], size: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return middles of parts of `size` samples, and the mean departure of the angle from the track in each,
+    both of shape (parts,)."""
+    count = len(measured_rad) // size
+    number = size * np.arange(count) + 0.5 * (size - 1)
+    # of a part in which the speed is constant the mean is the value in the middle
+    means = np.mean(measured_rad[: count * size].reshape(count, size), axis=1)
+    return number, means - np.asarray(track.phase(number))
 
 
 def _by_tone(

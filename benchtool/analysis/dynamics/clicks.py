@@ -1,0 +1,73 @@
+"""Single samples far from their neighbours, as interference leaves them in a transient."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchtool.analysis.quantisation import counting_step
+
+Floats = NDArray[np.float64]
+
+_LONGEST = 2  # samples
+_REACH = 3  # samples to either side, whose median is one of the levels around
+_NEAR = 10  # samples to either side, within which what oscillates is no click
+_SIGMAS = 6.0  # standard deviations of a sample from the mean of its neighbours
+_OF_MEDIAN = 1.0 / 0.6745  # standard deviation over median magnitude, of normal values
+_RARE = 0.02  # of the samples: what is more is no interference
+_FEWEST = 50  # samples
+
+
+def without_clicks(samples: Floats) -> tuple[Floats, int]:
+    """Return samples, shape (n,), with clicks replaced by the line between their neighbours, and how many
+    samples that are.
+
+    A click is one sample, or two, beyond both neighbours and beyond the medians of three samples to either
+    side, by more than six standard deviations of the noise and by more than these four levels differ from
+    each other, so that an edge is none. The noise is how far half of the samples, of all or of those near
+    where that is more, are from the mean of their neighbours: what oscillates is none either. Samples without
+    noise are returned as they are, and so are those of which more than a fiftieth would be clicks.
+    """
+    count = len(samples)
+    if count < _FEWEST:
+        return samples, 0
+    apart = np.abs(samples[1:-1] - 0.5 * (samples[:-2] + samples[2:]))
+    noise = _OF_MEDIAN * float(np.median(apart))
+    if not noise > 0.0:
+        return samples, 0
+    beyond = np.zeros(count)
+    for length in range(1, _LONGEST + 1):
+        beyond = np.maximum(beyond, _beyond(samples, length))
+    hit = beyond > _SIGMAS * max(noise, counting_step(samples))
+    for row in np.flatnonzero(hit):
+        near = apart[max(0, row - 1 - _NEAR) : row + _NEAR]
+        hit[row] = beyond[row] > _SIGMAS * _OF_MEDIAN * float(np.median(near))
+    hits = int(np.count_nonzero(hit))
+    if not hits or hits > max(_LONGEST, math.floor(_RARE * count)):
+        return samples, 0
+    rows = np.arange(count)
+    mended = samples.copy()
+    mended[hit] = np.interp(rows[hit], rows[~hit], samples[~hit])
+    return mended, hits
+
+
+def _beyond(samples: Floats, length: int) -> Floats:
+    """Return how far each sample, shape (n,), is beyond what is around so many of which it is one; 0 where it
+    is within, or by less than what is around differs."""
+    count = len(samples)
+    first = np.arange(_REACH, count - length - _REACH + 1)
+    level = np.median(np.lib.stride_tricks.sliding_window_view(samples, _REACH), axis=1)
+    around = np.stack(
+        [samples[first - 1], level[first - _REACH], samples[first + length], level[first + length]]
+    )
+    highest, lowest = np.max(around, axis=0), np.min(around, axis=0)
+    within = samples[first[:, np.newaxis] + np.arange(length)]
+    beyond = np.maximum(np.min(within, axis=1) - highest, lowest - np.max(within, axis=1))
+    beyond[beyond <= highest - lowest] = 0.0
+    found = np.zeros(count)
+    for offset in range(length):
+        at = first + offset
+        found[at] = np.maximum(found[at], beyond)
+    return found

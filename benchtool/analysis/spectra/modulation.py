@@ -1,0 +1,77 @@
+"""What modulates the lines of a spectrum alike: sidebands that they share, and an amplitude that wanders."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchtool.analysis.lowest_frequencies import slow_noise
+from benchtool.analysis.scatter import MeanError, error_of_series
+from benchtool.analysis.spectra.noise import PAIRS, noise_of_pairs
+from benchtool.analysis.spectra.spectrum import CoherentSpectrum
+
+Floats = NDArray[np.float64]
+
+_ALIKE = 0.6  # correlation of the sidebands of two lines: of eight pairs of noise, by chance once in twenty
+_FEWEST_PAIRS = 4
+_CORRELATED = 1.5  # periods that count as one
+_FEW = 8.0  # degrees of freedom, with fewer of which the correlation of a series is not known
+
+
+def noise_of_sum(spectrum: CoherentSpectrum, weights: Floats) -> MeanError:
+    """Return the noise of a weighted sum of the amplitudes of harmonics 1, 2 ..., weights of shape (orders,),
+    by the pairs of bins of `line_noise` around all of them at once; nan where no pair is around each.
+
+    What modulates all harmonics alike is in the same pair around each, and adds or cancels as in the sum.
+    """
+    sidebands = _sidebands(spectrum, len(weights))
+    pairs = sidebands.shape[1]
+    if not pairs:
+        return MeanError(math.nan, 1.0)
+    together = np.sum(weights[:, np.newaxis] * sidebands, axis=0)[np.newaxis, :]
+    standard = float(noise_of_pairs(together, np.ones(together.shape, dtype=np.bool_))[0])
+    return MeanError(standard, 2.0 * pairs)
+
+
+def is_modulated_alike(spectrum: CoherentSpectrum, weights: Floats) -> NDArray[np.bool_]:
+    """Return whether weighted sums of harmonics 1, 2 ..., weights of shape (sums, orders), have the sidebands
+    of the fundamental, as where one cause moves the amplitude of both; shape (sums,)."""
+    sidebands = _sidebands(spectrum, weights.shape[1])
+    if sidebands.shape[1] < _FEWEST_PAIRS:
+        return np.zeros(len(weights), dtype=np.bool_)
+    of_sums, of_first = weights @ sidebands, sidebands[0]
+    product = np.real(of_sums @ np.conj(of_first))
+    size = np.sqrt(np.sum(np.abs(of_sums) ** 2, axis=1) * np.sum(np.abs(of_first) ** 2))
+    return np.asarray(product > _ALIKE * size)
+
+
+def _sidebands(spectrum: CoherentSpectrum, orders: int) -> NDArray[np.complex128]:
+    """Return what the pairs of bins around harmonics 1, 2 ... do to their amplitudes, shape (orders, pairs)."""
+    periods, bins = spectrum.periods, spectrum.phasor
+    lines = periods * np.arange(1, orders + 1)
+    offsets = np.arange(1, 2 * PAIRS + 1)
+    inside = (offsets % periods != 0) & (offsets < periods) & (lines[-1] + offsets < len(bins))
+    offsets = offsets[inside][:PAIRS]
+    towards = np.exp(-1j * np.angle(bins[lines]))[:, np.newaxis]
+    above = bins[lines[:, np.newaxis] + offsets] * towards
+    below = np.conj(bins[lines[:, np.newaxis] - offsets] * towards)
+    return np.asarray(above + below)
+
+
+def wander_of_mean(amplitude: Floats, by_pairs: float) -> float:
+    """Return the standard deviation of the mean of amplitudes, shape (periods,), one of each period, beyond
+    that by the pairs of bins beside the line; 0 where neighbouring periods are not correlated.
+
+    A memory of some periods is in few pairs of bins, and one of the whole record in none of them: then the
+    series itself says more, or its density at the lowest frequencies, continued.
+    """
+    error = error_of_series(amplitude)
+    if len(amplitude) > _CORRELATED * (error.dof + 1.0):
+        if not math.isfinite(error.standard) or error.dof < _FEW:
+            slow = slow_noise(amplitude)
+            error = error if slow is None else MeanError(slow.standard, slow.dof)
+        if error.standard > by_pairs:
+            return math.sqrt(error.standard**2 - by_pairs**2)
+    return 0.0
