@@ -80,6 +80,7 @@ from .ripple import (
     ripple_of_rows as ripple_of_rows,
 )
 from .scatter import error_of_record as error_of_record
+from .scatter import error_of_series as error_of_series
 from .sensitivity import (
     declared as declared,
     holds as holds,

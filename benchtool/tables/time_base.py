@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from benchtool.analysis import error_of_series
 from benchtool.block import Gap
 
 _FEWEST_STAMPS = 8
@@ -15,12 +16,16 @@ _LARGEST_DEVIATION = 0.1  # of a step, peak to peak: a tone at a tenth of the ra
 _REPEATED_BY_RESOLUTION = 0.05  # share of equal stamps from which the resolution, not a repeat, is the cause
 _FEWEST_PER_STAMP = 2
 _ONE_COUNT = 1.0 + 1e-6
+_COARSE = 1.1  # times the resolution: what rounding alone makes stamps deviate, peak to peak, from a fit
 _REGULAR = 4  # stamps of a row less, at equal distances, are those of a rate a little lower
 _SLOPES = 50
 _FEWEST_RUNS = 20
 _REGULAR_RUNS = 0.9
 _REFINEMENTS = 4
 _MOST_DECIMALS = 9
+_MOST_PARTS, _FEWEST_PARTS, _FEWEST_OF_PART = 64, 10, 8  # parts of stamps, and stamps of each
+_HALVINGS = 30
+_SKIPS = 0.5  # of a step: of a coarser resolution a count is skipped, or doubled, where the rate is off
 
 
 @dataclass(frozen=True)
@@ -31,9 +36,10 @@ class TimeBase:
     `begin_s + step_s * (k + rows missing before it)`, with the missing rows in `gaps`; with `gaps_known`
     false it is unknown whether rows are missing. `jitter_s` is the rms deviation of the stamps from that
     line, `resolution_s` the step in which stamps count (nan if there is none to be seen), `rate_relative` the
-    standard uncertainty of the rate, relative to it (JCGM 100:2008, F.2.2.1): that of the stamps at both
-    ends, by resolution or jitter, over the duration. Where the stamps are refused, `step_s` is the median
-    step between different ones.
+    standard uncertainty of the rate, relative to it: by the rates that rounding to the resolution allows
+    (JCGM 100:2008, 4.3.7) or, of stamps that jitter more, by the scatter of the line's slope over parts of
+    the record and their correlation. Where the stamps are refused, `step_s` is the median step between
+    different ones.
     """
 
     begin_s: float
@@ -200,7 +206,7 @@ def _on_a_line(
     spread_s = float(np.ptp(deviation))
     coarse_s = resolution_s if math.isfinite(resolution_s) else 0.0
     rounding_s = 4 * float(np.spacing(np.abs(time_s).max()))
-    if np.any(advance < 1) or spread_s > max(1.1 * coarse_s, _LARGEST_DEVIATION * step_s) + rounding_s:
+    if np.any(advance < 1) or spread_s > max(_COARSE * coarse_s, _LARGEST_DEVIATION * step_s) + rounding_s:
         worst = int(np.argmax(np.abs(deviation)))
         steps = np.diff(time_s)
         return _refused(
@@ -218,8 +224,59 @@ def _on_a_line(
         jitter_s=jitter_s,
         resolution_s=resolution_s,
         gaps=tuple(Gap(int(row) + 1, int(advance[row]) - 1) for row in late),
-        rate_relative=math.sqrt(2.0) * max(jitter_s, coarse_s / math.sqrt(12.0)) / duration_s,
+        rate_relative=_of_slope(number, about, step_s, coarse_s, rounding_s) / step_s
+        + _of_gaps(advance, coarse_s, step_s),
     )
+
+
+def _of_slope(
+    number: NDArray[np.float64],
+    about: NDArray[np.float64],
+    step_s: float,
+    coarse_s: float,
+    rounding_s: float,
+) -> float:
+    """Return the standard uncertainty of the slope `step_s` of stamps `about` over rows `number`, both of
+    shape (n,) and about their mean."""
+    deviation = about - step_s * number
+    ends_s = (
+        math.sqrt(2.0) * max(float(np.std(deviation)), coarse_s / math.sqrt(12.0)) / float(np.ptp(number))
+    )
+    spread_s = float(np.ptp(deviation))
+    if coarse_s and spread_s <= _COARSE * coarse_s + rounding_s:
+        # the least deviation may be of another slope, and that is then allowed too
+        widest = max(_ONE_COUNT * coarse_s + 2.0 * rounding_s, spread_s)
+        return max(_allowed(number, deviation, sign, widest) for sign in (-1.0, 1.0)) / math.sqrt(3.0)
+    parts = min(_MOST_PARTS, len(number) // _FEWEST_OF_PART)
+    if parts < _FEWEST_PARTS:
+        return ends_s
+    moments = [
+        float(a @ b) for a, b in zip(*(np.array_split(x, parts) for x in (number, deviation)), strict=True)
+    ]
+    scatter = error_of_series(np.array(moments)).standard * parts / float(number @ number)
+    rounded_s = rounding_s / float(np.ptp(number))
+    return min(ends_s, math.hypot(scatter, rounded_s)) if math.isfinite(scatter) else ends_s
+
+
+def _allowed(
+    number: NDArray[np.float64], deviation: NDArray[np.float64], sign: float, widest: float
+) -> float:
+    """Return by how much a slope may change to one side until the stamps deviate by more than `widest`, peak
+    to peak; the deviation is convex in the slope."""
+    low, high = 0.0, 2.0 * widest / float(np.ptp(number))
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        allowed = float(np.ptp(deviation - sign * middle * number)) <= widest
+        low, high = (middle, high) if allowed else (low, middle)
+    return high
+
+
+def _of_gaps(advance: NDArray[np.int64], coarse_s: float, step_s: float) -> float:
+    """Return the relative uncertainty of a rate at which a stamp that skips a count may be the rate in place
+    of a missing row."""
+    if coarse_s <= _SKIPS * step_s:
+        return 0.0
+    return float(np.count_nonzero(advance == 2)) / float(np.sum(advance)) / math.sqrt(3.0)
 
 
 def _advance(steps: NDArray[np.float64]) -> NDArray[np.int64]:

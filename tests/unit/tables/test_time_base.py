@@ -126,11 +126,24 @@ def test_the_rate_of_coarse_stamps_is_known_to_within_its_uncertainty(
         assert abs(base.missing_rows - 3) <= 1 or base.rate_relative > 3 / 4_000
 
 
-@pytest.mark.parametrize("decimals", [3, 4, 5, 9])
-def test_the_uncertainty_of_the_rate_is_that_of_both_ends_over_the_duration(decimals: int) -> None:
-    base = time_base(np.round(ROWS / 10_000.0, decimals))
-    step_s = max(1e-4, 10.0**-decimals)  # finer digits are zeros, which cannot be seen
-    assert base.rate_relative == pytest.approx(step_s / math.sqrt(6.0) / 0.5, rel=0.02)
+@pytest.mark.parametrize("decimals", [3, 5, 6, 9])
+@pytest.mark.parametrize("off", [-3e-4, -2e-5, 0.0, 4e-6, 1.3e-4])
+def test_rounded_stamps_allow_the_true_rate_and_few_others(decimals: int, off: float) -> None:
+    rate_Hz = 10_000.0 * (1.0 + off)
+    base = time_base(np.round(12.0 + ROWS / rate_Hz, decimals))
+    assert base.refusal == ""
+    largest = math.sqrt(3.0) * base.rate_relative  # of an even distribution
+    assert abs(base.rate_Hz / rate_Hz - 1.0) <= largest + 1e-12
+    resolution_s = max(10.0**-decimals, base.resolution_s if math.isfinite(base.resolution_s) else 0.0)
+    assert largest <= 2.0 * resolution_s / (len(ROWS) / rate_Hz)
+
+
+def test_the_rate_of_stamps_that_jitter_is_known_by_all_of_them() -> None:
+    random, relative = np.random.default_rng(2), []
+    for _ in range(40):
+        base = time_base((ROWS + 0.01 * random.standard_normal(len(ROWS))) / 10_000.0)
+        relative.append((base.rate_Hz / 10_000.0 - 1.0) / base.rate_relative)
+    assert 0.7 < math.sqrt(float(np.mean(np.square(relative)))) < 1.4
 
 
 def test_little_jitter_is_stated_and_more_is_refused() -> None:
