@@ -94,6 +94,11 @@ class Stepped:
     kind: Kind = "white"
     ripple: tuple[float, float] = (0.0, 0.0)  # relative to the step, Hz
     bits: int = 0
+    spikes: tuple[float, int, int] = (
+        0.0,
+        0,
+        1,
+    )  # largest height relative to the step; how many; samples of each
 
 
 @dataclass(frozen=True)
@@ -107,6 +112,7 @@ class Excited:
     delay_s: float = 0.0
     duration_s: float = 2.0
     drift: float = 0.0
+    bits: int = 0
 
 
 def stepped_trial(what: Stepped, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
@@ -126,6 +132,9 @@ def stepped_trial(what: Stepped, random: np.random.Generator) -> Iterator[tuple[
     noise = what.noise * coloured(noise_of(what.kind, random, len(time_s)), what.colour)
     size, ripple_Hz = what.ripple
     noise += size * np.cos(2 * np.pi * ripple_Hz * time_s + random.uniform(0, 2 * np.pi))
+    largest, spikes, samples = what.spikes
+    for at in random.integers(5, len(noise) - 8, spikes):
+        noise[at : at + samples] += largest * random.choice([-1, 1]) * random.uniform(0.3, 1.0)
     measured = what.height * (answer(time_s) + noise + what.drift * time_s)
     if what.bits:
         measured = converted(measured, 2.0 * abs(what.height) / 2**what.bits, random)
@@ -197,6 +206,8 @@ def excited_trial(what: Excited, random: np.random.Generator) -> Iterator[tuple[
     rms = float(np.std(y))
     y += what.noise * rms * coloured(random.standard_normal(len(y)), what.colour)
     y += what.drift * rms * np.linspace(0.0, 1.0, len(y))
+    if what.bits:
+        y = converted(y, 2.2 * float(np.max(np.abs(y))) / 2**what.bits, random)
     block = Block.from_arrays(RATE_HZ, {"x": "Nm", "y": "Nm"}, x=x, y=y)
     found = analyze_response(block, "x", "y", begin_row=period or 0, period_rows=period)
     yield from selected(found.measurements, _response_truths(what, late, found.response.frequency_Hz))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from benchmarks.coverage import channels, disturbances, dynamic, mixed, stamps, unusual
+from benchmarks.coverage import channels, disturbances, dynamic, encounters, mixed, stamps, unusual
 from benchmarks.coverage.families import Family
 
 FAMILIES: Mapping[str, Family] = {
@@ -16,5 +16,6 @@ FAMILIES: Mapping[str, Family] = {
         *dynamic.FAMILIES,
         *unusual.FAMILIES,
         *mixed.FAMILIES,
+        *encounters.FAMILIES,
     )
 }

@@ -81,6 +81,9 @@ RECORDS: Mapping[str, Stamps] = {
     "stamps_jitter_30": replace(_EVEN, jitter=0.3),
     "stamps_microseconds": replace(_EVEN, resolution_s=1e-6),
     "stamps_milliseconds": replace(_EVEN, resolution_s=1e-3),
+    "stamps_as_coarse_as_rows": replace(_EVEN, resolution_s=1e-4),
+    "stamps_jitter_and_resolution": replace(_EVEN, jitter=0.1, resolution_s=1e-5),
+    "stamps_jitter_short": replace(_EVEN, jitter=0.02, periods=8.3, noise=5e-3),
     "stamps_gap": replace(_EVEN, lost=(1, 40)),
     "stamps_many_gaps": replace(_EVEN, lost=(12, 25), noise=1e-2),
 }

@@ -17,7 +17,7 @@ from benchtool.analysis.periods import PhaseTrack, track_angle
 from benchtool.analysis.quantisation import resolution
 from benchtool.analysis.regimes import change_of_regime
 from benchtool.analysis.ripple import peak_to_peak_number
-from benchtool.analysis.scatter import MeanError, error_of_root, error_of_series, scatter_of_largest
+from benchtool.analysis.scatter import MeanError, error_of_root, error_of_periods, scatter_of_largest
 from benchtool.analysis.torque import WAVEFORMS
 from benchtool.analysis.uncertainty import Contribution, combined
 from benchtool.analysis.validity import require_signal, require_unbroken
@@ -26,7 +26,7 @@ from benchtool.block import Block
 
 _DOF_OF_EXTREMES = 10.0  # of a tail from a few of the largest values
 _SLOW_SHARE = 0.03  # of a mean square, that the radius of whole revolutions makes up
-_BY_CHANCE = 2.0  # standard deviations of a correlation
+_BY_CHANCE = 1.0  # standard deviation of a correlation: one that is taken for chance leaves far too little
 _FEWEST_VALUES = 10.0  # that do not depend on each other, of which an rms says something
 _CENTRINGS = 4  # each leaves about a tenth of the error of the one before
 _ENOUGH = 48  # samples of a revolution to find the centre by
@@ -158,7 +158,7 @@ def _measurements(
     # a revolution ends within a sample
     ends = Contribution("samples at both ends", "B", span / (math.sqrt(24.0) * len(whole)))
     text = "mean of sqrt(psi_alpha^2 + psi_beta^2), peak"
-    of_mean = error_of_series(means)
+    of_mean = error_of_periods(means)
     yield measured("flux_radius_mean", text, mean, of_mean, resolved, ends)
     largest, least = np.maximum.reduceat(whole, begins), np.minimum.reduceat(whole, begins)
     scatter = max(
@@ -231,7 +231,7 @@ def _of_slow_rms(means: NDArray[np.float64], by_squares: MeanError, rms: float) 
 def _length(points: NDArray[np.complex128]) -> tuple[float, float]:
     """Return distance of the mean of points from zero, and the share of it that their scatter explains."""
     length = float(np.abs(np.mean(points)))
-    variance = error_of_series(points.real).standard ** 2 + error_of_series(points.imag).standard ** 2
+    variance = error_of_periods(points.real).standard ** 2 + error_of_periods(points.imag).standard ** 2
     left = length**2 - variance if math.isfinite(variance) else length**2
     return length, length - math.sqrt(max(0.0, left))
 
@@ -240,7 +240,7 @@ def _along(points: NDArray[np.complex128]) -> MeanError:
     """Of the mean of the points along its direction."""
     mean = complex(np.mean(points))
     direction = mean / abs(mean) if mean else 1.0
-    return error_of_series(np.real(points * np.conj(direction)))
+    return error_of_periods(np.real(points * np.conj(direction)))
 
 
 def _measure_ripple(window: Window, _: NoSettings) -> Findings:

@@ -15,7 +15,7 @@ from benchtool.analysis.lowest_frequencies import slow_noise
 _PARTS, _MOST_PARTS = 10, 64
 _FEWEST_VALUES = 3
 _FEWEST_EXTREMES = 4
-_BY_CHANCE, _CLEARLY, _WITHOUT_DOUBT = 2.5, 2.0, 3.5  # standard deviations of a correlation
+_BY_CHANCE, _CLEARLY, _WITHOUT_DOUBT = 2.5, 2.0, 2.5  # standard deviations of a correlation
 _FEWEST_INDEPENDENT = 4.0  # values that a record must hold
 _LOWEST, _FEWEST_OF_LOWEST, _BLOCKS, _FAR_BELOW = 5, 5, 4096, 5.0
 _CLEARLY_MORE = 1.4  # times the error by parts: by chance both differ by less
@@ -123,6 +123,18 @@ def error_of_record(samples: NDArray[np.float64]) -> MeanError:
     """Return the error of the mean of samples, shape (n,), at equal times, by the means of up to 64 parts, or
     by the lowest frequencies where these hold much less."""
     return at_lowest_frequencies(samples, error_of_series(means_of_parts(samples)))
+
+
+def error_of_periods(values: NDArray[np.float64]) -> MeanError:
+    """Return the error of the mean of values, shape (n,), one for each period, that may have a memory of many.
+
+    That of a series or, where so few of them are independent that their correlation is hardly known, that by
+    their density at the lowest frequencies where it is larger.
+    """
+    error = error_of_series(values)
+    if not math.isfinite(error.standard) or error.dof > _FEW_PARTS:
+        return error
+    return at_lowest_frequencies(values, error)
 
 
 def at_lowest_frequencies(samples: NDArray[np.float64], by_parts: MeanError, periods: int = 0) -> MeanError:

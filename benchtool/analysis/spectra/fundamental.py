@@ -92,6 +92,8 @@ def frequency(
     by_ends = track.departure is not None or not math.isfinite(random.standard)
     if not by_tone and by_ends and track.measured_rad is not None:
         turned_rad, of_ends = _by_ends(track, track.measured_rad)
+        # what the signal does not do with the angle may be an error of the angle, at each end another
+        of_ends += (Contribution("departure of the signal", "B", math.sqrt(2.0) * seen.excess_rad),)
         budget = [replace(each, standard=per_rad_Hz * each.standard) for each in of_ends]
         source = "noise, bend and resolution of the angle at both ends"
     else:

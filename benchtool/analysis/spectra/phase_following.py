@@ -28,7 +28,7 @@ _MEDIAN_DEVIATION = 0.6745  # median of the magnitude of a normal deviate
 _FAR = 8.0  # standard deviations; the largest step of a swing or of a drift is within two
 _LEAST_JUMP_RAD = 0.1  # largest wander with which harmonics are still defined
 _PER_PERIOD = 16  # places at which an angle is followed, in each electrical period
-_OF_STEPS = 0.3  # standard deviation of a value that is known to a step
+_OF_STEPS = 0.2  # standard deviation of steps that beat with the samples about once in a period
 _LONGEST_TURN = 0.45  # of a turn between periods: largest unambiguous change of phase
 
 
@@ -95,28 +95,47 @@ def follow(
         AnalysisError: as `coherent_samples`.
     """
     coherent = coherent_samples(samples, sample_rate_Hz, track, name)
-    seen = wander(coherent)
+    smooth = found = _Followed(coherent, track, wander(coherent))
     by_angle = _by_angle(track, coherent.samples / coherent.periods)
     if by_angle is not None:
-        other = coherent_samples(samples, sample_rate_Hz, by_angle, name)
-        of_other = wander(other)
-        if _off(of_other) < _off(seen):
-            coherent, track, seen = other, by_angle, of_other
-    jump_rad = seen.jump_rad
+        coherent = coherent_samples(samples, sample_rate_Hz, by_angle, name)
+        other = _Followed(coherent, by_angle, wander(coherent))
+        found = other if other.off_rad < smooth.off_rad else smooth
+    jump_rad = found.seen.jump_rad
+    by_tone = _followed(samples, sample_rate_Hz, found, name)
+    if found is not smooth and found.seen.excess_rad > _OFF_RAD:
+        # the angle has errors of its own, which may be faster than the phase of a period shows
+        other = _followed(samples, sample_rate_Hz, smooth, name)
+        by_tone = other if other.off_rad < by_tone.off_rad else by_tone
+    return by_tone.coherent, by_tone.track, replace(by_tone.seen, jump_rad=jump_rad)
+
+
+@dataclass(frozen=True)
+class _Followed:
+    """A signal along a track, and how it moves about it."""
+
+    coherent: CoherentSamples
+    track: PhaseTrack
+    seen: Wander
+
+    @property
+    def off_rad(self) -> float:
+        return float(np.std(self.seen.phase_rad))
+
+
+def _followed(samples: NDArray[np.float64], sample_rate_Hz: float, begin: _Followed, name: str) -> _Followed:
+    """Return signal along the phase of its own fundamental, as long as that brings it closer."""
+    found = begin
     for least_rad in (_OFF_RAD, *(_ROUNDS - 1) * (_LEFT_RAD,)):
-        by_tone = _by_tone(coherent, track, seen, name, least_rad)
+        by_tone = _by_tone(found.coherent, found.track, found.seen, name, least_rad)
         if by_tone is None:
             break
-        other = coherent_samples(samples, sample_rate_Hz, by_tone, name)
-        of_other = wander(other)
-        if not _off(of_other) < _off(seen):
+        coherent = coherent_samples(samples, sample_rate_Hz, by_tone, name)
+        other = _Followed(coherent, by_tone, wander(coherent))
+        if not other.off_rad < found.off_rad:
             break
-        coherent, track, seen = other, by_tone, of_other
-    return coherent, track, replace(seen, jump_rad=jump_rad)
-
-
-def _off(seen: Wander) -> float:
-    return float(np.std(seen.phase_rad))
+        found = other
+    return found
 
 
 def _by_angle(track: PhaseTrack, samples_per_period: float) -> PhaseTrack | None:
@@ -149,10 +168,10 @@ def _means_of_angle(
     """Return middles of parts of `size` samples, and the mean departure of the angle from the track in each,
     both of shape (parts,)."""
     count = len(measured_rad) // size
-    number = size * np.arange(count) + 0.5 * (size - 1)
+    number = size * np.arange(count, dtype=np.float64) + 0.5 * (size - 1)
     # of a part in which the speed is constant the mean is the value in the middle
     means = np.mean(measured_rad[: count * size].reshape(count, size), axis=1)
-    return number, means - np.asarray(track.phase(number))
+    return np.asarray(number), np.asarray(means - track.phase(number), dtype=np.float64)
 
 
 def _by_tone(

@@ -19,7 +19,7 @@ from benchtool.analysis.declaration import Analysis, Findings, NoSettings, Quant
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.regimes import change_of_regime
-from benchtool.analysis.scatter import MeanError, error_of_series
+from benchtool.analysis.scatter import MeanError, error_of_periods
 from benchtool.analysis.spectra.current import current_of
 from benchtool.analysis.spectra.spectrum import FIRST_ROW, CoherentSamples, coherent_samples_of_all
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
@@ -106,7 +106,7 @@ def _component(phasors: Phasors, reference: Phasors | None = None) -> _Component
     if reference is not None:
         base, size = _turned(reference)
         turned = turned - magnitude / size * base.real
-    along, across = error_of_series(turned.real), error_of_series(turned.imag)
+    along, across = error_of_periods(turned.real), error_of_periods(turned.imag)
     if not math.isfinite(across.standard):  # a track that is a little off turns it steadily
         across = along
     # noise across the phasor makes its magnitude larger (Rice distribution)
