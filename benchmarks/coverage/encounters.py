@@ -1,4 +1,4 @@
-"""Families in which two disturbances meet that no other family combines, scored before anything was mended."""
+"""Families in which disturbances meet that no other family combines, scored before anything was mended."""
 
 from __future__ import annotations
 

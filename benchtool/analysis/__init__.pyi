@@ -79,8 +79,7 @@ from .ripple import (
     ripple_numbers as ripple_numbers,
     ripple_of_rows as ripple_of_rows,
 )
-from .scatter import error_of_record as error_of_record
-from .scatter import error_of_series as error_of_series
+from .scatter import error_of_record as error_of_record, error_of_series as error_of_series
 from .sensitivity import (
     declared as declared,
     holds as holds,

@@ -17,7 +17,7 @@ from benchtool.analysis.periods import PhaseTrack, track_angle
 from benchtool.analysis.quantisation import resolution
 from benchtool.analysis.regimes import change_of_regime
 from benchtool.analysis.ripple import peak_to_peak_number
-from benchtool.analysis.scatter import MeanError, error_of_root, error_of_periods, scatter_of_largest
+from benchtool.analysis.scatter import MeanError, error_of_periods, error_of_root, scatter_of_largest
 from benchtool.analysis.torque import WAVEFORMS
 from benchtool.analysis.uncertainty import Contribution, combined
 from benchtool.analysis.validity import require_signal, require_unbroken

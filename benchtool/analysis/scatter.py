@@ -126,7 +126,7 @@ def error_of_record(samples: NDArray[np.float64]) -> MeanError:
 
 
 def error_of_periods(values: NDArray[np.float64]) -> MeanError:
-    """Return the error of the mean of values, shape (n,), one for each period, that may have a memory of many.
+    """Return the error of the mean of values, shape (n,), one for each period, with a memory of some.
 
     That of a series or, where so few of them are independent that their correlation is hardly known, that by
     their density at the lowest frequencies where it is larger.

@@ -217,7 +217,6 @@ def _on_a_line(
         )
     late = np.flatnonzero(advance > 1)
     jitter_s = float(np.sqrt(np.mean(deviation**2)))
-    duration_s = step_s * float(tick[-1])
     return TimeBase(
         begin_s=float(time_s.mean() - step_s * tick.mean()),
         step_s=step_s,

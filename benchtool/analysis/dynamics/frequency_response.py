@@ -213,8 +213,8 @@ def periodic_response(
 
 
 def _of_steps(samples: NDArray[np.float64], table: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the power in each bin, summed over the periods, of the errors of a converter's steps that are the
-    same in each; `table` are the samples in shape (periods, period)."""
+    """Return the power in each bin, summed over the periods, of the errors of a converter's steps that are
+    the same in each; `table` are the samples in shape (periods, period)."""
     periods, period = table.shape
     bins, step = period // 2, counting_step(samples)
     if not step > 0.0 or len(np.unique(samples)) < _FEWEST_LEVELS:

@@ -47,8 +47,8 @@ class LineErrors:
     `noise`, of `dof` degrees of freedom, is by noise and leakage beside the line; `resampling` by that;
     `phase` what a phase that wanders by `wander_rad`, rms, takes off the line; `resolution` by the steps of a
     quantised signal, as far as they repeat with the period; `steps2` is the mean square of the amplitude that
-    they add. `floor` is that of white noise around the line. `wander` is that of an amplitude that wanders too
-    slowly for the bins beside the line; lines that are modulated as the fundamental is have it in common.
+    they add. `floor` is that of white noise around the line. `wander` is that of an amplitude that wanders
+    too slowly for the bins beside the line; lines that are modulated as the fundamental is have it in common.
     """
 
     noise: NDArray[np.float64]
@@ -67,8 +67,8 @@ class LineErrors:
         return np.asarray(np.sqrt(squares))
 
     def budget(self, index: int, *, of_ratio: bool = False) -> tuple[Contribution, ...]:
-        """Return the contributions to the amplitude of harmonic `index` + 1, without those that are zero; in a
-        ratio of lines what they have in common cancels."""
+        """Return the contributions to the amplitude of harmonic `index` + 1, without those that are zero; in
+        a ratio of lines what they have in common cancels."""
         lines = (
             Contribution("noise and leakage beside the line", "A", self.noise[index], self.dof[index]),
             Contribution("resampling", "B", self.resampling[index]),

@@ -48,7 +48,7 @@ def is_modulated_alike(spectrum: CoherentSpectrum, weights: Floats) -> NDArray[n
 
 
 def _sidebands(spectrum: CoherentSpectrum, orders: int) -> NDArray[np.complex128]:
-    """Return what the pairs of bins around harmonics 1, 2 ... do to their amplitudes, shape (orders, pairs)."""
+    """Return what pairs of bins around harmonics 1, 2 ... do to their amplitudes, shape (orders, pairs)."""
     periods, bins = spectrum.periods, spectrum.phasor
     lines = periods * np.arange(1, orders + 1)
     offsets = np.arange(1, 2 * PAIRS + 1)
