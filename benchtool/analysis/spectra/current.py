@@ -226,7 +226,8 @@ CURRENT_SPECTRUM: Final = Analysis(
             ("current_fundamental",),
             "A",
             "A_1",
-            "noise beside the line, resampling, wander of the phase, resolution",
+            "noise beside the line or, of an amplitude with a memory, that of its mean over periods; "
+            "resampling, wander of the phase, resolution",
         ),
         Quantity(
             ("current_max_low_harmonic",),

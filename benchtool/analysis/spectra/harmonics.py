@@ -378,7 +378,8 @@ def harmonic_table(
     return Table(
         name,
         "amplitude: peak; phase: of the cosine when the fundamental is at its maximum; uncertainty: "
-        "standard, of noise and leakage beside the harmonic, resampling, wander of the phase and resolution",
+        "standard, of noise and leakage beside the harmonic, resampling, wander of phase and amplitude, and "
+        "resolution",
         (
             ("order", ""),
             ("frequency", "Hz"),
