@@ -54,7 +54,8 @@ def standard(measured: Measurement) -> float:
 
 
 def test_what_slips_against_an_angle_that_swings_is_followed_in_both() -> None:
-    angle = 2.0 * np.pi * FREQUENCY_HZ * T + 0.3 * np.sin(2.0 * np.pi * 2.0 * T)
+    # faster than the phase of a period shows, so that only the angle has it
+    angle = 2.0 * np.pi * FREQUENCY_HZ * T + 0.05 * np.sin(2.0 * np.pi * 31.0 * T)
     phase = angle + 0.15 * np.sin(2.0 * np.pi * 0.7 * T)
     samples = np.cos(phase) + 0.1 * np.cos(5.0 * phase)
     _, track, seen = follow(samples, RATE_HZ, track_angle(angle, 1))
@@ -63,6 +64,31 @@ def test_what_slips_against_an_angle_that_swings_is_followed_in_both() -> None:
     assert float(np.std(seen.phase_rad)) < 2e-3
     left = (track.at(np.arange(SAMPLES, dtype=np.float64)) - phase)[500:-500]
     assert float(np.std(left)) < 2e-3
+
+
+@pytest.mark.parametrize("counts", [1000, 1024, 360])
+def test_the_steps_of_an_encoder_are_not_in_the_harmonics_of_a_speed_that_swings(counts: int) -> None:
+    phase = 2.0 * np.pi * 20.3 * T + 0.07 * np.sin(2.0 * np.pi * 1.7 * T)
+    samples = np.cos(phase) + 0.03 * np.cos(5.0 * phase)
+    step_rad = 4 * 2.0 * np.pi / counts  # of four pole pairs
+    coherent, _, seen = follow(samples, RATE_HZ, track_angle(np.floor(phase / step_rad) * step_rad, 1))
+    spectrum = spectrum_of_samples(coherent)
+    assert np.std(seen.phase_rad) < 2e-3
+    assert spectrum.amplitude[5 * spectrum.periods] == pytest.approx(0.03, abs=3e-5)
+    for order in (2, 3, 4, 6, 7, 8, 11, 13):
+        assert spectrum.amplitude[order * spectrum.periods] < 3e-5, order
+
+
+def test_an_encoder_that_is_wrong_twice_a_revolution_is_not_followed_within_a_swing() -> None:
+    phase = 2.0 * np.pi * 20.0 * T + 0.05 * np.sin(2.0 * np.pi * 1.1 * T)
+    angle = phase + 0.02 * np.sin(0.5 * phase)  # electrical, of four pole pairs
+    samples = (
+        np.cos(phase) + 0.03 * np.cos(5.0 * phase) + 1e-3 * np.random.default_rng(1).standard_normal(len(T))
+    )
+    _, track, seen = follow(samples, RATE_HZ, track_angle(angle, 1))
+    left = (track.at(np.arange(SAMPLES, dtype=np.float64)) - phase)[500:-500]
+    assert float(np.std(left)) < 2e-3
+    assert seen.excess_rad < 2e-3
 
 
 def test_the_frequency_of_the_angle_stands_beside_that_of_a_signal_that_leaves_it() -> None:
