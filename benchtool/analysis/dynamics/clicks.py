@@ -14,7 +14,7 @@ Floats = NDArray[np.float64]
 _LONGEST = 2  # samples
 _REACH = 3  # samples to either side, whose median is one of the levels around
 _NEAR = 10  # samples to either side, within which what oscillates is no click
-_SIGMAS = 6.0  # standard deviations of a sample from the mean of its neighbours
+_SIGMAS = 4.5  # standard deviations of a sample from the mean of its neighbours: 5.5 of white noise
 _OF_MEDIAN = 1.0 / 0.6745  # standard deviation over median magnitude, of normal values
 _RARE = 0.02  # of the samples: what is more is no interference
 _FEWEST = 50  # samples
@@ -25,7 +25,7 @@ def without_clicks(samples: Floats) -> tuple[Floats, int]:
     samples that are.
 
     A click is one sample, or two, beyond both neighbours and beyond the medians of three samples to either
-    side, by more than six standard deviations of the noise and by more than these four levels differ from
+    side, by more than 4.5 standard deviations of the noise and by more than these four levels differ from
     each other, so that an edge is none. The noise is how far half of the samples, of all or of those near
     where that is more, are from the mean of their neighbours: what oscillates is none either. Samples without
     noise are returned as they are, and so are those of which more than a fiftieth would be clicks.
