@@ -32,7 +32,8 @@ class Excitation:
     `squares_A2s` is the integral of the squared length of the current vector that is expected, `work_J` the
     mechanical energy. The drive is enabled in `mode`, by default that of the stimulus, and not at all without
     either. `omega_m_rad_s` and `settle_s` are a speed that it runs at in velocity mode, and how long it takes
-    to get there, before it plays and captures.
+    to get there, before it plays and captures. `standing`, the rotor is to stand meanwhile, and the drive to
+    know its angle without the encoder's eccentricity.
     """
 
     name: str
@@ -44,6 +45,7 @@ class Excitation:
     settle_s: float = 0.0
     work_J: float = 0.0
     mode: Mode | None = None
+    standing: bool = False
 
     def energy_J(self, R_s_ohm: float) -> float:
         """Return the heat in the winding, 3/2 R_s times the integral, and the mechanical work."""
