@@ -64,7 +64,7 @@ class Known:
             NoAnswer, SdoAbort: the drive does not answer, or refused.
             ValueRefused: it reads no dc link.
         """
-        drive.wait(_SAMPLED_S)
+        drive.clock.wait(_SAMPLED_S)  # a fault over limits that the drive came with is none of a plan's
         u_dc_V = drive.number("u_dc")
         if not u_dc_V > 0.0:
             raise ValueRefused(f"the drive reads a dc link of {u_dc_V:g} V: power it; nothing was sent")

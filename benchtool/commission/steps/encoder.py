@@ -282,8 +282,10 @@ def _pole_pairs(moved: Motion, known: Known) -> int:
         raise SetUpError(
             f"the motor has {nearest} pole pairs, {stated} are stated",
             f"the pole pairs are wrong (poles, or magnets, taken for pairs), the encoder has "
-            f"{lines * stated / nearest:.0f} lines and not {lines}, or a gearbox is between it and the rotor",
-            "count the magnets: half of their number goes into motor.pole_pairs; check encoder_lines",
+            f"{lines * stated / nearest:.0f} lines and not {lines}, or it slips on its shaft or a gearbox is "
+            f"between it and the rotor",
+            "count the magnets: half of their number goes into motor.pole_pairs; check encoder_lines and the "
+            "encoder's coupling",
         )
     return nearest
 

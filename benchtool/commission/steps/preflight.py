@@ -9,11 +9,13 @@ from benchtool.analysis import Basis, Contribution, Measurement, combined
 from benchtool.block import Block
 from benchtool.commission.excitation import Excitation
 from benchtool.commission.known import Known
+from benchtool.commission.nameplate import probable_cause
 from benchtool.commission.saving import through_a_loss
 from benchtool.commission.steps.offsets import CURRENTS
 from benchtool.commission.steps.step import Finding
 from benchtool.drive import CaptureRequest, RemoteDrive
 from benchtool.errors import SetUpError
+from benchtool.profile import Motor
 from benchtool.protocol import Mode, State
 
 _ROWS = 500
@@ -23,6 +25,7 @@ _LINK_SHARE = 0.9  # of what the EMF at the rated speed needs
 _SPUN = 0.4  # of the rated speed, to which later steps spin
 _HOTTEST_DEGC = 100.0
 _OVERLOAD = 1.1
+_OFF, _NEAR = 1.3, 0.1  # of a rotor flux that is another one; of a factor between conventions
 _TOO_MUCH = 4.0  # times the rated torque, that the rated current makes by the rotor flux
 _SLACK_S, _POLL_S = 0.5, 0.01  # of the supervision of the link
 _ALIVE_S = 0.2
@@ -123,11 +126,23 @@ def _needed_V(known: Known, share: float) -> float:
 def _require_link(u_dc_V: float, known: Known) -> None:
     needed = _needed_V(known, _SPUN) + math.sqrt(3.0) * known.motor.R_s_ohm * known.I_N_A
     if u_dc_V < needed:
+        looks = _flux_by_torque(known.motor, known.I_N_A)
         raise SetUpError(
             f"the dc link is {u_dc_V:.4g} V, {needed:.4g} V are needed for {_SPUN:.0%} of the rated speed",
-            "the dc link is too low, or the nameplate is of another motor",
-            "raise the supply's voltage, or check the profile's [motor]",
+            f"{looks}, or the dc link is too low"
+            if looks
+            else "the dc link is too low, or rated speed, rotor flux or pole pairs are stated wrong",
+            "check motor.omega_m_N_rad_s, psi_r_Wb and pole_pairs, or raise the supply's voltage",
         )
+
+
+def _flux_by_torque(motor: Motor, I_N_A: float) -> str:
+    """Return what the nameplate's rotor flux looks like beside that by which the rated current makes the
+    rated torque; empty where the two agree, or are apart by no telling factor."""
+    of_torque_Wb = motor.T_N_Nm / (1.5 * motor.pole_pairs * I_N_A)
+    if motor.psi_r_Wb < _OFF * of_torque_Wb:
+        return ""
+    return probable_cause("psi_r", of_torque_Wb, motor, _NEAR)
 
 
 def _require_limits(drive: RemoteDrive, known: Known) -> None:
