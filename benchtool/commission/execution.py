@@ -30,6 +30,7 @@ from benchtool.commission.steps.saturation import Pulses
 from benchtool.commission.steps.speed_control import SpeedControl
 from benchtool.commission.steps.step import FaultTelling, Finding, LoopStep, StagedStep, Step, Trial
 from benchtool.commission.steps.verification import Verification
+from benchtool.document import closest
 from benchtool.drive import Capability, RemoteDrive
 from benchtool.drive.parameters import held
 from benchtool.errors import (
@@ -81,7 +82,7 @@ def steps_for(names: Sequence[str]) -> tuple[Step, ...]:
     while pending:
         name = pending.pop()
         if name not in by_name:
-            raise UsageError(f"there is no step '{name}': {', '.join(by_name)} are known; name one of them")
+            raise UsageError(f"there is no step '{name}': {closest(name, list(by_name))}")
         wanted.add(name)
         pending += [each for each in by_name[name].needs if each not in wanted]
     return tuple(step for step in STEPS if step.name in wanted)

@@ -140,12 +140,11 @@ class Known:
 
     @property
     def friction_Nm(self) -> Callable[[float], float]:
-        """Torque of friction at a speed in rad/s; until it is known, a share of the rated torque."""
-        coulomb = self.value(
-            "coulomb", _FRICTION_SHARE * self.motor.T_N_Nm if "J" not in self.estimates else 0.0
-        )
-        viscous = self.value("friction", 0.0)
-        return lambda omega_m: coulomb + viscous * abs(omega_m)
+        """Torque of friction at a speed in rad/s; where its parts could not be told, their sum at the highest
+        speed at which it was measured, and until then a share of the rated torque."""
+        whole = self.value("friction_torque", _FRICTION_SHARE * self.motor.T_N_Nm)
+        coulomb, viscous = self.value("coulomb", whole), self.value("friction", 0.0)
+        return lambda omega_m: max(0.0, coulomb) + viscous * abs(omega_m)
 
     @property
     def torque_per_A(self) -> float:
