@@ -13,7 +13,7 @@ from benchtool.commission.nameplate import probable_cause
 from benchtool.commission.saving import through_a_loss
 from benchtool.commission.steps.offsets import CURRENTS
 from benchtool.commission.steps.step import Finding
-from benchtool.drive import CaptureRequest, RemoteDrive
+from benchtool.drive import Capability, CaptureRequest, RemoteDrive
 from benchtool.errors import SetUpError
 from benchtool.profile import Motor
 from benchtool.protocol import Mode, State
@@ -24,6 +24,7 @@ _STEADY = 0.05  # of the dc link
 _LINK_SHARE = 0.9  # of what the EMF at the rated speed needs
 _SPUN = 0.4  # of the rated speed, to which later steps spin
 _HOTTEST_DEGC = 100.0
+_LIMITS = ("i_trip", "u_dc", "u_dc_min", "u_dc_max", "omega_m_trip")
 _OVERLOAD = 1.1
 _OFF, _NEAR = 1.3, 0.1  # of a rotor flux that is another one; of a factor between conventions
 _TOO_MUCH = 4.0  # times the rated torque, that the rated current makes by the rotor flux
@@ -92,11 +93,12 @@ class Preflight:
             DriveFault: it cannot be enabled.
         """
         drive.check()
+        mode = Mode.CURRENT if drive.capabilities.findings[Capability.STIMULUS].available else Mode.TORQUE
         _require_limits(drive, known)
         _require_cool(drive)
         with through_a_loss(drive):
-            stopped_s = _withhold_heartbeat(drive)
-        _try_quick_stop(drive)
+            stopped_s = _withhold_heartbeat(drive, mode)
+        _try_quick_stop(drive, mode)
         u = combined([Contribution("polling", "B", _POLL_S / math.sqrt(12.0))], "polling")
         definition = "from the last heartbeat of the host to the power stage off"
         return {"link_loss_time": Measurement("link_loss_time", stopped_s, "s", definition, uncertainty=u)}
@@ -146,7 +148,9 @@ def _flux_by_torque(motor: Motor, I_N_A: float) -> str:
 
 
 def _require_limits(drive: RemoteDrive, known: Known) -> None:
-    """Check that the limits of the drive are armed and belong to this motor."""
+    """Check that the limits of the drive are armed and belong to this motor, of a drive that has them."""
+    if not all(name in drive.dictionary for name in _LIMITS):
+        return
     motor = known.motor
     i_trip, least, most = (drive.number(name) for name in ("i_trip", "u_dc_min", "u_dc_max"))
     range_A = drive.number("i_full_scale") if "i_full_scale" in drive.dictionary else math.inf
@@ -211,9 +215,10 @@ def _require_cool(drive: RemoteDrive) -> None:
             )
 
 
-def _withhold_heartbeat(drive: RemoteDrive) -> float:
-    """Enable at zero current, fall silent, and return after which time the drive had switched off."""
-    drive.enable(Mode.CURRENT)
+def _withhold_heartbeat(drive: RemoteDrive, mode: Mode) -> float:
+    """Enable at zero current or torque, fall silent, and return after which time the drive had switched
+    off."""
+    drive.enable(mode)
     timeout_s = drive.supervision.timeout_s
     drive.stop_heartbeat()
     silent_s = drive.clock.now_s()
@@ -237,8 +242,8 @@ def _withhold_heartbeat(drive: RemoteDrive) -> float:
         drive.emergencies()  # the loss of this host is not one to report
 
 
-def _try_quick_stop(drive: RemoteDrive) -> None:
-    with drive.enabled(Mode.CURRENT):
+def _try_quick_stop(drive: RemoteDrive, mode: Mode) -> None:
+    with drive.enabled(mode):
         drive.quick_stop()
         silent_s = drive.clock.now_s()
         while drive.state().power_stage_on:
