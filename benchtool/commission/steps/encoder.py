@@ -136,7 +136,19 @@ class DraggedRotor:
     def findings(self, found: Mapping[str, Measurement], known: Known) -> tuple[Finding, ...]:
         """Return what does not fit the nameplate, and what is worn or loaded."""
         findings = []
-        if found["encoder_direction"].value < 0.0:
+        stated = known.held.get("encoder_direction", "forward") == "reverse"
+        counts_down = found["encoder_direction"].value < 0.0
+        if stated and not counts_down:
+            findings.append(
+                Finding(
+                    "the encoder counts up while the current turns from phase a to b, and encoder_direction is "
+                    '"reverse"',
+                    "the tracks A and B, or two phases, have been exchanged since",
+                    'state encoder_direction = "forward" in [drive.parameters] of the profile',
+                    fails=False,
+                )
+            )
+        if counts_down and not stated:
             findings.append(
                 Finding(
                     "the encoder counts down while the current turns from phase a to b",
