@@ -141,8 +141,8 @@ class DraggedRotor:
         if stated and not counts_down:
             findings.append(
                 Finding(
-                    "the encoder counts up while the current turns from phase a to b, and encoder_direction is "
-                    '"reverse"',
+                    "the encoder counts up while the current turns from phase a to b, and "
+                    'encoder_direction is "reverse"',
                     "the tracks A and B, or two phases, have been exchanged since",
                     'state encoder_direction = "forward" in [drive.parameters] of the profile',
                     fails=False,
