@@ -225,9 +225,10 @@ def figures(runs: Sequence[Mapping[str, Any]]) -> dict[str, object]:
         if step["verdict"] == "fail"
     ]
     found["failed"] = failed
-    found["saved"] = sum(each["document"]["saved"] for each in runs)
+    asked = [each for each in runs if each["document"]["not_saved"] != "it was not asked for"]
+    found["saved"] = sum(each["document"]["saved"] for each in asked)
     found["not_saved"] = [
-        f"{each['motor']}: {each['document']['not_saved']}" for each in runs if not each["document"]["saved"]
+        f"{each['motor']}: {each['document']['not_saved']}" for each in asked if not each["document"]["saved"]
     ]
     found["findings"] = [
         f"{each['motor']}: {one['what']}" for each in runs for one in each["document"]["findings"]
