@@ -30,11 +30,12 @@ from benchtool.commission.steps.speed_loop import FASTEST, at_speed, settling_s
 from benchtool.commission.steps.step import Finding
 from benchtool.drive import CaptureRequest, Stimulus
 
-_SPEEDS = (0.2, 0.32, 0.4)  # of the rated speed; the drive trips at half of it
+_SPEEDS = (0.28, 0.34, 0.4)  # of the rated speed; the drive trips at half of it
 _SHARES = (0.35, 0.75)  # of the rated current, along the rotor flux: least and most
 _MOST_ASKED = 1.05  # of it
 _OF_FLUX = 0.25  # of the rotor flux, by that current at most: what saturation bends is not the magnet's
 _CALM, _ANGLE_LEFT_RAD = 0.1, 0.03  # of the rated speed; electrical, beside what is known of the encoder
+_HARMONICS = 0.24  # of the EMF, the fifth and the seventh together: as torque of a current along the flux
 _OVERSHOOT = 1.65  # of the current when it is reversed, with what harmonics drive and friction takes
 _ACROSS = 0.06  # of what dead time takes across the flux, left after its correction
 _DEAD_SHARE = 0.5  # of what dead time and devices take, the dead time's: nothing tells it
@@ -199,7 +200,9 @@ def _amplitude_A(known: Known) -> float:
     """Return the current along the rotor flux: the larger, the less dead time takes across the flux.
 
     An eccentric encoder has a part of it make torque. When the current is reversed, that moves a speed which
-    a critically damped controller of the gain K_p holds, by 2/e of the change over K_p at most.
+    a critically damped controller of the gain K_p holds, by 2/e of the change over K_p at most. The harmonics
+    of the EMF have it hold the rotor six times in a revolution of the flux, a work of psi_r i times their
+    share: half of the kinetic energy at the slowest speed is left, or the rotor would rest there.
     """
     motor = known.identified
     bends_A = _OF_FLUX * motor.psi_r_Wb / motor.L_d_H
@@ -209,12 +212,14 @@ def _amplitude_A(known: Known) -> float:
     assert isinstance(K_p, float)
     moves_rad_s = 2.0 * known.torque_per_A * aside_rad * 2.0 / math.e / K_p  # per ampere
     calm_A = _CALM * known.motor.omega_m_N_rad_s / moves_rad_s
+    slowest = _SPEEDS[0] * known.motor.omega_m_N_rad_s
+    passes_A = 0.5 * motor.J_kgm2 * slowest**2 / (motor.psi_r_Wb * _HARMONICS)
     E = motor.pole_pairs * motor.psi_r_Wb * FASTEST * known.motor.omega_m_N_rad_s
     ripple = E * (known.pwm_period_s or known.control_period_s) / (4.0 * motor.L_q_H)
     trip_A = float(known.held.get("i_trip", known.I_N_A))
     safe_A = (trip_A - 2.0 * ripple) / _OVERSHOOT
     least, most = (share * known.I_N_A for share in _SHARES)
-    return min(max(least, min(bends_A, calm_A, safe_A)), most)
+    return min(max(least, min(bends_A, calm_A, safe_A, passes_A)), most)
 
 
 def _of_nameplate(psi_r_Wb: float, known: Known) -> Iterator[Finding]:
