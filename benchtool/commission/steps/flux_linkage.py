@@ -32,7 +32,6 @@ from benchtool.drive import CaptureRequest, Stimulus
 
 _SPEEDS = (0.28, 0.34, 0.4)  # of the rated speed; the drive trips at half of it
 _SHARES = (0.35, 0.75)  # of the rated current, along the rotor flux: least and most
-_MOST_ASKED = 1.05  # of it
 _OF_FLUX = 0.25  # of the rotor flux, by that current at most: what saturation bends is not the magnet's
 _CALM, _ANGLE_LEFT_RAD = 0.1, 0.03  # of the rated speed; electrical, beside what is known of the encoder
 _HARMONICS = 0.24  # of the EMF, the fifth and the seventh together: as torque of a current along the flux
@@ -78,7 +77,7 @@ class BackEmf:
                         Stimulus(
                             quantity="d_current",
                             shape="prbs",
-                            amplitude_A=_asked_A(known),
+                            amplitude_A=amplitude,
                             prbs_clock_s=duration_s / _LEVELS,
                             prbs_length=2,
                             seed=1,
@@ -183,17 +182,6 @@ def _lopsided(known: Known) -> Measurement:
         return Measurement("lopsided", 0.0, "Wb", definition)
     u = Uncertainty(per_H * standard, "saturation curve", 3.0)
     return Measurement("lopsided", per_H * difference, "Wb", definition, uncertainty=u)
-
-
-def _asked_A(known: Known) -> float:
-    """Return the current to ask for, so that `_amplitude_A` flows.
-
-    The drive predicts the current over its delay without dead time, and controls what it predicts: the
-    current stays behind by what the voltage of dead time and devices makes of it in a control period.
-    """
-    behind_A = known.drop_fundamental_V * known.control_period_s / known.identified.L_d_H
-    amplitude = _amplitude_A(known)
-    return max(amplitude, min(amplitude + behind_A, _MOST_ASKED * known.I_N_A))
 
 
 def _amplitude_A(known: Known) -> float:
