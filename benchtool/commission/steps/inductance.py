@@ -31,7 +31,8 @@ _OF_LINE_TO_LINE, _NEAR = 0.5, 0.15
 
 
 class TurningVoltage:
-    """Align the rotor with phase a, then turn a growing voltage vector too fast for it to follow; at two speeds.
+    """Align the rotor with phase a, then turn a growing voltage vector too fast for it to follow, at two
+    speeds.
 
     Begun with nothing, the currents have no constant part that would kick the rotor, and on the average a
     turning vector makes no torque, in a salient machine neither. Two speeds tell the inductance from what the
@@ -47,9 +48,7 @@ class TurningVoltage:
     def plan(self, known: Known) -> tuple[Excitation, ...]:
         """Return an alignment and a turning vector for each speed, repeated."""
         align = aligning(known, {"dead_time_compensation": 0.0, **known.offsets})
-        return tuple(
-            each for periods in _REPEATS * _PERIODS for each in (align, _turning(known, periods))
-        )
+        return tuple(each for periods in _REPEATS * _PERIODS for each in (align, _turning(known, periods)))
 
     def estimate(self, blocks: Sequence[Block], known: Known) -> Mapping[str, Measurement]:
         """Return `L_d` and `L_q`.
