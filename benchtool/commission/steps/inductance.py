@@ -46,9 +46,12 @@ class TurningVoltage:
     sets: tuple[str, ...] = ("L_d", "L_q")
 
     def plan(self, known: Known) -> tuple[Excitation, ...]:
-        """Return an alignment and a turning vector for each speed, repeated."""
+        """Return an alignment and a turning vector for each speed, repeated.
+
+        The second vector finds the rotor where the first has left it, as the encoder tells.
+        """
         align = aligning(known, {"dead_time_compensation": 0.0, **known.offsets})
-        return tuple(each for periods in _REPEATS * _PERIODS for each in (align, _turning(known, periods)))
+        return _REPEATS * (align, *(_turning(known, periods) for periods in _PERIODS))
 
     def estimate(self, blocks: Sequence[Block], known: Known) -> Mapping[str, Measurement]:
         """Return `L_d` and `L_q`.
@@ -56,8 +59,9 @@ class TurningVoltage:
         Raises:
             AnalysisError: the captures do not define them.
         """
+        turning = [block for block in blocks if "theta_m" in block.names]  # the others align
         found = inductance(
-            [_directed(block, known) for block in blocks[1::2]],
+            [_directed(block, known) for block in turning],
             T_s=known.control_period_s,
             R_s_ohm=known.R_s_ohm,
             drop_V=known.drop_V,
@@ -65,7 +69,7 @@ class TurningVoltage:
             aligned_rad=0.0,
             aligned_standard_rad=_axis_standard_rad(known),
         )
-        rows = sum(len(block.data) for block in blocks[1::2])
+        rows = sum(len(block.data) for block in turning)
         basis = Basis(samples=rows, sample_rate_Hz=1.0 / known.control_period_s)
         scatter = f"scatter of {rows} samples about the fit"
         both = (
