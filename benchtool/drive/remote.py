@@ -25,7 +25,6 @@ _QUICK_STOP_S = 1.0
 _QUICK_STOP_POLL_S = 0.005
 _BRAKES_WITHIN_S = 0.1
 _SLOWER = 0.95
-_TURNING_MODES = (Mode.TORQUE, Mode.VELOCITY)
 ANGLE_KNOWN = "angle_known"
 """Object of a drive that does not know its rotor angle at power-up."""
 
@@ -232,7 +231,7 @@ class RemoteDrive(Cia402Node):
         self._watch.begin()
 
     def _require_angle(self, mode: Mode) -> None:
-        if mode not in _TURNING_MODES or self.optional_number(ANGLE_KNOWN) != 0:
+        if not mode.needs_rotor_angle or self.optional_number(ANGLE_KNOWN) != 0:
             return
         if self.index_search is None:
             raise StateError(

@@ -15,6 +15,11 @@ class Mode(IntEnum):
     TORQUE = 4
 
     @property
+    def needs_rotor_angle(self) -> bool:
+        """Whether a law that turns the rotor runs in this mode."""
+        return self in (Mode.TORQUE, Mode.VELOCITY)
+
+    @property
     def codes(self) -> tuple[int, ...]:
         """Codes that make a drive follow the same target object, the profile mode before the cyclic one."""
         return {Mode.VELOCITY: (3, 9), Mode.TORQUE: (4, 10)}.get(self, (int(self),))

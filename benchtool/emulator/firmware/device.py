@@ -24,7 +24,6 @@ _POLL_S = 1e-3
 _REACTION_TICKS = 3  # the period under way, the one that the stage is off for, and its currents' end
 _HOLDING_OPTIONS = (5, 6)
 _INDEX = 1  # of `encoder_reference`
-_TURNING_MODES = (Mode.TORQUE, Mode.VELOCITY)  # whose laws need the rotor angle
 _TARGETS = ("torque_command", "omega_m_command", "target_torque", "target_velocity")
 
 _ERROR_OF_TRIP = {
@@ -245,7 +244,7 @@ class Firmware:
         return self.objects["encoder_reference"] != _INDEX or self.core.index_passed
 
     def _lacks_angle(self, mode: int) -> bool:
-        return mode in _TURNING_MODES and not self._angle_known()
+        return Mode(mode).needs_rotor_angle and not self._angle_known()
 
     def _check_mode(self, raw: Number) -> None:
         if self.state.power_stage_on and self._lacks_angle(int(raw)):
