@@ -48,7 +48,12 @@ class Section(BaseModel):
     """
 
     model_config = ConfigDict(
-        extra="forbid", frozen=True, allow_inf_nan=False, arbitrary_types_allowed=True, strict=True
+        extra="forbid",
+        frozen=True,
+        allow_inf_nan=False,
+        arbitrary_types_allowed=True,
+        strict=True,
+        defer_build=True,
     )
 
 
@@ -100,10 +105,29 @@ def load_document(
     Raises:
         error: the file cannot be read, is not TOML, or does not fit the model; one line each.
     """
+    return parse_document(read_document(path, error), path, model, error, change)
+
+
+def read_document(path: Path, error: type[UsageError]) -> str:
+    """Return the text of the document at `path`.
+
+    Raises:
+        error: the file cannot be read.
+    """
     try:
-        text = path.read_text(encoding="utf-8")
+        return path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as reason:
         raise error(f"cannot read {path}: {_reason(reason)}; a readable TOML file is expected") from None
+
+
+def parse_document(
+    text: str,
+    path: Path,
+    model: type[Model],
+    error: type[UsageError],
+    change: Callable[[Mapping[str, Any]], Mapping[str, Any]] = lambda content: content,
+) -> Model:
+    """As `load_document`, of a text that has been read from `path`."""
     try:
         content = tomllib.loads(text)
     except tomllib.TOMLDecodeError as reason:

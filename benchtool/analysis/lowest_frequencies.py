@@ -14,10 +14,10 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
+from numpy import fft
 from numpy.typing import NDArray
-from scipy import fft
-from scipy.special import ndtr
 
+from benchtool.analysis.distributions import fisher_above
 from benchtool.analysis.uncertainty import COVERAGE
 
 Floats = NDArray[np.float64]
@@ -104,16 +104,16 @@ def _banded(number: Floats, power: Floats) -> tuple[Floats, Floats, Floats]:
 
 def _before_a_rise(place: Floats, mean: Floats, count: Floats) -> int:
     """Return how many bands are below the one from which on the density is clearly higher than before."""
-    from scipy.special import fdtrc
-
     total, bins = np.cumsum(mean * count), np.cumsum(count)
     for last in range(2, len(place)):
         near = np.flatnonzero(place[:last] >= 0.25 * place[last])
         below = near[0] if len(near) else 0
         bins_below = float(bins[last - 1] - (bins[below - 1] if below else 0.0))
         of_below = float(total[last - 1] - (total[below - 1] if below else 0.0)) / bins_below
-        if bins_below >= 2.0 and fdtrc(2.0 * count[last], 2.0 * bins_below, mean[last] / of_below) < _RISES:
-            return last
+        if bins_below >= 2.0:
+            ratio = float(mean[last]) / of_below
+            if fisher_above(2.0 * float(count[last]), 2.0 * bins_below, ratio) < _RISES:
+                return last
     return len(place)
 
 
@@ -195,10 +195,11 @@ def _half_width(weight: Floats, standard: Floats) -> float:
     """
     kept = weight > _WEIGHTLESS
     weight, standard = weight[kept] / np.sum(weight[kept]), standard[kept]
+    mixture = list(zip(weight.tolist(), (math.sqrt(2.0) * standard).tolist(), strict=True))
     low, high = 0.0, 4.0 * float(np.max(standard))
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
-        within = float(np.sum(weight * (2.0 * ndtr(middle / standard) - 1.0)))
+        within = sum(share * math.erf(middle / each) for share, each in mixture)
         low, high = (middle, high) if within < COVERAGE else (low, middle)
     return high
 

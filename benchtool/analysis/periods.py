@@ -7,9 +7,9 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy import fft
 from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
-from scipy import fft
 
 from benchtool.analysis.quantisation import resolution
 from benchtool.analysis.validity import require_signal

@@ -16,8 +16,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy import fft
 from numpy.typing import NDArray
-from scipy import fft
 
 _TERMS = 20  # of few places in a period all fold into each line, and six hold a tenth less of the power
 _NEGLIGIBLE = 1e-3  # of the first term

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
+from numpy import fft
 from numpy.typing import NDArray
-from scipy import fft
 
+from benchtool.analysis.fast_lengths import next_fast_length
 from benchtool.analysis.lowest_frequencies import slow_noise
 
 _PARTS, _MOST_PARTS = 10, 64
@@ -50,7 +51,7 @@ def error_of_series(values: NDArray[np.float64]) -> MeanError:
     if count < _FEWEST_VALUES:
         return MeanError(math.nan, math.nan)
     deviation = values - np.mean(values)
-    padded = fft.next_fast_len(2 * count, real=True)
+    padded = next_fast_length(2 * count)
     power = np.abs(fft.rfft(deviation, padded)) ** 2
     covariance = fft.irfft(power, padded)[:count] / count
     if not covariance[0] > 0.0:

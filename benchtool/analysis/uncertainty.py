@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any, Final, Literal
 
-from scipy.special import ndtr, stdtr, stdtrit
+from benchtool.analysis.distributions import normal_below, student_below, student_quantile
 
 COVERAGE: Final = 0.95
 """Coverage probability of an expanded uncertainty."""
@@ -115,8 +115,8 @@ class Uncertainty:
             return 1.0 if least <= 0.0 <= greatest else 0.0
         low, high = (bound * coverage_factor(dof) / U for bound in (least, greatest))
         if math.isfinite(dof):
-            return float(stdtr(dof, high) - stdtr(dof, low))
-        return float(ndtr(high) - ndtr(low))
+            return student_below(dof, high) - student_below(dof, low)
+        return normal_below(high) - normal_below(low)
 
     def scaled(self, factor: float, source: str = "") -> Uncertainty:
         """That of the result times a constant."""
@@ -231,7 +231,7 @@ def of_difference(one: Uncertainty, two: Uncertainty) -> Uncertainty:
 def coverage_factor(dof: float) -> float:
     """Return the k of 95 %: the two-sided quantile of Student's distribution (JCGM 100:2008, G.3.2), 1.96 for
     many."""
-    return float(stdtrit(max(1.0, min(dof, 1e12)), 0.5 + 0.5 * COVERAGE))
+    return student_quantile(max(1.0, min(float(dof), 1e12)), 0.5 + 0.5 * COVERAGE)
 
 
 def _finite(value: float) -> float | None:

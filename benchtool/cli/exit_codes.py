@@ -22,6 +22,7 @@ import typer
 from benchtool.errors import BenchError, EnvironmentFailure
 
 INTERRUPTED: Final = 130
+OBJECTS: Final = 100_000  # made between two searches for rubbish: what is imported makes hardly any
 _CONTROLS: Final = {code: f"\\x{code:02x}" for code in (*range(32), *range(127, 160)) if code not in (9, 10)}
 _REMEDIES: Final = {
     errno.ENOSPC: "make space there, or write to another place",
@@ -64,6 +65,7 @@ def run_to_the_end(app: Callable[[], object]) -> NoReturn:
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:  # the parent process may have closed it
             setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115 # for the rest of the process
+    gc.set_threshold(OBJECTS)
     try:
         app()
         code: int | str | None = 0

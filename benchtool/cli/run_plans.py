@@ -13,7 +13,6 @@ from pathlib import Path
 from benchtool.bench import open_session
 from benchtool.cli import live_views, operator_prompt, options
 from benchtool.cli.conditions import conditions
-from benchtool.cli.dry_run import show_dry_run
 from benchtool.cli.output import Output
 from benchtool.cli.progress import RunProgress
 from benchtool.cli.results import show_run
@@ -23,7 +22,7 @@ from benchtool.errors import DriveError, LinkError, UsageError
 from benchtool.plan import plan_path, worst
 from benchtool.profile import load_profile, profile_path
 from benchtool.recording import require_own, write_whole
-from benchtool.report import PAGE_MARK, PlanFigures, reproduction_page, write_junit
+from benchtool.report import PAGE_MARK, PlanFigures, reproduction_page
 from benchtool.results import RunResult, recorded_runs
 from benchtool.run import RunInfo, bundle_folder, check_plan, run_in_processes, run_plan
 
@@ -42,6 +41,8 @@ def run_plans(name: str, plans: Sequence[NamedPlan], chosen: RunOptions) -> int:
     with noting(chosen.changes):
         todo = [_checked(each, chosen) for each in plans]  # the last one too, before the first is run
     if chosen.dry_run:
+        from benchtool.cli.dry_run import show_dry_run
+
         return show_dry_run(todo, chosen.link, output)
     with (
         bundle_folder(chosen.out, options.wall_time(), title) as folder,
@@ -59,6 +60,8 @@ def run_plans(name: str, plans: Sequence[NamedPlan], chosen: RunOptions) -> int:
             raise
         finally:
             if chosen.junit is not None and any(folder.rglob("manifest.json")):
+                from benchtool.report import write_junit
+
                 write_junit(recorded_runs(folder), chosen.junit)
         output.line(f"report with figures: benchtool report {shlex.quote(str(folder))}", "dim")
         if chosen.page is not None:

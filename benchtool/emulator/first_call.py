@@ -1,8 +1,9 @@
 """The first call of a compiled function in a process: compiled once for all processes, and without pauses.
 
 Compiling takes seconds, so that processes that need the same function at the same time wait for the first of
-them and load what it leaves on disk. The compiler makes millions of objects and hardly any rubbish; to look
-for rubbish among them takes a fifth of its time, so that the collector rests meanwhile.
+them and load what it leaves on disk; what is there already is loaded by all at once. The compiler makes
+millions of objects and hardly any rubbish; to look for rubbish among them takes a fifth of its time, so that
+the collector rests meanwhile.
 """
 
 from __future__ import annotations
@@ -12,6 +13,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import Any
+
+from benchtool.emulator.jit import is_cached
 
 try:
     import fcntl
@@ -25,7 +28,8 @@ def call_first(compiled: Callable[..., Any], call: Callable[[], Any]) -> None:
         return
     stats = getattr(compiled, "stats", None)
     folder = stats.cache_path if stats is not None else None
-    with _one_process(Path(folder)) if folder else nullcontext(), _uncollected():
+    alone = _one_process(Path(folder)) if folder and not is_cached(compiled) else nullcontext()
+    with alone, _uncollected():
         call()
 
 

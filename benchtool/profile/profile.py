@@ -3,12 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 from pydantic import ConfigDict, Field, ValidationError, model_validator
 
-from benchtool.document import Array, Section, document_path, explain, load_document
+from benchtool.document import (
+    Array,
+    Section,
+    document_path,
+    explain,
+    load_document,
+    parse_document,
+    read_document,
+)
 from benchtool.errors import ProfileError
 from benchtool.profile.bench import Bench
 from benchtool.profile.claims import Choice, Claim
@@ -92,7 +101,14 @@ def load_profile(name: str) -> Profile:
     Raises:
         ProfileError: unknown, unreadable, or a key is wrong.
     """
-    return load_document(profile_path(name), Profile, ProfileError)
+    path = profile_path(name)
+    return _parsed(read_document(path, ProfileError), path)
+
+
+@lru_cache(maxsize=8)
+def _parsed(text: str, path: Path) -> Profile:
+    """Return the profile that a file has; a run asks for the same one several times."""
+    return parse_document(text, path, Profile, ProfileError)
 
 
 def bench_of(content: dict[str, Any]) -> Bench:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
-from scipy import fft
+from numpy import fft
 
 from benchtool.analysis import Instruments, Measurement, catalogue, measure
 from benchtool.block import Block

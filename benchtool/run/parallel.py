@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import multiprocessing
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from contextlib import AbstractContextManager
@@ -60,7 +61,9 @@ def run_in_processes(
     if resume:
         require_same_provenance(folder, Provenance(plan, info.link, info.seed, info.profile_toml))
     context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(max_workers=min(jobs, len(todo)), mp_context=context) as pool:
+    with ProcessPoolExecutor(
+        min(jobs, len(todo)), context, initializer=gc.set_threshold, initargs=gc.get_threshold()
+    ) as pool:
         tasks = [pool.submit(_run, _Task(plan, case, profile_name, folder, info, resume)) for case in todo]
         for number, done in enumerate(as_completed(tasks), start=1):
             progress.begin(done.result().case, number, len(todo))

@@ -14,7 +14,8 @@ from benchtool.emulator.first_call import call_first
 
 
 def not_compiled(folder: Path | None) -> Any:
-    return SimpleNamespace(overloads={}, stats=SimpleNamespace(cache_path=folder))
+    stats = SimpleNamespace(cache_path=folder)
+    return SimpleNamespace(overloads={}, nopython_signatures=[], stats=stats, __qualname__="run")
 
 
 def test_one_compiles_while_the_others_wait_and_nothing_is_collected(tmp_path: Path) -> None:
@@ -42,6 +43,20 @@ def test_one_compiles_while_the_others_wait_and_nothing_is_collected(tmp_path: P
     other.join()
     assert inside == ["first", "second"]
     assert gc.isenabled()
+
+
+def test_what_is_on_disk_is_loaded_by_all_at_once(tmp_path: Path) -> None:
+    (tmp_path / "kernel.run-1.py311.1.nbc").touch()
+    both = threading.Barrier(2)
+    loading = [
+        threading.Thread(target=call_first, args=(not_compiled(tmp_path), lambda: both.wait(60.0)))
+        for _ in range(2)
+    ]
+    for each in loading:
+        each.start()
+    for each in loading:
+        each.join()
+    assert not both.broken
 
 
 def test_what_is_compiled_is_not_called() -> None:

@@ -208,3 +208,29 @@ def test_a_full_receiver_is_an_error_of_the_sender(channel: str, bus: VirtualTim
         with pytest.raises(can.CanOperationError):
             bus.send(FRAME, timeout=0.01)
         assert full.recv(0) is not None
+
+
+def test_frames_sent_together_are_those_sent_one_by_one(channel: str) -> None:
+    contents = [bytes([number, 5, 6]) for number in range(3)]
+    clock = VirtualClock()
+    with (
+        VirtualTimeBus(channel, clock=clock, receive_own_messages=True) as source,
+        VirtualTimeBus(channel, preserve_timestamps=True) as sink,
+    ):
+        for sender in (source, sink):
+            for data in contents:
+                sender.send(can.Message(arbitration_id=0x585, data=data, is_extended_id=False, timestamp=2.5))
+            sender.send_data(0x585, contents, 2.5)
+        for receiver in (source, sink):
+            received = [receiver.recv(0.0) for _ in range(6 if receiver is sink else 12)]
+            assert None not in received
+            assert receiver.recv(0.0) is None
+            for one, other in zip(_each_of(received, 0), _each_of(received, 3), strict=True):
+                assert other.equals(one, timestamp_delta=0.0)
+
+
+def _each_of(received: list[can.Message | None], first: int) -> list[can.Message]:
+    """Return the frames of one way of sending, which alternate three by three."""
+    return [
+        each for at in range(first, len(received), 6) for each in received[at : at + 3] if each is not None
+    ]

@@ -12,8 +12,8 @@ import math
 from dataclasses import dataclass, fields
 
 import numpy as np
+from numpy import fft
 from numpy.typing import NDArray
-from scipy import fft
 
 from benchtool.analysis.dynamics.local_polynomial import REACH, degrees_of_freedom, local_fit
 from benchtool.analysis.validity import require_signal

@@ -19,9 +19,10 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from numpy import fft
 from numpy.typing import NDArray
-from scipy import fft
 
+from benchtool.analysis.fast_lengths import next_fast_length
 from benchtool.analysis.lowest_frequencies import slow_noise
 
 Floats = NDArray[np.float64]
@@ -71,7 +72,7 @@ class Noise:
         """Return Gaussian noise of this autocovariance, shape (records, samples)."""
         records, samples = shape
         lags = len(self.autocovariance)
-        size = fft.next_fast_len(samples + lags, real=True)
+        size = next_fast_length(samples + lags)
         circular = np.zeros(size)
         circular[:lags] = self.autocovariance
         circular[size - lags + 1 :] = self.autocovariance[:0:-1]
@@ -156,7 +157,7 @@ class _Smoothed:
     def _spectra(self, ladder: NDArray[np.int64]) -> tuple[list[Floats], Floats]:
         """Return the transfer of each window, and the power of the noise, over the same frequencies."""
         covariance = self._noise.autocovariance
-        size = fft.next_fast_len(2 * max(len(covariance), int(ladder[-1]) + 1), real=True)
+        size = next_fast_length(2 * max(len(covariance), int(ladder[-1]) + 1))
         both = np.zeros(size)
         both[: len(covariance)] = covariance
         both[size - len(covariance) + 1 :] = covariance[:0:-1]
@@ -244,7 +245,7 @@ def _autocovariance(piece: Floats) -> Floats:
     if float(np.std(left)) <= _ROUNDING * float(np.max(np.abs(piece))):
         return np.zeros(1)
     lags = max(1, len(piece) // _LAGS)
-    size = fft.next_fast_len(2 * len(piece), real=True)
+    size = next_fast_length(2 * len(piece))
     power = np.abs(fft.rfft(left, size)) ** 2
     found = fft.irfft(power, size)[:lags] / max(1, len(piece) - 2)
     taper = 1.0 - np.arange(lags) / lags

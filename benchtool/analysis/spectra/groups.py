@@ -6,9 +6,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy import fft
 from numpy.typing import NDArray
-from scipy import fft
-from scipy.special import fdtri
 
 from benchtool.analysis.measurement import Basis, Table
 from benchtool.analysis.scatter import MeanError, error_of_series, students_deviation
@@ -144,6 +143,8 @@ def group_distortion(
 
 def _exceeds(one: MeanError, other: MeanError, by_chance: float = _BY_CHANCE) -> bool:
     """Return whether a standard uncertainty is more than another by more than chance."""
+    from scipy.special import fdtri  # which takes long to load, and few records ask for
+
     quantile = fdtri(one.dof, min(other.dof, 1e9), 1.0 - by_chance)
     return bool(one.standard**2 > quantile * other.standard**2)
 

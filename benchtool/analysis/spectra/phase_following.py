@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
-from scipy.special import fdtri
 
+from benchtool.analysis.distributions import fisher_above
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.spectra.spectrum import FIRST_ROW, CoherentSamples, coherent_samples
 
@@ -65,7 +65,12 @@ def wander(coherent: CoherentSamples) -> Wander:
     of_phase, of_amplitude = float(np.var(phase_rad)), float(np.var(amplitude)) / middle**2
     freedom = len(phasor) - 1
     excess = 0.0
-    if freedom + 1 >= _FEWEST_PERIODS and of_phase > of_amplitude * fdtri(freedom, freedom, 1.0 - _BY_CHANCE):
+    ratio = of_phase / of_amplitude if of_amplitude > 0.0 else math.inf
+    if (
+        freedom + 1 >= _FEWEST_PERIODS
+        and of_phase > 0.0
+        and fisher_above(freedom, freedom, ratio) < _BY_CHANCE
+    ):
         excess = math.sqrt(of_phase - of_amplitude)
     return Wander(phase_rad, amplitude, excess, math.sqrt(of_amplitude), _jump_rad(steps))
 

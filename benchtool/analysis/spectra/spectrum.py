@@ -7,9 +7,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 
 import numpy as np
+from numpy import fft
 from numpy.typing import NDArray
-from scipy import fft
 
+from benchtool.analysis.fast_lengths import next_fast_length, previous_fast_length
 from benchtool.analysis.orders.resampling import HALF_WIDTH, USABLE_BAND, interpolate_all
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.spectra.spectral_window import WindowName, spectral_window
@@ -142,7 +143,8 @@ def amplitude_spectrum(
     amplitude[0] /= 2.0
     if len(samples) % 2 == 0:
         amplitude[-1] /= 2.0
-    return Spectrum(fft.rfftfreq(len(samples), 1.0 / sample_rate_Hz), amplitude)
+    frequency_Hz = np.asarray(fft.rfftfreq(len(samples), 1.0 / sample_rate_Hz), dtype=np.float64)
+    return Spectrum(frequency_Hz, amplitude)
 
 
 def coherent_samples(
@@ -182,14 +184,14 @@ def coherent_samples_of_all(
             f"{_FEWEST_PERIODS} and {2 * HALF_WIDTH} samples are needed: record a longer window"
         )
     if periods > _ANY_PERIODS:
-        periods = fft.prev_fast_len(periods)
+        periods = previous_fast_length(periods)
     covered = float(track.sample_numbers(np.array([begin + 2 * np.pi * periods]))[0]) - first
     if USABLE_BAND * covered < periods:
         raise AnalysisError(
             f"the fundamental has {covered / periods:.2f} samples per period, more than "
             f"{1 / USABLE_BAND:.2f} are needed: record at a higher rate"
         )
-    per_period = fft.next_fast_len(math.ceil(covered / periods), real=True)
+    per_period = next_fast_length(math.ceil(covered / periods))
     values = np.empty((len(columns), per_period * periods))
     for start in range(0, values.shape[1], _CHUNK):
         part = values[:, start : start + _CHUNK]

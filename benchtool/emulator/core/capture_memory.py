@@ -182,7 +182,8 @@ class CaptureRecorder:
         """
         self._refuse(names, rows, stride, pretrigger, trigger, trigger_name)
         self.channels = np.array([word_offset(self._memory, name) for name in names], np.uint32)
-        self.buffer = np.zeros((rows, len(names)), np.uint32)
+        if self.buffer.shape != (rows, len(names)):  # new pages cost a hundredth of the run
+            self.buffer = np.zeros((rows, len(names)), np.uint32)
         self.record[:] = 0
         capture = self.record[0]
         capture.state = CaptureState.ARMED

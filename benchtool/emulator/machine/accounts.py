@@ -30,7 +30,7 @@ from benchtool.emulator.machine.plant import (
 )
 from benchtool.emulator.machine.saturation import Flux, Saturation, field_energy
 from benchtool.emulator.machine.shaft import less_friction
-from benchtool.emulator.machine.state import State, electrical, state_at
+from benchtool.emulator.machine.state import State, electrical, state_at, stationary_currents
 from benchtool.emulator.rotate import rotate
 
 
@@ -161,9 +161,10 @@ def _powers(
     if m.gamma == 0.0:  # what holds the speed takes what is left
         torque = airgap_torque(y_d, y_q, x.theta_e, m) - iron - friction - cogging
     lost, load = passed_on(m.train, x.far, omega_m, x.theta_e, T_load, contact, torque)
+    i_alpha, i_beta = stationary_currents(x)
     return Powers(
-        x.i_d * x.cos_theta - x.i_q * x.sin_theta,
-        x.i_d * x.sin_theta + x.i_q * x.cos_theta,
+        i_alpha,
+        i_beta,
         (m.R_s - accounts.R_devices) * squared
         + loss_in_series(m.asymmetry, x.i_d, x.i_q, x.cos_theta, x.sin_theta),
         accounts.R_devices * squared,

@@ -16,7 +16,7 @@ from benchtool.emulator.machine.averaging import Addition, of_odd_ripple, torque
 from benchtool.emulator.machine.coefficients import Machine
 from benchtool.emulator.machine.inverter import SQRT3
 from benchtool.emulator.machine.plant import scaled_voltage
-from benchtool.emulator.machine.state import State, with_currents
+from benchtool.emulator.machine.state import State, stationary_currents, with_currents
 
 
 class Course(NamedTuple):
@@ -58,9 +58,9 @@ class Ripple(NamedTuple):
 @njit
 def course_of(x: State, middle: State, end: State, T_s: float, machine: Machine) -> Course:
     """Return the parabolas through the currents of three states, a half period apart."""
-    alpha_0, beta_0 = _stator(x)
-    alpha_1, beta_1 = _stator(middle)
-    alpha_2, beta_2 = _stator(end)
+    alpha_0, beta_0 = stationary_currents(x)
+    alpha_1, beta_1 = stationary_currents(middle)
+    alpha_2, beta_2 = stationary_currents(end)
     per_s = 1.0 / T_s
     G, salient = 0.5 * (machine.inv_L_d + machine.inv_L_q), 0.5 * (machine.inv_L_d - machine.inv_L_q)
     c, s = middle.cos_theta, middle.sin_theta
@@ -78,12 +78,6 @@ def course_of(x: State, middle: State, end: State, T_s: float, machine: Machine)
         2.0 * middle.omega_e,
         0.5 * T_s,
     )
-
-
-@njit
-def _stator(x: State) -> tuple[float, float]:
-    """Return the currents in alpha/beta."""
-    return x.i_d * x.cos_theta - x.i_q * x.sin_theta, x.i_d * x.sin_theta + x.i_q * x.cos_theta
 
 
 @njit

@@ -18,7 +18,7 @@ from benchtool.emulator.machine.dc_link import DcLink
 from benchtool.emulator.machine.energies import Accounts
 from benchtool.emulator.machine.heat import Heat
 from benchtool.emulator.machine.sampling import Sampling
-from benchtool.emulator.machine.state import State
+from benchtool.emulator.machine.state import State, stationary_currents
 
 SQRT3 = math.sqrt(3.0)
 
@@ -66,8 +66,7 @@ class PowerStage(NamedTuple):
 @njit
 def phase_currents(x: State) -> tuple[float, float, float]:
     """Return the currents of the three phases, out of the legs into the motor."""
-    i_alpha = x.i_d * x.cos_theta - x.i_q * x.sin_theta
-    i_beta = x.i_d * x.sin_theta + x.i_q * x.cos_theta
+    i_alpha, i_beta = stationary_currents(x)
     return i_alpha, -0.5 * i_alpha + 0.5 * SQRT3 * i_beta, -0.5 * i_alpha - 0.5 * SQRT3 * i_beta
 
 

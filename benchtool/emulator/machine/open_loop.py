@@ -12,7 +12,7 @@ from benchtool.emulator.in_place import in_place
 from benchtool.emulator.jit import entry
 from benchtool.emulator.machine.coefficients import Machine
 from benchtool.emulator.machine.inverter import clarke
-from benchtool.emulator.machine.state import place
+from benchtool.emulator.machine.state import place, stationary_currents
 from benchtool.emulator.machine.steps import advance
 from benchtool.emulator.machine.truth import MotorTruth, finite, not_negative, positive
 from benchtool.errors import ValueRefused
@@ -140,8 +140,7 @@ def run_open_loop(
             x = place(x.i_d, x.i_q, x.omega_e, x.theta_e)
             time = stop
             while taken < samples.size and samples[taken] <= time:
-                result[taken, 0] = x.i_d * x.cos_theta - x.i_q * x.sin_theta
-                result[taken, 1] = x.i_d * x.sin_theta + x.i_q * x.cos_theta
+                result[taken, 0], result[taken, 1] = stationary_currents(x)
                 result[taken, 2] = x.omega_e / machine.p
                 result[taken, 3] = x.theta_e
                 taken += 1

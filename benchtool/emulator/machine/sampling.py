@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from benchtool.emulator.jit import njit
 from benchtool.emulator.machine.coefficients import Machine
 from benchtool.emulator.machine.plant import current_rates
-from benchtool.emulator.machine.state import State
+from benchtool.emulator.machine.state import State, stationary_currents
 
 _AXES = ((1.0, 0.0), (-0.5, 0.5 * math.sqrt(3.0)), (-0.5, -0.5 * math.sqrt(3.0)))  # of the phases
 _LAGGED, _TAKEN, _BEFORE, _DONE = 0, 1, 2, 3  # rows of `values`
@@ -140,9 +140,10 @@ def _stationary(
     """Return alpha and beta of the current, and their rates."""
     di_d, di_q = current_rates(x, u_alpha, u_beta, machine)
     di_d, di_q = di_d - x.omega_e * x.i_q, di_q + x.omega_e * x.i_d
+    i_alpha, i_beta = stationary_currents(x)
     return (
-        x.i_d * x.cos_theta - x.i_q * x.sin_theta,
-        x.i_d * x.sin_theta + x.i_q * x.cos_theta,
+        i_alpha,
+        i_beta,
         di_d * x.cos_theta - di_q * x.sin_theta,
         di_d * x.sin_theta + di_q * x.cos_theta,
     )

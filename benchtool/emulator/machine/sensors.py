@@ -165,9 +165,10 @@ class Noise:
         self._dc_link = np.random.Generator(np.random.PCG64([seed, 1]))
         self._rms = np.asarray(rms, np.float32)
         self._used = self.BATCH
-        self._unit = np.zeros((self.BATCH, 4), np.float32)
+        self._of_currents = np.zeros((self.BATCH, 3), np.float32)  # of unit standard deviation, as below
+        self._of_dc_link = np.zeros(self.BATCH, np.float32)
         self._samples = np.zeros((self.BATCH, 4), np.float32)
-        self._drawn = [False, False]  # what this batch has of `_unit`: currents, dc link
+        self._drawn = [False, False]  # what this batch has: currents, dc link
 
     def set_rms(self, rms: tuple[float, float, float, float]) -> None:
         """Take other standard deviations from the next sample on."""
@@ -190,10 +191,11 @@ class Noise:
     def _draw(self) -> None:
         """Draw what is not drawn yet and has an effect, which spares the others their time."""
         if self._rms[:3].any() and not self._drawn[0]:
-            self._unit[:, :3] = self._currents.standard_normal((self.BATCH, 3), np.float32)
+            self._currents.standard_normal(dtype=np.float32, out=self._of_currents)
             self._drawn[0] = True
         if self._rms[3] and not self._drawn[1]:
-            self._unit[:, 3] = self._dc_link.standard_normal(self.BATCH, np.float32)
+            self._dc_link.standard_normal(dtype=np.float32, out=self._of_dc_link)
             self._drawn[1] = True
-        if any(self._drawn):
-            np.multiply(self._unit, self._rms, out=self._samples)
+        # column by column: numpy takes four times as long for rows of four by four
+        for column, drawn in enumerate((*self._of_currents.T, self._of_dc_link)):
+            np.multiply(drawn, self._rms[column], out=self._samples[:, column])

@@ -44,6 +44,12 @@ def facing(x: State, far: Far) -> State:
 
 
 @njit
+def stationary_currents(x: State) -> tuple[float, float]:
+    """Return i_alpha and i_beta."""
+    return x.i_d * x.cos_theta - x.i_q * x.sin_theta, x.i_d * x.sin_theta + x.i_q * x.cos_theta
+
+
+@njit
 def electrical(saturation: Saturation | None, x: State) -> tuple[float, float]:
     """Return the electrical states of `x`."""
     if saturation is None:

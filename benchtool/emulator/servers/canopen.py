@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from contextlib import suppress
 
 import can
@@ -13,6 +14,7 @@ from benchtool.emulator.servers.drive_node import DriveNode
 from benchtool.emulator.servers.parties import CanFrame
 from benchtool.emulator.servers.receiver import Receiver
 from benchtool.emulator.servers.sdo_server import SdoServer
+from benchtool.link.canopen import VirtualTimeBus
 from benchtool.protocol.canopen import Emergency, NmtState, cob_id
 
 _POLL_S = 0.2
@@ -46,6 +48,7 @@ class CanopenServer:
             self._write,
             lambda data: self._send(cob_id.SDO_RESPONSE + node.node_id, data),
             node.firmware.objects.length,
+            lambda frames: self._send_all(cob_id.SDO_RESPONSE + node.node_id, frames),
         )
 
     def boot(self) -> None:
@@ -148,6 +151,15 @@ class CanopenServer:
     def _send(self, can_id: int, data: bytes) -> None:
         for frame in self._outbound.passed((can_id, data), self._node.now_s):
             self._put(*frame)
+
+    def _send_all(self, can_id: int, frames: Sequence[bytes]) -> None:
+        bus = self._bus
+        if self._outbound.is_undisturbed and isinstance(bus, VirtualTimeBus) and bus.is_unbounded:
+            with suppress(can.CanError, OSError):
+                bus.send_data(can_id, frames, self._node.firmware.now_s)
+            return
+        for data in frames:
+            self._send(can_id, data)
 
     def _put(self, can_id: int, data: bytes) -> None:
         frame = can.Message(

@@ -94,9 +94,14 @@ class Stage(Generic[T]):
         self._overtaken: list[tuple[float, T]] = []
         self._lock = threading.Lock()  # a serial server's writer sends as well
 
+    @property
+    def is_undisturbed(self) -> bool:
+        """Whether all that is sent now arrives now."""
+        return not self._disturbances.active and not self._waiting and not self._overtaken
+
     def passed(self, frame: T, now_s: float) -> Sequence[T]:
         """Return what arrives now, of a frame that is sent now."""
-        if not self._disturbances.active and not self._waiting and not self._overtaken:
+        if self.is_undisturbed:
             return (frame,)
         with self._lock:
             arriving: list[T] = []

@@ -10,7 +10,7 @@ to keep to the protocol, so that here each request is first checked against the 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from enum import Enum, auto
 
 import canopen
@@ -71,6 +71,7 @@ class SdoServer(server.SdoServer):
         send: takes the eight bytes of every answer.
         length: bytes of (index, sub), None if it has no length of its own: how many of the four bytes of an
             expedited download without size indication count.
+        send_all: takes the frames of a sub-block of an upload; each goes to `send` by default.
     """
 
     _index: int
@@ -82,11 +83,13 @@ class SdoServer(server.SdoServer):
         write: Callable[[int, int, bytes], None],
         send: Callable[[bytes], None],
         length: Callable[[int, int], int | None] = lambda index, sub: None,
+        send_all: Callable[[Sequence[bytes]], None] | None = None,
     ) -> None:
         self._length = length
         self._objects = _Objects(read, write)
         super().__init__(0, 0, self._objects)
         self._send = send
+        self._send_all = send_all or self._send_each
         self._stage = _Stage.IDLE
         self._index = self._subindex = 0
         self._upload = BlockUpload(b"", MAX_BLOCK_SIZE, crc=False)
@@ -215,7 +218,10 @@ class SdoServer(server.SdoServer):
 
     def _send_sub_block(self) -> None:
         self._stage = _Stage.BLOCK_UPLOAD_ACKNOWLEDGE
-        for frame in self._upload.sub_block():
+        self._send_all(self._upload.sub_block())
+
+    def _send_each(self, frames: Sequence[bytes]) -> None:
+        for frame in frames:
             self._send(frame)
 
     # ---- block download ----------------------------------------------------------------------------------

@@ -5,6 +5,7 @@ from __future__ import annotations
 import queue
 import threading
 import time
+from collections.abc import Sequence
 from typing import Any
 
 import can
@@ -59,10 +60,7 @@ class VirtualTimeBus(VirtualBus):
     def send(self, msg: can.Message, timeout: float | None = None) -> None:
         """As in python-can, but without its deep copy, which costs more than the rest of the way."""
         self._check_if_open()
-        if self.preserve_timestamps:
-            timestamp = msg.timestamp
-        else:
-            timestamp = time.time() if self._clock is None else self._clock.now_s()
+        timestamp = self._stamp(msg.timestamp)
         receivers = [each for each in self.channel if self.receive_own_messages or each is not self.queue]
         full = False
         for receiver in receivers:
@@ -81,6 +79,33 @@ class VirtualTimeBus(VirtualBus):
         if full:
             raise can.CanOperationError("Could not send message to one or more recipients")
 
+    def send_data(self, can_id: int, frames: Sequence[bytes], timestamp: float) -> None:
+        """Send data frames of an 11-bit identifier, one after the other as by `send`, at a tenth of its cost.
+
+        Only where no peer bounds its queue, which python-can's buses do not unless they are asked to.
+        """
+        self._check_if_open()
+        timestamp = self._stamp(timestamp)
+        for receiver in self.channel:
+            if receiver is self.queue and not self.receive_own_messages:
+                continue
+            is_rx = receiver is not self.queue
+            copies = [_data_frame(can_id, data, timestamp, self.channel_id, is_rx) for data in frames]
+            with receiver.mutex:
+                receiver.queue.extend(copies)
+                receiver.unfinished_tasks += len(copies)
+                receiver.not_empty.notify()
+
+    def _stamp(self, given_s: float) -> float:
+        if self.preserve_timestamps:
+            return given_s
+        return time.time() if self._clock is None else self._clock.now_s()
+
+    @property
+    def is_unbounded(self) -> bool:
+        """Whether none of its peers bounds its queue."""
+        return all(receiver.maxsize <= 0 for receiver in self.channel)
+
     def shutdown(self) -> None:
         super().shutdown()
         with self.queue.all_tasks_done:
@@ -88,9 +113,9 @@ class VirtualTimeBus(VirtualBus):
 
     def recv(self, timeout: float | None = None) -> can.Message | None:
         """As in python-can; what is there already is taken at a third of the cost."""
-        if not self._open or self.filters is not None or not self.queue.queue:
+        if not self._open or self._filters is not None or not self.queue.queue:
             return super().recv(timeout)
-        self._receiver = threading.current_thread()
+        self._note_receiver()
         with self.queue.mutex:  # the queue's own `task_done` and `get` in one
             if self._in_hand:
                 self.queue.unfinished_tasks -= 1
@@ -105,7 +130,7 @@ class VirtualTimeBus(VirtualBus):
             return received
 
     def _recv_internal(self, timeout: float | None) -> tuple[can.Message | None, bool]:
-        self._receiver = threading.current_thread()
+        self._note_receiver()
         if self._in_hand:
             self._in_hand = False
             self.queue.task_done()
@@ -113,12 +138,26 @@ class VirtualTimeBus(VirtualBus):
         self._in_hand = received[0] is not None
         return received
 
+    def _note_receiver(self) -> None:
+        if self._receiver is None or self._receiver.ident != threading.get_ident():
+            self._receiver = threading.current_thread()
+
     def _stall_reason(self, deadline_s: float) -> str:
         if self._receiver is not None and not self._receiver.is_alive():
             return f"the receive thread '{self._receiver.name}' has ended"
         if time.monotonic() > deadline_s:
             return "the receiver does not come back for the next one"
         return ""
+
+
+def _data_frame(can_id: int, data: bytes, timestamp: float, channel: Any, is_rx: bool) -> can.Message:
+    """Return a data frame, without the constructor, as `_copied`."""
+    frame = can.Message.__new__(can.Message)
+    frame.arbitration_id, frame.dlc, frame.data = can_id, len(data), bytearray(data)
+    frame.timestamp, frame.channel, frame.is_rx = timestamp, channel, is_rx
+    frame.is_extended_id = frame.is_remote_frame = frame.is_error_frame = False
+    frame.is_fd = frame.bitrate_switch = frame.error_state_indicator = False
+    return frame
 
 
 def _copied(msg: can.Message) -> can.Message:
