@@ -199,7 +199,8 @@ def commissioned(
     seed: int,
     meddle: Callable[[Session], None] = lambda _: None,
 ) -> dict[str, Any]:
-    """Commission a bench; return the document, and `drive_s`, the time that it took the drive.
+    """Commission a bench; return the document, and `drive_s`, the time that it took the drive. With every
+    step the drive is to store what is found.
 
     `meddle` does something to the bench once it is connected.
     """
@@ -210,7 +211,7 @@ def commissioned(
             session.drive.connect()
             meddle(session)
             began_s = session.drive.clock.now_s()
-            done = commission(session.drive, session.profile, steps_for(steps))
+            done = commission(session.drive, session.profile, steps_for(steps), keep=not steps)
             return {**document(done), "drive_s": session.drive.clock.now_s() - began_s}
 
 
@@ -224,6 +225,11 @@ def figures(runs: Sequence[Mapping[str, Any]]) -> dict[str, object]:
         if step["verdict"] == "fail"
     ]
     found["failed"] = failed
+    asked = [each for each in runs if each["document"]["not_saved"] != "it was not asked for"]
+    found["saved"] = sum(each["document"]["saved"] for each in asked)
+    found["not_saved"] = [
+        f"{each['motor']}: {each['document']['not_saved']}" for each in asked if not each["document"]["saved"]
+    ]
     found["findings"] = [
         f"{each['motor']}: {one['what']}" for each in runs for one in each["document"]["findings"]
     ]

@@ -9,7 +9,7 @@ import shutil
 import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
@@ -26,6 +26,7 @@ from benchtool.commission import (
     Known,
     Step,
     StepRecorder,
+    StepVerdict,
     commission as run,
     commissioned_profile,
     document,
@@ -35,7 +36,7 @@ from benchtool.commission import (
     steps_for,
 )
 from benchtool.drive import Capability, Identity
-from benchtool.errors import UsageError
+from benchtool.errors import DriveError, LinkError, RecordingError, UsageError
 from benchtool.profile import eds_path, load_profile, profile_path
 from benchtool.recording import Conditions, Manifest, enlist, write_whole
 from benchtool.report import write_report
@@ -112,6 +113,8 @@ def commission(
         raise UsageError("--resume goes on in its own folder: leave --out out")
     if resume is not None and not resume.is_dir():
         raise UsageError(f"--resume {resume}: there is no such folder; give that of a commissioning")
+    if out is not None and not dry_run and step_bundles(out):
+        raise UsageError(f"--out {out} holds a commissioning: name another folder, or --resume {out}")
     travel_rad = _travel_rad(travel)
     output = Output(as_json=as_json)
     when = options.wall_time()
@@ -129,6 +132,7 @@ def commission(
     name = f"commission-{Path(profile).stem if profile.endswith('.toml') else profile}"
     with (
         bundle_folder(resume or out, when, name) as folder,
+        _told_how_to_go_on(folder, output),
         live_views.open_destinations(live or (), output) as where,
     ):
         with opened() as session:
@@ -185,6 +189,18 @@ def _manifests(
         )
 
     return manifest
+
+
+@contextmanager
+def _told_how_to_go_on(folder: Path, output: Output) -> Iterator[None]:
+    """Say where a commissioning that is cut short within the `with` block goes on."""
+    try:
+        yield
+    except (KeyboardInterrupt, DriveError, LinkError):
+        with suppress(RecordingError):
+            if done := [each for each in step_bundles(folder) if each.manifest.verdict == StepVerdict.PASS]:
+                output.note(f"{len(done)} steps are done: go on with --resume {folder}")
+        raise
 
 
 @contextmanager

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Final
 
+from benchtool.commission.nameplate import IN_SERIES_OHM
 from benchtool.drive import CaptureRequest, Stimulus
 from benchtool.errors import ValueRefused
 from benchtool.profile import Motor
@@ -20,7 +21,7 @@ MOST_RISE_K: Final = 10.0
 OVERLOAD: Final = 1.1
 """Of the rated current, what is injected at most."""
 
-_AS_STATED: Final = (0.65, 1.5)  # resistance of a winding with its cable, over what a nameplate states of it
+_AS_STATED: Final = (0.65, 1.5)  # resistance of a winding over what a nameplate states of it
 _RATED_RISE_K: Final = 100.0  # at the rated current for ever, of insulation class F (IEC 60034-1: 105 K)
 _TIME_CONSTANT_S: Final = 60.0  # of a winding against its iron: of a small motor, the shortest that is usual
 
@@ -32,7 +33,8 @@ class Excitation:
     `squares_A2s` is the integral of the squared length of the current vector that is expected, `work_J` the
     mechanical energy. The drive is enabled in `mode`, by default that of the stimulus, and not at all without
     either. `omega_m_rad_s` and `settle_s` are a speed that it runs at in velocity mode, and how long it takes
-    to get there, before it plays and captures.
+    to get there, before it plays and captures. `standing`, the rotor is to stand meanwhile, and the drive to
+    know its angle without the encoder's eccentricity.
     """
 
     name: str
@@ -44,15 +46,17 @@ class Excitation:
     settle_s: float = 0.0
     work_J: float = 0.0
     mode: Mode | None = None
+    standing: bool = False
 
     def energy_J(self, R_s_ohm: float) -> float:
         """Return the heat in the winding, 3/2 R_s times the integral, and the mechanical work."""
         return 1.5 * R_s_ohm * self.squares_A2s + self.work_J
 
     def energy_range_J(self, R_s_ohm: float) -> tuple[float, float]:
-        """Return the least and the most that it may be by a resistance that is only stated."""
+        """Return the least and the most that it may be by a resistance that is only stated, of the winding
+        without what is in series with it."""
         least, most = _AS_STATED
-        return self.energy_J(least * R_s_ohm), self.energy_J(most * R_s_ohm)
+        return self.energy_J(least * R_s_ohm), self.energy_J(most * R_s_ohm + IN_SERIES_OHM)
 
     @property
     def mode_of_speed(self) -> bool:

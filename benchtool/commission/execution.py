@@ -30,6 +30,7 @@ from benchtool.commission.steps.saturation import Pulses
 from benchtool.commission.steps.speed_control import SpeedControl
 from benchtool.commission.steps.step import FaultTelling, Finding, LoopStep, StagedStep, Step, Trial
 from benchtool.commission.steps.verification import Verification
+from benchtool.document import closest
 from benchtool.drive import Capability, RemoteDrive
 from benchtool.drive.parameters import held
 from benchtool.errors import (
@@ -81,7 +82,7 @@ def steps_for(names: Sequence[str]) -> tuple[Step, ...]:
     while pending:
         name = pending.pop()
         if name not in by_name:
-            raise UsageError(f"there is no step '{name}': {', '.join(by_name)} are known; name one of them")
+            raise UsageError(f"there is no step '{name}': {closest(name, list(by_name))}")
         wanted.add(name)
         pending += [each for each in by_name[name].needs if each not in wanted]
     return tuple(step for step in STEPS if step.name in wanted)
@@ -122,7 +123,8 @@ def commission(
 ) -> Commissioning:
     """Run steps on a connected drive, with the profile as the nameplate.
 
-    A step is left out, with the reason, that takes objects which the drive has not. The drive holds what the
+    A step is left out, with the reason, that takes objects which the drive has not; a drive that captures
+    nothing has its ways to stop tried. The drive holds what the
     profile states for as long as this lasts, and what it held before afterwards. A
     step that fails leaves out those that need it; the others are run. A fault stays until it is reset. With
     `keep`, and if every step passed and found nothing wrong, the drive then stores what was estimated.
@@ -146,9 +148,9 @@ def commission(
     """
     drive.capabilities.require(Capability.SUPERVISED, purpose="a commissioning")
     if reason := without(drive, Capability.CAPTURE):
-        left_out = tuple(StepResult(each.name, each.sets, StepVerdict.SKIPPED, reason) for each in steps)
         known = Known(profile.motor, profile.control_period_s, math.nan)
-        return Commissioning(left_out, known, not_saved="nothing was found")
+        tried = tuple(_without_capture(drive, each, known, reason, note) for each in steps)
+        return Commissioning(tried, known, not_saved="nothing was found")
     if keep:
         drive.capabilities.require(Capability.STORAGE, purpose="keeping what a commissioning finds")
     stated = stated_parameters(drive, profile)
@@ -232,13 +234,8 @@ def _run(
         estimates = step.estimate(blocks, known)
         if isinstance(step, Trial):
             estimates = {**estimates, **step.attempt(drive, known)}
-    except SetUpError as wrong:
-        found = (Finding(wrong.what, wrong.cause, wrong.remedy),)
-        return replace(result, reason=wrong.what, findings=found)
-    except DriveFault as fault:
-        return replace(result, reason=str(fault), findings=(_of_fault(step, fault, drive, known),))
-    except _FAIL_A_STEP as reason:
-        return replace(result, reason=str(reason))
+    except _FAIL_A_STEP as failure:
+        return _failed(result, step, failure, drive, known)
     findings = step.findings(estimates, known)
     fatal = next((each for each in findings if each.fails), None)
     if fatal is not None:
@@ -249,6 +246,37 @@ def _run(
         estimates=estimates,
         findings=findings,
         spent_J=spent_J(excitations, blocks, known.with_estimates(estimates)),
+    )
+
+
+def _failed(
+    result: StepResult, step: Step, failure: BenchError, drive: RemoteDrive, known: Known
+) -> StepResult:
+    """Return the result of a step that cannot go on."""
+    if isinstance(failure, SetUpError):
+        found = (Finding(failure.what, failure.cause, failure.remedy),)
+        return replace(result, reason=failure.what, findings=found)
+    if isinstance(failure, DriveFault):
+        return replace(result, reason=str(failure), findings=(_of_fault(step, failure, drive, known),))
+    return replace(result, reason=str(failure))
+
+
+def _without_capture(
+    drive: RemoteDrive, step: Step, known: Known, reason: str, note: Callable[[str], None]
+) -> StepResult:
+    """Return the result of a step on a drive that captures nothing: what it tries by itself, if that."""
+    result = StepResult(step.name, step.sets, StepVerdict.SKIPPED, reason)
+    if not isinstance(step, Trial):
+        return result
+    if lacking := without(drive, Capability.TORQUE):
+        return replace(result, reason=lacking)
+    note(f"{step.name}: without a capture")
+    try:
+        estimates = step.attempt(drive, known)
+    except _FAIL_A_STEP as failure:
+        return _failed(replace(result, verdict=StepVerdict.FAIL), step, failure, drive, known)
+    return replace(
+        result, verdict=StepVerdict.PASS, estimates=estimates, reason=f"as far as can be: {reason}"
     )
 
 

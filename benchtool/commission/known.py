@@ -22,7 +22,7 @@ _SAMPLED_S = 0.01
 _MOST_DEAD_TIME_S = 2e-5  # that a drive compensates
 _OF_THE_SWING = 0.7
 _SLOWEST_RAD_S = 30.0  # so that a level of some tenths of a second settles
-_READ = ("law", "encoder_lines", "u_s", "T_k_ratio", "i_trip", "torque_limit")
+_READ = ("law", "encoder_lines", "encoder_direction", "u_s", "T_k_ratio", "i_trip", "torque_limit")
 _FRICTION_SHARE = 0.02  # of the rated torque, until friction is known
 _FLUX = 1.3  # times what was seen of it, from which on the nameplate's rotor flux is not believed
 _LEAST_FLUX = 0.02  # of the nameplate's
@@ -64,7 +64,7 @@ class Known:
             NoAnswer, SdoAbort: the drive does not answer, or refused.
             ValueRefused: it reads no dc link.
         """
-        drive.wait(_SAMPLED_S)
+        drive.clock.wait(_SAMPLED_S)  # a fault over limits that the drive came with is none of a plan's
         u_dc_V = drive.number("u_dc")
         if not u_dc_V > 0.0:
             raise ValueRefused(f"the drive reads a dc link of {u_dc_V:g} V: power it; nothing was sent")
@@ -140,12 +140,11 @@ class Known:
 
     @property
     def friction_Nm(self) -> Callable[[float], float]:
-        """Torque of friction at a speed in rad/s; until it is known, a share of the rated torque."""
-        coulomb = self.value(
-            "coulomb", _FRICTION_SHARE * self.motor.T_N_Nm if "J" not in self.estimates else 0.0
-        )
-        viscous = self.value("friction", 0.0)
-        return lambda omega_m: coulomb + viscous * abs(omega_m)
+        """Torque of friction at a speed in rad/s; where its parts could not be told, their sum at the highest
+        speed at which it was measured, and until then a share of the rated torque."""
+        whole = self.value("friction_torque", _FRICTION_SHARE * self.motor.T_N_Nm)
+        coulomb, viscous = self.value("coulomb", whole), self.value("friction", 0.0)
+        return lambda omega_m: max(0.0, coulomb) + viscous * abs(omega_m)
 
     @property
     def torque_per_A(self) -> float:

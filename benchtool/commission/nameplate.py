@@ -23,6 +23,9 @@ KEYS: Final[Mapping[str, str]] = {
 }
 """Keys of `[motor]` that an estimate is compared with."""
 
+IN_SERIES_OHM: Final = 0.008
+"""Of devices, cable and plugs, which are in the resistance that is measured."""
+
 _NEAR: Final = 0.06
 _NOT_A_DEVIATION: Final = 1.12
 _WINDING: Final = ("R_s", "L_d", "L_q")
@@ -59,6 +62,8 @@ def probable_cause(name: str, value: float, motor: Motor, near: float = _NEAR) -
     factor = 1.0 / (1.0 + off)
     p = float(motor.pole_pairs)
     causes: dict[float, str] = {}
+    if name == "R_s" and 0.0 < value - motor.R_s_ohm < IN_SERIES_OHM:
+        return ""
     if name in _WINDING:
         causes = _OF_WINDING
     elif name == "psi_r":

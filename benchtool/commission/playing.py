@@ -15,18 +15,22 @@ from benchtool.drive import SPEED, SPEED_SETPOINT, Capture, RemoteDrive, in_si, 
 from benchtool.drive.parameters import held
 from benchtool.errors import BenchError
 from benchtool.protocol import Mode
+from benchtool.protocol.dictionary import Value
 
 _PHASES: Final = ("i_a", "i_b", "i_c")
 _DQ: Final = ("i_d", "i_q")
 _POWER: Final = ("torque", "omega_m")
 _AT_REST = 0.01  # of the rated speed
 _LONGEST_BRAKING_S, _BRAKING_POLL_S = 5.0, 0.02
+_SETTLES_S = 0.5  # a rotor that an alignment has let go, and cogging has pulled on
 
 
 def played(drive: RemoteDrive, excitation: Excitation, known: Known) -> Block:
     """Return what was captured of one excitation; the drive is disabled when this returns or raises."""
     with ExitStack() as stack:
         stack.enter_context(held(drive, excitation.parameters))
+        if excitation.standing:
+            stack.enter_context(held(drive, _offset_where_it_stands(drive, known)))
         mode = excitation.power_mode
         if mode is not None:
             stack.enter_context(drive.enabled(mode))
@@ -45,6 +49,20 @@ def played(drive: RemoteDrive, excitation: Excitation, known: Known) -> Block:
     if block is None:
         raise BenchError(f"the excitation '{excitation.name}' was not captured")
     return block
+
+
+def _offset_where_it_stands(drive: RemoteDrive, known: Known) -> dict[str, Value]:
+    """Return the encoder's offset with its eccentricity at the angle at which the rotor has come to rest.
+
+    A degree of it is 21 electrical ones of a motor with 21 pole pairs: a current that is to lie along the
+    rotor flux would make a third of its torque.
+    """
+    if "encoder_offset" not in known.encoder:
+        return {}
+    drive.wait(_SETTLES_S)
+    shown = np.array([drive.number("theta_m")])
+    error_rad = float(shown[0] - known.without_eccentricity(shown)[0])
+    return {"encoder_offset": known.estimates["encoder_offset"].value + error_rad}
 
 
 def _bring_to_rest(drive: RemoteDrive, known: Known) -> None:

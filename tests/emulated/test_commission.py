@@ -157,3 +157,14 @@ def test_a_shaft_that_may_not_turn_round_leaves_out_what_needs_a_speed(boxed: st
     assert 0.0 < short["encoder"]["energy_J"] <= whole["encoder"]["energy_J"]
     for wrong in ("1", "-1rev", "0deg", "rev"):
         assert runner.invoke(app, [*asked, "--travel", wrong]).exit_code == 2
+
+
+def test_a_dry_run_of_a_drive_in_fault_over_limits_that_it_came_with(tmp_path: Path) -> None:
+    text = (shipped("profiles") / "motors" / "ipmsm_2_2kw" / "profile.toml").read_text(encoding="utf-8")
+    path = tmp_path / "profile.toml"
+    path.write_text(text.replace("[emulator.", "[emulator]\ncommissioned = false\n\n[emulator.", 1))
+    asked = ("commission", "resistance", "--profile", str(path), "--dry-run", "--json")
+    planned = CliRunner().invoke(app, asked)
+    assert planned.exit_code == 0, planned.output
+    least_J, most_J = json.loads(planned.stdout)["energy_range_J"]
+    assert least_J < json.loads(planned.stdout)["energy_J"] < most_J

@@ -207,6 +207,28 @@ def test_a_drive_of_another_maker_says_what_it_leaves_out(tmp_path: Path) -> Non
     with connected(str(profile)) as session:
         before = session.drive.state()
         done = commission(session.drive, session.profile, steps_for([]))
-        assert {each.verdict for each in done.results} == {StepVerdict.SKIPPED}
+        stops, *others = done.results
+        assert (stops.name, stops.verdict) == ("preflight", StepVerdict.PASS)
+        assert 0.3 < stops.estimates["link_loss_time"].value < 0.6
+        assert {each.verdict for each in others} == {StepVerdict.SKIPPED}
         assert all("it takes a capture" in each.reason for each in done.results)
         assert session.drive.state() is before
+
+
+def test_a_folder_holds_one_commissioning_and_an_interrupted_one_says_where_to_go_on(
+    boxed: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = str(tmp_path / "a")
+    command = ("commission", "offsets", "--profile", boxed, "--yes")
+    assert CliRunner().invoke(app, [*command, "--out", folder]).exit_code == 0
+    again = CliRunner().invoke(app, [*command, "--out", folder])
+    assert again.exit_code == 2
+    assert "holds a commissioning" in again.output
+
+    def interrupted(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("benchtool.cli.commission.run", interrupted)
+    cut = CliRunner().invoke(app, [*command, "--resume", folder])
+    assert cut.exit_code == 130
+    assert "2 steps are done: go on with --resume" in cut.output

@@ -22,3 +22,4 @@ from .simulation import (
     simulated_currents as simulated_currents,
     simulated_speed as simulated_speed,
 )
+from .unknowns import Solution as Solution

@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -105,6 +105,19 @@ class Solution:
         """The correlations of the unknowns, shape (n, n)."""
         deviations = np.sqrt(np.diag(self.covariance))
         return np.asarray(self.covariance / np.outer(deviations, deviations))
+
+    def given(self, name: str, value: float, standard: float) -> Solution:
+        """Return the solution with one unknown known from elsewhere, to a standard uncertainty: least squares
+        with one more equation (the update of a Kalman filter)."""
+        place = self.names.index(name)
+        updated = [self.covariance, self.certain]
+        values = self.values
+        for number, each in enumerate(updated):
+            weight = each[:, place] / (each[place, place] + standard**2)
+            if number == 0:
+                values = values + weight * (value - values[place])
+            updated[number] = each - np.outer(weight, each[place])
+        return replace(self, values=values, covariance=updated[0], certain=updated[1])
 
     def told(self, name: str) -> bool:
         """Return whether the data tell an unknown, and not only together with one that they do not tell."""

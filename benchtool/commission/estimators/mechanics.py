@@ -28,6 +28,7 @@ from benchtool.errors import AnalysisError, SetUpError
 
 _FEWEST_ROWS = 20
 _SPAN = 8  # rows of a difference for a speed
+_STANDS_RAD = 0.05  # of a stretch of a revolution or more
 _DRIFT = 0.05  # of its speed, that a steady stretch may change by
 
 
@@ -116,6 +117,13 @@ def _stretch(course: Course, end: int) -> _Stretch:
     if len(theta) < _FEWEST_ROWS:
         raise AnalysisError(f"{len(theta)} rows at a constant speed, {_FEWEST_ROWS} at least are needed")
     turned = np.abs(theta - theta[-1])
+    if float(np.max(turned)) < _STANDS_RAD:
+        raise SetUpError(
+            f"the shaft turns by {math.degrees(float(np.max(turned))):.2g} degrees in "
+            f"{len(theta) * course.step_s:.2g} s where it should hold a speed",
+            "a load on the shaft, a brake, or friction beyond the torque that the controller may ask for",
+            "uncouple the load, release the brake, and see that the shaft turns freely by hand",
+        )
     revolutions = math.floor(turned[0] / (2.0 * math.pi))
     rows = len(theta)
     if revolutions >= 1:

@@ -29,7 +29,7 @@ class CurrentControl:
     """Tune the current controller of law `foc`, and measure its closed loop.
 
     The rotor stands where an alignment has left it, and a binary sequence on i_d, beside a steady part, makes
-    no torque.
+    no torque, as long as the drive has the angle at which it stands.
     """
 
     name = "current_loop"
@@ -52,6 +52,7 @@ class CurrentControl:
                 (stimulus.offset**2 + stimulus.amplitude**2) * ticks * T_s,
                 parameters,
                 mode=Mode.TORQUE,
+                standing=True,
             ),
         )
 

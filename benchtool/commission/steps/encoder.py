@@ -136,7 +136,19 @@ class DraggedRotor:
     def findings(self, found: Mapping[str, Measurement], known: Known) -> tuple[Finding, ...]:
         """Return what does not fit the nameplate, and what is worn or loaded."""
         findings = []
-        if found["encoder_direction"].value < 0.0:
+        stated = known.held.get("encoder_direction", "forward") == "reverse"
+        counts_down = found["encoder_direction"].value < 0.0
+        if stated and not counts_down:
+            findings.append(
+                Finding(
+                    "the encoder counts up while the current turns from phase a to b, and "
+                    'encoder_direction is "reverse"',
+                    "the tracks A and B, or two phases, have been exchanged since",
+                    'state encoder_direction = "forward" in [drive.parameters] of the profile',
+                    fails=False,
+                )
+            )
+        if counts_down and not stated:
             findings.append(
                 Finding(
                     "the encoder counts down while the current turns from phase a to b",
@@ -282,8 +294,10 @@ def _pole_pairs(moved: Motion, known: Known) -> int:
         raise SetUpError(
             f"the motor has {nearest} pole pairs, {stated} are stated",
             f"the pole pairs are wrong (poles, or magnets, taken for pairs), the encoder has "
-            f"{lines * stated / nearest:.0f} lines and not {lines}, or a gearbox is between it and the rotor",
-            "count the magnets: half of their number goes into motor.pole_pairs; check encoder_lines",
+            f"{lines * stated / nearest:.0f} lines and not {lines}, or it slips on its shaft or a gearbox is "
+            f"between it and the rotor",
+            "count the magnets: half of their number goes into motor.pole_pairs; check encoder_lines and the "
+            "encoder's coupling",
         )
     return nearest
 

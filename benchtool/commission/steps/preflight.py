@@ -9,11 +9,13 @@ from benchtool.analysis import Basis, Contribution, Measurement, combined
 from benchtool.block import Block
 from benchtool.commission.excitation import Excitation
 from benchtool.commission.known import Known
+from benchtool.commission.nameplate import probable_cause
 from benchtool.commission.saving import through_a_loss
 from benchtool.commission.steps.offsets import CURRENTS
 from benchtool.commission.steps.step import Finding
-from benchtool.drive import CaptureRequest, RemoteDrive
+from benchtool.drive import Capability, CaptureRequest, RemoteDrive
 from benchtool.errors import SetUpError
+from benchtool.profile import Motor
 from benchtool.protocol import Mode, State
 
 _ROWS = 500
@@ -22,7 +24,9 @@ _STEADY = 0.05  # of the dc link
 _LINK_SHARE = 0.9  # of what the EMF at the rated speed needs
 _SPUN = 0.4  # of the rated speed, to which later steps spin
 _HOTTEST_DEGC = 100.0
+_LIMITS = ("i_trip", "u_dc", "u_dc_min", "u_dc_max", "omega_m_trip")
 _OVERLOAD = 1.1
+_OFF, _NEAR = 1.3, 0.1  # of a rotor flux that is another one; of a factor between conventions
 _TOO_MUCH = 4.0  # times the rated torque, that the rated current makes by the rotor flux
 _SLACK_S, _POLL_S = 0.5, 0.01  # of the supervision of the link
 _ALIVE_S = 0.2
@@ -89,11 +93,12 @@ class Preflight:
             DriveFault: it cannot be enabled.
         """
         drive.check()
+        mode = Mode.CURRENT if drive.capabilities.findings[Capability.STIMULUS].available else Mode.TORQUE
         _require_limits(drive, known)
         _require_cool(drive)
         with through_a_loss(drive):
-            stopped_s = _withhold_heartbeat(drive)
-        _try_quick_stop(drive)
+            stopped_s = _withhold_heartbeat(drive, mode)
+        _try_quick_stop(drive, mode)
         u = combined([Contribution("polling", "B", _POLL_S / math.sqrt(12.0))], "polling")
         definition = "from the last heartbeat of the host to the power stage off"
         return {"link_loss_time": Measurement("link_loss_time", stopped_s, "s", definition, uncertainty=u)}
@@ -123,15 +128,29 @@ def _needed_V(known: Known, share: float) -> float:
 def _require_link(u_dc_V: float, known: Known) -> None:
     needed = _needed_V(known, _SPUN) + math.sqrt(3.0) * known.motor.R_s_ohm * known.I_N_A
     if u_dc_V < needed:
+        looks = _flux_by_torque(known.motor, known.I_N_A)
         raise SetUpError(
             f"the dc link is {u_dc_V:.4g} V, {needed:.4g} V are needed for {_SPUN:.0%} of the rated speed",
-            "the dc link is too low, or the nameplate is of another motor",
-            "raise the supply's voltage, or check the profile's [motor]",
+            f"{looks}, or the dc link is too low"
+            if looks
+            else "the dc link is too low, or rated speed, rotor flux or pole pairs are stated wrong",
+            "check motor.omega_m_N_rad_s, psi_r_Wb and pole_pairs, or raise the supply's voltage",
         )
 
 
+def _flux_by_torque(motor: Motor, I_N_A: float) -> str:
+    """Return what the nameplate's rotor flux looks like beside that by which the rated current makes the
+    rated torque; empty where the two agree, or are apart by no telling factor."""
+    of_torque_Wb = motor.T_N_Nm / (1.5 * motor.pole_pairs * I_N_A)
+    if motor.psi_r_Wb < _OFF * of_torque_Wb:
+        return ""
+    return probable_cause("psi_r", of_torque_Wb, motor, _NEAR)
+
+
 def _require_limits(drive: RemoteDrive, known: Known) -> None:
-    """Check that the limits of the drive are armed and belong to this motor."""
+    """Check that the limits of the drive are armed and belong to this motor, of a drive that has them."""
+    if not all(name in drive.dictionary for name in _LIMITS):
+        return
     motor = known.motor
     i_trip, least, most = (drive.number(name) for name in ("i_trip", "u_dc_min", "u_dc_max"))
     range_A = drive.number("i_full_scale") if "i_full_scale" in drive.dictionary else math.inf
@@ -196,9 +215,10 @@ def _require_cool(drive: RemoteDrive) -> None:
             )
 
 
-def _withhold_heartbeat(drive: RemoteDrive) -> float:
-    """Enable at zero current, fall silent, and return after which time the drive had switched off."""
-    drive.enable(Mode.CURRENT)
+def _withhold_heartbeat(drive: RemoteDrive, mode: Mode) -> float:
+    """Enable at zero current or torque, fall silent, and return after which time the drive had switched
+    off."""
+    drive.enable(mode)
     timeout_s = drive.supervision.timeout_s
     drive.stop_heartbeat()
     silent_s = drive.clock.now_s()
@@ -222,8 +242,8 @@ def _withhold_heartbeat(drive: RemoteDrive) -> float:
         drive.emergencies()  # the loss of this host is not one to report
 
 
-def _try_quick_stop(drive: RemoteDrive) -> None:
-    with drive.enabled(Mode.CURRENT):
+def _try_quick_stop(drive: RemoteDrive, mode: Mode) -> None:
+    with drive.enabled(mode):
         drive.quick_stop()
         silent_s = drive.clock.now_s()
         while drive.state().power_stage_on:

@@ -14,6 +14,7 @@ from benchtool.commission.budget import of_fit
 from benchtool.commission.estimators.resistance import resistance
 from benchtool.commission.excitation import Excitation
 from benchtool.commission.known import Known
+from benchtool.commission.nameplate import IN_SERIES_OHM
 from benchtool.commission.steps.offsets import CURRENTS
 from benchtool.commission.steps.step import Finding
 from benchtool.drive import CaptureRequest, Stimulus
@@ -27,7 +28,6 @@ _ROW_S = 2e-3
 _ASIDE_DEG = (-12.0, -6.6, -1.9, 4.3, 8.5, 10.7)  # from the phases
 _SHARES = (1.0, 0.935, 0.97, 0.91, 0.985, 0.95)  # of the rated current
 _FACTOR = 1.5  # from the nameplate on, a resistance is told of
-_IN_SERIES_OHM = 0.008  # of devices, cable and plugs, which are in what is measured
 _OF_LINE_TO_LINE = 0.5
 _NEAR = 0.15
 _UNEQUAL, _SURE = 0.12, 6.0  # a phase's resistance off the mean of the three; standard uncertainties of that
@@ -151,7 +151,7 @@ class StandingCurrents:
                     fails=False,
                 ),
             )
-        if not stated / _FACTOR < found["R_s"].value < _FACTOR * stated + _IN_SERIES_OHM:
+        if not stated / _FACTOR < found["R_s"].value < _FACTOR * stated + IN_SERIES_OHM:
             return (
                 Finding(
                     f"{seen}, within a factor of {_FACTOR:g} is expected",
@@ -168,7 +168,7 @@ def _looks_line_to_line(R_s_ohm: float, stated_ohm: float) -> bool:
     half = _OF_LINE_TO_LINE * stated_ohm
     if abs(R_s_ohm / half - 1.0) < _NEAR:
         return True
-    return half < R_s_ohm < min(half + _IN_SERIES_OHM, stated_ohm / _FACTOR)
+    return half < R_s_ohm < min(half + IN_SERIES_OHM, stated_ohm / _FACTOR)
 
 
 def _apart(found: Mapping[str, Measurement]) -> Finding | None:

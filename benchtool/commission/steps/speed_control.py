@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
 
 from benchtool.analysis import Measurement
 from benchtool.block import Block
+from benchtool.commission.estimators.orders import without_orders
 from benchtool.commission.excitation import Excitation
 from benchtool.commission.known import Known
 from benchtool.commission.steps.current_control import current_loop
@@ -27,6 +31,7 @@ _BITS, _REPETITIONS = 8, 6
 _CLOCKS = 20.0  # in a period of the crossover
 _ROWS_OF_A_CLOCK = 10
 _RUN_UP_S = 1.0
+_COGGING = "cogging_"
 _RIPPLE = 0.5  # rms ripple of the current over what one vector changes
 
 
@@ -85,7 +90,8 @@ class SpeedControl:
         """
         stimulus, stride = _sequence(known, speed_loop(known))
         rows = ExcitedRows.of(stimulus, known.control_period_s, stride)
-        found = numbers(measured(blocks[0], "stimulus", "omega_m", rows), self.name)
+        block = _without_orders(blocks[0], rows, known)
+        found = numbers(measured(block, "stimulus", "omega_m", rows), self.name)
         margin = "for the crossover and a phase margin of 60 degrees, by J, the loop of torque and T_s"
         texts = {
             "K_p_speed": ("Nms/rad", margin),
@@ -116,6 +122,21 @@ def gains(known: Known) -> dict[str, float]:
     loop = speed_loop(known)
     observer = min(_OBSERVER * loop.margins.crossover_rad_s, _MOST_OBSERVER_RAD_S)
     return {"K_p_speed": loop.K_p_Nms_rad, "K_i_speed": loop.K_i_Nm_rad, "omega_observer": observer}
+
+
+def _without_orders(block: Block, rows: ExcitedRows, known: Known) -> Block:
+    """Return a capture without what the shaft's angle repeats in its speed: cogging as far as it was found,
+    an eccentric encoder (once and twice in a revolution), sensors that differ (in an electrical one), and the
+    harmonics of the EMF (six times in that)."""
+    p, names = known.pole_pairs, [each.name for each in block.channels]
+    cogging = (int(name.removeprefix(_COGGING)) for name in known.estimates if name.startswith(_COGGING))
+    orders = sorted({1, 2, p, 2 * p, 6 * p, *cogging})
+    place, played = names.index("omega_m"), slice(rows.begin_row, rows.end_row)
+    row_s = block.stride * block.tick_s
+    orders = [each for each in orders if each * float(np.mean(block.data[played, place])) * row_s < math.pi]
+    data = np.array(block.data)
+    data[played, place] = without_orders(data[played, place], rows.period_rows, row_s, orders)
+    return replace(block, data=data)
 
 
 def _sequence(known: Known, loop: SpeedLoop) -> tuple[Stimulus, int]:

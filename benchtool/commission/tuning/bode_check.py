@@ -16,6 +16,7 @@ from benchtool.commission.tuning.margins import Margins
 from benchtool.drive import Stimulus
 
 _CROSSOVER, _PHASE_DEG = 0.10, 5.0
+_UNSURE_DB, _UNSURE_PEAK = 6.0, 1.0  # standard uncertainties of the margins with limits of 6 dB and 2
 _LEAST_GAIN_DB = 20.0 * math.log10(LEAST_GAIN)
 CHECKED = ("crossover", "phase_margin", "gain_margin", "sensitivity_peak")
 
@@ -70,8 +71,8 @@ def deviations(found: Mapping[str, Measurement], loop: str, design: Margins) -> 
     """Return what of a measured loop is not as it was designed: nothing is to be saved of it."""
     design_Hz, design_deg = design.crossover_rad_s / (2.0 * math.pi), math.degrees(design.phase_rad)
     crossover, phase = found[f"{loop}_crossover"], found[f"{loop}_phase_margin"]
-    gain = _defined(found[f"{loop}_gain_margin"], found[f"{loop}_attenuation"])
-    peak = _defined(found[f"{loop}_sensitivity_peak"], found[f"{loop}_sensitivity_seen"])
+    gain = _defined(found[f"{loop}_gain_margin"], found[f"{loop}_attenuation"], _UNSURE_DB)
+    peak = _defined(found[f"{loop}_sensitivity_peak"], found[f"{loop}_sensitivity_seen"], _UNSURE_PEAK)
     wrong = (
         (crossover, f"{design_Hz:.4g} Hz within 10 %", abs(crossover.value / design_Hz - 1.0) <= _CROSSOVER),
         (phase, f"{design_deg:.3g} deg within 5 deg", abs(phase.value - design_deg) <= _PHASE_DEG),
@@ -81,8 +82,12 @@ def deviations(found: Mapping[str, Measurement], loop: str, design: Margins) -> 
     return tuple(_finding(loop, seen, expected) for seen, expected, holds in wrong if not holds)
 
 
-def _defined(one: Measurement, other: Measurement) -> Measurement:
-    return one if math.isfinite(one.value) else other
+def _defined(one: Measurement, other: Measurement, unsure: float) -> Measurement:
+    """Return a margin, or what the frequencies used tell in its place where its standard uncertainty is so
+    large that it tells nothing: at low frequencies, where the loop's gain is large, noise makes a phase of
+    -180 degrees."""
+    standard = 0.0 if one.uncertainty is None else one.uncertainty.standard
+    return one if math.isfinite(one.value) and standard <= unsure else other
 
 
 def _finding(loop: str, seen: Measurement, expected: str) -> Finding:
