@@ -1,8 +1,8 @@
 """The rotor's flux linkage of a turning motor, without its angle: the radius of a circle.
 
-The flux linkage of the stator is the integral of the voltage,
+The flux linkage of the stator is the integral of the voltage, less what dead time and devices take,
 
-    psi_s(k+1) = psi_s(k) + T_s (u_s - R_s i_s - V_drop s(i)),
+    psi_s(k+1) = psi_s(k) + T_s (u_s - R_s i_s),
 
 and without what the currents make of it, L_q i_s, it is the active flux (Boldea, Paicu and Andreescu, IEEE
 Trans. Power Electron. 23 (2008) no. 6), which lies along the rotor and is psi_r + (L_d - L_q) i_d long. The
@@ -24,7 +24,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.commission.estimators.regression import Fit, least_squares
-from benchtool.commission.estimators.vectors import drop_vector, vector_of
 from benchtool.errors import AnalysisError
 
 HARMONICS: Final = (-5, 7)
@@ -40,7 +39,7 @@ _ROUND = 0.25  # largest rms deviation from the circle over its radius
 class TurningFlux:
     """What one capture of a turning motor tells.
 
-    `rows` are the rows of `readings_A` that were used, shape (n,). `omega_e_rad_s` is the mean electrical
+    `rows` are the rows of `i_A` that were used, shape (n,). `omega_e_rad_s` is the mean electrical
     speed by the flux, `angle_rad` the electrical angle of the rotor flux there, and `flux_Wb` the rotor flux
     itself. `second_Wb` is the
     complex amplitude of what turns against the rotor, of phases that differ. `ripple` is the rms deviation
@@ -61,41 +60,33 @@ class TurningFlux:
 
 def turning_flux(
     u_V: NDArray[np.complex128],
-    readings_A: NDArray[np.float64],
+    i_A: NDArray[np.complex128],
     *,
     T_s: float,
     R_s_ohm: float,
     L_d_H: float,
     L_q_H: float,
-    drop_V: float,
-    gains: NDArray[np.float64],
-    soft_A: float = 0.0,
     stretches: Sequence[tuple[int, int]] = ((0, -1),),
 ) -> TurningFlux:
     """Return the rotor flux of one capture.
 
     Args:
-        u_V: voltage over each period, shape (n - 1,).
-        readings_A: phase currents at both ends of the periods, shape (n, 3).
+        u_V: voltage over each period, less what dead time and devices take (`Legs.taken`), shape (n - 1,).
+        i_A: current at both ends of the periods, shape (n,).
         T_s: control period.
-        R_s_ohm, L_d_H, L_q_H, drop_V: resistance, inductances, and what dead time and devices take of a
-            phase; the inductance along the rotor flux is where the search for it begins.
-        gains: corrections of the current sensors, shape (3,).
-        soft_A: size of a phase current below which dead time takes less than its whole voltage.
+        R_s_ohm, L_d_H, L_q_H: resistance and inductances; the one along the rotor flux is where the search
+            for it begins.
         stretches: first row and the one after the last of each stretch that is used, -1 for the end.
 
     Raises:
         AnalysisError: too short, or no flux that turns.
     """
-    n = len(readings_A)
+    n, i = len(i_A), i_A
     parts = [np.arange(first, n if end < 0 else end) for first, end in stretches]
     used = np.concatenate(parts)
     if len(used) < _FEWEST:
         raise AnalysisError(f"{len(used)} ticks of a turning motor, {_FEWEST} at least are needed")
-    i = vector_of(readings_A * gains)
-    mean = 0.5 * (i[1:] + i[:-1])
-    drops = 0.5 * (drop_vector(readings_A[1:], soft_A) + drop_vector(readings_A[:-1], soft_A))
-    moved = T_s * (u_V - R_s_ohm * mean - drop_V * drops)
+    moved = T_s * (u_V - R_s_ohm * 0.5 * (i[1:] + i[:-1]))
     whole = np.concatenate(([0.0], np.cumsum(moved))) - L_q_H * i
     flux = np.concatenate([whole[part] - np.mean(whole[part]) for part in parts])
     i = i[used]
@@ -148,16 +139,6 @@ def turning_flux(
         ripple,
         max(1.0, turns - 2.0),
     )
-
-
-def ripple_A(of: TurningFlux, pwm_period_s: float, L_H: float, u_dc_V: float) -> float:
-    """Return the amplitude of the ripple of a phase current where it goes through zero.
-
-    With a current along the rotor flux the EMF lies along that phase there. A zero vector, which lasts half
-    of what the active one of 2/3 u_dc leaves of half a PWM period, leaves the current to the EMF alone.
-    """
-    E = abs(of.psi_r_Wb * of.omega_e_rad_s)
-    return E * pwm_period_s / (4.0 * L_H) * max(0.0, 1.0 - 1.5 * E / u_dc_V)
 
 
 def harmonics(flux_Wb: NDArray[np.complex128], theta_e_rad: NDArray[np.float64]) -> dict[int, complex]:

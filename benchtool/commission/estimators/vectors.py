@@ -18,14 +18,12 @@ def vector_of(phases: NDArray[np.float64]) -> NDArray[np.complex128]:
     return vectors
 
 
-def drop_vector(phases: NDArray[np.float64], soft_A: float = 0.0) -> NDArray[np.complex128]:
+def drop_vector(phases: NDArray[np.float64]) -> NDArray[np.complex128]:
     """Return the vector, for currents of shape (n, 3), of one volt in each phase against its current.
 
-    Dead time and devices take their voltage so: V_drop sgn(i) of each phase, whatever the size of i. Within
-    the ripple of a period, `soft_A`, the current has either sign at the edges, and the voltage is in
-    proportion to i.
+    Dead time and devices take their voltage so: V_drop sgn(i) of each phase, whatever the size of i.
     """
-    return vector_of(np.clip(phases / soft_A, -1.0, 1.0) if soft_A > 0.0 else np.sign(phases))
+    return vector_of(np.sign(phases))
 
 
 def phases_of(vectors: NDArray[np.complex128]) -> NDArray[np.float64]:

@@ -15,9 +15,9 @@ from benchtool.commission.estimators.flux_linkage import (
     HARMONICS,
     TurningFlux,
     harmonics,
-    ripple_A,
     turning_flux,
 )
+from benchtool.commission.estimators.legs import Legs
 from benchtool.commission.estimators.regression import least_squares
 from benchtool.commission.estimators.vectors import vector_of
 from benchtool.commission.excitation import Excitation
@@ -30,19 +30,20 @@ from benchtool.commission.steps.speed_loop import FASTEST, at_speed, settling_s
 from benchtool.commission.steps.step import Finding
 from benchtool.drive import CaptureRequest, Stimulus
 
-_SPEEDS = (0.2, 0.32, 0.4)  # of the rated speed; the drive trips at half of it
+_SPEEDS = (0.28, 0.34, 0.4)  # of the rated speed; the drive trips at half of it
 _SHARES = (0.35, 0.75)  # of the rated current, along the rotor flux: least and most
 _OF_FLUX = 0.25  # of the rotor flux, by that current at most: what saturation bends is not the magnet's
 _CALM, _ANGLE_LEFT_RAD = 0.1, 0.03  # of the rated speed; electrical, beside what is known of the encoder
+_HARMONICS = 0.24  # of the EMF, the fifth and the seventh together: as torque of a current along the flux
 _OVERSHOOT = 1.65  # of the current when it is reversed, with what harmonics drive and friction takes
 _ACROSS = 0.06  # of what dead time takes across the flux, left after its correction
-_SOFT = 0.5  # of that ripple, with which the flux is estimated again
+_DEAD_SHARE = 0.5  # of what dead time and devices take, the dead time's: nothing tells it
 _LEVELS = 3  # of it, a binary sequence: forth, back and forth
 _SETTLED = 6.0  # time constants of the current loop, after which it stands
 _TURNS = 12.0  # electrical
 _FEWEST_ROWS, _MOST_ROWS = 1500, 8000
 _LEFT_OUT = 0.0025
-_ROUNDED = 0.008  # of the voltage of dead time and devices: what its course near zero current is off by
+_ROUNDED = 0.005  # of the voltage of dead time and devices: what its course near zero current is off by
 _SURE = 3.0  # standard uncertainties, from which on saturation is taken off
 _FACTOR = 1.35  # of the nameplate's flux, that no magnet is off by
 _AS_STATED, _NEAR = 1.21, 0.04  # a deviation that tells nothing; of a factor between two conventions
@@ -102,15 +103,15 @@ class BackEmf:
         if not blocks:
             reason = f"the shaft may turn {known.travel_rad:.3g} rad only: no EMF worth measuring"
             return {"psi_r": Measurement.undefined("psi_r", "Wb", definition, reason)}
-        pwm_s, L_q_H = known.pwm_period_s or known.control_period_s, known.identified.L_q_H
-        ripples_A = [ripple_A(_turning(block, known), pwm_s, L_q_H, known.u_dc_V) for block in blocks]
-        turning = [_turning(block, known, A) for block, A in zip(blocks, ripples_A, strict=True)]
         lopsided = _lopsided(known)
-        psi = np.array([each.psi_r_Wb for each in turning]) - lopsided.value
+        turning = [_turning(block, known) for block in blocks]
         omega = np.array([each.omega_e_rad_s for each in turning])
-        found = _regression(psi, omega)
-        less = [_turning(block, known, _SOFT * A) for block, A in zip(blocks, ripples_A, strict=True)]
-        less_Wb = _regression(np.array([each.psi_r_Wb for each in less]) - lopsided.value, omega).psi_Wb
+        found = _regression(np.array([each.psi_r_Wb for each in turning]) - lopsided.value, omega)
+        extremes_Wb = [
+            _regression(np.array([_turning(block, known, share).psi_r_Wb for block in blocks]), omega).psi_Wb
+            for share in (0.0, 1.0)
+        ]
+        either_Wb = max(abs(each - lopsided.value - found.psi_Wb) for each in extremes_Wb)
         rows = sum(len(block.data) for block in blocks)
         own = math.sqrt(sum(each.psi_r_standard_Wb**2 for each in turning)) / len(turning)
         lines = [
@@ -124,7 +125,7 @@ class BackEmf:
             Contribution("voltage that slow speeds show more of", "B", found.curved_Wb),
             Contribution("dead time across the flux", "B", _across_Wb(blocks[-1], turning[-1], known)),
             Contribution("dead time near zero current", "B", _rounded_Wb(turning[-1], known)),
-            Contribution("ripple of the current", "B", abs(found.psi_Wb - less_Wb) / math.sqrt(3.0)),
+            Contribution("dead time and devices, their shares", "B", either_Wb / math.sqrt(3.0)),
             Contribution("saturation", "A", lopsided.uncertainty.standard if lopsided.uncertainty else 0.0),
             Contribution("what the equation leaves out", "B", found.psi_Wb * _LEFT_OUT / math.sqrt(3.0)),
         ]
@@ -187,7 +188,9 @@ def _amplitude_A(known: Known) -> float:
     """Return the current along the rotor flux: the larger, the less dead time takes across the flux.
 
     An eccentric encoder has a part of it make torque. When the current is reversed, that moves a speed which
-    a critically damped controller of the gain K_p holds, by 2/e of the change over K_p at most.
+    a critically damped controller of the gain K_p holds, by 2/e of the change over K_p at most. The harmonics
+    of the EMF have it hold the rotor six times in a revolution of the flux, a work of psi_r i times their
+    share: half of the kinetic energy at the slowest speed is left, or the rotor would rest there.
     """
     motor = known.identified
     bends_A = _OF_FLUX * motor.psi_r_Wb / motor.L_d_H
@@ -197,12 +200,14 @@ def _amplitude_A(known: Known) -> float:
     assert isinstance(K_p, float)
     moves_rad_s = 2.0 * known.torque_per_A * aside_rad * 2.0 / math.e / K_p  # per ampere
     calm_A = _CALM * known.motor.omega_m_N_rad_s / moves_rad_s
+    slowest = _SPEEDS[0] * known.motor.omega_m_N_rad_s
+    passes_A = 0.5 * motor.J_kgm2 * slowest**2 / (motor.psi_r_Wb * _HARMONICS)
     E = motor.pole_pairs * motor.psi_r_Wb * FASTEST * known.motor.omega_m_N_rad_s
     ripple = E * (known.pwm_period_s or known.control_period_s) / (4.0 * motor.L_q_H)
     trip_A = float(known.held.get("i_trip", known.I_N_A))
     safe_A = (trip_A - 2.0 * ripple) / _OVERSHOOT
     least, most = (share * known.I_N_A for share in _SHARES)
-    return min(max(least, min(bends_A, calm_A, safe_A)), most)
+    return min(max(least, min(bends_A, calm_A, safe_A, passes_A)), most)
 
 
 def _of_nameplate(psi_r_Wb: float, known: Known) -> Iterator[Finding]:
@@ -291,21 +296,29 @@ def _angle_of(block: Block) -> NDArray[np.float64]:
     return unwrapped
 
 
-def _turning(block: Block, known: Known, soft_A: float = 0.0) -> TurningFlux:
-    u_V = block.column("u_alpha") + 1j * block.column("u_beta")
-    readings_A = np.column_stack([block.column(name) for name in CURRENTS])[1:]
-    motor = known.identified
+def _turning(block: Block, known: Known, dead_share: float = _DEAD_SHARE) -> TurningFlux:
+    """Return what a capture tells, with that share of `drop_V` for the dead time's."""
+    u_V = (block.column("u_alpha") + 1j * block.column("u_beta"))[:-2]
+    i_A = vector_of(np.column_stack([block.column(name) for name in CURRENTS])[1:])  # the drive has the gains
+    theta_m = known.without_eccentricity(np.unwrap(block.column("theta_m")))[1:]
+    motor, T_s = known.identified, known.control_period_s
+    legs = Legs(
+        T_s,
+        known.u_dc_V,
+        motor.L_d_H,
+        motor.L_q_H,
+        known.drop_V,
+        double_update=known.pwm_period_s > 1.5 * T_s,
+    )
+    rotor_rad = motor.pole_pairs * 0.5 * (theta_m[1:] + theta_m[:-1])
     return turning_flux(
-        u_V[:-2],
-        readings_A,
-        T_s=known.control_period_s,
+        u_V - legs.taken(u_V, i_A, rotor_rad, dead_share),
+        i_A,
+        T_s=T_s,
         R_s_ohm=known.R_s_ohm,
         L_d_H=motor.L_d_H,
         L_q_H=motor.L_q_H,
-        drop_V=known.drop_V,
-        gains=np.ones(3),  # the drive has corrected them
-        soft_A=soft_A,
-        stretches=_stretches(len(readings_A), known),
+        stretches=_stretches(len(i_A), known),
     )
 
 

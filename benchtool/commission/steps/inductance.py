@@ -18,11 +18,12 @@ from benchtool.commission.steps.offsets import CURRENTS
 from benchtool.commission.steps.step import Finding
 from benchtool.drive import CaptureRequest, Stimulus
 
-_SHARE = 0.6  # of the rated current, peak, at the end of the ramp
+_SHARE = 0.75  # of the rated current, peak, at the end of the ramp
 _LEAST_SHARE = 0.3  # below which the converter's steps show, and the vector turns more slowly
 _VOLTAGE_SHARE = 0.5  # of u_dc / sqrt(3)
 _PERIODS = (14.38, 31.17)  # control periods in a turn of the vector: no two turns are sampled alike
 _ROWS = 1200
+_REPEATS = 3  # of each speed: of a motor of small inertia the noise of the currents decides
 _LEFT_OUT_D, _LEFT_OUT_Q = 0.007, 0.012  # largest deviations of sixteen motors without flaws, decision 0119
 _LEFT_OUT_RAD = 0.03  # of the encoder's electrical angle, by its finer errors
 _FACTOR = 2.5
@@ -30,7 +31,8 @@ _OF_LINE_TO_LINE, _NEAR = 0.5, 0.15
 
 
 class TurningVoltage:
-    """Align the rotor with phase a, then turn a growing voltage vector too fast for it to follow; twice.
+    """Align the rotor with phase a, then turn a growing voltage vector too fast for it to follow, at two
+    speeds.
 
     Begun with nothing, the currents have no constant part that would kick the rotor, and on the average a
     turning vector makes no torque, in a salient machine neither. Two speeds tell the inductance from what the
@@ -44,9 +46,12 @@ class TurningVoltage:
     sets: tuple[str, ...] = ("L_d", "L_q")
 
     def plan(self, known: Known) -> tuple[Excitation, ...]:
-        """Return an alignment and a turning vector for each speed."""
+        """Return an alignment and a turning vector for each speed, repeated.
+
+        The second vector finds the rotor where the first has left it, as the encoder tells.
+        """
         align = aligning(known, {"dead_time_compensation": 0.0, **known.offsets})
-        return tuple(each for periods in _PERIODS for each in (align, _turning(known, periods)))
+        return _REPEATS * (align, *(_turning(known, periods) for periods in _PERIODS))
 
     def estimate(self, blocks: Sequence[Block], known: Known) -> Mapping[str, Measurement]:
         """Return `L_d` and `L_q`.
@@ -54,8 +59,9 @@ class TurningVoltage:
         Raises:
             AnalysisError: the captures do not define them.
         """
+        turning = [block for block in blocks if "theta_m" in block.names]  # the others align
         found = inductance(
-            [_directed(block, known) for block in blocks[1::2]],
+            [_directed(block, known) for block in turning],
             T_s=known.control_period_s,
             R_s_ohm=known.R_s_ohm,
             drop_V=known.drop_V,
@@ -63,7 +69,7 @@ class TurningVoltage:
             aligned_rad=0.0,
             aligned_standard_rad=_axis_standard_rad(known),
         )
-        rows = sum(len(block.data) for block in blocks[1::2])
+        rows = sum(len(block.data) for block in turning)
         basis = Basis(samples=rows, sample_rate_Hz=1.0 / known.control_period_s)
         scatter = f"scatter of {rows} samples about the fit"
         both = (

@@ -11,12 +11,7 @@ from numpy.typing import NDArray
 
 from benchtool.commission.estimators.alignment import Spin, alignment, continued, motion
 from benchtool.commission.estimators.cogging import cogging
-from benchtool.commission.estimators.flux_linkage import (
-    TurningFlux,
-    harmonics,
-    ripple_A,
-    turning_flux,
-)
+from benchtool.commission.estimators.flux_linkage import harmonics, turning_flux
 from benchtool.commission.estimators.mechanics import Course, mechanics
 from benchtool.errors import AnalysisError
 
@@ -71,8 +66,8 @@ def test_one_way_alone_does_not_tell_friction_from_the_offset() -> None:
 R_S, L_D, L_Q, PSI, T_S = 0.2, 1e-4, 1.7e-4, 5e-3, 5e-5
 
 
-def turning(omega_e: float) -> tuple[NDArray[np.complex128], NDArray[np.float64], NDArray[np.float64]]:
-    """Voltages and phase currents of a salient machine with a fifth harmonic and a constant voltage error."""
+def turning(omega_e: float) -> tuple[NDArray[np.complex128], NDArray[np.complex128], NDArray[np.float64]]:
+    """Voltages and currents of a salient machine with a fifth harmonic and a constant voltage error."""
     n = 4000
     t = T_S * np.arange(n)
     theta = omega_e * t + 0.7
@@ -81,16 +76,13 @@ def turning(omega_e: float) -> tuple[NDArray[np.complex128], NDArray[np.float64]
     flux = (PSI + L_D * i_dq.real + 1j * L_Q * i_dq.imag) * rotor + 0.02 * PSI * np.exp(-5j * theta)
     i = i_dq * rotor
     u = np.diff(flux) / T_S + R_S * 0.5 * (i[1:] + i[:-1]) + (0.05 - 0.02j)
-    phases = np.column_stack([(i * np.exp(-2j * np.pi * k / 3.0)).real for k in range(3)])
-    return np.asarray(u, np.complex128), phases, np.asarray(theta, np.float64)
+    return np.asarray(u, np.complex128), np.asarray(i, np.complex128), np.asarray(theta, np.float64)
 
 
 @pytest.mark.parametrize("omega_e", [900.0, -400.0])
 def test_the_rotor_flux_needs_no_angle_and_no_exact_inductance(omega_e: float) -> None:
-    u, phases, theta = turning(omega_e)
-    found = turning_flux(
-        u, phases, T_s=T_S, R_s_ohm=R_S, L_d_H=1.3 * L_D, L_q_H=L_Q, drop_V=0.0, gains=np.ones(3)
-    )
+    u, i, theta = turning(omega_e)
+    found = turning_flux(u, i, T_s=T_S, R_s_ohm=R_S, L_d_H=1.3 * L_D, L_q_H=L_Q)
     assert found.psi_r_Wb == pytest.approx(PSI, rel=2e-3)
     assert abs(found.psi_r_Wb - PSI) < 4.0 * found.psi_r_standard_Wb
     assert found.L_d_H == pytest.approx(L_D, rel=0.03)
@@ -102,10 +94,10 @@ def test_the_rotor_flux_needs_no_angle_and_no_exact_inductance(omega_e: float) -
 
 def test_a_motor_that_stands_has_no_circle() -> None:
     rng = np.random.default_rng(2)
-    phases = rng.normal(0.0, 0.1, (1000, 3))
+    i = np.asarray(rng.normal(0.0, 0.1, 1000) + 1j * rng.normal(0.0, 0.1, 1000), np.complex128)
     u = np.asarray(rng.normal(0.0, 0.1, 999) + 0.1j, np.complex128)
     with pytest.raises(AnalysisError, match="does not turn"):
-        turning_flux(u, phases, T_s=T_S, R_s_ohm=R_S, L_d_H=L_D, L_q_H=L_Q, drop_V=0.0, gains=np.ones(3))
+        turning_flux(u, i, T_s=T_S, R_s_ohm=R_S, L_d_H=L_D, L_q_H=L_Q)
 
 
 J, COULOMB, FRICTION, LOAD = 3e-4, 0.02, 1e-4, 0.003
@@ -193,38 +185,3 @@ def test_cogging_is_told_by_its_order(shaken: list[Course]) -> None:
     smooth = [replace(course, torque_Nm=rng.normal(0.0, 0.01, 4500)) for course in shaken]
     still = [replace(c, theta_m_rad=np.linspace(0.0, 60.0, 4500)) for c in smooth]
     assert not cogging(still, J, 1e-4)
-
-
-def test_dead_time_within_the_ripple_of_the_current_does_not_shrink_the_flux() -> None:
-    """A drop in proportion to the current below 2 A, with the current forth and back along the rotor flux."""
-    n, omega_e = 4000, 900.0
-    theta = omega_e * T_S * np.arange(n) + 0.7
-    i_dq = np.where(np.arange(n) < n // 2, 12.0, -12.0) + 1.5j
-    i = i_dq * np.exp(1j * theta)
-    flux = (PSI + L_D * i_dq.real + 1j * L_Q * i_dq.imag) * np.exp(1j * theta)
-    phases = np.column_stack([(i * np.exp(-2j * np.pi * k / 3.0)).real for k in range(3)])
-    drops = 0.5 * np.clip(phases / 2.0, -1.0, 1.0) @ np.exp(2j * math.pi / 3.0 * np.arange(3)) * (2.0 / 3.0)
-    lost = R_S * i + drops
-    u = np.diff(flux) / T_S + 0.5 * (lost[1:] + lost[:-1])
-
-    def found(soft_A: float) -> TurningFlux:
-        return turning_flux(
-            u,
-            phases,
-            T_s=T_S,
-            R_s_ohm=R_S,
-            L_d_H=L_D,
-            L_q_H=L_Q,
-            drop_V=0.5,
-            gains=np.ones(3),
-            soft_A=soft_A,
-            stretches=((0, n // 2), (n // 2, n)),
-        )
-
-    soft = found(2.0)
-    assert soft.psi_r_Wb == pytest.approx(PSI, rel=2e-4)
-    assert soft.L_d_H == pytest.approx(L_D, rel=0.01)
-    assert abs(found(0.0).psi_r_Wb / PSI - 1.0) < 4e-3  # the drop is along the current, the flux across it
-    assert found(0.0).ripple > soft.ripple
-    E = PSI * omega_e
-    assert ripple_A(soft, T_S, L_Q, 24.0) == pytest.approx(E * (0.5 - E / 32.0) * T_S / 2.0 / L_Q, rel=1e-3)

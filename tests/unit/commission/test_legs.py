@@ -1,0 +1,72 @@
+"""What dead time and devices take, against legs that are switched in short steps of a period."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from benchtool.commission.estimators.legs import Legs
+from benchtool.commission.estimators.vectors import PHASES, phases_of, vector_of
+
+T_S, U_DC, L_D, L_Q, ROTOR_RAD = 25e-6, 24.0, 3e-6, 5e-6, 0.4
+EMF_V = 4.5
+DEAD_V, DEVICE_V = 0.5, 0.4
+STEPS, SOFT_A = 400, 0.1
+
+
+def switched(u_V: complex, emf_V: complex, i_A: complex, *, half: int | None) -> tuple[complex, complex]:
+    """Return the mean voltage at the winding and the current at the end of a control period.
+
+    Without `half` it is a whole PWM period, else the first or second half of one. A leg that waits, or whose
+    device has a forward voltage, takes its potential from the sign of its current, smooth within `SOFT_A`.
+    """
+    phases = phases_of(np.array([u_V]))[0]
+    duty = 0.5 + (phases - 0.5 * (np.max(phases) + np.min(phases))) / U_DC
+    rise, fall = 0.5 * (1.0 - duty), 0.5 * (1.0 + duty)
+    if half is not None:
+        rise, fall = (1.0 - duty, np.full(3, 9.0)) if half == 0 else (np.full(3, -9.0), duty)
+    dead = DEAD_V / U_DC if half is None else 2.0 * DEAD_V / U_DC
+    step_s, i, total = T_S / STEPS, i_A, 0.0 + 0.0j
+    for k in range(STEPS):
+        at = (k + 0.5) / STEPS
+        signs = np.clip(phases_of(np.array([i]))[0] / SOFT_A, -1.0, 1.0)
+        waits = ((rise <= at) & (at < rise + dead)) | ((fall <= at) & (at < fall + dead))
+        told = (rise <= at) & (at < fall)
+        potentials = np.where(waits, 0.5 * U_DC * (1.0 - signs), U_DC * told) - DEVICE_V * signs
+        u = vector_of(potentials[None, :])[0]
+        total += u / STEPS
+        left = (u - emf_V) * np.exp(-1j * ROTOR_RAD)
+        i += step_s * complex(left.real / L_D, left.imag / L_Q) * np.exp(1j * ROTOR_RAD)
+    return total, i
+
+
+@pytest.mark.parametrize("double_update", [False, True])
+@pytest.mark.parametrize("small_A", [-6.0, -2.0, 0.5, 3.5, 12.0])
+def test_a_phase_near_zero_loses_what_its_edges_and_its_signs_make(
+    double_update: bool, small_A: float
+) -> None:
+    """Phase b has a small current, and the EMF along it; of two halves their mean counts."""
+    emf = EMF_V * PHASES[1]
+    i = small_A * PHASES[1] + 30j * PHASES[1]
+    asked = emf + (DEAD_V + DEVICE_V) * vector_of(np.sign(phases_of(np.array([i]))))[0]
+    legs = Legs(T_S, U_DC, L_D, L_Q, DEAD_V + DEVICE_V, double_update=double_update)
+    wrong = []
+    for half in (0, 1) if double_update else (None,):
+        mean, end = switched(asked, emf, i, half=half)
+        share = DEAD_V / (DEAD_V + DEVICE_V)
+        taken = legs.taken(np.array([asked]), np.array([i, end]), np.array([ROTOR_RAD]), share)[0]
+        wrong.append(taken - (asked - mean))
+    assert abs(np.mean(wrong)) < 0.25 * (DEAD_V + DEVICE_V)
+
+
+def test_with_clear_currents_it_is_the_sign_of_each() -> None:
+    rng = np.random.default_rng(3)
+    i = 50.0 * np.exp(1j * np.pi / 3.0 * np.arange(7))  # each phase at 25 A at least
+    u = np.asarray(rng.normal(0.0, 2.0, 6) + 0j, np.complex128)
+    for double in (False, True):
+        legs = Legs(T_S, U_DC, 1e-3, 1e-3, 0.9, double_update=double)
+        for k in range(6):
+            taken = legs.taken(u[k : k + 1], np.array([i[k], i[k]]), np.zeros(1), 0.4)
+            expected: NDArray[np.complex128] = 0.9 * vector_of(np.sign(phases_of(i[k : k + 1])))
+            assert taken == pytest.approx(expected, abs=1e-9)
