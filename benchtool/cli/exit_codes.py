@@ -66,6 +66,8 @@ def run_to_the_end(app: Callable[[], object]) -> NoReturn:
         if getattr(sys, name) is None:  # the parent process may have closed it
             setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115 # for the rest of the process
     gc.set_threshold(OBJECTS)
+    # Matrices here are small: further threads of linear algebra wait for each other, and take the processor.
+    os.environ.setdefault("OMP_NUM_THREADS", "1")
     try:
         app()
         code: int | str | None = 0
