@@ -14,7 +14,7 @@ from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import Any
 
-from benchtool.emulator.jit import is_cached
+from benchtool.emulator.cache import is_cached
 
 try:
     import fcntl

@@ -129,21 +129,6 @@ def _compiled(function: Callable[..., Any], suffix: str) -> Any:
     return compiled
 
 
-def is_cached(compiled: Callable[..., Any]) -> bool:
-    """Return whether an entry is compiled already, in this process or on disk.
-
-    Judged by the names of the cache files, so a cache of another kind of processor counts as well.
-    """
-    signatures, stats = getattr(compiled, "nopython_signatures", None), getattr(compiled, "stats", None)
-    if signatures is None or stats is None:  # the compiler is switched off
-        return True
-    if signatures:
-        return True
-    return stats.cache_path is not None and any(
-        Path(stats.cache_path).glob(f"*.{compiled.__qualname__}-*.nbc")
-    )
-
-
 @cache
 def fingerprint(package: Path = Path(__file__).parent.parent) -> int:
     """Return the CRC-32 over the compiled sources in a package's folder, and the compiler's version.

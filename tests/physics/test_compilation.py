@@ -26,8 +26,9 @@ def scaled(x):
 """
 ENTRY = """
 import sys
+from benchtool.emulator.cache import is_cached
 from core_copy.emulator.core.callee import scaled
-from core_copy.emulator.jit import entry, is_cached
+from core_copy.emulator.jit import entry
 
 @entry
 def answer(x):

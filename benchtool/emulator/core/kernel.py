@@ -12,12 +12,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from benchtool.emulator.cache import is_cached
 from benchtool.emulator.control.cycle import control_tick
 from benchtool.emulator.control.observer import shift
 from benchtool.emulator.core.capture_memory import capture_row
 from benchtool.emulator.core.stream_ring import stream_row
 from benchtool.emulator.in_place import in_place, renewed
-from benchtool.emulator.jit import is_cached, njit, parts_of, specialised
+from benchtool.emulator.jit import njit, parts_of, specialised
 from benchtool.emulator.machine.coefficients import (
     MOST_TURN,
     Machine,

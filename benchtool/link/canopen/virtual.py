@@ -115,7 +115,7 @@ class VirtualTimeBus(VirtualBus):
         """As in python-can; what is there already is taken at a third of the cost."""
         if not self._open or self._filters is not None or not self.queue.queue:
             return super().recv(timeout)
-        self._note_receiver()
+        self._receiver = threading.current_thread()
         with self.queue.mutex:  # the queue's own `task_done` and `get` in one
             if self._in_hand:
                 self.queue.unfinished_tasks -= 1
@@ -130,17 +130,13 @@ class VirtualTimeBus(VirtualBus):
             return received
 
     def _recv_internal(self, timeout: float | None) -> tuple[can.Message | None, bool]:
-        self._note_receiver()
+        self._receiver = threading.current_thread()
         if self._in_hand:
             self._in_hand = False
             self.queue.task_done()
         received = super()._recv_internal(timeout)
         self._in_hand = received[0] is not None
         return received
-
-    def _note_receiver(self) -> None:
-        if self._receiver is None or self._receiver.ident != threading.get_ident():
-            self._receiver = threading.current_thread()
 
     def _stall_reason(self, deadline_s: float) -> str:
         if self._receiver is not None and not self._receiver.is_alive():
