@@ -118,6 +118,8 @@ class Verification:
     def findings(self, found: Mapping[str, Measurement], known: Known) -> tuple[Finding, ...]:
         """Return what the balances contradict, by three combined standard uncertainties and by more than is
         worth a change, and a speed that was not reached."""
+        (swing,) = self.plan(known)
+        swing_A = math.sqrt(swing.squares_A2s / (swing.request.rows * known.control_period_s))
         findings = [
             Finding(
                 f"by the balance of the verification run, {each}",
@@ -126,9 +128,10 @@ class Verification:
                 fails=False,
             )
             for each in contradictions(_beside(found, known))
-            if abs(each.difference) > max(SURE * _combined(each, known), _near_zero(each.name, known))
+            if abs(each.difference)
+            > max(SURE * _combined(each, known), _near_zero(each.name, known, swing_A))
         ]
-        asked = self.plan(known)[0].stimulus
+        asked = swing.stimulus
         assert asked is not None
         if found["speed_reached"].value < _FOLLOWS * asked.amplitude:
             findings.append(
@@ -161,12 +164,12 @@ def _beside(found: Mapping[str, Measurement], known: Known) -> tuple[Deviation, 
     return deviations(told, believed, motor, known.u_dc_V)
 
 
-def _near_zero(name: str, known: Known) -> float:
+def _near_zero(name: str, known: Known, current_A: float) -> float:
     """Return by how much dead time, near zero current, makes a balance differ that takes all of it there: a
-    voltage too small, and for it a resistance too large at the current of the swing."""
+    voltage too small, and for it a resistance too large at the rms current of the swing."""
     lost_V = _NEAR_ZERO * abs(known.drop_V)
     if name == "R_s":
-        return _NEAR_ZERO * abs(known.drop_fundamental_V) / (_TORQUE_SHARE * known.I_N_A)
+        return _NEAR_ZERO * abs(known.drop_fundamental_V) / current_A
     return lost_V if name == "dead_time_voltage" else 0.0
 
 
