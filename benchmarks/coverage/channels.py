@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.coverage.families import OF_THE_ENSEMBLE, Family, selected
+from benchmarks.coverage.families import OF_THE_ENSEMBLE, families_of, selected
 from benchmarks.coverage.noise import coloured, converted
 from benchtool.analysis import (
     Measurement,
@@ -365,8 +365,4 @@ def trial(what: Kind, random: np.random.Generator) -> Found:
             return _shaft(what, random)
 
 
-def _family(name: str, what: Kind) -> Family:
-    return Family(name, lambda random: trial(what, random))
-
-
-FAMILIES = tuple(_family(name, what) for name, what in KINDS.items())
+FAMILIES = families_of(trial, KINDS)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from benchmarks.coverage.families import Family
+from benchmarks.coverage.families import families_of
 from benchmarks.coverage.steady import HARMONICS, Disturbance, trial
 
 _QUIET = Disturbance()
@@ -142,8 +142,4 @@ DISTURBANCES: Mapping[str, Disturbance] = {
 }  # fmt: skip
 
 
-def _family(name: str, what: Disturbance) -> Family:
-    return Family(name, lambda random: trial(what, random))
-
-
-FAMILIES = tuple(_family(name, what) for name, what in DISTURBANCES.items())
+FAMILIES = families_of(trial, DISTURBANCES)

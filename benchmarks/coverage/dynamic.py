@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import optimize, signal
 
-from benchmarks.coverage.families import Family, selected
+from benchmarks.coverage.families import families_of, selected
 from benchmarks.coverage.noise import Kind, coloured, converted, noise_of
 from benchtool.analysis import Measurement, analyze_response, analyze_step
 from benchtool.block import Block
@@ -377,20 +377,8 @@ LOOPED: Mapping[str, Looped] = {
 }
 
 
-def _looped(name: str, what: Looped) -> Family:
-    return Family(name, lambda random: looped_trial(what, random))
-
-
-def _stepped(name: str, what: Stepped) -> Family:
-    return Family(name, lambda random: stepped_trial(what, random))
-
-
-def _excited(name: str, what: Excited) -> Family:
-    return Family(name, lambda random: excited_trial(what, random))
-
-
 FAMILIES = (
-    *(_stepped(name, what) for name, what in STEPPED.items()),
-    *(_excited(name, what) for name, what in EXCITED.items()),
-    *(_looped(name, what) for name, what in LOOPED.items()),
+    *families_of(stepped_trial, STEPPED),
+    *families_of(excited_trial, EXCITED),
+    *families_of(looped_trial, LOOPED),
 )

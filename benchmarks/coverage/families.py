@@ -6,6 +6,8 @@ import math
 import zlib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
+from typing import TypeVar
 
 import numpy as np
 
@@ -30,6 +32,17 @@ class Family:
 
     name: str
     trial: Trial
+
+
+What = TypeVar("What")
+
+
+def families_of(
+    trial: Callable[[What, np.random.Generator], Iterable[tuple[Measurement, float]]],
+    records: Mapping[str, What],
+) -> tuple[Family, ...]:
+    """Return a family for each kind of record, by its name, of which `trial` makes one and measures it."""
+    return tuple(Family(name, partial(trial, what)) for name, what in records.items())
 
 
 @dataclass(frozen=True)

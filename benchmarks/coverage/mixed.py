@@ -14,7 +14,7 @@ from benchmarks.coverage.channels import (
     trial as channel_trial,
 )
 from benchmarks.coverage.dynamic import Excited, Lag, Stepped, excited_trial, stepped_trial
-from benchmarks.coverage.families import Family
+from benchmarks.coverage.families import families_of
 from benchmarks.coverage.steady import Disturbance, trial
 
 _QUIET = Disturbance()
@@ -63,25 +63,9 @@ CHANNELS: Mapping[str, Channel] = {
 }
 
 
-def _steady(name: str, what: Disturbance) -> Family:
-    return Family(name, lambda random: trial(what, random))
-
-
-def _stepped(name: str, what: Stepped) -> Family:
-    return Family(name, lambda random: stepped_trial(what, random))
-
-
-def _excited(name: str, what: Excited) -> Family:
-    return Family(name, lambda random: excited_trial(what, random))
-
-
-def _channel(name: str, what: Channel) -> Family:
-    return Family(name, lambda random: channel_trial(what, random))
-
-
 FAMILIES = (
-    *(_steady(name, what) for name, what in STEADY.items()),
-    *(_stepped(name, what) for name, what in STEPPED.items()),
-    *(_excited(name, what) for name, what in EXCITED.items()),
-    *(_channel(name, what) for name, what in CHANNELS.items()),
+    *families_of(trial, STEADY),
+    *families_of(stepped_trial, STEPPED),
+    *families_of(excited_trial, EXCITED),
+    *families_of(channel_trial, CHANNELS),
 )

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from benchmarks.coverage.families import Family, selected
+from benchmarks.coverage.families import families_of, selected
 from benchtool.analysis import Measurement, Uncertainty, current_spectrum, order_analysis, track_tone
 from benchtool.block import Block, Gap
 from benchtool.errors import AnalysisError
@@ -89,8 +89,4 @@ RECORDS: Mapping[str, Stamps] = {
 }
 
 
-def _family(name: str, what: Stamps) -> Family:
-    return Family(name, lambda random: trial(what, random))
-
-
-FAMILIES = tuple(_family(name, what) for name, what in RECORDS.items())
+FAMILIES = families_of(trial, RECORDS)

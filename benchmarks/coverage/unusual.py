@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from benchmarks.coverage.dynamic import Lag, Stepped, stepped_trial
-from benchmarks.coverage.families import Family
+from benchmarks.coverage.families import families_of
 from benchmarks.coverage.steady import Disturbance, trial
 
 _QUIET = Disturbance()
@@ -53,15 +53,7 @@ STEPPED: Mapping[str, Stepped] = {
 }
 
 
-def _steady(name: str, what: Disturbance) -> Family:
-    return Family(name, lambda random: trial(what, random))
-
-
-def _stepped(name: str, what: Stepped) -> Family:
-    return Family(name, lambda random: stepped_trial(what, random))
-
-
 FAMILIES = (
-    *(_steady(name, what) for name, what in STEADY.items()),
-    *(_stepped(name, what) for name, what in STEPPED.items()),
+    *families_of(trial, STEADY),
+    *families_of(stepped_trial, STEPPED),
 )
