@@ -8,6 +8,7 @@ from .deviations import (
 )
 from .flux_balance import (
     FLUX_BALANCE as FLUX_BALANCE,
+    UNEXPLAINED as UNEXPLAINED,
     FluxBalance as FluxBalance,
     FluxBalanceSettings as FluxBalanceSettings,
     flux_balance as flux_balance,

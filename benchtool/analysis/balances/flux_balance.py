@@ -63,7 +63,10 @@ _ITERATIONS, _SEARCHES = 15, 3
 _FIRST_SHARE = 0.1  # of the voltage's errors in those of the flux, until the data tell
 _CONVERGED = 0.02  # standard uncertainties
 _STEPS_UNSURE, _DROPS_UNSURE = 2.0, 2.0  # of the sign of a current: in steps of the converter, in dead times
-_UNEXPLAINED, _STRETCH = 0.04, 50  # of the voltage, over so many periods
+UNEXPLAINED = 0.04
+"""Of the voltage, rms, that a balance leaves at most; more is refused."""
+
+_STRETCH = 50  # periods, over which that is averaged
 _LEAST_FLUX, _MOST_GAIN = 0.2, 0.5  # of the rotor flux believed; of an error of a gain
 _PHASE_OF_ERROR = 0.5 * math.sqrt(1.5)  # noise of a phase over that of a predicted current: of two vectors
 _BY_CHANCE = 2.0  # standard uncertainties
@@ -173,7 +176,7 @@ def _balance(ticks: Ticks, belief: Electrical) -> FluxBalance:
     left_out, errors = _errors(ticks, p)
     error_A = _rms(errors, p, left_out)
     share = _unexplained(ticks, p, errors, left_out)
-    if share > _UNEXPLAINED or float(np.max(np.abs(p.gains - 1.0))) > _MOST_GAIN:
+    if share > UNEXPLAINED or float(np.max(np.abs(p.gains - 1.0))) > _MOST_GAIN:
         raise AnalysisError(
             f"{100.0 * share:.2g} % of the voltage are not explained by any parameters of a machine of this "
             f"kind: check the order of the phases, the direction of the encoder, the pole pairs and "

@@ -14,6 +14,7 @@ from benchtool.commission.estimators.orders import without_orders
 from benchtool.commission.excitation import Excitation
 from benchtool.commission.known import Known
 from benchtool.commission.steps.current_control import current_loop
+from benchtool.commission.steps.mechanics import COGGING
 from benchtool.commission.steps.step import Finding, Loop
 from benchtool.commission.tuning.bode_check import ExcitedRows, deviations, measured, numbers
 from benchtool.commission.tuning.loops import SpeedLoop, inner_loop, mean_square_of_sequence, tuned_speed_loop
@@ -31,7 +32,6 @@ _BITS, _REPETITIONS = 8, 6
 _CLOCKS = 20.0  # in a period of the crossover
 _ROWS_OF_A_CLOCK = 10
 _RUN_UP_S = 1.0
-_COGGING = "cogging_"
 _RIPPLE = 0.5  # rms ripple of the current over what one vector changes
 
 
@@ -129,7 +129,7 @@ def _without_orders(block: Block, rows: ExcitedRows, known: Known) -> Block:
     an eccentric encoder (once and twice in a revolution), sensors that differ (in an electrical one), and the
     harmonics of the EMF (six times in that)."""
     p, names = known.pole_pairs, [each.name for each in block.channels]
-    cogging = (int(name.removeprefix(_COGGING)) for name in known.estimates if name.startswith(_COGGING))
+    cogging = (int(name.removeprefix(COGGING)) for name in known.estimates if name.startswith(COGGING))
     orders = sorted({1, 2, p, 2 * p, 6 * p, *cogging})
     place, played = names.index("omega_m"), slice(rows.begin_row, rows.end_row)
     row_s = block.stride * block.tick_s

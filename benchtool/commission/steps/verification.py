@@ -12,6 +12,7 @@ from benchtool.analysis.balances import (
     FLUX_BALANCE,
     MOTION_BALANCE,
     SURE,
+    UNEXPLAINED,
     Deviation,
     FluxBalanceSettings,
     contradictions,
@@ -41,7 +42,6 @@ _RIPPLE = 0.5  # rms ripple of the current over what one vector changes
 _NEAR_ZERO = 0.5  # of the voltage of the dead time: within the ripple of the current it is not there
 _FOLLOWS = 0.5  # of the speed asked for
 _BY_RIPPLE = ("L_d", "L_q")  # which a current without ripple does not tell
-_UNEXPLAINED = 0.04  # of the voltage, rms, beyond which a balance is refused
 _COMPARED = ("R_s", "L_d", "L_q", "psi_r", "J")
 _CORRECTED = ("encoder_offset", "dead_time_voltage")
 
@@ -180,7 +180,7 @@ def _combined(each: Deviation, known: Known) -> float:
     as much: the voltage of a law whose ripple tells it is nearly all across it.
     """
     other = known.estimates.get(each.name)
-    left = _UNEXPLAINED * abs(each.estimate.value) / math.sqrt(3.0) if each.name in _BY_RIPPLE else 0.0
+    left = UNEXPLAINED * abs(each.estimate.value) / math.sqrt(3.0) if each.name in _BY_RIPPLE else 0.0
     return math.hypot(
         left,
         *(
