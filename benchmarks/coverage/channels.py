@@ -60,6 +60,8 @@ class Flux:
     backwards: bool = False
     reverses: bool = False
     second_regime: float = 1.0
+    swing: tuple[float, float] = (0.0, 1.0)  # relative deviation of the speed, revolutions
+    line: tuple[float, float] = (0.0, 0.0)  # order and relative size of a rotating interharmonic
 
 
 def _flux(what: Flux, random: np.random.Generator) -> Found:
@@ -69,6 +71,9 @@ def _flux(what: Flux, random: np.random.Generator) -> Found:
     if what.reverses:
         angle = np.where(time < 0.6, angle, 2 * angle[int(0.6 * count)] - angle)
     angle += random.uniform(0, 2 * np.pi)
+    deviation, swings = what.swing
+    if deviation:
+        angle += deviation * what.revolutions / swings * np.sin(2 * np.pi * (swings * time + random.uniform()))
     fifth, seventh, centre = (
         size * np.exp(1j * phase)
         for size, phase in zip((*what.hexagon, what.centre), (0.7, 2.1, 4.0), strict=True)
@@ -83,6 +88,9 @@ def _flux(what: Flux, random: np.random.Generator) -> Found:
         revolution = np.floor((angle - angle.min()) / (2 * np.pi)).astype(np.int64)
         psi *= 1.0 + rms * coloured(random.standard_normal(int(revolution.max()) + 1), memory)[revolution]
     psi *= np.where(time < 0.5, 1.0, what.second_regime)
+    order, size = what.line
+    if size:
+        psi += size * np.exp(2j * np.pi * (order * what.revolutions * time + random.uniform()))
     parts = [coloured(random.standard_normal(count), what.colour) for _ in range(2)]
     psi = RADIUS_WB * (psi + what.noise * (parts[0] + 1j * parts[1]))
     if what.backwards:
@@ -97,6 +105,8 @@ def _flux(what: Flux, random: np.random.Generator) -> Found:
     # the noise across the radius makes it longer by its variance over twice the radius
     mean = float(np.mean(radius)) + 0.5 * what.noise**2
     variance = float(np.var(radius)) + what.noise**2 + (rms * float(np.mean(radius))) ** 2
+    mean += 0.25 * what.line[1] ** 2
+    variance += 0.5 * what.line[1] ** 2
     truths = {
         "flux_radius_mean": RADIUS_WB * mean * 0.5 * (1.0 + what.second_regime),
         "flux_radius_rms": RADIUS_WB * math.sqrt(variance),
@@ -200,13 +210,15 @@ class Unbalance:
     backwards: bool = False
     amplitude_noise: tuple[float, float] = (0.0, 0.0)
     clip: float = math.inf
+    drift: float = 0.0
+    bits: int = 0
 
 
 def _unbalance(what: Unbalance, random: np.random.Generator) -> Found:
     frequency_Hz, size_A = 20.0, 5.0
     rows = round(what.periods / frequency_Hz * RATE_HZ)
     time = np.arange(rows) / rows
-    theta = 2 * np.pi * what.periods * time
+    theta = 2 * np.pi * what.periods * (time + 0.5 * what.drift * (time**2 - time))
     if what.reverses:
         theta = np.where(time < 0.63, theta, 2 * theta[int(0.63 * rows)] - theta)
     theta = (-theta if what.backwards else theta) + random.uniform(0, 2 * np.pi)
@@ -224,6 +236,8 @@ def _unbalance(what: Unbalance, random: np.random.Generator) -> Found:
         current += what.line * np.cos(2 * np.pi * 1.37 * what.periods * time - turn + shift)
         current = size * current + what.noise * coloured(random.standard_normal(rows), what.colour)
         currents[name] = size_A * np.clip(current, -what.clip, what.clip)
+        if what.bits:
+            currents[name] = converted(currents[name], 2.2 * size_A / 2**what.bits, random)
     block = Block.from_arrays(RATE_HZ, dict.fromkeys(currents, "A"), **currents)
     mean = 0.5 * (1.0 + what.second_regime)
     truths = {

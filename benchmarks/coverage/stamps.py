@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from benchmarks.coverage.families import families_of, selected
+from benchmarks.coverage.noise import Kind, converted, noise_of
 from benchtool.analysis import Measurement, Uncertainty, current_spectrum, order_analysis, track_tone
 from benchtool.block import Block, Gap
 from benchtool.errors import AnalysisError
@@ -28,6 +29,14 @@ class Stamps:
     noise: float = 1e-3
     lost: tuple[int, int] = (0, 0)  # how many gaps, of how many rows each
     periods: float = 40.3
+    drift: float = 0.0  # of the speed, relative
+    swing: tuple[float, float] = (0.0, 1.0)  # relative deviation of the speed, Hz
+    wobble_rad: tuple[float, int] = (0.0, 1)  # rms of the encoder's own error, and its order
+    slip: float = 0.0
+    counts: int = 0
+    bits: int = 0
+    kind: Kind = "white"
+    line: tuple[float, float] = (0.0, 0.0)  # order and relative amplitude of an interharmonic
 
 
 def trial(what: Stamps, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
@@ -35,9 +44,30 @@ def trial(what: Stamps, random: np.random.Generator) -> Iterator[tuple[Measureme
     rate_Hz = RATE_HZ * (1.0 + 1e-4 * random.standard_normal())
     rows = round(what.periods / FREQUENCY_HZ * rate_Hz)
     time_s = np.arange(rows) / rate_Hz
-    theta_e = 2 * np.pi * FREQUENCY_HZ * time_s + random.uniform(0, 2 * np.pi)
-    current = np.cos(theta_e) + 0.03 * np.cos(5 * theta_e + 1.0) + what.noise * random.standard_normal(rows)
-    torque = 2.0 + 0.1 * np.cos(6 * theta_e) + what.noise * random.standard_normal(rows)
+    omega, duration_s = 2 * np.pi * FREQUENCY_HZ, rows / rate_Hz
+    theta_e = omega * time_s + random.uniform(0, 2 * np.pi)
+    theta_e += 0.5 * omega * what.drift * (time_s**2 / duration_s - time_s)
+    deviation, swing_Hz = what.swing
+    if deviation:
+        of_swing = 2 * np.pi * swing_Hz * time_s + random.uniform(0, 2 * np.pi)
+        theta_e += omega * deviation / (2 * np.pi * swing_Hz) * np.sin(of_swing)
+    frequency_Hz = float(theta_e[-1] - theta_e[0]) / (2 * np.pi * (time_s[-1] - time_s[0]))
+    current = np.cos(theta_e) + 0.03 * np.cos(5 * theta_e + 1.0)
+    current += what.noise * noise_of(what.kind, random, rows)
+    torque = 2.0 + 0.1 * np.cos(6 * theta_e) + what.noise * noise_of(what.kind, random, rows)
+    order, size = what.line
+    if size:
+        current += size * np.cos(order * omega * time_s + random.uniform(0, 2 * np.pi))
+    if what.bits:
+        current = converted(current, 2.1 / 2**what.bits, random)
+        torque = converted(torque, 4.0 / 2**what.bits, random)
+    theta_m = theta_e * (1.0 + what.slip) / POLE_PAIRS
+    rms_rad, order_of_wobble = what.wobble_rad
+    if rms_rad:
+        theta_m += math.sqrt(2.0) * rms_rad * np.sin(order_of_wobble * theta_m + random.uniform(0, 2 * np.pi))
+    theta_m = np.mod(theta_m, 2 * np.pi)
+    if what.counts:
+        theta_m = np.floor(theta_m * what.counts / (2 * np.pi)) * (2 * np.pi / what.counts)
     stamps = time_s + 12.0 + what.jitter / rate_Hz * random.standard_normal(rows)
     if what.resolution_s:
         stamps = np.round(stamps / what.resolution_s) * what.resolution_s
@@ -56,7 +86,7 @@ def trial(what: Stamps, random: np.random.Generator) -> Iterator[tuple[Measureme
         {"i_a": "A", "torque": "Nm", "theta_m": "rad"},
         i_a=AMPLITUDE_A * current[kept],
         torque=torque[kept],
-        theta_m=np.mod(theta_e[kept] / POLE_PAIRS, 2 * np.pi),
+        theta_m=theta_m[kept],
     )
     block = replace(whole, gaps=tuple(Gap(each.row, each.missing_rows) for each in missing))
     order = 6 * POLE_PAIRS
@@ -67,11 +97,13 @@ def trial(what: Stamps, random: np.random.Generator) -> Iterator[tuple[Measureme
     track = track_tone(np.ascontiguousarray(block.column("i_a")), "i_a")
     numbers = current_spectrum(block, "i_a", track, rate_relative=base.rate_relative).measurements
     truths = {
-        "fundamental_frequency": FREQUENCY_HZ,
+        "fundamental_frequency": frequency_Hz,
         "current_fundamental": AMPLITUDE_A,
         "current_thd_f": 3.0,
         "current_noise_floor": AMPLITUDE_A * what.noise * 2.0 / math.sqrt(rows),
     }
+    if what.line[1] or what.bits or what.kind != "white" or what.drift or what.swing[0]:
+        del truths["current_noise_floor"]
     yield from selected(numbers, truths)
 
 

@@ -64,6 +64,8 @@ class Disturbance:
     amplitude_noise: tuple[float, float] = (0.0, 0.0)  # rms, correlation over periods
     amplitude_swing: tuple[float, float] = (0.0, 1.0)  # relative, Hz
     amplitude_ramp: float = 0.0  # relative, from the beginning to the end
+    alternates: float = 0.0  # relative deviation of the amplitude, up in one period and down in the next
+    frozen: int = 0  # rows for which the sensors of current and torque repeat their last value
     sawtooth: tuple[float, float] = (0.0, 0.0)  # of the torque, Nm, five a period; jitter of its teeth
     ripple_noise: tuple[float, float] = (0.0, 0.0)
     second_regime: float = 1.0
@@ -91,6 +93,8 @@ class Record:
     frequency_Hz: float
     clean_torque_Nm: Floats
     noise_A: Floats
+    phases_rad: Mapping[int, float]  # of the harmonics, when the fundamental is at its maximum
+    begin_rad: float
 
 
 def record(what: Disturbance, random: np.random.Generator) -> Record:
@@ -110,21 +114,24 @@ def record(what: Disturbance, random: np.random.Generator) -> Record:
     if what.stands_still:
         at, back = (int(share * count) for share in (0.6, 0.6 + what.stands_still))
         cycles = cycles - np.clip(cycles, cycles[at], cycles[back])  # it turns on where it stood
-    theta_e = cycles + random.uniform(0, 2 * np.pi)
+    begin_rad = random.uniform(0, 2 * np.pi)
+    theta_e = cycles + begin_rad
     frequency_Hz = float(theta_e[-1] - theta_e[0]) / (2 * np.pi * (time_s[-1] - time_s[0]))
 
     noise = coloured(noise_of(what.kind, random, count), what.colour)
     noise_A = what.noise * what.amplitude_A * noise if what.amplitude_A else what.noise * noise
     theta_i = theta_e + np.where(time_s < 0.4 * duration_s, 0.0, what.phase_step_rad)
     current = np.cos(theta_i)
+    phases_rad = {order: random.uniform(0, 2 * np.pi) for order in what.harmonics}
     for order, amplitude in what.harmonics.items():
-        current += amplitude * np.cos(order * theta_i + random.uniform(0, 2 * np.pi))
+        current += amplitude * np.cos(order * theta_i + phases_rad[order])
     period = np.floor((theta_e - theta_e[0]) / (2 * np.pi)).astype(np.int64)
     period -= period.min()
     current *= 1.0 + _by_period(what.amplitude_noise, period, random)
     size, swing_Hz = what.amplitude_swing
     current *= 1.0 + size * np.cos(2 * np.pi * swing_Hz * time_s + random.uniform(0, 2 * np.pi))
     current *= 1.0 + what.amplitude_ramp * (time_s / duration_s - 0.5)
+    current *= 1.0 + what.alternates * (1.0 - 2.0 * (period % 2))
     current *= np.where(time_s < 0.5 * duration_s, 1.0, what.second_regime)
     for place, amplitude in what.lines:
         current += amplitude * np.cos(
@@ -159,6 +166,11 @@ def record(what: Disturbance, random: np.random.Generator) -> Record:
             converted(each, step, random) for each, step in ((current, step_A), (torque, step_Nm))
         )
 
+    if what.frozen:
+        begin = int(random.integers(count // 4, count // 2))
+        rows = slice(begin, begin + what.frozen)
+        current[rows], torque[rows] = current[begin], torque[begin]
+
     rms_rad, order_of_wobble = what.wobble_rad
     angle = theta_true * (1.0 + what.slip)
     angle += math.sqrt(2.0) * rms_rad * np.sin(order_of_wobble * theta_true + random.uniform(0, 2 * np.pi))
@@ -171,7 +183,7 @@ def record(what: Disturbance, random: np.random.Generator) -> Record:
     block = Block.from_arrays(RATE_HZ, {name: units[name] for name in columns}, **columns)
     if what.reverses and not what.angle:
         frequency_Hz = what.frequency_Hz  # a cosine alone does not tell its direction
-    return Record(block, frequency_Hz, clean_torque, noise_A)
+    return Record(block, frequency_Hz, clean_torque, noise_A, phases_rad, begin_rad)
 
 
 def trial(what: Disturbance, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
@@ -190,6 +202,8 @@ def trial(what: Disturbance, random: np.random.Generator) -> Iterator[tuple[Meas
             what.amplitude_noise[0],
             what.amplitude_swing[0],
             what.amplitude_ramp,
+            what.alternates,
+            what.frozen,
             what.spikes,
             what.time_jitter,
             what.kind != "white",
@@ -218,6 +232,8 @@ def trial(what: Disturbance, random: np.random.Generator) -> Iterator[tuple[Meas
     }
     if _is_clean(what) and what.noise <= _NO_POWER:  # what is between harmonics is nothing
         truths["current_thd_f_subgroups"] = truths["current_thd_f_groups"] = thd
+    if what.alternates:  # which is in the groups of the record's own phases
+        truths["current_thd_f_groups"] = _groups_of_two(what, made)
     truths["current_tdd"] = thd * truths["current_fundamental"] / (math.sqrt(2.0) * RATED_A_RMS)
     if what.peaked or what.kind == "walk":
         truths["torque_ripple_rms"] = OF_THE_ENSEMBLE  # crests are ripple too, and a walk has no rms
@@ -256,6 +272,22 @@ def trial(what: Disturbance, random: np.random.Generator) -> Iterator[tuple[Meas
             f"torque_order_{COGGING_ORDER}": COGGING_NM,
         }
         yield from selected(orders.measurements, listed)
+
+
+def _groups_of_two(what: Disturbance, made: Record) -> float:
+    """Return THDG of an amplitude that alternates, by its line spectrum: orders k and k +- 1/2, 3/2 ...
+
+    A group of order h holds order h, and half of the squares of h - 1/2 and h + 1/2.
+    """
+    points = 1 << 14
+    theta = made.begin_rad + 4 * np.pi * np.arange(points) / points
+    wave = np.cos(theta)
+    for order, amplitude in what.harmonics.items():
+        wave += amplitude * np.cos(order * theta + made.phases_rad[order])
+    wave *= np.where(np.arange(points) < points // 2, 1.0 + what.alternates, 1.0 - what.alternates)
+    square = np.abs(np.fft.rfft(wave)[:104]) ** 2
+    groups = square[2:102:2] + 0.5 * (square[1:101:2] + square[3:103:2])
+    return 100.0 * math.sqrt(float(np.sum(groups[1:]) / groups[0]))
 
 
 def _is_clean(what: Disturbance) -> bool:

@@ -23,17 +23,16 @@ from benchtool.analysis.uncertainty import COVERAGE
 Floats = NDArray[np.float64]
 
 _LOWEST = 1.0 / 24.0  # cycles in the record: noise is taken to rise no further below that
-_EXPONENTS = np.array([0.5, 1.0, 1.5, 2.0])  # of the density's fall with frequency
+_EXPONENTS = np.array([0.3, 0.6, 1.0, 1.5, 2.0])  # of the density's fall with frequency
 _CORNERS = _LOWEST * 2.0 ** np.arange(17)  # cycles in the record, below which the density is flat
 _FLOORS = 2.0 ** np.arange(0.0, 12.0, 1.5)  # cycles in the record, above which white noise hides the fall
 _WHITE = 0.7  # probability before the record is seen of white noise, or of such from period to period
-_SCALELESS = 0.4  # probability that such a density has no corner
+_SCALELESS = 0.6  # probability that such a density has no corner
 _SINGLE = 8  # bins that count by themselves
 _BANDS_PER_OCTAVE = 3.0
 _MOST_OF_A_BAND = 6.0  # bins that a band counts as: the models do not hold more exactly than that
 _FEWEST = 5  # bins
 _RISES = 1e-6  # probability that white noise rises as much within two octaves
-_ENOUGH_PERIODS = 24
 _OF_A_PERIOD = math.sqrt(3.0) / math.pi  # of the distance between harmonics: corner of what lasts a period
 _NEAR_HARMONIC = 0.2  # of the distance between harmonics
 _LOST = 4.5  # octaves by which the density rises below the lowest bin: 1/f noise does by five at most
@@ -72,8 +71,6 @@ def slow_noise(samples: Floats, periods: int = 0) -> SlowNoise | None:
         away = np.abs(number - periods * np.round(number / periods))
         kept = (away >= max(1.0, _NEAR_HARMONIC * periods)) | (number < periods)
         kept &= away > 0
-        if periods >= _ENOUGH_PERIODS:  # what differs from period to period has its own density above
-            kept &= number <= periods // 2
         number, power = number[kept], power[kept]
     if len(number) < _FEWEST or not np.all(power > 0.0):
         return None
@@ -207,7 +204,7 @@ def _half_width(weight: Floats, standard: Floats) -> float:
 def _prior(corners: int, floors: int) -> Floats:
     """Return the probabilities of all models before a record is seen, the steady ones last.
 
-    Half of what falls more slowly than a first-order lag has no corner: 1/f noise.
+    Most of what falls more slowly than a first-order lag has no corner: 1/f noise.
     """
     of_corners = np.full((len(_EXPONENTS), corners), 1.0 / corners)
     if corners > 1:

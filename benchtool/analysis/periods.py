@@ -11,7 +11,7 @@ from numpy import fft
 from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
-from benchtool.analysis.quantisation import resolution
+from benchtool.analysis.quantisation import resolution, step_of_counts
 from benchtool.analysis.validity import require_signal
 from benchtool.errors import AnalysisError
 
@@ -41,7 +41,8 @@ class PhaseTrack:
     spectrum shows them. Where the speed swings, `departure`, rad at sample numbers, is added. `source` says
     in words what it was made from, `residual_rad` is the rms deviation of a measured angle from the
     polynomial, electrical, `measured_rad` that angle itself, shape (samples,), without jumps; None where the
-    track was not made from an angle. `resolution_rad` is the electrical step in which it counts.
+    track was not made from an angle. `resolution_rad` is the electrical step in which it counts, 0 where
+    it does not.
     """
 
     phase: Polynomial
@@ -128,7 +129,7 @@ def track_angle(theta_m: NDArray[np.float64], pole_pairs: int) -> PhaseTrack:
             f"{100 * _LARGEST_SPEED_CHANGE:.0f} % is allowed: choose a window in steady state"
         )
     source = f"quadratic fit to {pole_pairs} x theta_m"
-    step_rad = pole_pairs * resolution(theta_m)
+    step_rad = step_of_counts(theta_e, pole_pairs * resolution(theta_m))
     return PhaseTrack(phase, len(theta_e), source, residual_rad, theta_e, resolution_rad=step_rad)
 
 

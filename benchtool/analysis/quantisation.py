@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 _COARSE = 1e-5  # of the peak-to-peak: a smaller step is the last digit of a 32-bit number
 _BY_CHANCE = 10.0  # times the mean of the least distance between as many values, exp(-10) by chance
 _LOOKED_AT = 1 << 16  # samples
+_WHOLE, _MOST = 1e-3, 0.9  # of a step; share of the samples that are whole steps apart
 
 
 def resolution(samples: NDArray[np.float64]) -> float:
@@ -34,3 +35,17 @@ def counting_step(samples: NDArray[np.float64]) -> float:
         return 0.0
     step, span = float(np.min(np.diff(values))), float(values[-1] - values[0])
     return step if step > max(_COARSE, _BY_CHANCE / len(few) ** 2) * span else 0.0
+
+
+def step_of_counts(angle_rad: NDArray[np.float64], step_rad: float) -> float:
+    """Return the step in which an angle without jumps, shape (n,), counts: `step_rad`, its resolution, where
+    neighbouring samples are whole steps apart, but not always the same number; else 0.
+
+    Of a constant speed what it turns between samples is such a step too.
+    """
+    if not step_rad > 0.0:
+        return 0.0
+    steps = np.diff(angle_rad) / step_rad
+    counts = np.round(steps)
+    is_counted = np.mean(np.abs(steps - counts) < _WHOLE) > _MOST and np.ptp(counts) > 0.0
+    return step_rad if is_counted else 0.0

@@ -25,7 +25,7 @@ from benchtool.analysis.scatter import (
     tail_index,
 )
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined, coverage_factor
-from benchtool.analysis.validity import clipping, require_signal, require_unbroken
+from benchtool.analysis.validity import clipping, require_signal, require_unbroken, standing
 from benchtool.block import Block, as_samples
 
 Floats = NDArray[np.float64]
@@ -181,7 +181,7 @@ def peak_to_peak_number(
     scatter = None if track is None else _scatter(samples, whole, track.period_rows(), percentiles=False)
     step = counting_step(samples)
     basis = record_basis(block)
-    return _peak_to_peak(name, what or channel, whole, scatter, step, basis, clipping(samples))
+    return _peak_to_peak(name, what or channel, whole, scatter, step, basis, clipping(samples) or standing(samples))
 
 
 def _numbers(
@@ -195,7 +195,7 @@ def _numbers(
     basis: Basis,
 ) -> Iterator[Measurement]:
     unit = whole.unit
-    clipped = clipping(samples)
+    clipped = clipping(samples) or standing(samples)
 
     def measured(
         suffix: str,

@@ -21,6 +21,9 @@ _FEWEST_INDEPENDENT = 4.0  # values that a record must hold
 _LOWEST, _FEWEST_OF_LOWEST, _BLOCKS, _FAR_BELOW = 5, 5, 4096, 5.0
 _CLEARLY_MORE = 1.4  # times the error by parts: by chance both differ by less
 _FEW_PARTS = 15.0  # degrees of freedom
+_FEW_INDEPENDENT = 8.0  # degrees of freedom, with fewer of which the correlation of a series is not known
+_FEWEST_OF_A_MEMORY = 20  # values, of which fewer do not tell how long they remember
+_FEW_MAXIMA, _OF_THEIR_OWN = 4, 0.6  # of the largest, and of the deviation of all
 _ROUNDS, _MOST_CORRELATED = 4, 0.4
 _ROUNDING = 1e-12  # of the largest value
 _NEIGHBOURS = 2  # values that count as one by chance alone
@@ -60,8 +63,7 @@ def error_of_series(values: NDArray[np.float64]) -> MeanError:
     tau = _counting_as_one(covariance)
     if neighbours > -_BY_CHANCE / math.sqrt(count):
         tau = max(tau, 1.0)
-    # of independent values it is -1 / n on average, with this deviation (von Neumann, 1941)
-    correlated = (neighbours + 1.0 / count) / math.sqrt((count - 2.0) / (count**2 - 1.0))
+    correlated = _in_deviations(neighbours, count)
     if correlated > _CLEARLY:
         tau = max(tau, _of_a_memory(neighbours, count), _without_bias(covariance, tau))
         if tau > count / _FEWEST_INDEPENDENT and correlated > _WITHOUT_DOUBT:
@@ -72,6 +74,20 @@ def error_of_series(values: NDArray[np.float64]) -> MeanError:
     # the deviations are from the mean of these values, and so too small by that mean's own variance
     standard = math.sqrt(covariance[0] * tau / (count - max(tau, 1.0)))
     return _without_oscillations(values, MeanError(standard * students_deviation(dof), dof))
+
+
+def neighbours_alike(values: NDArray[np.float64]) -> float:
+    """Return the correlation of neighbouring values, shape (n,), n > 2, in standard deviations of that of
+    independent ones, about their mean (von Neumann, 1941)."""
+    count, deviation = len(values), values - np.mean(values)
+    square = float(deviation @ deviation)
+    correlation = float(deviation[1:] @ deviation[:-1]) / square if square > 0.0 else 0.0
+    return _in_deviations(correlation, count)
+
+
+def _in_deviations(correlation: float, count: int) -> float:
+    # of independent values it is -1 / n on average, with this deviation (von Neumann, 1941)
+    return (correlation + 1.0 / count) / math.sqrt((count - 2.0) / (count**2 - 1.0))
 
 
 def _counting_as_one(covariance: NDArray[np.float64]) -> float:
@@ -130,12 +146,18 @@ def error_of_periods(values: NDArray[np.float64]) -> MeanError:
     """Return the error of the mean of values, shape (n,), one for each period, with a memory of some.
 
     That of a series or, where so few of them are independent that their correlation is hardly known, that by
-    their density at the lowest frequencies where it is larger.
+    their density at the lowest frequencies, continued, if it is larger. To refuse the series whose memory
+    shows would leave those in which it does not, whose errors are the larger ones: it is nan only of fewer
+    than twenty values.
     """
     error = error_of_series(values)
-    if not math.isfinite(error.standard) or error.dof > _FEW_PARTS:
+    is_known = math.isfinite(error.standard)
+    if (is_known and error.dof > _FEW_INDEPENDENT) or (not is_known and len(values) < _FEWEST_OF_A_MEMORY):
         return error
-    return at_lowest_frequencies(values, error)
+    slow = slow_noise(values)
+    if slow is None or (is_known and slow.standard <= error.standard):
+        return error
+    return MeanError(slow.standard, slow.dof)
 
 
 def at_lowest_frequencies(samples: NDArray[np.float64], by_parts: MeanError, periods: int = 0) -> MeanError:
@@ -217,7 +239,8 @@ def scatter_of_largest(values: NDArray[np.float64], tail: float = 0.0) -> float:
     distribution, of the standard deviation pi / sqrt(6) times the mean excess over that level (Embrechts,
     Klüppelberg and Mikosch, Modelling Extremal Events, 3.4 and 6.5). With heavy tails, of the index `tail`
     that `tail_index` finds, the excess has Pareto's distribution and the largest Fréchet's. Of correlated
-    values few maxima are left, whose top says little: their own standard deviation is the least then.
+    values few maxima are left, whose top says little: their own standard deviation is the least then. Of few
+    values the excess of three or four is low by chance: six tenths of the deviation of all are the least.
     """
     if len(values) < _FEWEST_EXTREMES:
         return math.nan
@@ -230,6 +253,8 @@ def scatter_of_largest(values: NDArray[np.float64], tail: float = 0.0) -> float:
             least = float(np.std(values, ddof=1))
     count = len(values)
     beyond = max(_FEWEST_EXTREMES - 1, round(math.sqrt(count)))
+    if beyond <= _FEW_MAXIMA:
+        least = max(least, _OF_THEIR_OWN * float(np.std(values, ddof=1)))
     top = np.partition(values, count - beyond - 1)[count - beyond - 1 :]
     excess = float(np.sum(top - np.min(top))) / beyond / _of_gumbel(count, beyond)
     return max(least, _of_extreme(tail, beyond) * excess)

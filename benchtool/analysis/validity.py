@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,6 +14,7 @@ from benchtool.ticks import TICKS
 _FEWEST_CLIPPED, _CLIPPED_SHARE = 8, 2e-3
 _OFTENER, _VALUES_BESIDE, _FEWEST_VALUES = 4.0, 3, 16
 _LOOKED_AT = 1 << 16  # samples, to count values by
+_FEWEST_HELD, _BY_CHANCE, _JUMPS = 6, 1e-6, 4.0  # samples; of a record; of the usual change
 
 
 def require_signal(samples: NDArray[np.float64], name: str) -> None:
@@ -84,3 +87,31 @@ def clipping(samples: NDArray[np.float64]) -> str:
                 f"{share:.2g} % of the samples are at the {word} value, {largest:.4g}: the record is clipped"
             )
     return ""
+
+
+def standing(samples: NDArray[np.float64]) -> str:
+    """Return why a record, shape (n,), of a signal that changes counts as held for a while, as by a sensor or
+    a link that repeats its last value; empty if it does not.
+
+    Held is what has one value for six samples in a row or more, for longer than by chance where neighbours are
+    equal as often as here (once in a million records), and then goes on elsewhere: by more than four times of
+    what it usually changes by from sample to sample. The crest of a wave in steps goes on by one of them.
+    """
+    steps = np.diff(samples)
+    moves = np.flatnonzero(steps)
+    if len(moves) < 2:
+        return ""
+    runs = np.diff(moves) - 1  # changes of zero between two others
+    longest = int(np.argmax(runs))
+    held = int(runs[longest]) + 1
+    usual = float(np.median(np.abs(steps[moves])))
+    if held < _FEWEST_HELD or not abs(float(steps[moves[longest + 1]])) > _JUMPS * usual:
+        return ""
+    equal = (len(steps) - len(moves) - (held - 1)) / len(steps)
+    if equal > 0.0 and (held - 1) * math.log(equal) + math.log(len(steps)) > math.log(_BY_CHANCE):
+        return ""
+    value, row = float(samples[moves[longest] + 1]), int(moves[longest]) + 1
+    return (
+        f"{held} samples in a row from row {row} (from 0) are {value:.4g}, and the next is elsewhere: the sensor "
+        f"or the link stood still"
+    )

@@ -124,7 +124,8 @@ def _wobble_rad(coverage: AngleCoverage, ticks: NDArray[np.int64]) -> float:
     """Return the rms of the angle's deviation from a smooth track that repeats every revolution, and of its
     noise.
 
-    It may be a motion of the rotor or an error of the encoder; 0 where time or coverage do not show it.
+    Of fewer than four revolutions it is that of all of the deviation. It may be a motion of the rotor or an
+    error of the encoder; 0 where time or coverage do not show it.
     `ticks` are the times of the rows, shape (n,), with the gaps in them.
     """
     try:
@@ -133,10 +134,10 @@ def _wobble_rad(coverage: AngleCoverage, ticks: NDArray[np.int64]) -> float:
         return 0.0
     times = ticks.astype(np.float64)
     deviation = coverage.angle_rad - Polynomial.fit(times, coverage.angle_rad, 2)(times)
-    mean, _ = sector_means(coverage, deviation, _SECTORS)
+    mean = deviation  # few revolutions do not show what repeats: then all of it may be the encoder's
+    if coverage.revolutions >= _FEWEST_TO_REPEAT:
+        mean, _ = sector_means(coverage, deviation, _SECTORS)
     repeated = max(0.0, float(np.nanvar(mean)) - coverage.resolution_rad**2 / 12.0)
-    if coverage.revolutions < _FEWEST_TO_REPEAT:
-        repeated = 0.0
     # from sample to sample only noise of the angle changes; that of its steps is taken into account elsewhere
     noise = 0.5 * float(np.mean(np.diff(deviation) ** 2)) if coverage.resolution_rad == 0.0 else 0.0
     return math.sqrt(repeated + noise)

@@ -38,7 +38,7 @@ from benchtool.analysis.spectra.spectrum import (
 )
 from benchtool.analysis.torque import WAVEFORMS
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
-from benchtool.analysis.validity import clipping, require_unbroken
+from benchtool.analysis.validity import clipping, require_unbroken, standing
 from benchtool.analysis.window import Window
 from benchtool.block import Block
 
@@ -86,10 +86,10 @@ def current_spectrum(
     spectrum = spectrum_of(coherent)
     basis = _basis(coherent, spectrum, track)
     floor = noise_floor(spectrum)
-    sound = soundness(spectrum, seen, clipping(samples), channel)
+    sound = soundness(spectrum, seen, clipping(samples) or standing(samples), channel)
     highest = min(HIGHEST_HARMONIC, len(harmonics(spectrum)))
     step = resolution(samples)
-    errors = line_errors(spectrum, highest, seen.excess_rad, step, seen.amplitude)
+    errors = line_errors(spectrum, highest, seen.excess_rad, step, seen.amplitude, seen.phase_rad)
     groups = harmonic_groups(coherent, HIGHEST_HARMONIC)
     found = (
         frequency(spectrum, track, seen, basis, rate_relative, sound.of_ratios, step),
@@ -140,6 +140,8 @@ def _lines(spectrum: CoherentSpectrum, errors: LineErrors, unit: str, basis: Bas
     text = f"peak amplitude at {f_1:.6g} Hz"
     source = "noise, resampling, phase and resolution"
     own = combined(errors.budget(0), source)
+    if math.isnan(errors.wander[0]):
+        text += "; its uncertainty is unknown: the amplitude wanders over the whole record, record longer"
     yield Measurement("current_fundamental", spectrum.fundamental, unit, text, basis, own)
 
     largest = largest_low_component(spectrum, _LOW_ORDER)

@@ -48,7 +48,7 @@ class LineErrors:
     `phase` what a phase that wanders by `wander_rad`, rms, takes off the line; `resolution` by the steps of a
     quantised signal, as far as they repeat with the period; `steps2` is the mean square of the amplitude that
     they add. `floor` is that of white noise around the line. `wander` is that of an amplitude that wanders
-    too slowly for the bins beside the line; lines that are modulated as the fundamental is have it in common.
+    too slowly for the bins beside the line, nan where the record is too short to tell it; lines that are modulated as the fundamental is have it in common.
     """
 
     noise: NDArray[np.float64]
@@ -138,9 +138,10 @@ def line_errors(
     wander_rad: float = 0.0,
     step: float = 0.0,
     amplitudes: NDArray[np.float64] | None = None,
+    phases_rad: NDArray[np.float64] | None = None,
 ) -> LineErrors:
     """Of harmonics 1 to `orders`; the phase wanders by `wander_rad`, rms, the signal has steps of `step`, and
-    `amplitudes`, shape (periods,), are those of the fundamental in each period."""
+    `amplitudes` and `phases_rad`, shape (periods,), are those of the fundamental in each period."""
     order = np.arange(1, orders + 1)
     amplitude = harmonics(spectrum)[:orders]
     noise = line_noise(spectrum, spectrum.periods * order)
@@ -155,7 +156,7 @@ def line_errors(
         phase=np.maximum(amplitude * np.minimum(1.0, 0.5 * (order * wander_rad) ** 2), noise.lost),
         resolution=resolution[:orders],
         steps2=steps2[:orders],
-        wander=_wander(spectrum, amplitude, noise.in_phase, amplitudes),
+        wander=_wander(spectrum, amplitude, noise.in_phase, amplitudes, phases_rad),
     )
 
 
@@ -164,13 +165,14 @@ def _wander(
     amplitude: NDArray[np.float64],
     noise: NDArray[np.float64],
     amplitudes: NDArray[np.float64] | None,
+    phases_rad: NDArray[np.float64] | None,
 ) -> NDArray[np.float64]:
     """Return what a slow wander of the fundamental's amplitude makes of each line that is modulated alike."""
     none = np.zeros(len(amplitude))
     if amplitudes is None or not len(amplitude) or not amplitude[0] > 0.0:
         return none
-    of_first = wander_of_mean(amplitudes, float(noise[0]))
-    if not of_first > 0.0:
+    of_first = wander_of_mean(amplitudes, float(noise[0]), phases_rad)
+    if of_first == 0.0:
         return none
     alike = is_modulated_alike(spectrum, np.eye(len(amplitude)))
     alike[0] = True

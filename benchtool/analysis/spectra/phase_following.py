@@ -26,10 +26,9 @@ _ROUNDS = 3
 _ASIDE = 10  # share of the periods at either end that alone does not justify following
 _MEDIAN_DEVIATION = 0.6745  # median of the magnitude of a normal deviate
 _FAR = 8.0  # standard deviations; the largest step of a swing or of a drift is within two
-_LEAST_JUMP_RAD = 0.1  # largest wander with which harmonics are still defined
+_LEAST_JUMP_RAD = 0.03  # half of what is left of a reversal, which by chance may be any phase
 _PER_PERIOD = 16  # places at which an angle is followed, in each electrical period
 _OF_STEPS = 0.2  # standard deviation of steps that beat with the samples about once in a period
-_WHOLE, _MOST = 1e-3, 0.9  # of a step; share of the samples that are whole steps apart
 _LONGEST_TURN = 0.45  # of a turn between periods: largest unambiguous change of phase
 
 
@@ -155,7 +154,7 @@ def _by_angle(track: PhaseTrack, samples_per_period: float) -> PhaseTrack | None
     size = max(1, round(samples_per_period / _PER_PERIOD))
     number, departure = _means_of_angle(track, track.measured_rad, size)
     whole_number, whole = _means_of_angle(track, track.measured_rad, max(1, round(samples_per_period)))
-    if len(whole) >= _FEWEST_KNOTS and _counts(track.measured_rad, track.resolution_rad):
+    if len(whole) >= _FEWEST_KNOTS and track.resolution_rad > 0.0:
         inner = (number >= whole_number[0]) & (number <= whole_number[-1])
         within = departure[inner] - np.interp(number[inner], whole_number, whole)
         if float(np.std(within)) < _OF_STEPS * track.resolution_rad:
@@ -166,14 +165,6 @@ def _by_angle(track: PhaseTrack, samples_per_period: float) -> PhaseTrack | None
 
     spline = CubicSpline(number, departure)
     return replace(track, departure=spline, source=f"{track.source}, and the measured angle about it")
-
-
-def _counts(measured_rad: NDArray[np.float64], step_rad: float) -> bool:
-    """Return whether an angle counts in steps, and these are not the least that it turns between samples."""
-    if not step_rad > 0.0:
-        return False
-    steps = np.diff(measured_rad) / step_rad
-    return bool(np.mean(np.abs(steps - np.round(steps)) < _WHOLE) > _MOST)
 
 
 def _means_of_angle(
