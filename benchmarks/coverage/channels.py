@@ -13,6 +13,7 @@ from benchmarks.coverage.families import OF_THE_ENSEMBLE, families_of, selected
 from benchmarks.coverage.noise import coloured, converted
 from benchtool.analysis import (
     Measurement,
+    current_spectrum,
     current_unbalance,
     flux_trajectory,
     spectral_lines,
@@ -73,7 +74,9 @@ def _flux(what: Flux, random: np.random.Generator) -> Found:
     angle += random.uniform(0, 2 * np.pi)
     deviation, swings = what.swing
     if deviation:
-        angle += deviation * what.revolutions / swings * np.sin(2 * np.pi * (swings * time + random.uniform()))
+        angle += (
+            deviation * what.revolutions / swings * np.sin(2 * np.pi * (swings * time + random.uniform()))
+        )
     fifth, seventh, centre = (
         size * np.exp(1j * phase)
         for size, phase in zip((*what.hexagon, what.centre), (0.7, 2.1, 4.0), strict=True)
@@ -247,7 +250,10 @@ def _unbalance(what: Unbalance, random: np.random.Generator) -> Found:
         "current_unbalance_percent": 100.0 * what.negative,
         "current_unbalance_zero_percent": 100.0 * what.zero,
     }
-    yield from selected(current_unbalance(block, track_tone(currents["i_a"], "i_a")), truths)
+    track = track_tone(currents["i_a"], "i_a")
+    if what.drift:  # which the spectrum of one of them follows
+        track = current_spectrum(block, "i_a", track).track
+    yield from selected(current_unbalance(block, track), truths)
 
 
 @dataclass(frozen=True)

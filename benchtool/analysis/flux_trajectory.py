@@ -17,7 +17,13 @@ from benchtool.analysis.periods import PhaseTrack, track_angle
 from benchtool.analysis.quantisation import resolution
 from benchtool.analysis.regimes import change_of_regime
 from benchtool.analysis.ripple import peak_to_peak_number
-from benchtool.analysis.scatter import MeanError, error_of_periods, error_of_root, scatter_of_largest
+from benchtool.analysis.scatter import (
+    MeanError,
+    error_of_periods,
+    error_of_root,
+    is_memory_untold,
+    scatter_of_largest,
+)
 from benchtool.analysis.torque import WAVEFORMS
 from benchtool.analysis.uncertainty import Contribution, combined
 from benchtool.analysis.validity import require_signal, require_unbroken
@@ -145,6 +151,9 @@ def _measurements(
         12.0 * min(len(whole) / len(revolutions), 4.0 * mean / max(step, _FINE * mean))
     )
     reason = change_of_regime(means, "the radius of the flux")
+    signs = np.where(np.arange(len(whole)) % 2, -1.0, 1.0)
+    if not reason and is_memory_untold(means, np.add.reduceat(signs * (whole - mean), begins) / counts):
+        reason = f"the radius of the flux wanders over the {len(means)} revolutions: record longer"
 
     def measured(name: str, text: str, value: float, error: MeanError, *further: Contribution) -> Measurement:
         if reason:

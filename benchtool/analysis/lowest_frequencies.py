@@ -27,13 +27,15 @@ _EXPONENTS = np.array([0.3, 0.6, 1.0, 1.5, 2.0])  # of the density's fall with f
 _CORNERS = _LOWEST * 2.0 ** np.arange(17)  # cycles in the record, below which the density is flat
 _FLOORS = 2.0 ** np.arange(0.0, 12.0, 1.5)  # cycles in the record, above which white noise hides the fall
 _WHITE = 0.7  # probability before the record is seen of white noise, or of such from period to period
-_SCALELESS = 0.6  # probability that such a density has no corner
+_SCALELESS = 0.5  # probability that such a density has no corner
 _SINGLE = 8  # bins that count by themselves
 _BANDS_PER_OCTAVE = 3.0
 _MOST_OF_A_BAND = 6.0  # bins that a band counts as: the models do not hold more exactly than that
+_ENOUGH_PERIODS = 24
+_ABOVE_PERIODS = 1.0  # likewise, where what differs from period to period has a density of its own
 _FEWEST = 5  # bins
 _RISES = 1e-6  # probability that white noise rises as much within two octaves
-_OF_A_PERIOD = math.sqrt(3.0) / math.pi  # of the distance between harmonics: corner of what lasts a period
+_LAST_OF_FIRST, _BESIDE = 0.75, 0.75  # of the distance between harmonics; sin^2 beside them
 _NEAR_HARMONIC = 0.2  # of the distance between harmonics
 _LOST = 4.5  # octaves by which the density rises below the lowest bin: 1/f noise does by five at most
 _WEIGHTLESS = 1e-4  # of all models
@@ -78,7 +80,10 @@ def slow_noise(samples: Floats, periods: int = 0) -> SlowNoise | None:
     last = _before_a_rise(place, mean, width)
     if np.sum(width[:last]) < _FEWEST:
         return None
-    return _averaged(place[:last], mean[:last], np.minimum(width[:last], _MOST_OF_A_BAND), periods)
+    most = np.full(last, _MOST_OF_A_BAND)
+    if periods >= _ENOUGH_PERIODS:
+        most[place[:last] > periods // 2] = _ABOVE_PERIODS
+    return _averaged(place[:last], mean[:last], np.minimum(width[:last], most), periods)
 
 
 def _banded(number: Floats, power: Floats) -> tuple[Floats, Floats, Floats]:
@@ -175,14 +180,18 @@ def _averaged(place: Floats, mean: Floats, count: Floats, periods: int) -> SlowN
 def _steady(place: Floats, floors: Floats, periods: int) -> Floats:
     """Return the densities that rise no further at zero frequency, then at all places: white noise, and what
     is the same within a period and another in each, with white noise above the floors; shape (1 + floors, 1 +
-    places).
-
-    The density of the latter is sinc^2, which this one is near.
-    """
-    at = np.append(0.0, place) / (_OF_A_PERIOD * max(1, periods))
-    of_periods = 1.0 / (1.0 + at**2) if periods else np.ones(len(at))
-    hidden = 1.0 / (1.0 + (floors / (_OF_A_PERIOD * max(1, periods))) ** 2)
+    places)."""
+    at = np.append(0.0, place)
+    of_periods = _of_steps(at / periods) if periods else np.ones(len(at))
+    hidden = _of_steps(floors / max(1, periods))
     return np.vstack([np.ones(len(at)), of_periods + hidden[:, np.newaxis]])
+
+
+def _of_steps(place: Floats) -> Floats:
+    """Return the density of what is another in each period, at places in harmonics of it: sinc^2, whose mean
+    beside the harmonics is three quarters of that of its crests."""
+    above = _BESIDE / (math.pi * np.maximum(place, _LAST_OF_FIRST)) ** 2
+    return np.asarray(np.where(place < _LAST_OF_FIRST, np.sinc(np.minimum(place, 1.0)) ** 2, above))
 
 
 def _half_width(weight: Floats, standard: Floats) -> float:

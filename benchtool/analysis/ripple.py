@@ -181,7 +181,9 @@ def peak_to_peak_number(
     scatter = None if track is None else _scatter(samples, whole, track.period_rows(), percentiles=False)
     step = counting_step(samples)
     basis = record_basis(block)
-    return _peak_to_peak(name, what or channel, whole, scatter, step, basis, clipping(samples) or standing(samples))
+    return _peak_to_peak(
+        name, what or channel, whole, scatter, step, basis, clipping(samples) or standing(samples)
+    )
 
 
 def _numbers(

@@ -10,6 +10,7 @@ import numpy as np
 from numpy import fft
 from numpy.typing import NDArray
 
+from benchtool.analysis.distributions import fisher_above
 from benchtool.analysis.fast_lengths import next_fast_length
 from benchtool.analysis.lowest_frequencies import slow_noise
 
@@ -23,6 +24,8 @@ _CLEARLY_MORE = 1.4  # times the error by parts: by chance both differ by less
 _FEW_PARTS = 15.0  # degrees of freedom
 _FEW_INDEPENDENT = 8.0  # degrees of freedom, with fewer of which the correlation of a series is not known
 _FEWEST_OF_A_MEMORY = 20  # values, of which fewer do not tell how long they remember
+_ENOUGH_OF_A_MEMORY, _MATTERS = 31, 1e-3  # degrees of freedom; of the mean
+_NOT_NOISE, _MAYBE_CORRELATED = 1e-4, 0.5  # by chance; standard deviations of a correlation
 _FEW_MAXIMA, _OF_THEIR_OWN = 4, 0.6  # of the largest, and of the deviation of all
 _ROUNDS, _MOST_CORRELATED = 4, 0.4
 _ROUNDING = 1e-12  # of the largest value
@@ -76,7 +79,24 @@ def error_of_series(values: NDArray[np.float64]) -> MeanError:
     return _without_oscillations(values, MeanError(standard * students_deviation(dof), dof))
 
 
-def neighbours_alike(values: NDArray[np.float64]) -> float:
+def is_memory_untold(values: NDArray[np.float64], like_noise: NDArray[np.float64]) -> bool:
+    """Return whether values, shape (n,), one for each of a few periods, wander for a while that these do not
+    tell.
+
+    They deviate by more than a thousandth, and more than others that noise moves as much, `like_noise`, of
+    shape (n,); they are fewer than 32; and neighbours may be correlated. Those of which the correlation shows
+    are not the ones that err most: a memory as long as the record is in its mean, and hardly in its scatter.
+    """
+    freedom, middle = len(values) - 1, abs(float(np.mean(values)))
+    if not 2 <= freedom < _ENOUGH_OF_A_MEMORY or not float(np.std(values)) > _MATTERS * middle:
+        return False
+    noise = float(np.var(like_noise))
+    if noise > 0.0 and fisher_above(freedom, freedom, float(np.var(values)) / noise) > _NOT_NOISE:
+        return False
+    return _neighbours_alike(values) > _MAYBE_CORRELATED
+
+
+def _neighbours_alike(values: NDArray[np.float64]) -> float:
     """Return the correlation of neighbouring values, shape (n,), n > 2, in standard deviations of that of
     independent ones, about their mean (von Neumann, 1941)."""
     count, deviation = len(values), values - np.mean(values)
@@ -142,17 +162,17 @@ def error_of_record(samples: NDArray[np.float64]) -> MeanError:
     return at_lowest_frequencies(samples, error_of_series(means_of_parts(samples)))
 
 
-def error_of_periods(values: NDArray[np.float64]) -> MeanError:
+def error_of_periods(values: NDArray[np.float64], least: int = _FEWEST_OF_A_MEMORY) -> MeanError:
     """Return the error of the mean of values, shape (n,), one for each period, with a memory of some.
 
     That of a series or, where so few of them are independent that their correlation is hardly known, that by
     their density at the lowest frequencies, continued, if it is larger. To refuse the series whose memory
     shows would leave those in which it does not, whose errors are the larger ones: it is nan only of fewer
-    than twenty values.
+    than `least` values.
     """
     error = error_of_series(values)
     is_known = math.isfinite(error.standard)
-    if (is_known and error.dof > _FEW_INDEPENDENT) or (not is_known and len(values) < _FEWEST_OF_A_MEMORY):
+    if (is_known and error.dof > _FEW_INDEPENDENT) or (not is_known and len(values) < least):
         return error
     slow = slow_noise(values)
     if slow is None or (is_known and slow.standard <= error.standard):

@@ -23,6 +23,7 @@ _LEGS = 3
 _SCATTER = "scatter over parts of the record, with their correlation"
 _SQRT3 = math.sqrt(3.0)
 _VECTORS = 7  # the zero vectors 0 and 7 count as one: the voltage is the same
+_FEWEST_OF_A_SCATTER = 20  # samples
 _USED = 1e-5  # of a period, above the rounding of single-precision voltages
 
 # Vector 1 ... 6 lies at (k - 1) 60 degrees: 100, 110, 010, 011, 001, 101.
@@ -83,11 +84,12 @@ def switching_frequency(block: Block) -> Measurement:
 
 
 def _of_frequency(turn_ons: NDArray[np.float64], rate_Hz: float) -> Uncertainty | None:
-    """Return the uncertainty of the mean frequency: the count at both ends, and irregular turn-ons."""
+    """Return the uncertainty of the mean frequency: the count at both ends, and irregular turn-ons; None
+    where these wander over the whole record. Of fewer than 20 samples it is that of the count."""
     error, per_second = error_of_record(turn_ons), rate_Hz / _LEGS
     by_count = per_second / (len(turn_ons) * _SQRT3)
     budget = [Contribution("a count of one either way, rectangular", "B", by_count)]
-    if math.isfinite(error.standard):
+    if len(turn_ons) >= _FEWEST_OF_A_SCATTER:
         scatter = Contribution(_SCATTER, "A", per_second * error.standard, error.dof)
         budget.append(scatter)
     return combined(budget, "; ".join(each.name for each in budget))

@@ -93,9 +93,9 @@ def standing(samples: NDArray[np.float64]) -> str:
     """Return why a record, shape (n,), of a signal that changes counts as held for a while, as by a sensor or
     a link that repeats its last value; empty if it does not.
 
-    Held is what has one value for six samples in a row or more, for longer than by chance where neighbours are
-    equal as often as here (once in a million records), and then goes on elsewhere: by more than four times of
-    what it usually changes by from sample to sample. The crest of a wave in steps goes on by one of them.
+    Held is what has one value for six samples in a row or more, for longer than by chance (once in a million
+    records) where neighbours are equal as often as here, and then goes on elsewhere: by more than four times
+    of what it usually changes by from sample to sample. The crest of a wave in steps goes on by one of them.
     """
     steps = np.diff(samples)
     moves = np.flatnonzero(steps)
@@ -112,6 +112,6 @@ def standing(samples: NDArray[np.float64]) -> str:
         return ""
     value, row = float(samples[moves[longest] + 1]), int(moves[longest]) + 1
     return (
-        f"{held} samples in a row from row {row} (from 0) are {value:.4g}, and the next is elsewhere: the sensor "
-        f"or the link stood still"
+        f"{held} samples in a row from row {row} (from 0) are {value:.4g}, and the next is elsewhere: the "
+        f"sensor or the link stood still"
     )

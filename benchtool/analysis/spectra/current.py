@@ -14,7 +14,7 @@ from benchtool.analysis.measurement import Basis, Measurement, Table
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.quantisation import resolution
 from benchtool.analysis.spectra.distortions import distortions, group_basis, group_distortions
-from benchtool.analysis.spectra.fundamental import frequency, soundness
+from benchtool.analysis.spectra.fundamental import frequency, soundness, turned_around
 from benchtool.analysis.spectra.groups import (
     group_table,
     harmonic_groups,
@@ -86,7 +86,10 @@ def current_spectrum(
     spectrum = spectrum_of(coherent)
     basis = _basis(coherent, spectrum, track)
     floor = noise_floor(spectrum)
-    sound = soundness(spectrum, seen, clipping(samples) or standing(samples), channel)
+    invalid = clipping(samples) or standing(samples)
+    if not invalid and track.residual_rad is None:
+        invalid = turned_around(coherent, seen, channel)
+    sound = soundness(spectrum, seen, invalid, channel)
     highest = min(HIGHEST_HARMONIC, len(harmonics(spectrum)))
     step = resolution(samples)
     errors = line_errors(spectrum, highest, seen.excess_rad, step, seen.amplitude, seen.phase_rad)

@@ -7,6 +7,7 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy import fft
 from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
@@ -22,7 +23,7 @@ from benchtool.analysis.spectra.noise import (
     line_noise,
 )
 from benchtool.analysis.spectra.phase_following import Wander
-from benchtool.analysis.spectra.spectrum import FIRST_ROW, CoherentSpectrum
+from benchtool.analysis.spectra.spectrum import FIRST_ROW, CoherentSamples, CoherentSpectrum
 from benchtool.analysis.uncertainty import Contribution, combined
 
 _HANN_FIT = math.sqrt(54.463)
@@ -38,6 +39,7 @@ _FEWEST_AT_END = 12  # samples of an angle for a cubic
 _FEWEST_BLOCKS = 8
 _NOISE_AT_ENDS = 3.0 * math.sqrt(2.0)  # a spline scatters at each end three times as much as a period's phase
 _LEFT_OF_ROUNDS = 1.0 / 8.0  # of a phase that is followed in three rounds, each of which leaves a half
+_HIGHEST_TURNED, _QUARTERS, _TURNS = 13, 4, 0.5
 _LARGEST_WANDER_RAD = 0.1  # at which harmonic 5 reads an eighth low
 
 
@@ -49,11 +51,11 @@ class Soundness:
     of_ratios: str
 
 
-def soundness(spectrum: CoherentSpectrum, seen: Wander, clipped: str, name: str) -> Soundness:
-    """Return whether the record is unclipped, of one regime and on a phase, and the fundamental out of the
-    noise."""
+def soundness(spectrum: CoherentSpectrum, seen: Wander, invalid: str, name: str) -> Soundness:
+    """Return whether the record is of one regime and on a phase, and the fundamental out of the noise;
+    `invalid` is why it is not for other reasons."""
     reason = (
-        clipped
+        invalid
         or change_of_regime(seen.amplitude, f"the amplitude of {name}")
         or _jump(seen, name)
         or _off_phase(seen, name)
@@ -67,6 +69,33 @@ def soundness(spectrum: CoherentSpectrum, seen: Wander, clipped: str, name: str)
         lost = f"the fundamental of {amplitude:.3g} does not stand out of the noise around it"
         return Soundness(reason, reason or lost)
     return Soundness(reason, reason)
+
+
+def turned_around(coherent: CoherentSamples, seen: Wander, name: str) -> str:
+    """Return why a record without an angle is of two regimes by its two strongest harmonics; empty if not.
+
+    A current that reverses where it is greatest or least goes on as before, but for the phases of these.
+    """
+    table = coherent.values.reshape(coherent.periods, coherent.per_period)
+    highest = min(_HIGHEST_TURNED, coherent.per_period // 2 - 1)
+    parts = min(_QUARTERS, coherent.periods // 2)
+    if parts < 2 or highest < 2:
+        return ""
+    order = np.arange(2, highest + 1)
+    phasors = fft.rfft(table, axis=1)[:, 2 : highest + 1] * np.exp(-1j * np.outer(seen.phase_rad, order))
+    groups = np.array_split(phasors, parts)
+    means = np.array([np.mean(each, axis=0) for each in groups])
+    noise = np.sqrt(np.mean([np.var(each, axis=0, ddof=1) / len(each) for each in groups], axis=0))
+    size = np.mean(np.abs(means), axis=0)
+    change = np.max(np.abs(means[:, np.newaxis] - means), axis=(0, 1))
+    turned = (change > _TURNS * size + STANDS_OUT * noise) & (size > STANDS_OUT * noise)
+    for strongest in np.argsort(-size)[:2]:
+        if turned[strongest]:
+            return (
+                f"harmonic {order[strongest]} of {name} turns against the fundamental between parts of the "
+                f"window: it reversed or changed its load; choose a window in steady state"
+            )
+    return ""
 
 
 def frequency(

@@ -48,7 +48,8 @@ class LineErrors:
     `phase` what a phase that wanders by `wander_rad`, rms, takes off the line; `resolution` by the steps of a
     quantised signal, as far as they repeat with the period; `steps2` is the mean square of the amplitude that
     they add. `floor` is that of white noise around the line. `wander` is that of an amplitude that wanders
-    too slowly for the bins beside the line, nan where the record is too short to tell it; lines that are modulated as the fundamental is have it in common.
+    too slowly for the bins beside the line, nan where the record is too short to tell it; lines that are
+    modulated as the fundamental is have it in common.
     """
 
     noise: NDArray[np.float64]

@@ -7,8 +7,12 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis.distributions import fisher_above
-from benchtool.analysis.scatter import MeanError, error_of_periods, neighbours_alike
+from benchtool.analysis.scatter import (
+    MeanError,
+    error_of_periods,
+    error_of_series,
+    is_memory_untold,
+)
 from benchtool.analysis.spectra.noise import PAIRS, noise_of_pairs
 from benchtool.analysis.spectra.spectrum import CoherentSpectrum
 
@@ -17,9 +21,6 @@ Floats = NDArray[np.float64]
 _ALIKE = 0.6  # correlation of the sidebands of two lines: of eight pairs of noise, by chance once in twenty
 _FEWEST_PAIRS = 4
 _CORRELATED = 1.5  # periods that count as one
-_FEW = 20  # periods, of which fewer do not tell how long an amplitude remembers
-_NOT_NOISE = 1e-4  # probability that noise, which moves phase and amplitude alike, does as much
-_MAYBE_CORRELATED = 0.5  # standard deviations of the correlation of neighbours that have none
 
 
 def noise_of_sum(spectrum: CoherentSpectrum, weights: Floats) -> MeanError:
@@ -67,26 +68,11 @@ def wander_of_mean(amplitude: Floats, by_pairs: float, phase_rad: Floats | None 
     that by the pairs of bins beside the line; 0 where neighbouring periods are not correlated.
 
     A memory of some periods is in few pairs of bins, and one of the whole record in none of them: then the
-    series itself says more, or its density at the lowest frequencies, continued. In a record of fewer than
-    twenty periods it is not known (nan) where the amplitude wanders by more than `phase_rad`, the phase of
-    the same periods, about its mean, and neighbours may be correlated.
+    series itself says more, or its density at the lowest frequencies, continued. In a short record it is
+    not known (nan) where the amplitude wanders more than `phase_rad`, the phase of the same periods, does.
     """
-    if phase_rad is not None and len(amplitude) < _FEW and _wanders(amplitude, phase_rad):
+    if phase_rad is not None and is_memory_untold(amplitude, float(np.mean(amplitude)) * phase_rad):
         return math.nan
-    error = error_of_periods(amplitude)
-    if not math.isfinite(error.standard) or len(amplitude) > _CORRELATED * (error.dof + 1.0):
-        if not error.standard <= by_pairs:
-            return math.sqrt(error.standard**2 - by_pairs**2)
-    return 0.0
-
-
-def _wanders(amplitude: Floats, phase_rad: Floats) -> bool:
-    """Return whether an amplitude moves more than its phase does, by more than noise, and may go on to."""
-    freedom, middle = len(amplitude) - 1, float(np.mean(amplitude))
-    of_phase, of_amplitude = float(np.var(phase_rad)), float(np.var(amplitude))
-    if freedom < 2 or not middle > 0.0 or not of_phase > 0.0:
-        return False
-    ratio = of_amplitude / (middle**2 * of_phase)
-    if fisher_above(freedom, freedom, ratio) > _NOT_NOISE:
-        return False
-    return neighbours_alike(amplitude) > _MAYBE_CORRELATED
+    if len(amplitude) <= _CORRELATED * (error_of_series(amplitude).dof + 1.0):
+        return 0.0
+    return math.sqrt(max(0.0, error_of_periods(amplitude, least=0).standard ** 2 - by_pairs**2))

@@ -19,7 +19,7 @@ from benchtool.analysis.declaration import Analysis, Findings, NoSettings, Quant
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.regimes import change_of_regime
-from benchtool.analysis.scatter import MeanError, error_of_periods
+from benchtool.analysis.scatter import MeanError, error_of_periods, is_memory_untold
 from benchtool.analysis.spectra.current import current_of
 from benchtool.analysis.spectra.spectrum import FIRST_ROW, CoherentSamples, coherent_samples_of_all
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
@@ -107,13 +107,15 @@ def _component(phasors: Phasors, reference: Phasors | None = None) -> _Component
         base, size = _turned(reference)
         turned = turned - magnitude / size * base.real
     along, across = error_of_periods(turned.real), error_of_periods(turned.imag)
+    if is_memory_untold(turned.real, turned.imag):
+        along = MeanError(math.nan, along.dof)
     if not math.isfinite(across.standard):  # a track that is a little off turns it steadily
         across = along
     # noise across the phasor makes its magnitude larger (Rice distribution)
     bias = magnitude - math.sqrt(max(0.0, magnitude**2 - across.standard**2))
     # noise is isotropic: both components together give a better estimate from few periods
     both = MeanError(math.sqrt(0.5 * (along.standard**2 + across.standard**2)), along.dof + across.dof)
-    if not along.standard > both.standard:
+    if along.standard < both.standard:
         along = both
     return _Component(
         magnitude,
