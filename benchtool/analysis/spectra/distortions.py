@@ -11,6 +11,7 @@ import numpy as np
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.scatter import MeanError
 from benchtool.analysis.spectra.groups import (
+    FEWEST_WINDOWS,
     PERIODS_PER_WINDOW,
     GroupDistortion,
     HarmonicGroups,
@@ -130,6 +131,8 @@ def group_distortions(
             added = value.ratio - math.sqrt(max(0.0, value.ratio**2 - steps2))
             of_steps = Contribution("steps of the converter that repeat", "B", added)
             uncertain = _percent((scatter, of_steps) if added else (scatter,), source)
+            if groups.windows < FEWEST_WINDOWS and math.isnan(errors.wander[0]):
+                uncertain = None  # what an amplitude that wanders adds to them has no scatter
             yield Measurement(name, 100.0 * value.ratio, "%", text, own, uncertain)
 
 

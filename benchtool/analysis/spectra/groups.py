@@ -16,8 +16,10 @@ from benchtool.analysis.spectra.spectrum import CoherentSamples
 PERIODS_PER_WINDOW = 10
 """The standard's window at 50 Hz: 200 ms there, ten periods of the machine here, however long they are."""
 
+FEWEST_WINDOWS = 3
+"""Fewest windows whose scatter says how much a number varies."""
+
 _FEWEST_PERIODS = 4  # with fewer, subgroups overlap and there are no bins between them
-_FEWEST_WINDOWS = 3
 _OF_EXCESS = 0.7
 _BY_CHANCE, _RARELY = 0.1, 0.02
 _BATCH = 1 << 18  # samples transformed at a time
@@ -121,7 +123,7 @@ def group_distortion(
     if windows < 2 or not np.all(squares[:, 0] > 0.0) or not ratio > 0.0:
         return GroupDistortion(ratio, noise.standard, noise.dof)
     each = np.sqrt(np.sum(squares[:, 1:], axis=1) / squares[:, 0])
-    together = error_of_series(each) if windows >= _FEWEST_WINDOWS else MeanError(math.nan, math.nan)
+    together = error_of_series(each) if windows >= FEWEST_WINDOWS else MeanError(math.nan, math.nan)
     variance = np.var(squares / mean[0], axis=0, ddof=1) / windows
     variance[0] *= ratio**4
     apart = math.sqrt(float(np.sum(variance))) / (2.0 * ratio)

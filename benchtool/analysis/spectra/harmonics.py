@@ -173,8 +173,8 @@ def _wander(
     if amplitudes is None or not len(amplitude) or not amplitude[0] > 0.0:
         return none
     of_first = wander_of_mean(amplitudes, float(noise[0]), phases_rad)
-    if of_first == 0.0:
-        return none
+    if of_first == 0.0 or math.isnan(of_first):
+        return none + of_first
     alike = is_modulated_alike(spectrum, np.eye(len(amplitude)))
     alike[0] = True
     return np.where(alike, of_first / amplitude[0] * amplitude, 0.0)
@@ -284,6 +284,8 @@ def _in_common(
     weights = np.concatenate([[-by_fundamental / slope], amplitude[1:] / total])
     apart2 = float(np.sum((weights * errors.noise) ** 2))
     together = noise_of_sum(spectrum, weights)
+    if not by_fundamental and math.isnan(errors.wander[0]):
+        return MeanError(math.nan, 1.0)
     if not by_fundamental and is_modulated_alike(spectrum, weights[np.newaxis, :])[0]:
         # to a stated amplitude what they have in common adds up, of two lines by no more than chance would
         of_wander = float(np.sum(weights * errors.wander))

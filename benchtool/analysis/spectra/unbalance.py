@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -83,7 +83,8 @@ def current_unbalance(
     if abs(np.mean(sequences[0])) < abs(np.mean(sequences[1])):
         # in reverse rotation positive and negative sequence change places
         sequences = sequences[[1, 0, 2]]
-    components = [_component(each) for each in sequences]
+    positive = _component(sequences[0])
+    components = [positive, *(_alike(_component(each), positive) for each in sequences[1:])]
     ratios = [_component(each, sequences[0]) for each in sequences[1:]] if np.mean(sequences[0]) else []
     basis = Basis(
         samples=first.samples,
@@ -124,6 +125,15 @@ def _component(phasors: Phasors, reference: Phasors | None = None) -> _Component
             Contribution("what scatter adds to a magnitude", "B", bias),
         ),
     )
+
+
+def _alike(component: _Component, positive: _Component) -> _Component:
+    """Return a component of a current whose wander it shares, with that of the positive sequence."""
+    own = positive.uncertainty
+    standard = math.nan if own is None else own.standard
+    share = component.magnitude / positive.magnitude if positive.magnitude > 0.0 else 0.0
+    common = Contribution("wander of the positive sequence", "A", share * standard, own.dof if own else 1.0)
+    return replace(component, budget=(*component.budget, common))
 
 
 def _turned(phasors: Phasors) -> tuple[Phasors, float]:
