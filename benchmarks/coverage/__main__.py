@@ -21,9 +21,9 @@ from benchmarks.coverage.registry import FAMILIES
 REPETITIONS = 100
 
 
-def score_family(name: str, repetitions: int) -> list[Score]:
+def score_family(name: str, repetitions: int, seed: int = 0) -> list[Score]:
     """Return the scores of one family by its name."""
-    return list(scores(FAMILIES[name], repetitions))
+    return list(scores(FAMILIES[name], repetitions, seed))
 
 
 def main() -> int:
@@ -34,6 +34,8 @@ def main() -> int:
     parser.add_argument("names", nargs="*", help="families, all by default; a part of a name is enough")
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     parser.add_argument("--repetitions", type=int, default=REPETITIONS, help="random records of each family")
+    parser.add_argument("--seed", type=int, default=0, help="of the random records")
+    parser.add_argument("--workers", type=int, default=2, help="processes")
     parser.add_argument("--narrow", action="store_true", help="print only what does not hold")
     options = parser.parse_args()
     names = [name for name in FAMILIES if not options.names or any(part in name for part in options.names)]
@@ -41,9 +43,11 @@ def main() -> int:
         heads = ("family", "measurement", "n", "u", "2u", "U", "rms", "mean")
         print("{:30} {:32} {:>4} {:>5} {:>5} {:>5} {:>7} {:>7}".format(*heads))
     begin = time.perf_counter()
-    with ProcessPoolExecutor(max_workers=2) as pool:
+    with ProcessPoolExecutor(max_workers=options.workers) as pool:
         found: list[Score] = []
-        for part in pool.map(partial(score_family, repetitions=options.repetitions), names):
+        for part in pool.map(
+            partial(score_family, repetitions=options.repetitions, seed=options.seed), names
+        ):
             found.extend(part)
             if not options.json:
                 _print([each for each in part if not options.narrow or each.verdict in ("narrow", "wide")])
@@ -55,6 +59,7 @@ def main() -> int:
         document = {
             "families": len(names),
             "repetitions": options.repetitions,
+            "seed": options.seed,
             "seconds": round(time.perf_counter() - begin, 1),
             **counts,
             "scores": [

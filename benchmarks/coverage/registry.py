@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from benchmarks.coverage import channels, disturbances, dynamic, encounters, mixed, stamps, unusual
+from benchmarks.coverage import channels, disturbances, dynamic, encounters, mixed, pairs, stamps, unusual
 from benchmarks.coverage.families import Family
 
 FAMILIES: Mapping[str, Family] = {
@@ -17,5 +17,6 @@ FAMILIES: Mapping[str, Family] = {
         *unusual.FAMILIES,
         *mixed.FAMILIES,
         *encounters.FAMILIES,
+        *pairs.FAMILIES,
     )
 }

@@ -241,7 +241,8 @@ def trial(what: Disturbance, random: np.random.Generator) -> Iterator[tuple[Meas
         truths["torque_ripple_percent_of_mean"] = 100.0 * truths["torque_ripple_pp"] / abs(what.torque_Nm)
     if is_noise_alone and is_steady and what.second_regime == 1.0:
         truths["current_noise_floor"] = math.nan
-    if not any(relative > 0.03 for _, relative in what.lines) and not what.decay[0]:
+    has_others = what.decay[0] or abs(what.second_regime - 1.0) > 0.1  # than the harmonics
+    if not has_others and not any(relative > 0.03 for _, relative in what.lines):
         largest = max(what.harmonics.values(), default=0.0)
         truths["current_max_low_harmonic"] = truths["current_fundamental"] * largest
     steady = analyze_steady_state(

@@ -23,7 +23,9 @@ def change_of_regime(sizes: NDArray[np.float64], what: str) -> str:
         return ""
     groups = np.array_split(sizes, parts)
     means = np.array([float(np.mean(each)) for each in groups])
-    noise = math.sqrt(float(np.mean([np.var(each, ddof=1) / len(each) for each in groups])))
+    # the median, because the change itself may be within one of the parts
+    squares = [float(np.var(each, ddof=1)) / len(each) / _median_of_variance(len(each)) for each in groups]
+    noise = math.sqrt(float(np.median(squares)))
     change, middle = float(np.ptp(means)), abs(float(np.mean(means)))
     if change <= _LARGEST_CHANGE * middle + STANDS_OUT * noise:
         return ""
@@ -31,3 +33,8 @@ def change_of_regime(sizes: NDArray[np.float64], what: str) -> str:
         f"{what} changes from {means.min():.3g} to {means.max():.3g} between parts of the window, at most "
         f"{100 * _LARGEST_CHANGE:g} % is allowed: choose a window in steady state"
     )
+
+
+def _median_of_variance(count: int) -> float:
+    """Return the median of the variance of so many normal values, over its mean (Wilson and Hilferty)."""
+    return (1.0 - 2.0 / (9.0 * (count - 1))) ** 3

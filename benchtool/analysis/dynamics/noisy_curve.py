@@ -43,6 +43,18 @@ class Instant:
     standard: float
 
 
+def at_rest_error(at_rest: Floats, samples: Floats) -> float:
+    """Return the standard uncertainty that the steps of a converter, which `samples` show, leave in the mean of
+    those `at_rest`; 0 where noise hides them, or there is no converter."""
+    step = _step_of(samples)
+    return step / math.sqrt(12.0) if float(np.std(at_rest)) < _HIDES * step else 0.0
+
+
+def _step_of(samples: Floats) -> float:
+    """Return the step of a converter; 0 of a curve that was drawn, not measured."""
+    return 0.0 if len(np.unique(samples)) < _FEWEST_LEVELS else counting_step(samples)
+
+
 @dataclass(frozen=True)
 class NoisyCurve:
     """Smooth `values`, shape (n,), and `errors`, shape (draws, n), that noise may cause in them.
@@ -60,9 +72,7 @@ class NoisyCurve:
         Where noise does not hide the steps of a converter, what is read as one of its levels may be anywhere
         within half a step of it.
         """
-        count, step = len(samples), counting_step(samples)
-        if len(np.unique(samples)) < _FEWEST_LEVELS:  # a curve that was drawn, not measured
-            step = 0.0
+        count, step = len(samples), _step_of(samples)
         smoother, longer = fitted_smoothers(samples, noise)
         draws = max(_FEWEST_DRAWS, min(_DRAWS, _MOST_VALUES // count))
         random = np.random.default_rng(_SEED)

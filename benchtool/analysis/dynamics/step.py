@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.declaration import Analysis, Findings, Measured, Quantity, UnitOf
-from benchtool.analysis.dynamics.noisy_curve import Instant, NoisyCurve
+from benchtool.analysis.dynamics.noisy_curve import Instant, NoisyCurve, at_rest_error
 from benchtool.analysis.dynamics.smoothing import Noise
 from benchtool.analysis.dynamics.step_drift import drift_before
 from benchtool.analysis.dynamics.step_shape import TAIL, Step, find_step
@@ -181,18 +181,23 @@ def _departure(step: Step, curve: NoisyCurve) -> Instant | None:
     if left is None:
         return None
     threshold = float(clear[math.floor(left.place)])
-    if threshold <= least:
-        return left
     further = curve.first_above(level + 2.0 * threshold)
+    # a level at rest is anywhere within half a step of a converter that its noise does not hide
+    of_level = at_rest_error(step.y_before, step.y)
+    if threshold <= least and (further is None or not of_level):
+        return left
     if further is None:
         return None
     apart = max(0.0, further.place - left.place)
+    of_level *= apart / threshold
+    if threshold <= least:
+        return Instant(left.place, math.hypot(left.standard, of_level))
     line = apart * (1.0 - least / threshold)
     parabola = apart * (1.0 - math.sqrt(least / threshold)) / (math.sqrt(2.0) - 1.0)
     near, far = min(left.place, line), min(left.place, parabola)
     back = 0.5 * (_CONCAVE * near + far)
     share = back / apart if apart > 0.0 else 0.0
-    noise = math.hypot((1.0 + share) * left.standard, share * further.standard)
+    noise = math.hypot((1.0 + share) * left.standard, share * further.standard, of_level)
     return Instant(left.place - back, math.hypot(noise, (far - back) / _TO_THE_ENDS))
 
 

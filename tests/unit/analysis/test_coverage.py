@@ -62,3 +62,14 @@ def test_further_channels_hold_the_truth(name: str) -> None:
 )
 def test_no_steady_state_is_null_there_too(name: str) -> None:
     assert all(each.verdict == "null" for each in scores(FAMILIES[name], 3))
+
+
+def test_an_encoder_s_error_in_few_revolutions_is_in_its_orders() -> None:
+    found = {each.measurement: each for each in scores(FAMILIES["wobble_few_revolutions"], 3)}
+    assert found["torque_order_24"].within_2u == 1.0
+
+
+def test_an_amplitude_that_wanders_over_the_whole_record_has_no_mean() -> None:
+    found = {each.measurement: each for each in scores(FAMILIES["amplitude_memory_few_periods"], 4)}
+    assert found["current_fundamental"].answered <= 1
+    assert found["current_thd_f"].answered == 4

@@ -15,7 +15,8 @@ from benchtool.analysis.dynamics.response_curve import ResponseCurve
 from benchtool.analysis.dynamics.smoothing import Noise
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.periods import PhaseTrack, track_angle
-from benchtool.analysis.spectra.fundamental import frequency, soundness
+from benchtool.analysis.regimes import change_of_regime
+from benchtool.analysis.spectra.fundamental import frequency, soundness, turned_around
 from benchtool.analysis.spectra.phase_following import Wander, follow, wander
 from benchtool.analysis.spectra.spectrum import (
     FIRST_ROW,
@@ -150,6 +151,24 @@ def test_a_phase_that_jumps_is_told_from_one_that_swings() -> None:
         assert (seen.jump_rad > 0.0) == jumps
         reason = soundness(spectrum_of_samples(samples), seen, "", "i_a").of_ratios
         assert reason.startswith("the phase of i_a jumps by 0.8 rad") == jumps
+
+
+def test_a_current_that_reverses_at_its_greatest_is_told_by_its_harmonics() -> None:
+    theta = 2.0 * np.pi * np.arange(4000) / 100
+    for back in (theta, 2.0 * theta[2800] - theta):
+        phase = np.where(np.arange(4000) < 2800, theta, back)
+        values = np.cos(phase) + 0.03 * np.cos(5.0 * phase + 1.0)
+        samples = CoherentSamples(values, 40, 4000.0, RATE_HZ)
+        seen = wander(samples)
+        assert seen.jump_rad == 0.0
+        assert turned_around(samples, seen, "i_a").startswith("harmonic 5 of i_a turns") == (
+            back is not theta
+        )
+
+
+def test_a_change_within_one_part_of_a_few_periods_is_no_noise() -> None:
+    amplitude = np.array([1.0, 1.0, 1.0, 1.5, 1.5, 1.5])
+    assert change_of_regime(amplitude, "the amplitude").startswith("the amplitude changes from 1 to 1.5")
 
 
 @pytest.mark.parametrize(

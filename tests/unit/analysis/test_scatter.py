@@ -8,7 +8,16 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from benchtool.analysis.scatter import error_of_record, scatter_of_largest, tail_index
+from benchmarks.coverage.noise import coloured, fractional
+from benchtool.analysis.scatter import (
+    at_lowest_frequencies,
+    error_of_periods,
+    error_of_record,
+    error_of_series,
+    is_memory_untold,
+    scatter_of_largest,
+    tail_index,
+)
 
 
 @pytest.mark.parametrize("memory", [0.0, 0.9])
@@ -81,3 +90,53 @@ def test_the_largest_of_a_heavy_tail_scatters_more() -> None:
     records = np.random.default_rng(6).pareto(5.0, (300, 400))
     stated = np.array([scatter_of_largest(record, 0.2) for record in records])
     assert np.mean(stated) == pytest.approx(float(np.std(records.max(axis=1))), rel=0.25)
+
+
+def test_a_mean_under_fractional_noise_and_one_of_levels_is_known_as_stated() -> None:
+    """Noise that falls as f^-0.6 goes on below the record, what is another in each of 40 periods does not."""
+    random = np.random.default_rng(3)
+    for is_fractional in (True, False):
+        errors = []
+        for _ in range(60):
+            samples = (
+                fractional(random, 4000) if is_fractional else np.repeat(random.standard_normal(40), 100)
+            )
+            if not is_fractional:
+                samples = samples + 0.3 * random.standard_normal(4000)
+            periods = error_of_series(samples.reshape(40, 100).mean(axis=1))
+            errors.append(np.mean(samples) / at_lowest_frequencies(samples, periods, 40).standard)
+        assert np.mean(np.abs(errors) < 2.0) >= 0.88
+        assert 0.6 < float(np.sqrt(np.mean(np.square(errors)))) < 1.4
+
+
+@pytest.mark.parametrize(("memory", "untold"), [(0.9, 0.9), (0.0, 0.5)])
+def test_few_values_do_not_tell_how_long_they_remember(memory: float, untold: float) -> None:
+    random = np.random.default_rng(4)
+    found = []
+    for _ in range(80):
+        values = 1.0 + 0.02 * coloured(random.standard_normal(18), memory)
+        found.append(is_memory_untold(values, 1e-3 * random.standard_normal(18)))
+    assert (np.mean(found) > untold) == (memory > 0.0)
+
+
+def test_what_moves_as_noise_does_or_is_of_many_values_has_no_untold_memory() -> None:
+    random = np.random.default_rng(5)
+    walk = 1.0 + 0.01 * np.cumsum(random.standard_normal(40))
+    assert not is_memory_untold(walk, 1e-4 * random.standard_normal(40))
+    noise = 0.02 * random.standard_normal((2, 20))
+    assert not is_memory_untold(1.0 + noise[0], noise[1])
+
+
+def test_a_memory_that_shows_is_continued_rather_than_refused() -> None:
+    """The records in which it does not show err more: to refuse the others would leave these."""
+    random = np.random.default_rng(6)
+    records = [coloured(random.standard_normal(40), 0.95) for _ in range(80)]
+    refused = [math.isnan(error_of_series(each).standard) for each in records]
+    stated = [error_of_periods(each).standard for each in records]
+    assert np.mean(refused) > 0.5
+    assert np.mean(np.abs([np.mean(each) for each in records]) < 2.0 * np.array(stated)) >= 0.88
+
+
+def test_the_largest_of_few_scatters_as_they_do_at_least() -> None:
+    values = np.array([1.0, 1.1, 1.2, 1.3, 1.4, 1.5, 1.6, 2.0, 2.0, 2.0, 2.0])
+    assert scatter_of_largest(values) >= 0.6 * float(np.std(values, ddof=1))
