@@ -44,8 +44,8 @@ class Instant:
 
 
 def at_rest_error(at_rest: Floats, samples: Floats) -> float:
-    """Return the standard uncertainty that the steps of a converter, which `samples` show, leave in the mean of
-    those `at_rest`; 0 where noise hides them, or there is no converter."""
+    """Return the standard uncertainty that the steps of a converter, which `samples` show, leave in the mean
+    of those `at_rest`; 0 where noise hides them, or there is no converter."""
     step = _step_of(samples)
     return step / math.sqrt(12.0) if float(np.std(at_rest)) < _HIDES * step else 0.0
 
