@@ -153,22 +153,20 @@ class CanopenServer:
             self._put(*frame)
 
     def _send_all(self, can_id: int, frames: Sequence[bytes]) -> None:
-        bus = self._bus
-        if self._outbound.is_undisturbed and isinstance(bus, VirtualTimeBus) and bus.is_unbounded:
-            with suppress(can.CanError, OSError):
-                bus.send_data(can_id, frames, self._node.firmware.now_s)
+        if self._outbound.is_undisturbed:
+            self._put(can_id, *frames)
             return
         for data in frames:
             self._send(can_id, data)
 
-    def _put(self, can_id: int, data: bytes) -> None:
-        frame = can.Message(
-            timestamp=self._node.firmware.now_s, arbitration_id=can_id, data=data, is_extended_id=False
-        )
-        try:  # noqa: SIM105 # `suppress` costs a good part of a frame
-            self._bus.send(frame)
-        except (can.CanError, OSError):
-            pass
+    def _put(self, can_id: int, *frames: bytes) -> None:
+        bus, now_s = self._bus, self._node.firmware.now_s
+        with suppress(can.CanError, OSError):
+            if isinstance(bus, VirtualTimeBus) and bus.is_unbounded:
+                bus.send_data(can_id, frames, now_s)
+                return
+            for data in frames:
+                bus.send(can.Message(timestamp=now_s, arbitration_id=can_id, data=data, is_extended_id=False))
 
 
 def _is_data(frame: can.Message) -> bool:
