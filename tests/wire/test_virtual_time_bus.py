@@ -106,6 +106,23 @@ def test_a_filter_set_between_two_frames_counts_from_then_on(bus: VirtualTimeBus
     assert bus.settle() is False
 
 
+def test_a_receiver_that_waits_can_be_woken_and_loses_nothing_by_it(
+    bus: VirtualTimeBus, peer: can.BusABC
+) -> None:
+    received: list[can.Message | None] = []
+    thread = threading.Thread(target=lambda: received.append(bus.recv(None)))
+    thread.start()
+    bus.wake()  # without which it would wait for ever
+    thread.join()
+    peer.send(FRAME)
+    bus.wake()
+    peer.send(FRAME)
+    received += [bus.recv(0.0), bus.recv(0.0), bus.recv(0.0)]
+    assert [each is not None for each in received] == [False, True, False, True]
+    assert bus.recv(0.0) is None
+    assert bus.settle() is False
+
+
 def test_a_dead_receiver_is_named_at_once(bus: VirtualTimeBus, peer: can.BusABC) -> None:
     thread = threading.Thread(target=lambda: bus.recv(0), name="firmware")
     thread.start()

@@ -36,7 +36,7 @@ class CanopenServer:
     is_can = True
 
     def __init__(self, bus: can.BusABC, node: DriveNode) -> None:
-        self.receiver = Receiver("emulated-drive", self._receive, self._close)
+        self.receiver = Receiver("emulated-drive", self._receive, self._close, self._wake)
         self._bus = bus
         self._node = node
         self._errors = 0
@@ -115,6 +115,10 @@ class CanopenServer:
                 for party in self._node.parties:
                     for answer in party.hear(*sent):
                         self._put(*answer)
+
+    def _wake(self) -> None:
+        if isinstance(self._bus, VirtualTimeBus):
+            self._bus.wake()
 
     def _close(self) -> None:
         with suppress(can.CanError, OSError):

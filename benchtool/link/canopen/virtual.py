@@ -33,7 +33,7 @@ class VirtualTimeBus(VirtualBus):
     def __init__(self, channel: str, *, clock: Clock | None = None, **options: Any) -> None:
         super().__init__(channel, **options)
         self._clock = clock
-        self._taken: deque[can.Message] = deque()
+        self._taken: deque[can.Message | None] = deque()
         self._in_hand = 0
         self._receiver: threading.Thread | None = None
 
@@ -115,9 +115,17 @@ class VirtualTimeBus(VirtualBus):
 
     def recv(self, timeout: float | None = None) -> can.Message | None:
         """As in python-can; what is there already is taken at once, at a tenth of the cost."""
-        if self._taken and self._open and self._filters is None:
+        if self._filters is not None:
+            return super().recv(timeout)
+        if self._taken and self._open:
             return self._taken.popleft()
-        return super().recv(timeout)
+        return self._recv_internal(timeout)[0]
+
+    def wake(self) -> None:
+        """Have a `recv` that waits, or else the next, return without a frame."""
+        with self.queue.mutex:
+            self.queue.queue.append(None)  # no task: there is nothing to handle
+            self.queue.not_empty.notify()
 
     def _recv_internal(self, timeout: float | None) -> tuple[can.Message | None, bool]:
         self._check_if_open()
@@ -140,7 +148,7 @@ class VirtualTimeBus(VirtualBus):
             if self.queue.maxsize <= 0:
                 self._taken.extend(self.queue.queue)
                 self.queue.queue.clear()
-                self._in_hand = len(self._taken)
+                self._in_hand = self.queue.unfinished_tasks
 
     def _stall_reason(self, deadline_s: float) -> str:
         if self._receiver is not None and not self._receiver.is_alive():
