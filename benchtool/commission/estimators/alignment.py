@@ -29,6 +29,8 @@ _LEAST_SHARE = 0.2
 _JUMP = 8.0  # median changes of angle from a row to the next: of more the counter has wrapped
 _HARMONICS = (1, 2)  # of the encoder's error, in a revolution
 _WHOLE = 0.97  # of a revolution, from which on it tells them
+_TOLD_APART = 1.5  # revolutions, from which on they are told from a slope
+_SWING = 12.0 / (2.0 * math.pi * math.sqrt(2.0))  # of a line's slope by one swing, rms over its phases
 
 
 @dataclass(frozen=True)
@@ -50,15 +52,17 @@ class Spin:
 class Motion:
     """How the counted angle goes with the current's.
 
-    `per_rad` is the mechanical angle counted for a radian of the current's electrical one, with its scatter
-    over the spins; `jump_rad` the angle that the counter leaps where it wraps, 2 pi less what it should, 0
-    where it does not; `moved_rad` what was counted in the longest spin.
+    `per_rad` is the mechanical angle counted for a radian of the current's electrical one, with its standard
+    uncertainty by the scatter over the spins and by the swings of the rotor; `jump_rad` the angle that the
+    counter leaps where it wraps, 2 pi less what it should, 0 where it does not; `moved_rad` what was counted
+    in the longest spin. `error_left`: an eccentric encoder may change `per_rad`.
     """
 
     per_rad: float
-    per_rad_scatter: float
+    per_rad_standard: float
     jump_rad: float
     moved_rad: float
+    error_left: bool
 
 
 @dataclass(frozen=True)
@@ -80,23 +84,40 @@ class Alignment:
     dof: float
 
 
-def motion(spins: Sequence[Spin]) -> Motion:
+def motion(spins: Sequence[Spin], swings: float) -> Motion:
     """Return how far and which way the encoder counted.
 
+    From one and a half revolutions on, it is the slope of a line with the encoder's error beside it. Of less,
+    that error is hardly told from a slope, and after a whole revolution it is what it was: the slope is that
+    from end to end.
+
+    Args:
+        spins: of about equal length.
+        swings: how often the rotor swings about the current in one of them.
+
     Raises:
-        AnalysisError: too few rows.
+        AnalysisError: too few rows, or a current that does not turn.
     """
-    slopes, jumps, moved = [], [0.0], 0.0
+    slopes, swung, jumps, moved, told_apart = [], [], [0.0], 0.0, True
     for spin in spins:
         if len(spin.theta_m_rad) < _FEWEST:
             raise AnalysisError(f"{len(spin.theta_m_rad)} rows of a turning current, {_FEWEST} are needed")
         counted, jump = continued(spin.theta_m_rad)
         jumps.append(jump)
         turned = np.unwrap(spin.current_rad)
-        slopes.append((counted[-1] - counted[0]) / (turned[-1] - turned[0]))
-        moved = max(moved, abs(counted[-1] - counted[0]))
+        line = np.column_stack([turned, np.ones(len(turned))])
+        if np.ptp(counted) >= _WHOLE * 2.0 * math.pi:
+            line = np.column_stack([line, *_of_revolution(counted)])
+        fit = least_squares(line, counted)
+        apart = np.ptp(counted) >= _TOLD_APART * 2.0 * math.pi
+        by = _SWING / max(swings, _SWING) if apart else 1.0
+        slopes.append(float(fit.x[0] if apart else (counted[-1] - counted[0]) / (turned[-1] - turned[0])))
+        swung.append(by * math.sqrt(2.0) * fit.scatter / float(np.ptp(turned)))
+        told_apart &= bool(apart)
+        moved = max(moved, float(abs(counted[-1] - counted[0])))
     largest = max(jumps, key=abs)
-    return Motion(float(np.mean(slopes)), float(np.ptp(slopes)), largest, moved)
+    standard = max(float(np.ptp(slopes)), math.sqrt(float(np.mean(np.square(swung)))))
+    return Motion(float(np.mean(slopes)), standard, largest, moved, not told_apart)
 
 
 def continued(theta_rad: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
@@ -163,8 +184,12 @@ def alignment(spins: Sequence[Spin], pole_pairs: int, direction: int) -> Alignme
 def _fitted(x: NDArray[np.float64], y: NDArray[np.float64], sense: NDArray[np.float64], whole: bool) -> Fit:
     columns = [np.ones(len(x)), -sense]
     if whole:
-        columns += [wave(n * x) for n in _HARMONICS for wave in (np.cos, np.sin)]
+        columns += _of_revolution(x)
     return least_squares(np.column_stack(columns), y)
+
+
+def _of_revolution(theta_rad: NDArray[np.float64]) -> list[NDArray[np.float64]]:
+    return [wave(n * theta_rad) for n in _HARMONICS for wave in (np.cos, np.sin)]
 
 
 def _errors_of(
