@@ -48,10 +48,10 @@ class TurningVoltage:
     def plan(self, known: Known) -> tuple[Excitation, ...]:
         """Return an alignment and a turning vector for each speed, repeated.
 
-        The second vector finds the rotor where the first has left it, as the encoder tells.
+        Both are to find the rotor at one angle: harmonics make the EMF of a shaken rotor another elsewhere.
         """
         align = aligning(known, {"dead_time_compensation": 0.0, **known.offsets})
-        return _REPEATS * (align, *(_turning(known, periods) for periods in _PERIODS))
+        return _REPEATS * tuple(each for periods in _PERIODS for each in (align, _turning(known, periods)))
 
     def estimate(self, blocks: Sequence[Block], known: Known) -> Mapping[str, Measurement]:
         """Return `L_d` and `L_q`.
