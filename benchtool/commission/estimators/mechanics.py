@@ -97,16 +97,14 @@ def mechanics(courses: Sequence[Course]) -> Mechanics:
         AnalysisError: not enough speeds.
         SetUpError: the shaft holds no speeds.
     """
-    stretches = [_stretch(each, end) for each in (course.thinned for course in courses) for end in each.levels]
+    stretches = [
+        _stretch(each, end) for each in (course.thinned for course in courses) for end in each.levels
+    ]
     omega, torque = np.array([(each.omega, each.torque) for each in stretches]).T
     fit = least_squares(np.column_stack([np.sign(omega), omega, np.ones(len(omega))]), torque)
     coulomb, friction, load = (float(value) for value in fit.x)
     change, impulse = np.array(
-        [
-            _reversal(course, end, coulomb, friction, load)
-            for course in courses
-            for end in course.levels[:-1]
-        ]
+        [_reversal(course, end, coulomb, friction, load) for course in courses for end in course.levels[:-1]]
     ).T
     counts = np.sqrt(np.abs(change))  # cogging leaves the less, the faster the shaft passes it
     inertia = least_squares((change * counts)[:, None], impulse * counts)
@@ -160,9 +158,7 @@ def _stretch(course: Course, end: int) -> _Stretch:
     return _Stretch(over_angle, by_angle)
 
 
-def _reversal(
-    course: Course, end: int, coulomb: float, friction: float, load: float
-) -> tuple[float, float]:
+def _reversal(course: Course, end: int, coulomb: float, friction: float, load: float) -> tuple[float, float]:
     """Return the weighted change of the speed, rad/s, after the row at which a setpoint ends, and the
     impulse of the torque that it takes, Nms."""
     theta = course.theta_m_rad
