@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from benchtool.commission.estimators.saturation import Pulse, Saturation, saturation
 from benchtool.errors import AnalysisError
@@ -16,9 +17,10 @@ AT_A = np.array([-4.0, -2.0, 2.0, 4.0])
 CROSS = -0.06 * L_0
 
 
-def own(i: np.ndarray, *, across: bool) -> np.ndarray:
+def own(i: NDArray[np.float64], *, across: bool) -> NDArray[np.float64]:
     """The inductance along an axis without current along the other."""
-    return L_0 * (1.0 - 0.03 * np.abs(i) if across else 1.0 - 0.02 * i - 0.006 * i * i)
+    share: NDArray[np.float64] = 1.0 - 0.03 * np.abs(i) if across else 1.0 - 0.02 * i - 0.006 * i * i
+    return L_0 * share
 
 
 def pulse(
