@@ -17,9 +17,9 @@ AT_A = np.array([-4.0, -2.0, 2.0, 4.0])
 CROSS = -0.06 * L_0
 
 
-def own(i: NDArray[np.float64], *, across: bool) -> NDArray[np.float64]:
+def own(i: NDArray[np.floating], *, across: bool) -> NDArray[np.floating]:
     """The inductance along an axis without current along the other."""
-    share: NDArray[np.float64] = 1.0 - 0.03 * np.abs(i) if across else 1.0 - 0.02 * i - 0.006 * i * i
+    share: NDArray[np.floating] = 1.0 - 0.03 * np.abs(i) if across else 1.0 - 0.02 * i - 0.006 * i * i
     return L_0 * share
 
 
