@@ -54,9 +54,9 @@ class TurningVoltage:
         Both are to find the rotor at one angle: harmonics make the EMF of a shaken rotor another elsewhere.
         """
         parameters = {"dead_time_compensation": 0.0, **known.offsets}
-        return _REPEATS * tuple(
+        return tuple(
             each
-            for k, periods in enumerate(_PERIODS)
+            for k, periods in enumerate(_REPEATS * _PERIODS)
             for each in (aligning(known, parameters, again=k > 0), _turning(known, periods))
         )
 
