@@ -86,6 +86,14 @@ def test_a_slip_of_three_percent_is_no_whole_number(turns: float) -> None:
     assert off > 4.0 * moved.per_rad_standard if turns > 1.5 else off > 1.5 * moved.per_rad_standard
 
 
+def test_of_a_part_of_a_revolution_an_eccentric_disc_is_in_the_slope_and_said_to_be() -> None:
+    moved = motion(spins(0.2, 1, turns=0.7, eccentric_rad=0.02, swing_rad=0.05), SWINGS)
+    assert moved.error_left
+    off = abs(moved.per_rad * P - 1.0)
+    chord = 2.0 * 0.02 * abs(math.sin(0.5 * moved.moved_rad)) / moved.moved_rad
+    assert 0.001 < off < chord + 4.0 * moved.per_rad_standard * P
+
+
 def test_a_counter_that_wraps_elsewhere_leaps() -> None:
     """1024 lines where 2500 are believed: the angle goes to 2.57 rad and back to zero."""
     count = np.arange(0.0, 9000.0, 7.0)
