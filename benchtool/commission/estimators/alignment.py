@@ -71,8 +71,9 @@ class Alignment:
 
     `lag_rad` is the electrical angle by which friction holds the rotor back at the nominal current.
     `errors_rad` are the complex amplitudes of the encoder's error once and twice in a revolution, the real
-    part of each times exp(-j n theta_m); None where less than a revolution was turned. `ripple_rad` is the
-    rms electrical deviation from all of these.
+    part of each times exp(-j n theta_m); None where less than a revolution was turned. All are of as many of
+    the last revolutions as tell the offset best. `ripple_rad` is the rms electrical deviation over the whole
+    of the spins.
     """
 
     offset_rad: float
@@ -155,9 +156,13 @@ def alignment(spins: Sequence[Spin], pole_pairs: int, direction: int) -> Alignme
         theta.append(angle - around / pole_pairs)
         errors.append(error)
         senses.append(spin.sense / np.maximum(spin.share, _LEAST_SHARE))
-    whole = all(np.ptp(each) >= _WHOLE * 2.0 * math.pi for each in theta)
-    x, y, sense = np.concatenate(theta), np.concatenate(errors), np.concatenate(senses)
-    fit = _fitted(x, y, sense, whole)
+    turns = min(float(np.ptp(each)) for each in theta) / (2.0 * math.pi)
+    whole = turns >= _WHOLE
+    every = _fitted(theta, errors, senses, whole, math.inf)
+    fit = min(
+        (every, *(_fitted(theta, errors, senses, whole, last) for last in range(1, math.floor(turns) + 1))),
+        key=lambda each: each.standard(0),
+    )
     offset = (around + fit.x[0]) / pole_pairs
     period = 2.0 * math.pi / pole_pairs
     whole_periods = period * math.floor(offset / period + 0.5)
@@ -175,13 +180,29 @@ def alignment(spins: Sequence[Spin], pole_pairs: int, direction: int) -> Alignme
         fit.standard(0) / pole_pairs,
         float(fit.x[1]),
         found,
-        math.sqrt(2.0 / len(x)) * fit.scatter / pole_pairs,
-        fit.scatter,
+        math.sqrt(2.0 / len(fit.residuals)) * fit.scatter / pole_pairs,
+        every.scatter,
         fit.dof,
     )
 
 
-def _fitted(x: NDArray[np.float64], y: NDArray[np.float64], sense: NDArray[np.float64], whole: bool) -> Fit:
+def _fitted(
+    theta: Sequence[NDArray[np.float64]],
+    errors: Sequence[NDArray[np.float64]],
+    senses: Sequence[NDArray[np.float64]],
+    whole: bool,
+    last: float,
+) -> Fit:
+    """Return the fit to the last revolutions of each spin.
+
+    A rotor that is dragged off may swing by a hundred degrees at first, of which the mean is not where it
+    would rest.
+    """
+    rows = [np.abs(each - each[-1]) <= 2.0 * math.pi * last for each in theta]
+    x, y, sense = (
+        np.concatenate([each[of] for each, of in zip(parts, rows, strict=True)])
+        for parts in (theta, errors, senses)
+    )
     columns = [np.ones(len(x)), -sense]
     if whole:
         columns += _of_revolution(x)

@@ -94,6 +94,16 @@ def test_of_a_part_of_a_revolution_an_eccentric_disc_is_in_the_slope_and_said_to
     assert 0.001 < off < chord + 4.0 * moved.per_rad_standard * P
 
 
+def test_the_offset_is_that_of_the_calm_revolutions() -> None:
+    """A rotor that is dragged off swings by a hundred degrees, and its mean meanwhile is no rest."""
+    on, back = spins(0.2, 1, turns=6.0)
+    kicked = np.exp(-8.0 * np.linspace(0.0, 1.0, 3000)) * (0.3 + 1.7 * np.sin(np.linspace(0.0, 200.0, 3000)))
+    found = alignment([replace(on, theta_m_rad=(on.theta_m_rad + kicked / P) % (2.0 * math.pi)), back], P, 1)
+    assert abs(found.offset_rad - 0.2) < math.radians(0.15) / P
+    assert found.ripple_rad > 0.2
+    assert found.lag_rad == pytest.approx(0.1, abs=0.005)
+
+
 def test_a_counter_that_wraps_elsewhere_leaps() -> None:
     """1024 lines where 2500 are believed: the angle goes to 2.57 rad and back to zero."""
     count = np.arange(0.0, 9000.0, 7.0)
