@@ -188,8 +188,8 @@ def _steady(place: Floats, floors: Floats, periods: int) -> Floats:
 
 
 def _of_steps(place: Floats) -> Floats:
-    """Return the density of what is another in each period, at places in harmonics of it: sinc^2, whose mean
-    beside the harmonics is three quarters of that of its crests."""
+    """Return the density of levels that differ from period to period, at places in harmonics: sinc^2, whose
+    mean beside the harmonics is three quarters of that of its crests."""
     above = _BESIDE / (math.pi * np.maximum(place, _LAST_OF_FIRST)) ** 2
     return np.asarray(np.where(place < _LAST_OF_FIRST, np.sinc(np.minimum(place, 1.0)) ** 2, above))
 
