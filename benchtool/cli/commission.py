@@ -275,7 +275,7 @@ def _show(output: Output, profile: str, done: Commissioning, content: dict[str, 
 def _show_plan(session: Session, steps: Sequence[Step], travel_rad: float, output: Output) -> int:
     """Print what the steps would play and what energy that takes, by the nameplate."""
     stated = stated_parameters(session.drive, session.profile)
-    known = replace(Known.of(session.drive, session.profile.motor, stated), travel_rad=travel_rad)
+    known = replace(Known.of(session.drive, session.profile, stated), travel_rad=travel_rad)
     plan = planned(steps, known)
     energy_J = {
         name: sum(each.energy_J(known.R_s_ohm) for each in excitations) for name, excitations in plan.items()
@@ -285,12 +285,14 @@ def _show_plan(session: Session, steps: Sequence[Step], travel_rad: float, outpu
         for name, excitations in plan.items()
         for each in excitations
     ]
-    ranges_J = [each.energy_range_J(known.R_s_ohm) for excitations in plan.values() for each in excitations]
-    least_J, most_J = (sum(each) for each in zip(*ranges_J, strict=True)) if ranges_J else (0.0, 0.0)
+    least_J, most_J = (
+        sum(each.energy_J(R_s_ohm) for excitations in plan.values() for each in excitations)
+        for R_s_ohm in known.R_s_range_ohm
+    )
     output.table("what would be played", ("step", "excitation", ">J"), rows)
     output.line(
-        f"{significant(sum(energy_J.values()))} J by the nameplate's resistance, {significant(least_J)} to "
-        f"{significant(most_J)} J as far as nameplates are off; the step 'resistance' tells it"
+        f"{significant(sum(energy_J.values()))} J by {_resistance(known)}, {significant(least_J)} to "
+        f"{significant(most_J)} J as far as such statements are off; the step 'resistance' tells it"
     )
     output.line("nothing was enabled; each step's estimates would be for the parameters that it sets")
     output.document(
@@ -304,6 +306,14 @@ def _show_plan(session: Session, steps: Sequence[Step], travel_rad: float, outpu
         }
     )
     return 0
+
+
+def _resistance(known: Known) -> str:
+    if known.series_ohm is None:
+        return "the nameplate's resistance, without power stage and cable (drive.on_resistance_ohm)"
+    if known.series_ohm == 0.0:
+        return "the resistance that is stated"
+    return f"the nameplate's resistance and {significant(known.series_ohm)} ohm of power stage and cable"
 
 
 def _shown(content: dict[str, Any], name: str, key: str) -> str:

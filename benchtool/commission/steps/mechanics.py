@@ -21,9 +21,6 @@ from benchtool.commission.steps.speed_loop import at_speed, settling_s
 from benchtool.commission.steps.step import Finding
 from benchtool.drive import CaptureRequest, Stimulus
 
-COGGING = "cogging_"
-"""Begins the name of the amplitude of cogging, which its order ends."""
-
 _SPEEDS = (0.12, 0.2, 0.28, 0.36)  # of the rated speed; the drive trips at half of it
 _LEVELS = 3  # a binary sequence of three bits: on, back, on
 _LEAST_S, _REVOLUTIONS = 0.2, 2.15  # of a steady stretch: of one, what comes once in it looks like a drift
@@ -187,10 +184,11 @@ def _cogging(orders: Sequence[Cogging]) -> Iterator[Measurement]:
             ),
         ]
         yield Measurement(
-            f"{COGGING}{each.order}",
+            f"cogging_{each.order}",
             each.amplitude_Nm,
             "Nm",
             f"amplitude of the torque that comes {each.order} times in a revolution, at standing angles",
+            Basis(order=each.order),
             uncertainty=combined(lines, "scatter over speeds and directions"),
         )
     if not orders:

@@ -140,6 +140,13 @@ def tuned_speed_loop(
     return SpeedLoop(K_p, K_i, J_kgm2, friction_Nms, inner, T_s)
 
 
+def has_room(loop: SpeedLoop) -> bool:
+    """Return whether a loop's gain margin and greatest sensitivity are as they should be, whatever its phase
+    margin."""
+    found = loop.margins
+    return found.gain >= LEAST_GAIN and found.sensitivity <= MOST_SENSITIVITY
+
+
 def inner_loop(law: str, omega_current_rad_s: float, T_s: float) -> CurrentLoop | None:
     """Return the loop that makes the torque of a law; None of one that makes it within the delay."""
     return CurrentLoop(omega_current_rad_s, T_s) if law in _LAWS_OF_CURRENT else None
