@@ -23,6 +23,7 @@ _ANGLE_RAD = math.radians(15.0)  # at which no phase current is near zero
 _OFFSET_SHARE, _AMPLITUDE_SHARE = 0.4, 0.06  # of the rated current, peak
 _VOLTAGE_SHARE = 0.25  # of u_dc / sqrt 3, that a change of the reference may ask for
 _BITS, _REPETITIONS = 10, 11
+_MOST_DECAY = 0.5  # beyond it a nameplate is wrong
 
 
 class CurrentControl:
@@ -79,8 +80,14 @@ class CurrentControl:
 
 
 def current_loop(known: Known) -> CurrentLoop:
-    """Return the loop that the control period allows."""
-    return tuned_current_loop(OF_SAMPLING * 2.0 * math.pi / known.control_period_s, known.control_period_s)
+    """Return the loop of i_d that the control period allows."""
+    T_s = known.control_period_s
+    return tuned_current_loop(OF_SAMPLING * 2.0 * math.pi / T_s, T_s, decay(known, known.identified.L_d_H))
+
+
+def decay(known: Known, L_H: float) -> float:
+    """Return the share of the current in an inductance that the resistance takes off in a period."""
+    return min(known.R_s_ohm * known.control_period_s / L_H, _MOST_DECAY)
 
 
 def _sequence(known: Known, loop: CurrentLoop) -> Stimulus:

@@ -17,7 +17,7 @@ from benchtool.block import Block
 from benchtool.commission.estimators.orders import without_orders
 from benchtool.commission.excitation import Excitation
 from benchtool.commission.known import Known
-from benchtool.commission.steps.current_control import current_loop
+from benchtool.commission.steps.current_control import current_loop, decay
 from benchtool.commission.steps.step import Finding, Loop
 from benchtool.commission.tuning.bode_check import ExcitedRows, deviations, measured, numbers
 from benchtool.commission.tuning.loops import (
@@ -39,8 +39,10 @@ _MOST_OBSERVER_RAD_S = 5000.0
 _SPEED_SHARE = 0.25  # of the rated speed
 _TORQUE_SHARE = 0.25  # of the rated torque, that a change of the reference asks for
 _AMPLITUDE_SHARE = 0.1  # of the rated speed
-_BITS, _REPETITIONS = 8, 6
-_MOST_REPETITIONS, _LONGEST_S = 12, 8.0  # of a loop that is checked once more
+_BITS = 8
+_FEWEST, _MOST, _LONGEST_S = 6, 12, 8.0  # repetitions, as many as there is time for
+_SLOW_S = 12.0  # that the fewest take: a sequence has a bit less
+_APART = 0.2  # of an inertia that was identified: another is a load
 _SEEN_J, _SEEN_FRICTION = "speed_loop_J", "speed_loop_friction"
 _CLOCKS = 20.0  # in a period of the crossover
 _ROWS_OF_A_CLOCK = 10
@@ -70,7 +72,10 @@ class SpeedControl:
         omega = _SPEED_SHARE * known.motor.omega_m_N_rad_s
         friction = known.friction_Nm(omega)
         assert stimulus.prbs_clock_s is not None
-        shaken = mean_square_of_sequence(loop, stimulus.amplitude, stimulus.prbs_clock_s, _BITS)
+        assert stimulus.prbs_length is not None
+        shaken = mean_square_of_sequence(
+            loop, stimulus.amplitude, stimulus.prbs_clock_s, stimulus.prbs_length
+        )
         squares = (friction**2 + shaken) / known.torque_per_A**2 + (_RIPPLE * known.vector_A) ** 2
         return (
             Excitation(
@@ -119,13 +124,21 @@ class SpeedControl:
     def refined(self, blocks: Sequence[Block], known: Known) -> Mapping[str, Measurement]:
         """Return inertia and damping as the loop shows them.
 
-        Nothing where no loop can be tuned for them that keeps its gain margin and its sensitivity at
-        standstill, too, where harmonics of the EMF do not damp.
+        Nothing where the inertia that was identified is another; where no loop can be tuned for them that
+        keeps its gain margin and its sensitivity at standstill, too, where harmonics of the EMF do not damp;
+        nor of a slow loop that was tuned again already, for the time that it takes.
         """
+        (played,) = self.plan(known)
+        duration_s = played.request.rows * played.request.stride * known.control_period_s
+        if _SEEN_J in known.estimates and duration_s > _LONGEST_S:
+            return {}
         try:
             refined = _seen(seen_plant(_response(blocks[0], known), speed_loop(known)))
             loop = speed_loop(known.with_estimates(refined))
         except (AnalysisError, ValueRefused):  # the findings of this round stand
+            return {}
+        J = known.value("J", loop.J_kgm2)
+        if abs(loop.J_kgm2 / J - 1.0) > _APART:
             return {}
         at_standstill = replace(loop, friction_Nms=max(0.0, known.value("friction", 0.0)))
         return refined if has_room(at_standstill) else {}
@@ -136,7 +149,8 @@ def speed_loop(known: Known) -> SpeedLoop:
     J = known.value("J", known.motor.J_kgm2)
     count_rad = 2.0 * math.pi / (4.0 * known.encoder_lines)
     heard = math.sqrt(_TORQUE_OF_A_COUNT * known.motor.T_N_Nm / (_OBSERVER * J * count_rad))
-    inner = inner_loop(known.law, current_loop(known).omega_rad_s, known.control_period_s)
+    decays = decay(known, known.identified.L_q_H)
+    inner = inner_loop(known.law, current_loop(known).omega_rad_s, known.control_period_s, decays)
     crossover = min(current_loop(known).omega_rad_s / _CASCADE, heard)
     friction = max(0.0, known.value(_SEEN_FRICTION, known.value("friction", 0.0)))
     return tuned_speed_loop(crossover, known.value(_SEEN_J, J), friction, inner, known.control_period_s)
@@ -198,18 +212,16 @@ def _sequence(known: Known, loop: SpeedLoop) -> tuple[Stimulus, int]:
         0.5 * _TORQUE_SHARE * known.motor.T_N_Nm / loop.K_p_Nms_rad,
         _AMPLITUDE_SHARE * omega_N,
     )
+    fewest_s = _FEWEST * (2**_BITS - 1) * ticks * T_s
+    bits = _BITS if fewest_s < _SLOW_S else _BITS - 1
+    often = math.floor(_LONGEST_S / ((2**bits - 1) * ticks * T_s))
     stimulus = Stimulus(
         quantity="speed",
         shape="prbs",
         amplitude_rad_s=amplitude,
         prbs_clock_s=ticks * T_s,
-        prbs_length=_BITS,
+        prbs_length=bits,
         seed=1,
-        repetitions=_REPETITIONS,
+        repetitions=min(max(often, _FEWEST), _MOST),
     )
-    if _SEEN_J in known.estimates:  # checked once more, with as much certainty as some seconds give
-        often = math.floor(_LONGEST_S / (stimulus.ticks(T_s) * T_s))
-        stimulus = stimulus.model_copy(
-            update={"repetitions": min(max(often, _REPETITIONS), _MOST_REPETITIONS)}
-        )
     return stimulus, stride
