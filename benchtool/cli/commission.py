@@ -139,16 +139,17 @@ def commission(
             identity = session.drive.connect()
             manifest = _manifests(session, identity, when, link, seed)
             recorder = StepRecorder(folder, manifest, resume=resume is not None)
+            notes = _Notes(output)
             done = run(
                 session.drive,
                 session.profile,
                 wanted,
-                output.note,
+                notes,
                 recorder=recorder,
                 keep=keep,
                 force=force,
                 travel_rad=travel_rad,
-                watching=_shown_live(session, where, manifest, output),
+                watching=_shown_live(session, where, manifest, output, notes),
             )
         content = _written(folder, profile, done, pdf=pdf)
         _show(output, profile, done, content)
@@ -203,14 +204,36 @@ def _told_how_to_go_on(folder: Path, output: Output) -> Iterator[None]:
         raise
 
 
+class _Notes:
+    """Lines of progress: for the person who looks on, and meanwhile for the log of a live view."""
+
+    def __init__(self, output: Output) -> None:
+        self._takers: list[Callable[[str], None]] = [output.note]
+
+    def __call__(self, text: str) -> None:
+        for take in self._takers:
+            take(text)
+
+    @contextmanager
+    def taken_by(self, taker: Callable[[str], None]) -> Iterator[None]:
+        """Hand them to another taker, too, within the `with` block."""
+        self._takers.append(taker)
+        try:
+            yield
+        finally:
+            self._takers.remove(taker)
+
+
 @contextmanager
 def _shown_live(
     session: Session,
     where: live_views.LiveDestinations,
     manifest: Callable[[str], Manifest],
     output: Output,
+    notes: _Notes,
 ) -> Iterator[None]:
-    """Show the drive's stream and its states while steps are run; without a destination none is streamed."""
+    """Show the drive's stream, its states and what is played while steps are run; without a destination none
+    is streamed."""
     if not where.any:
         yield
         return
@@ -220,7 +243,11 @@ def _shown_live(
     with live_views.stream_view(where, session, "commissioning", manifest("live"), output) as view:
         assert view is not None  # there is a destination
         sink = live_views.live_view_sink(view)
-        with keep_journal(drive, [view.event]), TelemetryStream(drive, [sink], names, DEFAULT_RATE_HZ):
+        with (
+            keep_journal(drive, [view.event]) as journal,
+            notes.taken_by(journal.note),
+            TelemetryStream(drive, [sink], names, DEFAULT_RATE_HZ),
+        ):
             yield
 
 

@@ -23,10 +23,12 @@ from benchtool.commission.steps.speed_control import SpeedControl
 from benchtool.drive import Identity, RemoteDrive
 from benchtool.drive.parameters import reset, snapshot, store
 from benchtool.errors import LinkClosed, SdoAbort, WriteNotVerified
+from benchtool.live import names
 from benchtool.profile import load_profile
 from benchtool.recording import Conditions, Manifest
 from benchtool.report.assembly import CAPTURES, LOOPS
 from benchtool.run import manifest_of
+from tests.unit.live.readback import Recording
 
 from .test_commission import boxed as boxed
 from .test_third_party_drive import third_party_profile
@@ -131,7 +133,10 @@ def test_a_commissioning_is_shown_live(boxed: str, tmp_path: Path) -> None:
     result = CliRunner().invoke(app, [*command, "--out", str(tmp_path / "a"), "--live", str(shown)])
     assert result.exit_code == 0, result.output
     assert json.loads(result.stdout)["saved"]
-    assert shown.stat().st_size > 10_000
+    lines = Recording.read(shown).texts(names.EVENTS)
+    played = [each for each in lines if each.startswith(("preflight: ", "offsets: "))]
+    assert played[-1] == "offsets: no current"
+    assert "state: operation enabled" in lines[: lines.index(played[-1])]  # of the preflight
 
 
 def test_a_trial_ends_in_good_order_with_what_was_tried(boxed: str) -> None:
