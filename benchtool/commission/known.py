@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis import Measurement
+from benchtool.commission.estimators.flux_linkage import HARMONICS
 from benchtool.commission.nameplate import IN_SERIES_OHM, KEYS
 from benchtool.drive import RemoteDrive
 from benchtool.errors import ValueRefused
@@ -240,6 +241,14 @@ class Known:
             shaft -= self.value(f"eccentricity_{n}_cos", 0.0) * np.cos(n * theta_m_rad)
             shaft -= self.value(f"eccentricity_{n}_sin", 0.0) * np.sin(n * theta_m_rad)
         return shaft
+
+    @property
+    def flux_harmonics(self) -> dict[int, complex]:
+        """Harmonics of the rotor flux in stator coordinates by their order, complex Wb, as far as found."""
+        return {
+            order: complex(*(self.value(f"psi_{abs(order)}_{part}", 0.0) for part in ("cos", "sin")))
+            for order in HARMONICS
+        }
 
     @property
     def compensation_s(self) -> float:

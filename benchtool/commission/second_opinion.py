@@ -112,6 +112,22 @@ def centred(block: Block, known: Known) -> Block:
     return replace(block, data=data)
 
 
+def without_harmonics(block: Block, known: Known) -> Block:
+    """Return a capture, as a centred encoder has it, whose voltages are without the harmonics of the EMF that
+    were found: a balance knows the fundamental alone."""
+    places = {each.name: place for place, each in enumerate(block.channels)}
+    data = np.array(block.data)
+    omega_e = known.pole_pairs * data[:, places["omega_m"]]
+    middle = 0.5 * block.tick_s  # of the tick in which the voltage acts
+    theta_e = known.pole_pairs * data[:, places["theta_m"]] + omega_e * middle
+    EMF = np.zeros(len(data), np.complex128)
+    for order, psi in known.flux_harmonics.items():
+        EMF += 1j * order * omega_e * psi * np.exp(1j * order * theta_e)
+    data[:, places["u_alpha"]] -= EMF.real
+    data[:, places["u_beta"]] -= EMF.imag
+    return replace(block, data=data)
+
+
 def _mean(name: str, values: Sequence[tuple[float, float]], reason: str) -> Measurement:
     unit, definition = _UNITS[name], "by the balance of the stator flux over each tick, mean of the captures"
     if not values:

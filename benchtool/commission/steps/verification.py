@@ -21,7 +21,7 @@ from benchtool.analysis.balances import (
 from benchtool.block import Block
 from benchtool.commission.excitation import Excitation
 from benchtool.commission.known import Known
-from benchtool.commission.second_opinion import centred
+from benchtool.commission.second_opinion import centred, without_harmonics
 from benchtool.commission.steps.speed_control import gains, speed_loop
 from benchtool.commission.steps.step import Finding
 from benchtool.commission.tuning.loops import mean_square_of_chirp
@@ -99,7 +99,7 @@ class Verification:
         them; the response of the loops has then been measured all the same.
         """
         (block,) = blocks
-        window = Window.of(centred(block, known), known.identified)
+        window = Window.of(without_harmonics(centred(block, known), known), known.identified)
         found: list[Measurement] = []
         for kind in (FLUX_BALANCE, MOTION_BALANCE):
             try:
