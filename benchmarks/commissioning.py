@@ -224,14 +224,11 @@ def commissioned(
 def _dry_run(session: Session) -> dict[str, Any]:
     stated = stated_parameters(session.drive, session.profile)
     known = Known.of(session.drive, session.profile, stated)
-    plans = planned(steps_for(()), known).values()
-
-    def energy_J(R_s_ohm: float) -> float:
-        return sum(each.energy_J(R_s_ohm) for excitations in plans for each in excitations)
-
+    played = [each for excitations in planned(steps_for(()), known).values() for each in excitations]
+    ranges_J = [each.energy_range_J(known.R_s_range_ohm) for each in played]
     return {
-        "dry_run_J": energy_J(known.R_s_ohm),
-        "range_J": [energy_J(R_s_ohm) for R_s_ohm in known.R_s_range_ohm],
+        "dry_run_J": sum(each.energy_J(known.R_s_ohm) for each in played),
+        "range_J": [sum(each) for each in zip(*ranges_J, strict=True)],
     }
 
 

@@ -312,14 +312,14 @@ def _show_plan(session: Session, steps: Sequence[Step], travel_rad: float, outpu
         for name, excitations in plan.items()
         for each in excitations
     ]
-    least_J, most_J = (
-        sum(each.energy_J(R_s_ohm) for excitations in plan.values() for each in excitations)
-        for R_s_ohm in known.R_s_range_ohm
-    )
+    ranges_J = [
+        each.energy_range_J(known.R_s_range_ohm) for excitations in plan.values() for each in excitations
+    ]
+    least_J, most_J = (sum(each) for each in zip(*ranges_J, strict=True)) if ranges_J else (0.0, 0.0)
     output.table("what would be played", ("step", "excitation", ">J"), rows)
     output.line(
         f"{significant(sum(energy_J.values()))} J by {_resistance(known)}, {significant(least_J)} to "
-        f"{significant(most_J)} J as far as such statements are off; the step 'resistance' tells it"
+        f"{significant(most_J)} J as far as that and friction are off; the step 'resistance' tells more"
     )
     output.line("nothing was enabled; each step's estimates would be for the parameters that it sets")
     output.document(

@@ -127,6 +127,6 @@ class PlannedCommissioning(Document):
     steps: dict[str, PlannedStep]
     """The steps by name, in their order."""
     energy_J: float
-    """Energy of all steps, by the nameplate's resistance."""
+    """Energy of all steps, by the resistance that is stated."""
     energy_range_J: tuple[float, float]
-    """The least and the most of it, as far as resistances of nameplates are off."""
+    """The least and the most of it, as far as that and the friction are off."""

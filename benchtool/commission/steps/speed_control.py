@@ -40,7 +40,8 @@ _SPEED_SHARE = 0.25  # of the rated speed
 _TORQUE_SHARE = 0.25  # of the rated torque, that a change of the reference asks for
 _AMPLITUDE_SHARE = 0.1  # of the rated speed
 _BITS = 8
-_FEWEST, _MOST, _LONGEST_S = 6, 12, 8.0  # repetitions, as many as there is time for
+_FEWEST, _MOST, _LONGEST_S = 6, 12, 5.0  # repetitions, as many as there is time for
+_LONG_S = 8.0  # that a sequence takes which is played twice at most
 _SLOW_S = 12.0  # that the fewest take: a sequence has a bit less
 _APART = 0.2  # of an inertia that was identified: another is a load
 _SEEN_J, _SEEN_FRICTION = "speed_loop_J", "speed_loop_friction"
@@ -130,7 +131,7 @@ class SpeedControl:
         """
         (played,) = self.plan(known)
         duration_s = played.request.rows * played.request.stride * known.control_period_s
-        if _SEEN_J in known.estimates and duration_s > _LONGEST_S:
+        if _SEEN_J in known.estimates and duration_s > _LONG_S:
             return {}
         try:
             refined = _seen(seen_plant(_response(blocks[0], known), speed_loop(known)))
