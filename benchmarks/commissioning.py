@@ -6,8 +6,9 @@ set-ups show: a nameplate that is off, saliency, dead time, drop and resistance 
 offsets of the current sensors, 10 to 12 bits, noise, steps of the duties, an encoder at any angle, in either
 direction, eccentric or counting from zero at power-up, cogging, harmonics of the EMF, friction. Series
 `repeats` commissions each bench of `flaws` again and again, with other noise. Series `clean` has these flaws
-with a right nameplate and an encoder the right way round, in which nothing is to be found wrong, and `wrong`
-one wrong set-up each (`benchmarks.wrong_setups`), which is to be named.
+with a right nameplate and an encoder the right way round, in which nothing is to be found wrong, `saturating`
+the same of machines that saturate (`benchmarks.saturating`), and `wrong` one wrong set-up each
+(`benchmarks.wrong_setups`), which is to be named.
 
 Truth is what the sensors let be seen: a gain that all current sensors have in common scales R_s, L and J.
 """
@@ -28,6 +29,7 @@ from typing import Any, Final
 import numpy as np
 
 from benchmarks.figures import print_figures
+from benchmarks.saturating import curve, saturate
 from benchmarks.wrong_setups import CASES, FOUR_MOTORS, named
 from benchtool.bench import Session, open_session
 from benchtool.commission import Known, commission, document, planned, stated_parameters, steps_for
@@ -49,7 +51,8 @@ _SMALL_R_OHM, _SMALL_L_H = 0.05, 50e-6
 _SMALL: Final = {"R_s": 0.05, "L_d": 0.06, "L_q": 0.06}
 REPEATED: Final[Mapping[str, float]] = {"R_s": 0.5, "L_d": 1.0, "L_q": 1.0, "psi_r": 0.3, "J": 2.0}
 """Largest standard deviation of repeated commissionings that is wanted, in percent."""
-SERIES: Final = ("right", "flaws", "clean", "repeats", "wrong")
+_CURVE: Final = 0.05
+SERIES: Final = ("right", "flaws", "clean", "repeats", "saturating", "wrong")
 _LINKS: Final = ("emulated", "emulated?wire=serial")
 
 
@@ -125,6 +128,14 @@ def sound(motor: str, rng: np.random.Generator) -> Bench:
     return Bench(profile, _truth(profile))
 
 
+def saturating(motor: str, rng: np.random.Generator) -> Bench:
+    """Return a shipped motor with flaws of the sensors, a right nameplate, and iron that saturates."""
+    profile = sound(motor, rng).profile
+    saturate(profile, rng)
+    truth = _truth(profile)
+    return Bench(profile, truth | curve(profile, profile["emulator"]["motor"]["L_d_H"] / truth["L_d"]))
+
+
 def _truth(profile: Mapping[str, Any]) -> dict[str, float]:
     motor, emulator = profile["motor"], profile["emulator"]
     true = {**motor, **emulator.get("motor", {})}
@@ -181,6 +192,7 @@ def _allowed(name: str, truth: Mapping[str, float]) -> float:
         return _OFFSET_RAD / truth["pole_pairs"]
     small = truth["R_s"] < _SMALL_R_OHM if name == "R_s" else truth.get(name, 0.0) < _SMALL_L_H
     relative = _SMALL[name] if name in _SMALL and small else TOLERANCES.get(name, 0.0)
+    relative = _CURVE if "_at_" in name else relative
     return relative * abs(truth[name])
 
 
@@ -296,7 +308,7 @@ def _energies(runs: Sequence[Mapping[str, Any]]) -> dict[str, object]:
     }
 
 
-_DRAWN: Final = {"flaws": flawed, "repeats": flawed, "clean": sound}
+_DRAWN: Final = {"flaws": flawed, "repeats": flawed, "clean": sound, "saturating": saturating}
 
 
 def spread(runs: Sequence[Mapping[str, Any]]) -> dict[str, object]:

@@ -29,6 +29,8 @@ _LEAST_SHARE = 0.2
 _JUMP = 8.0  # median changes of angle from a row to the next: of more the counter has wrapped
 _HARMONICS = (1, 2)  # of the encoder's error, in a revolution
 _WHOLE = 0.97  # of a revolution, from which on it tells them
+_TOLD_APART = 1.5  # revolutions, from which on they are told from a slope
+_SWING = 12.0 / (2.0 * math.pi * math.sqrt(2.0))  # of a line's slope by one swing, rms over its phases
 
 
 @dataclass(frozen=True)
@@ -50,15 +52,17 @@ class Spin:
 class Motion:
     """How the counted angle goes with the current's.
 
-    `per_rad` is the mechanical angle counted for a radian of the current's electrical one, with its scatter
-    over the spins; `jump_rad` the angle that the counter leaps where it wraps, 2 pi less what it should, 0
-    where it does not; `moved_rad` what was counted in the longest spin.
+    `per_rad` is the mechanical angle counted for a radian of the current's electrical one, with its standard
+    uncertainty by the scatter over the spins and by the swings of the rotor; `jump_rad` the angle that the
+    counter leaps where it wraps, 2 pi less what it should, 0 where it does not; `moved_rad` what was counted
+    in the longest spin. `error_left`: an eccentric encoder may change `per_rad`.
     """
 
     per_rad: float
-    per_rad_scatter: float
+    per_rad_standard: float
     jump_rad: float
     moved_rad: float
+    error_left: bool
 
 
 @dataclass(frozen=True)
@@ -67,8 +71,9 @@ class Alignment:
 
     `lag_rad` is the electrical angle by which friction holds the rotor back at the nominal current.
     `errors_rad` are the complex amplitudes of the encoder's error once and twice in a revolution, the real
-    part of each times exp(-j n theta_m); None where less than a revolution was turned. `ripple_rad` is the
-    rms electrical deviation from all of these.
+    part of each times exp(-j n theta_m); None where less than a revolution was turned. All are of as many of
+    the last revolutions as tell the offset best. `ripple_rad` is the rms electrical deviation over the whole
+    of the spins.
     """
 
     offset_rad: float
@@ -80,23 +85,40 @@ class Alignment:
     dof: float
 
 
-def motion(spins: Sequence[Spin]) -> Motion:
+def motion(spins: Sequence[Spin], swings: float) -> Motion:
     """Return how far and which way the encoder counted.
 
+    From one and a half revolutions on, it is the slope of a line with the encoder's error beside it. Of less,
+    that error is hardly told from a slope, and after a whole revolution it is what it was: the slope is that
+    from end to end.
+
+    Args:
+        spins: of about equal length.
+        swings: how often the rotor swings about the current in one of them.
+
     Raises:
-        AnalysisError: too few rows.
+        AnalysisError: too few rows, or a current that does not turn.
     """
-    slopes, jumps, moved = [], [0.0], 0.0
+    slopes, swung, jumps, moved, told_apart = [], [], [0.0], 0.0, True
     for spin in spins:
         if len(spin.theta_m_rad) < _FEWEST:
             raise AnalysisError(f"{len(spin.theta_m_rad)} rows of a turning current, {_FEWEST} are needed")
         counted, jump = continued(spin.theta_m_rad)
         jumps.append(jump)
         turned = np.unwrap(spin.current_rad)
-        slopes.append((counted[-1] - counted[0]) / (turned[-1] - turned[0]))
-        moved = max(moved, abs(counted[-1] - counted[0]))
+        line = np.column_stack([turned, np.ones(len(turned))])
+        if np.ptp(counted) >= _WHOLE * 2.0 * math.pi:
+            line = np.column_stack([line, *_of_revolution(counted)])
+        fit = least_squares(line, counted)
+        apart = np.ptp(counted) >= _TOLD_APART * 2.0 * math.pi
+        by = _SWING / max(swings, _SWING) if apart else 1.0
+        slopes.append(float(fit.x[0] if apart else (counted[-1] - counted[0]) / (turned[-1] - turned[0])))
+        swung.append(by * math.sqrt(2.0) * fit.scatter / float(np.ptp(turned)))
+        told_apart &= bool(apart)
+        moved = max(moved, float(abs(counted[-1] - counted[0])))
     largest = max(jumps, key=abs)
-    return Motion(float(np.mean(slopes)), float(np.ptp(slopes)), largest, moved)
+    standard = max(float(np.ptp(slopes)), math.sqrt(float(np.mean(np.square(swung)))))
+    return Motion(float(np.mean(slopes)), standard, largest, moved, not told_apart)
 
 
 def continued(theta_rad: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
@@ -134,9 +156,13 @@ def alignment(spins: Sequence[Spin], pole_pairs: int, direction: int) -> Alignme
         theta.append(angle - around / pole_pairs)
         errors.append(error)
         senses.append(spin.sense / np.maximum(spin.share, _LEAST_SHARE))
-    whole = all(np.ptp(each) >= _WHOLE * 2.0 * math.pi for each in theta)
-    x, y, sense = np.concatenate(theta), np.concatenate(errors), np.concatenate(senses)
-    fit = _fitted(x, y, sense, whole)
+    turns = min(float(np.ptp(each)) for each in theta) / (2.0 * math.pi)
+    whole = turns >= _WHOLE
+    every = _fitted(theta, errors, senses, whole, math.inf)
+    fit = min(
+        (every, *(_fitted(theta, errors, senses, whole, last) for last in range(1, math.floor(turns) + 1))),
+        key=lambda each: each.standard(0),
+    )
     offset = (around + fit.x[0]) / pole_pairs
     period = 2.0 * math.pi / pole_pairs
     whole_periods = period * math.floor(offset / period + 0.5)
@@ -154,17 +180,37 @@ def alignment(spins: Sequence[Spin], pole_pairs: int, direction: int) -> Alignme
         fit.standard(0) / pole_pairs,
         float(fit.x[1]),
         found,
-        math.sqrt(2.0 / len(x)) * fit.scatter / pole_pairs,
-        fit.scatter,
+        math.sqrt(2.0 / len(fit.residuals)) * fit.scatter / pole_pairs,
+        every.scatter,
         fit.dof,
     )
 
 
-def _fitted(x: NDArray[np.float64], y: NDArray[np.float64], sense: NDArray[np.float64], whole: bool) -> Fit:
+def _fitted(
+    theta: Sequence[NDArray[np.float64]],
+    errors: Sequence[NDArray[np.float64]],
+    senses: Sequence[NDArray[np.float64]],
+    whole: bool,
+    last: float,
+) -> Fit:
+    """Return the fit to the last revolutions of each spin.
+
+    A rotor that is dragged off may swing by a hundred degrees at first, of which the mean is not where it
+    would rest.
+    """
+    rows = [np.abs(each - each[-1]) <= 2.0 * math.pi * last for each in theta]
+    x, y, sense = (
+        np.concatenate([each[of] for each, of in zip(parts, rows, strict=True)])
+        for parts in (theta, errors, senses)
+    )
     columns = [np.ones(len(x)), -sense]
     if whole:
-        columns += [wave(n * x) for n in _HARMONICS for wave in (np.cos, np.sin)]
+        columns += _of_revolution(x)
     return least_squares(np.column_stack(columns), y)
+
+
+def _of_revolution(theta_rad: NDArray[np.float64]) -> list[NDArray[np.float64]]:
+    return [wave(n * theta_rad) for n in _HARMONICS for wave in (np.cos, np.sin)]
 
 
 def _errors_of(

@@ -5,20 +5,21 @@ Over whole revolutions at a steady speed the work of the torque is that of frict
     integral of T over the angle / 2 pi n = coulomb sgn(omega) + friction omega + load,
 
 as cogging has no work over a revolution. It has a mean over time, where the shaft is slower in front of each
-tooth than behind it: T, too, has to be averaged over the angle. Between the middles of two such stretches the
-impulse of T is what the speed changes by,
+tooth than behind it: T, too, has to be averaged over the angle. While the shaft is reversed, the impulse of T
+is what its speed changes by. With a weight w(t) that comes from zero and goes back to it with its slope,
 
-    J (omega_2 - omega_1) = integral of T - coulomb sgn(omega) - friction omega - load - cogging over time,
+    J integral of w'' theta = integral of w (T - coulomb sgn(omega) - friction omega - load),
 
-with the mean of cogging over the time of a stretch by what the two averages of T differ by.
+as integration by parts has it (M. Shinbrot's modulating functions, 1957): no speed has to be told from the
+counts of an encoder, and friction and load count only for as long as the weight lasts. T is to be without
+cogging, as far as that is known.
 """
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +31,9 @@ _FEWEST_ROWS = 20
 _SPAN = 8  # rows of a difference for a speed
 _STANDS_RAD = 0.05  # of a stretch of a revolution or more
 _DRIFT = 0.05  # of its speed, that a steady stretch may change by
+_STEADY_ROWS = 6000  # of a course, for what is steady: of finer ones a speed is counts of the encoder
+_LASTS = 3.0  # times from the setpoint to no speed, half of a weight
+_NARROWEST = 24  # rows, half of a weight
 
 
 @dataclass(frozen=True)
@@ -45,6 +49,20 @@ class Course:
     step_s: float
     levels: tuple[int, ...]
     steady: int
+
+    @property
+    def thinned(self) -> Course:
+        """This with rows left out, so that it has not more than some thousand."""
+        k = math.ceil(len(self.theta_m_rad) / _STEADY_ROWS)
+        levels = tuple(end // k for end in self.levels)
+        return replace(
+            self,
+            theta_m_rad=self.theta_m_rad[::k],
+            torque_Nm=self.torque_Nm[::k],
+            step_s=k * self.step_s,
+            levels=levels,
+            steady=self.steady // k,
+        )
 
 
 @dataclass(frozen=True)
@@ -66,15 +84,10 @@ class Mechanics:
 
 @dataclass(frozen=True)
 class _Stretch:
-    """A steady stretch: its middle and length in rows, speed in rad/s, its mean over the angle, and the mean
-    torque over its angle and over its time."""
+    """A steady stretch: its speed in rad/s and the torque in Nm, means over the angle."""
 
-    middle: float
-    rows: int
     omega: float
-    over_angle: float
     torque: float
-    over_time: float
 
 
 def mechanics(courses: Sequence[Course]) -> Mechanics:
@@ -84,19 +97,17 @@ def mechanics(courses: Sequence[Course]) -> Mechanics:
         AnalysisError: not enough speeds.
         SetUpError: the shaft holds no speeds.
     """
-    stretches = [[_stretch(course, end) for end in course.levels] for course in courses]
-    every = [one for each in stretches for one in each]
-    omega, torque = np.array([each.over_angle for each in every]), np.array([each.torque for each in every])
+    stretches = [
+        _stretch(each, end) for each in (course.thinned for course in courses) for end in each.levels
+    ]
+    omega, torque = np.array([(each.omega, each.torque) for each in stretches]).T
     fit = least_squares(np.column_stack([np.sign(omega), omega, np.ones(len(omega))]), torque)
     coulomb, friction, load = (float(value) for value in fit.x)
-    changes, impulses = [], []
-    for course, held in zip(courses, stretches, strict=True):
-        for before, after in itertools.pairwise(held):
-            changes.append(after.omega - before.omega)
-            impulses.append(_impulse(course, before, after, coulomb, friction, load))
-    change = np.array(changes)
+    change, impulse = np.array(
+        [_reversal(course, end, coulomb, friction, load) for course in courses for end in course.levels[:-1]]
+    ).T
     counts = np.sqrt(np.abs(change))  # cogging leaves the less, the faster the shaft passes it
-    inertia = least_squares((change * counts)[:, None], np.array(impulses) * counts)
+    inertia = least_squares((change * counts)[:, None], impulse * counts)
     return Mechanics(
         float(inertia.x[0]),
         inertia.standard(0),
@@ -144,27 +155,25 @@ def _stretch(course: Course, end: int) -> _Stretch:
     by_angle = float(np.sum(0.5 * (torque[1:] + torque[:-1]) * steps) / np.sum(steps))
     spans = theta[_SPAN:] - theta[:-_SPAN]  # a shaft that cogs is faster where it covers more of its angle
     over_angle = float(np.sum(spans**2) / np.sum(spans)) / (_SPAN * course.step_s)
-    return _Stretch(end - 0.5 * (rows + 1), rows, omega, over_angle, by_angle, float(np.mean(torque)))
+    return _Stretch(over_angle, by_angle)
 
 
-def _impulse(
-    course: Course, before: _Stretch, after: _Stretch, coulomb: float, friction: float, load: float
-) -> float:
-    """Return the impulse of the torque that accelerates, between the middles of two stretches, Nms."""
-    row = np.arange(len(course.torque_Nm))
-    inside = (row > before.middle) & (row < after.middle)
-    first, last = int(np.argmax(inside)), len(row) - int(np.argmax(inside[::-1])) - 1
-    ends = (before.middle, *row[first : last + 1], after.middle)
-    torque = np.interp(ends, row, course.torque_Nm)
-    angle = np.interp(ends, row, course.theta_m_rad)
-    whole = float(np.trapezoid(torque, ends)) * course.step_s
-    duration = (after.middle - before.middle) * course.step_s
-    turning = duration * math.copysign(1.0, after.omega)
-    if before.omega * after.omega < 0.0:
-        furthest = int(np.argmax(angle * math.copysign(1.0, before.omega)))
-        reversed_s = (ends[furthest] - before.middle) * course.step_s
-        turning = math.copysign(1.0, after.omega) * (duration - 2.0 * reversed_s)
-    cogging = 0.5 * sum(
-        (each.over_time - each.torque) * each.rows * course.step_s for each in (before, after)
-    )
-    return whole - coulomb * turning - friction * float(angle[-1] - angle[0]) - load * duration - cogging
+def _reversal(course: Course, end: int, coulomb: float, friction: float, load: float) -> tuple[float, float]:
+    """Return the weighted change of the speed, rad/s, after the row at which a setpoint ends, and the
+    impulse of the torque that it takes, Nms."""
+    theta = course.theta_m_rad
+    sense = math.copysign(1.0, theta[end - 1] - theta[max(0, end - course.steady)])
+    furthest = sense * theta[end : end + course.steady]
+    # the encoder shows one count all the while in which the shaft turns back within it
+    turns_back = end + round(float(np.mean(np.flatnonzero(furthest == np.max(furthest)))))
+    half = max(_NARROWEST, round(_LASTS * (turns_back - end)))
+    half = min(half, turns_back, len(theta) - 1 - turns_back)
+    rows = slice(turns_back - half, turns_back + half + 1)
+    x = np.arange(-half, half + 1) / half
+    weight = (1.0 - x**2) ** 4
+    slope = -8.0 * x * (1.0 - x**2) ** 3 / (half * course.step_s)
+    bend = 8.0 * (1.0 - x**2) ** 2 * (7.0 * x**2 - 1.0) / (half * course.step_s) ** 2
+    angle = theta[rows] - theta[turns_back]
+    accelerates = course.torque_Nm[rows] + coulomb * sense * np.sign(x) - load
+    change = float(np.sum(bend * angle)) * course.step_s
+    return change, float(np.sum(weight * accelerates + friction * slope * angle)) * course.step_s

@@ -34,6 +34,7 @@ _LEFT_OUT_RAD = 0.006  # electrical
 _EMF_SEEN = 0.3  # of the nameplate's rotor flux: above it a rotor has turned
 _HARDLY = 0.1  # of the motion expected
 _WHOLE_NUMBER, _SURE = 0.004, 4.0
+_NEAREST = 0.25  # of a pole pair: further off none is nearest
 _ECCENTRIC_RAD = math.radians(1.3)
 _LOADED_RAD = math.radians(25.0)
 _SLIPS_RAD = 0.9
@@ -102,7 +103,7 @@ class DraggedRotor:
         """
         blocks = blocks[1:]  # not the alignment
         spins = [_spin(block, known, sense) for block, sense in zip(blocks, (1, -1), strict=True)]
-        moved = motion(spins)
+        moved = motion(spins, _Turning.of(known).swings(known))
         flux_Wb = _flux_seen(blocks, known)
         _require_motion(moved, flux_Wb, known)
         pole_pairs = _pole_pairs(moved, known)
@@ -212,6 +213,11 @@ class _Turning:
         turned = min(turns * a_turn * _REVOLUTIONS, most - 2.0 * lead)
         return cls(omega_e, lead_s, 2.0 * lead_s + turned / omega_e, 2.0 * lead + turned)
 
+    def swings(self, known: Known) -> float:
+        """Return how often the rotor swings about the current while that turns evenly."""
+        even_s = self.duration_s - 2.0 * self.lead_s
+        return even_s * math.sqrt(_SHARE) * known.swing_rad_s / (2.0 * math.pi)
+
 
 def _spin(block: Block, known: Known, sense: int) -> Spin:
     """Return the part of a capture in which the current turns evenly."""
@@ -270,7 +276,11 @@ def _pole_pairs(moved: Motion, known: Known) -> int:
     stated, lines = known.motor.pole_pairs, known.encoder_lines
     ratio = 1.0 / abs(moved.per_rad)
     nearest = max(1, round(ratio))
-    unsure = max(_WHOLE_NUMBER * ratio, _SURE * moved.per_rad_scatter * ratio**2)
+    eccentric = 0.0
+    if moved.error_left:
+        eccentric = 2.0 * _ECCENTRIC_RAD * abs(math.sin(0.5 * moved.moved_rad)) / moved.moved_rad
+    unsure = max(_WHOLE_NUMBER * ratio, _SURE * moved.per_rad_standard * ratio**2 + eccentric * ratio)
+    unsure = min(unsure, _NEAREST)
     if abs(moved.jump_rad) > _LEAP_RAD:
         raise SetUpError(
             f"theta_m leaps by {math.degrees(moved.jump_rad):.1f} degrees once in a revolution, and "

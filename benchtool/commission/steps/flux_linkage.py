@@ -139,11 +139,9 @@ class BackEmf:
                 combined(lines, "scatter of the EMF about the line"),
             )
         ]
-        measured += [
-            *balanced(blocks, known),
-            _angle(blocks, turning, known),
-            *_harmonics(blocks, turning, known),
-        ]
+        of_orders = tuple(_harmonics(blocks, turning, known))
+        told = known.with_estimates({each.name: each for each in of_orders})
+        measured += [*balanced(blocks, told), _angle(blocks, turning, known), *of_orders]
         return {each.name: each for each in measured}
 
     def findings(self, found: Mapping[str, Measurement], known: Known) -> tuple[Finding, ...]:

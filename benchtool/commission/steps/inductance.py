@@ -18,6 +18,9 @@ from benchtool.commission.steps.offsets import CURRENTS
 from benchtool.commission.steps.step import Finding
 from benchtool.drive import CaptureRequest, Stimulus
 
+ALIGNED = "aligned_angle"
+"""Name of the electrical angle at which an aligned rotor rests."""
+
 _SHARE = 0.75  # of the rated current, peak, at the end of the ramp
 _LEAST_SHARE = 0.3  # below which the converter's steps show, and the vector turns more slowly
 _VOLTAGE_SHARE = 0.5  # of u_dc / sqrt(3)
@@ -48,10 +51,14 @@ class TurningVoltage:
     def plan(self, known: Known) -> tuple[Excitation, ...]:
         """Return an alignment and a turning vector for each speed, repeated.
 
-        The second vector finds the rotor where the first has left it, as the encoder tells.
+        Both are to find the rotor at one angle: harmonics make the EMF of a shaken rotor another elsewhere.
         """
-        align = aligning(known, {"dead_time_compensation": 0.0, **known.offsets})
-        return _REPEATS * (align, *(_turning(known, periods) for periods in _PERIODS))
+        parameters = {"dead_time_compensation": 0.0, **known.offsets}
+        return tuple(
+            each
+            for k, periods in enumerate(_REPEATS * _PERIODS)
+            for each in (aligning(known, parameters, again=k > 0), _turning(known, periods))
+        )
 
     def estimate(self, blocks: Sequence[Block], known: Known) -> Mapping[str, Measurement]:
         """Return `L_d` and `L_q`.
@@ -76,7 +83,17 @@ class TurningVoltage:
             ("L_d", found.L_d_H, found.L_d_standard_H, "along", _LEFT_OUT_D),
             ("L_q", found.L_q_H, found.L_q_standard_H, "across", _LEFT_OUT_Q),
         )
-        return {
+        first = [
+            known.pole_pairs * known.without_eccentricity(block.column("theta_m"))[0] for block in turning
+        ]
+        rests = Measurement(
+            ALIGNED,
+            float(np.angle(np.mean(np.exp(1j * np.array(first))))),
+            "rad",
+            "electrical angle at which the rotor rests after a current along phase a",
+            basis,
+        )
+        return {ALIGNED: rests} | {
             name: Measurement(
                 name,
                 value,

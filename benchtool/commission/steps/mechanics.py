@@ -23,8 +23,8 @@ from benchtool.drive import CaptureRequest, Stimulus
 _SPEEDS = (0.12, 0.2, 0.28, 0.36)  # of the rated speed; the drive trips at half of it
 _LEVELS = 3  # a binary sequence of three bits: on, back, on
 _LEAST_S, _REVOLUTIONS = 0.2, 2.15  # of a steady stretch: of one, what comes once in it looks like a drift
-_ROWS = 6000
-_LEFT_OUT_J = 0.012
+_ROWS = 20_000  # so that the torque that reverses the shaft leaps between two of many
+_LEFT_OUT_J = 0.005
 _ROUNDS = 5
 _LEAST_COGGING, _MOST_ORDERS, _LEFT_OUT_COGGING = 0.001, 4, 0.05  # of the rated torque; relative
 _LEFT_OUT_NM = 2e-4  # of the rated torque, that is no friction
@@ -169,7 +169,8 @@ _DEFINITIONS: Final = {
 
 def _told(courses: Sequence[Course], found: Mechanics, known: Known) -> tuple[Cogging, ...]:
     """Return the orders of cogging that are told, at most four."""
-    return cogging(courses, found.J_kgm2, _LEAST_COGGING * known.motor.T_N_Nm)[:_MOST_ORDERS]
+    thinned = [each.thinned for each in courses]
+    return cogging(thinned, found.J_kgm2, _LEAST_COGGING * known.motor.T_N_Nm)[:_MOST_ORDERS]
 
 
 def _cogging(orders: Sequence[Cogging]) -> Iterator[Measurement]:

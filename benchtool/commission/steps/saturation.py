@@ -14,6 +14,7 @@ from benchtool.commission.estimators.saturation import Curve, Pulse, saturation
 from benchtool.commission.excitation import Excitation
 from benchtool.commission.known import Known
 from benchtool.commission.steps.alignment import aligning
+from benchtool.commission.steps.inductance import ALIGNED
 from benchtool.commission.steps.offsets import CURRENTS
 from benchtool.commission.steps.step import Finding
 from benchtool.drive import CaptureRequest, Stimulus
@@ -30,6 +31,7 @@ _VOLTAGE_SHARE = 0.5  # of u_dc / sqrt(3)
 _CREST = 4.0 / 3.0  # the longest vector of what dead time and devices take, over V_drop
 _LEFT_OUT = 0.02
 _FIRST = 0.15  # of what dead time takes in a period: in the first the current has no sign yet
+_OF_ROTOR = 0.24  # of the EMF of a rotor that moves: its harmonics, not yet known, and its flux
 _TOLD = 0.025  # largest relative standard uncertainty of an inductance that is given
 
 
@@ -41,13 +43,21 @@ class Pulses:
     sets: tuple[str, ...] = ()
 
     def plan(self, known: Known) -> tuple[Excitation, ...]:
-        """Return pulses of both signs along both axes, twice each, each after the rotor is aligned."""
-        align = aligning(known, {"dead_time_compensation": 0.0, **known.offsets})
+        """Return pulses of both signs along both axes, twice each, each after the rotor is aligned.
+
+        A pulse along the rotor flux leaves it about where it was: along the flux where friction and cogging
+        let it rest, as the captures of the inductance have told.
+        """
+        parameters = {"dead_time_compensation": 0.0, **known.offsets}
+        stands_rad = known.value(ALIGNED, 0.0)
         return tuple(
             each
             for axis, angle_rad in _AXES
             for k in range(2 * _REPEATS)
-            for each in (align, _excitation(known, axis, angle_rad + math.pi * (k % 2)))
+            for each in (
+                aligning(known, parameters, again=axis == "d" and k > 0),
+                _excitation(known, axis, stands_rad + angle_rad + math.pi * (k % 2)),
+            )
         )
 
     def estimate(self, blocks: Sequence[Block], known: Known) -> Mapping[str, Measurement]:
@@ -57,19 +67,19 @@ class Pulses:
             AnalysisError: the captures do not define them.
         """
         currents = np.array([share / 100.0 * known.I_N_A for share in CURVE_PERCENT])
-        each = 2 * _REPEATS
+        pulses = [_captured(block, known) for block in blocks[1::2]]
+        curves = saturation(
+            pulses[: 2 * _REPEATS],
+            pulses[2 * _REPEATS :],
+            currents,
+            T_s=known.control_period_s,
+            R_s_ohm=known.R_s_ohm,
+            psi_r_Wb=known.identified.psi_r_Wb,
+            drop_V=known.drop_V,
+            gains=known.gains,
+        )
         found: dict[str, Measurement] = {}
-        for k, (axis, _) in enumerate(_AXES):
-            curve = saturation(
-                [_captured(block, known) for block in blocks[1::2][k * each : (k + 1) * each]],
-                currents,
-                T_s=known.control_period_s,
-                R_s_ohm=known.R_s_ohm,
-                psi_r_Wb=known.identified.psi_r_Wb,
-                drop_V=known.drop_V,
-                gains=known.gains,
-                across=axis == "q",
-            )
+        for axis, curve in (("d", curves.along), ("q", curves.across)):
             found |= {one.name: one for one in _measurements(axis, curve, known)}
         return found
 
@@ -127,12 +137,13 @@ def _measurements(axis: str, curve: Curve, known: Known) -> Iterator[Measurement
     basis = Basis(samples=2 * _REPEATS, sample_rate_Hz=1.0 / known.control_period_s)
     first_Wb = _FIRST * _CREST * abs(known.drop_V) * known.control_period_s
     lasts_s = _periods(known, axis)[0] * known.control_period_s
+    rotor_Wb = known.identified.psi_r_Wb
     lost = known.estimates.get("dead_time_voltage")
     lost_Wb = (
         _CREST * lasts_s * (0.0 if lost is None or lost.uncertainty is None else lost.uncertainty.standard)
     )
-    for percent, i_A, L_H, standard in zip(
-        CURVE_PERCENT, curve.currents_A, curve.L_H, curve.standard_H, strict=True
+    for percent, i_A, L_H, standard, moved_rad in zip(
+        CURVE_PERCENT, curve.currents_A, curve.L_H, curve.standard_H, curve.moved_rad, strict=True
     ):
         if axis == "q" and percent < 0:
             continue  # as with the other sign
@@ -142,11 +153,16 @@ def _measurements(axis: str, curve: Curve, known: Known) -> Iterator[Measurement
             Contribution("scatter of the pulses about the curve", "A", float(standard), curve.dof),
             Contribution("dead time in the first period", "B", first_Wb / abs(float(i_A)) / math.sqrt(3.0)),
             Contribution("dead time of the others", "B", lost_Wb / abs(float(i_A))),
+            Contribution(
+                "rotor flux that moves", "B", _OF_ROTOR * rotor_Wb * moved_rad / abs(i_A) / math.sqrt(3.0)
+            ),
             Contribution("what the equation leaves out", "B", abs(float(L_H)) * _LEFT_OUT / math.sqrt(3.0)),
         ]
         u = combined(lines, "scatter of the pulses about the curve")
         if u is None or not u.standard < _TOLD * float(L_H):
-            reason = f"{L_H:.3g} H with a standard uncertainty of {standard:.2g}: not determined"
+            large = "" if u is None else f" with a standard uncertainty of {u.standard:.2g}"
+            moved = f"the rotor moved by {math.degrees(moved_rad):.2g} degrees"
+            reason = f"{L_H:.3g} H{large}, {moved}: not determined"
             yield Measurement.undefined(name, "H", definition, reason, basis)
         else:
             yield Measurement(name, float(L_H), "H", definition, basis, u)

@@ -21,7 +21,7 @@ from benchtool.analysis.balances import (
 from benchtool.block import Block
 from benchtool.commission.excitation import Excitation
 from benchtool.commission.known import Known
-from benchtool.commission.second_opinion import centred, without_harmonics
+from benchtool.commission.second_opinion import ACROSS, of_a_sine
 from benchtool.commission.steps.speed_control import gains, speed_loop
 from benchtool.commission.steps.step import Finding
 from benchtool.commission.tuning.loops import mean_square_of_chirp
@@ -99,7 +99,7 @@ class Verification:
         them; the response of the loops has then been measured all the same.
         """
         (block,) = blocks
-        window = Window.of(without_harmonics(centred(block, known), known), known.identified)
+        window = Window.of(of_a_sine(block, known), known.identified)
         found: list[Measurement] = []
         for kind in (FLUX_BALANCE, MOTION_BALANCE):
             try:
@@ -120,6 +120,8 @@ class Verification:
         worth a change, and a speed that was not reached."""
         (swing,) = self.plan(known)
         swing_A = math.sqrt(swing.squares_A2s / (swing.request.rows * known.control_period_s))
+        asked = swing.stimulus
+        assert asked is not None
         findings = [
             Finding(
                 f"by the balance of the verification run, {each}",
@@ -129,10 +131,8 @@ class Verification:
             )
             for each in contradictions(_beside(found, known))
             if abs(each.difference)
-            > max(SURE * _combined(each, known), _near_zero(each.name, known, swing_A))
+            > max(SURE * _combined(each, known), _near_zero(each.name, known, swing_A, asked.amplitude))
         ]
-        asked = swing.stimulus
-        assert asked is not None
         if found["speed_reached"].value < _FOLLOWS * asked.amplitude:
             findings.append(
                 Finding(
@@ -164,12 +164,15 @@ def _beside(found: Mapping[str, Measurement], known: Known) -> tuple[Deviation, 
     return deviations(told, believed, motor, known.u_dc_V)
 
 
-def _near_zero(name: str, known: Known, current_A: float) -> float:
+def _near_zero(name: str, known: Known, current_A: float, omega_m_rad_s: float) -> float:
     """Return by how much dead time, near zero current, makes a balance differ that takes all of it there: a
-    voltage too small, and for it a resistance too large at the rms current of the swing."""
+    voltage too small, and for it a resistance too large at the rms current of the swing, or what is across
+    the rotor flux at its speed."""
     lost_V = _NEAR_ZERO * abs(known.drop_V)
     if name == "R_s":
         return _NEAR_ZERO * abs(known.drop_fundamental_V) / current_A
+    if name == "psi_r":
+        return ACROSS * abs(known.drop_fundamental_V) / (known.pole_pairs * omega_m_rad_s)
     return lost_V if name == "dead_time_voltage" else 0.0
 
 
