@@ -32,7 +32,7 @@ from benchmarks.figures import print_figures
 from benchmarks.saturating import curve, saturate
 from benchmarks.wrong_setups import CASES, FOUR_MOTORS, named
 from benchtool.bench import Session, open_session
-from benchtool.commission import commission, document, steps_for
+from benchtool.commission import Known, commission, document, planned, stated_parameters, steps_for
 from benchtool.shipped import shipped
 
 MOTORS: Final = tuple(
@@ -44,6 +44,9 @@ TOLERANCES: Final[Mapping[str, float]] = {
 }  # fmt: skip
 """Relative; those of the encoder are exact, and 1 degree electrical."""
 _OFFSET_RAD: Final = math.radians(1.0)
+_DATA_SHEET: Final = (0.75, 1.25)  # of a data sheet's resistance over that of a device
+_NEAR: Final = 0.2
+"""By how much the energy of a dry run may differ from what is spent."""
 _SMALL_R_OHM, _SMALL_L_H = 0.05, 50e-6
 _SMALL: Final = {"R_s": 0.05, "L_d": 0.06, "L_q": 0.06}
 REPEATED: Final[Mapping[str, float]] = {"R_s": 0.5, "L_d": 1.0, "L_q": 1.0, "psi_r": 0.3, "J": 2.0}
@@ -112,6 +115,7 @@ def flawed(motor: str, rng: np.random.Generator) -> Bench:
     for key in ("R_s_ohm", "L_d_H", "L_q_H", "J_kgm2"):
         stated[key] *= rng.uniform(0.7, 1.4)
     stated["psi_r_Wb"] *= rng.uniform(0.85, 1.2)
+    profile["drive"]["on_resistance_ohm"] = inverter["on_resistance_ohm"] * rng.uniform(*_DATA_SHEET)
     return Bench(profile, _truth(profile))
 
 
@@ -214,7 +218,8 @@ def commissioned(
     """Commission a bench; return the document, and `drive_s`, the time that it took the drive. With every
     step the drive is to store what is found.
 
-    `meddle` does something to the bench once it is connected.
+    `meddle` does something to the bench once it is connected. With every step `dry_run_J` and `range_J` are
+    what a dry run had said.
     """
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "profile.toml"
@@ -222,9 +227,21 @@ def commissioned(
         with open_session(str(path), link, seed=seed, instruments=False) as session:
             session.drive.connect()
             meddle(session)
+            told = {} if steps else _dry_run(session)
             began_s = session.drive.clock.now_s()
             done = commission(session.drive, session.profile, steps_for(steps), keep=not steps)
-            return {**document(done), "drive_s": session.drive.clock.now_s() - began_s}
+            return {**document(done), "drive_s": session.drive.clock.now_s() - began_s, **told}
+
+
+def _dry_run(session: Session) -> dict[str, Any]:
+    stated = stated_parameters(session.drive, session.profile)
+    known = Known.of(session.drive, session.profile, stated)
+    played = [each for excitations in planned(steps_for(()), known).values() for each in excitations]
+    ranges_J = [each.energy_range_J(known.R_s_range_ohm) for each in played]
+    return {
+        "dry_run_J": sum(each.energy_J(known.R_s_ohm) for each in played),
+        "range_J": [sum(each) for each in zip(*ranges_J, strict=True)],
+    }
 
 
 def figures(runs: Sequence[Mapping[str, Any]]) -> dict[str, object]:
@@ -267,8 +284,28 @@ def figures(runs: Sequence[Mapping[str, Any]]) -> dict[str, object]:
         found["z_rms"] = round(math.sqrt(float(np.mean(z**2))), 3)
         found["within_2u_percent"] = round(100.0 * float(np.mean(np.abs(z) <= 2.0)), 2)
         found["largest_z"] = round(float(np.max(np.abs(z))), 2)
+    whole = [each for each in runs if each["document"].get("saved")]
+    if whole:
+        found |= _energies(whole)
     found["longest_drive_s"] = round(max(each["document"]["drive_s"] for each in runs), 1) if runs else 0.0
     return found
+
+
+def _energies(runs: Sequence[Mapping[str, Any]]) -> dict[str, object]:
+    """Return how the energy of whole runs compares with what a dry run had said."""
+    near, within = 0, 0
+    ratios = []
+    for each in runs:
+        spent_J = sum(step["spent_J"] for step in each["document"]["steps"].values())
+        least_J, most_J = each["document"]["range_J"]
+        ratios.append(spent_J / each["document"]["dry_run_J"])
+        near += abs(ratios[-1] - 1.0) <= _NEAR
+        within += least_J <= spent_J <= most_J
+    return {
+        "spent_over_dry_run": [round(min(ratios), 3), round(max(ratios), 3)],
+        "dry_run_within_20_percent": f"{near} of {len(runs)}",
+        "spent_within_range": f"{within} of {len(runs)}",
+    }
 
 
 _DRAWN: Final = {"flaws": flawed, "repeats": flawed, "clean": sound, "saturating": saturating}

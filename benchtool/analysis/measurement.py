@@ -32,7 +32,8 @@ class Basis:
     `harmonics` is the highest harmonic counted, `reference` what a ratio is a ratio to. `sensors` states what
     is unknown about the sensors, or which components they attenuate. `alignment_s` is the standard
     uncertainty with which samples of another clock stand at the drive's ticks. `line_Hz` is where the one
-    line of a spectrum is that was chosen as the largest.
+    line of a spectrum is that was chosen as the largest. `order` is how often in a revolution a component
+    repeats itself that comes with the angle of the shaft.
     """
 
     samples: float | None = None
@@ -46,6 +47,7 @@ class Basis:
     sensors: str = ""
     alignment_s: float | None = None
     line_Hz: float | None = None
+    order: int | None = None
 
     def to_json(self) -> dict[str, float | int | str]:
         """Return the fields that apply."""

@@ -139,16 +139,17 @@ def commission(
             identity = session.drive.connect()
             manifest = _manifests(session, identity, when, link, seed)
             recorder = StepRecorder(folder, manifest, resume=resume is not None)
+            notes = _Notes(output)
             done = run(
                 session.drive,
                 session.profile,
                 wanted,
-                output.note,
+                notes,
                 recorder=recorder,
                 keep=keep,
                 force=force,
                 travel_rad=travel_rad,
-                watching=_shown_live(session, where, manifest, output),
+                watching=_shown_live(session, where, manifest, output, notes),
             )
         content = _written(folder, profile, done, pdf=pdf)
         _show(output, profile, done, content)
@@ -203,14 +204,36 @@ def _told_how_to_go_on(folder: Path, output: Output) -> Iterator[None]:
         raise
 
 
+class _Notes:
+    """Lines of progress: for the person who looks on, and meanwhile for the log of a live view."""
+
+    def __init__(self, output: Output) -> None:
+        self._takers: list[Callable[[str], None]] = [output.note]
+
+    def __call__(self, text: str) -> None:
+        for take in self._takers:
+            take(text)
+
+    @contextmanager
+    def taken_by(self, taker: Callable[[str], None]) -> Iterator[None]:
+        """Hand them to another taker, too, within the `with` block."""
+        self._takers.append(taker)
+        try:
+            yield
+        finally:
+            self._takers.remove(taker)
+
+
 @contextmanager
 def _shown_live(
     session: Session,
     where: live_views.LiveDestinations,
     manifest: Callable[[str], Manifest],
     output: Output,
+    notes: _Notes,
 ) -> Iterator[None]:
-    """Show the drive's stream and its states while steps are run; without a destination none is streamed."""
+    """Show the drive's stream, its states and what is played while steps are run; without a destination none
+    is streamed."""
     if not where.any:
         yield
         return
@@ -220,7 +243,11 @@ def _shown_live(
     with live_views.stream_view(where, session, "commissioning", manifest("live"), output) as view:
         assert view is not None  # there is a destination
         sink = live_views.live_view_sink(view)
-        with keep_journal(drive, [view.event]), TelemetryStream(drive, [sink], names, DEFAULT_RATE_HZ):
+        with (
+            keep_journal(drive, [view.event]) as journal,
+            notes.taken_by(journal.note),
+            TelemetryStream(drive, [sink], names, DEFAULT_RATE_HZ),
+        ):
             yield
 
 
@@ -275,7 +302,7 @@ def _show(output: Output, profile: str, done: Commissioning, content: dict[str, 
 def _show_plan(session: Session, steps: Sequence[Step], travel_rad: float, output: Output) -> int:
     """Print what the steps would play and what energy that takes, by the nameplate."""
     stated = stated_parameters(session.drive, session.profile)
-    known = replace(Known.of(session.drive, session.profile.motor, stated), travel_rad=travel_rad)
+    known = replace(Known.of(session.drive, session.profile, stated), travel_rad=travel_rad)
     plan = planned(steps, known)
     energy_J = {
         name: sum(each.energy_J(known.R_s_ohm) for each in excitations) for name, excitations in plan.items()
@@ -285,12 +312,14 @@ def _show_plan(session: Session, steps: Sequence[Step], travel_rad: float, outpu
         for name, excitations in plan.items()
         for each in excitations
     ]
-    ranges_J = [each.energy_range_J(known.R_s_ohm) for excitations in plan.values() for each in excitations]
+    ranges_J = [
+        each.energy_range_J(known.R_s_range_ohm) for excitations in plan.values() for each in excitations
+    ]
     least_J, most_J = (sum(each) for each in zip(*ranges_J, strict=True)) if ranges_J else (0.0, 0.0)
     output.table("what would be played", ("step", "excitation", ">J"), rows)
     output.line(
-        f"{significant(sum(energy_J.values()))} J by the nameplate's resistance, {significant(least_J)} to "
-        f"{significant(most_J)} J as far as nameplates are off; the step 'resistance' tells it"
+        f"{significant(sum(energy_J.values()))} J by {_resistance(known)}, {significant(least_J)} to "
+        f"{significant(most_J)} J as far as that and friction are off; the step 'resistance' tells more"
     )
     output.line("nothing was enabled; each step's estimates would be for the parameters that it sets")
     output.document(
@@ -304,6 +333,14 @@ def _show_plan(session: Session, steps: Sequence[Step], travel_rad: float, outpu
         }
     )
     return 0
+
+
+def _resistance(known: Known) -> str:
+    if known.series_ohm is None:
+        return "the nameplate's resistance, without power stage and cable (drive.on_resistance_ohm)"
+    if known.series_ohm == 0.0:
+        return "the resistance that is stated"
+    return f"the nameplate's resistance and {significant(known.series_ohm)} ohm of power stage and cable"
 
 
 def _shown(content: dict[str, Any], name: str, key: str) -> str:

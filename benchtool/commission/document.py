@@ -81,6 +81,8 @@ def _estimate(of: Measurement, motor: Motor) -> dict[str, Any]:
         }
     if cause := probable_cause(of.name, of.value, motor):
         found["looks_like"] = cause
+    if of.basis.order is not None:
+        found["order"] = of.basis.order
     if of.reason:
         found["reason"] = of.reason
     return found

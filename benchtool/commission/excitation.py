@@ -8,7 +8,6 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Final
 
-from benchtool.commission.nameplate import IN_SERIES_OHM
 from benchtool.drive import CaptureRequest, Stimulus
 from benchtool.errors import ValueRefused
 from benchtool.profile import Motor
@@ -21,7 +20,7 @@ MOST_RISE_K: Final = 10.0
 OVERLOAD: Final = 1.1
 """Of the rated current, what is injected at most."""
 
-_AS_STATED: Final = (0.65, 1.5)  # resistance of a winding over what a nameplate states of it
+_FRICTION_AS_TAKEN: Final = (0.25, 3.0)  # over what is taken for it before it was measured
 _RATED_RISE_K: Final = 100.0  # at the rated current for ever, of insulation class F (IEC 60034-1: 105 K)
 _TIME_CONSTANT_S: Final = 60.0  # of a winding against its iron: of a small motor, the shortest that is usual
 
@@ -52,11 +51,13 @@ class Excitation:
         """Return the heat in the winding, 3/2 R_s times the integral, and the mechanical work."""
         return 1.5 * R_s_ohm * self.squares_A2s + self.work_J
 
-    def energy_range_J(self, R_s_ohm: float) -> tuple[float, float]:
-        """Return the least and the most that it may be by a resistance that is only stated, of the winding
-        without what is in series with it."""
-        least, most = _AS_STATED
-        return self.energy_J(least * R_s_ohm), self.energy_J(most * R_s_ohm + IN_SERIES_OHM)
+    def energy_range_J(self, R_s_range_ohm: tuple[float, float]) -> tuple[float, float]:
+        """Return the least and the most that it may be as long as resistance and friction are not known."""
+        least, most = (
+            self.energy_J(R_s_ohm) + (share - 1.0) * self.work_J
+            for R_s_ohm, share in zip(R_s_range_ohm, _FRICTION_AS_TAKEN, strict=True)
+        )
+        return least, most
 
     @property
     def mode_of_speed(self) -> bool:

@@ -28,7 +28,15 @@ from benchtool.commission.steps.resistance import StandingCurrents
 from benchtool.commission.steps.ripple_run import RippleRun
 from benchtool.commission.steps.saturation import Pulses
 from benchtool.commission.steps.speed_control import SpeedControl
-from benchtool.commission.steps.step import FaultTelling, Finding, LoopStep, StagedStep, Step, Trial
+from benchtool.commission.steps.step import (
+    FaultTelling,
+    Finding,
+    LoopStep,
+    RefinedStep,
+    StagedStep,
+    Step,
+    Trial,
+)
 from benchtool.commission.steps.verification import Verification
 from benchtool.document import closest
 from benchtool.drive import Capability, RemoteDrive
@@ -109,6 +117,14 @@ def planned(steps: Sequence[Step], known: Known) -> dict[str, tuple[Excitation, 
     return found
 
 
+def _tell_energy(steps: Sequence[Step], known: Known, note: Callable[[str], None]) -> None:
+    """Say what the steps to come will take, now that the resistance is known."""
+    with suppress(ValueRefused):  # the step itself says why
+        plans = planned(steps, known).values()
+        energy_J = sum(each.energy_J(known.R_s_ohm) for excitations in plans for each in excitations)
+        note(f"the steps to come take {energy_J:.3g} J by R_s = {known.R_s_ohm:.4g} ohm")
+
+
 def commission(
     drive: RemoteDrive,
     profile: Profile,
@@ -158,9 +174,9 @@ def commission(
     note("putting in force what the profile states")
     with watching or nullcontext(), trial(drive), held(drive, {**stated, **_QUIET}):
         _leave_fault_of_the_link(drive, note)
-        began = known = replace(Known.of(drive, profile.motor), travel_rad=travel_rad)
+        began = known = replace(Known.of(drive, profile), travel_rad=travel_rad)
         planned(steps, known)
-        for step in steps:
+        for place, step in enumerate(steps):
             done = recorder.finished(step) if recorder is not None else None
             if done is not None:
                 note(f"{step.name}: already there")
@@ -168,6 +184,8 @@ def commission(
             results.append(result)
             if result.verdict is StepVerdict.PASS:
                 known = known.with_estimates(result.estimates)
+                if "R_s" in step.sets:
+                    _tell_energy(steps[place + 1 :], known, note)
     values = {**stated, **known.in_force}
     found = Commissioning(tuple(results), began, settings_by_key(drive, values))
     if not keep:
@@ -207,19 +225,48 @@ def _attempt(
     with nullcontext() if recorder is None else recorder.recording(step):
         result = _run(drive, step, known, note, recorder)
         if recorder is not None:
-            recorder.finish(result, step.loops(known) if isinstance(step, LoopStep) else ())
+            after = known.with_estimates(result.estimates)
+            recorder.finish(result, step.loops(after) if isinstance(step, LoopStep) else ())
     return result
 
 
 def _run(
     drive: RemoteDrive, step: Step, known: Known, note: Callable[[str], None], recorder: StepRecorder | None
 ) -> StepResult:
+    """Return the result of a step, that of its last round where its captures tell how to play it better."""
+    result, blocks = _round(drive, step, known, note, recorder)
+    rounds = 1
+    while blocks and result.verdict is StepVerdict.FAIL and isinstance(step, RefinedStep):
+        more = step.refined(blocks, known) if rounds < step.most_rounds else {}
+        if not more:
+            break
+        rounds += 1
+        note(f"{step.name}: again with what it has shown, round {rounds} of at most {step.most_rounds}")
+        if recorder is not None:
+            recorder.next_round()
+        known, planned_J, spent = known.with_estimates(more), result.planned_J, result.spent_J
+        result, blocks = _round(drive, step, known, note, recorder)
+        estimates = {**more, **result.estimates} if result.estimates else {}
+        result = replace(
+            result,
+            estimates=estimates,
+            planned_J=planned_J + result.planned_J,
+            spent_J=spent + result.spent_J,
+        )
+    return result
+
+
+def _round(
+    drive: RemoteDrive, step: Step, known: Known, note: Callable[[str], None], recorder: StepRecorder | None
+) -> tuple[StepResult, Sequence[Block]]:
+    """Play a step once; return what became of it and the captures that its findings rest on, none where it
+    did not come to them."""
     result = StepResult(step.name, step.sets, StepVerdict.FAIL)
     blocks: list[Block] = []
     try:
         excitations = step.plan(known)
         if reason := objects_missing(drive, excitations) or _too_far(excitations, known):
-            return replace(result, verdict=StepVerdict.SKIPPED, reason=reason)
+            return replace(result, verdict=StepVerdict.SKIPPED, reason=reason), ()
         require_bearable(excitations, known.motor)
         result = replace(result, planned_J=sum(each.energy_J(known.R_s_ohm) for each in excitations))
         for each in excitations:
@@ -235,18 +282,19 @@ def _run(
         if isinstance(step, Trial):
             estimates = {**estimates, **step.attempt(drive, known)}
     except _FAIL_A_STEP as failure:
-        return _failed(result, step, failure, drive, known)
+        return _failed(result, step, failure, drive, known), ()
     findings = step.findings(estimates, known)
     fatal = next((each for each in findings if each.fails), None)
     if fatal is not None:
-        return replace(result, reason=fatal.what, findings=findings)
-    return replace(
+        return replace(result, reason=fatal.what, findings=findings), blocks
+    passed = replace(
         result,
         verdict=StepVerdict.PASS,
         estimates=estimates,
         findings=findings,
         spent_J=spent_J(excitations, blocks, known.with_estimates(estimates)),
     )
+    return passed, blocks
 
 
 def _failed(

@@ -12,10 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis import Measurement
-from benchtool.commission.nameplate import KEYS
+from benchtool.commission.estimators.flux_linkage import HARMONICS
+from benchtool.commission.nameplate import IN_SERIES_OHM, KEYS
 from benchtool.drive import RemoteDrive
 from benchtool.errors import ValueRefused
-from benchtool.profile import Motor
+from benchtool.profile import Motor, Profile
 from benchtool.protocol.dictionary import Value, Variable
 
 _SAMPLED_S = 0.01
@@ -27,6 +28,8 @@ _FRICTION_SHARE = 0.02  # of the rated torque, until friction is known
 _FLUX = 1.3  # times what was seen of it, from which on the nameplate's rotor flux is not believed
 _LEAST_FLUX = 0.02  # of the nameplate's
 _LEAST_L = 0.1  # of the nameplate's
+_AS_STATED = (0.65, 1.5)  # resistance of a winding over what a nameplate states of it
+_SERIES_AS_STATED = (0.5, 2.0)  # of a device, by its temperature, and of a cable
 _SEEN = 3.0  # standard uncertainties, below which nothing is compensated
 _NONE: Mapping[str, Measurement] = MappingProxyType({})
 
@@ -35,7 +38,8 @@ _NONE: Mapping[str, Measurement] = MappingProxyType({})
 class Known:
     """The host's knowledge of motor and drive; nothing of it is the truth of an emulated bench.
 
-    `motor` is the nameplate; `variables` are the parameters of the drive that can be set, `held` what it
+    `motor` is the nameplate, `series_ohm` what is stated to be in series with a phase, None where nothing is;
+    `variables` are the parameters of the drive that can be set, `held` what it
     holds while steps are run, and `estimates` what was estimated, by its names. `encoder_lines` are
     those that the drive counts by, `travel_rad` is how far the shaft may turn from where it stands.
     """
@@ -47,17 +51,18 @@ class Known:
     encoder_lines: int = 2500
     travel_rad: float = math.inf
     pwm_period_s: float = 0.0
+    series_ohm: float | None = None
     variables: Mapping[str, Variable] = field(default_factory=lambda: MappingProxyType({}))
     held: Mapping[str, Value] = field(default_factory=lambda: MappingProxyType({}))
     estimates: Mapping[str, Measurement] = field(default_factory=lambda: _NONE)
 
     @classmethod
-    def of(cls, drive: RemoteDrive, motor: Motor, stated: Mapping[str, Value] | None = None) -> Self:
+    def of(cls, drive: RemoteDrive, profile: Profile, stated: Mapping[str, Value] | None = None) -> Self:
         """Return what is known before the first step.
 
         Args:
             drive: connected.
-            motor: the nameplate.
+            profile: of it, with the nameplate.
             stated: what the drive is to hold meanwhile, by name; the rest as it holds it now.
 
         Raises:
@@ -75,12 +80,13 @@ class Known:
         }
         held = {name: drive.read(name) for name in _READ if name in drive.dictionary} | dict(stated or {})
         return cls(
-            motor,
+            profile.motor,
             period_s,
             u_dc_V,
             drive.number("u_dc_full_scale"),
             encoder_lines=int(held.get("encoder_lines", cls.encoder_lines)),
             pwm_period_s=pwm_s,
+            series_ohm=profile.series_ohm,
             variables=variables,
             held=held,
         )
@@ -178,8 +184,17 @@ class Known:
 
     @property
     def R_s_ohm(self) -> float:
-        """Resistance per phase."""
-        return self.value("R_s", self.motor.R_s_ohm)
+        """Resistance per phase, with what is in series with it."""
+        return self.value("R_s", self.motor.R_s_ohm + (self.series_ohm or 0.0))
+
+    @property
+    def R_s_range_ohm(self) -> tuple[float, float]:
+        """The least and the most that it may be as long as it is only stated."""
+        least, most = (share * self.motor.R_s_ohm for share in _AS_STATED)
+        if self.series_ohm is None:
+            return least, most + IN_SERIES_OHM
+        of_least, of_most = _SERIES_AS_STATED
+        return least + of_least * self.series_ohm, most + of_most * self.series_ohm
 
     @property
     def drop_V(self) -> float:
@@ -226,6 +241,14 @@ class Known:
             shaft -= self.value(f"eccentricity_{n}_cos", 0.0) * np.cos(n * theta_m_rad)
             shaft -= self.value(f"eccentricity_{n}_sin", 0.0) * np.sin(n * theta_m_rad)
         return shaft
+
+    @property
+    def flux_harmonics(self) -> dict[int, complex]:
+        """Harmonics of the rotor flux in stator coordinates by their order, complex Wb, as far as found."""
+        return {
+            order: complex(*(self.value(f"psi_{abs(order)}_{part}", 0.0) for part in ("cos", "sin")))
+            for order in HARMONICS
+        }
 
     @property
     def compensation_s(self) -> float:

@@ -48,6 +48,7 @@ class StepRecorder:
         self._manifest = manifest
         self._bundle: BundleWriter | None = None
         self._titles: dict[str, str] = {}  # of the streams
+        self._round, self._first_of_round = 1, 0
         self._finished: dict[str, Bundle] = {}
         if resume:
             self._finished = {
@@ -89,6 +90,7 @@ class StepRecorder:
         if place.exists():
             _put_aside(place)
         self._titles = {}
+        self._round, self._first_of_round = 1, 0
         self._begun += 1
         began = self._manifest(step.name)
         began = began.model_copy(update={"details": began.details | {NUMBER: self._begun}})
@@ -111,17 +113,22 @@ class StepRecorder:
         assert self._bundle is not None  # called while a step is recorded
         words = re.sub(r"[^A-Za-z0-9]+", "-", name).strip("-")
         stream = f"{len(self._titles):02d}-{words}"
-        self._titles[stream] = name
+        self._titles[stream] = name if self._round == 1 else f"{name}, round {self._round}"
         self._bundle.append(stream, block)
 
+    def next_round(self) -> None:
+        """Take the captures from here on as those of the step, which is played again."""
+        self._round += 1
+        self._first_of_round = len(self._titles)
+
     def finish(self, result: StepResult, loops: Sequence[Loop] = ()) -> None:
-        """Complete the bundle of a step; `loops` says which captures hold responses.
+        """Complete the bundle of a step; `loops` says which captures of its last round hold responses.
 
         Raises:
             RecordingError: it cannot be written.
         """
         assert self._bundle is not None
-        streams = list(self._titles)
+        streams = list(self._titles)[self._first_of_round :]
         self._bundle.finish(
             measurements_to_json(tuple(result.estimates.values())),
             verdict=result.verdict.value,

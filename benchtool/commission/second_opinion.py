@@ -13,7 +13,6 @@ import numpy as np
 from benchtool.analysis import Measurement, Uncertainty
 from benchtool.analysis.balances import Solution, flux_balance
 from benchtool.block import Block
-from benchtool.commission.estimators.flux_linkage import HARMONICS
 from benchtool.commission.known import Known
 from benchtool.commission.steps.speed_loop import FASTEST
 from benchtool.commission.steps.step import Finding
@@ -126,8 +125,7 @@ def of_a_sine(block: Block, known: Known) -> Block:
         omega_e[:_SPAN], omega_e[-_SPAN:] = omega_e[_SPAN], omega_e[-_SPAN - 1]
         theta_e = p * theta_m + omega_e * _ACTS_ROWS * step_s
         EMF_V = np.zeros(len(theta_m), np.complex128)
-        for order in HARMONICS:
-            psi = complex(*(known.value(f"psi_{abs(order)}_{part}", 0.0) for part in ("cos", "sin")))
+        for order, psi in known.flux_harmonics.items():
             EMF_V += 1j * order * omega_e * psi * np.exp(1j * order * theta_e)
         data[:, names.index("u_alpha")] -= EMF_V.real
         data[:, names.index("u_beta")] -= EMF_V.imag

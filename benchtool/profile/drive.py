@@ -42,6 +42,9 @@ class Drive(Section):
     100 us (10 kHz) where it is left out."""
     pwm_period_s: Annotated[float, Field(gt=0, le=1)] | None = None
     """PWM period: that of control, the default, or twice that with double update."""
+    on_resistance_ohm: Annotated[float, Field(ge=0, le=100)] | None = None
+    """Resistance of a conducting device of the power stage by its data sheet, with cable and plugs: it is in
+    series with a phase of the winding, and in what a commissioning measures of that."""
     parameters: dict[str, float | str] = Field(default_factory=dict)
     """What the drive is set to: names of its dictionary with the unit appended, such as `u_s_V`."""
 

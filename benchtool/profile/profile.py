@@ -71,6 +71,11 @@ class Profile(Section):
         return round((self.drive.control_period_s or CONTROL_PERIOD_S) * 1e9) * 1e-9
 
     @property
+    def series_ohm(self) -> float | None:
+        """What is stated to be in series with `motor.R_s_ohm`; 0 where a commissioning measured both."""
+        return self.drive.on_resistance_ohm if self.nameplate is None else 0.0
+
+    @property
     def stated_parameters(self) -> dict[str, float | str]:
         """What the drive is to hold, by TOML key: the motor, and `[drive.parameters]`."""
         return {**self.motor.parameters, **self.drive.parameters}

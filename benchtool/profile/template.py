@@ -118,6 +118,7 @@ def profile_text(title: str, motor: Motor, given: Given, derived: Iterable[Deriv
                     given.control_period_s,
                     f"s: T_s of its control, {1e-3 / given.control_period_s:.4g} kHz",
                 ),
+                ("#on_resistance_ohm", 0.002, "ohm: of a conducting device by its data sheet, with cable"),
                 (
                     "pwm_period_s" if given.double_update else "#pwm_period_s",
                     2.0 * given.control_period_s,

@@ -38,6 +38,8 @@ class Estimate(Document):
     """Value over nameplate, less 1, in percent; null where the nameplate states nothing."""
     looks_like: str | None = None
     """What a deviation by a telling factor (2, 3/2, sqrt 3, p, ...) probably is; left out of others."""
+    order: int | None = None
+    """How often in a revolution of the shaft it comes, of the amplitude of a torque; left out of others."""
     reason: str | None = None
     """Why there is no value."""
 
@@ -125,6 +127,6 @@ class PlannedCommissioning(Document):
     steps: dict[str, PlannedStep]
     """The steps by name, in their order."""
     energy_J: float
-    """Energy of all steps, by the nameplate's resistance."""
+    """Energy of all steps, by the resistance that is stated."""
     energy_range_J: tuple[float, float]
-    """The least and the most of it, as far as resistances of nameplates are off."""
+    """The least and the most of it, as far as that and the friction are off."""

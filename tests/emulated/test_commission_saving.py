@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import tomllib
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -12,16 +13,22 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner
 
+from benchtool.analysis import analyze_response
 from benchtool.bench.session import Session, open_session
 from benchtool.cli import app
-from benchtool.commission import StepVerdict, commission, steps_for
+from benchtool.commission import StepRecorder, StepVerdict, commission, step_bundles, steps_for
 from benchtool.commission.saving import save, trial
 from benchtool.commission.steps.current_control import CurrentControl
 from benchtool.commission.steps.speed_control import SpeedControl
-from benchtool.drive import RemoteDrive
+from benchtool.drive import Identity, RemoteDrive
 from benchtool.drive.parameters import reset, snapshot, store
 from benchtool.errors import LinkClosed, SdoAbort, WriteNotVerified
+from benchtool.live import names
 from benchtool.profile import load_profile
+from benchtool.recording import Conditions, Manifest
+from benchtool.report.assembly import CAPTURES, LOOPS
+from benchtool.run import manifest_of
+from tests.unit.live.readback import Recording
 
 from .test_commission import boxed as boxed
 from .test_third_party_drive import third_party_profile
@@ -126,7 +133,10 @@ def test_a_commissioning_is_shown_live(boxed: str, tmp_path: Path) -> None:
     result = CliRunner().invoke(app, [*command, "--out", str(tmp_path / "a"), "--live", str(shown)])
     assert result.exit_code == 0, result.output
     assert json.loads(result.stdout)["saved"]
-    assert shown.stat().st_size > 10_000
+    lines = Recording.read(shown).texts(names.EVENTS)
+    played = [each for each in lines if each.startswith(("preflight: ", "offsets: "))]
+    assert played[-1] == "offsets: no current"
+    assert "state: operation enabled" in lines[: lines.index(played[-1])]  # of the preflight
 
 
 def test_a_trial_ends_in_good_order_with_what_was_tried(boxed: str) -> None:
@@ -145,9 +155,14 @@ def test_a_trial_ends_in_good_order_with_what_was_tried(boxed: str) -> None:
             drive.write("parameter_trial", "on")
 
 
-@pytest.mark.parametrize(("J_of_true", "verdict"), [(1.0, "pass"), (1.4, "fail")])
-def test_loops_are_tuned_and_measured(J_of_true: float, verdict: str, tmp_path: Path) -> None:
-    """With an inertia that is not the true one the measured crossover is not the designed one."""
+@pytest.mark.parametrize(
+    ("J_of_true", "rounds", "verdict"), [(1.0, 1, "pass"), (1.4, 1, "fail"), (1.4, 3, "pass")]
+)
+def test_loops_are_tuned_and_measured(
+    J_of_true: float, rounds: int, verdict: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With an inertia that is not the true one the crossover is not the designed one, and tells the true."""
+    monkeypatch.setattr(SpeedControl, "most_rounds", rounds)
     path = tmp_path / "profile.toml"
     source = Path(__file__).parents[2] / "profiles" / "zhu2011" / "profile.toml"
     text = source.read_text(encoding="utf-8").split("[[choices]]")[0]
@@ -155,9 +170,12 @@ def test_loops_are_tuned_and_measured(J_of_true: float, verdict: str, tmp_path: 
     path.write_text(
         text.replace("[emulator.motor]\n", "[emulator.motor]\nJ_kgm2 = 13.1e-4\n"), encoding="utf-8"
     )
-    with connected(str(path)) as session:
+    with open_session(str(path), "emulated", seed=2) as session:
+        identity = session.drive.connect()
         before = snapshot(session.drive)
-        done = commission(session.drive, session.profile, (CurrentControl(), SpeedControl()), keep=True)
+        steps = (CurrentControl(), SpeedControl())
+        recorder = StepRecorder(tmp_path / "steps", lambda step: manifest(session, identity, step))
+        done = commission(session.drive, session.profile, steps, recorder=recorder, keep=True)
         assert [each.verdict for each in done.results] == [StepVerdict.PASS, StepVerdict(verdict)]
         assert done.saved == (verdict == "pass")
         if not done.saved:
@@ -168,7 +186,34 @@ def test_loops_are_tuned_and_measured(J_of_true: float, verdict: str, tmp_path: 
         assert found["current_loop_crossover"].value == pytest.approx(339.9, rel=0.02)
         assert found["current_loop_phase_margin"].value == pytest.approx(74.2, abs=1.0)
         assert found["speed_loop_phase_margin"].value == pytest.approx(60.0, abs=3.0)
+        assert found["speed_loop_crossover"].value == pytest.approx(10.8 / math.sqrt(J_of_true), rel=0.04)
         assert session.drive.number("K_p_speed") == pytest.approx(found["K_p_speed"].value, rel=1e-6)
+        (bundle,) = (each for each in step_bundles(tmp_path / "steps") if each.directory.name == "speed_loop")
+        assert len(bundle.streams) == (1 if J_of_true == 1.0 else 2)
+        ((stream, loop),) = bundle.manifest.details[LOOPS].items()
+        assert stream == bundle.streams[-1]
+        again = analyze_response(bundle.block(stream), loop["input"], loop["output"], **loop["rows"])
+        shown = {each.name: each.value for each in again.measurements}
+        assert shown["phase_margin"] == pytest.approx(found["speed_loop_phase_margin"].value, abs=1.5)
+        if J_of_true != 1.0:
+            assert found["speed_loop_J"].value == pytest.approx(13.1e-4, rel=0.04)
+            assert bundle.manifest.details[CAPTURES][stream] == "sequence of the speed, round 2"
+
+
+def manifest(session: Session, identity: Identity, step: str) -> Manifest:
+    return manifest_of(
+        session,
+        identity,
+        what=step,
+        when="2026-01-01T00:00:00",
+        wall_s=0.0,
+        note="",
+        conditions=Conditions(),
+        seed=2,
+        link="emulated",
+        command_line=(),
+        details={},
+    )
 
 
 def test_a_commissioning_goes_on_where_it_was_cut_short(boxed: str, tmp_path: Path) -> None:

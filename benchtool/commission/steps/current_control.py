@@ -20,9 +20,11 @@ OF_SAMPLING = 0.05
 """Bandwidth asked for, of 2 pi / T_s."""
 
 _ANGLE_RAD = math.radians(15.0)  # at which no phase current is near zero
-_OFFSET_SHARE, _AMPLITUDE_SHARE = 0.4, 0.06  # of the rated current, peak
+_OFFSET_SHARE, _AMPLITUDE_SHARE = 0.4, 0.12  # of the rated current, peak
 _VOLTAGE_SHARE = 0.25  # of u_dc / sqrt 3, that a change of the reference may ask for
-_BITS, _REPETITIONS = 10, 11
+_BITS = 10
+_FEWEST, _MOST, _LONGEST_S = 11, 41, 1.2  # repetitions, as many as there is time for
+_MOST_DECAY = 0.5  # beyond it a nameplate is wrong
 
 
 class CurrentControl:
@@ -42,7 +44,7 @@ class CurrentControl:
         parameters = {**known.in_force, "law": "foc", "omega_current": loop.omega_rad_s}
         align = aligning(known, parameters, _ANGLE_RAD)
         stimulus = _sequence(known, loop)
-        ticks = stimulus.ticks(T_s) * _REPETITIONS
+        ticks = stimulus.ticks(T_s) * stimulus.repetitions
         return (
             align,
             Excitation(
@@ -79,8 +81,14 @@ class CurrentControl:
 
 
 def current_loop(known: Known) -> CurrentLoop:
-    """Return the loop that the control period allows."""
-    return tuned_current_loop(OF_SAMPLING * 2.0 * math.pi / known.control_period_s, known.control_period_s)
+    """Return the loop of i_d that the control period allows."""
+    T_s = known.control_period_s
+    return tuned_current_loop(OF_SAMPLING * 2.0 * math.pi / T_s, T_s, decay(known, known.identified.L_d_H))
+
+
+def decay(known: Known, L_H: float) -> float:
+    """Return the share of the current in an inductance that the resistance takes off in a period."""
+    return min(known.R_s_ohm * known.control_period_s / L_H, _MOST_DECAY)
 
 
 def _sequence(known: Known, loop: CurrentLoop) -> Stimulus:
@@ -88,6 +96,7 @@ def _sequence(known: Known, loop: CurrentLoop) -> Stimulus:
     L_d = known.value("L_d", known.motor.L_d_H)
     per_ampere = loop.share * L_d / known.control_period_s + known.R_s_ohm
     most_A = 0.5 * _VOLTAGE_SHARE * known.u_dc_V / math.sqrt(3.0) / per_ampere
+    often = math.floor(_LONGEST_S / ((2**_BITS - 1) * known.control_period_s))
     return Stimulus(
         quantity="d_current",
         shape="prbs",
@@ -96,5 +105,5 @@ def _sequence(known: Known, loop: CurrentLoop) -> Stimulus:
         prbs_clock_s=known.control_period_s,
         prbs_length=_BITS,
         seed=1,
-        repetitions=_REPETITIONS,
+        repetitions=min(max(often, _FEWEST), _MOST),
     )

@@ -11,7 +11,6 @@ import numpy as np
 from benchtool.analysis import Basis, Contribution, Measurement, combined
 from benchtool.block import Block
 from benchtool.commission.estimators.cogging import Cogging, cogging, without
-from benchtool.commission.estimators.flux_linkage import HARMONICS
 from benchtool.commission.estimators.mechanics import Course, Mechanics, mechanics
 from benchtool.commission.estimators.vectors import vector_of
 from benchtool.commission.excitation import Excitation
@@ -20,9 +19,6 @@ from benchtool.commission.steps.offsets import CURRENTS
 from benchtool.commission.steps.speed_loop import at_speed, settling_s
 from benchtool.commission.steps.step import Finding
 from benchtool.drive import CaptureRequest, Stimulus
-
-COGGING = "cogging_"
-"""Begins the name of the amplitude of cogging, which its order ends."""
 
 _SPEEDS = (0.12, 0.2, 0.28, 0.36)  # of the rated speed; the drive trips at half of it
 _LEVELS = 3  # a binary sequence of three bits: on, back, on
@@ -154,8 +150,7 @@ def _course(block: Block, known: Known, share: float) -> Course:
     i_dq = i * np.exp(-1j * motor.pole_pairs * theta)
     flux = motor.psi_r_Wb + (motor.L_d_H - motor.L_q_H) * i_dq.real
     torque = 1.5 * motor.pole_pairs * flux * i_dq.imag
-    for order in HARMONICS:  # currents that the harmonics of the EMF drive brake the shaft
-        psi = complex(*(known.value(f"psi_{abs(order)}_{part}", 0.0) for part in ("cos", "sin")))
+    for order, psi in known.flux_harmonics.items():  # currents that they drive brake the shaft
         of_angle = 1j * order * psi * np.exp(1j * order * motor.pole_pairs * theta)
         torque += 1.5 * motor.pole_pairs * (of_angle * np.conj(i)).real
     step_s = block.tick_s * block.stride
@@ -188,10 +183,11 @@ def _cogging(orders: Sequence[Cogging]) -> Iterator[Measurement]:
             ),
         ]
         yield Measurement(
-            f"{COGGING}{each.order}",
+            f"cogging_{each.order}",
             each.amplitude_Nm,
             "Nm",
             f"amplitude of the torque that comes {each.order} times in a revolution, at standing angles",
+            Basis(order=each.order),
             uncertainty=combined(lines, "scatter over speeds and directions"),
         )
     if not orders:

@@ -1,4 +1,8 @@
-"""The speed loop: a PI for a crossover and a phase margin, checked by a Bode plot of a turning shaft."""
+"""The speed loop: a PI for a crossover and a phase margin, checked by a Bode plot of a turning shaft.
+
+Where the plot is not as designed, it shows the plant that the gains really work on. The loop is tuned for
+that, and checked again; what is stored was checked.
+"""
 
 from __future__ import annotations
 
@@ -8,17 +12,24 @@ from dataclasses import replace
 
 import numpy as np
 
-from benchtool.analysis import Measurement
+from benchtool.analysis import Bode, Contribution, Measurement, combined
 from benchtool.block import Block
 from benchtool.commission.estimators.orders import without_orders
 from benchtool.commission.excitation import Excitation
 from benchtool.commission.known import Known
-from benchtool.commission.steps.current_control import current_loop
-from benchtool.commission.steps.mechanics import COGGING
+from benchtool.commission.steps.current_control import current_loop, decay
 from benchtool.commission.steps.step import Finding, Loop
 from benchtool.commission.tuning.bode_check import ExcitedRows, deviations, measured, numbers
-from benchtool.commission.tuning.loops import SpeedLoop, inner_loop, mean_square_of_sequence, tuned_speed_loop
+from benchtool.commission.tuning.loops import (
+    SpeedLoop,
+    has_room,
+    inner_loop,
+    mean_square_of_sequence,
+    tuned_speed_loop,
+)
+from benchtool.commission.tuning.plant_seen import SeenPlant, seen_plant
 from benchtool.drive import CaptureRequest, Stimulus
+from benchtool.errors import AnalysisError, ValueRefused
 from benchtool.protocol import Mode
 
 _CASCADE = 10.0  # by which it is slower than the loop of torque
@@ -28,7 +39,12 @@ _MOST_OBSERVER_RAD_S = 5000.0
 _SPEED_SHARE = 0.25  # of the rated speed
 _TORQUE_SHARE = 0.25  # of the rated torque, that a change of the reference asks for
 _AMPLITUDE_SHARE = 0.1  # of the rated speed
-_BITS, _REPETITIONS = 8, 6
+_BITS = 8
+_FEWEST, _MOST, _LONGEST_S = 6, 12, 5.0  # repetitions, as many as there is time for
+_LONG_S = 8.0  # that a sequence takes which is played twice at most
+_SLOW_S = 12.0  # that the fewest take: a sequence has a bit less
+_APART = 0.2  # of an inertia that was identified: another is a load
+_SEEN_J, _SEEN_FRICTION = "speed_loop_J", "speed_loop_friction"
 _CLOCKS = 20.0  # in a period of the crossover
 _ROWS_OF_A_CLOCK = 10
 _RUN_UP_S = 1.0
@@ -43,6 +59,7 @@ class SpeedControl:
     sign, and a binary sequence is added to the reference.
     """
 
+    most_rounds = 3
     name = "speed_loop"
     needs: tuple[str, ...] = ("current_loop",)
     sets: tuple[str, ...] = ("K_p_speed", "K_i_speed", "omega_observer")
@@ -51,12 +68,15 @@ class SpeedControl:
         """Return a run with a binary sequence."""
         loop = speed_loop(known)
         stimulus, stride = _sequence(known, loop)
-        ticks = stimulus.ticks(known.control_period_s) * _REPETITIONS
+        ticks = stimulus.ticks(known.control_period_s) * stimulus.repetitions
         duration_s = ticks * known.control_period_s
         omega = _SPEED_SHARE * known.motor.omega_m_N_rad_s
         friction = known.friction_Nm(omega)
         assert stimulus.prbs_clock_s is not None
-        shaken = mean_square_of_sequence(loop, stimulus.amplitude, stimulus.prbs_clock_s, _BITS)
+        assert stimulus.prbs_length is not None
+        shaken = mean_square_of_sequence(
+            loop, stimulus.amplitude, stimulus.prbs_clock_s, stimulus.prbs_length
+        )
         squares = (friction**2 + shaken) / known.torque_per_A**2 + (_RIPPLE * known.vector_A) ** 2
         return (
             Excitation(
@@ -88,10 +108,7 @@ class SpeedControl:
         Raises:
             AnalysisError: the capture does not define them.
         """
-        stimulus, stride = _sequence(known, speed_loop(known))
-        rows = ExcitedRows.of(stimulus, known.control_period_s, stride)
-        block = _without_orders(blocks[0], rows, known)
-        found = numbers(measured(block, "stimulus", "omega_m", rows), self.name)
+        found = numbers(_response(blocks[0], known), self.name)
         margin = "for the crossover and a phase margin of 60 degrees, by J, the loop of torque and T_s"
         texts = {
             "K_p_speed": ("Nms/rad", margin),
@@ -105,16 +122,39 @@ class SpeedControl:
         """Return what of the measured loop is not as designed."""
         return deviations(found, self.name, speed_loop(known).margins)
 
+    def refined(self, blocks: Sequence[Block], known: Known) -> Mapping[str, Measurement]:
+        """Return inertia and damping as the loop shows them.
+
+        Nothing where the inertia that was identified is another; where no loop can be tuned for them that
+        keeps its gain margin and its sensitivity at standstill, too, where harmonics of the EMF do not damp;
+        nor of a slow loop that was tuned again already, for the time that it takes.
+        """
+        (played,) = self.plan(known)
+        duration_s = played.request.rows * played.request.stride * known.control_period_s
+        if _SEEN_J in known.estimates and duration_s > _LONG_S:
+            return {}
+        try:
+            refined = _seen(seen_plant(_response(blocks[0], known), speed_loop(known)))
+            loop = speed_loop(known.with_estimates(refined))
+        except (AnalysisError, ValueRefused):  # the findings of this round stand
+            return {}
+        J = known.value("J", loop.J_kgm2)
+        if abs(loop.J_kgm2 / J - 1.0) > _APART:
+            return {}
+        at_standstill = replace(loop, friction_Nms=max(0.0, known.value("friction", 0.0)))
+        return refined if has_room(at_standstill) else {}
+
 
 def speed_loop(known: Known) -> SpeedLoop:
     """Return the loop for what is known of the shaft."""
     J = known.value("J", known.motor.J_kgm2)
     count_rad = 2.0 * math.pi / (4.0 * known.encoder_lines)
     heard = math.sqrt(_TORQUE_OF_A_COUNT * known.motor.T_N_Nm / (_OBSERVER * J * count_rad))
-    inner = inner_loop(known.law, current_loop(known).omega_rad_s, known.control_period_s)
+    decays = decay(known, known.identified.L_q_H)
+    inner = inner_loop(known.law, current_loop(known).omega_rad_s, known.control_period_s, decays)
     crossover = min(current_loop(known).omega_rad_s / _CASCADE, heard)
-    friction = max(0.0, known.value("friction", 0.0))
-    return tuned_speed_loop(crossover, J, friction, inner, known.control_period_s)
+    friction = max(0.0, known.value(_SEEN_FRICTION, known.value("friction", 0.0)))
+    return tuned_speed_loop(crossover, known.value(_SEEN_J, J), friction, inner, known.control_period_s)
 
 
 def gains(known: Known) -> dict[str, float]:
@@ -124,12 +164,36 @@ def gains(known: Known) -> dict[str, float]:
     return {"K_p_speed": loop.K_p_Nms_rad, "K_i_speed": loop.K_i_Nm_rad, "omega_observer": observer}
 
 
+def _response(block: Block, known: Known) -> Bode:
+    stimulus, stride = _sequence(known, speed_loop(known))
+    rows = ExcitedRows.of(stimulus, known.control_period_s, stride)
+    return measured(_without_orders(block, rows, known), "stimulus", "omega_m", rows)
+
+
+def _seen(seen: SeenPlant) -> dict[str, Measurement]:
+    scatter = "scatter about the fit"
+    lines = (
+        (_SEEN_J, seen.J_kgm2, "kgm2", "inertia", seen.J_standard),
+        (_SEEN_FRICTION, seen.friction_Nms, "Nms", "damping", seen.friction_standard),
+    )
+    return {
+        name: Measurement(
+            name,
+            value,
+            unit,
+            f"{what} that the speed loop shows about its crossover, by a Bode plot before the last",
+            uncertainty=combined([Contribution(scatter, "A", standard, seen.dof)], scatter),
+        )
+        for name, value, unit, what, standard in lines
+    }
+
+
 def _without_orders(block: Block, rows: ExcitedRows, known: Known) -> Block:
     """Return a capture without what the shaft's angle repeats in its speed: cogging as far as it was found,
     an eccentric encoder (once and twice in a revolution), sensors that differ (in an electrical one), and the
     harmonics of the EMF (six times in that)."""
     p, names = known.pole_pairs, [each.name for each in block.channels]
-    cogging = (int(name.removeprefix(COGGING)) for name in known.estimates if name.startswith(COGGING))
+    cogging = (each.basis.order for each in known.estimates.values() if each.basis.order is not None)
     orders = sorted({1, 2, p, 2 * p, 6 * p, *cogging})
     place, played = names.index("omega_m"), slice(rows.begin_row, rows.end_row)
     row_s = block.stride * block.tick_s
@@ -149,15 +213,16 @@ def _sequence(known: Known, loop: SpeedLoop) -> tuple[Stimulus, int]:
         0.5 * _TORQUE_SHARE * known.motor.T_N_Nm / loop.K_p_Nms_rad,
         _AMPLITUDE_SHARE * omega_N,
     )
-    return (
-        Stimulus(
-            quantity="speed",
-            shape="prbs",
-            amplitude_rad_s=amplitude,
-            prbs_clock_s=ticks * T_s,
-            prbs_length=_BITS,
-            seed=1,
-            repetitions=_REPETITIONS,
-        ),
-        stride,
+    fewest_s = _FEWEST * (2**_BITS - 1) * ticks * T_s
+    bits = _BITS if fewest_s < _SLOW_S else _BITS - 1
+    often = math.floor(_LONGEST_S / ((2**bits - 1) * ticks * T_s))
+    stimulus = Stimulus(
+        quantity="speed",
+        shape="prbs",
+        amplitude_rad_s=amplitude,
+        prbs_clock_s=ticks * T_s,
+        prbs_length=bits,
+        seed=1,
+        repetitions=min(max(often, _FEWEST), _MOST),
     )
+    return stimulus, stride

@@ -87,6 +87,20 @@ class StagedStep(Protocol):
 
 
 @runtime_checkable
+class RefinedStep(Protocol):
+    """A step that is played again where what its captures show is wrong, and tells how to play it better.
+
+    `most_rounds` is how often it is played at most.
+    """
+
+    most_rounds: int
+
+    def refined(self, blocks: Sequence[Block], known: Known) -> Mapping[str, Measurement]:
+        """Return what the next round is to rest on besides what is known; nothing where it would not be
+        better. The step's estimates then contain it."""
+
+
+@runtime_checkable
 class FaultTelling(Protocol):
     """A step in which a fault of the drive means more than its code says."""
 

@@ -2,9 +2,11 @@
 
 A current follows its reference by internal-model control over the computation delay, which the drive predicts
 across (Harnefors and Nee, IEEE Trans. Ind. Appl. 34 (1998) no. 1): i[k+2] is i[k+1] and a share of what the
-reference is beyond it. A law without a current controller makes its torque within that delay. The speed
-controller is a PI around it, with the speed of an observer that is fed the drive's own torque, and so
-follows it without lag but for a period.
+reference is beyond it. The drive takes the voltage of the resistance to be constant for a period, in which
+the current decays. A law without a current controller makes its torque within that delay.
+
+The speed controller is a PI around it, with the speed of an observer that is fed the drive's own torque, and
+so follows it without lag but for a period.
 """
 
 from __future__ import annotations
@@ -30,10 +32,14 @@ _CHIRP_POINTS = 100
 
 @dataclass(frozen=True)
 class CurrentLoop:
-    """The loop of i_d or i_q with the bandwidth `omega_rad_s`."""
+    """The loop of i_d or i_q with the bandwidth `omega_rad_s`.
+
+    `decay` is R_s T_s / L, which the resistance takes off a current in a period, to first order.
+    """
 
     omega_rad_s: float
     T_s: float
+    decay: float = 0.0
 
     @property
     def share(self) -> float:
@@ -42,11 +48,25 @@ class CurrentLoop:
 
     def closed(self, z: Complex) -> Complex:
         """Return current over its reference."""
-        return np.asarray(self.share / (z * z - (1.0 - self.share) * z))
+        numerator, denominator = self._open(z)
+        return np.asarray(numerator / ((z - 1.0) * denominator + numerator))
 
     def open(self, z: Complex) -> Complex:
         """Return the open loop with unity feedback."""
-        return np.asarray(self.share / ((z - 1.0) * (z + self.share)))
+        numerator, denominator = self._open(z)
+        return np.asarray(numerator / ((z - 1.0) * denominator))
+
+    def _open(self, z: Complex) -> tuple[Complex, Complex]:
+        """Return numerator and denominator of the open loop times z - 1.
+
+        The current is i[k+1] = a i[k] + g u[k-1] T_s / L with a = exp(-decay), g = (1 - a) / decay, predicted
+        as if a were 1 - decay and g were 1. The PI's zero lies at 1 - decay.
+        """
+        if self.decay == 0.0:
+            return np.full_like(z, self.share), z + self.share
+        a = math.exp(-self.decay)
+        of_PI = self.share * (z - 1.0 + self.decay)
+        return (1.0 - a) / self.decay * of_PI, z * (z - a) + of_PI
 
     @property
     def margins(self) -> Margins:
@@ -90,14 +110,14 @@ class SpeedLoop:
         return margins(self.open, self.T_s)
 
 
-def tuned_current_loop(omega_rad_s: float, T_s: float) -> CurrentLoop:
+def tuned_current_loop(omega_rad_s: float, T_s: float, decay: float = 0.0) -> CurrentLoop:
     """Return the loop of this bandwidth, or of the next lower one that has the margins.
 
     Raises:
         ValueRefused: none has.
     """
     for _ in range(_STEPS):
-        loop = CurrentLoop(omega_rad_s, T_s)
+        loop = CurrentLoop(omega_rad_s, T_s, decay)
         found = loop.margins
         if (
             found.phase_rad >= LEAST_PHASE_RAD
@@ -140,9 +160,16 @@ def tuned_speed_loop(
     return SpeedLoop(K_p, K_i, J_kgm2, friction_Nms, inner, T_s)
 
 
-def inner_loop(law: str, omega_current_rad_s: float, T_s: float) -> CurrentLoop | None:
+def has_room(loop: SpeedLoop) -> bool:
+    """Return whether a loop's gain margin and greatest sensitivity are as they should be, whatever its phase
+    margin."""
+    found = loop.margins
+    return found.gain >= LEAST_GAIN and found.sensitivity <= MOST_SENSITIVITY
+
+
+def inner_loop(law: str, omega_current_rad_s: float, T_s: float, decay: float = 0.0) -> CurrentLoop | None:
     """Return the loop that makes the torque of a law; None of one that makes it within the delay."""
-    return CurrentLoop(omega_current_rad_s, T_s) if law in _LAWS_OF_CURRENT else None
+    return CurrentLoop(omega_current_rad_s, T_s, decay) if law in _LAWS_OF_CURRENT else None
 
 
 def mean_square_of_sequence(loop: SpeedLoop, amplitude_rad_s: float, clock_s: float, bits: int) -> float:
