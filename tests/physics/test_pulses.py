@@ -129,12 +129,12 @@ def test_pulses_about_as_short_as_the_dead_time_are_those_of_the_edges(
 ) -> None:
     """Edges that leave a leg where its current holds it, and dead times that outlast the pulse or the
     period."""
-    for seed in range(3):
+    for seed in range(6):
         period = Period("everything", seed, current_A)
         period.duties = np.roll([pulse_s / T_S, 0.5, 1.0 - pulse_s / T_S], seed)
         found = period.run(edges=False)
         assert found == pytest.approx(period.run(edges=True), rel=0.0, abs=1e-4 if current_A < 2.0 else 2e-5)
-    assert ways.count("followed") >= 2
+    assert ways.count("followed") >= 5
 
 
 @pytest.mark.parametrize("seed", range(4))
