@@ -40,7 +40,8 @@ class PartCompiler(CompilerBase):
     """
 
     def define_pipelines(self) -> list[PassManager]:
-        passes = _Passes("part")
+        manager: Any = _Passes
+        passes = manager("part")
         for each, what in (
             (TranslateByteCode, "analyzing bytecode"),
             (FixupArgs, "fix up args"),
