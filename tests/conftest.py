@@ -11,6 +11,8 @@ from typing import Final
 import pytest
 from hypothesis import HealthCheck, settings
 
+from benchtool.link import import_can_without_mdf
+
 # Generated examples are the same in every run, and a busy machine fails no test. Others, and more of them, by
 # `--hypothesis-profile=thorough`.
 settings.register_profile(
@@ -24,6 +26,8 @@ settings.register_profile(
     "thorough", max_examples=1000, deadline=None, suppress_health_check=[HealthCheck.too_slow]
 )
 settings.load_profile("reproducible")
+
+import_can_without_mdf()
 
 LONGEST_FIRST: Final = (
     "tests/checks/test_source.py",

@@ -13,7 +13,7 @@ import can
 from benchtool.clock import Clock
 from benchtool.errors import LinkClosed, NoAnswer
 from benchtool.link import Frame, FrameReceiver
-from benchtool.link.canopen import receive_frames
+from benchtool.link.canopen import receive_frames, stop_receiving
 from benchtool.protocol import DbcMessage
 
 _SILENT_FRAMES = 5
@@ -191,7 +191,7 @@ class BusListener:
 
     def close(self) -> None:
         """End reception and close the bus."""
-        self._stopping.set()
+        stop_receiving(self._bus, self._stopping)
         self._thread.join()
         self._bus.shutdown()
 

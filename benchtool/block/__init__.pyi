@@ -2,6 +2,7 @@ from .arrow import (
     TimeBase as TimeBase,
     batch_of as batch_of,
     block_of as block_of,
+    float_array as float_array,
     gaps_from_text as gaps_from_text,
     gaps_to_text as gaps_to_text,
     recorded_fields as recorded_fields,

@@ -14,6 +14,7 @@ from typer.completion import completion_init  # type: ignore[attr-defined] # typ
 from benchtool import __version__
 from benchtool.cli.exit_codes import run_to_the_end
 from benchtool.cli.verbs import COMPLETION_VERBS, PARAMETER_VERBS, PLAN_VERBS, PROFILE_VERBS, VERBS, group
+from benchtool.link import import_can_without_mdf
 
 app = group(
     VERBS,
@@ -53,6 +54,7 @@ def _options(
 
 def main() -> None:
     """Run the command line and end the process with its exit code."""
+    import_can_without_mdf()
     if COMPLETING in os.environ:
         completion_init()
     for number in _interrupting():

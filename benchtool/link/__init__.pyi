@@ -31,6 +31,7 @@ from .process_data import (
     DriveAccess as DriveAccess,
     Sent as Sent,
 )
+from .python_can import import_can_without_mdf as import_can_without_mdf
 from .replay import (
     FRAMES as FRAMES,
     ReplayLink as ReplayLink,

@@ -37,6 +37,7 @@ class PipePort:
         self._in_hand = False
         self._reader: threading.Thread | None = None
         self._open = True
+        self._woken = False
         self._told = False  # the reader knows that the other end has hung up
         self._concluded = False  # and has come back since
 
@@ -55,8 +56,9 @@ class PipePort:
             self._in_hand = False
             self._concluded = self._told
             self._lock.notify_all()
-            if not self._arrived and self._open and self.peer._open:
+            if not (self._arrived or self._woken) and self._open and self.peer._open:
                 self._lock.wait(READ_S)
+            self._woken = False
             if not self._open:
                 raise OSError("the port was closed")
             if self._arrived:
@@ -79,6 +81,12 @@ class PipePort:
             if not self.peer._open:
                 raise OSError("the other end hung up")
             self.peer._arrived.append((data, now_s))
+            self._lock.notify_all()
+
+    def wake(self) -> None:
+        """Have a `read` that waits, or else the next, return at once."""
+        with self._lock:
+            self._woken = True
             self._lock.notify_all()
 
     def close(self) -> None:

@@ -71,13 +71,17 @@ class ReceivingLink(ABC):
         with self._close_lock:
             if self._stopping.is_set():
                 return
-            self._stopping.set()
+            self._stop_receiving()
             self._thread.join()
             self._close_device()
 
     @abstractmethod
     def _receive(self) -> None:
         """What the receive thread does."""
+
+    def _stop_receiving(self) -> None:
+        """Have the receive thread end soon."""
+        self._stopping.set()
 
     @abstractmethod
     def _close_device(self) -> None:

@@ -16,6 +16,7 @@ from benchtool.results import Assessment, RunResult, over_repetitions
 from benchtool.run.case import Progress
 from benchtool.run.resumption import Provenance, require_same_provenance
 from benchtool.run.runner import RunInfo, run_cases
+from benchtool.run.worker_process import begin_worker
 
 
 @dataclass(frozen=True)
@@ -62,7 +63,7 @@ def run_in_processes(
         require_same_provenance(folder, Provenance(plan, info.link, info.seed, info.profile_toml))
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(
-        min(jobs, len(todo)), context, initializer=gc.set_threshold, initargs=gc.get_threshold()
+        min(jobs, len(todo)), context, initializer=begin_worker, initargs=gc.get_threshold()
     ) as pool:
         tasks = [pool.submit(_run, _Task(plan, case, profile_name, folder, info, resume)) for case in todo]
         for number, done in enumerate(as_completed(tasks), start=1):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import threading
 
 import pytest
@@ -33,6 +34,22 @@ def test_bytes_go_both_ways_in_order_with_their_times(
     assert other.read_timed() == (b"b", 0.5)
     assert one.read_timed() == (b"c", 0.25)
     assert other.read() == b"", "nothing more has come"
+
+
+def test_a_read_that_would_wait_is_woken_and_loses_nothing_by_it(
+    ends: tuple[PipePort, PipePort], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys.modules[PipePort.__module__], "READ_S", threading.TIMEOUT_MAX)
+    one, other = ends
+    other.wake()
+    assert other.read() == b""
+    one.write(b"a")
+    other.wake()
+    assert other.read() == b"a"
+    thread = threading.Thread(target=other.read)
+    thread.start()
+    other.wake()
+    thread.join()
 
 
 def test_what_was_sent_before_a_hang_up_still_arrives(ends: tuple[PipePort, PipePort]) -> None:

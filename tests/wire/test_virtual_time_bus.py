@@ -93,6 +93,36 @@ def test_frames_that_a_filter_keeps_out_are_dealt_with(bus: VirtualTimeBus, peer
     assert handled == []
 
 
+def test_a_filter_set_between_two_frames_counts_from_then_on(bus: VirtualTimeBus, peer: can.BusABC) -> None:
+    """Also for frames that the bus took together with the one before."""
+    for can_id in (0x101, 0x601, 0x102, 0x602, 0x103):
+        peer.send(can.Message(arbitration_id=can_id, is_extended_id=False))
+    received = [bus.recv(0.0)]
+    bus.set_filters([{"can_id": 0x600, "can_mask": 0x700}])
+    received += [bus.recv(0.1), bus.recv(0.1)]
+    assert [each and each.arbitration_id for each in received] == [0x101, 0x601, 0x602]
+    bus.set_filters(None)
+    assert [each and each.arbitration_id for each in (bus.recv(0.0), bus.recv(0.0))] == [0x103, None]
+    assert bus.settle() is False
+
+
+def test_a_receiver_that_waits_can_be_woken_and_loses_nothing_by_it(
+    bus: VirtualTimeBus, peer: can.BusABC
+) -> None:
+    received: list[can.Message | None] = []
+    thread = threading.Thread(target=lambda: received.append(bus.recv(None)))
+    thread.start()
+    bus.wake()  # without which it would wait for ever
+    thread.join()
+    peer.send(FRAME)
+    bus.wake()
+    peer.send(FRAME)
+    received += [bus.recv(0.0), bus.recv(0.0), bus.recv(0.0)]
+    assert [each is not None for each in received] == [False, True, False, True]
+    assert bus.recv(0.0) is None
+    assert bus.settle() is False
+
+
 def test_a_dead_receiver_is_named_at_once(bus: VirtualTimeBus, peer: can.BusABC) -> None:
     thread = threading.Thread(target=lambda: bus.recv(0), name="firmware")
     thread.start()

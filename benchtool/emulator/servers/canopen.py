@@ -36,7 +36,7 @@ class CanopenServer:
     is_can = True
 
     def __init__(self, bus: can.BusABC, node: DriveNode) -> None:
-        self.receiver = Receiver("emulated-drive", self._receive, self._close)
+        self.receiver = Receiver("emulated-drive", self._receive, self._close, self._wake)
         self._bus = bus
         self._node = node
         self._errors = 0
@@ -116,6 +116,10 @@ class CanopenServer:
                     for answer in party.hear(*sent):
                         self._put(*answer)
 
+    def _wake(self) -> None:
+        if isinstance(self._bus, VirtualTimeBus):
+            self._bus.wake()
+
     def _close(self) -> None:
         with suppress(can.CanError, OSError):
             self._bus.shutdown()
@@ -153,22 +157,20 @@ class CanopenServer:
             self._put(*frame)
 
     def _send_all(self, can_id: int, frames: Sequence[bytes]) -> None:
-        bus = self._bus
-        if self._outbound.is_undisturbed and isinstance(bus, VirtualTimeBus) and bus.is_unbounded:
-            with suppress(can.CanError, OSError):
-                bus.send_data(can_id, frames, self._node.firmware.now_s)
+        if self._outbound.is_undisturbed:
+            self._put(can_id, *frames)
             return
         for data in frames:
             self._send(can_id, data)
 
-    def _put(self, can_id: int, data: bytes) -> None:
-        frame = can.Message(
-            timestamp=self._node.firmware.now_s, arbitration_id=can_id, data=data, is_extended_id=False
-        )
-        try:  # noqa: SIM105 # `suppress` costs a good part of a frame
-            self._bus.send(frame)
-        except (can.CanError, OSError):
-            pass
+    def _put(self, can_id: int, *frames: bytes) -> None:
+        bus, now_s = self._bus, self._node.firmware.now_s
+        with suppress(can.CanError, OSError):
+            if isinstance(bus, VirtualTimeBus) and bus.is_unbounded:
+                bus.send_data(can_id, frames, now_s)
+                return
+            for data in frames:
+                bus.send(can.Message(timestamp=now_s, arbitration_id=can_id, data=data, is_extended_id=False))
 
 
 def _is_data(frame: can.Message) -> bool:

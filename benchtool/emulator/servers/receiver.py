@@ -13,17 +13,25 @@ class Receiver:
         name: of the thread.
         receive: waits for what comes, a fraction of a second at most, and handles it.
         at_end: gives the wire back, in whichever way the thread ends.
+        wake: has a `receive` that waits return, so that `stop` need not wait for it.
 
     Attributes:
         gone: the OSError raised when the wire was lost.
         failure: any other exception: a defect.
     """
 
-    def __init__(self, name: str, receive: Callable[[], None], at_end: Callable[[], None]) -> None:
+    def __init__(
+        self,
+        name: str,
+        receive: Callable[[], None],
+        at_end: Callable[[], None],
+        wake: Callable[[], None] = lambda: None,
+    ) -> None:
         self.gone: OSError | None = None
         self.failure: BaseException | None = None
         self._receive = receive
         self._at_end = at_end
+        self._wake = wake
         self._stopping = threading.Event()
         self._thread = threading.Thread(target=self._run, name=name, daemon=True)
 
@@ -33,6 +41,7 @@ class Receiver:
     def stop(self) -> None:
         """End the thread and wait for it; a second call does nothing."""
         self._stopping.set()
+        self._wake()
         self._thread.join()
 
     def lose(self, reason: OSError) -> None:

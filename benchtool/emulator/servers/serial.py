@@ -16,7 +16,7 @@ from benchtool.emulator.servers.receiver import Receiver
 from benchtool.emulator.servers.serial_stream import ControlRateStream
 from benchtool.emulator.servers.transmitter import DirectTransmitter, QueuedTransmitter
 from benchtool.emulator.servers.upload import Upload
-from benchtool.link import Port
+from benchtool.link import PipePort, Port
 from benchtool.protocol.canopen import Abort, Emergency, NmtState
 from benchtool.protocol.serial import (
     MAX_PAYLOAD,
@@ -75,7 +75,7 @@ class SerialServer:
     """
 
     def __init__(self, port: Port, node: DriveNode, *, buffered: bool = True) -> None:
-        self.receiver = Receiver("emulated-drive-serial", self._receive, self._close)
+        self.receiver = Receiver("emulated-drive-serial", self._receive, self._close, self._wake)
         self._port = port
         self._node = node
         self._splitter = FrameSplitter(MAX_REQUEST)
@@ -182,6 +182,10 @@ class SerialServer:
         self.release()
         self._last_sequence = None
         self._upload.reset()
+
+    def _wake(self) -> None:
+        if isinstance(self._port, PipePort):
+            self._port.wake()
 
     def _close(self) -> None:
         with suppress(OSError):

@@ -14,7 +14,7 @@ from canopen.sdo.exceptions import SdoAbortedError, SdoCommunicationError
 from benchtool.clock import Clock, drained
 from benchtool.errors import LinkError, NoAnswer, SdoAbort
 from benchtool.link.canopen.process_data import PdoProcessData
-from benchtool.link.canopen.reception import FAILING_S, receive_frames
+from benchtool.link.canopen.reception import FAILING_S, receive_frames, stop_receiving
 from benchtool.link.canopen.sdo_client import BlockNotOfferedError, SdoClient, SdoTimeoutError
 from benchtool.link.interface import CountsMalformed, Frame, FrameReceiver, LinkCounters
 from benchtool.link.receiving import ReceivingLink
@@ -172,6 +172,9 @@ class CanopenLink(ReceivingLink):
             self._network.send_message(can_id, data)
         except (can.CanError, OSError) as reason:
             raise self._send_failure(reason, FAILING_S, _CHECK_SENDING) from reason
+
+    def _stop_receiving(self) -> None:
+        stop_receiving(self._bus, self._stopping)
 
     def _close_device(self) -> None:
         self._bus.shutdown()

@@ -8,6 +8,8 @@ from typing import Final
 
 import can
 
+from benchtool.link.canopen.virtual import VirtualTimeBus
+
 _RECEIVE_S = 0.05
 _ERROR_PAUSE_S = 0.001
 _ERRORS_IN_A_ROW = 100
@@ -48,3 +50,10 @@ def receive_frames(
         else:
             errors = 0
     return None
+
+
+def stop_receiving(bus: can.BusABC, stopping: threading.Event) -> None:
+    """Set `stopping`, and have a loop that waits for frames see it at once, where the bus can be woken."""
+    stopping.set()
+    if isinstance(bus, VirtualTimeBus):
+        bus.wake()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import queue
 import threading
 import time
+from collections import deque
 from collections.abc import Sequence
 from typing import Any
 
@@ -20,8 +21,8 @@ _LIVENESS_S = 0.1
 class VirtualTimeBus(VirtualBus):
     """A python-can virtual bus that knows when its receiver has handled everything sent to it.
 
-    A receive loop asks for the next frame only after it has handled the one before, so each call of `recv`
-    marks the previous frame as done. Plain python-can buses on the channel are its peers.
+    A receive loop asks for the next frame only after it has handled the one before, so `recv` marks frames as
+    done when it comes back for more than it had taken. Plain python-can buses on the channel are its peers.
 
     Args:
         channel: name that peers share.
@@ -32,7 +33,8 @@ class VirtualTimeBus(VirtualBus):
     def __init__(self, channel: str, *, clock: Clock | None = None, **options: Any) -> None:
         super().__init__(channel, **options)
         self._clock = clock
-        self._in_hand = False
+        self._taken: deque[can.Message | None] = deque()
+        self._in_hand = 0
         self._receiver: threading.Thread | None = None
 
     def settle(self, timeout_s: float = 5.0) -> bool:
@@ -112,31 +114,41 @@ class VirtualTimeBus(VirtualBus):
             self.queue.all_tasks_done.notify_all()
 
     def recv(self, timeout: float | None = None) -> can.Message | None:
-        """As in python-can; what is there already is taken at a third of the cost."""
-        if not self._open or self._filters is not None or not self.queue.queue:
+        """As in python-can; what is there already is taken at once, at a tenth of the cost."""
+        if self._filters is not None:
             return super().recv(timeout)
-        self._receiver = threading.current_thread()
-        with self.queue.mutex:  # the queue's own `task_done` and `get` in one
-            if self._in_hand:
-                self.queue.unfinished_tasks -= 1
-                if not self.queue.unfinished_tasks:
-                    self.queue.all_tasks_done.notify_all()
-            self._in_hand = bool(self.queue.queue)
-            if not self._in_hand:
-                return None
-            received: can.Message = self.queue.queue.popleft()
-            if self.queue.maxsize > 0:
-                self.queue.not_full.notify()
-            return received
+        if self._taken and self._open:
+            return self._taken.popleft()
+        return self._recv_internal(timeout)[0]
+
+    def wake(self) -> None:
+        """Have a `recv` that waits, or else the next, return without a frame."""
+        with self.queue.mutex:
+            self.queue.queue.append(None)  # no task: there is nothing to handle
+            self.queue.not_empty.notify()
 
     def _recv_internal(self, timeout: float | None) -> tuple[can.Message | None, bool]:
-        self._receiver = threading.current_thread()
-        if self._in_hand:
-            self._in_hand = False
-            self.queue.task_done()
+        self._check_if_open()
+        if not self._taken:
+            self._take_all()
+        if self._taken:
+            return self._taken.popleft(), False
         received = super()._recv_internal(timeout)
-        self._in_hand = received[0] is not None
+        self._in_hand = int(received[0] is not None)
         return received
+
+    def _take_all(self) -> None:
+        """Take what is there, unless a peer may wait for room; frames taken before are done."""
+        self._receiver = threading.current_thread()
+        with self.queue.all_tasks_done:
+            self.queue.unfinished_tasks -= self._in_hand
+            if self._in_hand and not self.queue.unfinished_tasks:
+                self.queue.all_tasks_done.notify_all()
+            self._in_hand = 0
+            if self.queue.maxsize <= 0:
+                self._taken.extend(self.queue.queue)
+                self.queue.queue.clear()
+                self._in_hand = self.queue.unfinished_tasks
 
     def _stall_reason(self, deadline_s: float) -> str:
         if self._receiver is not None and not self._receiver.is_alive():

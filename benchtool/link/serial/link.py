@@ -8,6 +8,7 @@ from functools import partial
 
 from benchtool.clock import Clock, drained
 from benchtool.link.interface import BatchReceiver, LinkCounters
+from benchtool.link.pipe import PipePort
 from benchtool.link.port import Port
 from benchtool.link.receiving import ReceivingLink
 from benchtool.link.serial.process_data import BatchProcessData
@@ -142,6 +143,11 @@ class SerialLink(ReceivingLink):
                 self._port.write(frame)
         except OSError as reason:
             raise self._send_failure(reason, _FAILING_S, _CHECK_SENDING) from reason
+
+    def _stop_receiving(self) -> None:
+        super()._stop_receiving()
+        if isinstance(self._port, PipePort):
+            self._port.wake()
 
     def _close_device(self) -> None:
         self._port.close()

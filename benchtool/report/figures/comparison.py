@@ -15,6 +15,7 @@ from benchtool.analysis import Panel
 from benchtool.report.figures.envelope import envelope, trace
 from benchtool.report.figures.labels import channel_label
 from benchtool.report.figures.style import (
+    ABOVE,
     BLUE,
     GREEN,
     ORANGE,
@@ -170,4 +171,4 @@ def _speed(axes: Axes, panel: Panel) -> None:
 
 def _name(axes: Axes, label: str, columns: int = 1, across: int = _ACROSS) -> None:
     lines = textwrap.wrap(label, across // columns)
-    axes.set_title(literal("\n".join(lines)), loc="left", fontsize=9 if columns == 1 else 8)
+    axes.set_title(literal("\n".join(lines)), **ABOVE, fontsize=9 if columns == 1 else 8)

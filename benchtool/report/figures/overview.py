@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from benchtool.block import Block
 from benchtool.report.figures.envelope import trace
 from benchtool.report.figures.labels import channel_label
-from benchtool.report.figures.style import BLUE, dress, new_figure
+from benchtool.report.figures.style import ABOVE, BLUE, dress, new_figure
 
 _PANEL_IN = 1.05
 _FEW_CHANNELS = 4
@@ -28,11 +28,7 @@ def draw_channels(block: Block, title: str) -> Figure:
         dress(axes, "", "")
         axes.margins(x=0.0)
         axes.locator_params(axis="y", nbins=4)
-        axes.set_title(
-            channel_label(channel.name, channel.unit),
-            loc="left",
-            fontsize=8,
-        )
+        axes.set_title(channel_label(channel.name, channel.unit), **ABOVE, fontsize=8)
     for axes in panels.flat[len(block.channels) :]:
         axes.set_axis_off()
     for column in panels.T:

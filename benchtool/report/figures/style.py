@@ -30,6 +30,9 @@ REFERENCE: Final[dict[str, Any]] = {"color": BLACK, "linewidth": 0.9, "linestyle
 
 LIMIT: Final[dict[str, Any]] = {"color": "#b34700", "linewidth": 1.2, "linestyle": (0, (6, 2, 1.5, 2))}
 
+ABOVE: Final[dict[str, Any]] = {"loc": "left", "y": 1.0}
+"""Place of a title; without a height, Matplotlib measures all axes several times to find the same one."""
+
 WIDTH_IN: Final = 7.0
 DPI: Final = 220
 _FONT_PT: Final = 9

@@ -78,7 +78,7 @@ def draw_waveforms(panel: Panel, title: str) -> Figure:
         whole.axvspan(view.begin_s, _end_s(view.whole), color=LIGHT, alpha=0.35, linewidth=0, zorder=0.5)
         rows = add_legend(whole, at_left=True)
         whole.get_legend().set_in_layout(False)  # it may reach over the detail beside it,
-        whole.set_title("\n".join([" "] * rows), fontsize=9)  # and has its room by this
+        whole.set_title("\n".join([" "] * rows), fontsize=9, y=1.0)  # and has its room by this
         detail.tick_params(labelleft=False)
     whole, detail = grid[-1]
     dress(whole, "time $t$ (s), whole capture", whole.get_ylabel())
