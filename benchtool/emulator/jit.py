@@ -38,10 +38,11 @@ from benchtool.emulator.lowering import PartCompiler
 
 F = TypeVar("F", bound=Callable[..., Any])
 
-# No fastmath: the same source gives the same bits. The numpy error model spares a branch at every division.
+# Of fast arithmetic there is one thing: a product and a sum may be rounded once in place of twice, where the
+# processor can. The numpy error model spares a branch at every division.
 # Compiled code creates no arrays and keeps none. Without `nrt`, numba's runtime, references to them are not
 # counted, which is an atomic operation wherever one is passed on: 50 ns in a tick with a capture.
-_OPTIONS: dict[str, Any] = {"error_model": "numpy", "_nrt": False}
+_OPTIONS: dict[str, Any] = {"error_model": "numpy", "_nrt": False, "fastmath": {"contract"}}
 
 _SEPARATE: dict[Callable[..., Any], Any] = {}  # numba holds them by weak references only
 

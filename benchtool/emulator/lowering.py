@@ -10,12 +10,12 @@ from __future__ import annotations
 
 from typing import Any
 
+from numba.core import cgutils
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import CompilerBase
 from numba.core.compiler_machinery import LoweringPass, PassManager, register_pass
+from numba.core.lowering import Lower
 from numba.core.typed_passes import (
-    AnnotateTypes,
-    IRLegalization,
     NativeLowering,
     NoPythonBackend,
     NopythonTypeInference,
@@ -40,7 +40,8 @@ class PartCompiler(CompilerBase):
     """
 
     def define_pipelines(self) -> list[PassManager]:
-        passes = PassManager("part")
+        manager: Any = _Passes
+        passes = manager("part")
         for each, what in (
             (TranslateByteCode, "analyzing bytecode"),
             (FixupArgs, "fix up args"),
@@ -52,10 +53,8 @@ class PartCompiler(CompilerBase):
             (DeadBranchPrune, "dead branch pruning"),
             (NopythonTypeInference, "nopython frontend"),
             (PreLowerStripPhis, "remove phis nodes"),
-            (IRLegalization, "ensure IR is legal prior to lowering"),
-            (AnnotateTypes, "annotate types"),
             (_WithoutMachineCode, "to be lowered only"),
-            (NativeLowering, "native lowering"),
+            (_PartLowering, "native lowering"),
             (_Registration, "for what calls it"),
             (NoPythonBackend, "nopython mode backend"),
         ):
@@ -64,8 +63,26 @@ class PartCompiler(CompilerBase):
         return [passes]
 
 
+class _Passes(PassManager):
+    """Passes one after the other, without the records that numba keeps of each, which for records of a
+    hundred fields take longer than most passes, and without analyses again of what a pass has left whole."""
+
+    def _runPass(self, index: int, pss: Any, internal_state: Any) -> None:
+        pss.analysis = self._analysis
+        for run in (pss.run_initialization, pss.run_pass, pss.run_finalizer):
+            run(internal_state)
+
+
 class _Lowered(JITCodeLibrary):
     """Code as it is lowered, with that of the functions that it calls; what links it optimises both."""
+
+    def _optimize_functions(self, ll_module: Any) -> None:
+        """Optimise what is defined in a module; numba goes through what is only declared as well."""
+        ll_module.data_layout = self._codegen._data_layout
+        for function in ll_module.functions:
+            if not function.is_declaration:
+                passes, builder = self._codegen._function_pass_manager()
+                passes.run(function, builder)
 
     def finalize(self) -> None:
         self._raise_if_finalized()  # type: ignore[no-untyped-call]
@@ -73,6 +90,21 @@ class _Lowered(JITCodeLibrary):
             self._reload_init.update(library._reload_init)
             self._final_module.link_in(library._get_module_for_linking(), preserve=True)
         self._finalized = True
+
+
+class _Lower(Lower):
+    def alloca_lltype(self, name: str, lltype: Any, datamodel: Any = None) -> Any:
+        """Return room for a variable, of which nothing is told to a debugger."""
+        return cgutils.alloca_once(self.builder, lltype, name=name, zfill=False)
+
+
+@register_pass(mutates_CFG=True, analysis_only=False)
+class _PartLowering(NativeLowering):
+    _name = "benchtool_lowering"
+
+    @property
+    def lowering_class(self) -> type[Lower]:
+        return _Lower
 
 
 @register_pass(mutates_CFG=False, analysis_only=False)

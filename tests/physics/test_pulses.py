@@ -121,6 +121,22 @@ def test_a_period_ends_where_short_steps_between_edges_do(
     assert np.median(errors, axis=0)[:2].max() < 3e-6
 
 
+@pytest.mark.usefixtures("fine")
+@pytest.mark.parametrize("pulse_s", [1e-6, 1.99e-6, 2.01e-6, 3e-6])
+@pytest.mark.parametrize("current_A", [1.0, 20.0])
+def test_pulses_about_as_short_as_the_dead_time_are_those_of_the_edges(
+    pulse_s: float, current_A: float, ways: list[str]
+) -> None:
+    """Edges that leave a leg where its current holds it, and dead times that outlast the pulse or the
+    period."""
+    for seed in range(6):
+        period = Period("everything", seed, current_A)
+        period.duties = np.roll([pulse_s / T_S, 0.5, 1.0 - pulse_s / T_S], seed)
+        found = period.run(edges=False)
+        assert found == pytest.approx(period.run(edges=True), rel=0.0, abs=1e-4 if current_A < 2.0 else 2e-5)
+    assert ways.count("followed") >= 5
+
+
 @pytest.mark.parametrize("seed", range(4))
 def test_a_period_ends_where_another_inverter_in_other_coordinates_does(seed: int, ways: list[str]) -> None:
     period = Period("salient", seed, 1.0)

@@ -32,10 +32,9 @@ from benchtool.emulator.machine.harmonics import (
     with_turning_torque,
 )
 from benchtool.emulator.machine.inverter import SQRT3, clarke, phase_currents
-from benchtool.emulator.machine.plant import added, derivative, scaled_voltage
+from benchtool.emulator.machine.plant import added, derivative, scaled_voltage, step
 from benchtool.emulator.machine.shaft import Friction
 from benchtool.emulator.machine.state import State
-from benchtool.emulator.machine.steps import move
 from benchtool.emulator.rotate import rotate
 
 SLOW_ENOUGH = 0.1  # rad of the fastest process in a period; a step of half of it leaves less than 1e-8
@@ -53,6 +52,8 @@ def averaged(
 ) -> tuple[State, float]:
     """Integrate one PWM period of these duties, between ideal switches on a constant dc link.
 
+    Of machines without a drive train, in periods in which dry friction cannot bring the shaft to rest.
+
     Returns the charge drawn from the link as well, in As, if that is `metered`: the duties times the
     integrals of their currents, by Simpson's rule. What the ripple stores it gives back within the
     period, but for some 1e-5 of it, as much as a trapezoidal rule from edge to edge is off by.
@@ -61,7 +62,7 @@ def averaged(
     u_alpha, u_beta = clarke(u_dc * duty_a, u_dc * duty_b, u_dc * duty_c)
     charge = T_s * (1.0 / 6.0) * link_current(duties, x) if metered else 0.0
     for half in range(2):
-        x, _ = move(x, u_alpha, u_beta, 0.5 * T_s, machine, T_load)
+        x = step(x, u_alpha, u_beta, 0.5 * T_s, machine, T_load)
         if half == 0:
             x = rippled(x, duties, u_dc, T_s, machine, T_load)
         if metered:

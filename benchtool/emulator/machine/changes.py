@@ -61,6 +61,8 @@ def followed(
     sign_a, sign_b, sign_c = sign_of(i_a), sign_of(i_b), sign_of(i_c)
     ripple = Ripple(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     charge, time, changes = 0.0, 0.0, 0
+    # without forward voltages a current passes zero as the switches are: their edges count
+    beyond = dead_time if drop > 0.0 else 0.0
     while time < T_s:
         changes += 1
         resting = sign_a * sign_b * sign_c == 0.0
@@ -71,9 +73,9 @@ def followed(
             _told(b, time, dead_time),
             _told(c, time, dead_time),
         )
-        off_a, rail_a, change_a = _rail(a, time, sign_a, i_a, small)
-        off_b, rail_b, change_b = _rail(b, time, sign_b, i_b, small)
-        off_c, rail_c, change_c = _rail(c, time, sign_c, i_c, small)
+        off_a, rail_a, change_a = _rail(a, time, sign_a, i_a, small, beyond)
+        off_b, rail_b, change_b = _rail(b, time, sign_b, i_b, small, beyond)
+        off_c, rail_c, change_c = _rail(c, time, sign_c, i_c, small, beyond)
         until = min(change_a, change_b, change_c, T_s)
         if resting:
             until = min(until, time + T_s / _PARTS)
@@ -129,6 +131,7 @@ def followed(
         ripple = ahead(ripple, d_alpha, d_beta, h, time - 0.5 * T_s, machine.sigma != 0.0)
         i_a, i_b, i_c = j_a, j_b, j_c
         time = until
+    a, b, c = _told(a, T_s, dead_time), _told(b, T_s, dead_time), _told(c, T_s, dead_time)
     shaft.blank_a = max(a.blank - T_s, 0.0)
     shaft.blank_b = max(b.blank - T_s, 0.0)
     shaft.blank_c = max(c.blank - T_s, 0.0)
@@ -176,18 +179,25 @@ def _told(leg: _Leg, time: float, dead_time: float) -> _Leg:
         leg.high + passed * (1.0 - 2.0 * leg.high),
         kept * leg.edge + passed * leg.following,
         kept * leg.following + passed * _NEVER,
-        kept * leg.blank + passed * (time + dead_time),
+        kept * leg.blank + passed * (leg.edge + dead_time),
     )
 
 
 @njit
-def _rail(leg: _Leg, time: float, sign: float, current: float, small: float) -> tuple[float, float, float]:
+def _rail(
+    leg: _Leg, time: float, sign: float, current: float, small: float, beyond: float
+) -> tuple[float, float, float]:
     """Return whether neither switch is on, the rail that the leg is at, 1 or 0, half-way between them where
-    nothing decides, and when that may change next."""
+    nothing decides, and when that may change next.
+
+    An edge that leaves a leg where the current holds it changes nothing until the dead time that it begins
+    has passed, `beyond`.
+    """
     off = 1.0 * (time < leg.blank)
     rail = off * (0.5 - 0.5 * sign) + (1.0 - off) * leg.high
     ends = off * (1.0 * ((rail != leg.high) | (abs(current) <= small)))  # of a dead time that has an effect
-    return off, rail, min(leg.edge, ends * leg.blank + (1.0 - ends) * _NEVER)
+    held = 1.0 * ((rail == 0.5 - 0.5 * sign) & (leg.following > leg.edge + beyond))
+    return off, rail, min(leg.edge + held * beyond, ends * leg.blank + (1.0 - ends) * _NEVER)
 
 
 @called

@@ -35,13 +35,15 @@ class DcLink(NamedTuple):
 
 class Charged(NamedTuple):
     """What a time did to the capacitor: its voltage then, the integral of that in Vs, the charge that the
-    supply fed in As, and what was lost in its resistance and burnt by the chopper in J."""
+    supply fed in As, and what was lost in its resistance and burnt by the chopper in J. `softness` is the
+    change of that integral with the current that is drawn, in Vs/A."""
 
     u: float
     area: float
     fed: float
     lost: float
     burnt: float
+    softness: float
 
 
 @njit
@@ -113,12 +115,18 @@ def giving(
     """Return what happens to the capacitor while the legs take `energy` from it by a constant current.
 
     The legs took their charge at the voltage of the period's beginning, the capacitor gives it at the voltage
-    that it has meanwhile: the current by which both are the same energy is found by secants.
+    that it has meanwhile. The current by which both are the same energy solves a quadratic equation where
+    nothing but the current changes; where the voltage passes that of the supply secants find it from there.
     """
     i0 = 0.0 if u == 0.0 else energy / (u * duration)
     after = charged(C, u, u_s, G_supply, G, i0, duration)
     f0 = i0 * after.area - energy
-    i = energy / after.area if after.area > 0.0 else i0
+    idle = after.area - after.softness * i0  # the area without a current
+    square = idle * idle + 4.0 * after.softness * energy
+    if idle > 0.0 and square >= 0.0:
+        i = 2.0 * energy / (idle + math.sqrt(square))
+    else:
+        i = energy / after.area if after.area > 0.0 else i0
     for _ in range(_SECANTS):
         if abs(f0) <= _CLOSE * abs(energy) or i == i0:
             return after
@@ -152,10 +160,10 @@ def charged(
         lost += G_feeding * (above * above * time - 2.0 * above * rate * of_slope + rate * rate * squared)
         burnt += G * (u * u * time + 2.0 * u * rate * of_slope + rate * rate * squared)
         if not passes < left:
-            return Charged(max(u + rate * by_slope, 0.0), area, fed, lost, burnt)
+            return Charged(max(u + rate * by_slope, 0.0), area, fed, lost, burnt, -of_slope / C)
         u = u_s
         left -= passes
-    return Charged(u, area, fed, lost, burnt)
+    return Charged(u, area, fed, lost, burnt, 0.0)
 
 
 @njit
