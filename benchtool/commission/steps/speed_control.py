@@ -36,7 +36,8 @@ _CASCADE = 10.0  # by which it is slower than the loop of torque
 _TORQUE_OF_A_COUNT = 0.002  # of the rated torque, that a step of the encoder may make
 _OBSERVER = 5.0  # its poles over the crossover
 _MOST_OBSERVER_RAD_S = 5000.0
-_SPEED_SHARE = 0.25  # of the rated speed
+_SPEED_SHARES = 0.1, 0.25  # of the rated speed, least and most
+_AMPLITUDES = 4.0  # of the sequence, in the speed that it is added to
 _TORQUE_SHARE = 0.25  # of the rated torque, that a change of the reference asks for
 _AMPLITUDE_SHARE = 0.1  # of the rated speed
 _BITS = 8
@@ -55,8 +56,8 @@ class SpeedControl:
     """Tune the speed controller for the inertia that was found, and measure its closed loop.
 
     The crossover is a tenth of the current loop's bandwidth, or where a step of the encoder makes a torque
-    that is heard. The shaft turns at a quarter of the rated speed, so that dry friction does not change its
-    sign, and a binary sequence is added to the reference.
+    that is heard. A binary sequence is added to the reference of a shaft that turns several times as fast, so
+    that dry friction does not change its sign, and no faster, as that friction takes most of the energy.
     """
 
     most_rounds = 3
@@ -70,7 +71,8 @@ class SpeedControl:
         stimulus, stride = _sequence(known, loop)
         ticks = stimulus.ticks(known.control_period_s) * stimulus.repetitions
         duration_s = ticks * known.control_period_s
-        omega = _SPEED_SHARE * known.motor.omega_m_N_rad_s
+        least, most = (share * known.motor.omega_m_N_rad_s for share in _SPEED_SHARES)
+        omega = min(max(_AMPLITUDES * stimulus.amplitude, least), most)
         friction = known.friction_Nm(omega)
         assert stimulus.prbs_clock_s is not None
         assert stimulus.prbs_length is not None

@@ -1,0 +1,25 @@
+"""The sequence by which the speed loop is measured, on every motor that ships."""
+
+from __future__ import annotations
+
+import pytest
+
+from benchtool.commission.known import Known
+from benchtool.commission.steps.speed_control import SpeedControl
+from benchtool.profile import load_profile, shipped_profiles
+
+MOTORS = [name for name in shipped_profiles() if name.startswith("motors/")]
+
+
+@pytest.mark.parametrize("motor", MOTORS)
+def test_the_shaft_keeps_its_direction_and_turns_no_faster_than_that_takes(motor: str) -> None:
+    profile = load_profile(motor)
+    omega_N = profile.motor.omega_m_N_rad_s
+    known = Known(profile.motor, profile.control_period_s, 48.0, series_ohm=profile.series_ohm)
+    (played,) = SpeedControl().plan(known)
+    assert played.stimulus is not None
+    amplitude = played.stimulus.amplitude
+    assert 0.0 < amplitude <= 0.1 * omega_N
+    assert played.omega_m_rad_s >= 2.4 * amplitude, "a step of it overshoots by less than half"
+    assert 0.1 * omega_N <= played.omega_m_rad_s <= max(0.1 * omega_N, 4.0 * amplitude)
+    assert played.omega_m_rad_s <= 0.25 * omega_N
