@@ -155,6 +155,7 @@ class TestPythonCan:
         network.NOTIFIER_CYCLE = 0.02
         network.connect()
         sdo = network.add_node(NODE, canopen.ObjectDictionary()).sdo
+        sdo.RESPONSE_TIMEOUT = 5.0  # a busy machine takes longer than the package waits
         assert sdo.upload(0x1000, 0) == b"\x92\x01\x02\x00"
         sdo.download(0x2043, 0, LONG)
         assert drive.objects[0x2043, 0] == LONG

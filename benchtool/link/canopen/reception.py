@@ -14,7 +14,7 @@ _RECEIVE_S = 0.05
 _ERROR_PAUSE_S = 0.001
 _ERRORS_IN_A_ROW = 100
 
-FAILING_S: Final = _ERRORS_IN_A_ROW * _ERROR_PAUSE_S * 4.0
+FAILING_S: Final = _ERRORS_IN_A_ROW * _ERROR_PAUSE_S * 10.0
 """Time for which a failing bus may still count as working."""
 
 
