@@ -42,8 +42,8 @@ _RIPPLE = 0.5  # rms ripple of the current over what one vector changes
 _NEAR_ZERO = 0.5  # of the voltage of the dead time: within the ripple of the current it is not there
 _FOLLOWS = 0.5  # of the speed asked for
 _BY_RIPPLE = ("L_d", "L_q")  # which a current without ripple does not tell
-_COMPARED = ("R_s", "L_d", "L_q", "psi_r", "J")
-_CORRECTED = ("encoder_offset", "dead_time_voltage")
+_ELECTRICAL = ("R_s", "L_d", "L_q", "psi_r", "encoder_offset")
+_DEAD_TIME = "flux_balance_dead_time_voltage"
 
 
 class Verification:
@@ -96,14 +96,16 @@ class Verification:
         """Return what the balances tell, each named after its balance.
 
         A capture that cannot be balanced, as where dead time takes most of the voltage, tells nothing of
-        them; the response of the loops has then been measured all the same.
+        them; the response of the loops has then been measured all the same. Nor does one that is balanced by
+        another dead time than several levels of current have told: of one level the balance knows only the
+        sum of its voltage and that of the resistance, and the other parameters make up for the wrong shares.
         """
         (block,) = blocks
         window = Window.of(of_a_sine(block, known), known.identified)
         found: list[Measurement] = []
         for kind in (FLUX_BALANCE, MOTION_BALANCE):
             try:
-                found += kind.measure(window, FluxBalanceSettings()).measurements
+                found += sound_balance(kind.measure(window, FluxBalanceSettings()).measurements, known)
             except AnalysisError as reason:
                 definition = "second opinion by the balance of the verification run"
                 found.append(Measurement.undefined(kind.name, "", definition, str(reason)))
@@ -144,8 +146,27 @@ class Verification:
         return tuple(findings)
 
 
+def sound_balance(found: Sequence[Measurement], known: Known) -> Sequence[Measurement]:
+    """Return the estimates of a balance.
+
+    Raises:
+        AnalysisError: they rest on a dead time that is not there.
+    """
+    dead = next((each for each in found if each.name == _DEAD_TIME and each.uncertainty is not None), None)
+    if dead is not None and dead.uncertainty is not None:
+        near_zero_V = _NEAR_ZERO * abs(known.drop_V)
+        if abs(dead.value) > max(SURE * dead.uncertainty.standard, near_zero_V):
+            raise AnalysisError(
+                f"the balance takes {dead.value:.3g} V for dead time beside the {known.drop_V:.3g} V that "
+                f"several levels of current have told and the drive makes up for, and a wrong part for the "
+                f"resistance with it: the swing takes too little current to tell them apart"
+            )
+    return found
+
+
 def _beside(found: Mapping[str, Measurement], known: Known) -> tuple[Deviation, ...]:
-    """Return the estimates of the balances beside those of the steps; what the drive corrects is to be 0.
+    """Return the estimates of the balances beside those of the steps; the angle of the encoder, which the
+    drive corrects, is to be 0. An inertia that no step told is the nameplate's, and not compared.
 
     Inductances are told by the ripple of the current. That of a law which modulates is too small: they came
     out 5 % off and more, with an uncertainty of less.
@@ -158,22 +179,22 @@ def _beside(found: Mapping[str, Measurement], known: Known) -> tuple[Deviation, 
         "psi_r": motor.psi_r_Wb,
         "J": motor.J_kgm2,
     }
-    compared = _COMPARED if known.vector_A > 0.0 else [name for name in _COMPARED if name not in _BY_RIPPLE]
-    names = {f"flux_balance_{name}" for name in (*compared, *_CORRECTED)} | {"motion_balance_J"}
+    electrical = [name for name in _ELECTRICAL if known.vector_A > 0.0 or name not in _BY_RIPPLE]
+    names = {f"flux_balance_{name}" for name in electrical}
+    if math.isfinite(known.value("J", math.nan)):
+        names.add("motion_balance_J")
     told = [each for name, each in found.items() if name in names]
     return deviations(told, believed, motor, known.u_dc_V)
 
 
 def _near_zero(name: str, known: Known, current_A: float, omega_m_rad_s: float) -> float:
     """Return by how much dead time, near zero current, makes a balance differ that takes all of it there: a
-    voltage too small, and for it a resistance too large at the rms current of the swing, or what is across
-    the rotor flux at its speed."""
-    lost_V = _NEAR_ZERO * abs(known.drop_V)
+    resistance too large at the rms current of the swing, or what is across the rotor flux at its speed."""
     if name == "R_s":
         return _NEAR_ZERO * abs(known.drop_fundamental_V) / current_A
     if name == "psi_r":
         return ACROSS * abs(known.drop_fundamental_V) / (known.pole_pairs * omega_m_rad_s)
-    return lost_V if name == "dead_time_voltage" else 0.0
+    return 0.0
 
 
 def _combined(each: Deviation, known: Known) -> float:

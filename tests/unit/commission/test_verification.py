@@ -8,7 +8,8 @@ import pytest
 
 from benchtool.analysis import Measurement, Uncertainty
 from benchtool.commission.known import Known
-from benchtool.commission.steps.verification import Verification
+from benchtool.commission.steps.verification import Verification, sound_balance
+from benchtool.errors import AnalysisError
 from benchtool.profile import load_profile
 
 KNOWN = Known(load_profile("zhu2011").motor, 1e-4, 122.6)
@@ -39,3 +40,32 @@ def test_a_resistance_is_contradicted_beyond_what_dead_time_makes_at_the_current
 
 def test_without_dead_time_a_resistance_that_is_a_fifth_off_is_contradicted() -> None:
     assert Verification().findings(told(1.2 * R_S), KNOWN)
+
+
+@pytest.mark.parametrize("J_is_told", [False, True])
+def test_an_inertia_is_compared_with_one_that_a_step_told_and_not_with_the_nameplates(
+    J_is_told: bool,
+) -> None:
+    J, certain = KNOWN.motor.J_kgm2, Uncertainty(1e-8, "scatter", 10.0)
+    own = Measurement("J", J, "kgm2", "", uncertainty=certain)
+    other = Measurement("motion_balance_J", 0.8 * J, "kgm2", "", uncertainty=certain)
+    known = KNOWN.with_estimates({"J": own}) if J_is_told else KNOWN
+    findings = Verification().findings(told(R_S) | {other.name: other}, known)
+    assert [each.what.split("run, ")[1][:4] for each in findings] == (["J is"] if J_is_told else [])
+
+
+def test_a_balance_that_takes_the_resistance_for_dead_time_tells_nothing() -> None:
+    """A hub motor of 0.24 ohm with 1.4 V of dead time was balanced by -0.15 ohm and 0.8 V more."""
+    known = KNOWN.with_drop(1.4)
+
+    def balance(dead_time_V: float, standard_V: float) -> list[Measurement]:
+        certain = Uncertainty(standard_V, "scatter", 10.0)
+        name = "flux_balance_dead_time_voltage"
+        return [*told(R_S).values(), Measurement(name, dead_time_V, "V", "", uncertainty=certain)]
+
+    for dead_time_V, standard_V in ((0.1, 0.01), (0.6, 0.01), (0.8, 0.3)):
+        assert len(sound_balance(balance(dead_time_V, standard_V), known)) == 3
+    for dead_time_V in (0.8, -0.8):
+        with pytest.raises(AnalysisError, match=r"for dead time beside the 1\.4 V that several levels"):
+            sound_balance(balance(dead_time_V, 0.04), known)
+    assert sound_balance([], known) == []
