@@ -108,7 +108,10 @@ class SocketPort:
             raise OSError("the connection was closed") from reason
         if not ready:
             return b""
-        data = self._socket.recv(_MOST)
+        try:
+            data = self._socket.recv(_MOST)
+        except ConnectionResetError:  # closed while bytes of this end were on their way
+            data = b""
         if not data:
             raise OSError("the other end closed the connection")
         return data

@@ -135,6 +135,19 @@ def test_a_socket_carries_bytes_and_its_end_is_told() -> None:
             port.read()
 
 
+def test_a_connection_that_is_closed_with_bytes_unread_is_told_alike() -> None:
+    """The system then resets it."""
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        port = open_port(f"socket://127.0.0.1:{server.getsockname()[1]}")
+        peer, _ = server.accept()
+        port.write(b"unread")
+        assert peer.recv(1, socket.MSG_PEEK) == b"u"
+        peer.close()
+        with pytest.raises(OSError, match="the other end closed the connection"):
+            _read(port, 1)
+        port.close()
+
+
 @pytest.mark.parametrize(
     ("url", "remedy"),
     [
