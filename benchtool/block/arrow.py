@@ -94,17 +94,17 @@ def channels_of(schema: pa.Schema) -> tuple[Channel, ...]:
 
 def batch_of(block: Block, schema: pa.Schema) -> pa.RecordBatch:
     """Return the rows of a block as one batch."""
-    columns = [float_array(column) for column in block.data.T]
+    columns = [number_array(column) for column in block.data.T]
     return pa.RecordBatch.from_arrays(columns, schema=schema)
 
 
-def float_array(values: NDArray[np.float64]) -> pa.Array:
+def number_array(values: NDArray[np.float64] | NDArray[np.int64]) -> pa.Array:
     """Return numbers as an array of Arrow, without a copy where they lie side by side.
 
     `pyarrow.array` imports pandas first, where that is installed: half a second of a command.
     """
-    buffer = pa.py_buffer(np.ascontiguousarray(values, np.float64))
-    return pa.Array.from_buffers(pa.float64(), len(values), [None, buffer])
+    buffer = pa.py_buffer(np.ascontiguousarray(values))
+    return pa.Array.from_buffers(pa.from_numpy_dtype(values.dtype), len(values), [None, buffer])
 
 
 def timed_batch_of(block: Block) -> pa.RecordBatch:
@@ -113,7 +113,7 @@ def timed_batch_of(block: Block) -> pa.RecordBatch:
     timed = with_time(schema)
     columns = batch_of(block, schema).columns
     if timed is not schema:
-        columns = [float_array(block.time_s()), *columns]
+        columns = [number_array(block.time_s()), *columns]
     return pa.RecordBatch.from_arrays(columns, schema=timed)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 import pyarrow as pa
 from pyarrow import csv
 
-from benchtool.block import Block
+from benchtool.block import Block, number_array
 from benchtool.errors import EnvironmentFailure, RecordingError
 from benchtool.recording.files import replacing, require_free
 from benchtool.recording.reader import Bundle
@@ -54,8 +54,7 @@ def _csv(path: Path, stream: str, block: Block, bundle: Bundle) -> None:
     bits."""
     names = ["tick", "time_s [s]"]
     names += [f"{each.name} [{each.unit}]" if each.unit else each.name for each in block.channels]
-    columns = [pa.array(block.ticks()), pa.array(block.time_s())]
-    columns += [pa.array(np.ascontiguousarray(column)) for column in block.data.T]
+    columns = [number_array(each) for each in (block.ticks(), block.time_s(), *block.data.T)]
     with path.open("wb") as file:
         file.write((",".join(names) + "\n").encode())
         options = csv.WriteOptions(include_header=False)

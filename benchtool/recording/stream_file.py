@@ -15,9 +15,9 @@ from benchtool.block import (
     TimeBase,
     batch_of,
     block_of,
-    float_array,
     gaps_from_text,
     gaps_to_text,
+    number_array,
     recorded_fields,
     schema_of,
     times_s,
@@ -148,7 +148,7 @@ class StreamWriter:
         """Return rows from `first` on with their time before them, where the schema has one of its own."""
         columns = group.columns
         if len(schema) > len(columns):
-            columns = [float_array(times_s(self._time_base, self.gaps, first, len(group))), *columns]
+            columns = [number_array(times_s(self._time_base, self.gaps, first, len(group))), *columns]
         return pa.Table.from_arrays(columns, schema=schema)
 
 
