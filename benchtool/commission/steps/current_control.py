@@ -11,7 +11,13 @@ from benchtool.commission.excitation import Excitation
 from benchtool.commission.known import Known
 from benchtool.commission.steps.alignment import aligning
 from benchtool.commission.steps.step import Finding, Loop
-from benchtool.commission.tuning.bode_check import ExcitedRows, deviations, measured, numbers
+from benchtool.commission.tuning.bode_check import (
+    ExcitedRows,
+    deviations,
+    measured,
+    numbers,
+    repetitions,
+)
 from benchtool.commission.tuning.loops import CurrentLoop, tuned_current_loop
 from benchtool.drive import CaptureRequest, Stimulus
 from benchtool.protocol import Mode
@@ -96,7 +102,6 @@ def _sequence(known: Known, loop: CurrentLoop) -> Stimulus:
     L_d = known.value("L_d", known.motor.L_d_H)
     per_ampere = loop.share * L_d / known.control_period_s + known.R_s_ohm
     most_A = 0.5 * _VOLTAGE_SHARE * known.u_dc_V / math.sqrt(3.0) / per_ampere
-    often = math.floor(_LONGEST_S / ((2**_BITS - 1) * known.control_period_s))
     return Stimulus(
         quantity="d_current",
         shape="prbs",
@@ -105,5 +110,5 @@ def _sequence(known: Known, loop: CurrentLoop) -> Stimulus:
         prbs_clock_s=known.control_period_s,
         prbs_length=_BITS,
         seed=1,
-        repetitions=min(max(often, _FEWEST), _MOST),
+        repetitions=repetitions((2**_BITS - 1) * known.control_period_s, _LONGEST_S, _FEWEST, _MOST),
     )

@@ -19,7 +19,13 @@ from benchtool.commission.excitation import Excitation
 from benchtool.commission.known import Known
 from benchtool.commission.steps.current_control import current_loop, decay
 from benchtool.commission.steps.step import Finding, Loop
-from benchtool.commission.tuning.bode_check import ExcitedRows, deviations, measured, numbers
+from benchtool.commission.tuning.bode_check import (
+    ExcitedRows,
+    deviations,
+    measured,
+    numbers,
+    repetitions,
+)
 from benchtool.commission.tuning.loops import (
     SpeedLoop,
     has_room,
@@ -217,7 +223,6 @@ def _sequence(known: Known, loop: SpeedLoop) -> tuple[Stimulus, int]:
     )
     fewest_s = _FEWEST * (2**_BITS - 1) * ticks * T_s
     bits = _BITS if fewest_s < _SLOW_S else _BITS - 1
-    often = math.floor(_LONGEST_S / ((2**bits - 1) * ticks * T_s))
     stimulus = Stimulus(
         quantity="speed",
         shape="prbs",
@@ -225,6 +230,6 @@ def _sequence(known: Known, loop: SpeedLoop) -> tuple[Stimulus, int]:
         prbs_clock_s=ticks * T_s,
         prbs_length=bits,
         seed=1,
-        repetitions=min(max(often, _FEWEST), _MOST),
+        repetitions=repetitions((2**bits - 1) * ticks * T_s, _LONGEST_S, _FEWEST, _MOST),
     )
     return stimulus, stride

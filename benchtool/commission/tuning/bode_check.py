@@ -36,6 +36,11 @@ class ExcitedRows:
         return cls(period, period * stimulus.repetitions, period)
 
 
+def repetitions(sequence_s: float, longest_s: float, fewest: int, most: int) -> int:
+    """Return how often a binary sequence is played: as often as there is time for, within bounds."""
+    return min(max(math.floor(longest_s / sequence_s), fewest), most)
+
+
 def measured(block: Block, input: str, output: str, rows: ExcitedRows) -> Bode:
     """Return the response of a closed loop.
 
