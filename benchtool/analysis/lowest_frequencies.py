@@ -39,7 +39,8 @@ _LAST_OF_FIRST, _BESIDE = 0.75, 0.75  # of the distance between harmonics; sin^2
 _NEAR_HARMONIC = 0.2  # of the distance between harmonics
 _LOST = 4.5  # octaves by which the density rises below the lowest bin: 1/f noise does by five at most
 _WEIGHTLESS = 1e-4  # of all models
-_HALVINGS = 24
+_STEPS = 50  # of Newton's method, of which some eight are taken
+_STEP = 1e-10
 _K, _DOF = 2.0, 60.0  # of Student's distribution, for 95 %
 
 
@@ -200,14 +201,17 @@ def _half_width(weight: Floats, standard: Floats) -> float:
     Its standard deviation would be that of the steepest of the models, however little they weigh.
     """
     kept = weight > _WEIGHTLESS
-    weight, standard = weight[kept] / np.sum(weight[kept]), standard[kept]
-    mixture = list(zip(weight.tolist(), (math.sqrt(2.0) * standard).tolist(), strict=True))
-    low, high = 0.0, 4.0 * float(np.max(standard))
-    for _ in range(_HALVINGS):
-        middle = 0.5 * (low + high)
-        within = sum(share * math.erf(middle / each) for share, each in mixture)
-        low, high = (middle, high) if within < COVERAGE else (low, middle)
-    return high
+    weight, scale = weight[kept] / np.sum(weight[kept]), math.sqrt(2.0) * standard[kept]
+    mixture = list(zip(weight.tolist(), scale.tolist(), strict=True))
+    slope = 2.0 / math.sqrt(math.pi) * weight / scale
+    half = 0.0
+    for _ in range(_STEPS):  # from below, as what lies within rises ever more slowly
+        within = sum(share * math.erf(half / each) for share, each in mixture)
+        step = (COVERAGE - within) / float(np.sum(slope * np.exp(-((half / scale) ** 2))))
+        half += step
+        if step < _STEP * half:
+            break
+    return half
 
 
 def _prior(corners: int, floors: int) -> Floats:

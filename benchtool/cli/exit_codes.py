@@ -22,7 +22,7 @@ import typer
 from benchtool.errors import BenchError, EnvironmentFailure
 
 INTERRUPTED: Final = 130
-OBJECTS: Final = 100_000  # made between two searches for rubbish: what is imported makes hardly any
+OBJECTS: Final = 300_000  # made between two searches for rubbish: what is imported makes hardly any
 _CONTROLS: Final = {code: f"\\x{code:02x}" for code in (*range(32), *range(127, 160)) if code not in (9, 10)}
 _REMEDIES: Final = {
     errno.ENOSPC: "make space there, or write to another place",

@@ -16,6 +16,7 @@ from benchtool.errors import LinkError, NoAnswer, SdoAbort
 from benchtool.link.canopen.process_data import PdoProcessData
 from benchtool.link.canopen.reception import FAILING_S, receive_frames, stop_receiving
 from benchtool.link.canopen.sdo_client import BlockNotOfferedError, SdoClient, SdoTimeoutError
+from benchtool.link.canopen.virtual import FrameBurst
 from benchtool.link.interface import CountsMalformed, Frame, FrameReceiver, LinkCounters
 from benchtool.link.receiving import ReceivingLink
 from benchtool.protocol.canopen import (
@@ -182,7 +183,9 @@ class CanopenLink(ReceivingLink):
     # ---- receive thread ------------------------------------------------------------------------------------
 
     def _receive(self) -> None:
-        self._failure = receive_frames(self._bus, self._stopping, self._handle, self._count_error)
+        self._failure = receive_frames(
+            self._bus, self._stopping, self._handle, self._count_error, self._handle_burst
+        )
 
     def _count_error(self) -> None:
         self._counts["receive_errors"] += 1
@@ -197,6 +200,16 @@ class CanopenLink(ReceivingLink):
             receiver(Frame(frame.arbitration_id, bytes(frame.data), self._arrival_s(frame)))
         else:
             self._network.notify(frame.arbitration_id, frame.data, frame.timestamp)
+
+    def _handle_burst(self, burst: FrameBurst) -> None:
+        if burst.can_id != self._sdo_response:
+            for frame in burst:
+                self._handle(frame)
+            return
+        self._counts["frames_received"] += len(burst.frames)
+        whole = [data for data in burst.frames if len(data) == sdo.FRAME_SIZE]
+        self._counts["frames_dropped"] += len(burst.frames) - len(whole)
+        self._sdo.on_responses(whole)
 
     def _on_sdo_response(self, frame: can.Message) -> None:
         if len(frame.data) == sdo.FRAME_SIZE:

@@ -8,7 +8,7 @@ from typing import Final
 
 import can
 
-from benchtool.link.canopen.virtual import VirtualTimeBus
+from benchtool.link.canopen.virtual import FrameBurst, VirtualTimeBus
 
 _RECEIVE_S = 0.05
 _ERROR_PAUSE_S = 0.001
@@ -23,6 +23,7 @@ def receive_frames(
     stopping: threading.Event,
     handle: Callable[[can.Message], None],
     on_error: Callable[[], None] = lambda: None,
+    handle_burst: Callable[[FrameBurst], None] | None = None,
 ) -> Exception | None:
     """Hand every frame of a bus to `handle` until `stopping` is set, in the calling thread.
 
@@ -31,16 +32,23 @@ def receive_frames(
         stopping: ends the loop, within 0.05 s.
         handle: takes a frame; what it raises counts as an error of the bus.
         on_error: called for each error.
+        handle_burst: takes frames that were sent at once, on a bus that knows; None: `handle` takes each.
 
     Returns:
         The last of 100 errors in a row, which end the loop; None where it was stopped.
     """
     errors = 0
+    receive: Callable[[float], can.Message | FrameBurst | None] = bus.recv
+    if handle_burst is not None and isinstance(bus, VirtualTimeBus):
+        receive = bus.recv_burst
     while not stopping.is_set():
         try:
-            frame = bus.recv(_RECEIVE_S)
-            if frame is not None:
-                handle(frame)
+            received = receive(_RECEIVE_S)
+            if isinstance(received, FrameBurst):
+                assert handle_burst is not None
+                handle_burst(received)
+            elif received is not None:
+                handle(received)
         except Exception as error:  # noqa: BLE001 # drivers raise anything at a line that is disturbed
             on_error()
             errors += 1

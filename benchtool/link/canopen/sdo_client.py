@@ -13,7 +13,7 @@ from __future__ import annotations
 import binascii
 import queue
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import canopen
 from canopen.sdo import client
@@ -86,6 +86,14 @@ class SdoClient(client.SdoClient):
             self.responses.put(bytes(data))
         else:
             self.overruns += 1
+
+    def on_responses(self, frames: Sequence[bytes]) -> None:
+        """Take frames that came at once from the receive thread."""
+        room = max(0, _QUEUE_SIZE - self.responses.qsize())
+        self.overruns += max(0, len(frames) - room)
+        put = self.responses.put
+        for data in frames[:room]:
+            put(data)
 
     def read_response(self) -> bytes:
         """Return the next frame of the server."""
