@@ -60,6 +60,12 @@ class Section(BaseModel):
 Model = TypeVar("Model", bound=Section)
 
 
+def defaults(model: type[Model]) -> Model:
+    """Return a table without keys, as `model()`, whose check is not built for it: that takes longest of all
+    that a document's modules do when they are imported."""
+    return model.model_construct()
+
+
 def document_path(
     name: str,
     place: Path | None,

@@ -10,7 +10,7 @@ from typing import Annotated, Any, Final, Literal
 from pydantic import AfterValidator, Field, ValidationError, field_validator, model_validator
 from pydantic_core import InitErrorDetails
 
-from benchtool.document import Array, Section, closest, document_path, load_document
+from benchtool.document import Array, Section, closest, defaults, document_path, load_document
 from benchtool.drive import Stimulus
 from benchtool.errors import PlanError
 from benchtool.plan.analyses import Analyses
@@ -206,13 +206,13 @@ class Plan(Section):
     """Where the machine runs."""
     variants: Array[Variant] = ()
     """Departures from the plan, each of which is a case."""
-    sweep: Sweep = Sweep()
+    sweep: Sweep = defaults(Sweep)
     """Values that are gone through; each combination is a case."""
     record: Record
     """What the drive captures."""
     stimulus: Stimulus | None = None
     """What the drive plays during the capture."""
-    analyses: Analyses = Analyses()
+    analyses: Analyses = defaults(Analyses)
     """What is measured of the capture."""
     limits: dict[str, Limit] = Field(default_factory=dict)
     """Limits of measurements by name, for every case; a name may end in the unit."""

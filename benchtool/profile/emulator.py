@@ -6,7 +6,7 @@ from typing import Annotated, TypeVar
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from benchtool.document import Array, Item, Section
+from benchtool.document import Array, Item, Section, defaults
 from benchtool.profile.emulated_shaft import DrivenLoad, EmulatedLoadMachine, FlangeTransducer, Shaft
 from benchtool.profile.flux_linkages import FluxLinkages
 from benchtool.profile.sensors import Sensors
@@ -188,7 +188,7 @@ class Inverter(Section):
 class Emulator(Section):
     """The emulated bench: true values, which neither control nor the host ever sees."""
 
-    motor: TrueMotor = TrueMotor()
+    motor: TrueMotor = defaults(TrueMotor)
     """The machine as it really is, where it differs from `[motor]`."""
     inverter: Inverter
     """The power stage."""
@@ -200,9 +200,9 @@ class Emulator(Section):
     commissioned: bool = True
     """Whether the drive has stored what the profile states of it; false: it starts with the defaults of its
     dictionary, as it comes out of its box."""
-    shaft: Shaft = Shaft()
+    shaft: Shaft = defaults(Shaft)
     """Inertia and coupling of the load."""
-    load: DrivenLoad = DrivenLoad()
+    load: DrivenLoad = defaults(DrivenLoad)
     """The machine that is driven."""
     load_machine: EmulatedLoadMachine | None = None
     """A load machine that gives way; without it an ideal one."""

@@ -12,6 +12,7 @@ from pydantic import ConfigDict, Field, ValidationError, model_validator
 from benchtool.document import (
     Array,
     Section,
+    defaults,
     document_path,
     explain,
     load_document,
@@ -44,9 +45,9 @@ class Profile(Section):
     """What `[motor]` stated before a commissioning replaced it; an emulated machine is as this states it."""
     drive: Drive
     """Where the drive answers, which dictionary it speaks, what it is set to."""
-    bench: Bench = Bench()
+    bench: Bench = defaults(Bench)
     """What stands beside the drive, and how well it measures."""
-    limits: Limits = Limits()
+    limits: Limits = defaults(Limits)
     """What the host supervises while the drive is enabled, beside the drive's own trip levels."""
     roles: dict[str, RoleObject] = Field(default_factory=dict)
     """Objects of this drive that differ from CiA 301 and CiA 402, by role."""
@@ -86,7 +87,7 @@ class _BenchOfDocument(Section):
 
     model_config = ConfigDict(extra="ignore")
 
-    bench: Bench = Bench()
+    bench: Bench = defaults(Bench)
 
 
 def profile_path(name: str) -> Path:

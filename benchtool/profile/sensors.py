@@ -7,7 +7,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from benchtool.document import Section
+from benchtool.document import Section, defaults
 
 Gain = Annotated[float, Field(ge=-100, le=100)]
 Current = Annotated[float, Field(ge=-1e5, le=1e5)]
@@ -124,17 +124,17 @@ class Sensors(Section):
     """Lines of the incremental encoder; it counts four times as many edges in a revolution."""
     encoder_offset_rad: Annotated[float, Field(ge=-100, le=100)] = 0.0
     """Mechanical angle of the encoder's zero against the rotor flux on phase a."""
-    i_a: CurrentSensor = CurrentSensor()
+    i_a: CurrentSensor = defaults(CurrentSensor)
     """The current sensor of phase a."""
-    i_b: CurrentSensor = CurrentSensor()
+    i_b: CurrentSensor = defaults(CurrentSensor)
     """The current sensor of phase b."""
-    i_c: CurrentSensor = CurrentSensor()
+    i_c: CurrentSensor = defaults(CurrentSensor)
     """The current sensor of phase c."""
-    u_dc: VoltageSensor = VoltageSensor()
+    u_dc: VoltageSensor = defaults(VoltageSensor)
     """The voltage sensor of the dc link."""
-    encoder: EncoderFlaws = EncoderFlaws()
+    encoder: EncoderFlaws = defaults(EncoderFlaws)
     """What is wrong with the encoder."""
-    temperature: TemperatureSensor = TemperatureSensor()
+    temperature: TemperatureSensor = defaults(TemperatureSensor)
     """The thermometers of winding and surroundings."""
 
     def full_scales(self) -> Mapping[str, float]:

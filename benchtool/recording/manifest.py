@@ -10,7 +10,7 @@ from typing import Annotated, Any
 from pydantic import Field, ValidationError, field_validator
 
 from benchtool import __version__
-from benchtool.document import Array, Section
+from benchtool.document import Array, Section, defaults
 from benchtool.errors import RecordingError
 from benchtool.recording.seal import SEAL, FileHash, read_sealed_json, write_json
 
@@ -72,7 +72,7 @@ class Manifest(Section):
     seed: int | None = None
     command_line: Array[str] = ()
     note: str = ""
-    conditions: Conditions = Conditions()
+    conditions: Conditions = defaults(Conditions)
     verdict: str | None = None
     quality: dict[str, int] = Field(default_factory=dict)
     details: dict[str, Any] = Field(default_factory=dict)
