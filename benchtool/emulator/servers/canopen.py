@@ -14,12 +14,16 @@ from benchtool.emulator.servers.drive_node import DriveNode
 from benchtool.emulator.servers.parties import CanFrame
 from benchtool.emulator.servers.receiver import Receiver
 from benchtool.emulator.servers.sdo_server import SdoServer
-from benchtool.link.canopen import VirtualTimeBus
+from benchtool.link.canopen import FrameBurst, Received, VirtualTimeBus
 from benchtool.protocol.canopen import Emergency, NmtState, cob_id
 
 _POLL_S = 0.2
 _ERRORS_IN_A_ROW = 10
 _ERROR_PAUSE_S = 0.02
+
+
+class BusFailedError(Exception):
+    """A bus could not be received from, for the reason that is its cause."""
 
 
 class CanopenServer:
@@ -40,6 +44,7 @@ class CanopenServer:
         self._bus = bus
         self._node = node
         self._errors = 0
+        self._is_handled = isinstance(bus, VirtualTimeBus) and bus.handle_with(self._take)
         # A controller drops a frame whose check sum is wrong.
         self._inbound: Stage[CanFrame] = Stage(Way.TO_DRIVE, node.disturbances, lambda *_: None)
         self._outbound: Stage[CanFrame] = Stage(Way.TO_HOST, node.disturbances, lambda *_: None)
@@ -99,15 +104,34 @@ class CanopenServer:
 
     def _receive(self) -> None:
         try:
-            frame = self._bus.recv(_POLL_S)
-        except Exception as error:  # drivers raise anything at a line that is disturbed
+            frame = self._next_frame()
+        except BusFailedError as failed:
             self._errors += 1
             if self._errors == _ERRORS_IN_A_ROW:
-                raise OSError(f"the adapter stopped working: {error}") from error
+                raise OSError(f"the adapter stopped working: {failed.__cause__}") from failed.__cause__
             self.receiver.pause(_ERROR_PAUSE_S)
             return
         self._errors = 0
-        if frame is not None and _is_data(frame):
+        if frame is not None:
+            self._take(frame)
+
+    def _next_frame(self) -> can.Message | None:
+        bus = self._bus
+        if self._is_handled and isinstance(bus, VirtualTimeBus):
+            try:
+                bus.serve(_POLL_S)  # what has come is handled there
+            except can.CanError as error:
+                raise BusFailedError from error
+            return None
+        try:
+            return bus.recv(_POLL_S)
+        except Exception as error:  # drivers raise anything at a line that is disturbed
+            raise BusFailedError from error
+
+    def _take(self, received: Received) -> None:
+        for frame in received if isinstance(received, FrameBurst) else (received,):
+            if not _is_data(frame):
+                continue
             sent = frame.arbitration_id, bytes(frame.data)
             with self._node.lock:
                 for can_id, data in self._inbound.passed(sent, self._node.now_s):
@@ -121,6 +145,8 @@ class CanopenServer:
             self._bus.wake()
 
     def _close(self) -> None:
+        if isinstance(self._bus, VirtualTimeBus):
+            self._bus.leave()
         with suppress(can.CanError, OSError):
             self._bus.shutdown()
 

@@ -9,4 +9,8 @@ from .timestamps import (
     AdapterTimestamps as AdapterTimestamps,
     timestamp as timestamp,
 )
-from .virtual import VirtualTimeBus as VirtualTimeBus
+from .virtual import (
+    FrameBurst as FrameBurst,
+    Received as Received,
+    VirtualTimeBus as VirtualTimeBus,
+)

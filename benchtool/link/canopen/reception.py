@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from functools import partial
 from typing import Final
 
 import can
 
-from benchtool.link.canopen.virtual import FrameBurst, VirtualTimeBus
+from benchtool.link.canopen.virtual import FrameBurst, Received, VirtualTimeBus
 
 _RECEIVE_S = 0.05
 _ERROR_PAUSE_S = 0.001
@@ -37,18 +38,36 @@ def receive_frames(
     Returns:
         The last of 100 errors in a row, which end the loop; None where it was stopped.
     """
+
+    def take(received: Received) -> None:
+        if not isinstance(received, FrameBurst):
+            handle(received)
+        elif handle_burst is not None:
+            handle_burst(received)
+        else:
+            for frame in received:
+                handle(frame)
+
+    def receive() -> None:
+        frame = bus.recv(_RECEIVE_S)
+        if frame is not None:
+            handle(frame)
+
+    if isinstance(bus, VirtualTimeBus) and bus.handle_with(take):
+        try:
+            return _repeat(partial(bus.serve, _RECEIVE_S), stopping, on_error)
+        finally:
+            bus.leave()
+    return _repeat(receive, stopping, on_error)
+
+
+def _repeat(
+    receive: Callable[[], None], stopping: threading.Event, on_error: Callable[[], None]
+) -> Exception | None:
     errors = 0
-    receive: Callable[[float], can.Message | FrameBurst | None] = bus.recv
-    if handle_burst is not None and isinstance(bus, VirtualTimeBus):
-        receive = bus.recv_burst
     while not stopping.is_set():
         try:
-            received = receive(_RECEIVE_S)
-            if isinstance(received, FrameBurst):
-                assert handle_burst is not None
-                handle_burst(received)
-            elif received is not None:
-                handle(received)
+            receive()
         except Exception as error:  # noqa: BLE001 # drivers raise anything at a line that is disturbed
             on_error()
             errors += 1

@@ -6,7 +6,7 @@ import queue
 import threading
 import time
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 from weakref import WeakSet
@@ -20,6 +20,7 @@ from benchtool.errors import LinkClosed
 
 _LIVENESS_S = 0.1
 _TAKE_BURSTS: WeakSet[queue.Queue[Any]] = WeakSet()
+_SETTLED: WeakSet[queue.Queue[Any]] = WeakSet()  # whose frames need no thread of their own
 
 
 @dataclass(frozen=True)
@@ -37,6 +38,12 @@ class FrameBurst:
             _data_frame(self.can_id, data, self.timestamp, self.channel, self.is_rx) for data in self.frames
         )
 
+    def __len__(self) -> int:
+        return len(self.frames)
+
+
+Received = can.Message | FrameBurst
+
 
 class VirtualTimeBus(VirtualBus):
     """A python-can virtual bus that knows when its receiver has handled everything sent to it.
@@ -46,16 +53,20 @@ class VirtualTimeBus(VirtualBus):
 
     Args:
         channel: name that peers share.
-        clock: what stamps the frames sent from here; the wall clock's time of day if None.
+        clock: what stamps the frames sent from here; the wall clock's time of day if None. With a virtual one
+            `settle` must be registered.
         options: those of python-can's VirtualBus.
     """
 
     def __init__(self, channel: str, *, clock: Clock | None = None, **options: Any) -> None:
         super().__init__(channel, **options)
         self._clock = clock
-        self._taken: deque[can.Message | FrameBurst | None] = deque()
+        self._taken: deque[Received | None] = deque()
         self._in_hand = 0
         self._receiver: threading.Thread | None = None
+        self._handle: Callable[[Received], None] | None = None
+        self._handling = threading.Lock()
+        self._failures: deque[Exception] = deque()
         _TAKE_BURSTS.add(self.queue)
 
     def settle(self, timeout_s: float = 5.0) -> bool:
@@ -67,18 +78,100 @@ class VirtualTimeBus(VirtualBus):
             LinkClosed: the receiver has ended without closing the bus, or has not come back for `timeout_s`.
         """
         deadline_s = time.monotonic() + timeout_s
-        with self.queue.all_tasks_done:
-            if not (self._open and self.queue.unfinished_tasks):
-                return False
-            while self._open and (waiting := self.queue.unfinished_tasks):
+        if not (self._open and self.queue.unfinished_tasks):
+            return False
+        while True:
+            handle = self._handle
+            if handle is not None and not self._failures:
+                self._hand_on_for_receiver(handle, timeout_s)
+            with self.queue.all_tasks_done:
+                waiting = self.queue.unfinished_tasks
+                if not (self._open and waiting):
+                    return True
                 reason = self._stall_reason(deadline_s)
                 if reason:
                     raise LinkClosed(
                         f"{waiting} frames on '{self.channel_id}' are not dealt with because {reason}; "
                         f"the receiver must call recv until it is closed: look for what ended it"
                     )
-                self.queue.all_tasks_done.wait(min(_LIVENESS_S, timeout_s))
+                if self._handle is None or self._failures:
+                    self.queue.all_tasks_done.wait(min(_LIVENESS_S, timeout_s))
+
+    def handle_with(self, handle: Callable[[Received], None]) -> bool:
+        """Have `handle` take all frames from now on, called by `serve` and by `settle`, one at a time.
+
+        With a virtual clock a frame wakes no thread then: to change threads twice for each takes longer than
+        all else that is done with it, and who waits for an answer settles. Return False, and do nothing,
+        where `recv` is another's or the number of frames that may wait is bounded.
+        """
+        if type(self).recv is not VirtualTimeBus.recv or self.queue.maxsize > 0:
+            return False
+        self._handle = handle
+        if self._clock is not None and self._clock.virtual:
+            _SETTLED.add(self.queue)
         return True
+
+    def leave(self) -> None:
+        """Undo `handle_with`: the receiver has ended."""
+        self._handle = None
+        _SETTLED.discard(self.queue)
+
+    def serve(self, timeout_s: float) -> None:
+        """Wait for frames and have them handled; return after `timeout_s` at the latest, or at `wake`.
+
+        Raises:
+            can.CanOperationError: the bus is closed.
+            Exception: what `handle` has raised, here or while another thread settled.
+        """
+        self._check_if_open()
+        self._receiver = threading.current_thread()
+        with self.queue.not_empty:
+            if not (self.queue.queue or self._failures):
+                self.queue.not_empty.wait(timeout_s)
+        if self._failures:
+            raise self._failures.popleft()
+        if self._handle is not None:
+            self._hand_on(self._handle, timeout_s)
+
+    def _hand_on_for_receiver(self, handle: Callable[[Received], None], timeout_s: float) -> None:
+        """Hand frames on in place of the receiver; what `handle` raises is the receiver's."""
+        try:
+            self._hand_on(handle, timeout_s)
+        except Exception as failure:  # noqa: BLE001 # raised by `serve`
+            with self.queue.not_empty:
+                self._failures.append(failure)
+                self.queue.not_empty.notify()
+
+    def _hand_on(self, handle: Callable[[Received], None], timeout_s: float) -> None:
+        if not self._handling.acquire(timeout=timeout_s):
+            return
+        taken: deque[Received | None] = deque()
+        done = 0
+        try:
+            with self.queue.mutex:
+                taken.extend(self.queue.queue)
+                self.queue.queue.clear()
+            while taken:
+                frame = taken.popleft()
+                if frame is None:
+                    continue  # of `wake`
+                done += len(frame) if isinstance(frame, FrameBurst) else 1
+                self._pass_filters(frame, handle)
+        finally:
+            with self.queue.all_tasks_done:
+                self.queue.queue.extendleft(reversed(taken))
+                self.queue.unfinished_tasks -= done
+                if not self.queue.unfinished_tasks:
+                    self.queue.all_tasks_done.notify_all()
+            self._handling.release()
+
+    def _pass_filters(self, received: Received, handle: Callable[[Received], None]) -> None:
+        if self._filters is None:
+            handle(received)
+            return
+        for each in received if isinstance(received, FrameBurst) else (received,):
+            if self._matches_filters(each):
+                handle(each)
 
     def send(self, msg: can.Message, timeout: float | None = None) -> None:
         """As in python-can, but without its deep copy, which costs more than the rest of the way."""
@@ -93,7 +186,8 @@ class VirtualTimeBus(VirtualBus):
                 with receiver.mutex:  # the queue's own `put`, where nothing is to be waited for
                     receiver.queue.append(copy)
                     receiver.unfinished_tasks += 1
-                    receiver.not_empty.notify()
+                    if receiver not in _SETTLED:
+                        receiver.not_empty.notify()
                 continue
             try:
                 receiver.put(copy, timeout=timeout)
@@ -117,7 +211,8 @@ class VirtualTimeBus(VirtualBus):
             with receiver.mutex:
                 receiver.queue.extend([copy] if receiver in _TAKE_BURSTS else copy)
                 receiver.unfinished_tasks += len(frames)
-                receiver.not_empty.notify()
+                if receiver not in _SETTLED:
+                    receiver.not_empty.notify()
 
     def _stamp(self, given_s: float) -> float:
         if self.preserve_timestamps:
@@ -140,10 +235,6 @@ class VirtualTimeBus(VirtualBus):
             return super().recv(timeout)
         return self._recv_internal(timeout)[0]
 
-    def recv_burst(self, timeout: float | None = None) -> can.Message | FrameBurst | None:
-        """As `recv`; frames that were sent at once come at once, where no filter is set."""
-        return self._take(timeout) if self._filters is None else self.recv(timeout)
-
     def wake(self) -> None:
         """Have a `recv` that waits, or else the next, return without a frame."""
         with self.queue.mutex:
@@ -158,14 +249,14 @@ class VirtualTimeBus(VirtualBus):
             return first, False
         return taken, False
 
-    def _take(self, timeout: float | None) -> can.Message | FrameBurst | None:
+    def _take(self, timeout: float | None) -> Received | None:
         self._check_if_open()
         if not self._taken:
             self._take_all()
         if self._taken:
             return self._taken.popleft()
-        taken: can.Message | FrameBurst | None = super()._recv_internal(timeout)[0]
-        self._in_hand = len(taken.frames) if isinstance(taken, FrameBurst) else int(taken is not None)
+        taken: Received | None = super()._recv_internal(timeout)[0]
+        self._in_hand = len(taken) if isinstance(taken, FrameBurst) else int(taken is not None)
         return taken
 
     def _take_all(self) -> None:
