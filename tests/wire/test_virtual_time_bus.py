@@ -12,7 +12,7 @@ import pytest
 
 from benchtool.clock import VirtualClock
 from benchtool.errors import LinkClosed
-from benchtool.link.canopen.virtual import VirtualTimeBus
+from benchtool.link.canopen.virtual import FrameBurst, Received, VirtualTimeBus
 
 FRAME = can.Message(arbitration_id=0x181, data=b"\x01\x02", is_extended_id=False)
 
@@ -263,4 +263,132 @@ def _each_of(received: list[can.Message | None], first: int) -> list[can.Message
     """Return the frames of one way of sending, which alternate three by three."""
     return [
         each for at in range(first, len(received), 6) for each in received[at : at + 3] if each is not None
+    ]
+
+
+@contextmanager
+def serving(bus: VirtualTimeBus, handle: Callable[[Received], None]) -> Iterator[list[Exception]]:
+    """Have a thread serve a bus, which keeps what is raised there."""
+    stop, raised = threading.Event(), list[Exception]()
+    assert bus.handle_with(handle)
+
+    def run() -> None:
+        while not stop.is_set():
+            try:
+                bus.serve(0.02)
+            except LookupError as failure:
+                raised.append(failure)
+
+    thread = threading.Thread(target=run, name="serving")
+    thread.start()
+    yield raised
+    stop.set()
+    bus.wake()
+    thread.join()
+    bus.leave()
+
+
+def ids_of(received: Received) -> list[int]:
+    frames = received if isinstance(received, FrameBurst) else (received,)
+    return [each.arbitration_id for each in frames]
+
+
+def test_frames_are_handled_in_order_by_whoever_settles(channel: str) -> None:
+    clock = VirtualClock()
+    handled: list[tuple[int, str]] = []
+
+    def handle(received: Received) -> None:
+        handled.extend((each, threading.current_thread().name) for each in ids_of(received))
+
+    with (
+        VirtualTimeBus(channel, clock=clock) as bus,
+        VirtualTimeBus(channel, clock=clock) as peer,
+        serving(bus, handle),
+    ):
+        for can_id in range(300):
+            peer.send(can.Message(arbitration_id=can_id, is_extended_id=False))
+            if can_id % 3 == 0:
+                peer.send_data(can_id, [b"\x01", b"\x02"], 0.0)
+            if can_id % 50 == 0:
+                assert bus.settle() is True
+        bus.settle()
+        assert bus.settle() is False
+    sent = [each for can_id in range(300) for each in [can_id] * (3 if can_id % 3 == 0 else 1)]
+    assert [can_id for can_id, _ in handled] == sent
+    assert threading.current_thread().name in {name for _, name in handled}
+
+
+def test_frames_are_handled_where_nobody_settles(channel: str) -> None:
+    clock = VirtualClock()
+    arrived = threading.Event()
+    with (
+        VirtualTimeBus(channel, clock=clock) as bus,
+        VirtualTimeBus(channel, clock=clock) as peer,
+        serving(bus, lambda _: arrived.set()),
+    ):
+        peer.send(FRAME)
+        assert arrived.wait(5.0)
+
+
+@pytest.mark.parametrize("clock", [None, VirtualClock()])
+def test_what_a_handler_raises_is_its_receivers(channel: str, clock: VirtualClock | None) -> None:
+    handled: list[int] = []
+
+    def handle(received: Received) -> None:
+        handled.extend(ids_of(received))
+        if handled[-1] == 2:
+            raise LookupError("no such number")
+
+    with VirtualTimeBus(channel, clock=clock) as bus, VirtualTimeBus(channel) as peer:
+        with serving(bus, handle) as raised:
+            for can_id in range(5):
+                peer.send(can.Message(arbitration_id=can_id, is_extended_id=False))
+            assert bus.settle() is True
+        assert [str(each) for each in raised] == ["no such number"]
+    assert handled == list(range(5))
+
+
+def test_only_frames_that_pass_a_filter_are_handled(channel: str) -> None:
+    handled: list[int] = []
+    with (
+        VirtualTimeBus(channel, can_filters=[{"can_id": 7, "can_mask": 0x7FF}]) as bus,
+        VirtualTimeBus(channel) as peer,
+        serving(bus, lambda received: handled.extend(ids_of(received))),
+    ):
+        for can_id in (6, 7, 8):
+            peer.send_data(can_id, [b"", b""], 0.0)
+        bus.settle()
+    assert handled == [7, 7]
+
+
+def test_a_receiver_that_has_ended_is_missed(channel: str) -> None:
+    with VirtualTimeBus(channel) as bus, VirtualTimeBus(channel) as peer:
+        with serving(bus, lambda _: None):
+            peer.send(FRAME)
+            bus.settle()
+        peer.send(FRAME)
+        with pytest.raises(LinkClosed, match="the receive thread 'serving' has ended"):
+            bus.settle()
+
+
+def test_a_bus_with_a_reception_of_its_own_is_not_handled(channel: str) -> None:
+    class Lossy(VirtualTimeBus):
+        def recv(self, timeout: float | None = None) -> can.Message | None:
+            return super().recv(timeout)
+
+    with Lossy(channel) as lossy, VirtualTimeBus(channel, rx_queue_size=3) as bounded:
+        assert not lossy.handle_with(lambda _: None)
+        assert not bounded.handle_with(lambda _: None)
+
+
+def test_frames_sent_at_once_come_one_by_one(channel: str, bus: VirtualTimeBus) -> None:
+    with VirtualTimeBus(channel) as peer:
+        peer.send_data(5, [b"\x01", b"\x02"], 0.0)
+        peer.send(FRAME)
+        received = [bus.recv(0.0) for _ in range(4)]
+    assert [each and (each.arbitration_id, bytes(each.data)) for each in received] == [
+        (5, b"\x01"),
+        (5, b"\x02"),
+        (0x181, b"\x01\x02"),
+        None,
     ]
