@@ -1,5 +1,5 @@
 """`python -m benchtool`."""
 
-from benchtool.cli import main
+from benchtool.cli import run
 
-main()
+run()

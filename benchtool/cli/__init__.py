@@ -6,13 +6,13 @@ import os
 import signal
 import sys
 from types import FrameType
-from typing import Annotated
+from typing import Annotated, NoReturn
 
 import typer
 from typer.completion import completion_init  # type: ignore[attr-defined] # typer imports it there
 
 from benchtool import __version__
-from benchtool.cli.exit_codes import run_to_the_end
+from benchtool.cli.exit_codes import end_quickly, run_to_the_end
 from benchtool.cli.verbs import COMPLETION_VERBS, PARAMETER_VERBS, PLAN_VERBS, PROFILE_VERBS, VERBS, group
 from benchtool.link import import_can_without_mdf
 
@@ -52,8 +52,13 @@ def _options(
 ) -> None: ...
 
 
-def main() -> None:
-    """Run the command line and end the process with its exit code."""
+def run() -> NoReturn:
+    """Be the process of the command line."""
+    end_quickly(main)
+
+
+def main() -> NoReturn:
+    """Run the command line and raise SystemExit with its exit code."""
     import_can_without_mdf()
     if COMPLETING in os.environ:
         completion_init()
