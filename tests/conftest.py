@@ -11,6 +11,7 @@ from typing import Final
 import pytest
 from hypothesis import HealthCheck, settings
 
+from benchtool.cli.exit_codes import OBJECTS
 from benchtool.link import import_can_without_mdf
 
 # Generated examples are the same in every run, and a busy machine fails no test. Others, and more of them, by
@@ -58,6 +59,7 @@ def pytest_collection() -> Generator[None, object, object]:
         return (yield)
     finally:
         gc.freeze()
+        gc.set_threshold(OBJECTS)
         gc.enable()
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import platform
+from functools import cache
 from importlib import metadata
 from pathlib import Path, PurePosixPath, PureWindowsPath
 from typing import Annotated, Any
@@ -98,9 +99,14 @@ def software_versions() -> dict[str, str]:
     """Return the versions of benchtool, Python and the packages that results depend on; in a checkout, its
     commit."""
     versions = {"benchtool": __version__, "python": platform.python_version()}
-    versions |= {package: metadata.version(package) for package in _PACKAGES}
+    versions |= {package: _version(package) for package in _PACKAGES}
     commit = checkout_commit(Path(__file__).resolve().parents[2])
     return versions if commit is None else versions | {"commit": commit}
+
+
+@cache
+def _version(package: str) -> str:
+    return metadata.version(package)
 
 
 def checkout_commit(root: Path) -> str | None:

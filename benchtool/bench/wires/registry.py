@@ -6,7 +6,9 @@ A package that is installed beside this one adds wires of its own by an entry po
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterable, Iterator
+from functools import cache
 from typing import TYPE_CHECKING
 
 from benchtool.bench.wires import canopen, replay, serial
@@ -119,6 +121,11 @@ def _syntaxes(among: Iterator[Wire] | tuple[Wire, ...]) -> list[AddressSyntax]:
 
 def installed_entries() -> Iterable[EntryPoint]:
     """Return the entry points of other packages' wires."""
+    return _entries_on(tuple(sys.path))
+
+
+@cache
+def _entries_on(_path: tuple[str, ...]) -> Iterable[EntryPoint]:
     from importlib.metadata import entry_points  # takes a third of what a command line has to start
 
     return entry_points(group=GROUP)

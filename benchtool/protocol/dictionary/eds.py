@@ -22,6 +22,10 @@ _ANNOTATION = re.compile(r"([0-9A-Fa-f]{4}(?:sub[0-9A-Fa-f]+)?)((?: \w+=\S+?)+?)
 _OBJECT = re.compile(r"[0-9a-f]{4}(sub[0-9a-f]{1,2})?")
 
 
+_COMMENT = re.compile(r"(?:^|\s);")
+_HEADER = re.compile(r"\[\s*(.*?)\s*\]")
+
+
 @dataclass(frozen=True)
 class EdsFile:
     """Sections by name, their values by key (both lower case), and the parts that could not be parsed."""
@@ -48,10 +52,10 @@ def read_eds(data: bytes, source: str) -> EdsFile:
     warnings: list[str] = []
     current: dict[str, str] = {}
     for number, line in enumerate(text.splitlines(), start=1):
-        content = re.split(r"(?:^|\s);", line, maxsplit=1)[0].strip()
+        content = (_COMMENT.split(line, maxsplit=1)[0] if ";" in line else line).strip()
         if not content or content.startswith("#"):
             continue
-        if header := re.fullmatch(r"\[\s*(.*?)\s*\]", content):
+        if content[0] == "[" and (header := _HEADER.fullmatch(content)):
             name = header[1].lower()
             if name in sections:
                 warnings.append(f"line {number}: section [{header[1]}] again; both are read as one")
