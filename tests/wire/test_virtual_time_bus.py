@@ -293,7 +293,7 @@ def ids_of(received: Received) -> list[int]:
     return [each.arbitration_id for each in frames]
 
 
-def test_frames_are_handled_in_order_by_whoever_settles(channel: str) -> None:
+def test_frames_are_handled_in_order_by_the_thread_that_settles(channel: str) -> None:
     clock = VirtualClock()
     handled: list[tuple[int, str]] = []
 
@@ -318,7 +318,7 @@ def test_frames_are_handled_in_order_by_whoever_settles(channel: str) -> None:
     assert threading.current_thread().name in {name for _, name in handled}
 
 
-def test_frames_are_handled_where_nobody_settles(channel: str) -> None:
+def test_frames_are_handled_where_no_thread_settles(channel: str) -> None:
     clock = VirtualClock()
     arrived = threading.Event()
     with (
