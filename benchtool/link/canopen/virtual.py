@@ -7,7 +7,7 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 from weakref import WeakSet
 
@@ -15,7 +15,6 @@ import can
 from can.interfaces.virtual import VirtualBus
 
 from benchtool.clock import Clock
-from benchtool.dataclass import dataclass
 from benchtool.errors import LinkClosed
 
 _LIVENESS_S = 0.1
