@@ -17,7 +17,6 @@ from benchtool.commission.estimators.flux_linkage import (
     harmonics,
     turning_flux,
 )
-from benchtool.commission.estimators.legs import Legs
 from benchtool.commission.estimators.regression import least_squares
 from benchtool.commission.estimators.vectors import vector_of
 from benchtool.commission.excitation import Excitation
@@ -299,20 +298,13 @@ def _turning(block: Block, known: Known, dead_share: float = _DEAD_SHARE) -> Tur
     u_V = (block.column("u_alpha") + 1j * block.column("u_beta"))[:-2]
     i_A = vector_of(np.column_stack([block.column(name) for name in CURRENTS])[1:])  # the drive has the gains
     theta_m = known.without_eccentricity(np.unwrap(block.column("theta_m")))[1:]
-    motor, T_s = known.identified, known.control_period_s
-    legs = Legs(
-        T_s,
-        known.u_dc_V,
-        motor.L_d_H,
-        motor.L_q_H,
-        known.drop_V,
-        double_update=known.pwm_period_s > 1.5 * T_s,
-    )
+    motor = known.identified
+    legs = known.circuit.legs(motor.L_d_H, motor.L_q_H)
     rotor_rad = motor.pole_pairs * 0.5 * (theta_m[1:] + theta_m[:-1])
     return turning_flux(
         u_V - legs.taken(u_V, i_A, rotor_rad, dead_share),
         i_A,
-        T_s=T_s,
+        T_s=known.control_period_s,
         R_s_ohm=known.R_s_ohm,
         L_d_H=motor.L_d_H,
         L_q_H=motor.L_q_H,
