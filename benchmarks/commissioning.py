@@ -23,6 +23,7 @@ import time
 import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from typing import Any, Final
 
@@ -32,7 +33,15 @@ from benchmarks.figures import print_figures
 from benchmarks.saturating import curve, saturate
 from benchmarks.wrong_setups import CASES, FOUR_MOTORS, named
 from benchtool.bench import Session, open_session
-from benchtool.commission import Known, commission, document, planned, stated_parameters, steps_for
+from benchtool.commission import (
+    Known,
+    commission,
+    document,
+    planned,
+    planned_energy,
+    stated_parameters,
+    steps_for,
+)
 from benchtool.shipped import shipped
 
 MOTORS: Final = tuple(
@@ -236,12 +245,8 @@ def commissioned(
 def _dry_run(session: Session) -> dict[str, Any]:
     stated = stated_parameters(session.drive, session.profile)
     known = Known.of(session.drive, session.profile, stated)
-    played = [each for excitations in planned(steps_for(()), known).values() for each in excitations]
-    ranges_J = [each.energy_range_J(known.R_s_range_ohm) for each in played]
-    return {
-        "dry_run_J": sum(each.energy_J(known.R_s_ohm) for each in played),
-        "range_J": [sum(each) for each in zip(*ranges_J, strict=True)],
-    }
+    energy = planned_energy(chain(*planned(steps_for(()), known).values()), known)
+    return {"dry_run_J": energy.value_J, "range_J": [energy.least_J, energy.most_J]}
 
 
 def figures(runs: Sequence[Mapping[str, Any]]) -> dict[str, object]:

@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from datetime import datetime
+from itertools import chain
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -31,6 +32,7 @@ from benchtool.commission import (
     commissioned_profile,
     document,
     planned,
+    planned_energy,
     stated_parameters,
     step_bundles,
     steps_for,
@@ -304,32 +306,30 @@ def _show_plan(session: Session, steps: Sequence[Step], travel_rad: float, outpu
     stated = stated_parameters(session.drive, session.profile)
     known = replace(Known.of(session.drive, session.profile, stated), travel_rad=travel_rad)
     plan = planned(steps, known)
-    energy_J = {
-        name: sum(each.energy_J(known.R_s_ohm) for each in excitations) for name, excitations in plan.items()
-    }
+    whole = planned_energy(chain(*plan.values()), known)
     rows = [
         (name, each.name, significant(each.energy_J(known.R_s_ohm)))
         for name, excitations in plan.items()
         for each in excitations
     ]
-    ranges_J = [
-        each.energy_range_J(known.R_s_range_ohm) for excitations in plan.values() for each in excitations
-    ]
-    least_J, most_J = (sum(each) for each in zip(*ranges_J, strict=True)) if ranges_J else (0.0, 0.0)
     output.table("what would be played", ("step", "excitation", ">J"), rows)
     output.line(
-        f"{significant(sum(energy_J.values()))} J by {_resistance(known)}, {significant(least_J)} to "
-        f"{significant(most_J)} J as far as that and friction are off; the step 'resistance' tells more"
+        f"{significant(whole.value_J)} J by {_resistance(known)}, {significant(whole.least_J)} to "
+        f"{significant(whole.most_J)} J as far as that and friction are off; the step 'resistance' tells more"
     )
     output.line("nothing was enabled; each step's estimates would be for the parameters that it sets")
     output.document(
         {
             "dry_run": True,
             "steps": {
-                step.name: {"energy_J": energy_J[step.name], "sets": list(step.sets)} for step in steps
+                step.name: {
+                    "energy_J": planned_energy(plan[step.name], known).value_J,
+                    "sets": list(step.sets),
+                }
+                for step in steps
             },
-            "energy_J": sum(energy_J.values()),
-            "energy_range_J": [least_J, most_J],
+            "energy_J": whole.value_J,
+            "energy_range_J": [whole.least_J, whole.most_J],
         }
     )
     return 0

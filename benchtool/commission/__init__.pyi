@@ -7,6 +7,10 @@ from .execution import (
     steps_for as steps_for,
 )
 from .known import Known as Known
+from .planned_energy import (
+    PlannedEnergy as PlannedEnergy,
+    planned_energy as planned_energy,
+)
 from .profile_file import commissioned_profile as commissioned_profile
 from .recorder import (
     StepRecorder as StepRecorder,

@@ -11,7 +11,13 @@ _CODES = 2.0**10  # of a converter of the dc link, at the least
 
 
 def of_fit(
-    value: float, standard: float, dof: float, scatter: str, known: Known, left_out: float = 0.0
+    value: float,
+    standard: float,
+    dof: float,
+    scatter: str,
+    known: Known,
+    left_out: float = 0.0,
+    saturation: float = 0.0,
 ) -> Uncertainty:
     """Return the uncertainty of a value that is in proportion to the voltage of the dc link.
 
@@ -29,6 +35,7 @@ def of_fit(
         scatter: what that was estimated from.
         left_out: largest relative deviation by what the equation of the fit leaves out, a rectangular
             distribution as well.
+        saturation: largest deviation by the course of an inductance over the current, in its unit.
     """
     step = known.u_dc_full_scale_V / _CODES / known.u_dc_V
     late_s = 0.5 * known.drop_V / known.u_dc_V * known.control_period_s
@@ -41,6 +48,8 @@ def of_fit(
     ):
         if value * relative != 0.0:
             lines.append(Contribution(name, "B", abs(value) * relative))
+    if saturation > 0.0:
+        lines.append(Contribution("course of saturation", "B", saturation / math.sqrt(3.0)))
     found = combined(lines, scatter)
     assert found is not None  # every line is a number
     return found

@@ -6,12 +6,14 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext, suppress
 from dataclasses import replace
+from itertools import chain
 from types import MappingProxyType
 
 from benchtool.block import Block
 from benchtool.commission.excitation import Excitation, require_bearable
 from benchtool.commission.known import Known
 from benchtool.commission.objects import objects_missing, without
+from benchtool.commission.planned_energy import planned_energy
 from benchtool.commission.playing import played, spent_J
 from benchtool.commission.recorder import StepRecorder
 from benchtool.commission.results import Commissioning, StepResult, StepVerdict
@@ -120,9 +122,8 @@ def planned(steps: Sequence[Step], known: Known) -> dict[str, tuple[Excitation, 
 def _tell_energy(steps: Sequence[Step], known: Known, note: Callable[[str], None]) -> None:
     """Say what the steps to come will take, now that the resistance is known."""
     with suppress(ValueRefused):  # the step itself says why
-        plans = planned(steps, known).values()
-        energy_J = sum(each.energy_J(known.R_s_ohm) for excitations in plans for each in excitations)
-        note(f"the steps to come take {energy_J:.3g} J by R_s = {known.R_s_ohm:.4g} ohm")
+        energy = planned_energy(chain(*planned(steps, known).values()), known)
+        note(f"the steps to come take {energy.value_J:.3g} J by R_s = {known.R_s_ohm:.4g} ohm")
 
 
 def commission(
@@ -268,7 +269,7 @@ def _round(
         if reason := objects_missing(drive, excitations) or _too_far(excitations, known):
             return replace(result, verdict=StepVerdict.SKIPPED, reason=reason), ()
         require_bearable(excitations, known.motor)
-        result = replace(result, planned_J=sum(each.energy_J(known.R_s_ohm) for each in excitations))
+        result = replace(result, planned_J=planned_energy(excitations, known).value_J)
         for each in excitations:
             note(f"{step.name}: {each.name}")
             blocks.append(played(drive, each, known))

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis import Measurement
+from benchtool.commission.estimators.circuit import Circuit
 from benchtool.commission.estimators.flux_linkage import HARMONICS
 from benchtool.commission.nameplate import IN_SERIES_OHM, KEYS
 from benchtool.drive import RemoteDrive
@@ -104,6 +105,20 @@ class Known:
         """Return the estimate of a parameter, or what the nameplate says."""
         found = self.estimates.get(name)
         return nameplate if found is None else found.value
+
+    @property
+    def circuit(self) -> Circuit:
+        """What is known of winding and inverter, as the estimators take it."""
+        noise = [self.value(f"current_noise_{phase}", 0.0) for phase in "abc"]
+        return Circuit(
+            self.control_period_s,
+            self.R_s_ohm,
+            self.drop_V,
+            self.u_dc_V,
+            double_update=self.pwm_period_s > 1.5 * self.control_period_s,
+            gains=self.gains,
+            noise_A=math.sqrt(sum(each**2 for each in noise) / 3.0),
+        )
 
     @property
     def in_force(self) -> dict[str, Value]:

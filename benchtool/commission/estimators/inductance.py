@@ -2,17 +2,25 @@
 
 Over a control period the flux linkage behind the resistance changes by what the voltage leaves,
 
-    i[k+1] - i[k] = G T_s (u[k] - R_s i_mean - V_drop s(i)),
+    i[k+1] - i[k] = G T_s (u[k] - R_s i_mean - taken by dead time and devices),
 
 with G the inverse of the inductance in the stator frame,
 
     G = g_0 + g_1 C,   g_0 = (1/L_d + 1/L_q) / 2,   g_1 = (1/L_d - 1/L_q) / 2 exp(j 2 theta_e),
 
 where C conjugates the vector. It is linear in g_0 and g_1, with the change of the current as the dependent
-variable, so that its noise does not flatten the slope. s(i) holds where no phase is near zero or changes its
-sign: other periods are left out. What R_s and V_drop take of an alternating voltage is a quarter of a period
-away from what the inductance takes, so that errors of theirs enter in second order. With the mean of both
-ends for i_mean the slope is that of L' = R_s T_s / (2 tanh(R_s T_s / 2 L)), which is solved for L.
+variable, so that its noise does not flatten the slope. What R_s and dead time take of an alternating voltage
+is a quarter of a period away from what the inductance takes, so that errors of theirs enter in second order.
+With the mean of both ends for i_mean the slope is that of L' = R_s T_s / (2 tanh(R_s T_s / 2 L)), which is
+solved for L.
+
+A sample of the current is in two changes, with opposite signs, and what dead time takes of a phase near zero
+current is less known than what it takes else. The changes are weighted by the inverse of the covariance that
+both make, which is tridiagonal: where noise is large beside that voltage, this is a fit to the flux linkage
+itself, and where it is small, to the periods with every phase clear of zero.
+
+Iron that saturates has a current of either sign take of the inductance: regressors by i_d^2 and by |i_q|
+between its first and its second power, as the one or the other is found, leave those of no current.
 
 The current across the rotor flux shakes the rotor, whose EMF is as a capacitor in series,
 
@@ -25,20 +33,28 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.commission.estimators.regression import Fit, least_squares
-from benchtool.commission.estimators.vectors import drop_vector, phases_of, vector_of
+from benchtool.commission.estimators.circuit import Circuit
+from benchtool.commission.estimators.regression import least_squares
+from benchtool.commission.estimators.vectors import drop_vector, phases_of
 from benchtool.errors import AnalysisError
 
 _CLEAR = 0.15  # of the largest current, by what goes with the voltage: so clear of zero is every phase
 _SEEN_CLEAR = 0.05  # by its readings: so far below that their noise does not choose
 _FEWEST = 40
-_SLOW = 6  # degree of the polynomial by which the rotor moves slowly
+_FROM = 0.5  # of a capture, from which on it is used: before, dead time takes too much of the voltage
+_SLOW = 8  # degree of the polynomial by which the rotor moves slowly
+_NEAR_ZERO = 1.5  # of V_drop: what is not known of the voltage where a phase is near zero
+_KNOWN = 0.1  # of the noise of a current: what is not known of a change elsewhere, by the steps of the duties
+_LEAST_NOISE = 1e-4  # of the largest current
+_ROUNDS = 2  # with dead time by the inductances of the one before
+_SUMMED = 12  # stretches of a capture, whose scores are taken to be independent
+_LINEAR = 4  # regressors of iron that does not saturate
 
 
 @dataclass(frozen=True)
@@ -55,29 +71,34 @@ class Turning:
 
 
 @dataclass(frozen=True)
+class OfAxis:
+    """An inductance in H without current, its standard uncertainty, and by how much it is larger than with
+    the current of the captures."""
+
+    L_H: float
+    standard_H: float
+    bent_H: float
+
+
+@dataclass(frozen=True)
 class Inductance:
-    """L_d and L_q in H with standard uncertainties and degrees of freedom.
+    """Inductances along the rotor flux and across it, with degrees of freedom.
 
     `axis_rad` is the electrical angle of the d-axis against phase a, or against the encoder's, modulo pi: the
     axis of the anisotropy nearest to where the rotor was aligned; nan where that is no clearer than its
     noise.
     """
 
-    L_d_H: float
-    L_d_standard_H: float
-    L_q_H: float
-    L_q_standard_H: float
+    d: OfAxis
+    q: OfAxis
     dof: float
     axis_rad: float
 
 
 def inductance(
     captures: Sequence[Turning],
+    circuit: Circuit,
     *,
-    T_s: float,
-    R_s_ohm: float,
-    drop_V: float,
-    gains: NDArray[np.float64],
     aligned_rad: float,
     aligned_standard_rad: float = math.inf,
 ) -> Inductance:
@@ -85,9 +106,7 @@ def inductance(
 
     Args:
         captures: of two speeds at least.
-        T_s: control period.
-        R_s_ohm, drop_V: resistance, and voltage that dead time and devices take of a phase.
-        gains: corrections of the current sensors, shape (3,).
+        circuit: what is known of winding and inverter.
         aligned_rad: electrical angle at which the rotor was aligned, against phase a, or what is left of it
             beyond `rotor_rad`.
         aligned_standard_rad: standard uncertainty of that, with which it stands against the axis of the
@@ -96,13 +115,23 @@ def inductance(
     Raises:
         AnalysisError: too short, or of one speed only.
     """
-    parts = [part for each in captures for part in _changes(each, T_s, R_s_ohm, drop_V, gains, aligned_rad)]
-    fit = least_squares(
-        np.concatenate([part.A for part in parts]),
-        np.concatenate([part.y for part in parts]),
-        lost_dof=(_SLOW + 1) * len(parts),
-    )
-    covariance = _of_differences(parts, fit)
+    found: Inductance | None = None
+    for _ in range(1 + _ROUNDS):
+        parts = [_changes(each, circuit, aligned_rad, found) for each in captures]
+        found = _of_parts(parts, circuit, aligned_rad, aligned_standard_rad)
+    assert found is not None  # a round at least
+    return found
+
+
+def _of_parts(
+    parts: Sequence[NDArray[np.float64]], circuit: Circuit, aligned_rad: float, aligned_standard_rad: float
+) -> Inductance:
+    """Return the estimates of white rows, shape (2, n, m) of each capture."""
+    flat = np.concatenate([part.reshape(-1, part.shape[2]) for part in parts])
+    A, y = flat[:, :-1], flat[:, -1]
+    fit = least_squares(A, y, lost_dof=2 * (_SLOW + 1) * len(parts))
+    alike = least_squares(A[:, :_LINEAR], y)
+    covariance, dof = _by_stretches(parts, fit.x, fit.covariance / fit.scatter**2)
     g_1 = complex(fit.x[1], fit.x[2])
     u_g_1 = math.sqrt(float(covariance[1, 1] + covariance[2, 2]))
     along = cmath.exp(-2j * aligned_rad)
@@ -115,13 +144,14 @@ def inductance(
         turned *= by_encoder / (by_encoder + by_fit)
     axis = aligned_rad + 0.5 * turned
     c, s = math.cos(2.0 * axis), math.sin(2.0 * axis)
-    d, q = np.array([1.0, c, s, 0.0]), np.array([1.0, -c, -s, 0.0])
-    L_d, L_q = (_exact(1.0 / float(axis @ fit.x), R_s_ohm * T_s) for axis in (d, q))
-    u_d = L_d**2 * math.sqrt(float(d @ covariance @ d))
-    u_q = L_q**2 * math.sqrt(float(q @ covariance @ q))
-    if not (L_d > 0.0 and L_q > 0.0):
-        raise AnalysisError("the currents do not follow the voltage: check that the motor is connected")
-    return Inductance(L_d, u_d, L_q, u_q, fit.dof, axis % math.pi if clear else math.nan)
+    RT, axes = circuit.R_s_ohm * circuit.T_s, []
+    for of in (np.array([1.0, c, s]), np.array([1.0, -c, -s])):
+        L, bent = (1.0 / float(of @ x[:3]) for x in (fit.x, alike.x))
+        if not L > 0.0:
+            raise AnalysisError("the currents do not follow the voltage: check that the motor is connected")
+        u = L**2 * math.sqrt(float(of @ covariance[:3, :3] @ of))
+        axes.append(OfAxis(_exact(L, RT), u, L - bent))
+    return Inductance(axes[0], axes[1], dof, axis % math.pi if clear else math.nan)
 
 
 def _exact(L_H: float, RT: float) -> float:
@@ -130,49 +160,70 @@ def _exact(L_H: float, RT: float) -> float:
     return 0.5 * RT / math.atanh(share) if 0.0 < abs(share) < 1.0 else L_H
 
 
-@dataclass(frozen=True)
-class _Part:
-    """Rows of one component of one capture, less what changes slowly; `k` is the control period of each."""
-
-    A: NDArray[np.float64]
-    y: NDArray[np.float64]
-    k: NDArray[np.int64]
-
-
 def _changes(
-    of: Turning, T_s: float, R_s: float, drop_V: float, gains: NDArray[np.float64], aligned_rad: float
-) -> Iterator[_Part]:
-    """Yield the rows of a capture, those of both components."""
-    phases = of.readings_A * gains
-    i = vector_of(phases)
-    mean = 0.5 * (i[1:] + i[:-1])
+    of: Turning, circuit: Circuit, aligned_rad: float, before: Inductance | None
+) -> NDArray[np.float64]:
+    """Return the rows of both components of a capture, made white and less what changes slowly, shape
+    (2, n, m): the regressors, and last the change of the current.
+
+    Without inductances from `before`, dead time is that of a current which keeps its sign.
+    """
+    T_s, phases, i = circuit.T_s, of.readings_A * circuit.gains, circuit.currents(of.readings_A)
+    mean, rotor_rad = 0.5 * (i[1:] + i[:-1]), np.broadcast_to(of.rotor_rad, len(of.u_V))
     clear = _clear(of.u_V, i) & _far(phases, _SEEN_CLEAR)
-    (k,) = np.nonzero(clear)
-    if len(k) < _FEWEST:
+    if np.count_nonzero(clear) < _FEWEST:
         raise AnalysisError(
-            f"{len(k)} control periods in which no phase is near zero, {_FEWEST} at least are needed: let "
-            f"a larger current turn more slowly"
+            f"{np.count_nonzero(clear)} control periods in which no phase is near zero, {_FEWEST} at least "
+            f"are needed: let a larger current turn more slowly"
         )
+    largest_A = float(np.max(np.abs(i)))
+    noise_A = max(math.sqrt(2.0 / 3.0) * circuit.noise_A, _LEAST_NOISE * largest_A)
+    if before is None:
+        taken_V = circuit.drop_V * drop_vector(phases[1:])
+        unknown_A = largest_A
+    else:
+        legs = circuit.legs(before.d.L_H, before.q.L_H)
+        taken_V = legs.taken(of.u_V, i, rotor_rad + aligned_rad, 0.5)
+        unknown_A = _NEAR_ZERO * circuit.drop_V * T_s * 0.5 * (1.0 / before.d.L_H + 1.0 / before.q.L_H)
     across = cmath.exp(1j * (aligned_rad + 0.5 * math.pi))
-    turned = np.exp(-1j * np.broadcast_to(of.rotor_rad, mean.shape))
+    turned = np.exp(-1j * rotor_rad)
     speed = np.cumsum(T_s * (mean * turned * across.conjugate()).real)
-    x = T_s * turned * (of.u_V - R_s * mean - drop_V * drop_vector(phases[1:]))
-    columns = (x, x.conj(), 1j * x.conj(), -T_s * speed * across, turned * np.diff(i))
-    rows = np.column_stack([each[k] for each in columns])
-    for component in (rows.real, rows.imag):
-        left = _less_slow(component, k)
-        yield _Part(left[:, :-1], left[:, -1], k)
+    x = T_s * turned * (of.u_V - circuit.R_s_ohm * mean - taken_V)
+    axes = cmath.exp(1j * aligned_rad)
+    x_dq, i_dq = x / axes, mean * turned / axes / largest_A
+    bends = i_dq.real**2 * x_dq.real * axes
+    bends_q = np.abs(i_dq.imag) * (1.0 + np.abs(i_dq.imag)) * 1j * x_dq.imag * axes
+    columns = (x, x.conj(), 1j * x.conj(), -T_s * speed * across, bends, bends_q, turned * np.diff(i))
+    rows = slice(math.floor(_FROM * len(x)), None)
+    unknown = np.where(clear[rows], _KNOWN * noise_A, max(unknown_A, _KNOWN * noise_A))
+    return _white(np.column_stack(columns)[rows], noise_A, unknown)
 
 
-def _less_slow(columns: NDArray[np.float64], k: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Return columns less a polynomial over k each.
+def _white(
+    columns: NDArray[np.complex128], noise_A: float, unknown_A: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return both components of changes of a current, shape (2, n, m), with independent errors of 1.
 
     What is left of an offset of the current sensors looks like a constant torque, that is an EMF which grows
-    evenly, and cogging swings the rotor slowly about where it stands.
+    evenly, and cogging swings the rotor slowly about where it stands: a polynomial is taken off.
+
+    Args:
+        columns: shape (n, m).
+        noise_A: of each sample of the current, which is in two changes.
+        unknown_A: what else each change is off by, shape (n,).
     """
-    slow, _ = np.linalg.qr(np.polynomial.legendre.legvander((k - k[0]) / (k[-1] - k[0]) * 2.0 - 1.0, _SLOW))
-    left: NDArray[np.float64] = columns - slow @ (slow.T @ columns)
-    return left
+    from scipy.linalg import cholesky_banded, solve_banded
+
+    n, m = columns.shape
+    bands = np.empty((2, n))
+    bands[0], bands[1] = 2.0 * noise_A**2 + unknown_A**2, -(noise_A**2)
+    slow = np.polynomial.legendre.legvander(np.linspace(-1.0, 1.0, n), _SLOW)
+    both = np.column_stack([slow, columns.real, columns.imag])
+    white = solve_banded((1, 0), cholesky_banded(bands, lower=True), both)
+    basis, _ = np.linalg.qr(white[:, : _SLOW + 1])
+    left = white[:, _SLOW + 1 :]
+    left = left - basis @ (basis.T @ left)
+    return np.stack([left[:, :m], left[:, m:]])
 
 
 def _clear(u_V: NDArray[np.complex128], i: NDArray[np.complex128]) -> NDArray[np.bool_]:
@@ -194,18 +245,17 @@ def _far(phases: NDArray[np.float64], share: float) -> NDArray[np.bool_]:
     return kept
 
 
-def _of_differences(parts: Sequence[_Part], fit: Fit) -> NDArray[np.float64]:
-    """Return the covariance of a fit to differences of samples with independent noise.
-
-    A sample is in two of them, with opposite signs: neighbours are correlated by -1/2.
-    """
-    m = len(fit.x)
-    middle = np.zeros((m, m))
+def _by_stretches(
+    parts: Sequence[NDArray[np.float64]], x: NDArray[np.float64], bread: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], float]:
+    """Return the covariance of a fit by scores summed over stretches, and its degrees of freedom: what dead
+    time leaves comes again with every turn, and is not independent within a stretch."""
+    scores = []
     for part in parts:
-        middle += part.A.T @ part.A
-        (next_to,) = np.nonzero(np.diff(part.k) == 1)
-        both = part.A[next_to].T @ part.A[next_to + 1]
-        middle -= 0.5 * (both + both.T)
-    bread = fit.covariance / fit.scatter**2
-    found: NDArray[np.float64] = fit.scatter**2 * bread @ middle @ bread
-    return found
+        A, left = part[:, :, :-1], part[:, :, -1] - part[:, :, :-1] @ x
+        of_rows = np.sum(A * left[:, :, None], axis=0)
+        scores += [np.sum(each, axis=0) for each in np.array_split(of_rows, _SUMMED)]
+    summed = np.array(scores)
+    dof = len(summed) - len(x)
+    found: NDArray[np.float64] = bread @ (summed.T @ summed) @ bread * (len(summed) / dof)
+    return found, float(dof)

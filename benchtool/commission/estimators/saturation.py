@@ -24,8 +24,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from benchtool.commission.estimators.circuit import Circuit
 from benchtool.commission.estimators.regression import Fit, least_squares
-from benchtool.commission.estimators.vectors import drop_vector, vector_of
+from benchtool.commission.estimators.vectors import drop_vector
 from benchtool.errors import AnalysisError
 
 _FEWEST = 6
@@ -71,29 +72,22 @@ def saturation(
     along: Sequence[Pulse],
     across: Sequence[Pulse],
     currents_A: NDArray[np.float64],
-    *,
-    T_s: float,
-    R_s_ohm: float,
+    circuit: Circuit,
     psi_r_Wb: float,
-    drop_V: float,
-    gains: NDArray[np.float64],
 ) -> Saturation:
     """Return the inductances at some currents.
 
     Args:
         along, across: pulses of both signs along the rotor flux and across it.
         currents_A: at which the inductances are told.
-        T_s: control period.
-        R_s_ohm, psi_r_Wb, drop_V, gains: resistance, rotor flux, voltage that dead time and devices take of a
-            phase, corrections of the current sensors.
+        circuit: what is known of winding and inverter.
+        psi_r_Wb: rotor flux.
 
     Raises:
         AnalysisError: too few rows, or no current along one of the axes.
     """
     groups = [
-        _rows(pulses, T_s, R_s_ohm, psi_r_Wb, drop_V, gains, component)
-        for pulses in (along, across)
-        for component in ("d", "q")
+        _rows(pulses, circuit, psi_r_Wb, component) for pulses in (along, across) for component in ("d", "q")
     ]
     fit = _weighted(groups)
     curves = []
@@ -102,21 +96,19 @@ def saturation(
         # the rows of one pulse share its errors: as if each pulse told each unknown of its axis once
         shared = len(groups[3 * k][1]) / (len(pulses) * _UNKNOWNS)
         spread = shared * np.einsum("ij,jk,ik->i", at, fit.covariance[own, own], at)
-        moved = _moved(pulses, currents_A, gains)
+        moved = _moved(pulses, currents_A, circuit)
         curves.append(Curve(currents_A, at @ fit.x[own], np.sqrt(spread), max(1.0, len(pulses) - 1.0), moved))
     return Saturation(curves[0], curves[1], float(fit.x[-1]), fit.standard(-1) * math.sqrt(shared))
 
 
-def _moved(
-    pulses: Sequence[Pulse], currents_A: NDArray[np.float64], gains: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _moved(pulses: Sequence[Pulse], currents_A: NDArray[np.float64], circuit: Circuit) -> NDArray[np.float64]:
     """Return the largest angle by which the rotor has moved when these currents are reached.
 
     A current that grows evenly moves it by the cube of the time.
     """
     moved = np.zeros(len(currents_A))
     for pulse in pulses:
-        i = np.abs(vector_of(pulse.readings_A * gains))
+        i = np.abs(circuit.currents(pulse.readings_A))
         last = int(np.argmax(i))
         by = abs(float(pulse.theta_e_rad[last] - pulse.theta_e_rad[0]))
         moved = np.maximum(moved, by * (np.abs(currents_A) / i[last]) ** 3)
@@ -124,18 +116,12 @@ def _moved(
 
 
 def _rows(
-    pulses: Sequence[Pulse],
-    T_s: float,
-    R_s_ohm: float,
-    psi_r_Wb: float,
-    drop_V: float,
-    gains: NDArray[np.float64],
-    component: str,
+    pulses: Sequence[Pulse], circuit: Circuit, psi_r_Wb: float, component: str
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return one component of the equations above, regressors and flux linkage, of pulses along one axis."""
     rows, flux = [], []
     for pulse in pulses:
-        i, psi = _linked(pulse, T_s, R_s_ohm, psi_r_Wb, drop_V, gains)
+        i, psi = _linked(pulse, circuit, psi_r_Wb)
         clear = np.abs(i) > _CLEAR * np.max(np.abs(i))
         if np.count_nonzero(clear) < _FEWEST:
             raise AnalysisError(
@@ -172,17 +158,11 @@ def _powers(i: NDArray[np.float64], *, lopsided: bool) -> NDArray[np.float64]:
 
 
 def _linked(
-    pulse: Pulse,
-    T_s: float,
-    R_s_ohm: float,
-    psi_r_Wb: float,
-    drop_V: float,
-    gains: NDArray[np.float64],
+    pulse: Pulse, circuit: Circuit, psi_r_Wb: float
 ) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
     """Return current and flux linkage in the rotor's axes at the end of each period, the latter less the
     rotor's."""
-    phases = pulse.readings_A * gains
-    i = vector_of(phases)
+    i, phases = circuit.currents(pulse.readings_A), pulse.readings_A * circuit.gains
     mean, drops = 0.5 * (i[1:] + i[:-1]), drop_vector(phases[1:])  # the first begins without a sign
     theta = pulse.theta_e_rad
     if np.ptp(theta) > _MOVED_RAD:
@@ -190,6 +170,6 @@ def _linked(
             f"the rotor moves by {math.degrees(float(np.ptp(theta))):.0f} degrees electrical within a pulse: "
             f"hold the shaft"
         )
-    moved = T_s * np.cumsum(pulse.u_V - R_s_ohm * mean - drop_V * drops)
+    moved = circuit.T_s * np.cumsum(pulse.u_V - circuit.R_s_ohm * mean - circuit.drop_V * drops)
     psi = (moved + psi_r_Wb * np.exp(1j * theta[0])) * np.exp(-1j * theta[1:]) - psi_r_Wb
     return i[1:] * np.exp(-1j * theta[1:]), psi

@@ -11,15 +11,15 @@ from numpy.typing import NDArray
 
 from benchtool.analysis import Basis, Contribution, Measurement, Uncertainty, combined
 from benchtool.block import Block
+from benchtool.commission.estimators.dead_share import DeadShare, Spun, dead_share
 from benchtool.commission.estimators.flux_linkage import (
     HARMONICS,
     TurningFlux,
     harmonics,
     turning_flux,
 )
-from benchtool.commission.estimators.legs import Legs
 from benchtool.commission.estimators.regression import least_squares
-from benchtool.commission.estimators.vectors import vector_of
+from benchtool.commission.estimators.vectors import drop_vector, vector_of
 from benchtool.commission.excitation import Excitation
 from benchtool.commission.known import Known
 from benchtool.commission.nameplate import probable_cause
@@ -37,13 +37,12 @@ _CALM, _ANGLE_LEFT_RAD = 0.1, 0.03  # of the rated speed; electrical, beside wha
 _HARMONICS = 0.24  # of the EMF, the fifth and the seventh together: as torque of a current along the flux
 _OVERSHOOT = 1.65  # of the current when it is reversed, with what harmonics drive and friction takes
 _ACROSS = 0.06  # of what dead time takes across the flux, left after its correction
-_DEAD_SHARE = 0.5  # of what dead time and devices take, the dead time's: nothing tells it
 _LEVELS = 3  # of it, a binary sequence: forth, back and forth
 _SETTLED = 6.0  # time constants of the current loop, after which it stands
 _TURNS = 12.0  # electrical
 _FEWEST_ROWS, _MOST_ROWS = 1500, 8000
 _LEFT_OUT = 0.0015  # decision 0119
-_ROUNDED = 0.005  # of the voltage of dead time and devices: what its course near zero current is off by
+_ROUNDED = 0.008  # of the voltage of dead time and devices: what its course near zero current is off by
 _SURE = 3.0  # standard uncertainties, from which on saturation is taken off
 _FACTOR = 1.35  # of the nameplate's flux, that no magnet is off by
 _AS_STATED, _NEAR = 1.21, 0.04  # a deviation that tells nothing; of a factor between two conventions
@@ -103,15 +102,12 @@ class BackEmf:
         if not blocks:
             reason = f"the shaft may turn {known.travel_rad:.3g} rad only: no EMF worth measuring"
             return {"psi_r": Measurement.undefined("psi_r", "Wb", definition, reason)}
-        lopsided = _lopsided(known)
-        turning = [_turning(block, known) for block in blocks]
+        lopsided, share = _lopsided(known), _dead_share(blocks, known)
+        turning = _turning(blocks, known, share.taken_V)
         omega = np.array([each.omega_e_rad_s for each in turning])
         found = _regression(np.array([each.psi_r_Wb for each in turning]) - lopsided.value, omega)
-        extremes_Wb = [
-            _regression(np.array([_turning(block, known, share).psi_r_Wb for block in blocks]), omega).psi_Wb
-            for share in (0.0, 1.0)
-        ]
-        either_Wb = max(abs(each - lopsided.value - found.psi_Wb) for each in extremes_Wb)
+        moved = _turning(blocks, known, share.taken_at(share.value + share.standard))
+        other = _regression(np.array([each.psi_r_Wb for each in moved]) - lopsided.value, omega)
         rows = sum(len(block.data) for block in blocks)
         own = math.sqrt(sum(each.psi_r_standard_Wb**2 for each in turning)) / len(turning)
         lines = [
@@ -125,7 +121,7 @@ class BackEmf:
             Contribution("voltage that slow speeds show more of", "B", found.curved_Wb),
             Contribution("dead time across the flux", "B", _across_Wb(blocks[-1], turning[-1], known)),
             Contribution("dead time near zero current", "B", _rounded_Wb(turning[-1], known)),
-            Contribution("dead time and devices, their shares", "B", either_Wb / math.sqrt(3.0)),
+            Contribution("dead time and devices, their shares", "A", abs(other.psi_Wb - found.psi_Wb)),
             Contribution("saturation", "A", lopsided.uncertainty.standard if lopsided.uncertainty else 0.0),
             Contribution("what the equation leaves out", "B", found.psi_Wb * _LEFT_OUT / math.sqrt(3.0)),
         ]
@@ -294,30 +290,51 @@ def _angle_of(block: Block) -> NDArray[np.float64]:
     return unwrapped
 
 
-def _turning(block: Block, known: Known, dead_share: float = _DEAD_SHARE) -> TurningFlux:
-    """Return what a capture tells, with that share of `drop_V` for the dead time's."""
+def _dead_share(blocks: Sequence[Block], known: Known) -> DeadShare:
+    """Return which part of what dead time and devices take is the dead time's."""
+    motor, spun = known.identified, []
+    rough = _turning(blocks, known, [_nothing_known(block, known) for block in blocks])
+    for block, each in zip(blocks, rough, strict=True):
+        u_V, i_A, rotor_rad = _spun(block, known)
+        emf_V = 1j * each.omega_e_rad_s * each.psi_r_Wb * np.exp(1j * rotor_rad)
+        spun.append(Spun(u_V, i_A, rotor_rad, emf_V, each.rows[each.rows < len(u_V)]))
+    return dead_share(spun, known.circuit, motor.L_d_H, motor.L_q_H)
+
+
+def _nothing_known(block: Block, known: Known) -> NDArray[np.complex128]:
+    """Return what dead time and devices take of currents that keep their sign."""
+    return known.drop_V * drop_vector(np.column_stack([block.column(name) for name in CURRENTS])[2:])
+
+
+def _spun(
+    block: Block, known: Known
+) -> tuple[NDArray[np.complex128], NDArray[np.complex128], NDArray[np.float64]]:
+    """Return voltages over each period, currents at their ends and electrical angles in them."""
     u_V = (block.column("u_alpha") + 1j * block.column("u_beta"))[:-2]
     i_A = vector_of(np.column_stack([block.column(name) for name in CURRENTS])[1:])  # the drive has the gains
     theta_m = known.without_eccentricity(np.unwrap(block.column("theta_m")))[1:]
-    motor, T_s = known.identified, known.control_period_s
-    legs = Legs(
-        T_s,
-        known.u_dc_V,
-        motor.L_d_H,
-        motor.L_q_H,
-        known.drop_V,
-        double_update=known.pwm_period_s > 1.5 * T_s,
-    )
-    rotor_rad = motor.pole_pairs * 0.5 * (theta_m[1:] + theta_m[:-1])
-    return turning_flux(
-        u_V - legs.taken(u_V, i_A, rotor_rad, dead_share),
-        i_A,
-        T_s=T_s,
-        R_s_ohm=known.R_s_ohm,
-        L_d_H=motor.L_d_H,
-        L_q_H=motor.L_q_H,
-        stretches=_stretches(len(i_A), known),
-    )
+    return u_V, i_A, known.identified.pole_pairs * 0.5 * (theta_m[1:] + theta_m[:-1])
+
+
+def _turning(
+    blocks: Sequence[Block], known: Known, taken_V: Sequence[NDArray[np.complex128]]
+) -> list[TurningFlux]:
+    """Return what captures tell, less what dead time and devices take of each."""
+    motor, found = known.identified, []
+    for block, taken in zip(blocks, taken_V, strict=True):
+        u_V, i_A, _ = _spun(block, known)
+        found.append(
+            turning_flux(
+                u_V - taken,
+                i_A,
+                T_s=known.control_period_s,
+                R_s_ohm=known.R_s_ohm,
+                L_d_H=motor.L_d_H,
+                L_q_H=motor.L_q_H,
+                stretches=_stretches(len(i_A), known),
+            )
+        )
+    return found
 
 
 def _across_Wb(block: Block, of: TurningFlux, known: Known) -> float:

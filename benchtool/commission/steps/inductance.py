@@ -28,6 +28,7 @@ _PERIODS = (14.38, 31.17)  # control periods in a turn of the vector: no two tur
 _ROWS = 1200
 _REPEATS = 3  # of each speed: of a motor of small inertia the noise of the currents decides
 _LEFT_OUT_D, _LEFT_OUT_Q = 0.005, 0.006  # decision 0119
+_OF_BENT = 0.75  # of what a current takes of an inductance: no more is known of its course, decision 0190
 _LEFT_OUT_RAD = 0.03  # of the encoder's electrical angle, by its finer errors
 _FACTOR = 2.5
 _OF_LINE_TO_LINE, _NEAR = 0.5, 0.15
@@ -69,10 +70,7 @@ class TurningVoltage:
         turning = [block for block in blocks if "theta_m" in block.names]  # the others align
         found = inductance(
             [_directed(block, known) for block in turning],
-            T_s=known.control_period_s,
-            R_s_ohm=known.R_s_ohm,
-            drop_V=known.drop_V,
-            gains=known.gains,
+            known.circuit,
             aligned_rad=0.0,
             aligned_standard_rad=_axis_standard_rad(known),
         )
@@ -80,8 +78,8 @@ class TurningVoltage:
         basis = Basis(samples=rows, sample_rate_Hz=1.0 / known.control_period_s)
         scatter = f"scatter of {rows} samples about the fit"
         both = (
-            ("L_d", found.L_d_H, found.L_d_standard_H, "along", _LEFT_OUT_D),
-            ("L_q", found.L_q_H, found.L_q_standard_H, "across", _LEFT_OUT_Q),
+            ("L_d", found.d, "along", _LEFT_OUT_D),
+            ("L_q", found.q, "across", _LEFT_OUT_Q),
         )
         first = [
             known.pole_pairs * known.without_eccentricity(block.column("theta_m"))[0] for block in turning
@@ -96,13 +94,13 @@ class TurningVoltage:
         return {ALIGNED: rests} | {
             name: Measurement(
                 name,
-                value,
+                of.L_H,
                 "H",
                 f"flux linkage over current {side} the rotor flux, by a voltage vector that turns fast",
                 basis,
-                of_fit(value, standard, found.dof, scatter, known, left_out),
+                of_fit(of.L_H, of.standard_H, found.dof, scatter, known, left_out, _OF_BENT * abs(of.bent_H)),
             )
-            for name, value, standard, side, left_out in both
+            for name, of, side, left_out in both
         }
 
     def findings(self, found: Mapping[str, Measurement], known: Known) -> tuple[Finding, ...]:

@@ -23,6 +23,7 @@ from benchtool.drive import CaptureRequest, Stimulus
 _SPEEDS = (0.12, 0.2, 0.28, 0.36)  # of the rated speed; the drive trips at half of it
 _LEVELS = 3  # a binary sequence of three bits: on, back, on
 _LEAST_S, _REVOLUTIONS = 0.2, 2.15  # of a steady stretch: of one, what comes once in it looks like a drift
+_SWINGS = 20.0  # of J / K_p, until a speed no longer swings
 _ROWS = 20_000  # so that the torque that reverses the shaft leaps between two of many
 _LEFT_OUT_J = 0.005
 _ROUNDS = 5
@@ -138,7 +139,14 @@ class Reversals:
 
 
 def _level_s(known: Known, omega: float) -> float:
-    return settling_s(known, 2.0 * omega) + max(_LEAST_S, _REVOLUTIONS * 2.0 * math.pi / omega)
+    """Return how long a speed is held: until it is settled, and a steady stretch.
+
+    A rotor of more inertia than the nameplate's swings about the speed before it holds it.
+    """
+    gain = at_speed(known)["K_p_speed"]
+    assert isinstance(gain, float)
+    swings_s = _SWINGS * known.identified.J_kgm2 / gain
+    return settling_s(known, 2.0 * omega) + swings_s + max(_LEAST_S, _REVOLUTIONS * 2.0 * math.pi / omega)
 
 
 def _course(block: Block, known: Known, share: float) -> Course:

@@ -72,11 +72,8 @@ class Pulses:
             pulses[: 2 * _REPEATS],
             pulses[2 * _REPEATS :],
             currents,
-            T_s=known.control_period_s,
-            R_s_ohm=known.R_s_ohm,
-            psi_r_Wb=known.identified.psi_r_Wb,
-            drop_V=known.drop_V,
-            gains=known.gains,
+            known.circuit,
+            known.identified.psi_r_Wb,
         )
         found: dict[str, Measurement] = {}
         for axis, curve in (("d", curves.along), ("q", curves.across)):

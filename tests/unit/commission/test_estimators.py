@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from benchtool.commission.estimators.circuit import Circuit
 from benchtool.commission.estimators.inductance import Turning, inductance
 from benchtool.commission.estimators.phase_gains import phase_gains
 from benchtool.commission.estimators.regression import least_squares
@@ -150,8 +151,8 @@ def captures() -> list[Turning]:
 
 
 def estimated(captures: list[Turning], aligned_rad: float = 0.0) -> tuple[float, float, float, float]:
-    found = inductance(captures, T_s=T_S, R_s_ohm=R_S, drop_V=0.0, gains=np.ones(3), aligned_rad=aligned_rad)
-    return found.L_d_H, found.L_d_standard_H, found.L_q_H, found.L_q_standard_H
+    found = inductance(captures, Circuit(T_S, R_S, 0.0, 48.0, noise_A=0.01), aligned_rad=aligned_rad)
+    return found.d.L_H, found.d.standard_H, found.q.L_H, found.q.standard_H
 
 
 def test_inductances_of_a_rotor_that_is_shaken(captures: list[Turning]) -> None:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from benchtool.commission.estimators.circuit import Circuit
 from benchtool.commission.estimators.saturation import Pulse, Saturation, saturation
 from benchtool.errors import AnalysisError
 
@@ -51,7 +52,7 @@ def found(aside: complex = 1.0, cross: float = 0.0, moved_rad: float = 0.05) -> 
     along, across = (
         [pulse(sign, axis, rng, moved_rad, aside, cross) for sign in (1, -1, 1, -1)] for axis in (False, True)
     )
-    return saturation(along, across, AT_A, T_s=T_S, R_s_ohm=R_S, psi_r_Wb=PSI, drop_V=DROP, gains=np.ones(3))
+    return saturation(along, across, AT_A, Circuit(T_S, R_S, DROP, 48.0), PSI)
 
 
 @pytest.mark.parametrize(
