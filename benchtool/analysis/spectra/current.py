@@ -92,7 +92,9 @@ def current_spectrum(
     sound = soundness(spectrum, seen, invalid, channel)
     highest = min(HIGHEST_HARMONIC, len(harmonics(spectrum)))
     step = resolution(samples)
-    errors = line_errors(spectrum, highest, seen.excess_rad, step, seen.amplitude, seen.phase_rad)
+    errors = line_errors(
+        spectrum, highest, seen.excess_rad, step, seen.amplitude, seen.phase_rad, len(samples)
+    )
     groups = harmonic_groups(coherent, HIGHEST_HARMONIC)
     found = (
         frequency(spectrum, track, seen, basis, rate_relative, sound.of_ratios, step),
@@ -162,7 +164,7 @@ def _of_largest(spectrum: CoherentSpectrum, largest: Component, errors: LineErro
     """Return the uncertainty of the largest of n bins, where noise alone reads the floor times sqrt(ln n)."""
     place = round(largest.frequency_Hz / spectrum.frequency_Hz[1])
     order = place / spectrum.periods
-    noise = line_noise(spectrum, np.array([place]))
+    noise = line_noise(spectrum, np.array([place]), None if place % spectrum.periods else errors.trend)
     floor = noise_floor(spectrum, 0, _LOW_ORDER)
     alone2 = math.nan if floor is None else floor.amplitude**2 * math.log(_LOW_ORDER * spectrum.periods)
     alone2 += float(np.sum(errors.steps2[1:_LOW_ORDER])) / _LOW_ORDER * math.log(_LOW_ORDER)
