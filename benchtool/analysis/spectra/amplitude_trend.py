@@ -15,7 +15,9 @@ _FEWEST_PERIODS = 10
 _LEFT = 0.03  # of the variance; of a random walk a parabola leaves a quarter
 _FEWEST_CYCLES, _PER_PERIOD, _CYCLES_APART = 1.0, 0.25, 0.05
 _POINTS_PER_PERIOD = 8
-_OF_TIME = 1.0 / 6.0  # of a bend: what the mean over phases differs from that over time, at most
+_OF_TIME = 1.0 / (
+    6.0 * math.sqrt(3.0)
+)  # of a bend: what means over phases and over time differ by is a sixth at most
 
 
 @dataclass(frozen=True)
@@ -50,16 +52,14 @@ def amplitude_trend(
     if not power > 0.0:
         return None
     place = (np.arange(count) + 0.5) / count
-    for curve, constant, bend in _curves(relative, place):
+    for curve, about, bend in _curves(relative, place):
         if float(np.mean((relative - curve(place)) ** 2)) > _LEFT * power:
             continue
         points = (np.arange(_POINTS_PER_PERIOD * count) + 0.5) / (_POINTS_PER_PERIOD * count)
         course = curve(points)
         turns = np.exp(-2j * np.pi * np.outer(np.arange(1, offsets + 1), points))
-        if constant is None:
-            whole = curve(np.linspace(-before, 1.0 + after, len(points)))
-            constant = float(np.mean(whole))
-        apart = abs(float(np.mean(course)) - constant)
+        whole = np.linspace(-before, 1.0 + after, len(points))
+        apart = float(np.mean(course)) - (float(np.mean(curve(whole))) if about is None else about)
         return AmplitudeTrend(turns @ course / len(points), math.hypot(apart, _OF_TIME * bend))
     return None
 
@@ -101,7 +101,7 @@ def _swing(relative: Floats, place: Floats) -> Iterator[_Curve]:
     frequency = float(found)
     for each in near[near >= 0.5 * _FEWEST_CYCLES]:
         basis = _basis(place, each)
-        constants = np.linalg.lstsq(basis, relative, rcond=None)[0]
+        constants = np.asarray(np.linalg.lstsq(basis, relative, rcond=None)[0], dtype=np.float64)
         left = float(np.sum((relative - basis @ constants) ** 2))
         if left < least:
             least, best, frequency = left, constants, float(each)

@@ -13,7 +13,13 @@ from benchtool.analysis.declaration import Analysis, Drawing, Findings, NoSettin
 from benchtool.analysis.measurement import Basis, Measurement, Table
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.quantisation import resolution
-from benchtool.analysis.spectra.distortions import distortions, group_basis, group_distortions
+from benchtool.analysis.spectra.distortions import (
+    Beside,
+    distortions,
+    group_basis,
+    group_distortions,
+    with_noise,
+)
 from benchtool.analysis.spectra.fundamental import frequency, soundness, turned_around
 from benchtool.analysis.spectra.groups import (
     group_table,
@@ -26,8 +32,9 @@ from benchtool.analysis.spectra.harmonics import (
     harmonics,
     line_errors,
 )
+from benchtool.analysis.spectra.interharmonics import interharmonics, scatter_of_phases, without
 from benchtool.analysis.spectra.noise import NoiseFloor, line_noise, noise_floor
-from benchtool.analysis.spectra.phase_following import follow
+from benchtool.analysis.spectra.phase_following import follow, wander
 from benchtool.analysis.spectra.spectrum import (
     FIRST_ROW,
     CoherentSamples,
@@ -92,19 +99,29 @@ def current_spectrum(
     sound = soundness(spectrum, seen, invalid, channel)
     highest = min(HIGHEST_HARMONIC, len(harmonics(spectrum)))
     step = resolution(samples)
+    others = interharmonics(spectrum, len(coherent.values))
+    cleaned = coherent if others is None else without(coherent, others)
+    clean = spectrum if others is None else spectrum_of(cleaned)
+    alone = seen if others is None else wander(cleaned)
     errors = line_errors(
-        spectrum, highest, seen.excess_rad, step, seen.amplitude, seen.phase_rad, len(samples)
+        clean, highest, alone.excess_rad, step, alone.amplitude, alone.phase_rad, len(samples)
     )
     groups = harmonic_groups(coherent, HIGHEST_HARMONIC)
+    beside = None
+    if others is not None and groups is not None:
+        of_lines = harmonic_groups(cleaned, HIGHEST_HARMONIC)
+        scatter = scatter_of_phases(clean, others, groups, len(coherent.values))
+        beside = None if of_lines is None else Beside(of_lines, *scatter)
     found = (
         frequency(spectrum, track, seen, basis, rate_relative, sound.of_ratios, step),
-        *_refused(_lines(spectrum, errors, unit, basis), sound.of_amplitudes),
-        *_refused(distortions(spectrum, errors, basis, current_rated_A_rms, unit), sound.of_ratios),
-        *_refused(group_distortions(coherent, spectrum, errors, groups, basis), sound.of_ratios),
+        *_refused(_lines(spectrum, clean, errors, unit, basis), sound.of_amplitudes),
+        *_refused(distortions(clean, errors, basis, current_rated_A_rms, unit), sound.of_ratios),
+        *_refused(with_noise(spectrum, basis), sound.of_ratios),
+        *_refused(group_distortions(coherent, clean, errors, groups, basis, beside), sound.of_ratios),
         *_refused(_noise(floor, unit, basis), sound.of_amplitudes),
     )
     tables = [
-        harmonic_table(spectrum, "current_harmonics", unit, replace(basis, harmonics=highest), errors=errors)
+        harmonic_table(clean, "current_harmonics", unit, replace(basis, harmonics=highest), errors=errors)
     ]
     if sound.of_amplitudes:
         tables = [_without_uncertainty(tables[0], sound.of_amplitudes)]
@@ -140,14 +157,16 @@ def _basis(coherent: CoherentSamples, spectrum: CoherentSpectrum, track: PhaseTr
     )
 
 
-def _lines(spectrum: CoherentSpectrum, errors: LineErrors, unit: str, basis: Basis) -> Iterator[Measurement]:
+def _lines(
+    spectrum: CoherentSpectrum, clean: CoherentSpectrum, errors: LineErrors, unit: str, basis: Basis
+) -> Iterator[Measurement]:
     periods, f_1 = spectrum.periods, spectrum.fundamental_Hz
     text = f"peak amplitude at {f_1:.6g} Hz"
     source = "noise, resampling, phase and resolution"
     own = combined(errors.budget(0), source)
     if math.isnan(errors.wander[0]):
         text += "; its uncertainty is unknown: the amplitude wanders over the whole record, record longer"
-    yield Measurement("current_fundamental", spectrum.fundamental, unit, text, basis, own)
+    yield Measurement("current_fundamental", clean.fundamental, unit, text, basis, own)
 
     largest = largest_low_component(spectrum, _LOW_ORDER)
     limit_Hz = min(_LOW_ORDER * f_1, float(spectrum.frequency_Hz[-1]))
@@ -156,6 +175,9 @@ def _lines(spectrum: CoherentSpectrum, errors: LineErrors, unit: str, basis: Bas
         f"{largest.frequency_Hz:.6g} Hz; all bins, {f_1 / periods:.4g} Hz apart"
     )
     low = replace(basis, bandwidth_Hz=limit_Hz)
+    place = round(largest.frequency_Hz / spectrum.frequency_Hz[1])
+    if place % periods == 0:
+        spectrum, largest = clean, replace(largest, amplitude=float(clean.amplitude[place]))
     uncertain = _of_largest(spectrum, largest, errors)
     yield Measurement("current_max_low_harmonic", largest.amplitude, unit, text, low, uncertain)
 
