@@ -33,6 +33,7 @@ from benchtool.analysis.spectra.harmonics import (
     line_errors,
 )
 from benchtool.analysis.spectra.interharmonics import interharmonics, scatter_of_phases, without
+from benchtool.analysis.spectra.modulation import phase_noise_rad
 from benchtool.analysis.spectra.noise import NoiseFloor, line_noise, noise_floor
 from benchtool.analysis.spectra.phase_following import follow, wander
 from benchtool.analysis.spectra.spectrum import (
@@ -103,9 +104,8 @@ def current_spectrum(
     cleaned = coherent if others is None else without(coherent, others)
     clean = spectrum if others is None else spectrum_of(cleaned)
     alone = seen if others is None else wander(cleaned)
-    errors = line_errors(
-        clean, highest, alone.excess_rad, step, alone.amplitude, alone.phase_rad, len(samples)
-    )
+    wander_rad = max(alone.excess_rad, phase_noise_rad(cleaned))
+    errors = line_errors(clean, highest, wander_rad, step, alone.amplitude, alone.phase_rad, len(samples))
     groups = harmonic_groups(coherent, HIGHEST_HARMONIC)
     beside = None
     if others is not None and groups is not None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy import fft
 from numpy.typing import NDArray
 
 from benchtool.analysis.scatter import (
@@ -15,12 +16,13 @@ from benchtool.analysis.scatter import (
 )
 from benchtool.analysis.spectra.amplitude_trend import AmplitudeTrend
 from benchtool.analysis.spectra.noise import PAIRS, noise_of_pairs
-from benchtool.analysis.spectra.spectrum import CoherentSpectrum
+from benchtool.analysis.spectra.spectrum import CoherentSamples, CoherentSpectrum
 
 Floats = NDArray[np.float64]
 
 _ALIKE = 0.6  # correlation of the sidebands of two lines: of eight pairs of noise, by chance once in twenty
 _FEWEST_PAIRS = 4
+_FEWEST_OF_JITTER, _CLEARLY_STEEPER = 8, 6.0  # periods, and samples of each; standard deviations of a slope
 _CORRELATED = 1.5  # periods that count as one
 
 
@@ -77,6 +79,31 @@ def _offsets(spectrum: CoherentSpectrum, orders: int) -> NDArray[np.int64]:
     periods, offsets = spectrum.periods, np.arange(1, 2 * PAIRS + 1)
     inside = (offsets < periods) & (orders * periods + offsets < len(spectrum.phasor))
     return offsets[inside][:PAIRS]
+
+
+def phase_noise_rad(coherent: CoherentSamples) -> float:
+    """Return the standard deviation of the phase from sample to sample, by how much more a signal scatters
+    over the periods where it is steep; 0 where chance may do so.
+
+    Samples whose times jitter by x, as a phase, have the variance x^2 (dw/dphase)^2 beside that of the noise.
+    It is in all bins alike, and takes x^2 k^2 / 2 off harmonic k.
+    """
+    table = coherent.values.reshape(coherent.periods, -1)
+    places = table.shape[1]
+    if len(table) < _FEWEST_OF_JITTER or places < _FEWEST_OF_JITTER:
+        return 0.0
+    bins = fft.rfft(np.mean(table, axis=0))
+    bins[-1] = 0.0
+    steep2 = fft.irfft(1j * np.arange(len(bins)) * bins, places) ** 2
+    scatter2 = np.var(table, axis=0, ddof=1)
+    about = steep2 - np.mean(steep2)
+    size = float(about @ about)
+    if not size > 0.0:
+        return 0.0
+    slope = float(about @ scatter2) / size
+    left = scatter2 - np.mean(scatter2) - slope * about
+    chance = math.sqrt(float(left @ left) / (places - 2.0) / size)
+    return math.sqrt(slope) if slope > _CLEARLY_STEEPER * chance else 0.0
 
 
 def wander_of_mean(amplitude: Floats, by_pairs: float, phase_rad: Floats | None = None) -> float:
