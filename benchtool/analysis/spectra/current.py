@@ -108,7 +108,7 @@ def current_spectrum(
     errors = line_errors(clean, highest, wander_rad, step, alone.amplitude, alone.phase_rad, len(samples))
     groups = harmonic_groups(coherent, HIGHEST_HARMONIC)
     beside = None
-    if others is not None and groups is not None:
+    if others is not None and groups is not None and track.departure is None:  # they are as steady as it is
         of_lines = harmonic_groups(cleaned, HIGHEST_HARMONIC)
         scatter = scatter_of_phases(clean, others, groups, len(coherent.values))
         beside = None if of_lines is None else Beside(of_lines, *scatter)
