@@ -22,7 +22,7 @@ from benchtool.analysis.spectra.noise import (
     harmonic_noise,
     line_noise,
 )
-from benchtool.analysis.spectra.phase_following import Wander
+from benchtool.analysis.spectra.phase_following import LEFT_RAD, Wander
 from benchtool.analysis.spectra.spectrum import FIRST_ROW, CoherentSamples, CoherentSpectrum
 from benchtool.analysis.uncertainty import Contribution, combined
 
@@ -175,7 +175,8 @@ def _random(
         left_rad = float(np.std(seen.phase_rad))
         noise_rad = max(seen.noise_rad, left_rad)
         noise_rad *= _OF_PARABOLA if _is_steady_drift(track, spectrum, noise_rad) else _NOISE_AT_ENDS
-        ends_rad = math.hypot(noise_rad, 2.0 * _beyond_rad(track, spectrum, seen))
+        # of what is too little to be followed, at either end
+        ends_rad = math.hypot(noise_rad, 2.0 * _beyond_rad(track, spectrum, seen), 2.0 * LEFT_RAD)
         both_ends = MeanError(ends_rad / turns, float(len(seen.phase_rad) - 1))
         return (
             both_ends,
