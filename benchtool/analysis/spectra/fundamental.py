@@ -22,7 +22,7 @@ from benchtool.analysis.spectra.noise import (
     harmonic_noise,
     line_noise,
 )
-from benchtool.analysis.spectra.phase_following import LEFT_RAD, Wander
+from benchtool.analysis.spectra.phase_following import Wander
 from benchtool.analysis.spectra.spectrum import FIRST_ROW, CoherentSamples, CoherentSpectrum
 from benchtool.analysis.uncertainty import Contribution, combined
 
@@ -40,6 +40,7 @@ _FEWEST_BLOCKS = 8
 _NOISE_AT_ENDS = 3.0 * math.sqrt(2.0)  # a spline scatters at each end three times as much as a period's phase
 _OF_PARABOLA = 1.5  # of many periods it scatters less, but what is left of the phase is no white noise
 _FEWEST_OF_PARABOLA, _LITTLE = 5, 0.3
+_USUALLY = 1.0 / 3.0  # of the most that is left
 _LEFT_OF_ROUNDS = 1.0 / 8.0  # of a phase that is followed in three rounds, each of which leaves a half
 _HIGHEST_TURNED, _QUARTERS, _TURNS = 13, 4, 0.5
 _LARGEST_WANDER_RAD = 0.1  # at which harmonic 5 reads an eighth low
@@ -175,8 +176,7 @@ def _random(
         left_rad = float(np.std(seen.phase_rad))
         noise_rad = max(seen.noise_rad, left_rad)
         noise_rad *= _OF_PARABOLA if _is_steady_drift(track, spectrum, noise_rad) else _NOISE_AT_ENDS
-        # of what is too little to be followed, at either end
-        ends_rad = math.hypot(noise_rad, 2.0 * _beyond_rad(track, spectrum, seen), 2.0 * LEFT_RAD)
+        ends_rad = math.hypot(noise_rad, 2.0 * _beyond_rad(track, spectrum, seen))
         both_ends = MeanError(ends_rad / turns, float(len(seen.phase_rad) - 1))
         return (
             both_ends,
@@ -242,7 +242,8 @@ def _beyond_rad(track: PhaseTrack, spectrum: CoherentSpectrum, seen: Wander) -> 
     if count >= _FEWEST_OF_PARABOLA:
         parabola, covariance = np.polyfit(np.arange(count), seen.phase_rad, 2, cov="unscaled")
         scatter = float(np.std(seen.phase_rad)) * math.sqrt(float(covariance[0, 0]))
-        of_rounds = min(abs(of_rounds), 2.0 * math.hypot(float(parabola[0]), scatter))
+        of_rounds *= _USUALLY
+        of_rounds = math.hypot(of_rounds, 2.0 * float(parabola[0]), 2.0 * scatter)
     return 0.5 * left**2 * math.hypot(float(np.std(bend)), of_rounds)
 
 

@@ -18,7 +18,7 @@ from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.spectra.spectrum import FIRST_ROW, CoherentSamples, coherent_samples
 
 _OFF_RAD = 2e-3  # rms: at which harmonic 50 reads 0.5 % low
-LEFT_RAD = 5e-5  # rms: once followed, closer, because a period that is off by x reads its phase off by x / 2
+_LEFT_RAD = 5e-5  # rms: once followed, closer, because a period that is off by x reads its phase off by x / 2
 _BY_CHANCE = 1e-4
 _FEWEST_PERIODS = 4  # and so many phases, from which a wander is told from noise
 _FEWEST_KNOTS = 5  # of a smoothing spline
@@ -131,7 +131,7 @@ class _Followed:
 def _followed(samples: NDArray[np.float64], sample_rate_Hz: float, begin: _Followed, name: str) -> _Followed:
     """Return signal along the phase of its own fundamental, as long as that brings it closer."""
     found = begin
-    for least_rad in (_OFF_RAD, *(_ROUNDS - 1) * (LEFT_RAD,)):
+    for least_rad in (_OFF_RAD, *(_ROUNDS - 1) * (_LEFT_RAD,)):
         by_tone = _by_tone(found.coherent, found.track, found.seen, name, least_rad)
         if by_tone is None:
             break
