@@ -94,10 +94,10 @@ def is_memory_untold(values: NDArray[np.float64], like_noise: NDArray[np.float64
     noise = float(np.var(like_noise))
     if noise > 0.0 and fisher_above(freedom, freedom, float(np.var(values)) / noise) > _NOT_NOISE:
         return False
-    return _neighbours_alike(values) > _MAYBE_CORRELATED
+    return neighbours_alike(values) > _MAYBE_CORRELATED
 
 
-def _neighbours_alike(values: NDArray[np.float64]) -> float:
+def neighbours_alike(values: NDArray[np.float64]) -> float:
     """Return the correlation of neighbouring values, shape (n,), n > 2, in standard deviations of that of
     independent ones, about their mean (von Neumann, 1941)."""
     count, deviation = len(values), values - np.mean(values)

@@ -9,11 +9,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from benchtool.analysis.scatter import neighbours_alike
+
 Floats = NDArray[np.float64]
 
-_FEWEST_PERIODS = 10
+_FEWEST_PERIODS = 16
 _LEFT = 0.03  # of the variance; of a random walk a parabola leaves a quarter
 _FEWEST_CYCLES, _PER_PERIOD, _CYCLES_APART = 1.0, 0.25, 0.05
+_AT_LEAST, _REFINEMENTS = 0.5, (21, 11)  # of the power, by a periodogram
+_WITHOUT_DOUBT, _ALIKE = 3e-4, 3.0  # of the variance; standard deviations of a correlation
 _POINTS_PER_PERIOD = 8
 _OF_TIME = 1.0 / (
     6.0 * math.sqrt(3.0)
@@ -40,7 +44,8 @@ def amplitude_trend(
     none.
 
     A line, a parabola, a step or one sinusoid: the first that leaves less than three hundredths of the
-    variance, which is far less than of an amplitude that wanders at random. `before` and `after` are the
+    variance, which is far less than of an amplitude that wanders at random, and of that nothing but noise,
+    whose neighbours are not alike. `before` and `after` are the
     shares of the record, relative to the periods, that are outside them.
     """
     count = len(amplitudes)
@@ -53,7 +58,9 @@ def amplitude_trend(
         return None
     place = (np.arange(count) + 0.5) / count
     for curve, about, bend in _curves(relative, place):
-        if float(np.mean((relative - curve(place)) ** 2)) > _LEFT * power:
+        rest = relative - curve(place)
+        left = float(np.mean(rest**2)) / power
+        if left > _LEFT or (left > _WITHOUT_DOUBT and neighbours_alike(rest) > _ALIKE):
             continue
         points = (np.arange(_POINTS_PER_PERIOD * count) + 0.5) / (_POINTS_PER_PERIOD * count)
         course = curve(points)
@@ -94,17 +101,23 @@ def _swing(relative: Floats, place: Floats) -> Iterator[_Curve]:
     if not len(cycles):
         return
     turns = np.exp(2j * np.pi * np.outer(cycles, place))
-    found = cycles[int(np.argmax(np.abs(turns @ relative)))]
-    near = np.linspace(found - _FEWEST_CYCLES / 2.0, found + _FEWEST_CYCLES / 2.0, 101)
-    least = math.inf
+    size = np.abs(turns @ relative) / len(relative)
+    found = cycles[int(np.argmax(size))]
+    if 2.0 * float(np.max(size)) ** 2 < _AT_LEAST * float(np.mean(relative**2)):
+        return
+    least, reach = math.inf, _FEWEST_CYCLES / 2.0
     best: Floats = np.zeros(3)
     frequency = float(found)
-    for each in near[near >= 0.5 * _FEWEST_CYCLES]:
-        basis = _basis(place, each)
-        constants = np.asarray(np.linalg.lstsq(basis, relative, rcond=None)[0], dtype=np.float64)
-        left = float(np.sum((relative - basis @ constants) ** 2))
-        if left < least:
-            least, best, frequency = left, constants, float(each)
+    for steps in _REFINEMENTS:
+        for each in frequency + reach * np.linspace(-1.0, 1.0, steps):
+            if each < 0.5 * _FEWEST_CYCLES:
+                continue
+            basis = _basis(place, float(each))
+            constants = np.asarray(np.linalg.lstsq(basis, relative, rcond=None)[0], dtype=np.float64)
+            left = float(np.sum((relative - basis @ constants) ** 2))
+            if left < least:
+                least, best, frequency = left, constants, float(each)
+        reach *= 2.0 / (steps - 1.0)
     yield lambda places: np.asarray(_basis(places, frequency) @ best), float(best[0]), 0.0
 
 

@@ -104,6 +104,7 @@ def current_spectrum(
     cleaned = coherent if others is None else without(coherent, others)
     clean = spectrum if others is None else spectrum_of(cleaned)
     alone = seen if others is None else wander(cleaned)
+    lines = basis if others is None else replace(basis, window=f"{basis.window}, without {others.words}")
     wander_rad = max(alone.excess_rad, phase_noise_rad(cleaned))
     errors = line_errors(clean, highest, wander_rad, step, alone.amplitude, alone.phase_rad, len(samples))
     groups = harmonic_groups(coherent, HIGHEST_HARMONIC)
@@ -114,14 +115,14 @@ def current_spectrum(
         beside = None if of_lines is None else Beside(of_lines, *scatter)
     found = (
         frequency(spectrum, track, seen, basis, rate_relative, sound.of_ratios, step),
-        *_refused(_lines(spectrum, clean, errors, unit, basis), sound.of_amplitudes),
-        *_refused(distortions(clean, errors, basis, current_rated_A_rms, unit), sound.of_ratios),
+        *_refused(_lines(spectrum, clean, errors, unit, lines), sound.of_amplitudes),
+        *_refused(distortions(clean, errors, lines, current_rated_A_rms, unit), sound.of_ratios),
         *_refused(with_noise(spectrum, basis), sound.of_ratios),
         *_refused(group_distortions(coherent, clean, errors, groups, basis, beside), sound.of_ratios),
         *_refused(_noise(floor, unit, basis), sound.of_amplitudes),
     )
     tables = [
-        harmonic_table(clean, "current_harmonics", unit, replace(basis, harmonics=highest), errors=errors)
+        harmonic_table(clean, "current_harmonics", unit, replace(lines, harmonics=highest), errors=errors)
     ]
     if sound.of_amplitudes:
         tables = [_without_uncertainty(tables[0], sound.of_amplitudes)]
@@ -254,9 +255,9 @@ CURRENT_SPECTRUM: Final = Analysis(
         Quantity(
             ("current_fundamental",),
             "A",
-            "A_1",
-            "noise beside the line or, of an amplitude with a memory, that of its mean over periods; "
-            "resampling, wander of the phase, resolution",
+            "A_1, without what leaks into it from sinusoids between the harmonics and a decaying dc",
+            "noise beside the line, a ramp, step or swing of the amplitude left out, or, of one with a "
+            "memory, that of its mean over periods; resampling, wander of the phase, resolution",
         ),
         Quantity(
             ("current_max_low_harmonic",),
@@ -305,7 +306,7 @@ CURRENT_SPECTRUM: Final = Analysis(
             "%",
             "100 sqrt(G_2^2 + ... + G_H^2) / G_1, after IEC 61000-4-7:2002+A1:2008",
             "scatter over the windows of the ratio, or of each order, or the noise beside the lines, "
-            "whichever is largest",
+            "whichever is largest; of what stands out between harmonics, its phases instead",
         ),
         Quantity(
             ("current_thd_f_subgroups",),

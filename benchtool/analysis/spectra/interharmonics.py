@@ -20,6 +20,7 @@ Complex = NDArray[np.complex128]
 
 _MOST = 8
 _STANDS_OUT = 8.0  # times the median of the bins around, under a Hann window
+_ROUNDING = 1e-7  # of the largest line
 _AROUND = 12
 _FITTED = 6  # bins to either side of a sinusoid
 _LEFT = 0.1  # of the power there, that one sinusoid more may leave
@@ -42,6 +43,13 @@ class Interharmonics:
     phasors: Complex
     start: float = 0.0
     constant: float = 1.0
+
+    @property
+    def words(self) -> str:
+        """What they are, for a definition."""
+        count = len(self.places)
+        parts = [f"{count} sinusoid{'s' if count > 1 else ''} between harmonics"] if count else []
+        return " and ".join([*parts, "a decaying dc"] if self.start else parts)
 
     def of_bins(self, bins: NDArray[np.int64], count: int) -> Complex:
         """Return what they make of bins of a record of `count` samples, as peak phasors."""
@@ -201,6 +209,8 @@ def _largest(bins: Complex, periods: int) -> float | None:
     size[1:-1] = np.abs(others[1:-1] - 0.5 * (others[2:] + others[:-2]))
     size[::periods] = 0.0
     at = int(np.argmax(size))
+    if not size[at] > _ROUNDING * float(np.max(np.abs(bins[1:]))):
+        return None
     first = max(1, at - _AROUND)
     around = np.concatenate([size[first : max(first, at - 3)], size[at + 4 : at + 1 + _AROUND]])
     around = around[around > 0.0]
