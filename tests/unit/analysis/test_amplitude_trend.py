@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 from numpy.polynomial import Polynomial
@@ -17,7 +19,7 @@ from benchtool.analysis.spectra.spectrum import coherent_samples, spectrum_of
 Array = NDArray[np.float64]
 PERIODS, PER_PERIOD = 40, 200
 PLACE = (np.arange(PERIODS) + 0.5) / PERIODS
-CURVES = {
+CURVES: dict[str, Callable[[Array], Array]] = {
     "ramp": lambda place: 0.05 * (place - 0.5),
     "parabola": lambda place: 0.05 * (place - 0.4) ** 2,
     "step": lambda place: 0.01 * (place > 0.55),

@@ -97,6 +97,7 @@ def test_groups_scatter_over_phases_as_records_do() -> None:
         ratios.append((ratio_of(groups.group2), ratio_of(groups.subgroup2)))
     found = interharmonics(spectrum_of(coherent), len(coherent.values))
     assert found is not None
+    assert groups is not None
     clean = spectrum_of(without(coherent, found))
     stated = scatter_of_phases(clean, found, groups, len(coherent.values))
     np.testing.assert_allclose(stated, np.std(ratios, axis=0), rtol=0.45)
