@@ -8,10 +8,11 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from benchtool.analysis.declaration import Analysis, Drawing, Findings, NoSettings, Quantity
 from benchtool.analysis.measurement import Basis, Measurement, Table
-from benchtool.analysis.periods import PhaseTrack
+from benchtool.analysis.periods import PhaseTrack, track_tone
 from benchtool.analysis.quantisation import resolution
 from benchtool.analysis.spectra.distortions import (
     Beside,
@@ -32,7 +33,12 @@ from benchtool.analysis.spectra.harmonics import (
     harmonics,
     line_errors,
 )
-from benchtool.analysis.spectra.interharmonics import interharmonics, scatter_of_phases, without
+from benchtool.analysis.spectra.interharmonics import (
+    Interharmonics,
+    interharmonics,
+    scatter_of_phases,
+    without,
+)
 from benchtool.analysis.spectra.modulation import phase_noise_rad
 from benchtool.analysis.spectra.noise import NoiseFloor, line_noise, noise_floor
 from benchtool.analysis.spectra.phase_following import follow, wander
@@ -92,6 +98,14 @@ def current_spectrum(
     samples, unit = np.ascontiguousarray(block.column(channel)), block.unit(channel)
     coherent, track, seen = follow(samples, block.sample_rate_Hz, track, channel)
     spectrum = spectrum_of(coherent)
+    others = interharmonics(spectrum, len(coherent.values))
+    by_signal = track.residual_rad is None and track.departure is None
+    if others is not None and by_signal:  # which pull at the fit of its frequency
+        track = _track_without(others, samples, coherent, track, channel)
+        coherent, track, seen = follow(samples, block.sample_rate_Hz, track, channel)
+        spectrum = spectrum_of(coherent)
+        others = interharmonics(spectrum, len(coherent.values))
+        by_signal = track.departure is None
     basis = _basis(coherent, spectrum, track)
     floor = noise_floor(spectrum)
     invalid = clipping(samples) or standing(samples)
@@ -100,7 +114,6 @@ def current_spectrum(
     sound = soundness(spectrum, seen, invalid, channel)
     highest = min(HIGHEST_HARMONIC, len(harmonics(spectrum)))
     step = resolution(samples)
-    others = interharmonics(spectrum, len(coherent.values))
     cleaned = coherent if others is None else without(coherent, others)
     clean = spectrum if others is None else spectrum_of(cleaned)
     alone = seen if others is None else wander(cleaned)
@@ -114,7 +127,7 @@ def current_spectrum(
         scatter = scatter_of_phases(clean, others, groups, len(coherent.values))
         beside = None if of_lines is None else Beside(of_lines, *scatter)
     found = (
-        frequency(spectrum, track, seen, basis, rate_relative, sound.of_ratios, step),
+        frequency(clean if by_signal else spectrum, track, seen, basis, rate_relative, sound.of_ratios, step),
         *_refused(_lines(spectrum, clean, errors, unit, lines), sound.of_amplitudes),
         *_refused(distortions(clean, errors, lines, current_rated_A_rms, unit), sound.of_ratios),
         *_refused(with_noise(spectrum, basis), sound.of_ratios),
@@ -129,6 +142,19 @@ def current_spectrum(
     if groups is not None:
         tables.append(group_table(groups, "current_groups", unit, group_basis(coherent, groups, basis)))
     return CurrentSpectrum(found, tuple(tables), spectrum, track, coherent)
+
+
+def _track_without(
+    others: Interharmonics,
+    samples: NDArray[np.float64],
+    coherent: CoherentSamples,
+    track: PhaseTrack,
+    name: str,
+) -> PhaseTrack:
+    """Return the track of the signal less what was found between its harmonics."""
+    numbers, begin = np.arange(len(samples), dtype=np.float64), np.array([FIRST_ROW], dtype=np.float64)
+    steps = (track.at(numbers) - track.at(begin)) * (coherent.per_period / (2.0 * np.pi))
+    return track_tone(samples - others.at(steps, len(coherent.values)), name)
 
 
 def _without_uncertainty(table: Table, reason: str) -> Table:

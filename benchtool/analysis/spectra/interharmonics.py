@@ -60,6 +60,13 @@ class Interharmonics:
             found[near] += phasor * upper + np.conj(phasor) * lower
         return found
 
+    def at(self, numbers: Floats, count: int) -> Floats:
+        """Return them at sample numbers of any kind, shape (n,), of a record of `count` samples."""
+        found = self.start * np.exp(-numbers / (self.constant * count))
+        for place, phasor in zip(self.places, self.phasors, strict=True):
+            found += np.real(phasor * np.exp(2j * np.pi * place / count * numbers))
+        return np.asarray(found)
+
     def waveform(self, count: int) -> Floats:
         """Return them over a record of `count` samples."""
         rows = math.ceil(count / _COLUMNS)

@@ -107,8 +107,8 @@ def test_the_frequency_of_the_angle_stands_beside_that_of_a_signal_that_leaves_i
 
 
 def test_a_followed_phase_is_as_uncertain_as_its_bend_beyond_the_last_period() -> None:
-    """The last mark is in the middle of the last period; a parabola goes on bending but for an eighth at most,
-    usually a third of that."""
+    """The last mark is in the middle of the last period; a parabola goes on bending but for an eighth of it
+    at most, usually a third of that."""
     straight = PhaseTrack(LINEAR, SAMPLES, "it itself", None, None, none)
     assert standard(frequency_of(straight, still())) < 1e-9
     per_period = RATE_HZ / FREQUENCY_HZ

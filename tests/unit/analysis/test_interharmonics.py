@@ -9,7 +9,8 @@ import pytest
 from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
-from benchtool.analysis.periods import PhaseTrack
+from benchtool.analysis.periods import PhaseTrack, track_tone
+from benchtool.analysis.spectra.current import current_spectrum
 from benchtool.analysis.spectra.groups import harmonic_groups, ratio_of
 from benchtool.analysis.spectra.interharmonics import interharmonics, scatter_of_phases, without
 from benchtool.analysis.spectra.spectrum import (
@@ -18,6 +19,7 @@ from benchtool.analysis.spectra.spectrum import (
     coherent_samples,
     spectrum_of,
 )
+from benchtool.block import Block
 
 Array = NDArray[np.float64]
 PER_PERIOD, RATE_HZ = 211.3, 10e3
@@ -101,3 +103,18 @@ def test_groups_scatter_over_phases_as_records_do() -> None:
     clean = spectrum_of(without(coherent, found))
     stated = scatter_of_phases(clean, found, groups, len(coherent.values))
     np.testing.assert_allclose(stated, np.std(ratios, axis=0), rtol=0.45)
+
+
+def test_the_frequency_of_few_periods_is_without_what_lies_between_harmonics() -> None:
+    row = rows(7.8)
+    signal = harmonic_current(row) + 0.02 * np.cos(2 * np.pi * 1.6 * row / PER_PERIOD + 0.5)
+    signal += 1e-5 * np.random.default_rng(5).standard_normal(len(row))
+    track = track_tone(signal)
+    truth_Hz = RATE_HZ / PER_PERIOD
+    of_track_Hz = track.periods * RATE_HZ / (len(row) - 1)
+    block = Block.from_arrays(RATE_HZ, {"i_a": "A"}, i_a=signal)
+    number = current_spectrum(block, "i_a", track).measurements[0]
+    assert number.name == "fundamental_frequency"
+    assert number.uncertainty is not None
+    assert abs(of_track_Hz - truth_Hz) > 10.0 * number.uncertainty.standard
+    assert abs(number.value - truth_Hz) < 4.0 * number.uncertainty.standard
