@@ -145,7 +145,7 @@ def group_distortions(
             budget = [scatter, of_steps] if added else [scatter]
             if beside is not None:
                 phases = beside.of_groups if kind == "group" else beside.of_subgroups
-                budget.append(Contribution("phases of what is between the harmonics", "B", phases))
+                budget.append(Contribution("phases of components between the harmonics", "B", phases))
             uncertain = _percent(budget, source)
             if groups.windows < FEWEST_WINDOWS and math.isnan(errors.wander[0]):
                 uncertain = None  # what an amplitude that wanders adds to them has no scatter
