@@ -119,8 +119,8 @@ def without(coherent: CoherentSamples, found: Interharmonics) -> CoherentSamples
 def scatter_of_phases(
     clean: CoherentSpectrum, found: Interharmonics, groups: HarmonicGroups, count: int
 ) -> tuple[float, float]:
-    """Return the standard deviations of the distortions by groups and by subgroups over the phases of components
-    between the harmonics (JCGM 101:2008), for a record of `count` samples.
+    """Return the standard deviations of the distortions by groups and by subgroups over the phases of
+    components between the harmonics (JCGM 101:2008), for a record of `count` samples.
 
     In a window the leakage of one adds to a line, or is taken off it, as their phases have it.
     """
