@@ -20,6 +20,7 @@ _FEWEST_EXTREMES = 4
 _BY_CHANCE, _CLEARLY, _WITHOUT_DOUBT = 2.5, 2.0, 2.5  # standard deviations of a correlation
 _FEWEST_INDEPENDENT = 4.0  # values that a record must hold
 _LOWEST, _FEWEST_OF_LOWEST, _BLOCKS, _FAR_BELOW = 5, 5, 4096, 5.0
+_MOST_OF_NEXT = 30
 _CLEARLY_MORE = 1.4  # times the error by parts: by chance both differ by less
 _FEW_PARTS = 15.0  # degrees of freedom
 _FEW_INDEPENDENT = 8.0  # degrees of freedom, with fewer of which the correlation of a series is not known
@@ -93,10 +94,10 @@ def is_memory_untold(values: NDArray[np.float64], like_noise: NDArray[np.float64
     noise = float(np.var(like_noise))
     if noise > 0.0 and fisher_above(freedom, freedom, float(np.var(values)) / noise) > _NOT_NOISE:
         return False
-    return _neighbours_alike(values) > _MAYBE_CORRELATED
+    return neighbours_alike(values) > _MAYBE_CORRELATED
 
 
-def _neighbours_alike(values: NDArray[np.float64]) -> float:
+def neighbours_alike(values: NDArray[np.float64]) -> float:
     """Return the correlation of neighbouring values, shape (n,), n > 2, in standard deviations of that of
     independent ones, about their mean (von Neumann, 1941)."""
     count, deviation = len(values), values - np.mean(values)
@@ -206,7 +207,26 @@ def at_lowest_frequencies(samples: NDArray[np.float64], by_parts: MeanError, per
         return by_parts
     if slow.standard < _ROUNDING * float(np.max(np.abs(values))):
         return by_parts
+    if (lowest := _where_none_rises(values, periods)) is not None:
+        return max(by_parts, lowest, key=lambda each: each.standard)
     return MeanError(math.nan if slow.is_lost else slow.standard, slow.dof)
+
+
+def _where_none_rises(values: NDArray[np.float64], periods: int) -> MeanError | None:
+    """Return the error of the mean by the five lowest frequencies of values, shape (n,), where the next
+    twenty-five, below the first harmonic of `periods`, have more; None where they do not.
+
+    A density that falls towards zero frequency, as beside a ripple that scatters, is not continued upwards.
+    """
+    last = min(_MOST_OF_NEXT, periods - 1 if periods else _MOST_OF_NEXT)
+    if last < _FEWEST_OF_LOWEST * _LOWEST or len(values) < 2 * last:
+        return None
+    bins = fft.rfft(values - np.mean(values))[1 : last + 1] / len(values)
+    power = bins.real**2 + bins.imag**2
+    if float(np.mean(power[:_LOWEST])) > float(np.mean(power[_LOWEST:])):
+        return None
+    dof = 2.0 * _LOWEST
+    return MeanError(math.sqrt(float(np.mean(power[:_LOWEST]))) * students_deviation(dof), dof)
 
 
 def _means_of_blocks(samples: NDArray[np.float64], periods: int) -> NDArray[np.float64]:

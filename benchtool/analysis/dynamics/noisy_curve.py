@@ -20,6 +20,7 @@ from benchtool.analysis.quantisation import counting_step
 
 Floats = NDArray[np.float64]
 
+_OF_BIAS = 0.5  # of a bend a quarter, as of (3/2)^4 - 1; of an edge more
 _DRAWS = 80
 _FEWEST_DRAWS = 20
 _MOST_VALUES = 1 << 24  # of all draws together, 128 MiB
@@ -81,7 +82,7 @@ class NoisyCurve:
             return cls(samples, np.empty((0, count)) if step == 0.0 else np.asarray(of_steps))
         errors = smoother.apply(noise.draw(random, (draws, count)))
         curve = smoother.apply(samples)
-        bias = longer.apply(samples) - curve
+        bias = _OF_BIAS * (longer.apply(samples) - curve)
         return cls(curve, errors + of_steps + random.standard_normal((draws, 1)) * bias)
 
     @cached_property
@@ -112,7 +113,9 @@ class NoisyCurve:
         if_equal = float(np.mean(highest))
         as_it_is = float(np.mean(np.max(self.values + self.errors, axis=1))) - float(self.values[top])
         bias = 0.5 * (if_equal + as_it_is)
-        of_noise = math.hypot(float(np.std(highest, ddof=1)), 0.5 * (if_equal - as_it_is))
+        # anywhere between both, evenly
+        between_both = (if_equal - as_it_is) / math.sqrt(12.0)
+        of_noise = math.hypot(float(np.std(highest, ddof=1)), between_both)
         return float(self.values[top]) + between - bias, math.hypot(of_noise, unknown)
 
     def place_of_greatest(self) -> Instant:
@@ -138,6 +141,26 @@ class NoisyCurve:
         """
         above, sure = self.values - level, _SURE * self.standard
         return self._instant(_first(above, sure), [_first(above + each, sure) for each in self.errors])
+
+    def rise(self, low: float, high: float) -> Instant | None:
+        """Return how long the curve takes from its first rise to a level to that to a higher one; None if it
+        does not reach it.
+
+        What the errors move both by cancels.
+        """
+        sure = _SURE * self.standard
+        first, last = (_first(self.values - level, sure) for level in (low, high))
+        if first is None or last is None:
+            return None
+        moved, wide = [], math.hypot(first.reach, last.reach) / math.sqrt(3.0)
+        for each in self.errors:
+            one, other = (_first(self.values + each - level, sure) for level in (low, high))
+            if one is not None and other is not None:
+                moved.append(other.place - one.place - (last.place - first.place))
+        if len(moved) < _LEAST_DEFINED * len(self.errors):
+            return Instant(last.place - first.place, math.inf)
+        noise = float(np.sqrt(np.mean(np.square(moved)))) if moved else 0.0
+        return Instant(last.place - first.place, math.hypot(noise, wide))
 
     def last_outside(self, level: float, band: float) -> Instant | None:
         """Return where the curve enters `level` +- `band` finally, 0 if it never leaves; None if it ends

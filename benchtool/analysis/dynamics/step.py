@@ -158,10 +158,7 @@ def _times(step: Step, curve: NoisyCurve, arrived: Instant | None) -> Iterator[M
     reason = "it moves before the reference has come half the way" if ahead else "it does not move"
     yield _time(step, "step_latency", text, None if ahead else left, reason)
 
-    low, high = (curve.first_above(step.before + share * step.height) for share in (_LOW, _HIGH))
-    rise = None
-    if low is not None and high is not None:
-        rise = Instant(high.place - low.place, math.hypot(high.standard, low.standard))
+    rise = curve.rise(*(step.before + share * step.height for share in (_LOW, _HIGH)))
     text = f"from {_LOW:.0%} to {_HIGH:.0%} of the step, of the smoothed signal"
     yield _interval(step, "rise_time", text, rise, "it is not reached")
     text = f"from the step until the smoothed signal has come {1 - _ARRIVED:.0%} of it"

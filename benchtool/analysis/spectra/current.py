@@ -8,12 +8,19 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from benchtool.analysis.declaration import Analysis, Drawing, Findings, NoSettings, Quantity
 from benchtool.analysis.measurement import Basis, Measurement, Table
-from benchtool.analysis.periods import PhaseTrack
+from benchtool.analysis.periods import PhaseTrack, track_tone
 from benchtool.analysis.quantisation import resolution
-from benchtool.analysis.spectra.distortions import distortions, group_basis, group_distortions
+from benchtool.analysis.spectra.distortions import (
+    Beside,
+    distortions,
+    group_basis,
+    group_distortions,
+    with_noise,
+)
 from benchtool.analysis.spectra.fundamental import frequency, soundness, turned_around
 from benchtool.analysis.spectra.groups import (
     group_table,
@@ -26,8 +33,15 @@ from benchtool.analysis.spectra.harmonics import (
     harmonics,
     line_errors,
 )
+from benchtool.analysis.spectra.interharmonics import (
+    Interharmonics,
+    interharmonics,
+    scatter_of_phases,
+    without,
+)
+from benchtool.analysis.spectra.modulation import phase_noise_rad
 from benchtool.analysis.spectra.noise import NoiseFloor, line_noise, noise_floor
-from benchtool.analysis.spectra.phase_following import follow
+from benchtool.analysis.spectra.phase_following import follow, wander
 from benchtool.analysis.spectra.spectrum import (
     FIRST_ROW,
     CoherentSamples,
@@ -84,6 +98,14 @@ def current_spectrum(
     samples, unit = np.ascontiguousarray(block.column(channel)), block.unit(channel)
     coherent, track, seen = follow(samples, block.sample_rate_Hz, track, channel)
     spectrum = spectrum_of(coherent)
+    others = interharmonics(spectrum, len(coherent.values))
+    by_signal = track.residual_rad is None and track.departure is None
+    if others is not None and by_signal:  # which pull at the fit of its frequency
+        track = _track_without(others, samples, coherent, track, channel)
+        coherent, track, seen = follow(samples, block.sample_rate_Hz, track, channel)
+        spectrum = spectrum_of(coherent)
+        others = interharmonics(spectrum, len(coherent.values))
+        by_signal = track.departure is None
     basis = _basis(coherent, spectrum, track)
     floor = noise_floor(spectrum)
     invalid = clipping(samples) or standing(samples)
@@ -92,23 +114,47 @@ def current_spectrum(
     sound = soundness(spectrum, seen, invalid, channel)
     highest = min(HIGHEST_HARMONIC, len(harmonics(spectrum)))
     step = resolution(samples)
-    errors = line_errors(spectrum, highest, seen.excess_rad, step, seen.amplitude, seen.phase_rad)
+    cleaned = coherent if others is None else without(coherent, others)
+    clean = spectrum if others is None else spectrum_of(cleaned)
+    alone = seen if others is None else wander(cleaned)
+    lines = basis if others is None else replace(basis, window=f"{basis.window}, without {others.words}")
+    wander_rad = max(alone.excess_rad, phase_noise_rad(cleaned))
+    errors = line_errors(clean, highest, wander_rad, step, alone.amplitude, alone.phase_rad, len(samples))
     groups = harmonic_groups(coherent, HIGHEST_HARMONIC)
+    beside = None
+    if others is not None and groups is not None and track.departure is None:  # they are as steady as it is
+        of_lines = harmonic_groups(cleaned, HIGHEST_HARMONIC)
+        scatter = scatter_of_phases(clean, others, groups, len(coherent.values))
+        beside = None if of_lines is None else Beside(of_lines, *scatter)
     found = (
-        frequency(spectrum, track, seen, basis, rate_relative, sound.of_ratios, step),
-        *_refused(_lines(spectrum, errors, unit, basis), sound.of_amplitudes),
-        *_refused(distortions(spectrum, errors, basis, current_rated_A_rms, unit), sound.of_ratios),
-        *_refused(group_distortions(coherent, spectrum, errors, groups, basis), sound.of_ratios),
+        frequency(clean if by_signal else spectrum, track, seen, basis, rate_relative, sound.of_ratios, step),
+        *_refused(_lines(spectrum, clean, errors, unit, lines), sound.of_amplitudes),
+        *_refused(distortions(clean, errors, lines, current_rated_A_rms, unit), sound.of_ratios),
+        *_refused(with_noise(spectrum, basis), sound.of_ratios),
+        *_refused(group_distortions(coherent, clean, errors, groups, basis, beside), sound.of_ratios),
         *_refused(_noise(floor, unit, basis), sound.of_amplitudes),
     )
     tables = [
-        harmonic_table(spectrum, "current_harmonics", unit, replace(basis, harmonics=highest), errors=errors)
+        harmonic_table(clean, "current_harmonics", unit, replace(lines, harmonics=highest), errors=errors)
     ]
     if sound.of_amplitudes:
         tables = [_without_uncertainty(tables[0], sound.of_amplitudes)]
     if groups is not None:
         tables.append(group_table(groups, "current_groups", unit, group_basis(coherent, groups, basis)))
     return CurrentSpectrum(found, tuple(tables), spectrum, track, coherent)
+
+
+def _track_without(
+    others: Interharmonics,
+    samples: NDArray[np.float64],
+    coherent: CoherentSamples,
+    track: PhaseTrack,
+    name: str,
+) -> PhaseTrack:
+    """Return the track of the signal less what was found between its harmonics."""
+    numbers, begin = np.arange(len(samples), dtype=np.float64), np.array([FIRST_ROW], dtype=np.float64)
+    steps = (track.at(numbers) - track.at(begin)) * (coherent.per_period / (2.0 * np.pi))
+    return track_tone(samples - others.at(steps, len(coherent.values)), name)
 
 
 def _without_uncertainty(table: Table, reason: str) -> Table:
@@ -138,14 +184,16 @@ def _basis(coherent: CoherentSamples, spectrum: CoherentSpectrum, track: PhaseTr
     )
 
 
-def _lines(spectrum: CoherentSpectrum, errors: LineErrors, unit: str, basis: Basis) -> Iterator[Measurement]:
+def _lines(
+    spectrum: CoherentSpectrum, clean: CoherentSpectrum, errors: LineErrors, unit: str, basis: Basis
+) -> Iterator[Measurement]:
     periods, f_1 = spectrum.periods, spectrum.fundamental_Hz
     text = f"peak amplitude at {f_1:.6g} Hz"
     source = "noise, resampling, phase and resolution"
     own = combined(errors.budget(0), source)
     if math.isnan(errors.wander[0]):
         text += "; its uncertainty is unknown: the amplitude wanders over the whole record, record longer"
-    yield Measurement("current_fundamental", spectrum.fundamental, unit, text, basis, own)
+    yield Measurement("current_fundamental", clean.fundamental, unit, text, basis, own)
 
     largest = largest_low_component(spectrum, _LOW_ORDER)
     limit_Hz = min(_LOW_ORDER * f_1, float(spectrum.frequency_Hz[-1]))
@@ -154,6 +202,9 @@ def _lines(spectrum: CoherentSpectrum, errors: LineErrors, unit: str, basis: Bas
         f"{largest.frequency_Hz:.6g} Hz; all bins, {f_1 / periods:.4g} Hz apart"
     )
     low = replace(basis, bandwidth_Hz=limit_Hz)
+    place = round(largest.frequency_Hz / spectrum.frequency_Hz[1])
+    if place % periods == 0:
+        spectrum, largest = clean, replace(largest, amplitude=float(clean.amplitude[place]))
     uncertain = _of_largest(spectrum, largest, errors)
     yield Measurement("current_max_low_harmonic", largest.amplitude, unit, text, low, uncertain)
 
@@ -162,7 +213,7 @@ def _of_largest(spectrum: CoherentSpectrum, largest: Component, errors: LineErro
     """Return the uncertainty of the largest of n bins, where noise alone reads the floor times sqrt(ln n)."""
     place = round(largest.frequency_Hz / spectrum.frequency_Hz[1])
     order = place / spectrum.periods
-    noise = line_noise(spectrum, np.array([place]))
+    noise = line_noise(spectrum, np.array([place]), None if place % spectrum.periods else errors.trend)
     floor = noise_floor(spectrum, 0, _LOW_ORDER)
     alone2 = math.nan if floor is None else floor.amplitude**2 * math.log(_LOW_ORDER * spectrum.periods)
     alone2 += float(np.sum(errors.steps2[1:_LOW_ORDER])) / _LOW_ORDER * math.log(_LOW_ORDER)
@@ -230,9 +281,9 @@ CURRENT_SPECTRUM: Final = Analysis(
         Quantity(
             ("current_fundamental",),
             "A",
-            "A_1",
-            "noise beside the line or, of an amplitude with a memory, that of its mean over periods; "
-            "resampling, wander of the phase, resolution",
+            "A_1, without what leaks into it from sinusoids between the harmonics and a decaying dc",
+            "noise beside the line, a ramp, step or swing of the amplitude left out, or, of one with a "
+            "memory, that of its mean over periods; resampling, wander of the phase, resolution",
         ),
         Quantity(
             ("current_max_low_harmonic",),
@@ -281,7 +332,7 @@ CURRENT_SPECTRUM: Final = Analysis(
             "%",
             "100 sqrt(G_2^2 + ... + G_H^2) / G_1, after IEC 61000-4-7:2002+A1:2008",
             "scatter over the windows of the ratio, or of each order, or the noise beside the lines, "
-            "whichever is largest",
+            "whichever is largest; of what stands out between harmonics, its phases instead",
         ),
         Quantity(
             ("current_thd_f_subgroups",),

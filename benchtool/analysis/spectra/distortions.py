@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,7 +13,6 @@ from benchtool.analysis.scatter import MeanError
 from benchtool.analysis.spectra.groups import (
     FEWEST_WINDOWS,
     PERIODS_PER_WINDOW,
-    GroupDistortion,
     HarmonicGroups,
     group_distortion,
 )
@@ -29,6 +28,15 @@ from benchtool.analysis.spectra.spectrum import CoherentSamples, CoherentSpectru
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
 
 
+@dataclass(frozen=True)
+class Beside:
+    """Groups `without` what is between the harmonics, and how much its phases move the distortions."""
+
+    without: HarmonicGroups
+    of_groups: float
+    of_subgroups: float
+
+
 def distortions(
     spectrum: CoherentSpectrum,
     errors: LineErrors,
@@ -36,7 +44,7 @@ def distortions(
     current_rated_A_rms: float | None,
     unit: str,
 ) -> Iterator[Measurement]:
-    """Yield THD_F, THD_R and, where the rated current is known, TDD, and THD_F with the noise in it."""
+    """Yield THD_F, also without its noise, THD_R and, where the rated current is known, TDD."""
     bases = [
         ("current_thd_f", Reference.FUNDAMENTAL, 0.0, "fundamental"),
         ("current_thd_r", Reference.TOTAL, 0.0, Reference.TOTAL.value),
@@ -66,8 +74,6 @@ def distortions(
         if reference is Reference.FUNDAMENTAL:
             yield _corrected(distortion, last, to_last)
 
-    yield from _with_noise(spectrum, basis)
-
 
 def _corrected(distortion: Distortion, last: int, basis: Basis) -> Measurement:
     name = "current_thd_f_noise_corrected"
@@ -83,7 +89,8 @@ def _corrected(distortion: Distortion, last: int, basis: Basis) -> Measurement:
     return Measurement(name, 100.0 * distortion.corrected, "%", text, basis, uncertain)
 
 
-def _with_noise(spectrum: CoherentSpectrum, basis: Basis) -> Iterator[Measurement]:
+def with_noise(spectrum: CoherentSpectrum, basis: Basis) -> Iterator[Measurement]:
+    """Yield THD_F with the noise in it."""
     value = 100.0 * distortion_and_noise(spectrum)
     text = "100 x rms of all in the band but dc and the fundamental, noise included / fundamental"
     to_end = replace(basis, reference="fundamental")
@@ -99,8 +106,10 @@ def group_distortions(
     errors: LineErrors,
     groups: HarmonicGroups | None,
     basis: Basis,
+    beside: Beside | None = None,
 ) -> Iterator[Measurement]:
-    """Yield the distortions by groups and by subgroups; undefined without `groups`."""
+    """Yield the distortions by groups and by subgroups; undefined without `groups`. Where there is something
+    `beside` the harmonics, the noise is that of the groups without it."""
     distortion = total_harmonic_distortion(spectrum, HIGHEST_HARMONIC, errors=errors)
     lines = [each for each in distortion.budget[:-1] if each.name != "fundamental"]
     by_noise = combined(lines, "")
@@ -116,7 +125,10 @@ def group_distortions(
             yield Measurement.undefined(name, "%", text, reason, replace(basis, reference=base))
             continue
         squares = groups.group2 if kind == "group" else groups.subgroup2
-        value: GroupDistortion = group_distortion(squares, noise, of_order_1, distortion.ratio)
+        value = group_distortion(squares, noise, of_order_1, distortion.ratio)
+        if beside is not None:
+            others2 = beside.without.group2 if kind == "group" else beside.without.subgroup2
+            value = replace(group_distortion(others2, noise, of_order_1, distortion.ratio), ratio=value.ratio)
         text = f"100 x rms of harmonic {kind}s of order 2 to {groups.orders} / {base}, after IEC 61000-4-7"
         if groups.periods_per_window < PERIODS_PER_WINDOW:
             text += (
@@ -130,7 +142,11 @@ def group_distortions(
             scatter = Contribution(source, "A", value.standard, value.dof)
             added = value.ratio - math.sqrt(max(0.0, value.ratio**2 - steps2))
             of_steps = Contribution("steps of the converter that repeat", "B", added)
-            uncertain = _percent((scatter, of_steps) if added else (scatter,), source)
+            budget = [scatter, of_steps] if added else [scatter]
+            if beside is not None:
+                phases = beside.of_groups if kind == "group" else beside.of_subgroups
+                budget.append(Contribution("phases of components between the harmonics", "B", phases))
+            uncertain = _percent(budget, source)
             if groups.windows < FEWEST_WINDOWS and math.isnan(errors.wander[0]):
                 uncertain = None  # what an amplitude that wanders adds to them has no scatter
             yield Measurement(name, 100.0 * value.ratio, "%", text, own, uncertain)

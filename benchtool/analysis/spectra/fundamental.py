@@ -38,6 +38,9 @@ _BLOCKS = 64
 _FEWEST_AT_END = 12  # samples of an angle for a cubic
 _FEWEST_BLOCKS = 8
 _NOISE_AT_ENDS = 3.0 * math.sqrt(2.0)  # a spline scatters at each end three times as much as a period's phase
+_OF_PARABOLA = 1.5  # of many periods it scatters less, but what is left of the phase is no white noise
+_FEWEST_OF_PARABOLA, _LITTLE = 5, 0.3
+_USUALLY = 1.0 / 3.0  # of the most that is left
 _LEFT_OF_ROUNDS = 1.0 / 8.0  # of a phase that is followed in three rounds, each of which leaves a half
 _HIGHEST_TURNED, _QUARTERS, _TURNS = 13, 4, 0.5
 _LARGEST_WANDER_RAD = 0.1  # at which harmonic 5 reads an eighth low
@@ -171,8 +174,9 @@ def _random(
         return _of_angle(track, spectrum), "deviation of the angle from its fit, by parts of the record"
     if track.departure is not None:
         left_rad = float(np.std(seen.phase_rad))
-        noise_rad = _NOISE_AT_ENDS * max(seen.noise_rad, left_rad)
-        ends_rad = math.hypot(noise_rad, 2.0 * _beyond_rad(track, spectrum))
+        noise_rad = max(seen.noise_rad, left_rad)
+        noise_rad *= _OF_PARABOLA if _is_steady_drift(track, spectrum, noise_rad) else _NOISE_AT_ENDS
+        ends_rad = math.hypot(noise_rad, 2.0 * _beyond_rad(track, spectrum, seen))
         both_ends = MeanError(ends_rad / turns, float(len(seen.phase_rad) - 1))
         return (
             both_ends,
@@ -209,17 +213,38 @@ def _of_angle(track: PhaseTrack, spectrum: CoherentSpectrum) -> MeanError:
     return MeanError(slope * rate_Hz / (2.0 * math.pi), min(scatter.dof, parts - 3.0))
 
 
-def _beyond_rad(track: PhaseTrack, spectrum: CoherentSpectrum) -> float:
+def _is_steady_drift(track: PhaseTrack, spectrum: CoherentSpectrum, noise_rad: float) -> bool:
+    """Return whether a followed phase is a parabola, but for much less than the noise of a period's."""
+    marks = _marks(spectrum)
+    if len(marks) < _FEWEST_OF_PARABOLA:
+        return False
+    phase = track.at(marks)
+    parabola = Polynomial.fit(marks, phase, 2)
+    return float(np.std(phase - parabola(marks))) < _LITTLE * noise_rad
+
+
+def _marks(spectrum: CoherentSpectrum) -> NDArray[np.float64]:
+    """Return the middles of the periods, in rows, as of a constant speed."""
+    per_period = spectrum.samples / spectrum.periods
+    return np.arange(FIRST_ROW + 0.5 * per_period, FIRST_ROW + spectrum.samples, per_period)
+
+
+def _beyond_rad(track: PhaseTrack, spectrum: CoherentSpectrum, seen: Wander) -> float:
     """Return the possible bend of a followed phase beyond the middle of the last period."""
     per_period = spectrum.samples / spectrum.periods
-    marks = np.arange(FIRST_ROW + 0.5 * per_period, FIRST_ROW + spectrum.samples, per_period)
-    bend = np.diff(track.at(marks), n=2)
+    bend = np.diff(track.at(_marks(spectrum)), n=2)
     left = (track.samples - FIRST_ROW - spectrum.samples) / per_period + 0.5
     if not len(bend):
         return 0.0
     # a steady drift goes on, but for what the rounds have left of it
-    not_steady = math.hypot(float(np.std(bend)), _LEFT_OF_ROUNDS * float(np.mean(bend)))
-    return 0.5 * left**2 * not_steady
+    of_rounds = _LEFT_OF_ROUNDS * float(np.mean(bend))
+    count = len(seen.phase_rad)
+    if count >= _FEWEST_OF_PARABOLA:
+        parabola, covariance = np.polyfit(np.arange(count), seen.phase_rad, 2, cov="unscaled")
+        scatter = float(np.std(seen.phase_rad)) * math.sqrt(float(covariance[0, 0]))
+        of_rounds *= _USUALLY
+        of_rounds = math.hypot(of_rounds, 2.0 * float(parabola[0]), 2.0 * scatter)
+    return 0.5 * left**2 * math.hypot(float(np.std(bend)), of_rounds)
 
 
 def _by_ends(track: PhaseTrack, measured_rad: NDArray[np.float64]) -> tuple[float, tuple[Contribution, ...]]:

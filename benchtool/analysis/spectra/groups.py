@@ -81,10 +81,15 @@ def harmonic_groups(
         transformed = fft.rfft(table[start : start + batch], axis=1)[:, : bins + 1]
         squares[start : start + batch] = transformed.real**2 + transformed.imag**2
     squares *= 2.0 / size**2  # rms; dc, which would be by half of that, is in no group
+    return groups_of(squares, periods, orders)
+
+
+def groups_of(squares: NDArray[np.float64], periods: int, orders: int) -> HarmonicGroups:
+    """Return the groups of squares of the rms of bins, shape (windows, bins), of windows of `periods`."""
     at = periods * np.arange(1, orders + 1)
 
     def total(first: int, last: int) -> NDArray[np.float64]:
-        sums = np.zeros((windows, orders))
+        sums = np.zeros((len(squares), orders))
         for offset in range(first, last + 1):
             sums += squares[:, at + offset]
         return sums
@@ -94,6 +99,12 @@ def harmonic_groups(
     if periods % 2 == 0:  # the bin halfway belongs to both neighbours
         group2 += 0.5 * (squares[:, at - periods // 2] + squares[:, at + periods // 2])
     return HarmonicGroups(group2, total(-1, 1), total(2, periods - 2), periods)
+
+
+def ratio_of(squares: NDArray[np.float64]) -> float:
+    """Return THDG or THDS of squares of rms, shape (windows, orders)."""
+    mean = np.mean(squares, axis=0)
+    return math.sqrt(float(np.sum(mean[1:]) / mean[0])) if mean[0] > 0.0 else math.nan
 
 
 def group_distortion(

@@ -12,14 +12,16 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.measurement import Basis, Table
 from benchtool.analysis.scatter import MeanError
+from benchtool.analysis.spectra.amplitude_trend import AmplitudeTrend, amplitude_trend
 from benchtool.analysis.spectra.modulation import is_modulated_alike, noise_of_sum, wander_of_mean
 from benchtool.analysis.spectra.noise import (
+    PAIRS,
     harmonic_noise,
     line_noise,
     noise_floor,
     repeated_quantisation,
 )
-from benchtool.analysis.spectra.spectrum import CoherentSpectrum
+from benchtool.analysis.spectra.spectrum import FIRST_ROW, CoherentSpectrum
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
 
 HIGHEST_HARMONIC = 50
@@ -49,7 +51,7 @@ class LineErrors:
     quantised signal, as far as they repeat with the period; `steps2` is the mean square of the amplitude that
     they add. `floor` is that of white noise around the line. `wander` is that of an amplitude that wanders
     too slowly for the bins beside the line, nan where the record is too short to tell it; lines that are
-    modulated as the fundamental is have it in common.
+    modulated as the fundamental is have it in common, and a `trend` of the amplitude, which is no noise.
     """
 
     noise: NDArray[np.float64]
@@ -60,6 +62,7 @@ class LineErrors:
     resolution: NDArray[np.float64]
     steps2: NDArray[np.float64]
     wander: NDArray[np.float64]
+    trend: AmplitudeTrend | None = None
 
     @property
     def standard(self) -> NDArray[np.float64]:
@@ -140,12 +143,19 @@ def line_errors(
     step: float = 0.0,
     amplitudes: NDArray[np.float64] | None = None,
     phases_rad: NDArray[np.float64] | None = None,
+    rows: int | None = None,
 ) -> LineErrors:
     """Of harmonics 1 to `orders`; the phase wanders by `wander_rad`, rms, the signal has steps of `step`, and
-    `amplitudes` and `phases_rad`, shape (periods,), are those of the fundamental in each period."""
+    `amplitudes` and `phases_rad`, shape (periods,), are those of the fundamental in each period; the record
+    has `rows`."""
     order = np.arange(1, orders + 1)
     amplitude = harmonics(spectrum)[:orders]
-    noise = line_noise(spectrum, spectrum.periods * order)
+    trend = None
+    if amplitudes is not None:
+        before = 0.0 if rows is None else FIRST_ROW / spectrum.samples
+        after = 0.0 if rows is None else (rows - FIRST_ROW) / spectrum.samples - 1.0
+        trend = amplitude_trend(amplitudes, 2 * PAIRS, before, after)
+    noise = line_noise(spectrum, spectrum.periods * order, trend)
     resolution, steps2 = repeated_quantisation(spectrum, step)
     return LineErrors(
         noise=noise.in_phase,
@@ -157,7 +167,10 @@ def line_errors(
         phase=np.maximum(amplitude * np.minimum(1.0, 0.5 * (order * wander_rad) ** 2), noise.lost),
         resolution=resolution[:orders],
         steps2=steps2[:orders],
-        wander=_wander(spectrum, amplitude, noise.in_phase, amplitudes, phases_rad),
+        wander=_wander(spectrum, amplitude, noise.in_phase, amplitudes, phases_rad)
+        if trend is None
+        else trend.deviation * amplitude,
+        trend=trend,
     )
 
 
@@ -283,10 +296,11 @@ def _in_common(
         return None
     weights = np.concatenate([[-by_fundamental / slope], amplitude[1:] / total])
     apart2 = float(np.sum((weights * errors.noise) ** 2))
-    together = noise_of_sum(spectrum, weights)
+    together = noise_of_sum(spectrum, weights, errors.trend)
     if not by_fundamental and math.isnan(errors.wander[0]):
         return MeanError(math.nan, 1.0)
-    if not by_fundamental and is_modulated_alike(spectrum, weights[np.newaxis, :])[0]:
+    alike = errors.trend is not None or is_modulated_alike(spectrum, weights[np.newaxis, :])[0]
+    if not by_fundamental and alike:
         # to a stated amplitude what they have in common adds up, of two lines by no more than chance would
         of_wander = float(np.sum(weights * errors.wander))
         return MeanError(math.hypot(together.standard, of_wander), together.dof)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy import fft
 from numpy.typing import NDArray
 
 from benchtool.analysis.scatter import (
@@ -13,29 +14,42 @@ from benchtool.analysis.scatter import (
     error_of_series,
     is_memory_untold,
 )
+from benchtool.analysis.spectra.amplitude_trend import AmplitudeTrend
 from benchtool.analysis.spectra.noise import PAIRS, noise_of_pairs
-from benchtool.analysis.spectra.spectrum import CoherentSpectrum
+from benchtool.analysis.spectra.spectrum import CoherentSamples, CoherentSpectrum
 
 Floats = NDArray[np.float64]
 
 _ALIKE = 0.6  # correlation of the sidebands of two lines: of eight pairs of noise, by chance once in twenty
 _FEWEST_PAIRS = 4
+_FEWEST_OF_JITTER, _CLEARLY_STEEPER = 8, 6.0  # periods, and samples of each; standard deviations of a slope
 _CORRELATED = 1.5  # periods that count as one
 
 
-def noise_of_sum(spectrum: CoherentSpectrum, weights: Floats) -> MeanError:
+def noise_of_sum(
+    spectrum: CoherentSpectrum, weights: Floats, trend: AmplitudeTrend | None = None
+) -> MeanError:
     """Return the noise of a weighted sum of the amplitudes of harmonics 1, 2 ..., weights of shape (orders,),
     by the pairs of bins of `line_noise` around all of them at once; nan where no pair is around each.
 
-    What modulates all harmonics alike is in the same pair around each, and adds or cancels as in the sum.
+    What modulates all harmonics alike is in the same pair around each, and adds or cancels as in the sum. A
+    `trend` of the amplitude is left out, where it is in them.
     """
     sidebands = _sidebands(spectrum, len(weights))
     pairs = sidebands.shape[1]
     if not pairs:
         return MeanError(math.nan, 1.0)
-    together = np.sum(weights[:, np.newaxis] * sidebands, axis=0)[np.newaxis, :]
-    standard = float(noise_of_pairs(together, np.ones(together.shape, dtype=np.bool_))[0])
-    return MeanError(standard, 2.0 * pairs)
+
+    def standard(of: NDArray[np.complex128]) -> float:
+        together = np.sum(weights[:, np.newaxis] * of, axis=0)[np.newaxis, :]
+        return float(noise_of_pairs(together, np.ones(together.shape, dtype=np.bool_))[0])
+
+    found = standard(sidebands)
+    if trend is not None:
+        lines = spectrum.amplitude[spectrum.periods * np.arange(1, len(weights) + 1)]
+        of_trend = 2.0 * lines[:, np.newaxis] * trend.sidebands[_offsets(spectrum, len(weights)) - 1]
+        found = min(found, standard(sidebands - of_trend))
+    return MeanError(found, 2.0 * pairs)
 
 
 def is_modulated_alike(spectrum: CoherentSpectrum, weights: Floats) -> NDArray[np.bool_]:
@@ -53,14 +67,43 @@ def is_modulated_alike(spectrum: CoherentSpectrum, weights: Floats) -> NDArray[n
 def _sidebands(spectrum: CoherentSpectrum, orders: int) -> NDArray[np.complex128]:
     """Return what pairs of bins around harmonics 1, 2 ... do to their amplitudes, shape (orders, pairs)."""
     periods, bins = spectrum.periods, spectrum.phasor
-    lines = periods * np.arange(1, orders + 1)
-    offsets = np.arange(1, 2 * PAIRS + 1)
-    inside = (offsets % periods != 0) & (offsets < periods) & (lines[-1] + offsets < len(bins))
-    offsets = offsets[inside][:PAIRS]
+    lines, offsets = periods * np.arange(1, orders + 1), _offsets(spectrum, orders)
     towards = np.exp(-1j * np.angle(bins[lines]))[:, np.newaxis]
     above = bins[lines[:, np.newaxis] + offsets] * towards
     below = np.conj(bins[lines[:, np.newaxis] - offsets] * towards)
     return np.asarray(above + below)
+
+
+def _offsets(spectrum: CoherentSpectrum, orders: int) -> NDArray[np.int64]:
+    """Return the distances of the pairs, in bins."""
+    periods, offsets = spectrum.periods, np.arange(1, 2 * PAIRS + 1)
+    inside = (offsets < periods) & (orders * periods + offsets < len(spectrum.phasor))
+    return offsets[inside][:PAIRS]
+
+
+def phase_noise_rad(coherent: CoherentSamples) -> float:
+    """Return the standard deviation of the phase from sample to sample, by how much more a signal scatters
+    over the periods where it is steep; 0 where chance may do so.
+
+    Samples whose times jitter by x, as a phase, have the variance x^2 (dw/dphase)^2 beside that of the noise.
+    It is in all bins alike, and takes x^2 k^2 / 2 off harmonic k.
+    """
+    table = coherent.values.reshape(coherent.periods, -1)
+    places = table.shape[1]
+    if len(table) < _FEWEST_OF_JITTER or places < _FEWEST_OF_JITTER:
+        return 0.0
+    bins = fft.rfft(np.mean(table, axis=0))
+    bins[-1] = 0.0
+    steep2 = fft.irfft(1j * np.arange(len(bins)) * bins, places) ** 2
+    scatter2 = np.var(table, axis=0, ddof=1)
+    about = steep2 - np.mean(steep2)
+    size = float(about @ about)
+    if not size > 0.0:
+        return 0.0
+    slope = float(about @ scatter2) / size
+    left = scatter2 - np.mean(scatter2) - slope * about
+    chance = math.sqrt(float(left @ left) / (places - 2.0) / size)
+    return math.sqrt(slope) if slope > _CLEARLY_STEEPER * chance else 0.0
 
 
 def wander_of_mean(amplitude: Floats, by_pairs: float, phase_rad: Floats | None = None) -> float:

@@ -11,7 +11,12 @@ from numpy import fft
 from numpy.typing import NDArray
 
 from benchtool.analysis.fast_lengths import next_fast_length, previous_fast_length
-from benchtool.analysis.orders.resampling import HALF_WIDTH, USABLE_BAND, interpolate_all
+from benchtool.analysis.orders.resampling import (
+    HALF_WIDTH,
+    USABLE_BAND,
+    gain_error,
+    interpolate_all,
+)
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.spectra.spectral_window import WindowName, spectral_window
 from benchtool.analysis.validity import require_signal
@@ -105,14 +110,13 @@ class CoherentSpectrum(Spectrum):
     ) -> float:
         """Return the standard uncertainty that the resampling leaves in an amplitude of that order.
 
-        Its bound of 1.5e-5 of the amplitude and 5e-6 of the `largest` line, an order and its amplitude, by
-        default the fundamental, as the square of the frequency below a hundredth of the sample rate, evenly
-        distributed (JCGM 100:2008, 4.3.7).
+        Its bound of `gain_error` of the amplitude and a third of that of the `largest` line, an order and its
+        amplitude, by default the fundamental, evenly distributed (JCGM 100:2008, 4.3.7).
         """
         largest_order, largest_amplitude = largest or (1.0, self.fundamental)
         cycles = self.periods / self.samples  # of the fundamental, a sample
-        own, other = (min(1.0, 100.0 * each * cycles) ** 2 for each in (order, largest_order))
-        return (1.5e-5 * own * amplitude + 5e-6 * other * largest_amplitude) / math.sqrt(3.0)
+        own, other = (gain_error(each * cycles) for each in (order, largest_order))
+        return (own * amplitude + other / 3.0 * largest_amplitude) / math.sqrt(3.0)
 
 
 @dataclass(frozen=True)

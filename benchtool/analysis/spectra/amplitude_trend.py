@@ -1,0 +1,126 @@
+"""A course of an amplitude that a curve of few constants explains: it is told from noise, and is none."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchtool.analysis.scatter import neighbours_alike
+
+Floats = NDArray[np.float64]
+
+_FEWEST_PERIODS = 16
+_LEFT = 0.03  # of the variance; of a random walk a parabola leaves a quarter
+_FEWEST_CYCLES, _PER_PERIOD, _CYCLES_APART = 1.0, 0.25, 0.05
+_AT_LEAST, _REFINEMENTS = 0.5, (21, 11)  # of the power, by a periodogram
+_WITHOUT_DOUBT, _ALIKE = 3e-4, 3.0  # of the variance; standard deviations of a correlation
+_POINTS_PER_PERIOD = 8
+_OF_TIME = 1.0 / (
+    6.0 * math.sqrt(3.0)
+)  # of a bend: what means over phases and over time differ by is a sixth at most
+
+
+@dataclass(frozen=True)
+class AmplitudeTrend:
+    """Course of an amplitude over a record, relative to its mean.
+
+    `sidebands`, complex, shape (n,), are what it makes beside a line of amplitude one, at 1, 2 ... bins from
+    it; the lower ones are their conjugates. `deviation` is by how much the mean over the whole periods
+    differs from that over the record, or from the constant that a swing is about.
+    """
+
+    sidebands: NDArray[np.complex128]
+    deviation: float
+
+
+def amplitude_trend(
+    amplitudes: Floats, offsets: int, before: float = 0.0, after: float = 0.0
+) -> AmplitudeTrend | None:
+    """Return the trend of amplitudes, shape (periods,), with its first `offsets` sidebands; None if there is
+    none.
+
+    A line, a parabola, a step or one sinusoid: the first that leaves less than three hundredths of the
+    variance, which is far less than of an amplitude that wanders at random, and of that nothing but noise,
+    whose neighbours are not alike. `before` and `after` are the
+    shares of the record, relative to the periods, that are outside them.
+    """
+    count = len(amplitudes)
+    mean = float(np.mean(amplitudes))
+    if count < _FEWEST_PERIODS or not mean > 0.0:
+        return None
+    relative = amplitudes / mean - 1.0
+    power = float(np.mean(relative**2))
+    if not power > 0.0:
+        return None
+    place = (np.arange(count) + 0.5) / count
+    for curve, about, bend in _curves(relative, place):
+        rest = relative - curve(place)
+        left = float(np.mean(rest**2)) / power
+        if left > _LEFT or (left > _WITHOUT_DOUBT and neighbours_alike(rest) > _ALIKE):
+            continue
+        points = (np.arange(_POINTS_PER_PERIOD * count) + 0.5) / (_POINTS_PER_PERIOD * count)
+        course = curve(points)
+        turns = np.exp(-2j * np.pi * np.outer(np.arange(1, offsets + 1), points))
+        whole = np.linspace(-before, 1.0 + after, len(points))
+        apart = float(np.mean(course)) - (float(np.mean(curve(whole))) if about is None else about)
+        return AmplitudeTrend(turns @ course / len(points), math.hypot(apart, _OF_TIME * bend))
+    return None
+
+
+_Curve = tuple[Callable[[Floats], Floats], float | None, float]
+
+
+def _curves(relative: Floats, place: Floats) -> Iterator[_Curve]:
+    """Yield curves over the record, from 0 to 1, each with the constant that it is about, if it is about one,
+    and its bend."""
+    for degree in (1, 2):
+        line = np.polynomial.Polynomial.fit(place, relative, degree)
+        bend = float(line.convert().coef[2]) if degree == 2 else 0.0
+        yield line, None, abs(bend)
+    yield _step(relative), None, 0.0
+    yield from _swing(relative, place)
+
+
+def _step(relative: Floats) -> Callable[[Floats], Floats]:
+    count = len(relative)
+    sums = np.cumsum(relative)[:-1]
+    number = np.arange(1, count)
+    first, last = sums / number, (np.sum(relative) - sums) / (count - number)
+    at = int(np.argmax(first**2 * number + last**2 * (count - number)))
+    low, high, edge = float(first[at]), float(last[at]), float(number[at]) / count
+    return lambda places: np.where(places < edge, low, high)
+
+
+def _swing(relative: Floats, place: Floats) -> Iterator[_Curve]:
+    """Yield the sinusoid that leaves least, about a constant."""
+    cycles = np.arange(_FEWEST_CYCLES, _PER_PERIOD * len(relative), _CYCLES_APART)
+    if not len(cycles):
+        return
+    turns = np.exp(2j * np.pi * np.outer(cycles, place))
+    size = np.abs(turns @ relative) / len(relative)
+    found = cycles[int(np.argmax(size))]
+    if 2.0 * float(np.max(size)) ** 2 < _AT_LEAST * float(np.mean(relative**2)):
+        return
+    least, reach = math.inf, _FEWEST_CYCLES / 2.0
+    best: Floats = np.zeros(3)
+    frequency = float(found)
+    for steps in _REFINEMENTS:
+        for each in frequency + reach * np.linspace(-1.0, 1.0, steps):
+            if each < 0.5 * _FEWEST_CYCLES:
+                continue
+            basis = _basis(place, float(each))
+            constants = np.asarray(np.linalg.lstsq(basis, relative, rcond=None)[0], dtype=np.float64)
+            left = float(np.sum((relative - basis @ constants) ** 2))
+            if left < least:
+                least, best, frequency = left, constants, float(each)
+        reach *= 2.0 / (steps - 1.0)
+    yield lambda places: np.asarray(_basis(places, frequency) @ best), float(best[0]), 0.0
+
+
+def _basis(place: Floats, cycles: float) -> Floats:
+    turned = 2.0 * np.pi * cycles * place
+    return np.stack([np.ones(len(place)), np.cos(turned), np.sin(turned)], axis=1)
