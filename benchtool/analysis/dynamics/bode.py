@@ -176,7 +176,7 @@ def _resonance(relative: ResponseCurve, rest_dB: float, down: Point | None, basi
     used."""
     last_Hz = float(relative.frequency_Hz[-1])
     text = f"greatest gain over response_gain, at least 0 dB, up to {last_Hz:.4g} Hz"
-    peak_dB, of_peak_dB = relative.greatest()
+    peak_dB, of_peak_dB = relative.resonance()
     standard_dB = math.hypot(of_peak_dB, rest_dB)
     reason = ""
     if standard_dB > -_MOST_OF_THE_LEVEL * _HALF_POWER_DB:

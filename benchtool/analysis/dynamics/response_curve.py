@@ -31,6 +31,8 @@ _OF_A_CUSP = 1.0 / 3.0  # of the second difference: how much higher the peak is
 _SURE = 0.25  # of the smallest movement that matters: what is left of the error of a smooth curve
 _MOST_SMOOTHED = 8  # a smoothing window is at most this part of the frequencies
 _TERMS_OF_CUBIC = 4
+_VERTICES = 2  # fits, each about the vertex of the one before
+_NEPER_OF_POWER_DB = 10.0 / math.log(10.0)
 _DRAWS = 80
 _SEED = 19_870_201
 _MOST_UNEQUAL = 1e4  # ratio of the greatest error to the least, beyond which neither matters
@@ -119,6 +121,44 @@ class ResponseCurve:
     def slope_at(self, frequency_Hz: float) -> float:
         """Return the change of the values per Hz."""
         return self._fits(frequency_Hz)[0].slope_at(0.0) / frequency_Hz
+
+    def resonance(self) -> tuple[float, float]:
+        """Return the greatest of values in dB and its standard uncertainty, by the resonance about it; without
+        one, `greatest`.
+
+        The inverse square of the gain of two poles is a parabola of the square of frequency: its least value,
+        of as many neighbours as it describes within their errors, shortened. Of all of them none is picked
+        because its error is large.
+        """
+        top = int(np.argmax(self.smooth))
+        if not 0 < top < len(self.smooth) - 1:
+            return self.greatest()
+        inverse = 10.0 ** (-0.1 * (self.values - self.smooth[top]))
+        error = inverse * self.error / _NEPER_OF_POWER_DB
+        square = ResponseCurve(self.frequency_Hz**2, inverse, error, 1.0)
+        found = square.least_near(float(square.frequency_Hz[top]))
+        if found is None:
+            return self.greatest()
+        least, standard = found
+        return float(self.smooth[top]) - 10.0 * math.log10(least), _NEPER_OF_POWER_DB * standard / least
+
+    def least_near(self, start: float) -> tuple[float, float] | None:
+        """Return the least value near a place, and its standard uncertainty; None where the values of a local
+        fit are not least within it, or not above zero there."""
+        for _ in range(_VERTICES):
+            short, long = self._fits(start)
+            place = short.vertex
+            if not abs(place) <= min(short.reach, _REACH):
+                return None
+            start *= 1.0 + place
+        short, long = self._fits(start)
+        place, other = short.vertex, long.vertex
+        if not (abs(place) <= short.reach and abs(other) <= long.reach):
+            return None
+        least = short.value_at(place)
+        left = _LEFT_OF_CHANGE * (long.value_at(other) - least)
+        standard = math.hypot(short.error_at(place), left, short.left_out(place))
+        return (least, standard) if least > _CLEAR * standard else None
 
     def greatest(self) -> tuple[float, float]:
         """Return the greatest value, less what the errors add to it, and its standard uncertainty.
@@ -214,13 +254,14 @@ class ResponseCurve:
 class _Parabola:
     """Weighted least-squares parabola about 0: coefficients, their covariance, whether it fits its points.
 
-    `cubic` are the coefficients of a cubic through the same points.
+    `cubic` are the coefficients of a cubic through the same points, all within `reach`.
     """
 
     coefficients: Floats
     covariance: Floats
     describes: bool
     cubic: Floats
+    reach: float
 
     @classmethod
     def through(cls, places: Floats, values: Floats, weights: Floats) -> _Parabola:
@@ -241,7 +282,21 @@ class _Parabola:
         if len(places) > _TERMS_OF_CUBIC:
             powers = places[:, np.newaxis] ** np.arange(_TERMS_OF_CUBIC)
             cubic = np.asarray(np.linalg.lstsq(powers * root[:, np.newaxis], values * root, rcond=None)[0])
-        return cls(coefficients, covariance, describes, cubic)
+        return cls(coefficients, covariance, describes, cubic, float(np.max(np.abs(places))))
+
+    @property
+    def vertex(self) -> float:
+        """Place of the least value; nan where it bends downwards or not at all."""
+        _, slope, bend = self.coefficients.tolist()
+        return -slope / (2.0 * bend) if bend > 0.0 else math.nan
+
+    def value_at(self, place: float) -> float:
+        return float(np.polynomial.polynomial.polyval(place, self.coefficients))
+
+    def error_at(self, place: float) -> float:
+        """Standard uncertainty of the value there."""
+        powers = place ** np.arange(3)
+        return math.sqrt(float(powers @ self.covariance @ powers))
 
     def left_out(self, place: float) -> float:
         """By how much a cubic differs there."""
@@ -268,10 +323,8 @@ class _Parabola:
         if root < 0.0 or b == 0.0:
             return math.nan, math.nan
         place = -2.0 * a / (b + math.copysign(math.sqrt(root), b))
-        powers = place ** np.arange(3)
-        standard = math.sqrt(float(powers @ self.covariance @ powers))
         slope = self.slope_at(place)
-        return (place, standard / abs(slope)) if slope else (math.nan, math.nan)
+        return (place, self.error_at(place) / abs(slope)) if slope else (math.nan, math.nan)
 
 
 @dataclass(frozen=True)
