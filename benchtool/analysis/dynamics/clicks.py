@@ -14,7 +14,8 @@ Floats = NDArray[np.float64]
 _LONGEST = 2  # samples
 _REACH = 3  # samples to either side, whose median is one of the levels around
 _NEAR = 10  # samples to either side, within which what oscillates is no click
-_SIGMAS = 4.5  # standard deviations of a sample from the mean of its neighbours: 5.5 of white noise
+_SIGMAS = 3.5  # standard deviations of a sample from the mean of its neighbours: 4.3 of white noise
+_OF_NEAR = 3.0  # likewise, of the samples near
 _STEPS = 1.5  # of a converter: noise that its steps hide moves a sample by one of them
 _OF_MEDIAN = 1.0 / 0.6745  # standard deviation over median magnitude, of normal values
 _RARE = 0.02  # of the samples: what is more is no interference
@@ -44,7 +45,7 @@ def without_clicks(samples: Floats) -> tuple[Floats, int]:
     hit = beyond > max(_SIGMAS * noise, _STEPS * step)
     for row in np.flatnonzero(hit):
         near = apart[max(0, row - 1 - _NEAR) : row + _NEAR]
-        hit[row] = beyond[row] > _SIGMAS * _OF_MEDIAN * float(np.median(near))
+        hit[row] = beyond[row] > _OF_NEAR * _OF_MEDIAN * float(np.median(near))
     hits = int(np.count_nonzero(hit))
     if not hits or hits > max(_LONGEST, math.floor(_RARE * count)):
         return samples, 0
