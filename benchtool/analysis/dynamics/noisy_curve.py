@@ -89,6 +89,14 @@ class NoisyCurve:
         """Standard uncertainty at every sample, shape (n,)."""
         return np.std(self.errors, axis=0) if len(self.errors) else np.zeros(len(self.values))
 
+    def drifting(self, doubt: float) -> NoisyCurve:
+        """Return the curve with a drift, of this standard deviation per sample, among what may be in it."""
+        if not doubt > 0.0:
+            return self
+        errors = self.errors if len(self.errors) else np.zeros((_DRAWS, len(self.values)))
+        drifts = doubt * np.random.default_rng(_SEED).standard_normal((len(errors), 1))
+        return NoisyCurve(self.values, errors + drifts * np.arange(len(self.values)))
+
     def since(self, row: int) -> NoisyCurve:
         """Return the part of the curve from a row onwards."""
         return NoisyCurve(self.values[row:], self.errors[:, row:])
