@@ -139,7 +139,7 @@ class NoisyCurve:
 
     def first_above(self, level: float | Floats) -> Instant | None:
         """Return where the curve first rises to a level, or to one that is of shape (n,); None if it does
-        not.
+        not, and before the first sample where that is above already.
 
         Until the curve is beyond the level by more than the noise, it may cross repeatedly: the instant is
         placed after as many samples as lie below the level.
@@ -193,10 +193,18 @@ def _first(above: Floats, sure: Floats) -> _Crossing | None:
     at = int(np.argmax(above >= 0.0))
     if above[at] < 0.0:
         return None
-    found = _between(above, at) if at else _Crossing(0.0, 0.0)
+    found = _between(above, at) if at else _before_the_first(above)
     beyond = int(np.argmax(above >= sure))
     again = int(np.count_nonzero(above[at:beyond] < 0.0))
     return _Crossing(found.place + again, found.reach) if again else found
+
+
+def _before_the_first(above: Floats) -> _Crossing:
+    """Return where zero was crossed since the sample before the first, which was below: after the line
+    through the first two is there, unless they fall."""
+    slope = float(above[1] - above[0]) if len(above) > 1 else 0.0
+    reach = min(1.0, float(above[0]) / slope) if slope > 0.0 else 1.0
+    return _Crossing(-0.5 * reach, 0.5 * reach)
 
 
 def _last(values: Floats, level: float, band: float) -> _Crossing | None:

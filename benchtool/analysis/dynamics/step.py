@@ -163,7 +163,7 @@ def _times(step: Step, curve: NoisyCurve, arrived: Instant | None) -> Iterator[M
         f"where {_SIGMAS:g} x its uncertainty is more, from there back between a line and a parabola"
     )
     left = _departure(step, curve)
-    ahead = left is not None and left.place < step.zero - left.standard
+    ahead = left is not None and max(0.0, left.place) < step.zero - left.standard
     reason = "it moves before the reference has come half the way" if ahead else "it does not move"
     yield _time(step, "step_latency", text, None if ahead else left, reason)
 
@@ -189,7 +189,7 @@ def _departure(step: Step, curve: NoisyCurve) -> Instant | None:
     left = curve.first_above(level + clear)
     if left is None:
         return None
-    threshold = float(clear[math.floor(left.place)])
+    threshold = float(clear[max(0, math.floor(left.place))])
     further = curve.first_above(level + 2.0 * threshold)
     # a level at rest is anywhere within half a step of a converter that its noise does not hide
     of_level = at_rest_error(step.y_before, step.y)
