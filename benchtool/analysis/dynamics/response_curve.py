@@ -123,8 +123,8 @@ class ResponseCurve:
         return self._fits(frequency_Hz)[0].slope_at(0.0) / frequency_Hz
 
     def resonance(self) -> tuple[float, float]:
-        """Return the greatest of values in dB and its standard uncertainty, by the resonance about it; without
-        one, `greatest`.
+        """Return the greatest of values in dB and its standard uncertainty, by the resonance about it;
+        without one, `greatest`.
 
         The inverse square of the gain of two poles is a parabola of the square of frequency: its least value,
         of as many neighbours as it describes within their errors, shortened. Of all of them none is picked
@@ -362,7 +362,9 @@ def gain_at_rest(frequency_Hz: Floats, gain: Floats, error: Floats) -> GainAtRes
                 found.append((not fit.describes, fit.standard, at_rest))
         count = math.ceil(_LONGER * count)
     if not found:  # the lowest stands for it, which is as far off as it is from the next at least
-        return GainAtRest(float(gain[0]), math.hypot(float(error[0]), float(abs(gain[:2][-1] / gain[0] - 1.0))))
+        return GainAtRest(
+            float(gain[0]), math.hypot(float(error[0]), float(abs(gain[:2][-1] / gain[0] - 1.0)))
+        )
     return min(found, key=lambda each: each[:2])[2]
 
 
