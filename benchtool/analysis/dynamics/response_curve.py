@@ -133,10 +133,14 @@ class ResponseCurve:
         top = int(np.argmax(self.smooth))
         if not 0 < top < len(self.smooth) - 1:
             return self.greatest()
-        inverse = 10.0 ** (-0.1 * (self.values - self.smooth[top]))
-        error = inverse * self.error / _NEPER_OF_POWER_DB
-        square = ResponseCurve(self.frequency_Hz**2, inverse, error, 1.0)
-        found = square.least_near(float(square.frequency_Hz[top]))
+        place = self.frequency_Hz**2
+        near = np.abs(place / place[top] - 1.0) <= _REACH  # beyond it the inverse square grows without bound
+        if np.count_nonzero(near) <= 2 * _FEWEST:
+            return self.greatest()
+        inverse = 10.0 ** (-0.1 * (self.values[near] - self.smooth[top]))
+        error = inverse * self.error[near] / _NEPER_OF_POWER_DB
+        square = ResponseCurve(place[near], inverse, error, 1.0)
+        found = square.least_near(float(place[top]))
         if found is None:
             return self.greatest()
         least, standard = found
