@@ -85,8 +85,9 @@ def analyze_step(block: Block, signal: str, reference: str, *, held: bool = Fals
 def _drift(step: Step, curve: NoisyCurve, band: float) -> Drift:
     """Return the drift of the signal, by what it does before the step and long after it has settled."""
     settled = curve.last_outside(step.final, band)
-    is_known = settled is not None and math.isfinite(settled.standard)
-    begin = math.ceil(_AT_REST * settled.place) if settled is not None and is_known else len(step.y)
+    begin = len(step.y) // 2  # of what a drift keeps from settling
+    if settled is not None and math.isfinite(settled.standard):
+        begin = math.ceil(_AT_REST * settled.place)
     return find_drift(step, step.y_clear[begin:])
 
 
