@@ -176,7 +176,7 @@ def _resonance(relative: ResponseCurve, rest_dB: float, down: Point | None, basi
     used."""
     last_Hz = float(relative.frequency_Hz[-1])
     text = f"greatest gain over response_gain, at least 0 dB, up to {last_Hz:.4g} Hz"
-    peak_dB, of_peak_dB = relative.greatest()
+    peak_dB, of_peak_dB = relative.resonance()
     standard_dB = math.hypot(of_peak_dB, rest_dB)
     reason = ""
     if standard_dB > -_MOST_OF_THE_LEVEL * _HALF_POWER_DB:
@@ -290,9 +290,11 @@ FREQUENCY_RESPONSE: Final = Analysis(
         Quantity(
             ("resonance_peak",),
             "dB",
-            "greatest gain over `response_gain`, less what its errors add on average; at least 0. Undefined "
-            "where it is uncertain by more than 0.9 dB, and where the gain neither shows a peak nor falls by "
-            "3 dB in the frequencies used",
+            "greatest gain over `response_gain`: least value of `1 / gain^2` as a parabola of `f^2` through "
+            "as many neighbours as it describes within their errors, shortened; without such a peak the "
+            "greatest value, less what its errors add on average; at least 0. Undefined where it is "
+            "uncertain by more than 0.9 dB, and where the gain neither shows a peak nor falls by 3 dB in "
+            "the frequencies used",
         ),
         Quantity(
             ("response_delay",),

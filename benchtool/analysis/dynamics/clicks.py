@@ -15,9 +15,10 @@ _LONGEST = 2  # samples
 _REACH = 3  # samples to either side, whose median is one of the levels around
 _NEAR = 10  # samples to either side, within which what oscillates is no click
 _SIGMAS = 4.5  # standard deviations of a sample from the mean of its neighbours: 5.5 of white noise
+_STEPS = 1.5  # of a converter: noise that its steps hide moves a sample by one of them
 _OF_MEDIAN = 1.0 / 0.6745  # standard deviation over median magnitude, of normal values
 _RARE = 0.02  # of the samples: what is more is no interference
-_FEWEST = 50  # samples
+_FEWEST, _FEWEST_LEVELS = 50, 16  # samples; of a converter
 
 
 def without_clicks(samples: Floats) -> tuple[Floats, int]:
@@ -34,13 +35,13 @@ def without_clicks(samples: Floats) -> tuple[Floats, int]:
     if count < _FEWEST:
         return samples, 0
     apart = np.abs(samples[1:-1] - 0.5 * (samples[:-2] + samples[2:]))
-    noise = _OF_MEDIAN * float(np.median(apart))
-    if not noise > 0.0:
+    noise, step = _OF_MEDIAN * float(np.median(apart)), converter_step(samples)
+    if not max(noise, step) > 0.0:
         return samples, 0
     beyond = np.zeros(count)
     for length in range(1, _LONGEST + 1):
         beyond = np.maximum(beyond, _beyond(samples, length))
-    hit = beyond > _SIGMAS * max(noise, counting_step(samples))
+    hit = beyond > max(_SIGMAS * noise, _STEPS * step)
     for row in np.flatnonzero(hit):
         near = apart[max(0, row - 1 - _NEAR) : row + _NEAR]
         hit[row] = beyond[row] > _SIGMAS * _OF_MEDIAN * float(np.median(near))
@@ -51,6 +52,11 @@ def without_clicks(samples: Floats) -> tuple[Floats, int]:
     mended = samples.copy()
     mended[hit] = np.interp(rows[hit], rows[~hit], samples[~hit])
     return mended, hits
+
+
+def converter_step(samples: Floats) -> float:
+    """Return the step of a converter in samples, shape (n,); 0 of a curve that was drawn, not measured."""
+    return 0.0 if len(np.unique(samples)) < _FEWEST_LEVELS else counting_step(samples)
 
 
 def _beyond(samples: Floats, length: int) -> Floats:

@@ -15,8 +15,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from benchtool.analysis.dynamics.clicks import converter_step
 from benchtool.analysis.dynamics.smoothing import Noise, fitted_smoothers
-from benchtool.analysis.quantisation import counting_step
 
 Floats = NDArray[np.float64]
 
@@ -25,11 +25,11 @@ _DRAWS = 80
 _FEWEST_DRAWS = 20
 _MOST_VALUES = 1 << 24  # of all draws together, 128 MiB
 _SEED = 20_110_301
-_FEWEST_LEVELS = 16
 _HIDES = 0.5  # of a step: noise of so much rms leaves hardly anything of its errors in a mean
 _TIED = 3.0  # standard deviations below the greatest value that may also be the greatest
 _SURE = 2.0  # standard deviations beyond a level that noise does not reach
 _LEAST_DEFINED = 0.9  # of the draws, for an instant that the noise leaves certain
+_OF_BURST, _PARTS_OF_BURSTS, _BURSTS = 40, 50, 2.5  # samples; of a record; times the power at rest
 _VANDERMONDE = np.vander(np.arange(-1.0, 3.0), increasing=True)
 
 
@@ -47,13 +47,8 @@ class Instant:
 def at_rest_error(at_rest: Floats, samples: Floats) -> float:
     """Return the standard uncertainty that the steps of a converter, which `samples` show, leave in the mean
     of those `at_rest`; 0 where noise hides them, or there is no converter."""
-    step = _step_of(samples)
+    step = converter_step(samples)
     return step / math.sqrt(12.0) if float(np.std(at_rest)) < _HIDES * step else 0.0
-
-
-def _step_of(samples: Floats) -> float:
-    """Return the step of a converter; 0 of a curve that was drawn, not measured."""
-    return 0.0 if len(np.unique(samples)) < _FEWEST_LEVELS else counting_step(samples)
 
 
 @dataclass(frozen=True)
@@ -73,7 +68,7 @@ class NoisyCurve:
         Where noise does not hide the steps of a converter, what is read as one of its levels may be anywhere
         within half a step of it.
         """
-        count, step = len(samples), _step_of(samples)
+        count, step = len(samples), converter_step(samples)
         smoother, longer = fitted_smoothers(samples, noise)
         draws = max(_FEWEST_DRAWS, min(_DRAWS, _MOST_VALUES // count))
         random = np.random.default_rng(_SEED)
@@ -83,12 +78,21 @@ class NoisyCurve:
         errors = smoother.apply(noise.draw(random, (draws, count)))
         curve = smoother.apply(samples)
         bias = _OF_BIAS * (longer.apply(samples) - curve)
+        errors *= _bursts(samples - curve, noise.rms)
         return cls(curve, errors + of_steps + random.standard_normal((draws, 1)) * bias)
 
     @cached_property
     def standard(self) -> Floats:
         """Standard uncertainty at every sample, shape (n,)."""
         return np.std(self.errors, axis=0) if len(self.errors) else np.zeros(len(self.values))
+
+    def drifting(self, doubt: float) -> NoisyCurve:
+        """Return the curve with a drift, of this standard deviation per sample, among what may be in it."""
+        if not doubt > 0.0:
+            return self
+        errors = self.errors if len(self.errors) else np.zeros((_DRAWS, len(self.values)))
+        drifts = doubt * np.random.default_rng(_SEED).standard_normal((len(errors), 1))
+        return NoisyCurve(self.values, errors + drifts * np.arange(len(self.values)))
 
     def since(self, row: int) -> NoisyCurve:
         """Return the part of the curve from a row onwards."""
@@ -134,7 +138,7 @@ class NoisyCurve:
 
     def first_above(self, level: float | Floats) -> Instant | None:
         """Return where the curve first rises to a level, or to one that is of shape (n,); None if it does
-        not.
+        not, and before the first sample where that is above already.
 
         Until the curve is beyond the level by more than the noise, it may cross repeatedly: the instant is
         placed after as many samples as lie below the level.
@@ -179,6 +183,18 @@ class NoisyCurve:
         return Instant(found.place, math.hypot(noise, found.reach / math.sqrt(3.0)))
 
 
+def _bursts(left: Floats, rms: float) -> Floats:
+    """Return by how much the noise is more than at rest, shape (n,), at least 1, by what a smooth curve
+    leaves of samples around each."""
+    size = max(_OF_BURST, len(left) // _PARTS_OF_BURSTS)
+    if len(left) <= size:
+        return np.ones(len(left))
+    around = np.concatenate([[0.0], np.cumsum(np.square(left))])
+    middle = np.clip(np.arange(len(left)) - size // 2, 0, len(left) - size)
+    ratio = (around[middle + size] - around[middle]) / (size * rms**2)
+    return np.asarray(np.where(ratio > _BURSTS, np.sqrt(ratio), 1.0))
+
+
 def _within_steps(random: np.random.Generator, samples: Floats, step: float, draws: int) -> Floats:
     """Return errors, shape (draws, n), the same for all samples on one level and independent otherwise."""
     level = np.round((samples - np.min(samples)) / step).astype(np.int64)
@@ -208,10 +224,18 @@ def _first(above: Floats, sure: Floats) -> _Crossing | None:
     at = int(np.argmax(above >= 0.0))
     if above[at] < 0.0:
         return None
-    found = _between(above, at) if at else _Crossing(0.0, 0.0)
+    found = _between(above, at) if at else _before_the_first(above)
     beyond = int(np.argmax(above >= sure))
     again = int(np.count_nonzero(above[at:beyond] < 0.0))
     return _Crossing(found.place + again, found.reach) if again else found
+
+
+def _before_the_first(above: Floats) -> _Crossing:
+    """Return where zero was crossed since the sample before the first, which was below: after the line
+    through the first two is there, unless they fall."""
+    slope = float(above[1] - above[0]) if len(above) > 1 else 0.0
+    reach = min(1.0, float(above[0]) / slope) if slope > 0.0 else 1.0
+    return _Crossing(-0.5 * reach, 0.5 * reach)
 
 
 def _last(values: Floats, level: float, band: float) -> _Crossing | None:

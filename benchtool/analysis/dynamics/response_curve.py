@@ -31,6 +31,8 @@ _OF_A_CUSP = 1.0 / 3.0  # of the second difference: how much higher the peak is
 _SURE = 0.25  # of the smallest movement that matters: what is left of the error of a smooth curve
 _MOST_SMOOTHED = 8  # a smoothing window is at most this part of the frequencies
 _TERMS_OF_CUBIC = 4
+_VERTICES = 2  # fits, each about the vertex of the one before
+_NEPER_OF_POWER_DB = 10.0 / math.log(10.0)
 _DRAWS = 80
 _SEED = 19_870_201
 _MOST_UNEQUAL = 1e4  # ratio of the greatest error to the least, beyond which neither matters
@@ -119,6 +121,48 @@ class ResponseCurve:
     def slope_at(self, frequency_Hz: float) -> float:
         """Return the change of the values per Hz."""
         return self._fits(frequency_Hz)[0].slope_at(0.0) / frequency_Hz
+
+    def resonance(self) -> tuple[float, float]:
+        """Return the greatest of values in dB and its standard uncertainty, by the resonance about it;
+        without one, `greatest`.
+
+        The inverse square of the gain of two poles is a parabola of the square of frequency: its least value,
+        of as many neighbours as it describes within their errors, shortened. Of all of them none is picked
+        because its error is large.
+        """
+        top = int(np.argmax(self.smooth))
+        if not 0 < top < len(self.smooth) - 1:
+            return self.greatest()
+        place = self.frequency_Hz**2
+        near = np.abs(place / place[top] - 1.0) <= _REACH  # beyond it the inverse square grows without bound
+        if np.count_nonzero(near) <= 2 * _FEWEST:
+            return self.greatest()
+        inverse = 10.0 ** (-0.1 * (self.values[near] - self.smooth[top]))
+        error = inverse * self.error[near] / _NEPER_OF_POWER_DB
+        square = ResponseCurve(place[near], inverse, error, 1.0)
+        found = square.least_near(float(place[top]))
+        if found is None:
+            return self.greatest()
+        least, standard = found
+        return float(self.smooth[top]) - 10.0 * math.log10(least), _NEPER_OF_POWER_DB * standard / least
+
+    def least_near(self, start: float) -> tuple[float, float] | None:
+        """Return the least value near a place, and its standard uncertainty; None where the values of a local
+        fit are not least within it, or not above zero there."""
+        for _ in range(_VERTICES):
+            short, long = self._fits(start)
+            place = short.vertex
+            if not abs(place) <= min(short.reach, _REACH):
+                return None
+            start *= 1.0 + place
+        short, long = self._fits(start)
+        place, other = short.vertex, long.vertex
+        if not (abs(place) <= short.reach and abs(other) <= long.reach):
+            return None
+        least = short.value_at(place)
+        left = _LEFT_OF_CHANGE * (long.value_at(other) - least)
+        standard = math.hypot(short.error_at(place), left, short.left_out(place))
+        return (least, standard) if least > _CLEAR * standard else None
 
     def greatest(self) -> tuple[float, float]:
         """Return the greatest value, less what the errors add to it, and its standard uncertainty.
@@ -214,13 +258,14 @@ class ResponseCurve:
 class _Parabola:
     """Weighted least-squares parabola about 0: coefficients, their covariance, whether it fits its points.
 
-    `cubic` are the coefficients of a cubic through the same points.
+    `cubic` are the coefficients of a cubic through the same points, all within `reach`.
     """
 
     coefficients: Floats
     covariance: Floats
     describes: bool
     cubic: Floats
+    reach: float
 
     @classmethod
     def through(cls, places: Floats, values: Floats, weights: Floats) -> _Parabola:
@@ -241,7 +286,21 @@ class _Parabola:
         if len(places) > _TERMS_OF_CUBIC:
             powers = places[:, np.newaxis] ** np.arange(_TERMS_OF_CUBIC)
             cubic = np.asarray(np.linalg.lstsq(powers * root[:, np.newaxis], values * root, rcond=None)[0])
-        return cls(coefficients, covariance, describes, cubic)
+        return cls(coefficients, covariance, describes, cubic, float(np.max(np.abs(places))))
+
+    @property
+    def vertex(self) -> float:
+        """Place of the least value; nan where it bends downwards or not at all."""
+        _, slope, bend = self.coefficients.tolist()
+        return -slope / (2.0 * bend) if bend > 0.0 else math.nan
+
+    def value_at(self, place: float) -> float:
+        return float(np.polynomial.polynomial.polyval(place, self.coefficients))
+
+    def error_at(self, place: float) -> float:
+        """Standard uncertainty of the value there."""
+        powers = place ** np.arange(3)
+        return math.sqrt(float(powers @ self.covariance @ powers))
 
     def left_out(self, place: float) -> float:
         """By how much a cubic differs there."""
@@ -268,10 +327,8 @@ class _Parabola:
         if root < 0.0 or b == 0.0:
             return math.nan, math.nan
         place = -2.0 * a / (b + math.copysign(math.sqrt(root), b))
-        powers = place ** np.arange(3)
-        standard = math.sqrt(float(powers @ self.covariance @ powers))
         slope = self.slope_at(place)
-        return (place, standard / abs(slope)) if slope else (math.nan, math.nan)
+        return (place, self.error_at(place) / abs(slope)) if slope else (math.nan, math.nan)
 
 
 @dataclass(frozen=True)
@@ -288,13 +345,12 @@ def gain_at_rest(frequency_Hz: Floats, gain: Floats, error: Floats) -> GainAtRes
     1 / gain^2 is a polynomial of f^2 wherever the response has no zeros: of a first-order lag a line, of two
     poles a parabola, whatever their damping. Of the fits to the lowest frequencies that describe their
     points, and that one more term does not change by more than its uncertainty, the most certain; what that
-    term changes is part of the uncertainty.
+    term changes is part of the uncertainty. Where none describes its points, what they leave is.
     """
     inverse = (gain[0] / gain) ** 2
     standard = np.maximum(2.0 * error * inverse, _LEAST_ERROR)
     square = (frequency_Hz / frequency_Hz[-1]) ** 2
-    best = GainAtRest(float(gain[0]), float(error[0]))
-    least = math.inf
+    found: list[tuple[bool, float, GainAtRest]] = []
     count = 3
     while count <= len(gain):
         lowest = slice(None, count)
@@ -302,15 +358,18 @@ def gain_at_rest(frequency_Hz: Floats, gain: Floats, error: Floats) -> GainAtRes
             _intercept(square[lowest], inverse[lowest], standard[lowest], terms) for terms in (1, 2, 3, 4)
         ]
         for fit, richer in pairwise(fits):
-            if fit is None or richer is None or not fit.describes or min(fit.value, richer.value) <= 0.0:
+            if fit is None or richer is None or min(fit.value, richer.value) <= 0.0:
                 continue
-            steady = abs(richer.value - fit.value) <= _FITS * math.hypot(richer.standard, fit.standard)
-            if steady and fit.standard < least:
-                least = fit.standard
+            if abs(richer.value - fit.value) <= _FITS * math.hypot(richer.standard, fit.standard):
                 spread = math.hypot(richer.standard, richer.value - fit.value)
-                best = GainAtRest(float(gain[0]) / math.sqrt(richer.value), 0.5 * spread / richer.value)
+                at_rest = GainAtRest(float(gain[0]) / math.sqrt(richer.value), 0.5 * spread / richer.value)
+                found.append((not fit.describes, fit.standard, at_rest))
         count = math.ceil(_LONGER * count)
-    return best
+    if not found:  # the lowest stands for it, which is as far off as it is from the next at least
+        return GainAtRest(
+            float(gain[0]), math.hypot(float(error[0]), float(abs(gain[:2][-1] / gain[0] - 1.0)))
+        )
+    return min(found, key=lambda each: each[:2])[2]
 
 
 @dataclass(frozen=True)

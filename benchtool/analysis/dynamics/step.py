@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from benchtool.analysis.declaration import Analysis, Findings, Measured, Quantity, UnitOf
 from benchtool.analysis.dynamics.noisy_curve import Instant, NoisyCurve, at_rest_error
 from benchtool.analysis.dynamics.smoothing import Noise
-from benchtool.analysis.dynamics.step_drift import drift_before
+from benchtool.analysis.dynamics.step_drift import Drift, find_drift
 from benchtool.analysis.dynamics.step_shape import TAIL, Step, find_step
 from benchtool.analysis.measurement import Measurement, MeasurementJson, measurements_to_json
 from benchtool.analysis.scatter import error_of_record, means_of_parts, scatter_of_largest
@@ -65,18 +65,30 @@ def analyze_step(block: Block, signal: str, reference: str, *, held: bool = Fals
 
     A signal counts as settled within 2 % of the step or, where the noise leaves the smooth curve more than a
     third of that uncertain, within three of its standard uncertainties. Where it drifts before the step
-    (`drift_before`), times and excursions are undefined.
+    (`find_drift`), times and excursions are undefined.
 
     Raises:
         AnalysisError: a gap, a missing channel, a dead signal, units that differ, no step or several.
     """
     step = find_step(block, signal, reference, held=held)
-    found = tuple(_measurements(step))
+    curve = _curve(step)
+    band = _band(step, curve)
+    drift = _drift(step, curve, band)
+    found = tuple(_measurements(step, curve.drifting(drift.doubt), band))
     if step.clicks:
         found = tuple(_without_clicks(found, step.clicks))
-    if drifting := drift_before(step):
-        found = tuple(_without_drift(found, drifting))
+    if drift.reason:
+        found = tuple(_without_drift(found, drift.reason))
     return StepResponse(found, step.row)
+
+
+def _drift(step: Step, curve: NoisyCurve, band: float) -> Drift:
+    """Return the drift of the signal, by what it does before the step and long after it has settled."""
+    settled = curve.last_outside(step.final, band)
+    begin = len(step.y) // 2  # of what a drift keeps from settling
+    if settled is not None and math.isfinite(settled.standard):
+        begin = math.ceil(_AT_REST * settled.place)
+    return find_drift(step, step.y_clear[begin:])
 
 
 def _without_clicks(found: Iterable[Measurement], clicks: int) -> Iterator[Measurement]:
@@ -98,10 +110,8 @@ def _without_drift(found: Iterable[Measurement], reason: str) -> Iterator[Measur
             yield Measurement.undefined(each.name, each.unit, each.definition, reason, each.basis)
 
 
-def _measurements(step: Step) -> Iterator[Measurement]:
-    curve = _curve(step)
+def _measurements(step: Step, curve: NoisyCurve, band: float) -> Iterator[Measurement]:
     arrived = curve.first_above(step.greatest - _ARRIVED * step.height)
-    band = _band(step, curve)
     settled = curve.last_outside(step.final, band)
     yield from _times(step, curve, arrived)
     yield _time(step, "settling_time", _settling_text(step, band), settled, "it does not settle")
@@ -154,7 +164,7 @@ def _times(step: Step, curve: NoisyCurve, arrived: Instant | None) -> Iterator[M
         f"where {_SIGMAS:g} x its uncertainty is more, from there back between a line and a parabola"
     )
     left = _departure(step, curve)
-    ahead = left is not None and left.place < step.zero - left.standard
+    ahead = left is not None and max(0.0, left.place) < step.zero - left.standard
     reason = "it moves before the reference has come half the way" if ahead else "it does not move"
     yield _time(step, "step_latency", text, None if ahead else left, reason)
 
@@ -177,7 +187,7 @@ def _departure(step: Step, curve: NoisyCurve) -> Instant | None:
     left = curve.first_above(level + clear)
     if left is None:
         return None
-    threshold = float(clear[math.floor(left.place)])
+    threshold = float(clear[max(0, math.floor(left.place))])
     further = curve.first_above(level + 2.0 * threshold)
     # a level at rest is anywhere within half a step of a converter that its noise does not hide
     of_level = at_rest_error(step.y_before, step.y)

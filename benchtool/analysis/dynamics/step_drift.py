@@ -3,39 +3,81 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
+from benchtool.analysis.dynamics.noisy_curve import at_rest_error
 from benchtool.analysis.dynamics.step_shape import Step
 from benchtool.analysis.scatter import error_of_series, means_of_parts
 
-_SIGMAS = 5.0  # standard uncertainties of a slope that noise alone hardly ever has
+_SIGMAS = 3.5  # standard uncertainties of a slope that noise alone hardly ever has
+_DOUBTFUL = 2.5  # likewise, of one that may be there
+_AT_REST = 5.0  # likewise, of one after the signal has settled
+_AGREES = 3.0  # standard uncertainties between both
 _TOLERATED = 0.02  # of the step, over the time after it: the least settling band
 
 
-def drift_before(step: Step) -> str:
-    """Return why the answer is not told from a drift; empty where none is significant.
+@dataclass(frozen=True)
+class Drift:
+    """Drift of a signal: `reason` why the answer is not told from it, empty where it is; `doubt` is the
+    standard uncertainty, per sample, of a drift that cannot be excluded."""
 
-    The slope of the signal before the step is fitted to means of parts, about which their scatter, and its
-    correlation, give its standard uncertainty. It is significant where it is beyond noise and, continued to
-    the end of the record, moves the signal by more than the tolerance of settling.
+    reason: str
+    doubt: float
+
+
+@dataclass(frozen=True)
+class _Slope:
+    """Of a line through samples, per sample, and its standard uncertainty."""
+
+    value: float
+    standard: float
+
+    @classmethod
+    def of(cls, samples: NDArray[np.float64]) -> _Slope | None:
+        """Fit a line to means of parts, about which their scatter, and its correlation, give its uncertainty;
+        None of too few samples."""
+        means = means_of_parts(samples)
+        if not len(means):
+            return None
+        parts = len(means)
+        apart = len(samples) // parts  # samples from part to part
+        place = apart * (np.arange(parts) - 0.5 * (parts - 1))
+        square = float(place @ place)
+        slope = float(place @ means) / square
+        left = means - float(np.mean(means)) - slope * place
+        return cls(
+            slope, error_of_series(left).standard * math.sqrt(parts / square)
+        )  # of correlated parts too
+
+
+def find_drift(step: Step, at_rest: NDArray[np.float64]) -> Drift:
+    """Return the drift of a signal by its samples before the step and, where it has settled, `at_rest`.
+
+    A slope before the step is significant where it is beyond noise and, continued to the end of the record,
+    moves the signal by more than the tolerance of settling. One that is less, or that the signal has after it
+    has settled and may have had before, where noise or the steps of a converter hide it, is a doubt.
     """
-    means = means_of_parts(step.y_before)
-    if not len(means):
-        return ""
-    parts = len(means)
-    apart = len(step.y_before) // parts  # samples from part to part
-    place = apart * (np.arange(parts) - 0.5 * (parts - 1))
-    square = float(place @ place)
-    slope = float(place @ means) / square
-    left = means - float(np.mean(means)) - slope * place
-    standard = error_of_series(left).standard * math.sqrt(parts / square)  # of correlated parts too
+    before = _Slope.of(step.y_before)
+    if before is None:
+        return Drift("", 0.0)
+    slope = before.value
     moved = slope * len(step.y)
-    if abs(slope) <= _SIGMAS * standard or abs(moved) <= _TOLERATED * step.height:
-        return ""
-    rate, after_s = step.sign * slope / step.period_s, len(step.y) * step.period_s
-    return (
-        f"the signal drifts by {rate:.4g} {step.unit}/s before the step, which is "
-        f"{100.0 * abs(moved) / step.height:.2g} % of the step over the {after_s:.4g} s after it: "
-        f"let it settle before the step, or record less after it"
-    )
+    if not abs(slope) <= _SIGMAS * before.standard and abs(moved) > _TOLERATED * step.height:
+        rate, after_s = step.sign * slope / step.period_s, len(step.y) * step.period_s
+        reason = (
+            f"the signal drifts by {rate:.4g} {step.unit}/s before the step, which is "
+            f"{100.0 * abs(moved) / step.height:.2g} % of the step over the {after_s:.4g} s after it: "
+            f"let it settle before the step, or record less after it"
+        )
+        return Drift(reason, 0.0)
+    doubt = abs(slope) if abs(slope) > _DOUBTFUL * before.standard else 0.0
+    after = _Slope.of(at_rest)
+    if after is not None and abs(after.value) > _AT_REST * after.standard:
+        # the level of a converter is anywhere within a step at both ends
+        hidden = 2.0 * at_rest_error(step.y_before, step.y) / len(step.y_before)
+        if abs(after.value - slope) <= _AGREES * math.hypot(before.standard, hidden, after.standard):
+            doubt = max(doubt, abs(after.value))
+    return Drift("", doubt)

@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
+from numpy import fft
 from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
@@ -29,6 +31,8 @@ _FAR = 8.0  # standard deviations; the largest step of a swing or of a drift is 
 _LEAST_JUMP_RAD = 0.03  # a reversal may by chance leave any phase, half of it in one step
 _PER_PERIOD = 16  # places at which an angle is followed, in each electrical period
 _OF_STEPS = 0.2  # standard deviation of steps that beat with the samples about once in a period
+_BELOW_ORDER = 3
+_FOURTH_DIFFERENCE = np.array([1.0, -4.0, 6.0, -4.0, 1.0]) / 16.0
 _LONGEST_TURN = 0.45  # of a turn between periods: largest unambiguous change of phase
 
 
@@ -101,17 +105,17 @@ def follow(
     """
     coherent = coherent_samples(samples, sample_rate_Hz, track, name)
     smooth = found = _Followed(coherent, track, wander(coherent))
-    by_angle = _by_angle(track, coherent.samples / coherent.periods)
+    by_angle, within_rad = _by_angle(track, coherent.samples / coherent.periods)
     if by_angle is not None:
         coherent = coherent_samples(samples, sample_rate_Hz, by_angle, name)
         other = _Followed(coherent, by_angle, wander(coherent))
-        found = other if other.off_rad < smooth.off_rad else smooth
+        found = other if other.off_line < smooth.off_line else smooth
     jump_rad = found.seen.jump_rad
     by_tone = _followed(samples, sample_rate_Hz, found, name)
-    if found is not smooth and found.seen.excess_rad > _OFF_RAD:
+    if found is not smooth and max(found.seen.excess_rad, within_rad) > _OFF_RAD:
         # the angle has errors of its own, which may be faster than the phase of a period shows
         other = _followed(samples, sample_rate_Hz, smooth, name)
-        by_tone = other if other.off_rad < by_tone.off_rad else by_tone
+        by_tone = other if other.off_line < by_tone.off_line else by_tone
     return by_tone.coherent, by_tone.track, replace(by_tone.seen, jump_rad=jump_rad)
 
 
@@ -126,6 +130,15 @@ class _Followed:
     @property
     def off_rad(self) -> float:
         return float(np.std(self.seen.phase_rad))
+
+    @cached_property
+    def off_line(self) -> float:
+        """Power between the harmonics below the third, where a phase that is off moves that of the
+        fundamental, however fast."""
+        periods = self.coherent.periods
+        square = np.abs(fft.rfft(self.coherent.values)[: _BELOW_ORDER * periods]) ** 2
+        square[::periods] = 0.0
+        return float(np.sum(square))
 
 
 def _followed(samples: NDArray[np.float64], sample_rate_Hz: float, begin: _Followed, name: str) -> _Followed:
@@ -143,28 +156,31 @@ def _followed(samples: NDArray[np.float64], sample_rate_Hz: float, begin: _Follo
     return found
 
 
-def _by_angle(track: PhaseTrack, samples_per_period: float) -> PhaseTrack | None:
-    """Return track along the angle, averaged over a sixteenth of a period; None if that makes no change.
+def _by_angle(track: PhaseTrack, samples_per_period: float) -> tuple[PhaseTrack | None, float]:
+    """Return track along the angle, averaged over a sixteenth of a period, None if that makes no change; and
+    how far, rms, it then departs from the angle averaged over whole periods.
 
     What is left within a period may be the steps in which the angle counts, which beat with the samples near
     harmonics: where it is no more than these, the angle is averaged over whole periods.
     """
     if track.measured_rad is None or not (track.residual_rad or 0.0) > _OFF_RAD:
-        return None
+        return None, 0.0
     size = max(1, round(samples_per_period / _PER_PERIOD))
     number, departure = _means_of_angle(track, track.measured_rad, size)
     whole_number, whole = _means_of_angle(track, track.measured_rad, max(1, round(samples_per_period)))
-    if len(whole) >= _FEWEST_KNOTS and track.resolution_rad > 0.0:
+    within_rad = 0.0
+    if len(whole) >= _FEWEST_KNOTS:
         inner = (number >= whole_number[0]) & (number <= whole_number[-1])
-        within = departure[inner] - np.interp(number[inner], whole_number, whole)
-        if float(np.std(within)) < _OF_STEPS * track.resolution_rad:
-            number, departure = whole_number, whole
+        within_rad = float(np.std(departure[inner] - np.interp(number[inner], whole_number, whole)))
+        if within_rad < _OF_STEPS * track.resolution_rad:
+            number, departure, within_rad = whole_number, whole, 0.0
     if len(number) < _FEWEST_KNOTS or not float(np.std(departure)) > _OFF_RAD:
-        return None
+        return None, 0.0
     from scipy.interpolate import CubicSpline  # draws in scipy.optimize, which most runs do not need
 
     spline = CubicSpline(number, departure)
-    return replace(track, departure=spline, source=f"{track.source}, and the measured angle about it")
+    along = replace(track, departure=spline, source=f"{track.source}, and the measured angle about it")
+    return along, within_rad
 
 
 def _means_of_angle(
@@ -188,7 +204,8 @@ def _by_tone(
         return None
     # a transient that decays soon after the beginning moves the phase only there
     aside = coherent.periods // _ASIDE
-    inner = seen.phase_rad[aside : len(seen.phase_rad) - aside]
+    phase_rad = _without_alternation(seen.phase_rad - np.mean(seen.phase_rad))
+    inner = phase_rad[aside : len(phase_rad) - aside]
     if coherent.periods < _FEWEST_KNOTS or not float(np.std(inner)) > least_rad:
         return None
     begin = float(track.at(np.array([float(FIRST_ROW)]))[0])
@@ -197,8 +214,8 @@ def _by_tone(
     from scipy.interpolate import make_smoothing_spline  # draws in scipy.optimize, as above
 
     # the polynomial takes a drift, because the spline is straight at its ends
-    drift = Polynomial.fit(numbers, seen.phase_rad - np.mean(seen.phase_rad), 2)
-    spline = make_smoothing_spline(numbers, seen.phase_rad - np.mean(seen.phase_rad) - drift(numbers))
+    drift = Polynomial.fit(numbers, phase_rad, 2)
+    spline = make_smoothing_spline(numbers, phase_rad - drift(numbers))
     before = track.departure
     added = "" if name in track.source else f", followed by the phase of {name} itself"
 
@@ -207,3 +224,16 @@ def _by_tone(
         return own if before is None else own + before(at)
 
     return replace(track, departure=departure, source=f"{track.source}{added}")
+
+
+def _without_alternation(phase_rad: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return phases, shape (periods,), without what is up in one period and down in the next: a line halfway
+    between harmonics, and no wander of the phase, makes that.
+
+    Fourth differences over sixteen leave that as it is, and next to nothing of what is smooth.
+    """
+    fourth = np.convolve(phase_rad, _FOURTH_DIFFERENCE, mode="valid")
+    if not len(fourth):
+        return phase_rad
+    signs = np.where(np.arange(len(phase_rad)) % 2, -1.0, 1.0)
+    return np.asarray(phase_rad - signs * float(np.mean(signs[2:-2] * fourth)), dtype=np.float64)

@@ -18,10 +18,17 @@ from numpy.typing import NDArray
 from benchtool.analysis.declaration import Analysis, Findings, NoSettings, Quantity
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.periods import PhaseTrack
+from benchtool.analysis.quantisation import counting_step
 from benchtool.analysis.regimes import change_of_regime
 from benchtool.analysis.scatter import MeanError, error_of_periods, is_memory_untold
 from benchtool.analysis.spectra.current import current_of
-from benchtool.analysis.spectra.spectrum import FIRST_ROW, CoherentSamples, coherent_samples_of_all
+from benchtool.analysis.spectra.noise import repeated_quantisation
+from benchtool.analysis.spectra.spectrum import (
+    FIRST_ROW,
+    CoherentSamples,
+    coherent_samples_of_all,
+    spectrum_of,
+)
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
 from benchtool.analysis.validity import clipping, require_unbroken
 from benchtool.analysis.window import Window
@@ -83,9 +90,12 @@ def current_unbalance(
     if abs(np.mean(sequences[0])) < abs(np.mean(sequences[1])):
         # in reverse rotation positive and negative sequence change places
         sequences = sequences[[1, 0, 2]]
-    positive = _component(sequences[0])
-    components = [positive, *(_alike(_component(each), positive) for each in sequences[1:])]
-    ratios = [_component(each, sequences[0]) for each in sequences[1:]] if np.mean(sequences[0]) else []
+    steps = _of_steps(parts, columns)
+    positive = _component(sequences[0], steps)
+    components = [positive, *(_alike(_component(each, steps), positive) for each in sequences[1:])]
+    ratios = (
+        [_component(each, steps, sequences[0]) for each in sequences[1:]] if np.mean(sequences[0]) else []
+    )
     basis = Basis(
         samples=first.samples,
         sample_rate_Hz=block.sample_rate_Hz,
@@ -100,7 +110,20 @@ def current_unbalance(
     return tuple(_numbers(components, ratios, channels, block.unit(channels[0]), basis, reason))
 
 
-def _component(phasors: Phasors, reference: Phasors | None = None) -> _Component:
+def _of_steps(parts: Sequence[CoherentSamples], columns: Sequence[NDArray[np.float64]]) -> float:
+    """Return the standard uncertainty of either part of a sequence component by the steps of a converter that
+    are the same in every period: of three channels, each with its own, a third of their root sum of squares.
+    """
+    square = 0.0
+    for part, samples in zip(parts, columns, strict=True):
+        if not counting_step(samples) > 0.0:
+            continue
+        along, power = repeated_quantisation(spectrum_of(part), counting_step(samples))
+        square += max(float(along[0]) ** 2, 0.5 * float(power[0]))
+    return math.sqrt(square) / len(parts)
+
+
+def _component(phasors: Phasors, steps: float = 0.0, reference: Phasors | None = None) -> _Component:
     """Return the magnitude of the mean; as the numerator of a ratio to that of a `reference`, with the budget
     of the ratio times the latter: what both do alike cancels in it."""
     turned, magnitude = _turned(phasors)
@@ -113,7 +136,7 @@ def _component(phasors: Phasors, reference: Phasors | None = None) -> _Component
     if not math.isfinite(across.standard):  # a track that is a little off turns it steadily
         across = along
     # noise across the phasor makes its magnitude larger (Rice distribution)
-    bias = magnitude - math.sqrt(max(0.0, magnitude**2 - across.standard**2))
+    bias = magnitude - math.sqrt(max(0.0, magnitude**2 - across.standard**2 - steps**2))
     # noise is isotropic: both components together give a better estimate from few periods
     both = MeanError(math.sqrt(0.5 * (along.standard**2 + across.standard**2)), along.dof + across.dof)
     if along.standard < both.standard:
@@ -123,6 +146,7 @@ def _component(phasors: Phasors, reference: Phasors | None = None) -> _Component
         (
             Contribution("scatter over periods", "A", along.standard, along.dof),
             Contribution("what scatter adds to a magnitude", "B", bias),
+            *((Contribution("steps of the converter that repeat", "B", steps),) if steps else ()),
         ),
     )
 

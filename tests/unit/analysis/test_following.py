@@ -227,3 +227,29 @@ def test_a_sharp_peak_between_two_frequencies_is_as_uncertain_as_they_are_apart(
         value, uncertain = ResponseCurve(frequency_Hz, gain_dB, np.full(len(x), 1e-3), 3.0).greatest()
         assert abs(value - truth_dB) < 2.0 * uncertain
         assert uncertain < 0.1 + 0.06 * apart_Hz**2
+
+
+def test_a_subharmonic_moves_the_phase_up_and_down_and_is_not_followed() -> None:
+    phase = 2.0 * np.pi * FREQUENCY_HZ * T
+    # in quadrature at both sides: all of it moves the phase, up in one period and down in the next
+    lines = 0.02 * (np.sin(0.5 * phase) + np.sin(1.5 * phase))
+    _, track, seen = follow(np.cos(phase) + lines, RATE_HZ, PhaseTrack(LINEAR, SAMPLES, "as it was made"))
+    assert float(np.std(seen.phase_rad)) > 5e-3
+    assert track.departure is None
+
+
+def test_the_peak_of_a_resonance_is_read_off_all_frequencies_around_it() -> None:
+    frequency_Hz = np.arange(5.0, 400.0, 5.0)
+    square = (frequency_Hz / 123.4) ** 2
+    gain_dB = -10.0 * np.log10((1.0 - square) ** 2 + 4.0 * 0.3**2 * square)
+    true_dB = -10.0 * math.log10(4.0 * 0.3**2 * (1.0 - 0.3**2))
+    error_dB = np.full(len(gain_dB), 0.02)
+    exact = ResponseCurve(frequency_Hz, gain_dB, error_dB, 3.0)
+    assert exact.resonance()[0] == pytest.approx(true_dB, abs=1e-6)
+    noise_dB = np.random.default_rng(1).normal(0.0, 0.02, (20, len(gain_dB)))
+    noisy = [ResponseCurve(frequency_Hz, gain_dB + each, error_dB, 3.0) for each in noise_dB]
+    found = np.array([each.resonance() for each in noisy])
+    assert float(np.sqrt(np.mean(((found[:, 0] - true_dB) / found[:, 1]) ** 2))) < 1.4
+    assert float(np.max(found[:, 1])) < 0.02  # less than that of any one
+    falling = ResponseCurve(frequency_Hz, -10.0 * np.log10(1.0 + square), error_dB, 3.0)
+    assert falling.resonance() == falling.greatest()  # no peak

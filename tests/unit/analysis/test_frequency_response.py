@@ -250,13 +250,15 @@ def test_the_stated_error_is_the_scatter_of_repeated_experiments() -> None:
     assert np.all(np.isfinite(phases))
 
 
-def test_few_periods_are_averaged_over_segments_instead() -> None:
-    x = _prbs(3)
-    y = _filtered(x)
-    assert "Welch" in frequency_response(x, y, RATE_HZ, period=1023).method
-    assert "periods" in frequency_response(_prbs(4), _filtered(_prbs(4)), RATE_HZ, period=1023).method
-    with pytest.raises(AnalysisError, match="hold 3 whole periods of 1023, at least 4"):
-        periodic_response(x, y, RATE_HZ, 1023)
+def test_few_periods_count_where_they_tell_enough_and_are_averaged_over_segments_otherwise() -> None:
+    x, y = _prbs(3)[1023:], _filtered(_prbs(3))[1023:]
+    assert "2 periods" in frequency_response(x, y, RATE_HZ, period=1023).method
+    lost = y + _noise(len(y), 30.0 * float(np.std(y)))
+    assert "Welch" in frequency_response(x, lost, RATE_HZ, period=1023).method
+    assert "4 periods" in frequency_response(_prbs(4), _filtered(_prbs(4)), RATE_HZ, period=1023).method
+    assert "Welch" in frequency_response(x[:2000], y[:2000], RATE_HZ, period=1023).method
+    with pytest.raises(AnalysisError, match="hold 1 whole periods of 1023, at least 2"):
+        periodic_response(x[:1500], y[:1500], RATE_HZ, 1023)
     with pytest.raises(AnalysisError, match="half-overlapping segments"):
         averaged_response(x[:100], y[:100], RATE_HZ, segment=60)
 

@@ -361,3 +361,32 @@ def test_a_drift_before_the_step_is_not_taken_for_the_answer(drift: float, told:
     assert ("drifts by" in found["settling_time"].reason) is told
     assert ("drifts by" in found["overshoot"].reason) is told
     assert "drifts by" not in found["plateau_mean"].reason
+
+
+def test_what_is_above_a_level_in_the_first_row_passed_it_since_the_row_before() -> None:
+    since = np.maximum(0.0, np.arange(1000) - 99.4)  # samples; the reference is seen to step in row 100
+    y = 1.0 - np.exp(-since / 1.5)
+    response = analyze_step(_block(y, _step(0.0, 1.0)), "torque", "torque_reference")
+    rise = next(each for each in response.measurements if each.name == "rise_time")
+    assert rise.uncertainty is not None
+    samples, standard = rise.value * RATE_HZ, rise.uncertainty.standard * RATE_HZ
+    assert standard > 0.1
+    assert abs(samples - 1.5 * math.log(9.0)) < 2.0 * standard
+
+
+def test_a_drift_that_noise_hides_before_a_step_is_in_what_is_late() -> None:
+    since_s = np.maximum(0.0, np.arange(1000) - 100) / RATE_HZ
+    clean = 1.0 - np.exp(-since_s / 2e-3) + 3e-3 * np.random.default_rng(5).standard_normal(1000)
+    drifting = clean + 0.3 * (np.arange(1000) - 100) / RATE_HZ
+    plain, doubtful = (
+        next(
+            each
+            for each in analyze_step(_block(y, _step(0.0, 1.0)), "torque", "torque_reference").measurements
+            if each.name == "overshoot"
+        )
+        for y in (clean, drifting)
+    )
+    assert plain.uncertainty is not None
+    assert doubtful.uncertainty is not None
+    assert plain.uncertainty.standard < 2e-3
+    assert doubtful.value < 2.0 * doubtful.uncertainty.standard

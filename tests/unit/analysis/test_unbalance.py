@@ -102,3 +102,17 @@ def test_without_a_fundamental_there_is_no_ratio() -> None:
     theta = 2 * np.pi * 43.7 * np.arange(COUNT) / RATE_HZ
     found = {each.name: each for each in current_unbalance(block, track_tone(np.cos(theta), "i_a"))}
     assert "does not stand out" in found["current_unbalance_percent"].reason
+
+
+def test_steps_of_converters_that_repeat_are_uncertain() -> None:
+    block = three_phases(4.0, 0.1, 0.0, noise=1e-3)
+    step = 8.0 / 64
+    coarse = Block(block.channels, 0, 1, block.tick_s, np.round(block.data / step) * step)
+    track = track_tone(np.ascontiguousarray(block.column("i_a")), "i_a")
+    fine, found = (
+        {each.name: each.uncertainty.standard for each in current_unbalance(one, track) if each.uncertainty}
+        for one in (block, coarse)
+    )
+    for name in ("current_sequence_positive", "current_sequence_negative", "current_sequence_zero"):
+        assert found[name] > 5.0 * fine[name]
+        assert 1e-3 * step < found[name] < 0.1 * step
