@@ -54,6 +54,22 @@ def test_an_inertia_is_compared_with_one_that_a_step_told_and_not_with_the_namep
     assert [each.what.split("run, ")[1][:4] for each in findings] == (["J is"] if J_is_told else [])
 
 
+@pytest.mark.parametrize("off", [-0.08, 0.08])
+def test_an_inertia_is_compared_with_what_dead_time_does_between_samples(off: float) -> None:
+    """A small servo with 1 V of dead time came out 8 % off: it moves the mean current within a period."""
+    J, certain = KNOWN.motor.J_kgm2, Uncertainty(1e-8, "scatter", 10.0)
+    own = Measurement("J", J, "kgm2", "", uncertainty=certain)
+    other = Measurement("motion_balance_J", (1.0 + off) * J, "kgm2", "", uncertainty=certain)
+    known = KNOWN.with_estimates({"J": own})
+    motor = KNOWN.identified
+    swing_V = (
+        0.5 * (motor.L_d_H + motor.L_q_H) / KNOWN.control_period_s * SWING_A
+    )  # makes its current in a period
+    for share, contradicts in ((0.1, True), (0.5, False)):
+        findings = Verification().findings(told(R_S) | {other.name: other}, known.with_drop(share * swing_V))
+        assert bool(findings) is contradicts
+
+
 def test_a_balance_that_takes_the_resistance_for_dead_time_tells_nothing() -> None:
     """A hub motor of 0.24 ohm with 1.4 V of dead time was balanced by -0.15 ohm and 0.8 V more."""
     known = KNOWN.with_drop(1.4)
