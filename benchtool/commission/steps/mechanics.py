@@ -23,7 +23,7 @@ from benchtool.drive import CaptureRequest, Stimulus
 _SPEEDS = (0.12, 0.2, 0.28, 0.36)  # of the rated speed; the drive trips at half of it
 _LEVELS = 3  # a binary sequence of three bits: on, back, on
 _LEAST_S, _REVOLUTIONS = 0.2, 2.15  # of a steady stretch: of one, what comes once in it looks like a drift
-_SWINGS = 20.0  # of J / K_p, until a speed no longer swings
+_SWINGS = 15.0  # of J / K_p, until a speed no longer swings
 _ROWS = 20_000  # so that the torque that reverses the shaft leaps between two of many
 _LEFT_OUT_J = 0.005
 _ROUNDS = 5
