@@ -345,12 +345,14 @@ def gain_at_rest(frequency_Hz: Floats, gain: Floats, error: Floats) -> GainAtRes
     1 / gain^2 is a polynomial of f^2 wherever the response has no zeros: of a first-order lag a line, of two
     poles a parabola, whatever their damping. Of the fits to the lowest frequencies that describe their
     points, and that one more term does not change by more than its uncertainty, the most certain; what that
-    term changes is part of the uncertainty. Where none describes its points, what they leave is.
+    term changes is part of the uncertainty. Where none does, the lowest gain stands for it, as far off as
+    it is from the next at least.
     """
     inverse = (gain[0] / gain) ** 2
     standard = np.maximum(2.0 * error * inverse, _LEAST_ERROR)
     square = (frequency_Hz / frequency_Hz[-1]) ** 2
-    found: list[tuple[bool, float, GainAtRest]] = []
+    apart = abs(float(gain[:2][-1] / gain[0]) - 1.0)
+    best, least = GainAtRest(float(gain[0]), math.hypot(float(error[0]), apart)), math.inf
     count = 3
     while count <= len(gain):
         lowest = slice(None, count)
@@ -358,18 +360,15 @@ def gain_at_rest(frequency_Hz: Floats, gain: Floats, error: Floats) -> GainAtRes
             _intercept(square[lowest], inverse[lowest], standard[lowest], terms) for terms in (1, 2, 3, 4)
         ]
         for fit, richer in pairwise(fits):
-            if fit is None or richer is None or min(fit.value, richer.value) <= 0.0:
+            if fit is None or richer is None or not fit.describes or min(fit.value, richer.value) <= 0.0:
                 continue
-            if abs(richer.value - fit.value) <= _FITS * math.hypot(richer.standard, fit.standard):
+            steady = abs(richer.value - fit.value) <= _FITS * math.hypot(richer.standard, fit.standard)
+            if steady and fit.standard < least:
+                least = fit.standard
                 spread = math.hypot(richer.standard, richer.value - fit.value)
-                at_rest = GainAtRest(float(gain[0]) / math.sqrt(richer.value), 0.5 * spread / richer.value)
-                found.append((not fit.describes, fit.standard, at_rest))
+                best = GainAtRest(float(gain[0]) / math.sqrt(richer.value), 0.5 * spread / richer.value)
         count = math.ceil(_LONGER * count)
-    if not found:  # the lowest stands for it, which is as far off as it is from the next at least
-        return GainAtRest(
-            float(gain[0]), math.hypot(float(error[0]), float(abs(gain[:2][-1] / gain[0] - 1.0)))
-        )
-    return min(found, key=lambda each: each[:2])[2]
+    return best
 
 
 @dataclass(frozen=True)

@@ -230,7 +230,7 @@ def _without_alternation(phase_rad: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return phases, shape (periods,), without what is up in one period and down in the next: a line halfway
     between harmonics, and no wander of the phase, makes that.
 
-    Fourth differences over sixteen leave that as it is, and next to nothing of what is smooth.
+    Fourth differences over sixteen leave that as it is, and take away nearly all that is smooth.
     """
     fourth = np.convolve(phase_rad, _FOURTH_DIFFERENCE, mode="valid")
     if not len(fourth):
