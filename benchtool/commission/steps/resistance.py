@@ -142,7 +142,7 @@ class StandingCurrents:
             return (apart,)
         stated = known.motor.R_s_ohm
         seen = f"R_s is {found['R_s'].value:.4g} ohm, {ratio:.3g} times the nameplate's"
-        if _looks_line_to_line(found["R_s"].value, stated):
+        if _looks_line_to_line(found["R_s"].value, stated, known.series_ohm):
             return (
                 Finding(
                     f"{seen}: R looks line to line",
@@ -163,11 +163,14 @@ class StandingCurrents:
         return ()
 
 
-def _looks_line_to_line(R_s_ohm: float, stated_ohm: float) -> bool:
-    """Return whether half of what the nameplate states was found, with what is in series beside it."""
+def _looks_line_to_line(R_s_ohm: float, stated_ohm: float, series_ohm: float | None) -> bool:
+    """Return whether half of what the nameplate states was found, beside what is in series: as much as is
+    stated of that, or some where nothing is."""
     half = _OF_LINE_TO_LINE * stated_ohm
-    if abs(R_s_ohm / half - 1.0) < _NEAR:
+    if abs((R_s_ohm - (series_ohm or 0.0)) / half - 1.0) < _NEAR:
         return True
+    if series_ohm is not None:
+        return False
     return half < R_s_ohm < min(half + IN_SERIES_OHM, stated_ohm / _FACTOR)
 
 

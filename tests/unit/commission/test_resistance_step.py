@@ -12,8 +12,8 @@ from benchtool.profile import load_profile
 MOTOR = load_profile("zhu2011").motor
 
 
-def told(found_ohm: float, stated_ohm: float) -> str:
-    known = Known(MOTOR.model_copy(update={"R_s_ohm": stated_ohm}), 1e-4, 122.6)
+def told(found_ohm: float, stated_ohm: float, series_ohm: float | None = None) -> str:
+    known = Known(MOTOR.model_copy(update={"R_s_ohm": stated_ohm}), 1e-4, 122.6, series_ohm=series_ohm)
     names = ("R_s", "R_a", "R_b", "R_c")
     found = {name: Measurement(name, found_ohm, "ohm", "resistance") for name in names}
     return " ".join(each.what for each in StandingCurrents().findings(found, known))
@@ -39,3 +39,18 @@ def test_a_resistance_near_half_of_the_stated_one_looks_line_to_line(
     said = told(found_ohm, stated_ohm)
     assert words in said
     assert bool(said) == bool(words)
+
+
+@pytest.mark.parametrize(
+    ("found_ohm", "stated_ohm", "series_ohm", "is_told"),
+    [
+        (0.0126, 0.016, 0.0038, True),  # 8 mOhm beside devices of 4.5 mOhm, by their data sheet of 3.8 mOhm
+        (0.0126, 0.016, None, False),
+        (0.0126, 0.008, 0.0038, False),
+        (0.0126, 0.008, 0.0056, False),
+    ],
+)
+def test_what_a_data_sheet_states_in_series_is_taken_off_before(
+    found_ohm: float, stated_ohm: float, series_ohm: float | None, is_told: bool
+) -> None:
+    assert ("line to line" in told(found_ohm, stated_ohm, series_ohm)) is is_told
