@@ -30,7 +30,7 @@ from benchtool.commission.steps.speed_loop import FASTEST, at_speed, settling_s
 from benchtool.commission.steps.step import Finding
 from benchtool.drive import CaptureRequest, Stimulus
 
-_SPEEDS = (0.28, 0.32, 0.36)  # of the rated speed: the drive trips at half of it, and steps of i_d move it by 15 %
+_SPEEDS = (0.28, 0.32, 0.36)  # of the rated speed: a trip is at half, and steps of i_d move it by 15 %
 _SHARES = (0.35, 0.75)  # of the rated current, along the rotor flux: least and most
 _OF_FLUX = 0.25  # of the rotor flux, by that current at most: what saturation bends is not the magnet's
 _CALM, _ANGLE_LEFT_RAD = 0.1, 0.03  # of the rated speed; electrical, beside what is known of the encoder
