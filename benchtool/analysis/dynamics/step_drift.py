@@ -48,9 +48,8 @@ class _Slope:
         square = float(place @ place)
         slope = float(place @ means) / square
         left = means - float(np.mean(means)) - slope * place
-        return cls(
-            slope, error_of_series(left).standard * math.sqrt(parts / square)
-        )  # of correlated parts too
+        standard = error_of_series(left).standard * math.sqrt(parts / square)  # of correlated parts too
+        return cls(slope, standard)
 
 
 def find_drift(step: Step, at_rest: NDArray[np.float64]) -> Drift:

@@ -19,9 +19,7 @@ _FEWEST_CYCLES, _PER_PERIOD, _CYCLES_APART = 1.0, 0.25, 0.05
 _AT_LEAST, _REFINEMENTS = 0.5, (21, 11)  # of the power, by a periodogram
 _WITHOUT_DOUBT, _ALIKE = 3e-4, 3.0  # of the variance; standard deviations of a correlation
 _POINTS_PER_PERIOD = 8
-_OF_TIME = 1.0 / (
-    6.0 * math.sqrt(3.0)
-)  # of a bend: what means over phases and over time differ by is a sixth at most
+_OF_TIME = 1.0 / (6.0 * math.sqrt(3.0))  # of a bend: a sixth at most between means over phases and time
 
 
 @dataclass(frozen=True)
@@ -45,8 +43,8 @@ def amplitude_trend(
 
     A line, a parabola, a step or one sinusoid: the first that leaves less than three hundredths of the
     variance, which is far less than of an amplitude that wanders at random, and of that nothing but noise,
-    whose neighbours are not alike. `before` and `after` are the
-    shares of the record, relative to the periods, that are outside them.
+    whose neighbours are not alike. `before` and `after` are the shares of the record, relative to the
+    periods, that are outside them.
     """
     count = len(amplitudes)
     mean = float(np.mean(amplitudes))

@@ -124,18 +124,16 @@ def group_distortion(
     (one in fifty) that they share what they scatter by. What the groups have beyond the lines, whose ratio is
     `of_lines`, then counts by 0.7 of itself: it is of few events, whose scatter few windows do not show.
     """
-    mean = np.mean(squares, axis=0)
-    if squares.shape[1] < 2 or not mean[0] > 0.0:
+    ratio, windows = ratio_of(squares), len(squares)
+    if squares.shape[1] < 2 or math.isnan(ratio):
         return GroupDistortion(math.nan, math.nan)
-    ratio = math.sqrt(float(np.sum(mean[1:]) / mean[0]))
-    windows = len(squares)
     noise = by_noise or MeanError(math.nan, math.nan)
     noise = MeanError(math.hypot(noise.standard, ratio * of_order_1), noise.dof)
     if windows < 2 or not np.all(squares[:, 0] > 0.0) or not ratio > 0.0:
         return GroupDistortion(ratio, noise.standard, noise.dof)
     each = np.sqrt(np.sum(squares[:, 1:], axis=1) / squares[:, 0])
     together = error_of_series(each) if windows >= FEWEST_WINDOWS else MeanError(math.nan, math.nan)
-    variance = np.var(squares / mean[0], axis=0, ddof=1) / windows
+    variance = np.var(squares / np.mean(squares[:, 0]), axis=0, ddof=1) / windows
     variance[0] *= ratio**4
     apart = math.sqrt(float(np.sum(variance))) / (2.0 * ratio)
     fourth = float(np.sum(variance**2))

@@ -28,7 +28,6 @@ _CLOSE = 1.5  # bins: nearer to a harmonic both are one
 _REACH = 1 << 15  # bins, beyond which one leaks less than 1e-5 of itself
 _STEPS, _ENOUGH = 12, 1e-7
 _SMALL = 1e-4
-_COLUMNS = 1 << 10
 _OF_DECAY = 12  # bins from dc on
 _DRAWS, _MOST_WINDOWS = 32, 64
 _CONSTANTS = np.geomspace(0.01, 2.0, 60)  # time constants over the record
@@ -67,18 +66,6 @@ class Interharmonics:
             found += np.real(phasor * np.exp(2j * np.pi * place / count * numbers))
         return np.asarray(found)
 
-    def waveform(self, count: int) -> Floats:
-        """Return them over a record of `count` samples."""
-        rows = math.ceil(count / _COLUMNS)
-        found = np.zeros((rows, _COLUMNS))
-        for place, phasor in zip(self.places, self.phasors, strict=True):
-            begins, within = _turns(place / count, rows)
-            found += np.real(phasor * begins * within)
-        if self.start:
-            begins, within = _turns(1j / (2.0 * np.pi * self.constant * count), rows)
-            found += np.real(self.start * begins * within)
-        return found.ravel()[:count]
-
 
 def interharmonics(spectrum: CoherentSpectrum, count: int) -> Interharmonics | None:
     """Return what stands out between the harmonics and is as steady as a sinusoid, or a dc that decays
@@ -113,7 +100,8 @@ def interharmonics(spectrum: CoherentSpectrum, count: int) -> Interharmonics | N
 
 def without(coherent: CoherentSamples, found: Interharmonics) -> CoherentSamples:
     """Return samples without them."""
-    return replace(coherent, values=coherent.values - found.waveform(len(coherent.values)))
+    count = len(coherent.values)
+    return replace(coherent, values=coherent.values - found.at(np.arange(count, dtype=np.float64), count))
 
 
 def scatter_of_phases(
@@ -152,12 +140,6 @@ def scatter_of_phases(
         ratios.append([ratio_of(drawn.group2), ratio_of(drawn.subgroup2)])
     of_groups, of_subgroups = np.std(ratios, axis=0)
     return float(of_groups), float(of_subgroups)
-
-
-def _turns(frequency: complex, rows: int) -> tuple[Complex, Complex]:
-    """Return factors of exp(2 pi j frequency n), n as rows of a table."""
-    begins = np.exp(2j * np.pi * frequency * _COLUMNS * np.arange(rows))
-    return begins[:, np.newaxis], np.exp(2j * np.pi * frequency * np.arange(_COLUMNS))
 
 
 def _sinusoid(place: float, bins: NDArray[np.int64], count: int) -> tuple[Complex, Complex]:
@@ -242,16 +224,9 @@ def _fitted(bins: Complex, places: Floats, periods: int, count: int) -> Interhar
     if 2 * len(window) < 4 * len(places):
         return None
     measured = _as_real(bins[window])
-    phasors = np.zeros(len(places), dtype=np.complex128)
     for _ in range(_STEPS):
-        columns = []
-        for place in places:
-            upper, lower = _sinusoid(float(place), window, count)
-            columns += [_as_real(upper + lower), _as_real(-1j * (upper - lower))]
-        table = np.stack(columns, axis=1)
-        linear = np.linalg.lstsq(table, measured, rcond=None)[0]
-        phasors = linear[0::2] - 1j * linear[1::2]
-        slopes = []
+        table, linear = _phasors_at(places, window, measured, count)
+        phasors, slopes = linear[0::2] - 1j * linear[1::2], []
         for place, phasor in zip(places, phasors, strict=True):
             above, below = (_sinusoid(float(place) + by, window, count) for by in (_SMALL, -_SMALL))
             change = phasor * (above[0] - below[0]) + np.conj(phasor) * (above[1] - below[1])
@@ -263,10 +238,18 @@ def _fitted(bins: Complex, places: Floats, periods: int, count: int) -> Interhar
             return None
         if np.max(np.abs(step)) < _ENOUGH:
             break
-    upper_lower = [_sinusoid(float(place), window, count) for place in places]
-    table = np.stack([_as_real(each) for u, v in upper_lower for each in (u + v, -1j * (u - v))], axis=1)
-    linear = np.linalg.lstsq(table, measured, rcond=None)[0]
+    _, linear = _phasors_at(places, window, measured, count)
     return Interharmonics(places, linear[0::2] - 1j * linear[1::2])
+
+
+def _phasors_at(
+    places: Floats, window: NDArray[np.int64], measured: Floats, count: int
+) -> tuple[Floats, Floats]:
+    """Return what sinusoids of unit phasors make of the bins, and the phasors fitted to these, as real
+    numbers in turns with imaginary ones of the other sign."""
+    both = [_sinusoid(float(place), window, count) for place in places]
+    table = np.stack([_as_real(each) for u, v in both for each in (u + v, -1j * (u - v))], axis=1)
+    return table, np.asarray(np.linalg.lstsq(table, measured, rcond=None)[0], dtype=np.float64)
 
 
 def _as_real(values: Complex) -> Floats:
