@@ -45,6 +45,7 @@ _FEWEST = 20  # windows
 _COUNTS_OF_MOTION = 4.0  # that the shaft must go in half a window, to turn
 _SPAN_OF_FRICTION = 0.1  # of the rated torque
 _BLOCK_ROWS, _MOST_BLOCKS = 4, 40
+_MOVED = 1.0 / 6.0  # of the change of current that dead time makes in a period: of its mean, at most
 
 
 @dataclass(frozen=True)
@@ -71,12 +72,20 @@ class MotionBalance:
     def between_ticks_Nm(self) -> float:
         """By how much the torque of the mean current within a tick may differ from that of its ends.
 
-        Dead time acts near one end of a period, and moves that mean by up to a sixth of the change of current
-        that it makes.
+        By what dead time takes beyond what the drive makes up for.
         """
-        p, ticks = self.flux.estimate, self.flux.ticks
-        change_A = abs(p.dead_time_voltage) * ticks.T_s / (0.5 * (p.L_d + p.L_q))
-        return 1.5 * self.pole_pairs * p.psi_r * change_A / 6.0
+        p = self.flux.estimate
+        moved_A = between_ticks_A(p.dead_time_voltage, self.flux.ticks.T_s, p.L_d, p.L_q)
+        return 1.5 * self.pole_pairs * p.psi_r * moved_A
+
+
+def between_ticks_A(dead_time_V: float, T_s: float, L_d_H: float, L_q_H: float) -> float:
+    """Return by how much the mean current within a tick may differ from that of its ends.
+
+    Dead time acts near one end of a period, and moves that mean by up to a sixth of the change of current
+    that it makes.
+    """
+    return _MOVED * abs(dead_time_V) * T_s / (0.5 * (L_d_H + L_q_H))
 
 
 def motion_balance(block: Block, motor: Motor, flux: FluxBalance) -> MotionBalance:

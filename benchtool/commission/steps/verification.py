@@ -15,6 +15,7 @@ from benchtool.analysis.balances import (
     UNEXPLAINED,
     Deviation,
     FluxBalanceSettings,
+    between_ticks_A,
     contradictions,
     deviations,
 )
@@ -40,7 +41,6 @@ _SLOWEST_HZ, _FASTEST_HZ = 4.0, 10.0
 _FIRST_SHARE = 0.25  # of the last frequency
 _RIPPLE = 0.5  # rms ripple of the current over what one vector changes
 _NEAR_ZERO = 0.5  # of the voltage of the dead time: within the ripple of the current it is not there
-_MOVED = 1.0 / 6.0  # of the change of current that dead time makes in a period: of its mean, at most
 _FOLLOWS = 0.5  # of the speed asked for
 _BY_RIPPLE = ("L_d", "L_q")  # which a current without ripple does not tell
 _ELECTRICAL = ("R_s", "L_d", "L_q", "psi_r", "encoder_offset")
@@ -201,13 +201,6 @@ def _near_zero(name: str, known: Known, current_A: float, omega_m_rad_s: float) 
     return 0.0
 
 
-def _between_samples_A(known: Known) -> float:
-    """Return by how much dead time, near one end of a period, moves the mean of the current at most."""
-    motor = known.identified
-    change_A = abs(known.drop_V) * known.control_period_s / (0.5 * (motor.L_d_H + motor.L_q_H))
-    return _MOVED * change_A
-
-
 def _combined(each: Deviation, known: Known, current_A: float) -> float:
     """Return the combined standard uncertainty of the two estimates of one quantity, from a swing of some rms
     current.
@@ -218,7 +211,9 @@ def _combined(each: Deviation, known: Known, current_A: float) -> float:
     the drive adds for it acts over the period, and the dead time near one end.
     """
     other = known.estimates.get(each.name)
-    share = dict.fromkeys(_BY_RIPPLE, UNEXPLAINED) | {"J": _between_samples_A(known) / current_A}
+    motor = known.identified
+    moved_A = between_ticks_A(known.drop_V, known.control_period_s, motor.L_d_H, motor.L_q_H)
+    share = dict.fromkeys(_BY_RIPPLE, UNEXPLAINED) | {"J": moved_A / current_A}
     left = share.get(each.name, 0.0) * abs(each.estimate.value) / math.sqrt(3.0)
     return math.hypot(
         left,
