@@ -102,11 +102,12 @@ class BackEmf:
         if not blocks:
             reason = f"the shaft may turn {known.travel_rad:.3g} rad only: no EMF worth measuring"
             return {"psi_r": Measurement.undefined("psi_r", "Wb", definition, reason)}
-        lopsided, share = _lopsided(known), _dead_share(blocks, known)
-        turning = _turning(blocks, known, share.taken_V)
+        captures = [_Capture.of(block, known) for block in blocks]
+        lopsided, share = _lopsided(known), _dead_share(captures, known)
+        turning = _turning(captures, known, share.taken_V)
         omega = np.array([each.omega_e_rad_s for each in turning])
         found = _regression(np.array([each.psi_r_Wb for each in turning]) - lopsided.value, omega)
-        moved = _turning(blocks, known, share.taken_at(share.value + share.standard))
+        moved = _turning(captures, known, share.taken_at(share.value + share.standard))
         other = _regression(np.array([each.psi_r_Wb for each in moved]) - lopsided.value, omega)
         rows = sum(len(block.data) for block in blocks)
         own = math.sqrt(sum(each.psi_r_standard_Wb**2 for each in turning)) / len(turning)
@@ -290,51 +291,57 @@ def _angle_of(block: Block) -> NDArray[np.float64]:
     return unwrapped
 
 
-def _dead_share(blocks: Sequence[Block], known: Known) -> DeadShare:
+@dataclass(frozen=True)
+class _Capture:
+    """Voltages over each period, currents at their ends, as readings and as vectors, and the electrical angle
+    of the rotor in each."""
+
+    u_V: NDArray[np.complex128]
+    readings_A: NDArray[np.float64]
+    i_A: NDArray[np.complex128]
+    rotor_rad: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, block: Block, known: Known) -> _Capture:
+        u_V = (block.column("u_alpha") + 1j * block.column("u_beta"))[:-2]
+        readings_A = np.column_stack([block.column(name) for name in CURRENTS])[1:]  # the drive has the gains
+        theta_m = known.without_eccentricity(np.unwrap(block.column("theta_m")))[1:]
+        rotor_rad = known.identified.pole_pairs * 0.5 * (theta_m[1:] + theta_m[:-1])
+        return cls(u_V, readings_A, vector_of(readings_A), rotor_rad)
+
+
+def _dead_share(captures: Sequence[_Capture], known: Known) -> DeadShare:
     """Return which part of what dead time and devices take is the dead time's."""
     motor, spun = known.identified, []
-    rough = _turning(blocks, known, [_nothing_known(block, known) for block in blocks])
-    for block, each in zip(blocks, rough, strict=True):
-        u_V, i_A, rotor_rad = _spun(block, known)
-        emf_V = 1j * each.omega_e_rad_s * each.psi_r_Wb * np.exp(1j * rotor_rad)
-        spun.append(Spun(u_V, i_A, rotor_rad, emf_V, each.rows[each.rows < len(u_V)]))
+    rough = _turning(captures, known, [_nothing_known(each, known) for each in captures])
+    for of, each in zip(captures, rough, strict=True):
+        emf_V = 1j * each.omega_e_rad_s * each.psi_r_Wb * np.exp(1j * of.rotor_rad)
+        spun.append(Spun(of.u_V, of.i_A, of.rotor_rad, emf_V, each.rows[each.rows < len(of.u_V)]))
     return dead_share(spun, known.circuit, motor.L_d_H, motor.L_q_H)
 
 
-def _nothing_known(block: Block, known: Known) -> NDArray[np.complex128]:
+def _nothing_known(of: _Capture, known: Known) -> NDArray[np.complex128]:
     """Return what dead time and devices take of currents that keep their sign."""
-    return known.drop_V * drop_vector(np.column_stack([block.column(name) for name in CURRENTS])[2:])
-
-
-def _spun(
-    block: Block, known: Known
-) -> tuple[NDArray[np.complex128], NDArray[np.complex128], NDArray[np.float64]]:
-    """Return voltages over each period, currents at their ends and electrical angles in them."""
-    u_V = (block.column("u_alpha") + 1j * block.column("u_beta"))[:-2]
-    i_A = vector_of(np.column_stack([block.column(name) for name in CURRENTS])[1:])  # the drive has the gains
-    theta_m = known.without_eccentricity(np.unwrap(block.column("theta_m")))[1:]
-    return u_V, i_A, known.identified.pole_pairs * 0.5 * (theta_m[1:] + theta_m[:-1])
+    return known.drop_V * drop_vector(of.readings_A[1:])
 
 
 def _turning(
-    blocks: Sequence[Block], known: Known, taken_V: Sequence[NDArray[np.complex128]]
+    captures: Sequence[_Capture], known: Known, taken_V: Sequence[NDArray[np.complex128]]
 ) -> list[TurningFlux]:
     """Return what captures tell, less what dead time and devices take of each."""
-    motor, found = known.identified, []
-    for block, taken in zip(blocks, taken_V, strict=True):
-        u_V, i_A, _ = _spun(block, known)
-        found.append(
-            turning_flux(
-                u_V - taken,
-                i_A,
-                T_s=known.control_period_s,
-                R_s_ohm=known.R_s_ohm,
-                L_d_H=motor.L_d_H,
-                L_q_H=motor.L_q_H,
-                stretches=_stretches(len(i_A), known),
-            )
+    motor = known.identified
+    return [
+        turning_flux(
+            of.u_V - taken,
+            of.i_A,
+            T_s=known.control_period_s,
+            R_s_ohm=known.R_s_ohm,
+            L_d_H=motor.L_d_H,
+            L_q_H=motor.L_q_H,
+            stretches=_stretches(len(of.i_A), known),
         )
-    return found
+        for of, taken in zip(captures, taken_V, strict=True)
+    ]
 
 
 def _across_Wb(block: Block, of: TurningFlux, known: Known) -> float:
