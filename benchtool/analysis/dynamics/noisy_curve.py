@@ -15,6 +15,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from benchtool.analysis.dynamics.bursts import noise_levels, residual_levels
 from benchtool.analysis.dynamics.clicks import converter_step
 from benchtool.analysis.dynamics.smoothing import Noise, fitted_smoothers
 
@@ -29,7 +30,6 @@ _HIDES = 0.5  # of a step: noise of so much rms leaves hardly anything of its er
 _TIED = 3.0  # standard deviations below the greatest value that may also be the greatest
 _SURE = 2.0  # standard deviations beyond a level that noise does not reach
 _LEAST_DEFINED = 0.9  # of the draws, for an instant that the noise leaves certain
-_OF_BURST, _PARTS_OF_BURSTS, _BURSTS = 40, 50, 2.5  # samples; of a record; times the power at rest
 _VANDERMONDE = np.vander(np.arange(-1.0, 3.0), increasing=True)
 
 
@@ -69,16 +69,17 @@ class NoisyCurve:
         within half a step of it.
         """
         count, step = len(samples), converter_step(samples)
-        smoother, longer = fitted_smoothers(samples, noise)
+        levels = noise_levels(samples, noise)
+        smoother, longer = fitted_smoothers(samples, noise, levels)
         draws = max(_FEWEST_DRAWS, min(_DRAWS, _MOST_VALUES // count))
         random = np.random.default_rng(_SEED)
         of_steps = 0.0 if noise.rms >= _HIDES * step else _within_steps(random, samples, step, draws)
         if noise.rms == 0.0:
             return cls(samples, np.empty((0, count)) if step == 0.0 else np.asarray(of_steps))
-        errors = smoother.apply(noise.draw(random, (draws, count)))
+        errors = smoother.apply(levels * noise.draw(random, (draws, count)))
         curve = smoother.apply(samples)
         bias = _OF_BIAS * (longer.apply(samples) - curve)
-        errors *= _bursts(samples - curve, noise.rms)
+        errors *= residual_levels((samples - curve) / levels, noise.rms)
         return cls(curve, errors + of_steps + random.standard_normal((draws, 1)) * bias)
 
     @cached_property
@@ -181,18 +182,6 @@ class NoisyCurve:
             return Instant(found.place, math.inf)
         noise = float(np.sqrt(np.mean((places - found.place) ** 2))) if len(places) else 0.0
         return Instant(found.place, math.hypot(noise, found.reach / math.sqrt(3.0)))
-
-
-def _bursts(left: Floats, rms: float) -> Floats:
-    """Return by how much the noise is more than at rest, shape (n,), at least 1, by what a smooth curve
-    leaves of samples around each."""
-    size = max(_OF_BURST, len(left) // _PARTS_OF_BURSTS)
-    if len(left) <= size:
-        return np.ones(len(left))
-    around = np.concatenate([[0.0], np.cumsum(np.square(left))])
-    middle = np.clip(np.arange(len(left)) - size // 2, 0, len(left) - size)
-    ratio = (around[middle + size] - around[middle]) / (size * rms**2)
-    return np.asarray(np.where(ratio > _BURSTS, np.sqrt(ratio), 1.0))
 
 
 def _within_steps(random: np.random.Generator, samples: Floats, step: float, draws: int) -> Floats:

@@ -123,17 +123,19 @@ class Smoother:
 class _Smoothed:
     """Samples, shape (n,), under every window that a smoother may have, each calculated once."""
 
-    def __init__(self, samples: Floats, noise: Noise) -> None:
+    def __init__(self, samples: Floats, noise: Noise, levels: Floats) -> None:
         self._samples = samples
         self._noise = noise
+        self._levels = levels
         self._curves: dict[int, tuple[Floats, float]] = {}
 
     def risk(self, smoother: Smoother) -> float:
-        """Return Stein's unbiased estimate of the sum of the squared errors that a smoother leaves."""
+        """Return Stein's unbiased estimate of the sum of the squared errors that a smoother leaves, each
+        relative to the level of the noise there."""
         total = -float(self._noise.autocovariance[0]) * len(self._samples)
         for begin, end, half in smoother.runs:
             curve, correlation = self._under(half)
-            left = curve[begin:end] - self._samples[begin:end]
+            left = (curve[begin:end] - self._samples[begin:end]) / self._levels[begin:end]
             total += float(left @ left) + 2.0 * (end - begin) * correlation
         return total
 
@@ -148,7 +150,7 @@ class _Smoothed:
             curve, _ = self._under(longer)
             for shorter, spectrum in zip(ladder[:at].tolist(), spectra[:at], strict=True):
                 between = math.sqrt(float(np.mean(np.abs(spectra[at] - spectrum) ** 2 * power)))
-                apart = np.abs(curve - self._under(shorter)[0]) > _CONTRADICTS * between
+                apart = np.abs(curve - self._under(shorter)[0]) > _CONTRADICTS * between * self._levels
                 if shorter <= _OF_FEW:
                     apart = _in_rows(apart)
                 most = np.where(apart & (most >= longer), np.minimum(most, ladder[at - 1]), most)
@@ -199,8 +201,12 @@ def _convolved(samples: Floats, weights: Floats) -> Floats:
     return np.asarray(signal.oaconvolve(samples, weights, mode="valid", axes=-1), np.float64)
 
 
-def fitted_smoothers(samples: Floats, noise: Noise) -> tuple[Smoother, Smoother]:
+def fitted_smoothers(
+    samples: Floats, noise: Noise, levels: Floats | float = 1.0
+) -> tuple[Smoother, Smoother]:
     """Return smoothers for the samples since an event, shape (n,): the shortened one and that of least risk.
+
+    The noise of each sample is that at rest times its level.
 
     The difference of the two is as large as the bias that may remain in the first.
     """
@@ -208,7 +214,7 @@ def fitted_smoothers(samples: Floats, noise: Noise) -> tuple[Smoother, Smoother]
     none = Smoother(np.zeros(count, dtype=np.int64))
     if noise.rms == 0.0:
         return none, none
-    smoothed = _Smoothed(samples, noise)
+    smoothed = _Smoothed(samples, noise, levels * np.ones(count))
     best, least = none, smoothed.risk(none)
     most = smoothed.longest()
     longest = max(1.0, count / _PART)
