@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -11,6 +12,8 @@ import pytest
 ROOT = Path(__file__).parents[2]
 BIN = Path(sys.executable).parent
 LONGEST_MODULE_LINES = 500
+MYPY_CACHE = () if (ROOT / ".mypy_cache").exists() else ("--cache-dir", os.devnull)
+"""A cache that is read once, as in a fresh clone, takes a seventh of the time to write."""
 
 
 @pytest.mark.parametrize(
@@ -18,7 +21,7 @@ LONGEST_MODULE_LINES = 500
     [
         (BIN / "ruff", "format", "--check", "."),
         (BIN / "ruff", "check", "."),
-        (BIN / "mypy",),
+        (BIN / "mypy", *MYPY_CACHE),
         (BIN / "lint-imports", "--no-cache"),
         (sys.executable, "-m", "firmware_protocol.generate", "--check"),
         (BIN / "dcfchk", "-n", "5", "firmware_protocol/drive.eds"),

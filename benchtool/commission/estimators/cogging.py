@@ -17,7 +17,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import f
 
 from benchtool.commission.estimators.mechanics import Course
 
@@ -60,10 +59,21 @@ def cogging(courses: Sequence[Course], J_kgm2: float, least_Nm: float) -> tuple[
         if n < _FEWEST:
             break
         standard = math.sqrt(float(np.sum(np.abs(values - mean) ** 2)) / (n - 1.0) / n / 2.0)
-        sure = math.sqrt(2.0 * float(f.isf(_BY_CHANCE, 2.0, 2.0 * (n - 1.0))))
+        sure = _not_by_chance(n)
         if abs(mean) > max(least_Nm, sure * standard):
             told.append(Cogging(order, abs(mean), cmath.phase(mean), standard, 2.0 * (n - 1.0)))
     return tuple(sorted(told, key=lambda each: -each.amplitude_Nm))
+
+
+def _not_by_chance(count: int) -> float:
+    """Return beyond how many standard uncertainties the mean of so many phasors is, none of them there, once
+    in 1 / `_BY_CHANCE` times.
+
+    Half of its square has Fisher's distribution F(2, d) with d = 2 (count - 1), which is beyond x with the
+    probability (1 + 2 x / d)^(-d / 2).
+    """
+    half_of_freedom = count - 1.0
+    return math.sqrt(2.0 * half_of_freedom * math.expm1(-math.log(_BY_CHANCE) / half_of_freedom))
 
 
 def without(courses: Sequence[Course], orders: Sequence[Cogging]) -> tuple[Course, ...]:
