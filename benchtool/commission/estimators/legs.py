@@ -62,6 +62,8 @@ class Legs:
             dead_share: part of `drop_V` that is the dead time's.
             against_V: what the EMF and the resistance have of the voltage, likewise, shape (n,).
         """
+        if self.drop_V == 0.0:
+            return np.zeros(len(u_V), np.complex128)
         ends = phases_of(i_A)
         least_A = np.min(np.minimum(np.abs(ends[1:]), np.abs(ends[:-1])), axis=1)
         far_A = _FAR * _OF_LINK * self.u_dc_V * self.T_s * (0.5 / self.L_d_H + 0.5 / self.L_q_H)
