@@ -22,11 +22,10 @@ itself, and where it is small, to the periods with every phase clear of zero.
 Iron that saturates has a current of either sign take of the inductance: regressors by i_d^2 and by |i_q|
 between its first and its second power, as the one or the other is found, leave those of no current.
 
-The current across the rotor flux shakes the rotor, whose EMF is as a capacitor in series,
-
-    u = K integral of i_q dt,   K = 3/2 p^2 psi_r^2 / J,
-
-which one frequency cannot tell from a smaller L_q, and two can.
+The current shakes the rotor, whose EMF (`ShakenRotor`) is as a capacitor in series, and couples both axes by
+its harmonics. One frequency cannot tell it from smaller inductances, and two can. It is linear in its factor
+K, and about an estimate in the harmonics, which the rotor's way through their angles tells; where it does not
+move, they stay what they were taken to be, with the uncertainty of that.
 """
 
 from __future__ import annotations
@@ -41,6 +40,7 @@ from numpy.typing import NDArray
 
 from benchtool.commission.estimators.circuit import Circuit
 from benchtool.commission.estimators.regression import least_squares
+from benchtool.commission.estimators.shaken_rotor import SHARE_STANDARD, ShakenRotor
 from benchtool.commission.estimators.vectors import drop_vector, phases_of
 from benchtool.errors import AnalysisError
 
@@ -52,9 +52,11 @@ _SLOW = 8  # degree of the polynomial by which the rotor moves slowly
 _NEAR_ZERO = 1.5  # of V_drop: what is not known of the voltage where a phase is near zero
 _KNOWN = 0.1  # of the noise of a current: what is not known of a change elsewhere, by the steps of the duties
 _LEAST_NOISE = 1e-4  # of the largest current
-_ROUNDS = 2  # with dead time by the inductances of the one before
+_ROUNDS = 3  # with dead time and the shaken rotor by what the one before found
 _SUMMED = 12  # stretches of a capture, whose scores are taken to be independent
-_LINEAR = 4  # regressors of iron that does not saturate
+_LINEAR = 6  # regressors of iron that does not saturate
+_OF_SHAKEN = slice(3, _LINEAR)  # of them, K and the changes of its harmonics
+_OF_SHARES = (4, 5)
 
 
 @dataclass(frozen=True)
@@ -78,6 +80,17 @@ class OfAxis:
     L_H: float
     standard_H: float
     bent_H: float
+
+
+@dataclass(frozen=True)
+class _Round:
+    """What a round rests on: inductances of both axes in H, the rotor, and the error of a row, were rows
+    independent: their scatter about the fit, as much larger as that over stretches has it."""
+
+    L_d_H: float
+    L_q_H: float
+    rotor: ShakenRotor
+    error: float
 
 
 @dataclass(frozen=True)
@@ -115,23 +128,37 @@ def inductance(
     Raises:
         AnalysisError: too short, or of one speed only.
     """
-    found: Inductance | None = None
+    before: _Round | None = None
     for _ in range(1 + _ROUNDS):
-        parts = [_changes(each, circuit, aligned_rad, found) for each in captures]
-        found = _of_parts(parts, circuit, aligned_rad, aligned_standard_rad)
-    assert found is not None  # a round at least
+        parts = [_changes(each, circuit, aligned_rad, before) for each in captures]
+        found, before = _of_parts(parts, circuit, aligned_rad, aligned_standard_rad, before)
     return found
 
 
 def _of_parts(
-    parts: Sequence[NDArray[np.float64]], circuit: Circuit, aligned_rad: float, aligned_standard_rad: float
-) -> Inductance:
-    """Return the estimates of white rows, shape (2, n, m) of each capture."""
+    parts: Sequence[NDArray[np.float64]],
+    circuit: Circuit,
+    aligned_rad: float,
+    aligned_standard_rad: float,
+    before: _Round | None,
+) -> tuple[Inductance, _Round]:
+    """Return the estimates of white rows, shape (2, n, m) of each capture, and what the next round rests
+    on."""
     flat = np.concatenate([part.reshape(-1, part.shape[2]) for part in parts])
-    A, y = flat[:, :-1], flat[:, -1]
+    rotor, error = (ShakenRotor(), 1.0) if before is None else (before.rotor, before.error)
+    weight = error / SHARE_STANDARD
+    taken = np.zeros((2, flat.shape[1]))
+    taken[(0, 1), _OF_SHARES] = weight
+    taken[:, -1] = -weight * np.array([rotor.fifth, rotor.seventh])
+    both = np.concatenate([flat, taken])
+    A, y = both[:, :-1], both[:, -1]
     fit = least_squares(A, y, lost_dof=2 * (_SLOW + 1) * len(parts))
     alike = least_squares(A[:, :_LINEAR], y)
-    covariance, dof = _by_stretches(parts, fit.x, fit.covariance / fit.scatter**2)
+    bread = fit.covariance / fit.scatter**2
+    covariance, dof = _by_stretches(parts, fit.x, bread)
+    of_three = np.diag(covariance)[:3] / np.diag(bread)[:3]
+    of_taken = bread @ taken[:, :-1].T * error
+    covariance = covariance + of_taken @ of_taken.T
     g_1 = complex(fit.x[1], fit.x[2])
     u_g_1 = math.sqrt(float(covariance[1, 1] + covariance[2, 2]))
     along = cmath.exp(-2j * aligned_rad)
@@ -151,7 +178,12 @@ def _of_parts(
             raise AnalysisError("the currents do not follow the voltage: check that the motor is connected")
         u = L**2 * math.sqrt(float(of @ covariance[:3, :3] @ of))
         axes.append(OfAxis(_exact(L, RT), u, L - bent))
-    return Inductance(axes[0], axes[1], dof, axis % math.pi if clear else math.nan)
+    found = Inductance(axes[0], axes[1], dof, axis % math.pi if clear else math.nan)
+    K, by_fifth, by_seventh = fit.x[_OF_SHAKEN].tolist()
+    if before is None:  # its column was the EMF as if all the inductance were 1 H
+        K *= found.q.L_H
+    rotor = rotor.moved(K, by_fifth, by_seventh)
+    return found, _Round(found.d.L_H, found.q.L_H, rotor, math.sqrt(float(np.mean(of_three))))
 
 
 def _exact(L_H: float, RT: float) -> float:
@@ -160,13 +192,12 @@ def _exact(L_H: float, RT: float) -> float:
     return 0.5 * RT / math.atanh(share) if 0.0 < abs(share) < 1.0 else L_H
 
 
-def _changes(
-    of: Turning, circuit: Circuit, aligned_rad: float, before: Inductance | None
-) -> NDArray[np.float64]:
+def _changes(of: Turning, circuit: Circuit, aligned_rad: float, before: _Round | None) -> NDArray[np.float64]:
     """Return the rows of both components of a capture, made white and less what changes slowly, shape
     (2, n, m): the regressors, and last the change of the current.
 
-    Without inductances from `before`, dead time is that of a current which keeps its sign.
+    Without a round before, dead time is that of a current which keeps its sign, and the rotor has no
+    harmonics.
     """
     T_s, phases, i = circuit.T_s, of.readings_A * circuit.gains, circuit.currents(of.readings_A)
     mean, rotor_rad = 0.5 * (i[1:] + i[:-1]), np.broadcast_to(of.rotor_rad, len(of.u_V))
@@ -178,22 +209,26 @@ def _changes(
         )
     largest_A = float(np.max(np.abs(i)))
     noise_A = max(math.sqrt(2.0 / 3.0) * circuit.noise_A, _LEAST_NOISE * largest_A)
+    theta, axes, turned = rotor_rad + aligned_rad, cmath.exp(1j * aligned_rad), np.exp(-1j * rotor_rad)
+    i_dq = mean * turned / axes
     if before is None:
         taken_V = circuit.drop_V * drop_vector(phases[1:])
         unknown_A = largest_A
+        induced: list[NDArray[np.complex128]] = list(ShakenRotor().shaking(i_dq, theta, T_s))
     else:
-        legs = circuit.legs(before.d.L_H, before.q.L_H)
-        taken_V = legs.taken(of.u_V, i, rotor_rad + aligned_rad, 0.5)
-        unknown_A = _NEAR_ZERO * circuit.drop_V * T_s * 0.5 * (1.0 / before.d.L_H + 1.0 / before.q.L_H)
-    across = cmath.exp(1j * (aligned_rad + 0.5 * math.pi))
-    turned = np.exp(-1j * rotor_rad)
-    speed = np.cumsum(T_s * (mean * turned * across.conjugate()).real)
+        legs = circuit.legs(before.L_d_H, before.L_q_H)
+        taken_V = legs.taken(of.u_V, i, theta, 0.5)
+        unknown_A = _NEAR_ZERO * circuit.drop_V * T_s * 0.5 * (1.0 / before.L_d_H + 1.0 / before.L_q_H)
+        induced = [
+            emf.real / before.L_d_H + 1j * emf.imag / before.L_q_H
+            for emf in before.rotor.shaking(i_dq, theta, T_s)
+        ]
     x = T_s * turned * (of.u_V - circuit.R_s_ohm * mean - taken_V)
-    axes = cmath.exp(1j * aligned_rad)
-    x_dq, i_dq = x / axes, mean * turned / axes / largest_A
-    bends = i_dq.real**2 * x_dq.real * axes
-    bends_q = np.abs(i_dq.imag) * (1.0 + np.abs(i_dq.imag)) * 1j * x_dq.imag * axes
-    columns = (x, x.conj(), 1j * x.conj(), -T_s * speed * across, bends, bends_q, turned * np.diff(i))
+    x_dq, share = x / axes, i_dq / largest_A
+    bends = share.real**2 * x_dq.real * axes
+    bends_q = np.abs(share.imag) * (1.0 + np.abs(share.imag)) * 1j * x_dq.imag * axes
+    shaken = [-T_s * axes * emf for emf in induced]
+    columns = (x, x.conj(), 1j * x.conj(), *shaken, bends, bends_q, turned * np.diff(i))
     rows = slice(math.floor(_FROM * len(x)), None)
     unknown = np.where(clear[rows], _KNOWN * noise_A, max(unknown_A, _KNOWN * noise_A))
     return _white(np.column_stack(columns)[rows], noise_A, unknown)

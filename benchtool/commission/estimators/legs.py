@@ -62,7 +62,7 @@ class Legs:
             dead_share: part of `drop_V` that is the dead time's.
             against_V: what the EMF and the resistance have of the voltage, likewise, shape (n,).
         """
-        if not self.drop_V:
+        if self.drop_V == 0.0:
             return np.zeros(len(u_V), np.complex128)
         ends = phases_of(i_A)
         least_A = np.min(np.minimum(np.abs(ends[1:]), np.abs(ends[:-1])), axis=1)

@@ -111,17 +111,29 @@ R_S, L_D, L_Q, PSI_R, POLE_PAIRS, J = 0.8, 0.9e-3, 1.5e-3, 6e-3, 4, 4e-6
 
 
 def shaken(
-    rng: np.random.Generator, periods: float, u_V: float, noise_A: float, drop_V: float = 0.0
+    rng: np.random.Generator,
+    periods: float,
+    u_V: float,
+    noise_A: float,
+    drop_V: float = 0.0,
+    *,
+    shares: tuple[float, float] = (0.0, 0.0),
+    pull_Nm: float = 0.0,
 ) -> Turning:
-    """A machine whose rotor is free, in steps of a hundredth of a control period, in the rotor's frame."""
+    """A machine whose rotor is free, in steps of a hundredth of a control period, in the rotor's frame.
+
+    `shares` are the fifth and the seventh harmonic of the rotor flux, `pull_Nm` a torque from outside.
+    """
     n, fine = 900, 100
     angle = 2.0 * math.pi * np.arange(n) / periods
     u = u_V * np.arange(n) / n * np.exp(1j * angle)
     i_d = i_q = omega = 0.0
     theta = 0.1
+    fifth, seventh = shares
     h = T_S / fine
-    currents = [0j]
+    currents, rotor = [0j], []
     for voltage in u:
+        rotor.append(theta)
         for _ in range(fine):
             turned = complex(math.cos(theta), math.sin(theta))
             i = complex(i_d, i_q) * turned
@@ -132,15 +144,21 @@ def shaken(
             )
             lost = drop_V * 2.0 / 3.0 * sum(s * np.exp(2j * np.pi * k / 3.0) for k, s in enumerate(legs))
             v = (voltage - lost) * turned.conjugate()
-            torque = 1.5 * POLE_PAIRS * (PSI_R * i_q + (L_D - L_Q) * i_d * i_q)
-            d_d = (v.real - R_S * i_d + omega * L_Q * i_q) / L_D
-            d_q = (v.imag - R_S * i_q - omega * (L_D * i_d + PSI_R)) / L_Q
+            k_d, k_q = 0.0, PSI_R
+            if fifth or seventh:
+                sixth = complex(math.cos(6.0 * theta), math.sin(6.0 * theta))
+                k = PSI_R * 1j * (1.0 - 5.0 * fifth / sixth + 7.0 * seventh * sixth)
+                k_d, k_q = k.real, k.imag
+            torque = 1.5 * POLE_PAIRS * (k_d * i_d + k_q * i_q + (L_D - L_Q) * i_d * i_q)
+            d_d = (v.real - R_S * i_d + omega * (L_Q * i_q - k_d)) / L_D
+            d_q = (v.imag - R_S * i_q - omega * (L_D * i_d + k_q)) / L_Q
             i_d, i_q = i_d + h * d_d, i_q + h * d_q
             theta += h * omega
-            omega += h * POLE_PAIRS * torque / J
+            omega += h * POLE_PAIRS * (torque + pull_Nm) / J
         currents.append(complex(i_d, i_q) * complex(math.cos(theta), math.sin(theta)))
     readings = phases_of(np.array(currents))
-    return Turning(u, readings + rng.normal(0.0, noise_A, readings.shape))
+    at = np.array(rotor) if fifth or seventh else 0.0
+    return Turning(u, readings + rng.normal(0.0, noise_A, readings.shape), at)
 
 
 @pytest.fixture(scope="module")
@@ -161,6 +179,18 @@ def test_inductances_of_a_rotor_that_is_shaken(captures: list[Turning]) -> None:
         L_d, _, L_q, _ = estimated(captures, aligned_rad)
         assert L_d == pytest.approx(L_D, rel=0.005)
         assert L_q == pytest.approx(L_Q, rel=0.01)
+
+
+def test_harmonics_of_the_rotor_flux_of_a_shaken_rotor_that_moves() -> None:
+    """They couple the axes: taken for none, L_d is 0.5 % too small here, and L_q 0.2 %."""
+    quiet, shares = np.random.default_rng(5), (0.03, 0.03)
+    captures = [
+        shaken(quiet, 14.0, 3.0, 0.001, shares=shares, pull_Nm=1e-3),
+        shaken(quiet, 31.0, 2.0, 0.001, shares=shares, pull_Nm=1e-3),
+    ]
+    L_d, _, L_q, _ = estimated(captures)
+    assert L_d == pytest.approx(L_D, rel=0.002)
+    assert L_q == pytest.approx(L_Q, rel=0.0015)
 
 
 def test_the_uncertainty_of_the_inductances_holds(captures: list[Turning]) -> None:
