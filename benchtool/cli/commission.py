@@ -315,7 +315,8 @@ def _show_plan(session: Session, steps: Sequence[Step], travel_rad: float, outpu
     output.table("what would be played", ("step", "excitation", ">J"), rows)
     output.line(
         f"{significant(whole.value_J)} J by {_resistance(known)}, {significant(whole.least_J)} to "
-        f"{significant(whole.most_J)} J as far as that and friction are off; the step 'resistance' tells more"
+        f"{significant(whole.most_J)} J as far as that and friction are off and a loop is tuned again; the "
+        "step 'resistance' tells more"
     )
     output.line("nothing was enabled; each step's estimates would be for the parameters that it sets")
     output.document(

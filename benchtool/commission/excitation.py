@@ -33,7 +33,8 @@ class Excitation:
     mechanical energy. The drive is enabled in `mode`, by default that of the stimulus, and not at all without
     either. `omega_m_rad_s` and `settle_s` are a speed that it runs at in velocity mode, and how long it takes
     to get there, before it plays and captures. `standing`, the rotor is to stand meanwhile, and the drive to
-    know its angle without the encoder's eccentricity.
+    know its angle without the encoder's eccentricity. `most_times` is how often it is played at most, where
+    what it shows may have it played again.
     """
 
     name: str
@@ -46,18 +47,20 @@ class Excitation:
     work_J: float = 0.0
     mode: Mode | None = None
     standing: bool = False
+    most_times: int = 1
 
     def energy_J(self, R_s_ohm: float) -> float:
         """Return the heat in the winding, 3/2 R_s times the integral, and the mechanical work."""
         return 1.5 * R_s_ohm * self.squares_A2s + self.work_J
 
     def energy_range_J(self, R_s_range_ohm: tuple[float, float]) -> tuple[float, float]:
-        """Return the least and the most that it may be as long as resistance and friction are not known."""
+        """Return the least and the most that it may be as long as resistance and friction are not known, nor
+        how often it is played."""
         least, most = (
             self.energy_J(R_s_ohm) + (share - 1.0) * self.work_J
             for R_s_ohm, share in zip(R_s_range_ohm, _FRICTION_AS_TAKEN, strict=True)
         )
-        return least, most
+        return least, self.most_times * most
 
     @property
     def mode_of_speed(self) -> bool:

@@ -129,4 +129,5 @@ class PlannedCommissioning(Document):
     energy_J: float
     """Energy of all steps, by the resistance that is stated."""
     energy_range_J: tuple[float, float]
-    """The least and the most of it, as far as that and the friction are off."""
+    """The least and the most of it, as far as that and the friction are off, and with the speed loop tuned
+    again."""

@@ -43,7 +43,7 @@ _TORQUE_OF_A_COUNT = 0.002  # of the rated torque, that a step of the encoder ma
 _OBSERVER = 5.0  # its poles over the crossover
 _MOST_OBSERVER_RAD_S = 5000.0
 _SPEED_SHARES = 0.1, 0.25  # of the rated speed, least and most
-_AMPLITUDES = 4.0  # of the sequence, in the speed that it is added to
+_AMPLITUDES = 2.0  # of the sequence, in the speed that it is added to: decision 0194
 _TORQUE_SHARE = 0.25  # of the rated torque, that a change of the reference asks for
 _AMPLITUDE_SHARE = 0.1  # of the rated speed
 _BITS = 8
@@ -62,8 +62,9 @@ class SpeedControl:
     """Tune the speed controller for the inertia that was found, and measure its closed loop.
 
     The crossover is a tenth of the current loop's bandwidth, or where a step of the encoder makes a torque
-    that is heard. A binary sequence is added to the reference of a shaft that turns several times as fast, so
-    that dry friction does not change its sign, and no faster, as that friction takes most of the energy.
+    that is heard. A binary sequence is added to the reference of a shaft that turns twice as fast, so that
+    dry friction does not change its sign, and no faster: that friction takes most of the energy, and
+    harmonics of the EMF damp the loop with the square of the speed, for which it is not tuned.
     """
 
     most_rounds = 3
@@ -101,6 +102,7 @@ class SpeedControl:
                 mode=Mode.VELOCITY,
                 omega_m_rad_s=omega,
                 settle_s=_RUN_UP_S,
+                most_times=self.most_rounds,
             ),
         )
 
