@@ -27,6 +27,7 @@ from benchtool.commission import (
     Known,
     Step,
     StepRecorder,
+    StepResult,
     StepVerdict,
     commission as run,
     commissioned_profile,
@@ -152,6 +153,7 @@ def commission(
                 force=force,
                 travel_rad=travel_rad,
                 watching=_shown_live(session, where, manifest, output, notes),
+                ended=notes.ended,
             )
         content = _written(folder, profile, done, pdf=pdf)
         _show(output, profile, done, content)
@@ -207,23 +209,35 @@ def _told_how_to_go_on(folder: Path, output: Output) -> Iterator[None]:
 
 
 class _Notes:
-    """Lines of progress: for the person who looks on, and meanwhile for the log of a live view."""
+    """Lines of progress and results of steps: for the person who looks on, and meanwhile for a live view."""
 
     def __init__(self, output: Output) -> None:
         self._takers: list[Callable[[str], None]] = [output.note]
+        self._done: list[StepResult] = []
+        self._shown: list[Callable[[Sequence[StepResult]], None]] = []
 
     def __call__(self, text: str) -> None:
         for take in self._takers:
             take(text)
 
+    def ended(self, result: StepResult) -> None:
+        """Show the results of the steps that are over, this one among them."""
+        self._done.append(result)
+        for show in self._shown:
+            show(self._done)
+
     @contextmanager
-    def taken_by(self, taker: Callable[[str], None]) -> Iterator[None]:
+    def taken_by(
+        self, taker: Callable[[str], None], show: Callable[[Sequence[StepResult]], None]
+    ) -> Iterator[None]:
         """Hand them to another taker, too, within the `with` block."""
         self._takers.append(taker)
+        self._shown.append(show)
         try:
             yield
         finally:
             self._takers.remove(taker)
+            self._shown.remove(show)
 
 
 @contextmanager
@@ -234,20 +248,36 @@ def _shown_live(
     output: Output,
     notes: _Notes,
 ) -> Iterator[None]:
-    """Show the drive's stream, its states and what is played while steps are run; without a destination none
-    is streamed."""
+    """Show the drive's stream, its states, what is played and what has been estimated while steps are run;
+    without a destination none is streamed."""
     if not where.any:
         yield
         return
+    from benchtool.live import ShownStep, steps_document
+
     drive = session.drive
     drive.capabilities.require(Capability.STREAM, purpose="a live view")
     names = drive.link.process_data.fitting(drive.dictionary, DEFAULT_CHANNELS)
     with live_views.stream_view(where, session, "commissioning", manifest("live"), output) as view:
         assert view is not None  # there is a destination
         sink = live_views.live_view_sink(view)
+
+        def show(done: Sequence[StepResult]) -> None:
+            shown = [
+                ShownStep(
+                    each.name,
+                    each.verdict.value,
+                    each.reason,
+                    tuple(each.estimates.values()),
+                    tuple(f"{finding.what}: {finding.cause}; {finding.remedy}" for finding in each.findings),
+                )
+                for each in done
+            ]
+            view.results(steps_document(view.title, shown))
+
         with (
             keep_journal(drive, [view.event]) as journal,
-            notes.taken_by(journal.note),
+            notes.taken_by(journal.note, show),
             TelemetryStream(drive, [sink], names, DEFAULT_RATE_HZ),
         ):
             yield

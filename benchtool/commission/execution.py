@@ -137,6 +137,7 @@ def commission(
     force: bool = False,
     travel_rad: float = math.inf,
     watching: AbstractContextManager[object] | None = None,
+    ended: Callable[[StepResult], None] = lambda _: None,
 ) -> Commissioning:
     """Run steps on a connected drive, with the profile as the nameplate.
 
@@ -154,6 +155,7 @@ def commission(
         travel_rad: how far the shaft may turn, either way, from where it stands; steps that hold it at a
             speed are then left out.
         watching: entered while steps are run, as a stream that is shown live.
+        ended: takes the result of each step that is over, or was in an earlier session.
 
     Raises:
         CapabilityMissing: the drive cannot be supervised, or cannot store; nothing was sent.
@@ -183,6 +185,7 @@ def commission(
                 note(f"{step.name}: already there")
             result = done or _attempt(drive, step, known, results, note, recorder)
             results.append(result)
+            ended(result)
             if result.verdict is StepVerdict.PASS:
                 known = known.with_estimates(result.estimates)
                 if "R_s" in step.sets:

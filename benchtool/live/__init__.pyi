@@ -8,8 +8,10 @@ from .names import (
     TRANSDUCER as TRANSDUCER,
 )
 from .panels.documents import (
+    ShownStep as ShownStep,
     certificate_document as certificate_document,
     results_document as results_document,
+    steps_document as steps_document,
 )
 from .sinks.file import FileDestination as FileDestination
 from .sinks.sink import (

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import tomllib
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -133,7 +134,17 @@ def test_a_commissioning_is_shown_live(boxed: str, tmp_path: Path) -> None:
     result = CliRunner().invoke(app, [*command, "--out", str(tmp_path / "a"), "--live", str(shown)])
     assert result.exit_code == 0, result.output
     assert json.loads(result.stdout)["saved"]
-    lines = Recording.read(shown).texts(names.EVENTS)
+    recording = Recording.read(shown)
+    (told,) = recording.still[names.RESULTS]["TextDocument:text"]
+    assert told.index("| **offsets** | **pass** |") < told.index("| **preflight** | **pass** |")
+    (row,) = (line for line in told.splitlines() if line.startswith("| u\\_dc |"))
+    value, U, unit = re.split(" [|±] ", row.strip("| "))[1:]
+    u_dc = json.loads(result.stdout)["estimates"]["u_dc"]
+    assert float(value) == pytest.approx(u_dc["value"], abs=0.1 * float(U))
+    standard, k = (u_dc["uncertainty"][key] for key in ("standard", "k"))
+    assert float(U) == pytest.approx(k * standard, rel=0.05)
+    assert unit == "V"
+    lines = recording.texts(names.EVENTS)
     played = [each for each in lines if each.startswith(("preflight: ", "offsets: "))]
     assert played[-1] == "offsets: no current"
     assert "state: operation enabled" in lines[: lines.index(played[-1])]  # of the preflight

@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from typing import NamedTuple
 
 import rerun as rr
 
-from benchtool.analysis import Measurement, catalogue
+from benchtool.analysis import Measurement, catalogue, with_expanded
 from benchtool.errors import PlugInError
 from benchtool.live.panels.band import Limits
 
@@ -49,6 +50,34 @@ def results_document(
     told = ["", "undefined:", "", *(f"- {line}" for line in undefined)] if undefined else []
     heads = [f"**{title}**", "", *(f"{remark}\n" for remark in remarks)]
     return _markdown([*heads, *table, *told])
+
+
+class ShownStep(NamedTuple):
+    """A step of a commissioning: its name, its verdict with a reason, what it estimated, and in sentences
+    what it found."""
+
+    name: str
+    verdict: str
+    reason: str
+    estimates: Sequence[Measurement]
+    findings: Sequence[str] = ()
+
+
+def steps_document(title: str, steps: Sequence[ShownStep], remarks: Sequence[str] = ()) -> rr.TextDocument:
+    """Return what steps have estimated, the last one first, each value with its expanded uncertainty."""
+    heads = [f"**{title}**", "", *(f"{remark}\n" for remark in remarks)]
+    rows, told = [], []
+    for step in reversed(steps):
+        rows.append(f"| **{_cell(step.name)}** | **{step.verdict}** | |")
+        rows += [
+            f"| {_cell(each.name)} | {with_expanded(each.value, each.uncertainty)} | {_cell(each.unit)} |"
+            for each in step.estimates
+        ]
+        told += [f"- **{_cell(step.name)}**: {_cell(step.reason)}"] if step.reason else []
+        told += [f"- **{_cell(step.name)}**: {_cell(text)}" for text in step.findings if text != step.reason]
+        told += [f"- {_cell(each.name)}: {_cell(each.reason)}" for each in step.estimates if each.reason]
+    table = ["| estimate | value | unit |", "|---|---:|---|", *rows] if rows else []
+    return _markdown([*heads, *told, "", *table])
 
 
 def _analysis(name: str) -> str:
