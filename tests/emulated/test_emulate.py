@@ -214,10 +214,11 @@ with benchtool.open_bench("zhu2011", sys.argv[1]) as bench, bench.drive.enabled(
 @pytest.mark.parametrize("host_of", [JOG, ("-c", THINKING)], ids=["jog", "python"])
 def test_a_host_that_is_killed_stops_the_motor(child: Child, host_of: tuple[str, ...]) -> None:
     command = (sys.executable, *host_of, child.links["slcan pty"])
-    host = subprocess.Popen(command, stderr=subprocess.DEVNULL)
-    with observer(child) as watching:
-        until(watching, lambda: watching.drive.state().power_stage_on)
-        host.kill()
+    with subprocess.Popen(command, stderr=subprocess.DEVNULL) as host, observer(child) as watching:
+        try:
+            until(watching, lambda: watching.drive.state().power_stage_on)
+        finally:
+            host.kill()
         host.wait()
         until(watching, lambda: not watching.drive.state().power_stage_on)
     answer = json.loads(invoke("reset", "--link", child.links["serial pty"], "--json"))
