@@ -203,8 +203,7 @@ def _without_orders(block: Block, rows: ExcitedRows, known: Known) -> Block:
     an eccentric encoder (once and twice in a revolution), sensors that differ (in an electrical one), and the
     harmonics of the EMF (six times in that)."""
     p, names = known.pole_pairs, [each.name for each in block.channels]
-    cogging = (each.basis.order for each in known.estimates.values() if each.basis.order is not None)
-    orders = sorted({1, 2, p, 2 * p, 6 * p, *cogging})
+    orders = sorted({1, 2, p, 2 * p, 6 * p, *known.cogging_orders})
     place, played = names.index("omega_m"), slice(rows.begin_row, rows.end_row)
     row_s = block.stride * block.tick_s
     orders = [each for each in orders if each * float(np.mean(block.data[played, place])) * row_s < math.pi]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from benchtool.analysis.balances import (
     UNEXPLAINED,
     Deviation,
     FluxBalanceSettings,
+    MotionBalanceSettings,
     between_ticks_A,
     contradictions,
     deviations,
@@ -104,9 +106,14 @@ class Verification:
         (block,) = blocks
         window = Window.of(of_a_sine(block, known), known.identified)
         found: list[Measurement] = []
-        for kind in (FLUX_BALANCE, MOTION_BALANCE):
+        with_cogging = MotionBalanceSettings(cogging_orders=known.cogging_orders)
+        balances = (
+            (FLUX_BALANCE, partial(FLUX_BALANCE.measure, window, FluxBalanceSettings())),
+            (MOTION_BALANCE, partial(MOTION_BALANCE.measure, window, with_cogging)),
+        )
+        for kind, measure in balances:
             try:
-                found += sound_balance(kind.measure(window, FluxBalanceSettings()).measurements, known)
+                found += sound_balance(measure().measurements, known)
             except AnalysisError as reason:
                 definition = "second opinion by the balance of the verification run"
                 found.append(Measurement.undefined(kind.name, "", definition, str(reason)))
