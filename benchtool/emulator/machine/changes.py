@@ -37,6 +37,7 @@ from benchtool.emulator.machine.state import State, with_currents
 _ZERO = 1e-9  # A, below which a phase has no current
 _MOST_CHANGES = 64  # in a period: one that has more is left to the steps between edges
 _NEVER = 1e3  # s, beyond any period
+_LEAST = 1e-300  # instead of zero, where zero is divided by it
 _PARTS = 16  # of a period, in which a leg that floats is looked at again
 
 
@@ -128,9 +129,9 @@ def followed(
         )
         if min(sign_a * j_a, sign_b * j_b, sign_c * j_c) < 0.0:
             h_a, h_b, h_c = (
-                _crossing(sign_a, i_a, k[0], bend[0], j_a),
-                _crossing(sign_b, i_b, k[1], bend[1], j_b),
-                _crossing(sign_c, i_c, k[2], bend[2], j_c),
+                crossing(sign_a, i_a, k[0], bend[0], j_a),
+                crossing(sign_b, i_b, k[1], bend[1], j_b),
+                crossing(sign_c, i_c, k[2], bend[2], j_c),
             )
             phase = 0 if h_a <= min(h_b, h_c) else (1 if h_b <= h_c else 2)
             h = min(h_a, h_b, h_c, h)
@@ -246,11 +247,16 @@ def _after(i: float, k: float, bend: float, h: float) -> float:
 
 
 @njit
-def _crossing(sign: float, i: float, k: float, bend: float, after: float) -> float:
-    """Return when a current comes to zero that has the other sign at the end of an interval, else never."""
-    start, slope = max(sign * i, 0.0), sign * k
-    square = max(slope * slope - 4.0 * sign * bend * start, 0.0)
-    return 2.0 * start / (math.sqrt(square) - slope) if sign * after < 0.0 else _NEVER
+def crossing(sign: float, i: float, k: float, bend: float, after: float) -> float:
+    """Return when a current i + h k + h^2 bend first comes to zero whose sign is another in `after`, at the
+    end of an interval; else never."""
+    if sign * after >= 0.0:
+        return _NEVER
+    start, slope, curve = max(sign * i, 0.0), sign * k, sign * bend
+    root = math.sqrt(max(slope * slope - 4.0 * curve * start, 0.0))
+    if slope > 0.0 and curve < 0.0:
+        return (slope + root) / (-2.0 * curve)
+    return 2.0 * start / max(root - slope, _LEAST)
 
 
 @njit
