@@ -136,6 +136,7 @@ class Core:
         self.transducer = Transducer(lambda: self.tick, self.control_period_s, flange=flange)
         self.energies = EnergyRecorder(self.transducer.record[0], lambda: self.tick, self.control_period_s)
         self._truth = truth_of(motor, inverter, sensors, train, T_s=control_period_s)
+        self._kernel_is_of, self._compiled = self._truth, kernel_of(self._truth)
         self._noise = Noise(sensors.noise_rms, seed)
 
     def set_dc_link(self, u_dc_V: float) -> None:
@@ -275,7 +276,7 @@ class Core:
         Raises:
             EmulationError: the machine has run away, to where it cannot be computed any more.
         """
-        kernel = kernel_of(self._truth)
+        kernel = self._kernel()
         call_first(kernel, lambda: self._run(kernel, 0, self._noise.ahead()))
         return self.run_with(kernel, ticks)
 
@@ -293,6 +294,11 @@ class Core:
                 time_s = (self.tick - self.first_tick) * self.control_period_s
                 raise runaway(self.shaft, self.load, self.motor, time_s)
         return done
+
+    def _kernel(self) -> Callable[..., int]:
+        if self._kernel_is_of is not self._truth:
+            self._kernel_is_of, self._compiled = self._truth, kernel_of(self._truth)
+        return self._compiled
 
     def _ran_away(self, *, complete: bool) -> bool:
         shaft = self.shaft

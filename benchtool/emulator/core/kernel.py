@@ -12,7 +12,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.emulator.cache import is_cached
 from benchtool.emulator.control.cycle import control_tick
 from benchtool.emulator.control.observer import shift
 from benchtool.emulator.core.capture_memory import capture_row
@@ -46,6 +45,7 @@ from benchtool.emulator.machine.saturation import Flux, Saturation
 from benchtool.emulator.machine.sensors import Sensing, measure
 from benchtool.emulator.machine.state import State, facing, flux_of, place
 from benchtool.emulator.machine.switching import switch
+from benchtool.emulator.machine_code import is_cached
 from benchtool.ticks import TICKS
 
 _TICKS_BETWEEN_DIRECTIONS = 64
