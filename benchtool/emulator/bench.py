@@ -13,7 +13,7 @@ import numpy as np
 
 from benchtool.clock import VirtualClock
 from benchtool.emulator.core.core import Core, truth_of
-from benchtool.emulator.core.kernel import kernel_is_cached
+from benchtool.emulator.core.kernels import kernel_is_cached
 from benchtool.emulator.equipment import EmulatedEnergyMeter, EmulatedLoad, EmulatedSupply, EmulatedTransducer
 from benchtool.emulator.faults import FaultInjector
 from benchtool.emulator.firmware.device import Firmware

@@ -84,25 +84,35 @@ def separately(function: F) -> F:
 
 
 def entry(function: F) -> F:
-    """Compile a function that Python calls, and keep it on disk; `py_func` of it is the plain function.
+    """Compile a function that Python calls, and keep it on disk.
 
     Arguments are integers, floating-point numbers, arrays, None, and tuples of these; results are a number or
     None.
     """
-    return cast(F, _entry(function, f"{fingerprint():08x}"))
+    source = Path(function.__code__.co_filename)
+    name = f"{source.stem}.{function.__name__}_{fingerprint():08x}"
+    return cast(F, _entry(lambda: function, name, source.parent))
 
 
 @cache
-def specialised(function: Callable[..., Any], parts: frozenset[str]) -> Callable[..., Any]:
-    """`entry` of a plain function for one set of parts, with machine code of its own."""
+def specialised(
+    plain: Callable[[], Callable[..., Any]], source: Path, parts: frozenset[str]
+) -> Callable[..., Any]:
+    """`entry` of a plain function for one set of parts, with machine code of its own.
+
+    Args:
+        plain: gives the function; called when it is to be compiled.
+        source: its file.
+        parts: names of the parts.
+    """
     crc = zlib.crc32(" ".join(sorted(parts)).encode())
-    return _entry(function, f"{crc:08x}_{fingerprint():08x}")
+    return _entry(plain, f"{source.stem}_{crc:08x}_{fingerprint():08x}", source.parent)
 
 
-def _entry(function: Callable[..., Any], suffix: str) -> Callable[..., Any]:
+def _entry(plain: Callable[[], Callable[..., Any]], name: str, folder: Path) -> Callable[..., Any]:
     if os.environ.get("NUMBA_DISABLE_JIT", "0") != "0":
-        return function
-    return Entry(function, f"{function.__name__}_{suffix}")
+        return plain()
+    return Entry(plain, name, folder)
 
 
 def parts_of(record: Any, path: str = "") -> Iterator[str]:

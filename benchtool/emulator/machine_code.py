@@ -64,17 +64,16 @@ class Entry:
     Other threads run while it does.
 
     Args:
-        function: the plain function.
+        plain: gives the plain function.
         name: by which its machine code is kept.
+        beside: folder of its source.
     """
 
-    def __init__(self, function: Callable[..., Any], name: str) -> None:
-        self.py_func = function
-        self.__doc__, self.__module__ = function.__doc__, function.__module__
-        self.__name__, self.__qualname__ = function.__name__, name
-        self.folder = _folder_beside(Path(function.__code__.co_filename))
+    def __init__(self, plain: Callable[[], Callable[..., Any]], name: str, beside: Path) -> None:
+        self.name = name
+        self.folder = _folder_beside(beside)
         self.compilations = 0
-        self._prefix = f"{Path(function.__code__.co_filename).stem}.{name}-"
+        self._plain = plain
         self._loaded: dict[Kinds, _MachineCode] = {}
         self._last: tuple[Flat, ...] = ()
 
@@ -102,13 +101,13 @@ class Entry:
 
         Judged by the names of files, so that machine code of another kind of processor counts as well.
         """
-        return self.loaded or (self.folder is not None and any(self.folder.glob(f"{self._prefix}*.o")))
+        return self.loaded or (self.folder is not None and any(self.folder.glob(f"{self.name}-*.o")))
 
     def _path(self, flat: tuple[Flat, ...]) -> Path | None:
         if self.folder is None:
             return None
         crc = zlib.crc32(repr((_processor(), [each.kinds for each in flat])).encode())
-        return self.folder / f"{self._prefix}{crc:08x}.o"
+        return self.folder / f"{self.name}-{crc:08x}.o"
 
     def _load(self, flat: tuple[Flat, ...]) -> _MachineCode | None:
         path = self._path(flat)
@@ -127,11 +126,11 @@ class Entry:
     def _compile(self, flat: tuple[Flat, ...]) -> _MachineCode:
         from benchtool.emulator.compiler import compile_entry
 
-        objects = compile_entry(self.py_func, self.__qualname__, tuple(each.argument for each in flat))
+        objects = compile_entry(self._plain(), self.name, tuple(each.argument for each in flat))
         letters = "".join(each.letters for each in flat)
         if letters != objects.arguments:
             raise RuntimeError(
-                f"{self.__qualname__} takes its arguments as {objects.arguments}, {letters} are expected: "
+                f"{self.name} takes its arguments as {objects.arguments}, {letters} are expected: "
                 f"this version of numba passes them in another way, install one that pyproject.toml names"
             )
         self.compilations += 1
@@ -211,10 +210,10 @@ def _processor() -> tuple[str, ...]:
     return (llvmlite.__version__, llvm.get_process_triple(), llvm.get_host_cpu_name(), features, *stated)
 
 
-def _folder_beside(source: Path) -> Path | None:
-    """Return where machine code is kept: beside the source, else among the user's caches; None where neither
+def _folder_beside(sources: Path) -> Path | None:
+    """Return where machine code is kept: beside the sources, else among the user's caches; None where neither
     can be written to."""
-    for folder in _folders(source):
+    for folder in _folders(sources):
         with suppress(OSError):
             folder.mkdir(parents=True, exist_ok=True)
             if os.access(folder, os.W_OK):
@@ -222,9 +221,9 @@ def _folder_beside(source: Path) -> Path | None:
     return None
 
 
-def _folders(source: Path) -> Iterator[Path]:
+def _folders(sources: Path) -> Iterator[Path]:
     if "NUMBA_CACHE_DIR" in os.environ:
         yield Path(os.environ["NUMBA_CACHE_DIR"])
-    yield source.parent / "__pycache__"
+    yield sources / "__pycache__"
     with suppress(RuntimeError):  # the user has no home
         yield Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "benchtool"

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from benchtool.emulator.control.protection import Trip
 from benchtool.emulator.core.capture_memory import CaptureRecorder
-from benchtool.emulator.core.kernel import Truth, kernel_of
+from benchtool.emulator.core.kernels import Truth, kernel_of
 from benchtool.emulator.core.stream_ring import StreamRecorder
 from benchtool.emulator.first_call import call_first
 from benchtool.emulator.machine.bounds import machine_of_bench, require_computable, runaway
