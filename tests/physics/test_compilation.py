@@ -93,6 +93,13 @@ def test_runs_without_any_place_to_cache(tmp_path: Path) -> None:
     ]
 
 
+def test_an_emulated_bench_imports_neither_the_compiler_nor_the_kernel_before_it_needs_them() -> None:
+    loaded = "[name in sys.modules for name in ('numba', 'benchtool.emulator.core.kernel')]"
+    code = f"import sys, benchtool.emulator.bench; print({loaded})"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[False, False]"
+
+
 def test_kernel_is_cached_once_it_ran() -> None:
     core = make_core()
     core.run(1)
