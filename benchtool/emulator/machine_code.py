@@ -58,6 +58,9 @@ class Flat(NamedTuple):
     packed: bytes
 
 
+_UNLIKE: Final = Flat(object(), (), "", b"")  # any argument
+
+
 class Entry:
     """A compiled function that Python calls; compiled or loaded when it is called first.
 
@@ -75,14 +78,14 @@ class Entry:
         self.compilations = 0
         self._plain = plain
         self._loaded: dict[Kinds, _MachineCode] = {}
-        self._last: tuple[Flat, ...] = ()
+        self._last: list[Flat] = []
 
     def __call__(self, *arguments: Any) -> Any:
-        last = self._last if len(self._last) == len(arguments) else (None,) * len(arguments)
-        flat = tuple(
-            before if before is not None and before.argument is argument else _flat(argument)
+        last = self._last if len(self._last) == len(arguments) else [_UNLIKE] * len(arguments)
+        flat = [
+            before if before.argument is argument else _flat(argument)
             for before, argument in zip(last, arguments, strict=True)
-        )
+        ]
         self._last = flat
         kinds = tuple([each.kinds for each in flat])
         code = self._loaded.get(kinds)
@@ -103,13 +106,13 @@ class Entry:
         """
         return self.loaded or (self.folder is not None and any(self.folder.glob(f"{self.name}-*.o")))
 
-    def _path(self, flat: tuple[Flat, ...]) -> Path | None:
+    def _path(self, flat: list[Flat]) -> Path | None:
         if self.folder is None:
             return None
         crc = zlib.crc32(repr((_processor(), [each.kinds for each in flat])).encode())
         return self.folder / f"{self.name}-{crc:08x}.o"
 
-    def _load(self, flat: tuple[Flat, ...]) -> _MachineCode | None:
+    def _load(self, flat: list[Flat]) -> _MachineCode | None:
         path = self._path(flat)
         try:
             header, _, content = (path.read_bytes() if path is not None else b"").partition(b"\n")
@@ -123,7 +126,7 @@ class Entry:
         except RuntimeError:  # refers to what is not there: another version of a library
             return None
 
-    def _compile(self, flat: tuple[Flat, ...]) -> _MachineCode:
+    def _compile(self, flat: list[Flat]) -> _MachineCode:
         from benchtool.emulator.compiler import compile_entry
 
         objects = compile_entry(self._plain(), self.name, tuple(each.argument for each in flat))
