@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from benchtool.emulator.control.protection import Trip
 from benchtool.emulator.core.capture_memory import CaptureRecorder
-from benchtool.emulator.core.kernel import Truth, kernel_of
+from benchtool.emulator.core.kernels import Truth, kernel_of
 from benchtool.emulator.core.stream_ring import StreamRecorder
 from benchtool.emulator.first_call import call_first
 from benchtool.emulator.machine.bounds import machine_of_bench, require_computable, runaway
@@ -34,7 +34,6 @@ from benchtool.emulator.memory import (
     STIMULUS,
     new_memory,
 )
-from benchtool.emulator.typed import typed
 from benchtool.errors import ValueRefused
 from benchtool.profile import CONTROL_PERIOD_S
 from benchtool.protocol import Mode
@@ -290,8 +289,7 @@ class Core:
             kernel = kernel_of(truth)
             nothing = self._arguments(0, self._noise.ahead())
             call_first(kernel, lambda: kernel(*nothing))
-            kernel(*nothing)
-            self._kernel = truth, typed(kernel, *nothing)
+            self._kernel = truth, kernel
         return self._kernel[1]
 
     def run_with(self, kernel: Callable[..., int], ticks: int) -> int:
