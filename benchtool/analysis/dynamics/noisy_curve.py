@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
 from benchtool.analysis.dynamics.bursts import noise_levels, residual_levels
@@ -29,6 +30,7 @@ _MOST_VALUES = 1 << 24  # of all draws together, 128 MiB
 _SEED = 20_110_301
 _HIDES = 0.5  # of a step: noise of so much rms leaves hardly anything of its errors in a mean
 _TIED = 3.0  # standard deviations below the greatest value that may also be the greatest
+_TOGETHER, _DEGREE = 0.5, 2  # of the rows from the first to the last that are tied; of the curve through them
 _SURE = 2.0  # standard deviations beyond a level that noise does not reach
 _LEAST_DEFINED = 0.9  # of the draws, for an instant that the noise leaves certain
 _VANDERMONDE = np.vander(np.arange(-1.0, 3.0), increasing=True)
@@ -130,24 +132,24 @@ class NoisyCurve:
     def greatest(self) -> tuple[float, float]:
         """Return the greatest value and its standard uncertainty.
 
-        Noise raises the greatest of several similar values, and this bias is subtracted. How much it is lies
-        between what it does to those within three standard deviations of the greatest, as if they were equal
-        (Chernozhukov, Lee and Rosen, Econometrica 81 (2013) no. 2), and what it does to the
-        curve as it is: the mean of the two. What the parabola through the greatest value adds is added.
+        Noise raises the greatest of several similar values, and this bias is subtracted: what it does to
+        those within three standard deviations of the greatest (Chernozhukov, Lee and Rosen, Econometrica 81
+        (2013) no. 2), on the parabola through them. As if they were equal, a peak would be lowered by what only
+        plateau has; on the curve as it is, whose own noise tells them apart, a plateau would hardly be. What
+        the parabola through the greatest value adds is added.
         """
         top = int(np.argmax(self.values))
         vertex = _top(self.values, top)
         between, unknown = vertex.above, vertex.above_error
         if not len(self.errors):
             return float(self.values[top]) + between, unknown
-        standard = self.standard
-        tied = self.values >= np.max(self.values - _TIED * standard)
-        highest = np.max(self.errors[:, tied], axis=1)
-        if_equal = float(np.mean(highest))
+        tied = np.flatnonzero(self.values >= np.max(self.values - _TIED * self.standard))
+        shape = _shape(self.values, tied)
+        highest = np.max(shape + self.errors[:, tied], axis=1)
+        bias = float(np.mean(highest) - np.max(shape))
         as_it_is = float(np.mean(np.max(self.values + self.errors, axis=1))) - float(self.values[top])
-        bias = 0.5 * (if_equal + as_it_is)
         # anywhere between both, evenly
-        between_both = (if_equal - as_it_is) / math.sqrt(12.0)
+        between_both = (bias - as_it_is) / math.sqrt(12.0)
         of_noise = math.hypot(float(np.std(highest, ddof=1)), between_both)
         return float(self.values[top]) + between - bias, math.hypot(of_noise, unknown)
 
@@ -222,6 +224,20 @@ class NoisyCurve:
         places = np.array([math.nan if each is None else each.place for each in drawn])
         return Passage(found.place, found.reach, places).instant
 
+
+def _shape(values: Floats, rows: NDArray[np.int64]) -> Floats:
+    """Return the least-squares parabola through the values in these rows; where they are apart, one through
+    each run of them."""
+    together = len(rows) >= _TOGETHER * (rows[-1] - rows[0] + 1)
+    runs = [rows] if together else np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1)
+    return np.concatenate([_parabola_through(each, values[each]) for each in runs])
+
+
+def _parabola_through(rows: NDArray[np.int64], values: Floats) -> Floats:
+    """Return the values, shape (n,), of the least-squares parabola; three or fewer are on it themselves."""
+    if len(rows) <= _DEGREE + 1:
+        return values
+    return np.asarray(Polynomial.fit(rows, values, _DEGREE)(rows))
 
 
 def _left_of_steps(noise_rms: float, step: float) -> float:
