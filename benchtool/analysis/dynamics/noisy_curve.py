@@ -135,8 +135,8 @@ class NoisyCurve:
         Noise raises the greatest of several similar values, and this bias is subtracted: what it does to
         those within three standard deviations of the greatest (Chernozhukov, Lee and Rosen, Econometrica 81
         (2013) no. 2), on the parabola through them. As if they were equal, a peak is lowered by what only a
-        plateau has; on the curve as it is, whose own noise tells them apart, a plateau would hardly be. What
-        the parabola through the greatest value adds is added.
+        plateau has; on the curve as it is, whose own noise tells them apart, a plateau hardly is. What the
+        parabola through the greatest value adds is added.
         """
         top = int(np.argmax(self.values))
         vertex = _top(self.values, top)
