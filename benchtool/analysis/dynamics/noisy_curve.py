@@ -29,7 +29,7 @@ _FEWEST_DRAWS = 20
 _MOST_VALUES = 1 << 24  # of all draws together, 128 MiB
 _SEED = 20_110_301
 _HIDES = 0.5  # of a step: noise of so much rms leaves hardly anything of its errors in a mean
-_TIED = 3.0  # standard deviations below the greatest value that may also be the greatest
+_TIED = 3.0  # standard deviations of the greatest value, and of another that may also be the greatest
 _TOGETHER, _DEGREE = 0.5, 2  # of the rows from the first to the last that are tied; of the curve through them
 _SURE = 2.0  # standard deviations beyond a level that noise does not reach
 _LEAST_DEFINED = 0.9  # of the draws, for an instant that the noise leaves certain
@@ -133,17 +133,18 @@ class NoisyCurve:
         """Return the greatest value and its standard uncertainty.
 
         Noise raises the greatest of several similar values, and this bias is subtracted: what it does to
-        those within three standard deviations of the greatest (Chernozhukov, Lee and Rosen, Econometrica 81
-        (2013) no. 2), on the parabola through them. As if they were equal, a peak is lowered by what only a
-        plateau has; on the curve as it is, whose own noise tells them apart, a plateau hardly is. What the
-        parabola through the greatest value adds is added.
+        those that three standard deviations of both make as great (Chernozhukov, Lee and Rosen, Econometrica
+        81 (2013) no. 2), on the parabola through them. As if they were equal, a peak would be lowered by what
+        only a plateau has; on the curve as it is, whose own noise tells them apart, a plateau hardly would.
+        What the parabola through the greatest value adds is added.
         """
         top = int(np.argmax(self.values))
         vertex = _top(self.values, top)
         between, unknown = vertex.above, vertex.above_error
         if not len(self.errors):
             return float(self.values[top]) + between, unknown
-        tied = np.flatnonzero(self.values >= np.max(self.values - _TIED * self.standard))
+        within = _TIED * self.standard
+        tied = np.flatnonzero(self.values + within >= np.max(self.values - within))
         shape = _shape(self.values, tied)
         highest = np.max(shape + self.errors[:, tied], axis=1)
         bias = float(np.mean(highest) - np.max(shape))
