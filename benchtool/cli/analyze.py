@@ -116,9 +116,9 @@ def analyze(
     plan, without its limits.
 
     COLUMN is a name in the head of the table, or a number counted from 1. Its unit is SI (s, A, Nm, rad,
-    rad/s) unless the head states another in brackets, as "Iq [mA]", or the option does behind a colon:
-    --current Iq:mA, --angle 2:deg, --time "t:ms". A probe's gain and offset may follow, the offset in that
-    unit: --current CH1:A*10-0.2 is ten times the cell, less 0.2 A.
+    rad/s) unless the head states another, as "Iq [mA]" or "Iq/mA", or the option does behind a colon:
+    --current Iq:mA, --angle 2:deg, --time "t:ms"; the time may be a date and time of day. A probe's gain and
+    offset may follow, the offset in that unit: --current CH1:A*10-0.2 is ten times the cell, less 0.2 A.
     """
     if list_:
         return _list(run, csv, as_json=as_json)

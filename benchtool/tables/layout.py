@@ -7,9 +7,10 @@ import itertools
 import re
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from benchtool.errors import RecordingError
+from benchtool.tables.stamps import is_stamp
 from benchtool.tables.units import is_scale, is_unit
 
 BLANKS = " "
@@ -42,16 +43,20 @@ class Column:
     """One column: `name` as the head has it (empty without one), `unit` as the head states it, or empty.
 
     What the name has in brackets is its unit where that is a unit, or a scale of which no SI unit is known
-    (`[counts]`, `[%]`); `Iq[0]` and `i (phase a)` have none.
+    (`[counts]`, `[%]`); `Iq[0]` and `i (phase a)` have none. Of a quotient of quantity and unit (`t/s`,
+    `n/(1/min)`; ISO 80000-1:2022, 7.1.4) it is the latter. The cells of a column with `stamps` are times of
+    day, perhaps with a date.
     """
 
     name: str
     unit: str
+    stamps: bool = False
 
     @property
     def bare_name(self) -> str:
-        """The name without the brackets behind it."""
-        return _BRACKETS.sub("", self.name).strip() or self.name
+        """The name without the unit behind it."""
+        quantity, unit = _quotient(self.name)
+        return quantity if unit else _BRACKETS.sub("", self.name).strip() or self.name
 
 
 @dataclass(frozen=True)
@@ -71,8 +76,9 @@ def find_layout(text: bytes, source: str) -> Layout:
     The delimiter and decimal sign are those by which most cells of most lines, sampled from the beginning,
     the middle and the end, are numbers. What comes before the first such line is the head: the line of it
     nearest the numbers that has a name for each column names them, and of two such lines the second may hold
-    their units. Where no line above the first numbers names columns and one below a few of them does, those
-    few belong to the head as well. Lines that begin with # or % are comments, which may name the columns too.
+    their units. Lines right above the numbers whose cells are numbers or empty are rows as well. Where no
+    line above the first numbers names columns and one below a few of them does, those few belong to the head
+    as well. Lines that begin with # or % are comments, which may name the columns too.
 
     Raises:
         RecordingError: no two columns of numbers are there.
@@ -87,8 +93,8 @@ def find_layout(text: bytes, source: str) -> Layout:
         seen = _almost_a_number(sample)
         raise RecordingError(
             f"{source}: no table of numbers found{seen and f', {seen!r} is none'}; lines of at least two "
-            f"numbers are expected, separated by comma, semicolon, tab or blanks, times in seconds, no "
-            f"thousands separators: export it as such"
+            f"numbers are expected, separated by comma, semicolon, tab or blanks, times in seconds or as "
+            f"2026-01-31 23:59:59.5, no thousands separators: export it as such"
         )
     delimiter, decimal, width, numeric = found
     rows = [
@@ -102,6 +108,11 @@ def find_layout(text: bytes, source: str) -> Layout:
             f"expected: cut the head"
         )
     texts = [line.decode(errors="replace") for line in lines]
+    for place in range(rows.index(True) - 1, -1, -1):
+        cells = split(texts[place], delimiter)
+        rows[place] = not is_comment(lines[place]) and _is_row(cells, decimal, width, numeric, fewest=1)
+        if not rows[place]:
+            break
     used = width - _empty_columns(sample, delimiter, width)
     head_lines = rows.index(True)
     columns = _columns(texts[:head_lines], delimiter, used)
@@ -110,6 +121,8 @@ def find_layout(text: bytes, source: str) -> Layout:
         columns = _columns(texts[:head_lines], delimiter, used)
     begin = sum(len(line) + 1 for line in lines[:head_lines])
     columns += tuple(Column("", "") for _ in range(width - len(columns)))
+    stamps = _stamped(sample, delimiter, width)
+    columns = tuple(replace(column, stamps=one) for column, one in zip(columns, stamps, strict=True))
     return Layout(delimiter, decimal, columns, head_lines, begin)
 
 
@@ -172,18 +185,33 @@ def _best(sample: Sequence[bytes]) -> tuple[str, str, int, tuple[bool, ...]] | N
 
 
 def _is_number(cell: str, decimal: str) -> bool:
+    """Return whether a cell is a number, or a time that stands for one."""
+    if ":" in cell:
+        return is_stamp(cell)
     if decimal == ",":
         cell = "" if "." in cell else cell.replace(",", ".")
     return _NUMBER.fullmatch(cell) is not None
 
 
-def _is_row(cells: Sequence[str], decimal: str, width: int, numeric: Sequence[bool]) -> bool:
+def _is_row(
+    cells: Sequence[str], decimal: str, width: int, numeric: Sequence[bool], fewest: int | None = None
+) -> bool:
+    """Return whether the cells are a row: `fewest` numbers or, without it, half of them; the rest empty."""
     if len(cells) != width:
         return False
     wanted = [cell for cell, is_numeric in zip(cells, numeric, strict=True) if is_numeric]
     numbers = [_is_number(cell, decimal) for cell in wanted]
     fits = (good or cell.lower() in _NO_NUMBER for cell, good in zip(wanted, numbers, strict=True))
-    return 2 * sum(numbers) >= len(numbers) and all(fits)
+    return sum(numbers) >= (0.5 * len(numbers) if fewest is None else fewest) and all(fits)
+
+
+def _stamped(sample: Sequence[bytes], delimiter: str, width: int) -> list[bool]:
+    """Return which columns hold times of day in most of their cells."""
+    rows = [
+        cells for line in sample if len(cells := split(line.decode(errors="replace"), delimiter)) == width
+    ]
+    filled = [[cells[column] for cells in rows if cells[column]] for column in range(width)]
+    return [2 * sum(map(is_stamp, cells)) > len(cells) for cells in filled]
 
 
 def _empty_columns(sample: Sequence[bytes], delimiter: str, width: int) -> int:
@@ -262,9 +290,19 @@ def _are_units(cells: Sequence[str]) -> bool:
 def _unit_in(name: str) -> str:
     """Return the last of what stands in brackets that is a unit, else the last that is another scale, or
     nothing."""
+    _, unit = _quotient(name)
+    if unit:
+        return unit
     found = [str(match["round"] or match["square"] or "").strip() for match in _BRACKETS.finditer(name)]
     for is_one in (is_unit, is_scale):
         for text in reversed(found):
             if is_one(text):
                 return text
     return ""
+
+
+def _quotient(name: str) -> tuple[str, str]:
+    """Return quantity and unit of a name that is a quotient of both, else the name and no unit."""
+    quantity, solidus, unit = (part.strip() for part in name.partition("/"))
+    unit = unit[1:-1] if unit.startswith("(") and unit.endswith(")") else unit
+    return (quantity, unit) if solidus and quantity and is_unit(unit) and not is_unit(name) else (name, "")

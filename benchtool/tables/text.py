@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +17,7 @@ from pyarrow import csv
 from benchtool.errors import AnalysisError, RecordingError
 from benchtool.tables.layout import BLANKS, Layout, find_layout
 from benchtool.tables.scaling import Scaling, scaling
+from benchtool.tables.stamps import seconds_of
 from benchtool.tables.units import PERCENT, unit_factor, units_of
 
 _BLOCK_BYTES = 4 << 20
@@ -110,13 +111,14 @@ class TextTable:
         """Return the column that `wanted` names, in a unit of the kind of `si_unit`.
 
         `wanted` is a name, or a number counted from 1; behind a colon may stand the unit of its values, a
-        gain and an offset, see `scaling`. A name is looked for as it is written, then without what it has in
-        brackets, then in another case; text that is not a name is taken as a number, and text that is neither
-        is split at its last colon. A unit of percent is that of `rated`, in `si_unit`.
+        gain and an offset, see `scaling`. A name is looked for as it is written, then without the unit behind
+        it, then in another case; text that is not a name is taken as a number, and text that is neither is
+        split at its last colon. A unit of percent is that of `rated`, in `si_unit`. Times of day are in
+        seconds since the first of them.
 
         Raises:
             AnalysisError: no such column, several of that name, or what the option or else the head states
-                as the unit is not one of that kind.
+                as the unit is not one of that kind, or is asked of times of day.
         """
         number = self._find(wanted)
         stated = Scaling("")
@@ -129,6 +131,14 @@ class TextTable:
                 f"{self.path} has no column '{wanted}', {self._listed()}: give a name or a number"
             )
         column = self.layout.columns[number]
+        if column.stamps:
+            asked = stated.unit or si_unit
+            if asked != "s":
+                raise AnalysisError(
+                    f"column '{wanted}' of {self.path} holds times of day, numbers in {asked} are expected: "
+                    f"choose another column, or name this one as the time"
+                )
+            column = replace(column, unit="s")
         unit, unit_from = (column.unit, "head") if column.unit else (si_unit, "assumed")
         if stated.unit:
             unit, unit_from = stated.unit, "option"
@@ -183,7 +193,7 @@ class TextTable:
         with suppress(pa.ArrowException):
             table, _ = self._read(self._body(), wanted, pa.string())
             for name in table.column_names:
-                bad = pc.is_null(self._numbers(table[name]))
+                bad = pc.is_null(self._numbers(name, table[name]))
                 if pc.any(bad).as_py():
                     cell = str(table[name].filter(bad)[0].as_py() or "").strip()
                     return f"'{cell:.40}' in column {int(name) + 1}"
@@ -193,13 +203,13 @@ class TextTable:
         body = self._body()
         if _ANYTHING.search(body) is None:
             return pa.table({str(column): pa.array([], pa.float64()) for column in wanted}), 0
-        try:
-            return self._read(body, wanted, pa.float64())
-        except pa.ArrowException:
-            pass  # a cell is not a number: read as text to find it
+        with suppress(pa.ArrowException):  # a cell is not a number: read as text to find it
+            if not any(self.layout.columns[column].stamps for column in wanted):
+                return self._read(body, wanted, pa.float64())
         try:
             table, wrong_width = self._read(body, wanted, pa.string())
-            return pa.table({name: self._numbers(table[name]) for name in table.column_names}), wrong_width
+            numbers = {name: self._numbers(name, table[name]) for name in table.column_names}
+            return pa.table(numbers), wrong_width
         except pa.ArrowException as reason:
             raise RecordingError(
                 f"{self.path}: rows cannot be separated ({str(reason).splitlines()[0]:.100}), a line for "
@@ -242,8 +252,10 @@ class TextTable:
         )
         return table, wrong_width
 
-    def _numbers(self, cells: pa.ChunkedArray) -> pa.ChunkedArray:
-        """Return the cells of text as numbers, null where they are not numbers."""
+    def _numbers(self, name: str, cells: pa.ChunkedArray) -> pa.ChunkedArray:
+        """Return the cells of text of a column as numbers, null where they are not numbers."""
+        if self.layout.columns[int(name)].stamps:
+            return seconds_of(cells)
         cells = pc.ascii_trim_whitespace(cells)
         if self.layout.decimal == ",":
             cells = pc.replace_substring(cells, ",", ".")

@@ -225,12 +225,22 @@ def test_rows_that_are_none_are_left_out_and_counted(tmp_path: Path) -> None:
     assert rows.read == 41
 
 
-@pytest.mark.parametrize("cell", ["2026-11-21T12:00:00.1", "00:00:01.5", "1.234.567"])
+@pytest.mark.parametrize("cell", ["21.11.2026", "1:30.5", "1.234.567"])
 def test_the_first_cell_that_is_no_number_is_named(tmp_path: Path, cell: str) -> None:
     table = TextTable.open(write(tmp_path, "t,I,T\n" + lines(end=f",{cell}")))
     chosen = [table.select("t", "s"), table.select("T", "Nm")]
     assert table.unreadable_cell(chosen) == f"'{cell}' in column 3"
     assert table.unreadable_cell(chosen[:1]) == ""
+
+
+@pytest.mark.parametrize("first", ["0.000,,", "0.000,nan,", "0.000,,0.0\n0.001,n/a,"])
+def test_first_rows_with_empty_cells_are_left_out_and_never_taken_for_the_head(
+    tmp_path: Path, first: str
+) -> None:
+    rows = lines(end=",1").splitlines(keepends=True)[first.count("\n") + 1 :]
+    found = read(write(tmp_path, f"time,Iq,T\n{first}\n{''.join(rows)}"), "time", "Iq")
+    np.testing.assert_allclose(found.data, np.stack([TIME, CURRENT], axis=1)[-len(rows) :])
+    assert (found.read, found.dropped) == (30, {"a cell is no number": 30 - len(rows)})
 
 
 def test_only_the_columns_asked_for_must_be_numbers(tmp_path: Path) -> None:
@@ -274,8 +284,8 @@ def test_a_later_decimal_comma_shows_the_layout(tmp_path: Path) -> None:
         (b"1\n2\n3\n", "no table of numbers"),
         (b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR", "no table of numbers"),
         (bytes(range(256)) * 4, "is binary and no text"),
-        (b"t,I\n2026-11-21T12:00:00.1,0.5\n", "'2026-11-21T12:00:00.1' is none; .* times in seconds"),
-        (b"t;I\n00:00:01.5;0.5\n00:00:01.6;0.5\n", "'00:00:01.5' is none"),
+        (b"t,I\n11/21/2026 12:00:00.1,0.5\n", "'11/21/2026 12:00:00.1' is none; .* times in seconds"),
+        (b"t;I\n1:30.5;0.5\n1:30.6;0.5\n", "'1:30.5' is none"),
         (b"PAR1\x15\x04", "is a Parquet file and no text"),
         (np.arange(900, dtype=np.int16).tobytes() + bytes(300), "is binary and no text"),
     ],
@@ -387,6 +397,23 @@ def test_numbers_in_the_head_are_no_rows(tmp_path: Path, head: str) -> None:
     path = write(tmp_path, head + lines())
     require_all(read(path, "Time", "Iq"))
     assert TextTable.open(path).layout.head_lines == head.count("\n")
+
+
+@pytest.mark.parametrize(
+    ("head", "name", "factor", "si_unit"),
+    [
+        *(("I/mA", "I", 1e-3, "A"), ("Iq / mA", "Iq", 1e-3, "A"), ("n/(1/min)", "n", math.pi / 30, "rad/s")),
+        *(("n/min-1", "n", math.pi / 30, "rad/s"), ("omega/rad/s", "omega", 1.0, "rad/s")),
+        *(("I/Imax", "I/Imax", 1.0, "A"), ("rad/s", "rad/s", 1.0, "A")),
+    ],
+)
+def test_a_quotient_of_quantity_and_unit(
+    tmp_path: Path, head: str, name: str, factor: float, si_unit: str
+) -> None:
+    table = TextTable.open(write(tmp_path, f"t/ms,{head}\n{lines()}"))
+    assert table.select("t", "s").factor == 1e-3
+    assert table.select(name, si_unit).factor == pytest.approx(factor)
+    assert table.select(name, si_unit).unit_from == ("head" if name != head else "assumed")
 
 
 @pytest.mark.parametrize("name", ["Iq[0]", "I (phase a)", "Current [Phase A]", "Iq (filtered)"])
