@@ -4,7 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from benchmarks.coverage import channels, disturbances, dynamic, encounters, mixed, pairs, stamps, unusual
+from benchmarks.coverage import (
+    channels,
+    disturbances,
+    dynamic,
+    encounters,
+    mixed,
+    pairs,
+    stamps,
+    threes,
+    unusual,
+)
 from benchmarks.coverage.families import Family
 
 FAMILIES: Mapping[str, Family] = {
@@ -18,5 +28,6 @@ FAMILIES: Mapping[str, Family] = {
         *mixed.FAMILIES,
         *encounters.FAMILIES,
         *pairs.FAMILIES,
+        *threes.FAMILIES,
     )
 }

@@ -234,6 +234,8 @@ def trial(what: Disturbance, random: np.random.Generator) -> Iterator[tuple[Meas
         truths["current_thd_f_subgroups"] = truths["current_thd_f_groups"] = thd
     if what.alternates:  # which is in the groups of the record's own phases
         truths["current_thd_f_groups"] = _groups_of_two(what, made)
+    if what.amplitude_noise[0] and not what.lines:  # likewise
+        truths["current_thd_f_groups"] = _groups_of_steps(what, made)
     truths["current_tdd"] = thd * truths["current_fundamental"] / (math.sqrt(2.0) * RATED_A_RMS)
     if what.peaked or what.kind == "walk":
         truths["torque_ripple_rms"] = OF_THE_ENSEMBLE  # crests are ripple too, and a walk has no rms
@@ -288,6 +290,31 @@ def _groups_of_two(what: Disturbance, made: Record) -> float:
     wave *= np.where(np.arange(points) < points // 2, 1.0 + what.alternates, 1.0 - what.alternates)
     square = np.abs(np.fft.rfft(wave)[:104]) ** 2
     groups = square[2:102:2] + 0.5 * (square[1:101:2] + square[3:103:2])
+    return 100.0 * math.sqrt(float(np.sum(groups[1:]) / groups[0]))
+
+
+def _groups_of_steps(what: Disturbance, made: Record) -> float:
+    """Return THDG, on average, of an amplitude that is another in each period, by the covariance of a window.
+
+    How far the sidebands of the fundamental are in the group of order 2 depends on its phase where the
+    amplitude steps, which is the same in all of a record.
+    """
+    periods, points, last = 10, 512, 50
+    rms, memory = what.amplitude_noise
+    theta = made.begin_rad + 2 * np.pi * np.arange(points) / points
+    wave = np.cos(theta)
+    for order, amplitude in what.harmonics.items():
+        wave += amplitude * np.cos(order * theta + made.phases_rad[order])
+    bins = np.arange(periods * last + periods // 2 + 1)
+    turned = np.exp(-2j * np.pi * np.outer(bins / periods, np.arange(points) / points))
+    lags = np.arange(1 - periods, periods)
+    shares = (periods - np.abs(lags)) * (float(memory) ** np.abs(lags))
+    steps = rms**2 * np.real(np.exp(-2j * np.pi * np.outer(bins / periods, lags)) @ shares)
+    square = np.abs(turned @ wave) ** 2 * (np.where(bins % periods, 0.0, periods**2) + steps)
+    noise2 = 2.0 * what.noise**2 * what.frequency_Hz / (periods * RATE_HZ)
+    square = 2.0 * square / (periods * points) ** 2 + noise2
+    at = periods * np.arange(1, last + 1)
+    groups = sum(square[at + k] for k in range(-4, 5)) + 0.5 * (square[at - 5] + square[at + 5])
     return 100.0 * math.sqrt(float(np.sum(groups[1:]) / groups[0]))
 
 

@@ -38,6 +38,7 @@ from .measurement import (
     measurements_to_json as measurements_to_json,
     tables_from_json as tables_from_json,
     tables_to_json as tables_to_json,
+    undefined as undefined,
 )
 from .numbers import (
     NOTHING as NOTHING,

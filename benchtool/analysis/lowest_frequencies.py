@@ -115,7 +115,8 @@ def _before_a_rise(place: Floats, mean: Floats, count: Floats) -> int:
         of_below = float(total[last - 1] - (total[below - 1] if below else 0.0)) / bins_below
         if bins_below >= 2.0:
             ratio = float(mean[last]) / of_below
-            if fisher_above(2.0 * float(count[last]), 2.0 * bins_below, ratio) < _RISES:
+            # no more than below is no rise, and the distribution takes time
+            if ratio > 1.0 and fisher_above(2.0 * float(count[last]), 2.0 * bins_below, ratio) < _RISES:
                 return last
     return len(place)
 

@@ -151,6 +151,15 @@ class Table:
         }
 
 
+def undefined(measurements: Iterable[Measurement]) -> dict[str, tuple[str, ...]]:
+    """Return the names of the measurements without a value, by the reason."""
+    found: dict[str, tuple[str, ...]] = {}
+    for each in measurements:
+        if each.reason:
+            found[each.reason] = (*found.get(each.reason, ()), each.name)
+    return found
+
+
 def measurements_to_json(measurements: Iterable[Measurement]) -> dict[str, MeasurementJson]:
     """Return the measurements by name, in their order."""
     return {each.name: each.to_json() for each in measurements}

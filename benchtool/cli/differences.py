@@ -5,12 +5,12 @@ from __future__ import annotations
 from rich.text import Text
 
 from benchtool.analysis import NOTHING, raw
+from benchtool.cli.fitting import named
 from benchtool.cli.output import Output
 from benchtool.results import Differences, Kind
 
 _MOST_RUNS = 3  # beside each other
 _LONGEST = 36  # characters of a value; the whole is in the documents
-_NAMED = 3
 
 
 def show_differences(output: Output, case: str, differences: Differences) -> None:
@@ -34,12 +34,6 @@ def show_differences(output: Output, case: str, differences: Differences) -> Non
         output.sentence(f"the same in all runs: {', '.join(map(str, differences.same))}", "dim")
     for (label, reason), names in differences.reasons.items():
         output.sentence(f"not compared with {label}: {named(names)}: {reason}", "dim")
-
-
-def named(names: tuple[str, ...]) -> str:
-    """Return the first few, and how many more."""
-    more = len(names) - _NAMED
-    return ", ".join(names) if more <= 1 else f"{', '.join(names[:_NAMED])} and {more} more"
 
 
 def _short(value: object) -> str:

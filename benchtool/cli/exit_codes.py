@@ -69,6 +69,8 @@ def run_to_the_end(app: Callable[[], object]) -> NoReturn:
     gc.set_threshold(OBJECTS)
     # Matrices here are small: further threads of linear algebra wait for each other, and take the processor.
     os.environ.setdefault("OMP_NUM_THREADS", "1")
+    # pydantic looks through all installed packages for plug-ins before it checks a document.
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     try:
         app()
         code: int | str | None = 0

@@ -11,6 +11,13 @@ _SEPARATOR = 3  # cells between columns
 _LEAST_NAME = 12
 _LEAST_TEXT = 24  # of a column of words
 _INDENT = "    "
+_NAMED = 3
+
+
+def named(names: tuple[str, ...]) -> str:
+    """Return the first few, and how many more."""
+    more = len(names) - _NAMED
+    return ", ".join(names) if more <= 1 else f"{', '.join(names[:_NAMED])} and {more} more"
 
 
 def widest_name(columns: Sequence[str], rows: Sequence[Sequence[str]], width: int) -> int | None:

@@ -7,11 +7,11 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from rich.text import Text
 
-from benchtool.analysis import Measurement, catalogue, with_expanded
-from benchtool.cli.differences import named
+from benchtool.analysis import Measurement, catalogue, undefined, with_expanded
+from benchtool.cli.fitting import named
 from benchtool.cli.output import VERDICT_COLOURS, Output, significant, warn_overdue
 from benchtool.plan import Limit
-from benchtool.results import Assessment, Disagreement, Repeated, RunResult, overdue_text, undefined
+from benchtool.results import Assessment, Disagreement, Repeated, RunResult, overdue_text
 
 _MOST_COLUMNS = 7
 

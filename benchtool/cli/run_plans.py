@@ -22,9 +22,8 @@ from benchtool.errors import DriveError, LinkError, UsageError
 from benchtool.plan import plan_path, worst
 from benchtool.profile import load_profile, profile_path
 from benchtool.recording import require_own, write_whole
-from benchtool.report import PAGE_MARK, PlanFigures, reproduction_page
-from benchtool.results import RunResult, recorded_runs
-from benchtool.run import RunInfo, bundle_folder, check_plan, run_in_processes, run_plan
+from benchtool.results import RunResult
+from benchtool.run import RunInfo, bundle_folder, check_plan, run_plan
 
 
 def run_plans(name: str, plans: Sequence[NamedPlan], chosen: RunOptions) -> int:
@@ -34,6 +33,8 @@ def run_plans(name: str, plans: Sequence[NamedPlan], chosen: RunOptions) -> int:
         name: of the plan or the folder, as it was given.
     """
     if chosen.page is not None:
+        from benchtool.report import PAGE_MARK
+
         require_own(chosen.page, PAGE_MARK)
     single = not plans[0].part
     output = Output(as_json=chosen.as_json)
@@ -61,6 +62,7 @@ def run_plans(name: str, plans: Sequence[NamedPlan], chosen: RunOptions) -> int:
         finally:
             if chosen.junit is not None and any(folder.rglob("manifest.json")):
                 from benchtool.report import write_junit
+                from benchtool.results import recorded_runs
 
                 write_junit(recorded_runs(folder), chosen.junit)
         output.line(f"report with figures: benchtool report {shlex.quote(str(folder))}", "dim")
@@ -164,6 +166,8 @@ def _run(
             note=progress.note,
         )
         if chosen.jobs > 1:
+            from benchtool.run import run_in_processes
+
             result = run_in_processes(
                 plan, place, folder, info, progress, jobs=chosen.jobs, resume=chosen.resume
             )
@@ -181,6 +185,8 @@ def _run(
 
 
 def _write_page(page: Path, command: str, results: Sequence[tuple[NamedPlan, RunResult]]) -> None:
+    from benchtool.report import PlanFigures, reproduction_page
+
     figures = []
     for named, result in results:
         plan = named.plan

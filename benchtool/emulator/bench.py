@@ -6,13 +6,14 @@ import itertools
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
+from typing import TYPE_CHECKING
 
 import can
 import numpy as np
 
 from benchtool.clock import VirtualClock
 from benchtool.emulator.core.core import Core, truth_of
-from benchtool.emulator.core.kernel import kernel_is_cached
+from benchtool.emulator.core.kernels import kernel_is_cached
 from benchtool.emulator.equipment import EmulatedEnergyMeter, EmulatedLoad, EmulatedSupply, EmulatedTransducer
 from benchtool.emulator.faults import FaultInjector
 from benchtool.emulator.firmware.device import Firmware
@@ -31,7 +32,6 @@ from benchtool.emulator.machine.train_truth import (
 from benchtool.emulator.machine.truth import InverterTruth, MotorTruth
 from benchtool.emulator.servers.canopen import CanopenServer
 from benchtool.emulator.servers.drive_node import DriveNode, OnGone, Server
-from benchtool.emulator.servers.serial import SerialServer
 from benchtool.emulator.thermometer import EmulatedThermometer
 from benchtool.errors import ProfileError
 from benchtool.link import PipePort, Port, pipe
@@ -50,6 +50,9 @@ from benchtool.protocol.dictionary import (
     setting_of,
 )
 from benchtool.shipped import shipped
+
+if TYPE_CHECKING:
+    from benchtool.emulator.servers.serial import SerialServer
 
 _channels = itertools.count(1)
 
@@ -194,6 +197,8 @@ class EmulatedBench:
         `buffered` is for every port that may block. What such a port does not take in time is lost, telemetry
         first; the drive never waits.
         """
+        from benchtool.emulator.servers.serial import SerialServer  # with all of that protocol's messages
+
         server = SerialServer(port, self._node, buffered=buffered)
         self._node.add(server, on_gone)
         return server

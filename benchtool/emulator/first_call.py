@@ -14,7 +14,7 @@ from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import Any
 
-from benchtool.emulator.cache import is_cached
+from benchtool.emulator.machine_code import is_cached
 
 try:
     import fcntl
@@ -24,11 +24,10 @@ except ImportError:  # Windows: each process compiles by itself
 
 def call_first(compiled: Callable[..., Any], call: Callable[[], Any]) -> None:
     """Run `call`, a call of `compiled` that does nothing, unless the process has compiled or loaded it."""
-    if getattr(compiled, "overloads", True):  # a plain function has none: the compiler is switched off
+    if getattr(compiled, "loaded", True):  # a plain function is: the compiler is switched off
         return
-    stats = getattr(compiled, "stats", None)
-    folder = stats.cache_path if stats is not None else None
-    alone = _one_process(Path(folder)) if folder and not is_cached(compiled) else nullcontext()
+    folder: Path | None = getattr(compiled, "folder", None)
+    alone = _one_process(folder) if folder is not None and not is_cached(compiled) else nullcontext()
     with alone, _uncollected():
         call()
 

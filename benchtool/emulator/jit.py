@@ -1,4 +1,4 @@
-"""Compilation: `njit` for the functions of the numerical core, `entry` for the few that Python calls.
+"""What is compiled: `njit` for the functions of the numerical core, `entry` for the few that Python calls.
 
 What a machine has not costs nothing. An optional part of a record is None where it is absent, and a function
 that takes such a part as an argument asks first whether it is there:
@@ -13,38 +13,46 @@ The type of None is a type like any other, so the kernel is compiled for the par
 rest of such a function is neither typed nor compiled for those that are not. `specialised` gives each set of
 parts a kernel of its own, `separately` compiles what all of them share once.
 
-Only entries and what is compiled separately are cached on disk. numba's cache looks at the file of the cached
-function alone, so an edit of a function it calls would leave a stale entry behind; what is cached therefore
-bears a fingerprint of all sources of the core in its name, and an edit anywhere makes it another function
-with cache files of its own.
+Here functions are only noted. numba is imported when one is to be compiled (`emulator.compiler`); machine
+code that is on disk is loaded and called without it (`emulator.machine_code`).
+
+Only entries and what is compiled separately are kept on disk. Each bears a fingerprint of all sources of the
+core in its name, so that an edit anywhere makes it another function with files of its own.
 """
 
 from __future__ import annotations
 
+import os
 import zlib
 from collections.abc import Callable, Iterator
-from contextlib import suppress
+from enum import Enum, auto
 from functools import cache
+from importlib.metadata import version
 from pathlib import Path
-from types import FunctionType
-from typing import Any, TypeVar, cast
+from typing import Any, NamedTuple, TypeVar, cast
 
-import numba
-from numba.core.typing.templates import infer_global
-from numba.extending import register_jitable
-
-from benchtool.emulator.cache import LoadedFirst
-from benchtool.emulator.lowering import PartCompiler
+from benchtool.emulator.machine_code import Entry
 
 F = TypeVar("F", bound=Callable[..., Any])
 
-# Of fast arithmetic there is one thing: a product and a sum may be rounded once in place of twice, where the
-# processor can. The numpy error model spares a branch at every division.
-# Compiled code creates no arrays and keeps none. Without `nrt`, numba's runtime, references to them are not
-# counted, which is an atomic operation wherever one is passed on: 50 ns in a tick with a capture.
-_OPTIONS: dict[str, Any] = {"error_model": "numpy", "_nrt": False, "fastmath": {"contract"}}
 
-_SEPARATE: dict[Callable[..., Any], Any] = {}  # numba holds them by weak references only
+class Manner(Enum):
+    """How a function that compiled functions call gets into them."""
+
+    INLINED = auto()
+    CALLED = auto()
+    SEPARATE = auto()
+
+
+class Part(NamedTuple):
+    """A function that compiled functions call."""
+
+    function: Callable[..., Any]
+    manner: Manner
+
+
+PARTS: list[Part] = []
+"""All of them, in the order of their definition."""
 
 
 def njit(function: F) -> F:
@@ -52,7 +60,8 @@ def njit(function: F) -> F:
 
     In Python it stays the plain function that it is.
     """
-    return _part(function, forceinline=True)
+    PARTS.append(Part(function, Manner.INLINED))
+    return function
 
 
 def called(function: F) -> F:
@@ -61,31 +70,8 @@ def called(function: F) -> F:
     It is for what is long and would be repeated often, which takes minutes to compile. In Python it stays the
     plain function that it is.
     """
-    return _part(function, forceinline=False)
-
-
-def _part(function: F, *, forceinline: bool) -> F:
-    """Compile a function that only compiled functions call.
-
-    `forceinline` is stated either way: a function that leaves it open takes it over from what calls it.
-    """
-    register_jitable(
-        forceinline=forceinline,
-        no_cfunc_wrapper=True,
-        no_cpython_wrapper=True,
-        pipeline_class=PartCompiler,
-        **_OPTIONS,
-    )(function)
+    PARTS.append(Part(function, Manner.CALLED))
     return function
-
-
-def entry(function: F) -> F:
-    """Compile a function that Python calls, and keep it on disk; `py_func` of it is the plain function.
-
-    The cache lies beside the source, or in the user's cache directory when that is not writable; where
-    neither is, every process compiles again.
-    """
-    return cast(F, _compiled(function, f"{fingerprint():08x}"))
 
 
 def separately(function: F) -> F:
@@ -93,16 +79,40 @@ def separately(function: F) -> F:
 
     In Python it stays the plain function that it is.
     """
-    _SEPARATE[function] = _compiled(function, f"{fingerprint():08x}")
-    infer_global(function, numba.types.Dispatcher(_SEPARATE[function]))
+    PARTS.append(Part(function, Manner.SEPARATE))
     return function
 
 
+def entry(function: F) -> F:
+    """Compile a function that Python calls, and keep it on disk.
+
+    Arguments are integers, floating-point numbers, arrays, None, and tuples of these; results are a number or
+    None.
+    """
+    source = Path(function.__code__.co_filename)
+    name = f"{source.stem}.{function.__name__}_{fingerprint():08x}"
+    return cast(F, _entry(lambda: function, name, source.parent))
+
+
 @cache
-def specialised(function: Callable[..., Any], parts: frozenset[str]) -> Callable[..., Any]:
-    """`entry` of a plain function for one set of parts, with cache files of its own."""
+def specialised(
+    plain: Callable[[], Callable[..., Any]], source: Path, parts: frozenset[str]
+) -> Callable[..., Any]:
+    """`entry` of a plain function for one set of parts, with machine code of its own.
+
+    Args:
+        plain: gives the function; called when it is to be compiled.
+        source: its file.
+        parts: names of the parts.
+    """
     crc = zlib.crc32(" ".join(sorted(parts)).encode())
-    return cast(Callable[..., Any], _compiled(function, f"{crc:08x}_{fingerprint():08x}"))
+    return _entry(plain, f"{source.stem}_{crc:08x}_{fingerprint():08x}", source.parent)
+
+
+def _entry(plain: Callable[[], Callable[..., Any]], name: str, folder: Path) -> Callable[..., Any]:
+    if os.environ.get("NUMBA_DISABLE_JIT", "0") != "0":
+        return plain()
+    return Entry(plain, name, folder)
 
 
 def parts_of(record: Any, path: str = "") -> Iterator[str]:
@@ -114,29 +124,13 @@ def parts_of(record: Any, path: str = "") -> Iterator[str]:
             yield from parts_of(value, f"{path}{name}.")
 
 
-def _compiled(function: Callable[..., Any], suffix: str) -> Any:
-    named = FunctionType(
-        function.__code__,
-        function.__globals__,
-        function.__name__,
-        function.__defaults__,
-        function.__closure__,
-    )
-    named.__qualname__ = f"{function.__name__}_{suffix}"
-    named.__doc__, named.__module__ = function.__doc__, function.__module__
-    compiled = numba.njit(nogil=True, **_OPTIONS)(named)
-    with suppress(RuntimeError, OSError):  # numba found no place to write to
-        compiled._cache = LoadedFirst(named)  # type: ignore[no-untyped-call]
-    return compiled
-
-
 @cache
 def fingerprint(package: Path = Path(__file__).parent.parent) -> int:
     """Return the CRC-32 over the compiled sources in a package's folder, and the compiler's version.
 
     Firmware, servers and ports are not compiled: an edit there leaves it as it is.
     """
-    crc = zlib.crc32(numba.__version__.encode())
+    crc = zlib.crc32(version("numba").encode())
     for source in compiled_sources(package):
         crc = zlib.crc32(source.read_bytes(), crc)
     return crc
@@ -144,9 +138,8 @@ def fingerprint(package: Path = Path(__file__).parent.parent) -> int:
 
 def compiled_sources(package: Path) -> list[Path]:
     """Return the files whose functions are compiled, or whose constants compiled functions hold, in order."""
-    sources = [
-        package / "emulator" / f"{name}.py" for name in ("in_place", "jit", "lowering", "memory", "rotate")
-    ]
+    names = ("compiler", "in_place", "in_place_types", "jit", "lowering", "machine_code", "memory", "rotate")
+    sources = [package / "emulator" / f"{name}.py" for name in names]
     for room in ("machine", "control", "core"):
         sources += package.glob(f"emulator/{room}/*.py")
     return [*sorted(sources), package / "protocol" / "modes.py", package / "ticks.py"]

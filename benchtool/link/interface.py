@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, NamedTuple, Protocol, runtime_checkable
 
 from benchtool.clock import Clock
 from benchtool.link.process_data import ProcessData
-from benchtool.protocol.canopen import Emergency, NmtCommand, NmtState
-from benchtool.protocol.serial import Batch, StreamReply
+
+if TYPE_CHECKING:
+    from benchtool.protocol.canopen import Emergency, NmtCommand, NmtState
+    from benchtool.protocol.serial import Batch, StreamReply
 
 
 @dataclass(frozen=True)
@@ -45,7 +47,7 @@ class ReceivedEmergency(NamedTuple):
 
 
 FrameReceiver = Callable[[Frame], None]
-BatchReceiver = Callable[[Batch, float], None]
+BatchReceiver = Callable[["Batch", float], None]
 """Takes a batch of telemetry, and when it arrived on the host's clock."""
 
 

@@ -12,7 +12,6 @@ from .block_result import (
     EVERYTHING as EVERYTHING,
     analyses_of as analyses_of,
     analyze as analyze,
-    undefined as undefined,
 )
 from .calibration import (
     Calibration as Calibration,

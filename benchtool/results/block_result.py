@@ -31,6 +31,7 @@ from benchtool.analysis import (
     sensor_remarks,
     steady_state_of,
     tables_to_json,
+    undefined,
 )
 from benchtool.block import Block
 from benchtool.document import explain
@@ -132,15 +133,6 @@ class BlockResult:
         }
         document |= stated_overdue(self.overdue)
         return document | ({"tables": tables_to_json(self.tables)} if self.tables else {})
-
-
-def undefined(measurements: Iterable[Measurement]) -> dict[str, tuple[str, ...]]:
-    """Return the names of the measurements without a value, by the reason."""
-    found: dict[str, tuple[str, ...]] = {}
-    for each in measurements:
-        if each.reason:
-            found[each.reason] = (*found.get(each.reason, ()), each.name)
-    return found
 
 
 def analyze(

@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given, strategies as st
 
 from benchtool.emulator.core import Core
-from benchtool.emulator.core.kernel import kernel_of, run_ticks
+from benchtool.emulator.core.kernel import run_ticks
+from benchtool.emulator.core.kernels import kernel_of
 from benchtool.emulator.core.stream_ring import RING_ROWS
 from benchtool.errors import ValueRefused
 from benchtool.protocol.modes import Mode

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from benchtool.emulator.core.kernel import kernel_of, run_ticks
+from benchtool.emulator.core.kernel import run_ticks
+from benchtool.emulator.core.kernels import kernel_of
 from benchtool.emulator.machine.encoder import encoder_count
 from benchtool.emulator.machine.sensor_truth import CurrentTruth, EncoderTruth
 from benchtool.emulator.memory import SENSOR

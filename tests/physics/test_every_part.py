@@ -7,7 +7,8 @@ from typing import Any
 import pytest
 
 from benchtool.emulator.core import Core
-from benchtool.emulator.core.kernel import kernel_of, run_ticks
+from benchtool.emulator.core.kernel import run_ticks
+from benchtool.emulator.core.kernels import kernel_of
 from benchtool.emulator.machine.heat import HeatTruth
 from benchtool.emulator.machine.saturation import SaturationTruth
 from benchtool.emulator.machine.sensor_truth import CurrentTruth, EncoderTruth, VoltageTruth

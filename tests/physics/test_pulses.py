@@ -6,10 +6,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import example, given, strategies as st
 from numpy.typing import NDArray
 
 from benchtool.emulator.core import Core
 from benchtool.emulator.machine import diodes, pulses, switching
+from benchtool.emulator.machine.changes import crossing
 from tests.physics.alpha_beta import Reference, centred, gates
 from tests.physics.paper_machine import MOTOR, make_core
 from tests.physics.test_diodes import NO_TRIP, WIDE, run_period
@@ -177,6 +179,31 @@ def test_what_is_left_out_is_of_the_fourth_order(ways: list[str]) -> None:
         errors.append(error[:4].max())
     assert ways == ["followed", "followed"]
     assert np.log2(errors[0] / errors[1]) > 3.5
+
+
+SLOPES = st.floats(-1e5, 1e5) | st.just(0.0)
+
+
+@given(
+    sign=st.sampled_from([1.0, -1.0]),
+    start=st.floats(0.0, 10.0) | st.just(0.0),
+    slope=SLOPES,
+    bend=st.floats(-1e8, 1e8) | st.just(0.0),
+    h=st.floats(1e-9, 1e-4),
+)
+@example(sign=1.0, start=0.0, slope=1.0, bend=-1e6, h=1e-4)
+@example(sign=-1.0, start=0.0, slope=0.0, bend=-1e6, h=1e-4)
+def test_a_current_that_ends_with_the_other_sign_comes_to_zero_before(
+    sign: float, start: float, slope: float, bend: float, h: float
+) -> None:
+    after = start + h * (slope + h * bend)
+    at = crossing(sign, sign * start, sign * slope, sign * bend, sign * after)
+    if after >= 0.0:
+        assert at > 1.0
+        return
+    assert 0.0 <= at <= h * (1.0 + 1e-9)
+    scale = start + at * (abs(slope) + at * abs(bend))
+    assert abs(start + at * (slope + at * bend)) <= 1e-9 * scale
 
 
 def test_two_currents_at_zero_are_left_to_the_edges(ways: list[str]) -> None:

@@ -13,11 +13,13 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
 from benchtool.analysis.dynamics.bursts import noise_levels, residual_levels
 from benchtool.analysis.dynamics.clicks import converter_step
 from benchtool.analysis.dynamics.smoothing import Noise, fitted_smoothers
+from benchtool.analysis.repeated_steps import noise_beside, share_left
 
 Floats = NDArray[np.float64]
 
@@ -27,7 +29,8 @@ _FEWEST_DRAWS = 20
 _MOST_VALUES = 1 << 24  # of all draws together, 128 MiB
 _SEED = 20_110_301
 _HIDES = 0.5  # of a step: noise of so much rms leaves hardly anything of its errors in a mean
-_TIED = 3.0  # standard deviations below the greatest value that may also be the greatest
+_TIED = 3.0  # standard deviations of the greatest value, and of another that may also be the greatest
+_TOGETHER, _DEGREE = 0.5, 2  # of the rows from the first to the last that are tied; of the curve through them
 _SURE = 2.0  # standard deviations beyond a level that noise does not reach
 _LEAST_DEFINED = 0.9  # of the draws, for an instant that the noise leaves certain
 _VANDERMONDE = np.vander(np.arange(-1.0, 3.0), increasing=True)
@@ -44,11 +47,34 @@ class Instant:
     standard: float
 
 
+@dataclass(frozen=True)
+class Passage:
+    """Place at which a curve passes a level, half the width of the interval that the samples allow, and the
+    `places` of the draws, shape (draws,), nan where one does not pass it."""
+
+    place: float
+    reach: float
+    places: Floats
+
+    @property
+    def instant(self) -> Instant:
+        """The place, with what noise and the samples leave open."""
+        return self.moved(self.place, self.places)
+
+    def moved(self, place: float, drawn: Floats) -> Instant:
+        """Return another place that follows from this one, and `drawn`, shape (draws,), from its draws."""
+        known = drawn[np.isfinite(drawn)]
+        if len(known) < _LEAST_DEFINED * len(drawn):
+            return Instant(place, math.inf)
+        noise = float(np.sqrt(np.mean((known - place) ** 2))) if len(known) else 0.0
+        return Instant(place, math.hypot(noise, self.reach / math.sqrt(3.0)))
+
+
 def at_rest_error(at_rest: Floats, samples: Floats) -> float:
     """Return the standard uncertainty that the steps of a converter, which `samples` show, leave in the mean
     of those `at_rest`; 0 where noise hides them, or there is no converter."""
-    step = converter_step(samples)
-    return step / math.sqrt(12.0) if float(np.std(at_rest)) < _HIDES * step else 0.0
+    step, noise = converter_step(samples), float(np.std(at_rest))
+    return _left_of_steps(noise, step) * step / math.sqrt(12.0) if noise < _HIDES * step else 0.0
 
 
 @dataclass(frozen=True)
@@ -66,18 +92,22 @@ class NoisyCurve:
         """Return the curve through samples, shape (n,), the first of which is where a transient begins.
 
         Where noise does not hide the steps of a converter, what is read as one of its levels may be anywhere
-        within half a step of it.
+        within half a step of it, or within what the noise leaves of that.
         """
         count, step = len(samples), converter_step(samples)
         levels = noise_levels(samples, noise)
         smoother, longer = fitted_smoothers(samples, noise, levels)
         draws = max(_FEWEST_DRAWS, min(_DRAWS, _MOST_VALUES // count))
         random = np.random.default_rng(_SEED)
-        of_steps = 0.0 if noise.rms >= _HIDES * step else _within_steps(random, samples, step, draws)
+        of_steps: float | Floats = 0.0
+        if noise.rms < _HIDES * step:
+            of_steps = _left_of_steps(noise.rms, step) * _within_steps(random, samples, step, draws)
         if noise.rms == 0.0:
             return cls(samples, np.empty((0, count)) if step == 0.0 else np.asarray(of_steps))
         errors = smoother.apply(levels * noise.draw(random, (draws, count)))
         curve = smoother.apply(samples)
+        if isinstance(of_steps, np.ndarray):
+            of_steps = smoother.apply(of_steps)
         bias = _OF_BIAS * (longer.apply(samples) - curve)
         errors *= residual_levels((samples - curve) / levels, noise.rms)
         return cls(curve, errors + of_steps + random.standard_normal((draws, 1)) * bias)
@@ -102,24 +132,25 @@ class NoisyCurve:
     def greatest(self) -> tuple[float, float]:
         """Return the greatest value and its standard uncertainty.
 
-        Noise raises the greatest of several similar values, and this bias is subtracted. How much it is lies
-        between what it does to those within three standard deviations of the greatest, as if they were equal
-        (Chernozhukov, Lee and Rosen, Econometrica 81 (2013) no. 2), and what it does to the
-        curve as it is: the mean of the two. What the parabola through the greatest value adds is added.
+        Noise raises the greatest of several similar values, and this bias is subtracted: what it does to
+        those that three standard deviations of both make as great (Chernozhukov, Lee and Rosen, Econometrica
+        81 (2013) no. 2), on the parabola through them. As if they were equal, a peak would be lowered by what
+        only a plateau has; on the curve as it is, whose own noise tells them apart, a plateau hardly would.
+        What the parabola through the greatest value adds is added.
         """
         top = int(np.argmax(self.values))
         vertex = _top(self.values, top)
         between, unknown = vertex.above, vertex.above_error
         if not len(self.errors):
             return float(self.values[top]) + between, unknown
-        standard = self.standard
-        tied = self.values >= np.max(self.values - _TIED * standard)
-        highest = np.max(self.errors[:, tied], axis=1)
-        if_equal = float(np.mean(highest))
+        within = _TIED * self.standard
+        tied = np.flatnonzero(self.values + within >= np.max(self.values - within))
+        shape = _shape(self.values, tied)
+        highest = np.max(shape + self.errors[:, tied], axis=1)
+        bias = float(np.mean(highest) - np.max(shape))
         as_it_is = float(np.mean(np.max(self.values + self.errors, axis=1))) - float(self.values[top])
-        bias = 0.5 * (if_equal + as_it_is)
         # anywhere between both, evenly
-        between_both = (if_equal - as_it_is) / math.sqrt(12.0)
+        between_both = (bias - as_it_is) / math.sqrt(12.0)
         of_noise = math.hypot(float(np.std(highest, ddof=1)), between_both)
         return float(self.values[top]) + between - bias, math.hypot(of_noise, unknown)
 
@@ -144,8 +175,25 @@ class NoisyCurve:
         Until the curve is beyond the level by more than the noise, it may cross repeatedly: the instant is
         placed after as many samples as lie below the level.
         """
+        found = self.passage(level)
+        return None if found is None else found.instant
+
+    def passage(self, level: float | Floats, doubt: float = 0.0) -> Passage | None:
+        """Return `first_above` with what every draw makes of it, so that differences of two are drawn too.
+
+        The level is anywhere within sqrt(3) times `doubt`, its standard uncertainty, in a draw the same at
+        every call.
+        """
         above, sure = self.values - level, _SURE * self.standard
-        return self._instant(_first(above, sure), [_first(above + each, sure) for each in self.errors])
+        found = _first(above, sure)
+        if found is None:
+            return None
+        within = math.sqrt(3.0) * doubt
+        moved = np.random.default_rng(_SEED).uniform(-within, within, len(self.errors)) if doubt else ()
+        shifted = self.errors - np.reshape(moved, (-1, 1)) if doubt else self.errors
+        drawn = (_first(above + each, sure) for each in shifted)
+        places = np.array([math.nan if each is None else each.place for each in drawn])
+        return Passage(found.place, found.reach, places)
 
     def rise(self, low: float, high: float) -> Instant | None:
         """Return how long the curve takes from its first rise to a level to that to a higher one; None if it
@@ -171,17 +219,32 @@ class NoisyCurve:
         """Return where the curve enters `level` +- `band` finally, 0 if it never leaves; None if it ends
         outside."""
         found = _last(self.values, level, band)
-        return self._instant(found, [_last(self.values + each, level, band) for each in self.errors])
-
-    @staticmethod
-    def _instant(found: _Crossing | None, drawn: list[_Crossing | None]) -> Instant | None:
         if found is None:
             return None
-        places = np.array([each.place for each in drawn if each is not None])
-        if len(places) < _LEAST_DEFINED * len(drawn):
-            return Instant(found.place, math.inf)
-        noise = float(np.sqrt(np.mean((places - found.place) ** 2))) if len(places) else 0.0
-        return Instant(found.place, math.hypot(noise, found.reach / math.sqrt(3.0)))
+        drawn = (_last(self.values + each, level, band) for each in self.errors)
+        places = np.array([math.nan if each is None else each.place for each in drawn])
+        return Passage(found.place, found.reach, places).instant
+
+
+def _shape(values: Floats, rows: NDArray[np.int64]) -> Floats:
+    """Return the least-squares parabola through the values in these rows; where they are apart, one through
+    each run of them."""
+    together = len(rows) >= _TOGETHER * (rows[-1] - rows[0] + 1)
+    runs = [rows] if together else np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1)
+    return np.concatenate([_parabola_through(each, values[each]) for each in runs])
+
+
+def _parabola_through(rows: NDArray[np.int64], values: Floats) -> Floats:
+    """Return the values, shape (n,), of the least-squares parabola; three or fewer are on it themselves."""
+    if len(rows) <= _DEGREE + 1:
+        return values
+    return np.asarray(Polynomial.fit(rows, values, _DEGREE)(rows))
+
+
+def _left_of_steps(noise_rms: float, step: float) -> float:
+    """Return how much of the errors of a converter's steps is left in a mean, by the rms that is read at
+    rest."""
+    return share_left(noise_beside(noise_rms**2, step), step)
 
 
 def _within_steps(random: np.random.Generator, samples: Floats, step: float, draws: int) -> Floats:

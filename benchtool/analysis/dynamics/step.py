@@ -36,6 +36,7 @@ _ARRIVED = 0.02  # of the step: tolerance of reaching it, and the least settling
 _SIGMAS = 3.0  # standard uncertainties of the curve: the least that counts as a movement
 _CALM = 5.0  # standard uncertainties of the curve that noise alone hardly ever leaves
 _CONCAVE = 0.3  # of the way back along a line: that of an answer that gets slower, or of a steep one
+_FURTHER, _HALF_WAY = 3.0, 0.5  # times the level that clears the noise; of the step, up to which
 _TO_THE_ENDS = 1.05  # standard uncertainties from the middle to such a start and to one along a parabola
 _AT_REST = 2.0  # times the settling time
 _LONGER = 2.0  # times the samples whose mean is the final value
@@ -178,34 +179,42 @@ def _times(step: Step, curve: NoisyCurve, arrived: Instant | None) -> Iterator[M
 def _departure(step: Step, curve: NoisyCurve) -> Instant | None:
     """Return where the signal leaves its level before the step.
 
-    The curve clears the noise later than that: the start is extrapolated from there and from twice as far. It
-    lies between a part of the way along a line, as of an answer that gets slower, and a parabola, as a
-    second-order lag begins: the middle of both is taken.
+    The curve clears the noise later than that: the start is extrapolated from there and from three times as
+    far, or twice where that is beyond half the step. It lies between a part of the way along a line, as of an
+    answer that gets slower, and a parabola, as a second-order lag begins: the middle of both is taken. What
+    noise makes of it is drawn, as noise that moves the one place moves the other too.
     """
     level, least = float(np.mean(step.y_before)), _ARRIVED * step.height
     clear = np.maximum(least, _SIGMAS * curve.standard)
-    left = curve.first_above(level + clear)
+    # a level at rest is anywhere within half a step of a converter that its noise does not hide
+    of_level = at_rest_error(step.y_before, step.y)
+    left = curve.passage(level + clear, of_level)
     if left is None:
         return None
     threshold = float(clear[max(0, math.floor(left.place))])
-    further = curve.first_above(level + 2.0 * threshold)
-    # a level at rest is anywhere within half a step of a converter that its noise does not hide
-    of_level = at_rest_error(step.y_before, step.y)
-    if threshold <= least and (further is None or not of_level):
-        return left
+    if threshold <= least:
+        return left.instant
+    times = _FURTHER if _FURTHER * threshold <= _HALF_WAY * step.height else 2.0
+    further = curve.passage(level + times * threshold, of_level)
     if further is None:
         return None
-    apart = max(0.0, further.place - left.place)
-    of_level *= apart / threshold
-    if threshold <= least:
-        return Instant(left.place, math.hypot(left.standard, of_level))
-    line = apart * (1.0 - least / threshold)
-    parabola = apart * (1.0 - math.sqrt(least / threshold)) / (math.sqrt(2.0) - 1.0)
-    near, far = min(left.place, line), min(left.place, parabola)
-    back = 0.5 * (_CONCAVE * near + far)
-    share = back / apart if apart > 0.0 else 0.0
-    noise = math.hypot((1.0 + share) * left.standard, share * further.standard, of_level)
-    return Instant(left.place - back, math.hypot(noise, (far - back) / _TO_THE_ENDS))
+    near, far = _back(left.place, further.place, times, least / threshold)
+    of_draws = np.add(*_back(left.places, further.places, times, least / threshold))
+    found = left.moved(left.place - 0.5 * float(near + far), left.places - 0.5 * of_draws)
+    between = float(far - near) / (2.0 * _TO_THE_ENDS)
+    return Instant(found.place, math.hypot(found.standard, between))
+
+
+def _back(
+    left: float | Floats, further: float | Floats, times: float, share: float
+) -> tuple[Floats | float, Floats | float]:
+    """Return how far before the place `left`, where a curve is beyond a level, it was at a `share` of that:
+    by a line, or a steeper start, and by a parabola, both through where it is `further`, `times` as far
+    beyond."""
+    apart = np.maximum(0.0, np.subtract(further, left))
+    line = np.minimum(left, apart * (1.0 - share) / (times - 1.0))
+    parabola = np.minimum(left, apart * (1.0 - math.sqrt(share)) / (math.sqrt(times) - 1.0))
+    return _CONCAVE * line, parabola
 
 
 def _time(step: Step, name: str, definition: str, found: Instant | None, reason: str) -> Measurement:

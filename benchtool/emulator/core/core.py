@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.emulator.control.protection import Trip
 from benchtool.emulator.core.capture_memory import CaptureRecorder
-from benchtool.emulator.core.kernel import Truth, kernel_of
+from benchtool.emulator.core.kernels import Truth, kernel_of
 from benchtool.emulator.core.stream_ring import StreamRecorder
 from benchtool.emulator.first_call import call_first
 from benchtool.emulator.machine.bounds import machine_of_bench, require_computable, runaway
@@ -42,6 +43,7 @@ from benchtool.ticks import wrap_tick
 __all__ = ["Core", "Trip"]
 
 _ROOM_degC = 25.0
+_FINITE = ("i_d", "i_q", "omega_m", "theta_e", "u_dc", "omega_load", "twist", "load_torque")
 
 
 def truth_of(
@@ -137,6 +139,9 @@ class Core:
         self.energies = EnergyRecorder(self.transducer.record[0], lambda: self.tick, self.control_period_s)
         self._truth = truth_of(motor, inverter, sensors, train, T_s=control_period_s)
         self._noise = Noise(sensors.noise_rms, seed)
+        self._kernel: tuple[Truth, Callable[..., int]] | None = None
+        self._finite = [self._shafts[name] for name in _FINITE]  # of the record itself, to be read at once
+        self._trips = self._commands["trip"]
 
     def set_dc_link(self, u_dc_V: float) -> None:
         """Supply the dc link with another voltage, from the next tick on.
@@ -275,34 +280,39 @@ class Core:
         Raises:
             EmulationError: the machine has run away, to where it cannot be computed any more.
         """
-        kernel = kernel_of(self._truth)
-        call_first(kernel, lambda: self._run(kernel, 0, self._noise.ahead()))
-        return self.run_with(kernel, ticks)
+        return self.run_with(self._kernel_of_now(), ticks)
+
+    def _kernel_of_now(self) -> Callable[..., int]:
+        """Return the kernel for what the bench is, which is looked for only where that has changed."""
+        truth = self._truth
+        if self._kernel is None or self._kernel[0] is not truth:
+            kernel = kernel_of(truth)
+            nothing = self._arguments(0, self._noise.ahead())
+            call_first(kernel, lambda: kernel(*nothing))
+            self._kernel = truth, kernel
+        return self._kernel[1]
 
     def run_with(self, kernel: Callable[..., int], ticks: int) -> int:
         """`run` with another form of the kernel: the plain function `run_ticks`, to compare with."""
-        done, trips = 0, self._commands["trip"][0]
-        while done < ticks and self._commands["trip"][0] == trips:
+        done, trips = 0, self._trips[0]
+        while done < ticks and self._trips[0] == trips:
             noise = self._noise.ahead()
             asked = min(ticks - done, len(noise))
-            ran = self._run(kernel, asked, noise)
+            ran = kernel(*self._arguments(asked, noise))
             self._noise.use(ran)
             self.tick += ran
             done += ran
-            if self._ran_away(complete=ran == asked or self._commands["trip"][0] != trips):
+            if self._ran_away(complete=ran == asked or self._trips[0] != trips):
                 time_s = (self.tick - self.first_tick) * self.control_period_s
                 raise runaway(self.shaft, self.load, self.motor, time_s)
         return done
 
     def _ran_away(self, *, complete: bool) -> bool:
-        shaft = self.shaft
-        state = shaft.i_d + shaft.i_q + shaft.omega_m + shaft.theta_e + shaft.u_dc
-        state += shaft.omega_load + shaft.twist + shaft.load_torque
-        return not (complete and math.isfinite(state))
+        return not (complete and all(math.isfinite(state[0]) for state in self._finite))
 
-    def _run(self, kernel: Callable[..., int], ticks: int, noise: NDArray[np.float32]) -> int:
+    def _arguments(self, ticks: int, noise: NDArray[np.float32]) -> tuple[Any, ...]:
         capture, stream, transducer = self.capture, self.stream, self.transducer
-        return kernel(
+        return (
             ticks,
             self.memory,
             capture.words,

@@ -6,19 +6,17 @@ computed a tick before that period began, then samples, controls and records.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.emulator.cache import is_cached
 from benchtool.emulator.control.cycle import control_tick
 from benchtool.emulator.control.observer import shift
 from benchtool.emulator.core.capture_memory import capture_row
 from benchtool.emulator.core.stream_ring import stream_row
 from benchtool.emulator.in_place import in_place, renewed
-from benchtool.emulator.jit import njit, parts_of, specialised
+from benchtool.emulator.jit import njit
 from benchtool.emulator.machine.coefficients import (
     MOST_TURN,
     Machine,
@@ -163,25 +161,6 @@ def _rates(
     if heat is None and saturation is None:
         return at_rest, moving
     return fastest_rate(m, x), turning_rate(m)
-
-
-class Truth(NamedTuple):
-    """What the kernel knows of the bench beside its state."""
-
-    machine: Machine
-    stage: PowerStage
-    sensing: Sensing
-
-
-def kernel_of(truth: Truth) -> Callable[..., int]:
-    """`run_ticks` compiled for the parts that this bench has."""
-    return specialised(run_ticks, frozenset(parts_of(truth)))
-
-
-def kernel_is_cached(truth: Truth) -> bool:
-    """Return whether the first run will load the kernel within a second; else it compiles for some
-    seconds."""
-    return is_cached(kernel_of(truth))
 
 
 @njit

@@ -1,8 +1,10 @@
 """A PWM period of real legs followed from one change of a leg to the next, without a step of the machine.
 
-Along the course of the currents under a mean voltage each leg's potential is known from what its switches are
-told and the sign of its current. A current that comes to zero ends an interval there; it goes on with the
-other sign where a device carries it, and else rests, as the leg floats at the potential that leaves it none.
+While its current keeps its sign a leg is high for one time of the period, whatever its switches are told:
+the dead time delays one edge of that. So the potentials are known beforehand, and along the course of the
+currents under a mean voltage a current is a quadratic function of time from one change to the next. A current
+that comes to zero ends an interval there; it goes on with the other sign where a device carries it, and else
+rests, as the leg floats at the potential that leaves it none.
 """
 
 from __future__ import annotations
@@ -12,7 +14,16 @@ from typing import Any, NamedTuple
 
 from benchtool.emulator.jit import called, njit
 from benchtool.emulator.machine.coefficients import Machine
-from benchtool.emulator.machine.course import Course, Ripple, ahead, currents_after, with_ripple
+from benchtool.emulator.machine.course import (
+    Course,
+    Moments,
+    Products,
+    ahead,
+    products_ahead,
+    ripple_of,
+    slopes_of,
+    with_ripple,
+)
 from benchtool.emulator.machine.inverter import (
     SQRT3,
     PowerStage,
@@ -25,7 +36,8 @@ from benchtool.emulator.machine.state import State, with_currents
 
 _ZERO = 1e-9  # A, below which a phase has no current
 _MOST_CHANGES = 64  # in a period: one that has more is left to the steps between edges
-_NEVER = 1e3  # s, beyond any period; not infinite, as zero times that is nothing
+_NEVER = 1e3  # s, beyond any period
+_LEAST = 1e-300  # instead of zero, where zero is divided by it
 _PARTS = 16  # of a period, in which a leg that floats is looked at again
 
 
@@ -37,7 +49,6 @@ def followed(
     course: Course,
     mean_alpha: float,
     mean_beta: float,
-    small: float,
     rise: tuple[float, float, float],
     fall: tuple[float, float, float],
     shaft: Any,
@@ -47,94 +58,104 @@ def followed(
 ) -> tuple[State, float, bool]:
     """Return the end of a period from `x` whose course is that of a mean voltage, through `middle` to `end`.
 
-    `small` is the current beyond which none ends within a dead time.
-
     Returns the charge drawn from the dc link as well, in As, and whether the period could be followed so:
     where two currents rest at zero at once it could not, and nothing has changed.
     """
     T_s, u_dc = stage.T_s, shaft.u_dc
     dead_time, drop = duration_of(stage.dead_time), forward_voltage(stage.devices)
     i_a, i_b, i_c = phase_currents(x)
-    a = _at_the_start(rise[0], fall[0], shaft.high_a, shaft.blank_a, dead_time)
-    b = _at_the_start(rise[1], fall[1], shaft.high_b, shaft.blank_b, dead_time)
-    c = _at_the_start(rise[2], fall[2], shaft.high_c, shaft.blank_c, dead_time)
     sign_a, sign_b, sign_c = sign_of(i_a), sign_of(i_b), sign_of(i_c)
-    ripple = Ripple(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    charge, time, changes = 0.0, 0.0, 0
-    # without forward voltages a current passes zero as the switches are: their edges count
-    beyond = dead_time if drop > 0.0 else 0.0
+    told_a = _told(rise[0], fall[0], shaft.high_a, shaft.blank_a, dead_time)
+    told_b = _told(rise[1], fall[1], shaft.high_b, shaft.blank_b, dead_time)
+    told_c = _told(rise[2], fall[2], shaft.high_c, shaft.blank_c, dead_time)
+    a, b, c = _NOT_HIGH, _NOT_HIGH, _NOT_HIGH
+    moments, products = Moments(0.0, 0.0, 0.0, 0.0, 0.0, 0.0), Products(0.0, 0.0, 0.0)
+    charge, time, changes, known_until = 0.0, 0.0, 0, 0.0
     while time < T_s:
         changes += 1
-        resting = sign_a * sign_b * sign_c == 0.0
-        if changes > _MOST_CHANGES or (resting and abs(sign_a) + abs(sign_b) + abs(sign_c) < 2.0):
+        if changes > _MOST_CHANGES:
             return x, 0.0, False
-        a, b, c = (
-            _told(a, time, dead_time),
-            _told(b, time, dead_time),
-            _told(c, time, dead_time),
-        )
-        off_a, rail_a, change_a = _rail(a, time, sign_a, i_a, small, beyond)
-        off_b, rail_b, change_b = _rail(b, time, sign_b, i_b, small, beyond)
-        off_c, rail_c, change_c = _rail(c, time, sign_c, i_c, small, beyond)
-        until = min(change_a, change_b, change_c, T_s)
-        if resting:
-            until = min(until, time + T_s / _PARTS)
-        h = until - time
+        if time >= known_until:
+            a = _high(told_a, sign_a, time, dead_time)
+            b = _high(told_b, sign_b, time, dead_time)
+            c = _high(told_c, sign_c, time, dead_time)
+            known_until = min(_left_over(told_a, time), _left_over(told_b, time), _left_over(told_c, time))
+        until = min(_next(a, time), _next(b, time), _next(c, time), T_s)
+        rail_a, rail_b, rail_c = _rail(a, time), _rail(b, time), _rail(c, time)
         v_a, v_b, v_c = (
             u_dc * rail_a - sign_a * drop,
             u_dc * rail_b - sign_b * drop,
             u_dc * rail_c - sign_c * drop,
         )
-        if resting:
-            v_a, v_b, v_c, sign_a, sign_b, sign_c = _resting(
-                (v_a, v_b, v_c),
-                (sign_a, sign_b, sign_c),
-                (off_a, off_b, off_c),
-                h,
+        if sign_a * sign_b * sign_c == 0.0:
+            if abs(sign_a) + abs(sign_b) + abs(sign_c) < 2.0:
+                return x, 0.0, False
+            phase = 0 if sign_a == 0.0 else (1 if sign_b == 0.0 else 2)
+            told = told_a if phase == 0 else (told_b if phase == 1 else told_c)
+            off, rail, change = _switches(told, time, dead_time)
+            until = min(until, change, time + T_s / _PARTS)
+            v_a, v_b, v_c = _put(phase, u_dc * rail, v_a, v_b, v_c)
+            current = i_a if phase == 0 else (i_b if phase == 1 else i_c)
+            carries, found = _floating(
+                phase,
+                current,
+                v_a,
+                v_b,
+                v_c,
+                off,
                 time,
+                until - time,
                 course,
-                ripple,
+                moments.alpha,
+                moments.beta,
                 mean_alpha,
                 mean_beta,
                 u_dc,
                 drop,
             )
+            if carries != 0.0:
+                sign_a, sign_b, sign_c = _put(phase, carries, sign_a, sign_b, sign_c)
+                known_until = time
+                continue
+            v_a, v_b, v_c = _put(phase, u_dc * rail + found, v_a, v_b, v_c)
+        h = until - time
         u_alpha, u_beta = clarke(v_a, v_b, v_c)
         d_alpha, d_beta = u_alpha - mean_alpha, u_beta - mean_beta
-        j_a, j_b, j_c = currents_after(course, until, ripple, d_alpha, d_beta, h)
-        if drop == 0.0 and min(sign_a * j_a, sign_b * j_b, sign_c * j_c) < 0.0:
-            # a switch that is on carries currents of both signs alike
-            sign_a = -sign_a if sign_a * j_a < 0.0 and off_a == 0.0 else sign_a
-            sign_b = -sign_b if sign_b * j_b < 0.0 and off_b == 0.0 else sign_b
-            sign_c = -sign_c if sign_c * j_c < 0.0 and off_c == 0.0 else sign_c
+        k, bend = slopes_of(course, time, moments.alpha, moments.beta, d_alpha, d_beta)
+        j_a, j_b, j_c = (
+            _after(i_a, k[0], bend[0], h),
+            _after(i_b, k[1], bend[1], h),
+            _after(i_c, k[2], bend[2], h),
+        )
         if min(sign_a * j_a, sign_b * j_b, sign_c * j_c) < 0.0:
-            part_a, part_b, part_c = (
-                _crossing(sign_a, i_a, j_a),
-                _crossing(sign_b, i_b, j_b),
-                _crossing(sign_c, i_c, j_c),
+            h_a, h_b, h_c = (
+                crossing(sign_a, i_a, k[0], bend[0], j_a),
+                crossing(sign_b, i_b, k[1], bend[1], j_b),
+                crossing(sign_c, i_c, k[2], bend[2], j_c),
             )
-            part = min(part_a, part_b, part_c)
-            phase = 0 if part == part_a else (1 if part == part_b else 2)
-            whole = h
-            slope = _of(phase, j_a, j_b, j_c) - _of(phase, i_a, i_b, i_c)
-            for _ in range(3):
-                h = part * whole
-                j_a, j_b, j_c = currents_after(course, time + h, ripple, d_alpha, d_beta, h)
-                part = min(max(part - _of(phase, j_a, j_b, j_c) / slope, 0.0), 1.0)
+            phase = 0 if h_a <= min(h_b, h_c) else (1 if h_b <= h_c else 2)
+            h = min(h_a, h_b, h_c, h)
             until = time + h
-            sign_a, j_a = (0.0, 0.0) if phase == 0 else (sign_a, j_a)
-            sign_b, j_b = (0.0, 0.0) if phase == 1 else (sign_b, j_b)
-            sign_c, j_c = (0.0, 0.0) if phase == 2 else (sign_c, j_c)
+            j_a, j_b, j_c = _put(
+                phase,
+                0.0,
+                _after(i_a, k[0], bend[0], h),
+                _after(i_b, k[1], bend[1], h),
+                _after(i_c, k[2], bend[2], h),
+            )
+            sign_a, sign_b, sign_c = _put(phase, 0.0, sign_a, sign_b, sign_c)
+            known_until = until
         if stage.metered:
-            drawn = _drawn(off_a, a.high, i_a + j_a) + _drawn(off_b, b.high, i_b + j_b)
-            charge += 0.5 * h * (drawn + _drawn(off_c, c.high, i_c + j_c))
-        ripple = ahead(ripple, d_alpha, d_beta, h, time - 0.5 * T_s, machine.sigma != 0.0)
+            charge += 0.5 * h * (rail_a * (i_a + j_a) + rail_b * (i_b + j_b) + rail_c * (i_c + j_c))
+        if machine.sigma != 0.0:
+            products = products_ahead(products, moments.alpha, moments.beta, d_alpha, d_beta, h)
+        moments = ahead(moments, d_alpha, d_beta, h, time - 0.5 * T_s)
         i_a, i_b, i_c = j_a, j_b, j_c
         time = until
-    a, b, c = _told(a, T_s, dead_time), _told(b, T_s, dead_time), _told(c, T_s, dead_time)
-    shaft.blank_a = max(a.blank - T_s, 0.0)
-    shaft.blank_b = max(b.blank - T_s, 0.0)
-    shaft.blank_c = max(c.blank - T_s, 0.0)
+    shaft.blank_a = _blank_after(told_a, T_s, dead_time)
+    shaft.blank_b = _blank_after(told_b, T_s, dead_time)
+    shaft.blank_c = _blank_after(told_c, T_s, dead_time)
+    ripple = ripple_of(moments, products, T_s)
     end = with_ripple(middle, end, ripple, mean_alpha, mean_beta, T_s, machine, T_load)
     return _without(end, sign_a, sign_b, sign_c, machine), charge, True
 
@@ -145,121 +166,159 @@ def sign_of(current: float) -> float:
     return math.copysign(1.0, current) * (abs(current) > _ZERO)
 
 
-class _Leg(NamedTuple):
-    """Whether a leg is told to be high, 1 or 0, its next two edges, and until when neither switch is on."""
+class _Told(NamedTuple):
+    """When a leg is told to be high, and until when neither switch is on by what the period before left.
 
-    high: float
-    edge: float
-    following: float
-    blank: float
+    A leg that is told to be high from the start rises as early as leaves it the dead time that it has.
+    """
+
+    rise: float
+    fall: float
+    left_over: float
 
 
 @njit
-def _at_the_start(rise: float, fall: float, was_high: int, blank: float, dead_time: float) -> _Leg:
-    """Return a leg at the start of a period, where what it is told may change."""
-    rise, fall = min(rise, _NEVER), min(fall, _NEVER)
+def _told(rise: float, fall: float, was_high: int, blank: float, dead_time: float) -> _Told:
     starts_high = rise <= 0.0
     if starts_high != (was_high != 0):
         blank = dead_time
     if starts_high:
-        return _Leg(1.0, fall, _NEVER, blank)
-    return _Leg(0.0, rise, fall, blank)
+        return _Told(blank - dead_time, min(fall, _NEVER), 0.0)
+    if rise >= _NEVER:
+        return _Told(_NEVER, _NEVER, blank)
+    return _Told(rise, fall, blank)
+
+
+@njit
+def _blank_after(told: _Told, T_s: float, dead_time: float) -> float:
+    """Return the dead time that the end of the period leaves over."""
+    since = told.fall if told.fall < T_s else (told.rise if told.rise < T_s else told.left_over - dead_time)
+    return max(since + dead_time - T_s, 0.0)
+
+
+class _High(NamedTuple):
+    """From when until when a leg is high."""
+
+    start: float
+    stop: float
+
+
+_NOT_HIGH = _High(_NEVER, _NEVER)
+
+
+@njit
+def _high(told: _Told, sign: float, time: float, dead_time: float) -> _High:
+    """Return when from `time` on a leg is high whose current keeps its sign: of one without, never."""
+    if sign > 0.0:
+        return _High(told.rise + dead_time, told.fall)
+    if sign == 0.0:
+        return _High(_NEVER, _NEVER)
+    if time < told.left_over:
+        return _High(-1.0, told.left_over)
+    return _High(told.rise, told.fall + dead_time)
+
+
+@njit
+def _left_over(told: _Told, time: float) -> float:
+    """Return when the dead time ends that the period before has left over, if it has not."""
+    return told.left_over if time < told.left_over else _NEVER
 
 
 # What follows is computed without a branch, because the order of the legs' changes is unpredictable to a
-# processor: whether is 1 or 0.
+# processor.
 
 
 @njit
-def _told(leg: _Leg, time: float, dead_time: float) -> _Leg:
-    """Return the leg at `time`, which is at its next edge at the latest: a change begins a dead time."""
-    passed = 1.0 * (time >= leg.edge)
-    kept = 1.0 - passed
-    return _Leg(
-        leg.high + passed * (1.0 - 2.0 * leg.high),
-        kept * leg.edge + passed * leg.following,
-        kept * leg.following + passed * _NEVER,
-        kept * leg.blank + passed * (leg.edge + dead_time),
-    )
+def _next(high: _High, time: float) -> float:
+    """Return when a leg changes next after `time`."""
+    second = high.stop if high.stop > time else _NEVER
+    return high.start if high.start > time else second
 
 
 @njit
-def _rail(
-    leg: _Leg, time: float, sign: float, current: float, small: float, beyond: float
-) -> tuple[float, float, float]:
-    """Return whether neither switch is on, the rail that the leg is at, 1 or 0, half-way between them where
-    nothing decides, and when that may change next.
+def _rail(high: _High, time: float) -> float:
+    """Return the rail that a leg is at, 1 or 0."""
+    return 1.0 if (time >= high.start) & (time < high.stop) else 0.0
 
-    An edge that leaves a leg where the current holds it changes nothing until the dead time that it begins
-    has passed, `beyond`.
-    """
-    off = 1.0 * (time < leg.blank)
-    rail = off * (0.5 - 0.5 * sign) + (1.0 - off) * leg.high
-    ends = off * (1.0 * ((rail != leg.high) | (abs(current) <= small)))  # of a dead time that has an effect
-    held = 1.0 * ((rail == 0.5 - 0.5 * sign) & (leg.following > leg.edge + beyond))
-    return off, rail, min(leg.edge + held * beyond, ends * leg.blank + (1.0 - ends) * _NEVER)
+
+@njit
+def _after(i: float, k: float, bend: float, h: float) -> float:
+    return i + h * (k + h * bend)
+
+
+@njit
+def crossing(sign: float, i: float, k: float, bend: float, after: float) -> float:
+    """Return when a current i + h k + h^2 bend first comes to zero whose sign is another in `after`, at the
+    end of an interval; else never."""
+    if sign * after >= 0.0:
+        return _NEVER
+    start, slope, curve = max(sign * i, 0.0), sign * k, sign * bend
+    root = math.sqrt(max(slope * slope - 4.0 * curve * start, 0.0))
+    if slope > 0.0 and curve < 0.0:
+        return (slope + root) / (-2.0 * curve)
+    return 2.0 * start / max(root - slope, _LEAST)
+
+
+@njit
+def _put(phase: int, value: float, a: float, b: float, c: float) -> tuple[float, float, float]:
+    """Return the phases with the value of one replaced."""
+    return value if phase == 0 else a, value if phase == 1 else b, value if phase == 2 else c
+
+
+@njit
+def _switches(told: _Told, time: float, dead_time: float) -> tuple[float, float, float]:
+    """Return whether neither switch of a leg is on, 1 or 0, the rail that it is at, half-way between them
+    where neither is on, and when that changes next."""
+    blank = told.left_over
+    change = blank if blank > time else _NEVER
+    high = 0.0
+    if time < told.rise:
+        change = min(change, told.rise)
+    elif time < told.fall:
+        high, blank = 1.0, told.rise + dead_time
+        change = min(told.fall, blank if blank > time else _NEVER)
+    elif told.fall < _NEVER:
+        blank = told.fall + dead_time
+        change = blank if blank > time else _NEVER
+    if time < blank:
+        return 1.0, 0.5, change
+    return 0.0, high, change
 
 
 @called
-def _resting(
-    v: tuple[float, float, float],
-    sign: tuple[float, float, float],
-    off: tuple[float, float, float],
-    h: float,
+def _floating(
+    phase: int,
+    current: float,
+    v_a: float,
+    v_b: float,
+    v_c: float,
+    off: float,
     time: float,
+    h: float,
     course: Course,
-    ripple: Ripple,
+    w_alpha: float,
+    w_beta: float,
     mean_alpha: float,
     mean_beta: float,
     u_dc: float,
     drop: float,
-) -> tuple[float, float, float, float, float, float]:
-    """Return potentials and signs of the currents with those of the leg that has none for the next `h`
-    seconds: a sign if a device carries a current, or 0 where it floats at the potential that leaves it
-    none."""
-    (v_a, v_b, v_c), (sign_a, sign_b, sign_c) = v, sign
-    phase, n_alpha, n_beta, is_off, found = 0, 1.0, 0.0, off[0], v_a
-    if sign_b == 0.0:
-        phase, n_alpha, n_beta, is_off, found = 1, -0.5, 0.5 * SQRT3, off[1], v_b
-    elif sign_c == 0.0:
-        phase, n_alpha, n_beta, is_off, found = 2, -0.5, -0.5 * SQRT3, off[2], v_c
+) -> tuple[float, float]:
+    """Return whether a device carries the current of a leg that has none, its sign or 0, and by how much the
+    potential at which it else floats for the next `h` seconds is above that of the phases given."""
+    n_alpha = 1.0 if phase == 0 else -0.5
+    n_beta = 0.0 if phase == 0 else (0.5 * SQRT3 if phase == 1 else -0.5 * SQRT3)
     u_alpha, u_beta = clarke(v_a, v_b, v_c)
-    d_alpha, d_beta = u_alpha - mean_alpha, u_beta - mean_beta
-    i_a, i_b, i_c = currents_after(course, time + h, ripple, d_alpha, d_beta, h)
+    k, bend = slopes_of(course, time, w_alpha, w_beta, u_alpha - mean_alpha, u_beta - mean_beta)
+    k_n = k[0] if phase == 0 else (k[1] if phase == 1 else k[2])
+    bend_n = bend[0] if phase == 0 else (bend[1] if phase == 1 else bend[2])
     at = course.turning * (time + h - course.middle)
     c, s = course.c - at * course.s, course.s + at * course.c
     G = course.G + c * (n_alpha * n_alpha - n_beta * n_beta) + 2.0 * s * n_alpha * n_beta
-    either = drop + 0.5 * u_dc * is_off
-    change = -1.5 * _of(phase, i_a, i_b, i_c) / (h * G - 0.5 * h * h * course.loss)
-    carries = 0.0
+    either = drop + 0.5 * u_dc * off
+    change = -1.5 * _after(current, k_n, bend_n, h) / (h * G - 0.5 * h * h * course.loss)
     if abs(change) > either:
-        carries, change = math.copysign(1.0, -change), math.copysign(either, change)
-    found += change
-    if phase == 0:
-        return found, v_b, v_c, carries, sign_b, sign_c
-    if phase == 1:
-        return v_a, found, v_c, sign_a, carries, sign_c
-    return v_a, v_b, found, sign_a, sign_b, carries
-
-
-@njit
-def _crossing(sign: float, before: float, after: float) -> float:
-    """Return the part of an interval after which a current is zero, by the secant; 1 if it keeps its sign."""
-    start = max(sign * before, 0.0)
-    return start / (start - sign * after) if sign * after < 0.0 else 1.0
-
-
-@njit
-def _of(phase: int, a: float, b: float, c: float) -> float:
-    if phase == 0:
-        return a
-    return b if phase == 1 else c
-
-
-@njit
-def _drawn(off: float, high: float, current: float) -> float:
-    """Return what a leg draws from the dc link; one that is off feeds it."""
-    return off * min(current, 0.0) + (1.0 - off) * high * current
+        return math.copysign(1.0, -change), 0.0
+    return 0.0, change
 
 
 @njit

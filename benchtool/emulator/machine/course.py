@@ -34,6 +34,7 @@ class Course(NamedTuple):
     beta_2: float
     G: float
     loss: float
+    salient: bool
     c: float
     s: float
     turning: float
@@ -73,6 +74,7 @@ def course_of(x: State, middle: State, end: State, T_s: float, machine: Machine)
         (beta_0 - 2.0 * beta_1 + beta_2) * 2.0 * per_s * per_s,
         G,
         machine.R_s * G * G,
+        salient != 0.0,
         salient * (c * c - s * s),
         salient * 2.0 * c * s,
         2.0 * middle.omega_e,
@@ -81,59 +83,101 @@ def course_of(x: State, middle: State, end: State, T_s: float, machine: Machine)
 
 
 @njit
-def currents_at(
-    course: Course, time: float, w_alpha: float, w_beta: float, n_alpha: float, n_beta: float
-) -> tuple[float, float, float]:
-    """Return the currents of the phases at `time`, where the ripple is W and its integral n."""
-    i_alpha = course.alpha_0 + time * (course.alpha_1 + time * course.alpha_2)
-    i_beta = course.beta_0 + time * (course.beta_1 + time * course.beta_2)
-    i_alpha += course.G * w_alpha - course.loss * n_alpha
-    i_beta += course.G * w_beta - course.loss * n_beta
-    at = course.turning * (time - course.middle)
-    c, s = course.c - at * course.s, course.s + at * course.c
-    i_alpha += c * w_alpha + s * w_beta
-    i_beta += s * w_alpha - c * w_beta
-    along, across = -0.5 * i_alpha, (0.5 * SQRT3) * i_beta
-    return i_alpha, along + across, along - across
+def slopes_of(
+    course: Course, time: float, w_alpha: float, w_beta: float, d_alpha: float, d_beta: float
+) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+    """Return k and l of the phases' currents i + h k + h^2 l from `time` on, where the ripple is W at first
+    and changes at a constant rate."""
+    k_alpha = course.alpha_1 + 2.0 * time * course.alpha_2 + (course.G * d_alpha - course.loss * w_alpha)
+    k_beta = course.beta_1 + 2.0 * time * course.beta_2 + (course.G * d_beta - course.loss * w_beta)
+    l_alpha, l_beta = (
+        course.alpha_2 - 0.5 * course.loss * d_alpha,
+        course.beta_2 - 0.5 * course.loss * d_beta,
+    )
+    if course.salient:
+        at = course.turning * (time - course.middle)
+        c, s = course.c - at * course.s, course.s + at * course.c
+        turn_c, turn_s = -course.turning * course.s, course.turning * course.c
+        k_alpha += c * d_alpha + s * d_beta + turn_c * w_alpha + turn_s * w_beta
+        k_beta += s * d_alpha - c * d_beta + turn_s * w_alpha - turn_c * w_beta
+        l_alpha += turn_c * d_alpha + turn_s * d_beta
+        l_beta += turn_s * d_alpha - turn_c * d_beta
+    return in_phases(k_alpha, k_beta), in_phases(l_alpha, l_beta)
 
 
 @njit
-def currents_after(
-    course: Course, time: float, ripple: Ripple, d_alpha: float, d_beta: float, h: float
-) -> tuple[float, float, float]:
-    """Return the currents of the phases at `time`, `h` after those of the ripple, which changes at a rate
-    until then."""
-    w_alpha, w_beta = ripple.alpha + h * d_alpha, ripple.beta + h * d_beta
-    n_alpha = ripple.alpha_0 + 0.5 * h * (ripple.alpha + w_alpha)
-    n_beta = ripple.beta_0 + 0.5 * h * (ripple.beta + w_beta)
-    return currents_at(course, time, w_alpha, w_beta, n_alpha, n_beta)
+def in_phases(alpha: float, beta: float) -> tuple[float, float, float]:
+    """Return the three phases of a vector."""
+    along, across = -0.5 * alpha, (0.5 * SQRT3) * beta
+    return alpha, along + across, along - across
+
+
+class Moments(NamedTuple):
+    """Integrals of the voltage's difference from its mean: W in Vs, and with the time from the middle of the
+    period and its square, in Vs2 and Vs3."""
+
+    alpha: float
+    beta: float
+    alpha_1: float
+    beta_1: float
+    alpha_2: float
+    beta_2: float
 
 
 @njit
-def ahead(
-    ripple: Ripple, d_alpha: float, d_beta: float, h: float, from_middle: float, products: bool
-) -> Ripple:
-    """Return the ripple after `h` seconds at this rate."""
-    a, b = ripple.alpha, ripple.beta
+def ahead(moments: Moments, d_alpha: float, d_beta: float, h: float, from_middle: float) -> Moments:
+    """Return the moments after `h` seconds of this difference."""
+    at = from_middle + 0.5 * h
+    square = at * at + (1.0 / 12.0) * h * h
+    g_alpha, g_beta = h * d_alpha, h * d_beta
+    return Moments(
+        moments.alpha + g_alpha,
+        moments.beta + g_beta,
+        moments.alpha_1 + at * g_alpha,
+        moments.beta_1 + at * g_beta,
+        moments.alpha_2 + square * g_alpha,
+        moments.beta_2 + square * g_beta,
+    )
+
+
+class Products(NamedTuple):
+    """Integrals of the products of W, in V2s3."""
+
+    aa: float
+    bb: float
+    ab: float
+
+
+@njit
+def products_ahead(
+    products: Products, w_alpha: float, w_beta: float, d_alpha: float, d_beta: float, h: float
+) -> Products:
+    """Return the products after `h` seconds of a difference, from W on."""
+    a, b = w_alpha, w_beta
     a1, b1 = a + h * d_alpha, b + h * d_beta
-    mean_a, mean_b = 0.5 * (a + a1), 0.5 * (b + b1)
-    aa, bb, ab = ripple.aa, ripple.bb, ripple.ab
-    if products:
-        third = h * (1.0 / 3.0)
-        aa += third * (a * a + a * a1 + a1 * a1)
-        bb += third * (b * b + b * b1 + b1 * b1)
-        ab += third * (a * b + 0.5 * (a * b1 + a1 * b) + a1 * b1)
-    sixth = h * h * (1.0 / 6.0)
+    third = h * (1.0 / 3.0)
+    return Products(
+        products.aa + third * (a * a + a * a1 + a1 * a1),
+        products.bb + third * (b * b + b * b1 + b1 * b1),
+        products.ab + third * (a * b + 0.5 * (a * b1 + a1 * b) + a1 * b1),
+    )
+
+
+@njit
+def ripple_of(moments: Moments, products: Products, T_s: float) -> Ripple:
+    """Return the ripple at the end of the period, by partial integration of its moments."""
+    half = 0.5 * T_s
+    eighth = 0.5 * half * half
     return Ripple(
-        a1,
-        b1,
-        ripple.alpha_0 + h * mean_a,
-        ripple.beta_0 + h * mean_b,
-        ripple.alpha_1 + from_middle * h * mean_a + sixth * (a + 2.0 * a1),
-        ripple.beta_1 + from_middle * h * mean_b + sixth * (b + 2.0 * b1),
-        aa,
-        bb,
-        ab,
+        moments.alpha,
+        moments.beta,
+        half * moments.alpha - moments.alpha_1,
+        half * moments.beta - moments.beta_1,
+        eighth * moments.alpha - 0.5 * moments.alpha_2,
+        eighth * moments.beta - 0.5 * moments.beta_2,
+        products.aa,
+        products.bb,
+        products.ab,
     )
 
 

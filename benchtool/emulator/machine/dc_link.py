@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from benchtool.emulator.jit import njit
+from benchtool.emulator.jit import called, njit
 from benchtool.emulator.machine.energies import Accounts
 
 _NEVER = math.inf
@@ -35,15 +35,13 @@ class DcLink(NamedTuple):
 
 class Charged(NamedTuple):
     """What a time did to the capacitor: its voltage then, the integral of that in Vs, the charge that the
-    supply fed in As, and what was lost in its resistance and burnt by the chopper in J. `softness` is the
-    change of that integral with the current that is drawn, in Vs/A."""
+    supply fed in As, and what was lost in its resistance and burnt by the chopper in J."""
 
     u: float
     area: float
     fed: float
     lost: float
     burnt: float
-    softness: float
 
 
 @njit
@@ -72,7 +70,8 @@ def supplied(
         else:
             _book(accounts, record, energy, 0.0, 0.0, 0.0)
         return u_s - R * charge / T_s
-    u_s += link.ripple * math.sin(link.omega_ripple * (time + 0.5 * T_s))
+    if link.ripple != 0.0:
+        u_s += link.ripple * math.sin(link.omega_ripple * (time + 0.5 * T_s))
     if shaft.u_dc > link.chopper_on:
         shaft.chopper = 1
     elif shaft.u_dc < link.chopper_off:
@@ -116,17 +115,32 @@ def giving(
 
     The legs took their charge at the voltage of the period's beginning, the capacitor gives it at the voltage
     that it has meanwhile. The current by which both are the same energy solves a quadratic equation where
-    nothing but the current changes; where the voltage passes that of the supply secants find it from there.
+    nothing but the current changes; where the voltage passes that of the supply secants find it.
     """
+    if u == u_s:
+        return _giving_across(C, u, u_s, G_supply, G, energy, duration)
+    G_feeding = G_supply if u < u_s else 0.0
+    integrals = _integrals((G + G_feeding) / C, duration)
+    softness = -integrals[1] / C
+    idle = u * duration + (G * u - G_feeding * (u_s - u)) * softness  # the area without a current
+    square = idle * idle + 4.0 * softness * energy
+    if idle > 0.0 and square >= 0.0:
+        i = 2.0 * energy / (idle + math.sqrt(square))
+        after = _between(C, u, u_s, G_feeding, G, i, duration, integrals)
+        if after.u >= 0.0 and (after.u - u_s) * (u - u_s) >= 0.0:
+            return after
+    return _giving_across(C, u, u_s, G_supply, G, energy, duration)
+
+
+@called
+def _giving_across(
+    C: float, u: float, u_s: float, G_supply: float, G: float, energy: float, duration: float
+) -> Charged:
+    """Return `giving` by secants, of a voltage that may pass the supply's."""
     i0 = 0.0 if u == 0.0 else energy / (u * duration)
     after = charged(C, u, u_s, G_supply, G, i0, duration)
     f0 = i0 * after.area - energy
-    idle = after.area - after.softness * i0  # the area without a current
-    square = idle * idle + 4.0 * after.softness * energy
-    if idle > 0.0 and square >= 0.0:
-        i = 2.0 * energy / (idle + math.sqrt(square))
-    else:
-        i = energy / after.area if after.area > 0.0 else i0
+    i = energy / after.area if after.area > 0.0 else i0
     for _ in range(_SECANTS):
         if abs(f0) <= _CLOSE * abs(energy) or i == i0:
             return after
@@ -137,7 +151,7 @@ def giving(
     return after
 
 
-@njit
+@called
 def charged(
     C: float, u: float, u_s: float, G_supply: float, G: float, current: float, duration: float
 ) -> Charged:
@@ -148,22 +162,40 @@ def charged(
         feeds = u < u_s or (u == u_s and G * u_s + current > 0.0)
         G_feeding = G_supply if feeds else 0.0
         G_now = G + G_feeding
-        slope = G_feeding * u_s - current - G_now * u
-        passes = _passes(C, u, u_s, G_now, slope)
+        passes = _passes(C, u, u_s, G_now, G_feeding * u_s - current - G_now * u)
         time = min(passes, left)
-        by_slope, of_slope, squared = _integrals(G_now / C, time)
-        rate = slope / C
-        # Of u(t) - u, its integral and the integral of its square.
-        area += u * time + rate * of_slope
-        above = u_s - u
-        fed += G_feeding * (above * time - rate * of_slope)
-        lost += G_feeding * (above * above * time - 2.0 * above * rate * of_slope + rate * rate * squared)
-        burnt += G * (u * u * time + 2.0 * u * rate * of_slope + rate * rate * squared)
+        part = _between(C, u, u_s, G_feeding, G, current, time, _integrals(G_now / C, time))
+        area, fed, lost, burnt = area + part.area, fed + part.fed, lost + part.lost, burnt + part.burnt
         if not passes < left:
-            return Charged(max(u + rate * by_slope, 0.0), area, fed, lost, burnt, -of_slope / C)
+            return Charged(max(part.u, 0.0), area, fed, lost, burnt)
         u = u_s
         left -= passes
-    return Charged(u, area, fed, lost, burnt, 0.0)
+    return Charged(u, area, fed, lost, burnt)
+
+
+@njit
+def _between(
+    C: float,
+    u: float,
+    u_s: float,
+    G_feeding: float,
+    G: float,
+    current: float,
+    time: float,
+    integrals: tuple[float, float, float],
+) -> Charged:
+    """Return what `time` does to the capacitor on one side of the supply's voltage, with `_integrals`."""
+    by_slope, of_slope, squared = integrals
+    rate = (G_feeding * (u_s - u) - G * u - current) / C
+    # Of u(t) - u, its integral and the integral of its square.
+    above = u_s - u
+    return Charged(
+        u + rate * by_slope,
+        u * time + rate * of_slope,
+        G_feeding * (above * time - rate * of_slope),
+        G_feeding * (above * above * time - 2.0 * above * rate * of_slope + rate * rate * squared),
+        G * (u * u * time + 2.0 * u * rate * of_slope + rate * rate * squared),
+    )
 
 
 @njit
@@ -177,7 +209,8 @@ def _integrals(a: float, time: float) -> tuple[float, float, float]:
             t2 * (1.0 / 2.0 - z * (1.0 / 6.0 - z * (1.0 / 24.0 - z * (1.0 / 120.0 - z * (1.0 / 720.0))))),
             t2 * time * (1.0 / 3.0 - z * (1.0 / 4.0 - z * (7.0 / 60.0 - z * (1.0 / 24.0 - z * _SEVENTH)))),
         )
-    m, m2 = -math.expm1(-z), -0.5 * math.expm1(-2.0 * z)
+    m = -math.expm1(-z)
+    m2 = m * (1.0 - 0.5 * m)  # (1 - exp(-2 z)) / 2
     return m / a, (z - m) / (a * a), (z - 2.0 * m + m2) / (a * a * a)
 
 

@@ -18,7 +18,6 @@ from benchtool.emulator.jit import called, njit
 from benchtool.emulator.machine.changes import followed, sign_of
 from benchtool.emulator.machine.coefficients import Machine
 from benchtool.emulator.machine.course import course_of
-from benchtool.emulator.machine.harmonics import linkage
 from benchtool.emulator.machine.inverter import PowerStage, clarke, forward_voltage, phase_currents
 from benchtool.emulator.machine.legs import duration_of
 from benchtool.emulator.machine.plant import step_through
@@ -52,10 +51,7 @@ def pulsed(
     )
     middle, end = step_through(x, mean_alpha, mean_beta, T_s, machine, T_load)
     course = course_of(x, middle, end, T_s, machine)
-    small = dead_time * _steepest(x, u_dc, drop, machine)
-    return followed(
-        x, middle, end, course, mean_alpha, mean_beta, small, rise, fall, shaft, stage, machine, T_load
-    )
+    return followed(x, middle, end, course, mean_alpha, mean_beta, rise, fall, shaft, stage, machine, T_load)
 
 
 @njit
@@ -65,12 +61,3 @@ def _mean(duty: float, current: float, u_dc: float, drop: float, lost: float) ->
     if duty <= 0.0 or duty >= 1.0:
         return u_dc * duty - sign * drop
     return u_dc * (duty - sign * lost) - sign * drop
-
-
-@njit
-def _steepest(x: State, u_dc: float, drop: float, machine: Machine) -> float:
-    """Return a bound of the rate of a phase's current, in A/s."""
-    current = abs(x.i_d) + abs(x.i_q)
-    psi = machine.psi_r + linkage(machine.harmonics) + 2.0 * max(machine.L_d, machine.L_q) * current
-    u = (2.0 / 3.0) * (u_dc + 2.0 * drop) + abs(x.omega_e) * psi + machine.R_s * current
-    return 1.1 * max(machine.inv_L_d, machine.inv_L_q) * u

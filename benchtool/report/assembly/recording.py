@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from benchtool.analysis import NOTHING, number, raw
+from benchtool.analysis import NOTHING, number, raw, undefined
 from benchtool.plan import Plan, recorded_plan
 from benchtool.recording import Bundle
 from benchtool.report.content import Facts, Grid, Item, Section, Text
-from benchtool.results import Assessment, Recorded, is_planned, undefined
+from benchtool.results import Assessment, Recorded, is_planned
 
 
 def plan_of(bundle: Bundle) -> Plan | None:

@@ -253,3 +253,18 @@ def test_the_peak_of_a_resonance_is_read_off_all_frequencies_around_it() -> None
     assert float(np.max(found[:, 1])) < 0.02  # less than that of any one
     falling = ResponseCurve(frequency_Hz, -10.0 * np.log10(1.0 + square), error_dB, 3.0)
     assert falling.resonance() == falling.greatest()  # no peak
+
+
+@pytest.mark.parametrize(("bend", "left"), [(0.0, 0.7), (0.003, 0.3)])
+def test_noise_is_taken_off_the_greatest_value_of_a_peak_and_of_a_plateau(bend: float, left: float) -> None:
+    """Noise of unit rms over five samples raises the greatest of 300 by 2.6 on a plateau."""
+    random, kernel = np.random.default_rng(7), np.full(5, 1.0 / np.sqrt(5.0))
+
+    def noise(records: int) -> NDArray[np.float64]:
+        white = random.standard_normal((records, 304))
+        return np.array([np.convolve(each, kernel, mode="valid") for each in white])
+
+    shape = -bend * (np.arange(300.0) - 149.5) ** 2
+    found = np.array([NoisyCurve(shape + each, noise(80)).greatest() for each in noise(60)])
+    assert abs(np.mean(found[:, 0])) < left
+    assert 0.7 < np.sqrt(np.mean((found[:, 0] / found[:, 1]) ** 2)) < 1.4

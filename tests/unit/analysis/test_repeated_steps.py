@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from benchtool.analysis.repeated_steps import noise_beside, repeated_steps
+from benchtool.analysis.repeated_steps import noise_beside, repeated_steps, share_left
 
 PER_PERIOD, PERIODS, STEP = 461.3, 33, 0.04
 
@@ -47,3 +47,16 @@ def test_noise_hides_the_steps() -> None:
     assert repeated_steps(0.0, phasors, STEP, STEP, 10_000.0, 20) is None
     assert noise_beside(STEP**2 / 12.0, STEP) == 0.0
     assert noise_beside(STEP**2 / 12.0 + 9.0, STEP) == pytest.approx(3.0)
+
+
+@pytest.mark.parametrize("noise_rms", [0.0, 0.1, 0.25, 0.4])
+def test_steps_under_noise_leave_what_the_distribution_of_readings_says(noise_rms: float) -> None:
+    """The mean reading at each place of a level, by Laplace's distribution function between thresholds."""
+    places = (np.arange(400) + 0.5) / 400.0 - 0.5
+    edges = np.arange(-8, 8) + 0.5 - places[:, np.newaxis]
+    scale = max(noise_rms / np.sqrt(2.0), 1e-9)
+    above = np.where(edges < 0.0, 1.0 - 0.5 * np.exp(np.minimum(edges, 0.0) / scale),
+                     0.5 * np.exp(-np.maximum(edges, 0.0) / scale))  # fmt: skip
+    errors = np.sum(above, axis=1) - 8.0 - places
+    of_steps = STEP * float(np.sqrt(np.mean(errors**2)))
+    assert share_left(noise_rms * STEP, STEP) * STEP / np.sqrt(12.0) == pytest.approx(of_steps, rel=0.03)

@@ -119,7 +119,10 @@ def test_step_latency_does_not_take_earlier_noise_for_the_answer() -> None:
     found = [_measured(*_noisy(1.0, 0.03, seed))["step_latency"] for seed in range(20)]
     # the lag has gone 2 % after a fifth of a row
     assert np.median(found) == pytest.approx(5.2 / RATE_HZ, abs=0.7 / RATE_HZ)
-    assert np.count_nonzero(np.array(found) < 4 / RATE_HZ) <= 1
+    # noise that is taken for it would be anywhere in the rows before; extrapolated from where the curve
+    # clears it to twice as far, the start scattered by 0.77 rows
+    assert np.min(found) > 3.2 / RATE_HZ
+    assert np.std(found) < 0.6 / RATE_HZ
 
 
 @pytest.mark.slow
