@@ -27,6 +27,7 @@ from benchtool.analysis.balances import (
     MOTION_BALANCE,
     Deviation,
     FluxBalanceSettings,
+    MotionBalanceSettings,
     contradictions,
     deviations,
 )
@@ -112,11 +113,10 @@ def _play(core: Core, plan: Plan) -> None:
 
 def estimates(block: Block, motor: Motor) -> tuple[Deviation, ...]:
     """Return every estimate of a capture beside its belief."""
-    window, settings = Window.of(block, motor), FluxBalanceSettings()
+    window = Window.of(block, motor)
     found = [
-        each
-        for kind in (FLUX_BALANCE, MOTION_BALANCE)
-        for each in kind.measure(window, settings).measurements
+        *FLUX_BALANCE.measure(window, FluxBalanceSettings()).measurements,
+        *MOTION_BALANCE.measure(window, MotionBalanceSettings()).measurements,
     ]
     believed = {name: float(getattr(motor, key)) for name, key in BELIEVED.items()}
     return deviations(found, believed, motor, U_DC)

@@ -266,6 +266,12 @@ class Known:
         }
 
     @property
+    def cogging_orders(self) -> tuple[int, ...]:
+        """How often in a revolution the parts of the cogging torque come that were found."""
+        orders = (each.basis.order for each in self.estimates.values())
+        return tuple(round(order) for order in orders if order is not None)
+
+    @property
     def compensation_s(self) -> float:
         """Dead time by which the drive takes off what dead time and devices take of a phase, as far as
         estimated."""

@@ -27,6 +27,7 @@ from benchtool.analysis.balances import (
     FluxBalance,
     FluxBalanceSettings,
     MotionBalance,
+    MotionBalanceSettings,
     contradictions,
     deviations,
     shared_cause,
@@ -166,7 +167,7 @@ def twin_of(block: Block, motor: Motor, case: str, bundle: Path, delay_ticks: in
     flux: FluxBalance = found.result
     refusal, moved = "", Findings(())
     try:
-        moved = MOTION_BALANCE.measure(window, settings)
+        moved = MOTION_BALANCE.measure(window, MotionBalanceSettings(delay_ticks=delay_ticks))
     except AnalysisError as refused:
         refusal = str(refused)
     signals = [*_currents(flux)]

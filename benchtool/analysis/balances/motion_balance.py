@@ -9,16 +9,20 @@ the encoder's angle is never differentiated (modulating functions: M. Shinbrot, 
     J int phi'' theta_m = int phi T + B int phi' theta_m - T_c int phi sign(omega_m) - T_0 int phi
 
 Windows in which the shaft stands or turns back are left out: what dry friction does there is not this law.
+
+Cogging is as large as the torque that swings a small rotor, and within a window it does not average out: for
+each order that is known the sine and the cosine of so many times the angle are unknowns beside these.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Annotated, Final
 
 import numpy as np
+from pydantic import Field
 
 from benchtool.analysis.balances.angle import smooth_angle
 from benchtool.analysis.balances.flux_balance import FluxBalance, FluxBalanceSettings, balance_of
@@ -88,13 +92,24 @@ def between_ticks_A(dead_time_V: float, T_s: float, L_d_H: float, L_q_H: float) 
     return _MOVED * abs(dead_time_V) * T_s / (0.5 * (L_d_H + L_q_H))
 
 
-def motion_balance(block: Block, motor: Motor, flux: FluxBalance) -> MotionBalance:
+class MotionBalanceSettings(FluxBalanceSettings):
+    """When the voltage of a row acts, and what torque the angle alone makes."""
+
+    cogging_orders: Annotated[tuple[Annotated[int, Field(ge=1, strict=True)], ...], Field(strict=False)] = ()
+    """How many times in a revolution each part of the cogging torque comes; without, none is taken to be
+    there."""
+
+
+def motion_balance(
+    block: Block, motor: Motor, flux: FluxBalance, cogging_orders: Sequence[int] = ()
+) -> MotionBalance:
     """Return inertia and friction under which torque and motion of a capture are balanced.
 
     Args:
         block: the capture of `flux`.
         motor: the inertia as it is believed, and the rating.
         flux: its flux balance.
+        cogging_orders: see `MotionBalanceSettings`.
 
     Raises:
         AnalysisError: the shaft does not turn long enough.
@@ -116,23 +131,30 @@ def motion_balance(block: Block, motor: Motor, flux: FluxBalance) -> MotionBalan
     angle = _windows(measured, used)
     angle = angle - angle[:, _WINDOW // 2, np.newaxis]
     direction = inside[used, 0].astype(np.float64)
+    names = list(_NAMES)
+    cogging = []
+    for order in cogging_orders:
+        names += [f"cogging_{order}_cos", f"cogging_{order}_sin"]
+        cogging += [T_s * _windows(wave(order * measured), used) @ weight for wave in (np.cos, np.sin)]
     columns = np.stack(
         [
             T_s * angle @ second,
             -T_s * angle @ first,
             direction * T_s * np.sum(weight),
             np.full(len(angle), T_s * np.sum(weight)),
+            *cogging,
         ],
         axis=1,
     )
     impulse = T_s * _windows(torque, used) @ weight
-    believed = np.array([motor.J_kgm2, 0.0, 0.0, 0.0])
+    believed = np.array([motor.J_kgm2, *(len(names) - 1) * (0.0,)])
     friction_Nm = _SPAN_OF_FRICTION * motor.T_N_Nm
-    spans = np.array([motor.J_kgm2, friction_Nm / motor.omega_m_N_rad_s, friction_Nm, friction_Nm])
+    of_shaft = (motor.J_kgm2, friction_Nm / motor.omega_m_N_rad_s, friction_Nm, friction_Nm)
+    spans = np.array([*of_shaft, *len(cogging) * (friction_Nm,)])
     blocks = {"block_rows": _BLOCK_ROWS, "most_blocks": _MOST_BLOCKS}
-    found = solve(_NAMES, columns, impulse - columns @ believed, believed, believed, spans, **blocks)
+    found = solve(names, columns, impulse - columns @ believed, believed, believed, spans, **blocks)
     at = found.values  # the equations are linear: with the errors that are left there, so is the covariance
-    solution = solve(_NAMES, columns, impulse - columns @ at, at, believed, spans, **blocks)
+    solution = solve(names, columns, impulse - columns @ at, at, believed, spans, **blocks)
     left = (impulse - columns @ solution.values) / (T_s * np.sum(weight))
     return MotionBalance(
         flux, solution, motor.pole_pairs, speed / T_s, len(angle), math.sqrt(float(np.mean(left**2)))
@@ -160,14 +182,14 @@ def _windows(samples: Floats, used: np.ndarray[tuple[int], np.dtype[np.bool_]]) 
     return np.asarray(views[used])
 
 
-def _of_window(window: Window, delay_ticks: int) -> MotionBalance:
-    flux = balance_of(window, delay_ticks)
+def _of_window(window: Window, settings: MotionBalanceSettings) -> MotionBalance:
+    flux = balance_of(window, settings.delay_ticks)
     assert window.motor is not None
-    return motion_balance(window.block, window.motor, flux)
+    return motion_balance(window.block, window.motor, flux, settings.cogging_orders)
 
 
-def _measure(window: Window, settings: FluxBalanceSettings) -> Findings:
-    found = _of_window(window, settings.delay_ticks)
+def _measure(window: Window, settings: MotionBalanceSettings) -> Findings:
+    found = _of_window(window, settings)
     rate_Hz = window.block.sample_rate_Hz
     basis = Basis(
         samples=found.windows * _WINDOW / 2,
@@ -220,7 +242,7 @@ MOTION_BALANCE: Final = Analysis(
         )
         for name in ESTIMATED
     ),
-    settings=FluxBalanceSettings,
+    settings=MotionBalanceSettings,
     measured=Measured.ON_REQUEST,
     channels=NEEDED,
     every_tick=True,

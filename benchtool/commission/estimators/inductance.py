@@ -19,8 +19,11 @@ current is less known than what it takes else. The changes are weighted by the i
 both make, which is tridiagonal: where noise is large beside that voltage, this is a fit to the flux linkage
 itself, and where it is small, to the periods with every phase clear of zero.
 
-Iron that saturates has a current of either sign take of the inductance: regressors by i_d^2 and by |i_q|
-between its first and its second power, as the one or the other is found, leave those of no current.
+Iron that saturates has a current take of the inductance. Along the flux of the magnets the sign matters,
+across it does not: the slope of one energy of both currents has regressors by i_d and i_d^2, one by i_q that
+both axes share, and by |i_q| and i_q^2. These leave the inductances of no current. The last two are hardly
+told apart and come as their sum and their difference, which is taken to be 0 with a standard deviation of the
+sum: iron bends by one of the powers, or between them.
 
 The current shakes the rotor, whose EMF (`ShakenRotor`) is as a capacitor in series, and couples both axes by
 its harmonics. One frequency cannot tell it from smaller inductances, and two can. It is linear in its factor
@@ -55,6 +58,8 @@ _LEAST_NOISE = 1e-4  # of the largest current
 _ROUNDS = 3  # with dead time and the shaken rotor by what the one before found
 _SUMMED = 12  # stretches of a capture, whose scores are taken to be independent
 _LINEAR = 6  # regressors of iron that does not saturate
+_BENDS_Q, _POWER_Q = 9, 10  # sum and difference of what i_q takes, by its first and second power
+_LEAST_BEND = 0.02  # of 1/L_q, by which that difference is unknown however little the sum is
 _OF_SHAKEN = slice(3, _LINEAR)  # of them, K and the changes of its harmonics
 _OF_SHARES = (4, 5)
 
@@ -84,11 +89,13 @@ class OfAxis:
 
 @dataclass(frozen=True)
 class _Round:
-    """What a round rests on: inductances of both axes in H, the rotor, and the error of a row, were rows
-    independent: their scatter about the fit, as much larger as that over stretches has it."""
+    """What a round rests on: inductances of both axes in H, by how much the largest i_q bends 1/L_q, the
+    rotor, and the error of a row, were rows independent: their scatter about the fit, as much larger as that
+    over stretches has it."""
 
     L_d_H: float
     L_q_H: float
+    bend_per_H: float
     rotor: ShakenRotor
     error: float
 
@@ -145,11 +152,8 @@ def _of_parts(
     """Return the estimates of white rows, shape (2, n, m) of each capture, and what the next round rests
     on."""
     flat = np.concatenate([part.reshape(-1, part.shape[2]) for part in parts])
+    taken = _taken(flat.shape[1], before)
     rotor, error = (ShakenRotor(), 1.0) if before is None else (before.rotor, before.error)
-    weight = error / SHARE_STANDARD
-    taken = np.zeros((2, flat.shape[1]))
-    taken[(0, 1), _OF_SHARES] = weight
-    taken[:, -1] = -weight * np.array([rotor.fifth, rotor.seventh])
     both = np.concatenate([flat, taken])
     A, y = both[:, :-1], both[:, -1]
     fit = least_squares(A, y, lost_dof=2 * (_SLOW + 1) * len(parts))
@@ -183,7 +187,21 @@ def _of_parts(
     if before is None:  # its column was the EMF as if all the inductance were 1 H
         K *= found.q.L_H
     rotor = rotor.moved(K, by_fifth, by_seventh)
-    return found, _Round(found.d.L_H, found.q.L_H, rotor, math.sqrt(float(np.mean(of_three))))
+    bend = float(fit.x[_BENDS_Q])
+    return found, _Round(found.d.L_H, found.q.L_H, bend, rotor, math.sqrt(float(np.mean(of_three))))
+
+
+def _taken(columns: int, before: _Round | None) -> NDArray[np.float64]:
+    """Return rows beside those of the data, shape (2 or 3, columns): what unknowns are taken to be."""
+    if before is None:
+        rows = np.zeros((2, columns))
+        rows[(0, 1), _OF_SHARES] = 1.0 / SHARE_STANDARD
+        return rows
+    rows = np.zeros((3, columns))
+    rows[(0, 1), _OF_SHARES] = before.error / SHARE_STANDARD
+    rows[:2, -1] = -before.error / SHARE_STANDARD * np.array([before.rotor.fifth, before.rotor.seventh])
+    rows[2, _POWER_Q] = before.error / math.hypot(before.bend_per_H, _LEAST_BEND / before.L_q_H)
+    return rows
 
 
 def _exact(L_H: float, RT: float) -> float:
@@ -225,10 +243,15 @@ def _changes(of: Turning, circuit: Circuit, aligned_rad: float, before: _Round |
         ]
     x = T_s * turned * (of.u_V - circuit.R_s_ohm * mean - taken_V)
     x_dq, share = x / axes, i_dq / largest_A
-    bends = share.real**2 * x_dq.real * axes
-    bends_q = np.abs(share.imag) * (1.0 + np.abs(share.imag)) * 1j * x_dq.imag * axes
+    of_magnet = share.real * x_dq.real
+    of_both = share.imag * x_dq.imag + 1j * (share.imag * x_dq.real + share.real * x_dq.imag)
+    first = 1j * np.abs(share.imag) * x_dq.imag
+    bends = of_magnet, of_both, share.real * of_magnet, first + np.abs(share.imag) * first
     shaken = [-T_s * axes * emf for emf in induced]
-    columns = (x, x.conj(), 1j * x.conj(), *shaken, bends, bends_q, turned * np.diff(i))
+    columns = [x, x.conj(), 1j * x.conj(), *shaken, *(axes * bend for bend in bends)]
+    if before is not None:
+        columns.append(axes * (first - np.abs(share.imag) * first))
+    columns.append(turned * np.diff(i))
     rows = slice(math.floor(_FROM * len(x)), None)
     unknown = np.where(clear[rows], _KNOWN * noise_A, max(unknown_A, _KNOWN * noise_A))
     return _white(np.column_stack(columns)[rows], noise_A, unknown)

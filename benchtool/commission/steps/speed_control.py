@@ -26,6 +26,7 @@ from benchtool.commission.tuning.bode_check import (
     numbers,
     repetitions,
 )
+from benchtool.commission.tuning.harmonic_brake import HarmonicBrake
 from benchtool.commission.tuning.loops import (
     SpeedLoop,
     has_room,
@@ -78,15 +79,15 @@ class SpeedControl:
         stimulus, stride = _sequence(known, loop)
         ticks = stimulus.ticks(known.control_period_s) * stimulus.repetitions
         duration_s = ticks * known.control_period_s
-        least, most = (share * known.motor.omega_m_N_rad_s for share in _SPEED_SHARES)
-        omega = min(max(_AMPLITUDES * stimulus.amplitude, least), most)
-        friction = known.friction_Nm(omega)
+        omega, brake = _turning_rad_s(known, stimulus), _brake(known, loop)
+        friction = known.friction_Nm(omega) + brake.torque_Nm(omega)
         assert stimulus.prbs_clock_s is not None
         assert stimulus.prbs_length is not None
         shaken = mean_square_of_sequence(
             loop, stimulus.amplitude, stimulus.prbs_clock_s, stimulus.prbs_length
         )
         squares = (friction**2 + shaken) / known.torque_per_A**2 + (_RIPPLE * known.vector_A) ** 2
+        squares += brake.current_squared_A2(omega)
         return (
             Excitation(
                 "sequence of the speed",
@@ -156,15 +157,47 @@ class SpeedControl:
 
 
 def speed_loop(known: Known) -> SpeedLoop:
-    """Return the loop for what is known of the shaft."""
+    """Return the loop for what is known of the shaft.
+
+    As long as no loop has shown its damping, it is that of friction, and of what harmonics of the EMF brake
+    at the speed of the check; without the latter where the loop would not keep gain margin and sensitivity
+    at standstill.
+    """
+    friction = max(0.0, known.value("friction", 0.0))
+    if _SEEN_FRICTION in known.estimates:
+        return _tuned(known, max(0.0, known.value(_SEEN_FRICTION, friction)))
+    loop = _tuned(known, friction)
+    damping = _brake(known, loop).damping_Nms(_turning_rad_s(known, _sequence(known, loop)[0]))
+    try:
+        damped = _tuned(known, friction + max(0.0, damping))
+    except ValueRefused:
+        return loop
+    return damped if has_room(replace(damped, friction_Nms=friction)) else loop
+
+
+def _brake(known: Known, loop: SpeedLoop) -> HarmonicBrake:
+    """Return what harmonics of the EMF brake; nothing under a law without a current controller."""
+    motor, inner = known.identified, loop.inner
+    if inner is None:
+        return HarmonicBrake(motor.pole_pairs, {}, ())
+    axes = [(replace(inner, decay=decay(known, L_H)), L_H) for L_H in (motor.L_d_H, motor.L_q_H)]
+    return HarmonicBrake(motor.pole_pairs, known.flux_harmonics, axes)
+
+
+def _turning_rad_s(known: Known, stimulus: Stimulus) -> float:
+    """Return the speed at which the sequence is added."""
+    least, most = (share * known.motor.omega_m_N_rad_s for share in _SPEED_SHARES)
+    return min(max(_AMPLITUDES * stimulus.amplitude, least), most)
+
+
+def _tuned(known: Known, friction_Nms: float) -> SpeedLoop:
     J = known.value("J", known.motor.J_kgm2)
     count_rad = 2.0 * math.pi / (4.0 * known.encoder_lines)
     heard = math.sqrt(_TORQUE_OF_A_COUNT * known.motor.T_N_Nm / (_OBSERVER * J * count_rad))
     decays = decay(known, known.identified.L_q_H)
     inner = inner_loop(known.law, current_loop(known).omega_rad_s, known.control_period_s, decays)
     crossover = min(current_loop(known).omega_rad_s / _CASCADE, heard)
-    friction = max(0.0, known.value(_SEEN_FRICTION, known.value("friction", 0.0)))
-    return tuned_speed_loop(crossover, known.value(_SEEN_J, J), friction, inner, known.control_period_s)
+    return tuned_speed_loop(crossover, known.value(_SEEN_J, J), friction_Nms, inner, known.control_period_s)
 
 
 def gains(known: Known) -> dict[str, float]:
@@ -203,8 +236,7 @@ def _without_orders(block: Block, rows: ExcitedRows, known: Known) -> Block:
     an eccentric encoder (once and twice in a revolution), sensors that differ (in an electrical one), and the
     harmonics of the EMF (six times in that)."""
     p, names = known.pole_pairs, [each.name for each in block.channels]
-    cogging = (each.basis.order for each in known.estimates.values() if each.basis.order is not None)
-    orders = sorted({1, 2, p, 2 * p, 6 * p, *cogging})
+    orders = sorted({1, 2, p, 2 * p, 6 * p, *known.cogging_orders})
     place, played = names.index("omega_m"), slice(rows.begin_row, rows.end_row)
     row_s = block.stride * block.tick_s
     orders = [each for each in orders if each * float(np.mean(block.data[played, place])) * row_s < math.pi]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from benchtool.analysis.balances import (
     UNEXPLAINED,
     Deviation,
     FluxBalanceSettings,
+    MotionBalanceSettings,
     between_ticks_A,
     contradictions,
     deviations,
@@ -44,11 +46,16 @@ _NEAR_ZERO = 0.5  # of the voltage of the dead time: within the ripple of the cu
 _FOLLOWS = 0.5  # of the speed asked for
 _BY_RIPPLE = ("L_d", "L_q")  # which a current without ripple does not tell
 _ELECTRICAL = ("R_s", "L_d", "L_q", "psi_r", "encoder_offset")
+_COMPENSATION = "dead_time_compensation"
 _DEAD_TIME = "flux_balance_dead_time_voltage"
 
 
 class Verification:
-    """Swing the speed both ways, ever faster, with every parameter as it is to be kept.
+    """Swing the speed both ways, ever faster, with every parameter as it is to be kept but one.
+
+    The drive does not compensate dead time meanwhile. It does that by the sign of a current that it predicts,
+    once in a period; the balance has the sign at each edge, and where a ripple crosses zero the two differ by
+    up to twice the dead time's voltage, which no parameter explains.
 
     The flux balance and the balance of torque of that one capture tell R_s, L_d, L_q, psi_r, J and the angle
     of the encoder again, by another method than the steps. Where they contradict these, nothing is kept.
@@ -80,13 +87,16 @@ class Verification:
         swung = mean_square_of_chirp(speed_loop(known), amplitude, _FIRST_SHARE * last_Hz, last_Hz)
         squares = (swung + friction**2) / known.torque_per_A**2 + (_RIPPLE * known.vector_A) ** 2
         rows = math.floor(duration_s / known.control_period_s)
+        parameters = {**known.in_force, **gains(known)}
+        if _COMPENSATION in parameters:
+            parameters[_COMPENSATION] = 0.0
         return (
             Excitation(
                 "swing of the speed",
                 stimulus,
                 CaptureRequest(_CHANNELS, rows),
                 squares * duration_s,
-                {**known.in_force, **gains(known)},
+                parameters,
                 settle_s=0.2,
                 work_J=friction * 2.0 / math.pi * amplitude * duration_s,
                 mode=Mode.VELOCITY,
@@ -104,9 +114,14 @@ class Verification:
         (block,) = blocks
         window = Window.of(of_a_sine(block, known), known.identified)
         found: list[Measurement] = []
-        for kind in (FLUX_BALANCE, MOTION_BALANCE):
+        with_cogging = MotionBalanceSettings(cogging_orders=known.cogging_orders)
+        balances = (
+            (FLUX_BALANCE, partial(FLUX_BALANCE.measure, window, FluxBalanceSettings())),
+            (MOTION_BALANCE, partial(MOTION_BALANCE.measure, window, with_cogging)),
+        )
+        for kind, measure in balances:
             try:
-                found += sound_balance(kind.measure(window, FluxBalanceSettings()).measurements, known)
+                found += sound_balance(measure().measurements, known)
             except AnalysisError as reason:
                 definition = "second opinion by the balance of the verification run"
                 found.append(Measurement.undefined(kind.name, "", definition, str(reason)))
@@ -154,16 +169,16 @@ def sound_balance(found: Sequence[Measurement], known: Known) -> Sequence[Measur
     """Return the estimates of a balance.
 
     Raises:
-        AnalysisError: they rest on a dead time that is not there.
+        AnalysisError: they rest on another dead time than the one that was found.
     """
     dead = next((each for each in found if each.name == _DEAD_TIME and each.uncertainty is not None), None)
     if dead is not None and dead.uncertainty is not None:
         near_zero_V = _NEAR_ZERO * abs(known.drop_V)
-        if abs(dead.value) > max(SURE * dead.uncertainty.standard, near_zero_V):
+        if abs(dead.value - known.drop_V) > max(SURE * dead.uncertainty.standard, near_zero_V):
             raise AnalysisError(
-                f"the balance takes {dead.value:.3g} V for dead time beside the {known.drop_V:.3g} V that "
-                f"several levels of current have told and the drive makes up for, and a wrong part for the "
-                f"resistance with it: the swing takes too little current to tell them apart"
+                f"the balance takes {dead.value:.3g} V for dead time, several levels of current have told "
+                f"{known.drop_V:.3g} V, and a wrong part for the resistance with it: the swing takes too "
+                f"little current to tell them apart"
             )
     return found
 
@@ -207,8 +222,8 @@ def _combined(each: Deviation, known: Known, current_A: float) -> float:
 
     A balance is taken that leaves a few percent of the voltage unexplained, and an inductance may be off by
     as much: the voltage of a law whose ripple tells it is nearly all across it. An inertia may be off by what
-    the mean current within a period differs from the samples at its ends, with the whole dead time: what
-    the drive adds for it acts over the period, and the dead time near one end.
+    the mean current within a period differs from the samples at its ends, with dead time that acts near one
+    of them.
     """
     other = known.estimates.get(each.name)
     motor = known.identified

@@ -56,6 +56,20 @@ class CurrentLoop:
         numerator, denominator = self._open(z)
         return np.asarray(numerator / ((z - 1.0) * denominator))
 
+    def admittance(self, omega_rad_s: float, L_H: float) -> complex:
+        """Return mean current over a voltage that drives it, such as an EMF, at an angular frequency, 1/ohm.
+
+        That voltage acts at once, and the current is not predicted with it: i[k+1] is
+        a i[k] + g (u[k-1] + e[k]) with voltages times T_s / L. The mean of a period lies between
+        the currents at its ends.
+        """
+        z = cmath.exp(1j * omega_rad_s * self.T_s)
+        a = math.exp(-self.decay)
+        g = -math.expm1(-self.decay) / self.decay if self.decay else 1.0
+        of_PI = self.share * (1.0 + (self.decay / (z - 1.0) if self.decay else 0.0))
+        sampled = g * (z + of_PI) / ((z - a) * (z + of_PI) + g * of_PI * (1.0 - self.decay))
+        return 0.5 * (z + 1.0) * sampled * self.T_s / L_H
+
     def _open(self, z: Complex) -> tuple[Complex, Complex]:
         """Return numerator and denominator of the open loop times z - 1.
 

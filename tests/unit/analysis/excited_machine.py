@@ -2,7 +2,7 @@
 
     L_d d i_d/dt = u_d - R_s i_d + omega_e L_q i_q
     L_q d i_q/dt = u_q - R_s i_q - omega_e (L_d i_d + psi_r)
-    J d omega_m/dt = 3/2 p (psi_r + (L_d - L_q) i_d) i_q - B omega_m - T_c sign(omega_m)
+    J d omega_m/dt = 3/2 p (psi_r + (L_d - L_q) i_d) i_q - B omega_m - T_c sign(omega_m) - T_n sin(n theta_m)
 
 by Heun's method, four steps a tick. The voltage is the mean one, less what dead time takes from each phase.
 """
@@ -40,6 +40,8 @@ class Truth:
     motor: Motor = EXAMPLE_MOTOR
     friction_Nms: float = 0.0
     coulomb_Nm: float = 0.0
+    cogging_Nm: float = 0.0
+    cogging_order: int = 0
     dead_time_V: float = 0.0
     encoder_offset_rad: float = 0.0
     gains: tuple[float, float, float] = (1.0, 1.0, 1.0)
@@ -123,6 +125,7 @@ def _rates(
     di_q = (u_q - m.R_s_ohm * i_dq.imag - omega_e * (m.L_d_H * i_dq.real + m.psi_r_Wb)) / m.L_q_H
     torque = 1.5 * m.pole_pairs * (m.psi_r_Wb + (m.L_d_H - m.L_q_H) * i_dq.real) * i_dq.imag
     rubbing = truth.friction_Nms * omega_m + (math.copysign(truth.coulomb_Nm, omega_m) if omega_m else 0.0)
+    torque -= truth.cogging_Nm * math.sin(truth.cogging_order * theta_m)
     return complex(di_d, di_q), 0.0 if held else (torque - rubbing) / m.J_kgm2
 
 

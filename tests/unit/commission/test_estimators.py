@@ -193,6 +193,37 @@ def test_harmonics_of_the_rotor_flux_of_a_shaken_rotor_that_moves() -> None:
     assert L_q == pytest.approx(L_Q, rel=0.0015)
 
 
+def saturating(periods: float, u_V: float, power: int) -> Turning:
+    """A machine that stands under a voltage with a constant part. Its magnets already saturate the iron along
+    the flux; across it, this power of the flux linkage bends the current, and either flux the other current
+    as well, by one energy."""
+    n, fine = 900, 20
+    u = u_V * np.arange(n) / n * np.exp(2j * math.pi * np.arange(n) / periods) + 0.15
+    psi_d = psi_q = 0.0
+    currents = [0j]
+    for voltage in u:
+        for _ in range(fine):
+            at_d, at_q = psi_d / 1.5e-3, psi_q / 2e-3
+            i_d = psi_d / L_D * (1.0 + 0.2 * at_d) + 0.1 * at_q**2
+            i_q = psi_q / L_Q * (1.0 + 0.2 * abs(at_q) ** power) + 0.2 * at_d * at_q * 2e-3 / 1.5e-3
+            psi_d += T_S / fine * (voltage.real - R_S * i_d)
+            psi_q += T_S / fine * (voltage.imag - R_S * i_q)
+        at_d, at_q = psi_d / 1.5e-3, psi_q / 2e-3
+        i_d = psi_d / L_D * (1.0 + 0.2 * at_d) + 0.1 * at_q**2
+        i_q = psi_q / L_Q * (1.0 + 0.2 * abs(at_q) ** power) + 0.2 * at_d * at_q * 2e-3 / 1.5e-3
+        currents.append(complex(i_d, i_q))
+    noise = np.random.default_rng(7).normal(0.0, 0.002, (n + 1, 3))
+    return Turning(u, phases_of(np.array(currents)) + noise)
+
+
+@pytest.mark.parametrize("power", [1, 2])
+def test_inductances_without_current_of_iron_that_saturates(power: int) -> None:
+    L_d, _, L_q, u_q = estimated([saturating(14.0, 3.0, power), saturating(31.0, 1.5, power)])
+    assert L_d == pytest.approx(L_D, rel=0.004)
+    assert L_q == pytest.approx(L_Q, rel=0.01)
+    assert u_q < 0.005 * L_Q
+
+
 def test_the_uncertainty_of_the_inductances_holds(captures: list[Turning]) -> None:
     rng = np.random.default_rng(8)
     L_d0, _, L_q0, _ = estimated(captures)

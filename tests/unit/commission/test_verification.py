@@ -71,7 +71,7 @@ def test_an_inertia_is_compared_with_what_dead_time_does_between_samples(off: fl
 
 
 def test_a_balance_that_takes_the_resistance_for_dead_time_tells_nothing() -> None:
-    """A hub motor of 0.24 ohm with 1.4 V of dead time was balanced by -0.15 ohm and 0.8 V more."""
+    """A hub motor of 0.24 ohm with 1.4 V of dead time was balanced by -0.15 ohm and 2.2 V."""
     known = KNOWN.with_drop(1.4)
 
     def balance(dead_time_V: float, standard_V: float) -> list[Measurement]:
@@ -79,9 +79,9 @@ def test_a_balance_that_takes_the_resistance_for_dead_time_tells_nothing() -> No
         name = "flux_balance_dead_time_voltage"
         return [*told(R_S).values(), Measurement(name, dead_time_V, "V", "", uncertainty=certain)]
 
-    for dead_time_V, standard_V in ((0.1, 0.01), (0.6, 0.01), (0.8, 0.3)):
+    for dead_time_V, standard_V in ((1.3, 0.01), (0.8, 0.01), (2.2, 0.3)):
         assert len(sound_balance(balance(dead_time_V, standard_V), known)) == 3
-    for dead_time_V in (0.8, -0.8):
-        with pytest.raises(AnalysisError, match=r"for dead time beside the 1\.4 V that several levels"):
+    for dead_time_V in (2.2, 0.6, 0.0):
+        with pytest.raises(AnalysisError, match=r"for dead time, several levels of current have told 1\.4 V"):
             sound_balance(balance(dead_time_V, 0.04), known)
     assert sound_balance([], known) == []
