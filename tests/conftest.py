@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import os
 import threading
 from collections import Counter
 from collections.abc import Generator, Iterator
@@ -10,6 +11,10 @@ from typing import Final
 
 import pytest
 from hypothesis import HealthCheck, settings
+
+# As in the command line, before numpy is imported, here and in the workers: further threads of linear algebra
+# take the processor from the other tests.
+os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 from benchtool.cli.exit_codes import OBJECTS
 from benchtool.link import import_can_without_mdf
