@@ -44,6 +44,8 @@ _FEWEST_ROWS, _MOST_ROWS = 1500, 8000
 _LEFT_OUT = 0.0015  # decision 0119
 _ROUNDED = 0.008  # of the voltage of dead time and devices: what its course near zero current is off by
 _SURE = 3.0  # standard uncertainties, from which on saturation is taken off
+_OF_CURVE = 3.0  # degrees of freedom of its curve
+_BENT = 0.2  # of L_d: what it differs by between both signs of the current at most, where no curve tells
 _FACTOR = 1.35  # of the nameplate's flux, that no magnet is off by
 _AS_STATED, _NEAR = 1.21, 0.04  # a deviation that tells nothing; of a factor between two conventions
 _ANGLE_RAD = math.radians(8.0)
@@ -103,12 +105,12 @@ class BackEmf:
             reason = f"the shaft may turn {known.travel_rad:.3g} rad only: no EMF worth measuring"
             return {"psi_r": Measurement.undefined("psi_r", "Wb", definition, reason)}
         captures = [_Capture.of(block, known) for block in blocks]
-        lopsided, share = _lopsided(known), _dead_share(captures, known)
+        (lopsided_Wb, saturation), share = _lopsided(known), _dead_share(captures, known)
         turning = _turning(captures, known, share.taken_V)
         omega = np.array([each.omega_e_rad_s for each in turning])
-        found = _regression(np.array([each.psi_r_Wb for each in turning]) - lopsided.value, omega)
+        found = _regression(np.array([each.psi_r_Wb for each in turning]) - lopsided_Wb, omega)
         moved = _turning(captures, known, share.taken_at(share.value + share.standard))
-        other = _regression(np.array([each.psi_r_Wb for each in moved]) - lopsided.value, omega)
+        other = _regression(np.array([each.psi_r_Wb for each in moved]) - lopsided_Wb, omega)
         rows = sum(len(block.data) for block in blocks)
         own = math.sqrt(sum(each.psi_r_standard_Wb**2 for each in turning)) / len(turning)
         lines = [
@@ -123,7 +125,7 @@ class BackEmf:
             Contribution("dead time across the flux", "B", _across_Wb(blocks[-1], turning[-1], known)),
             Contribution("dead time near zero current", "B", _rounded_Wb(turning[-1], known)),
             Contribution("dead time and devices, their shares", "A", abs(other.psi_Wb - found.psi_Wb)),
-            Contribution("saturation", "A", lopsided.uncertainty.standard if lopsided.uncertainty else 0.0),
+            saturation,
             Contribution("what the equation leaves out", "B", found.psi_Wb * _LEFT_OUT / math.sqrt(3.0)),
         ]
         measured = [
@@ -161,22 +163,21 @@ class BackEmf:
         return tuple(findings)
 
 
-def _lopsided(known: Known) -> Measurement:
-    """Return by how much a current along the rotor flux raises that, mean of forth and back, as the curve of
-    saturation has it; 0 where that tells no difference between both signs."""
-    definition = "mean change of the flux by a current along it, forth and back"
+def _lopsided(known: Known) -> tuple[float, Contribution]:
+    """Return by how much a current along the rotor flux raises that in Wb, mean of forth and back, as the
+    curve of saturation has it, with its uncertainty; 0 where that tells no difference between both signs."""
     percent = CURVE_PERCENT[-1]
     forth, back = (known.estimates.get(f"L_d_at_{sign}{percent}") for sign in ("", "minus_"))
+    per_H = 0.5 * _amplitude_A(known) ** 2 / (percent / 100.0 * known.I_N_A)
     if forth is None or back is None:
-        return Measurement("lopsided", 0.0, "Wb", definition)
-    at_A, amplitude_A = percent / 100.0 * known.I_N_A, _amplitude_A(known)
-    per_H = 0.5 * amplitude_A**2 / at_A
-    standard = math.hypot(*(each.uncertainty.standard for each in (forth, back) if each.uncertainty))
-    difference = forth.value - back.value
-    if abs(difference) < _SURE * standard:
-        return Measurement("lopsided", 0.0, "Wb", definition)
-    u = Uncertainty(per_H * standard, "saturation curve", 3.0)
-    return Measurement("lopsided", per_H * difference, "Wb", definition, uncertainty=u)
+        half_width_Wb = per_H * _BENT * known.identified.L_d_H
+        return 0.0, Contribution(
+            "saturation, of which no curve is known", "B", half_width_Wb / math.sqrt(3.0)
+        )
+    standard_H = math.hypot(*(each.uncertainty.standard for each in (forth, back) if each.uncertainty))
+    difference_H = forth.value - back.value
+    told = abs(difference_H) >= _SURE * standard_H
+    return per_H * difference_H * told, Contribution("saturation", "A", per_H * standard_H, _OF_CURVE)
 
 
 def _amplitude_A(known: Known) -> float:
