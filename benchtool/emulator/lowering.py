@@ -79,7 +79,7 @@ class _Passes(PassManager):
 class _Remembering:
     """A typing context of numba's that remembers what operators of numbers give.
 
-    numba finds it anew at each operator in the source, and asks first whether it is one of arrays, which
+    numba finds it again at each operator in the source, and asks first whether it is one of arrays, which
     takes a tenth of all the time that it compiles.
     """
 
