@@ -101,7 +101,9 @@ def halved(x: float) -> float:
 
 
 @pytest.mark.parametrize("damage", ["empty", "no header", "cut", "no object", "one bit"])
-def test_a_damaged_file_is_compiled_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, damage: str) -> None:
+def test_a_damaged_file_is_compiled_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, damage: str
+) -> None:
     monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
     assert entry(tmp_path, halved)(3.0) == 1.5
     (kept,) = tmp_path.rglob("*.o")
