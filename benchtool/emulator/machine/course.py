@@ -14,7 +14,7 @@ from typing import NamedTuple
 from benchtool.emulator.jit import called, njit
 from benchtool.emulator.machine.averaging import Addition, of_odd_ripple, torque_slopes, turned
 from benchtool.emulator.machine.coefficients import Machine
-from benchtool.emulator.machine.inverter import SQRT3
+from benchtool.emulator.machine.inverter import inverse_clarke
 from benchtool.emulator.machine.plant import scaled_voltage
 from benchtool.emulator.machine.state import State, stationary_currents, with_currents
 
@@ -102,14 +102,7 @@ def slopes_of(
         k_beta += s * d_alpha - c * d_beta + turn_s * w_alpha - turn_c * w_beta
         l_alpha += turn_c * d_alpha + turn_s * d_beta
         l_beta += turn_s * d_alpha - turn_c * d_beta
-    return in_phases(k_alpha, k_beta), in_phases(l_alpha, l_beta)
-
-
-@njit
-def in_phases(alpha: float, beta: float) -> tuple[float, float, float]:
-    """Return the three phases of a vector."""
-    along, across = -0.5 * alpha, (0.5 * SQRT3) * beta
-    return alpha, along + across, along - across
+    return inverse_clarke(k_alpha, k_beta), inverse_clarke(l_alpha, l_beta)
 
 
 class Moments(NamedTuple):

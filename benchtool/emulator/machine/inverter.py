@@ -67,13 +67,20 @@ class PowerStage(NamedTuple):
 def phase_currents(x: State) -> tuple[float, float, float]:
     """Return the currents of the three phases, out of the legs into the motor."""
     i_alpha, i_beta = stationary_currents(x)
-    return i_alpha, -0.5 * i_alpha + 0.5 * SQRT3 * i_beta, -0.5 * i_alpha - 0.5 * SQRT3 * i_beta
+    return inverse_clarke(i_alpha, i_beta)
 
 
 @njit
 def clarke(a: float, b: float, c: float) -> tuple[float, float]:
     """Return the amplitude-invariant alpha and beta of three phase quantities."""
     return (2.0 * a - b - c) * (1.0 / 3.0), (b - c) * (1.0 / SQRT3)
+
+
+@njit
+def inverse_clarke(alpha: float, beta: float) -> tuple[float, float, float]:
+    """Return the three phases of a vector."""
+    along, across = -0.5 * alpha, (0.5 * SQRT3) * beta
+    return alpha, along + across, along - across
 
 
 @njit
