@@ -5,9 +5,9 @@ from __future__ import annotations
 import csv
 import itertools
 import re
-from collections import Counter, defaultdict
+from collections import defaultdict
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from benchtool.errors import RecordingError
 from benchtool.tables.stamps import is_stamp
@@ -45,7 +45,7 @@ class Column:
     What the name has in brackets is its unit where that is a unit, or a scale of which no SI unit is known
     (`[counts]`, `[%]`); `Iq[0]` and `i (phase a)` have none. Of a quotient of quantity and unit (`t/s`,
     `n/(1/min)`; ISO 80000-1:2022, 7.1.4) it is the latter. The cells of a column with `stamps` are times of
-    day, perhaps with a date.
+    day, perhaps with a date, which count in seconds.
     """
 
     name: str
@@ -113,7 +113,10 @@ def find_layout(text: bytes, source: str) -> Layout:
         rows[place] = not is_comment(lines[place]) and _is_row(cells, decimal, width, numeric, fewest=1)
         if not rows[place]:
             break
-    used = width - _empty_columns(sample, delimiter, width)
+    cells_of = [split(line.decode(errors="replace"), delimiter) for line in sample]
+    by_column = list(zip(*(cells for cells in cells_of if len(cells) == width), strict=True))
+    # columns at the end that are empty in every line are delimiters that end a line
+    used = max((number for number, cells in enumerate(by_column, 1) if any(cells)), default=width)
     head_lines = rows.index(True)
     columns = _columns(texts[:head_lines], delimiter, used)
     if not columns:
@@ -121,8 +124,10 @@ def find_layout(text: bytes, source: str) -> Layout:
         columns = _columns(texts[:head_lines], delimiter, used)
     begin = sum(len(line) + 1 for line in lines[:head_lines])
     columns += tuple(Column("", "") for _ in range(width - len(columns)))
-    stamps = _stamped(sample, delimiter, width)
-    columns = tuple(replace(column, stamps=one) for column, one in zip(columns, stamps, strict=True))
+    columns = tuple(
+        Column(each.name, "s", stamps=True) if _is_stamped(cells) else each
+        for each, cells in zip(columns, by_column, strict=True)
+    )
     return Layout(delimiter, decimal, columns, head_lines, begin)
 
 
@@ -205,23 +210,9 @@ def _is_row(
     return sum(numbers) >= (0.5 * len(numbers) if fewest is None else fewest) and all(fits)
 
 
-def _stamped(sample: Sequence[bytes], delimiter: str, width: int) -> list[bool]:
-    """Return which columns hold times of day in most of their cells."""
-    rows = [
-        cells for line in sample if len(cells := split(line.decode(errors="replace"), delimiter)) == width
-    ]
-    filled = [[cells[column] for cells in rows if cells[column]] for column in range(width)]
-    return [2 * sum(map(is_stamp, cells)) > len(cells) for cells in filled]
-
-
-def _empty_columns(sample: Sequence[bytes], delimiter: str, width: int) -> int:
-    """Return how many columns at the end are empty in every line: delimiters that end a line."""
-    last = Counter[int]()
-    for line in sample:
-        cells = split(line.decode(errors="replace"), delimiter)
-        if len(cells) == width:
-            last[max((number for number, cell in enumerate(cells, 1) if cell), default=0)] += 1
-    return width - max(last, default=width)
+def _is_stamped(cells: Sequence[str]) -> bool:
+    """Return whether most cells of a column that are not empty are times of day."""
+    return 2 * sum(map(is_stamp, cells)) > sum(map(bool, cells))
 
 
 def _columns(preamble: Sequence[str], delimiter: str, width: int) -> tuple[Column, ...]:

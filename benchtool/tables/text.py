@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -131,14 +131,12 @@ class TextTable:
                 f"{self.path} has no column '{wanted}', {self._listed()}: give a name or a number"
             )
         column = self.layout.columns[number]
-        if column.stamps:
-            asked = stated.unit or si_unit
-            if asked != "s":
-                raise AnalysisError(
-                    f"column '{wanted}' of {self.path} holds times of day, numbers in {asked} are expected: "
-                    f"choose another column, or name this one as the time"
-                )
-            column = replace(column, unit="s")
+        asked = stated.unit or si_unit
+        if column.stamps and asked != "s":
+            raise AnalysisError(
+                f"column '{wanted}' of {self.path} holds times of day, numbers in {asked} are expected: "
+                f"choose another column, or name this one as the time"
+            )
         unit, unit_from = (column.unit, "head") if column.unit else (si_unit, "assumed")
         if stated.unit:
             unit, unit_from = stated.unit, "option"
