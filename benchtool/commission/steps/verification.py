@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from functools import partial
 
 import numpy as np
 
@@ -15,7 +14,6 @@ from benchtool.analysis.balances import (
     SURE,
     UNEXPLAINED,
     Deviation,
-    FluxBalanceSettings,
     MotionBalanceSettings,
     between_ticks_A,
     contradictions,
@@ -114,14 +112,13 @@ class Verification:
         (block,) = blocks
         window = Window.of(of_a_sine(block, known), known.identified)
         found: list[Measurement] = []
-        with_cogging = MotionBalanceSettings(cogging_orders=known.cogging_orders)
-        balances = (
-            (FLUX_BALANCE, partial(FLUX_BALANCE.measure, window, FluxBalanceSettings())),
-            (MOTION_BALANCE, partial(MOTION_BALANCE.measure, window, with_cogging)),
-        )
-        for kind, measure in balances:
+        settings = MotionBalanceSettings(cogging_orders=known.cogging_orders)
+        for kind, measure in (
+            (FLUX_BALANCE, FLUX_BALANCE.measure),
+            (MOTION_BALANCE, MOTION_BALANCE.measure),
+        ):
             try:
-                found += sound_balance(measure().measurements, known)
+                found += sound_balance(measure(window, settings).measurements, known)
             except AnalysisError as reason:
                 definition = "second opinion by the balance of the verification run"
                 found.append(Measurement.undefined(kind.name, "", definition, str(reason)))
