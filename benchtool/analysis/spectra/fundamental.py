@@ -16,6 +16,7 @@ from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.regimes import STANDS_OUT, change_of_regime
 from benchtool.analysis.repeatability import wander_of_difference
 from benchtool.analysis.scatter import MeanError, error_of_series
+from benchtool.analysis.spectra.continuation import continuation
 from benchtool.analysis.spectra.noise import (
     aliased_quantisation,
     hann_quadrature,
@@ -37,9 +38,6 @@ _ABOVE_FLOOR = 4.0  # of the rms amplitude of a bin of noise: by chance once in 
 _BLOCKS = 64
 _FEWEST_AT_END = 12  # samples of an angle for a cubic
 _FEWEST_BLOCKS = 8
-_NOISE_AT_ENDS = 3.0 * math.sqrt(2.0)  # a spline scatters at each end three times as much as a period's phase
-_OF_PARABOLA = 1.5  # of many periods it scatters less, but what is left of the phase is no white noise
-_FEWEST_OF_PARABOLA, _LITTLE = 5, 0.3
 _USUALLY = 1.0 / 3.0  # of the most that is left
 _LEFT_OF_ROUNDS = 1.0 / 8.0  # of a phase that is followed in three rounds, each of which leaves a half
 _HIGHEST_TURNED, _QUARTERS, _TURNS = 13, 4, 0.5
@@ -120,21 +118,8 @@ def frequency(
         return Measurement.undefined(name, "Hz", text, reason, basis)
     rate_Hz = spectrum.samples / spectrum.duration_s
     per_rad_Hz = rate_Hz / (2.0 * math.pi * (track.samples - 1))
-    random, source = _random(spectrum, track, seen, by_tone)
-    by_ends = track.departure is not None or not math.isfinite(random.standard)
-    if not by_tone and by_ends and track.measured_rad is not None:
-        turned_rad, of_ends = _by_ends(track, track.measured_rad)
-        # what the signal does not do with the angle may be an error of the angle, at each end another
-        of_ends += (Contribution("departure of the signal", "B", math.sqrt(2.0) * seen.excess_rad),)
-        budget = [replace(each, standard=per_rad_Hz * each.standard) for each in of_ends]
-        source = "noise, bend and resolution of the angle at both ends"
-    else:
-        turned_rad = 2.0 * math.pi * track.periods
-        budget = [Contribution(source, "A", random.standard, random.dof)]
-        if by_tone and track.departure is None and spectrum.fundamental:
-            folded_rad = aliased_quantisation(spectrum, step) / spectrum.fundamental
-            of_steps = _OF_FOLDED * folded_rad / spectrum.duration_s
-            budget.append(Contribution("steps that fold to beside the fundamental", "B", of_steps))
+    turned_rad, lines, source = _turned(spectrum, track, seen, by_tone, step)
+    budget = [replace(each, standard=per_rad_Hz * each.standard) for each in lines]
     clock = "; the clock is left out" if rate_relative is None else ", and of the rate by the time stamps"
     # residue of Newton's method and rounding in a phase
     rounding_rad = 1e-9 + np.finfo(float).eps * 2.0 * math.pi * spectrum.periods
@@ -165,35 +150,47 @@ def _between_records(spectrum: CoherentSpectrum, track: PhaseTrack, seen: Wander
     return Contribution(name, "A", wander.standard / (2.0 * math.pi * duration_s), wander.dof)
 
 
-def _random(
-    spectrum: CoherentSpectrum, track: PhaseTrack, seen: Wander, by_tone: bool
-) -> tuple[MeanError, str]:
-    """Return the standard uncertainty of the frequency by noise, and what it is from."""
-    turns = 2.0 * math.pi * spectrum.duration_s
-    if not by_tone:
-        return _of_angle(track, spectrum), "deviation of the angle from its fit, by parts of the record"
-    if track.departure is not None:
-        left_rad = float(np.std(seen.phase_rad))
-        noise_rad = max(seen.noise_rad, left_rad)
-        noise_rad *= _OF_PARABOLA if _is_steady_drift(track, spectrum, noise_rad) else _NOISE_AT_ENDS
-        ends_rad = math.hypot(noise_rad, 2.0 * _beyond_rad(track, spectrum, seen))
-        both_ends = MeanError(ends_rad / turns, float(len(seen.phase_rad) - 1))
-        return (
-            both_ends,
-            "what is left of the followed phase at both ends, and its bend beyond the last period",
-        )
+def _turned(
+    spectrum: CoherentSpectrum, track: PhaseTrack, seen: Wander, by_tone: bool, step: float
+) -> tuple[float, list[Contribution], str]:
+    """Return the phase, rad, from the first to the last row, its budget, and in words what that is from."""
+    smooth_rad = 2.0 * math.pi * track.periods
+    if by_tone and track.departure is not None:
+        source = "what is left of the followed phase, and its continuation to both ends"
+        turned_rad, standard = _to_both_ends(track, spectrum, seen)
+        return turned_rad, [Contribution(source, "A", standard, float(len(seen.phase_rad) - 1))], source
+    if by_tone:
+        source = "noise beside the fundamental, by the sine fit under a Hann window"
+        noise = _of_sine_fit(spectrum)
+        lines = [Contribution(source, "A", noise.standard, noise.dof)]
+        if spectrum.fundamental:
+            folded_rad = aliased_quantisation(spectrum, step) / spectrum.fundamental
+            of_steps = 2.0 * math.pi * _OF_FOLDED * folded_rad
+            lines.append(Contribution("steps that fold to beside the fundamental", "B", of_steps))
+        return smooth_rad, lines, source
+    scatter = _of_angle(track)
+    if track.measured_rad is None or (track.departure is None and math.isfinite(scatter.standard)):
+        source = "deviation of the angle from its fit, by parts of the record"
+        return smooth_rad, [Contribution(source, "A", scatter.standard, scatter.dof)], source
+    turned_rad, of_ends = _by_ends(track, track.measured_rad)
+    # what the signal does not do with the angle may be an error of the angle, at each end another
+    departed = Contribution("departure of the signal", "B", math.sqrt(2.0) * seen.excess_rad)
+    return turned_rad, [*of_ends, departed], "noise, bend and resolution of the angle at both ends"
+
+
+def _of_sine_fit(spectrum: CoherentSpectrum) -> MeanError:
+    """Return the uncertainty, by noise, of the phase over the record of a sine fit under a Hann window."""
     noise = line_noise(spectrum, np.array([spectrum.periods]))
     beside = MeanError(float(noise.quadrature[0]), float(noise.dof[0]))
     windowed = hann_quadrature(spectrum)
     if _LEAKS * windowed.standard**2 < beside.standard**2:
         beside = windowed
     phase_rad = beside.standard / spectrum.fundamental if spectrum.fundamental else math.nan
-    found = MeanError(_HANN_FIT * phase_rad / turns, beside.dof)
-    return found, "noise beside the fundamental, by the sine fit under a Hann window"
+    return MeanError(_HANN_FIT * phase_rad, beside.dof)
 
 
-def _of_angle(track: PhaseTrack, spectrum: CoherentSpectrum) -> MeanError:
-    """Return the uncertainty of the slope of an angle's fit, by the scatter over parts of the record.
+def _of_angle(track: PhaseTrack) -> MeanError:
+    """Return the uncertainty of the phase over the record of an angle's fit, by the scatter over its parts.
 
     The slope is the sum of (t - mean t) times deviation over the sum of (t - mean t)^2.
     """
@@ -209,18 +206,7 @@ def _of_angle(track: PhaseTrack, spectrum: CoherentSpectrum) -> MeanError:
         moments.append(float((number - 0.5 * (count - 1)) @ left))
     scatter = error_of_series(np.array(moments))
     slope = scatter.standard * parts / (count * (count**2 - 1.0) / 12.0)
-    rate_Hz = spectrum.samples / spectrum.duration_s
-    return MeanError(slope * rate_Hz / (2.0 * math.pi), min(scatter.dof, parts - 3.0))
-
-
-def _is_steady_drift(track: PhaseTrack, spectrum: CoherentSpectrum, noise_rad: float) -> bool:
-    """Return whether a followed phase is a parabola, but for much less than the noise of a period's."""
-    marks = _marks(spectrum)
-    if len(marks) < _FEWEST_OF_PARABOLA:
-        return False
-    phase = track.at(marks)
-    parabola = Polynomial.fit(marks, phase, 2)
-    return float(np.std(phase - parabola(marks))) < _LITTLE * noise_rad
+    return MeanError(slope * (count - 1), min(scatter.dof, parts - 3.0))
 
 
 def _marks(spectrum: CoherentSpectrum) -> NDArray[np.float64]:
@@ -229,22 +215,30 @@ def _marks(spectrum: CoherentSpectrum) -> NDArray[np.float64]:
     return np.arange(FIRST_ROW + 0.5 * per_period, FIRST_ROW + spectrum.samples, per_period)
 
 
-def _beyond_rad(track: PhaseTrack, spectrum: CoherentSpectrum, seen: Wander) -> float:
-    """Return the possible bend of a followed phase beyond the middle of the last period."""
+def _to_both_ends(track: PhaseTrack, spectrum: CoherentSpectrum, seen: Wander) -> tuple[float, float]:
+    """Return the phase of a followed tone from the first to the last row, and its standard uncertainty, rad.
+
+    The phases of periods reach to half a period from there, or one and a half: the rest is a continuation.
+    """
     per_period = spectrum.samples / spectrum.periods
-    bend = np.diff(track.at(_marks(spectrum)), n=2)
-    left = (track.samples - FIRST_ROW - spectrum.samples) / per_period + 0.5
-    if not len(bend):
-        return 0.0
-    # a steady drift goes on, but for what the rounds have left of it
-    of_rounds = _LEFT_OF_ROUNDS * float(np.mean(bend))
-    count = len(seen.phase_rad)
-    if count >= _FEWEST_OF_PARABOLA:
-        parabola, covariance = np.polyfit(np.arange(count), seen.phase_rad, 2, cov="unscaled")
-        scatter = float(np.std(seen.phase_rad)) * math.sqrt(float(covariance[0, 0]))
-        of_rounds *= _USUALLY
-        of_rounds = math.hypot(of_rounds, 2.0 * float(parabola[0]), 2.0 * scatter)
-    return 0.5 * left**2 * math.hypot(float(np.std(bend)), of_rounds)
+    marks = _marks(spectrum)
+    phase_rad = track.at(marks) + seen.phase_rad
+    going_on = continuation(phase_rad)
+    left_rad = 0.5 * _left_of_rounds(track, seen, marks)
+    ends_rad, square = [], 2.0 * float(np.var(seen.phase_rad))
+    for rows, phases in ((marks[0], phase_rad[::-1]), (track.samples - 1.0 - marks[-1], phase_rad)):
+        by = rows / per_period
+        ends_rad.append(float(going_on.weights(by) @ phases[-going_on.size :]))
+        square += going_on.error2(by) + (left_rad * by**2) ** 2
+    return ends_rad[1] - ends_rad[0], math.sqrt(square)
+
+
+def _left_of_rounds(track: PhaseTrack, seen: Wander, marks: NDArray[np.float64]) -> float:
+    """Return what the rounds of following leave of a steady bend, rad a period each period."""
+    bend = _USUALLY * _LEFT_OF_ROUNDS * float(np.mean(np.diff(track.at(marks), n=2)))
+    parabola, covariance = np.polyfit(np.arange(len(marks)), seen.phase_rad, 2, cov="unscaled")
+    scatter = float(np.std(seen.phase_rad)) * math.sqrt(float(covariance[0, 0]))
+    return math.hypot(bend, 2.0 * float(parabola[0]), 2.0 * scatter)
 
 
 def _by_ends(track: PhaseTrack, measured_rad: NDArray[np.float64]) -> tuple[float, tuple[Contribution, ...]]:

@@ -17,13 +17,14 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.distributions import fisher_above
 from benchtool.analysis.periods import PhaseTrack
+from benchtool.analysis.spectra.continuation import FEWEST, continuation
 from benchtool.analysis.spectra.spectrum import FIRST_ROW, CoherentSamples, coherent_samples
 
 _OFF_RAD = 2e-3  # rms: at which harmonic 50 reads 0.5 % low
 _LEFT_RAD = 5e-5  # rms: once followed, closer, because a period that is off by x reads its phase off by x / 2
 _BY_CHANCE = 1e-4
 _FEWEST_PERIODS = 4  # and so many phases, from which a wander is told from noise
-_FEWEST_KNOTS = 5  # of a smoothing spline
+_BEYOND = 2  # periods: to where an end of the record may be, and one to spare
 _ROUNDS = 3
 _ASIDE = 10  # share of the periods at either end that alone does not justify following
 _MEDIAN_DEVIATION = 0.6745  # median of the magnitude of a normal deviate
@@ -169,12 +170,12 @@ def _by_angle(track: PhaseTrack, samples_per_period: float) -> tuple[PhaseTrack 
     number, departure = _means_of_angle(track, track.measured_rad, size)
     whole_number, whole = _means_of_angle(track, track.measured_rad, max(1, round(samples_per_period)))
     within_rad = 0.0
-    if len(whole) >= _FEWEST_KNOTS:
+    if len(whole) >= FEWEST:
         inner = (number >= whole_number[0]) & (number <= whole_number[-1])
         within_rad = float(np.std(departure[inner] - np.interp(number[inner], whole_number, whole)))
         if within_rad < _OF_STEPS * track.resolution_rad:
             number, departure, within_rad = whole_number, whole, 0.0
-    if len(number) < _FEWEST_KNOTS or not float(np.std(departure)) > _OFF_RAD:
+    if len(number) < FEWEST or not float(np.std(departure)) > _OFF_RAD:
         return None, 0.0
     from scipy.interpolate import CubicSpline  # draws in scipy.optimize, which most runs do not need
 
@@ -206,16 +207,16 @@ def _by_tone(
     aside = coherent.periods // _ASIDE
     phase_rad = _without_alternation(seen.phase_rad - np.mean(seen.phase_rad))
     inner = phase_rad[aside : len(phase_rad) - aside]
-    if coherent.periods < _FEWEST_KNOTS or not float(np.std(inner)) > least_rad:
+    if coherent.periods < FEWEST or not float(np.std(inner)) > least_rad:
         return None
     begin = float(track.at(np.array([float(FIRST_ROW)]))[0])
     middle = begin + 2 * np.pi * (np.arange(coherent.periods, dtype=np.float64) + 0.5)
     numbers = track.sample_numbers(middle)
     from scipy.interpolate import make_smoothing_spline  # draws in scipy.optimize, as above
 
-    # the polynomial takes a drift, because the spline is straight at its ends
+    # the polynomial takes a drift, which the spline smooths otherwise
     drift = Polynomial.fit(numbers, phase_rad, 2)
-    spline = make_smoothing_spline(numbers, phase_rad - drift(numbers))
+    spline = make_smoothing_spline(*_extended(numbers, phase_rad - drift(numbers)))
     before = track.departure
     added = "" if name in track.source else f", followed by the phase of {name} itself"
 
@@ -224,6 +225,27 @@ def _by_tone(
         return own if before is None else own + before(at)
 
     return replace(track, departure=departure, source=f"{track.source}{added}")
+
+
+def _extended(
+    numbers: NDArray[np.float64], phase_rad: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return sample numbers and phases, both of shape (periods,), continued at either end: a natural spline
+    is straight at its ends, which are then beyond the record."""
+    going_on = continuation(phase_rad)
+    steps = np.arange(1.0, _BEYOND + 1.0)
+    weights = np.array([going_on.weights(by) for by in steps])
+    before, after = weights @ phase_rad[: going_on.size][::-1], weights @ phase_rad[-going_on.size :]
+    return (
+        np.concatenate(
+            [
+                numbers[0] - (numbers[1] - numbers[0]) * steps[::-1],
+                numbers,
+                numbers[-1] + (numbers[-1] - numbers[-2]) * steps,
+            ]
+        ),
+        np.concatenate([before[::-1], phase_rad, after]),
+    )
 
 
 def _without_alternation(phase_rad: NDArray[np.float64]) -> NDArray[np.float64]:
