@@ -11,6 +11,7 @@ from benchmarks.coverage import (
     encounters,
     mixed,
     pairs,
+    sidebands,
     stamps,
     threes,
     unusual,
@@ -29,5 +30,6 @@ FAMILIES: Mapping[str, Family] = {
         *encounters.FAMILIES,
         *pairs.FAMILIES,
         *threes.FAMILIES,
+        *sidebands.FAMILIES,
     )
 }

@@ -116,7 +116,7 @@ def current_spectrum(
     step = resolution(samples)
     cleaned = coherent if others is None else without(coherent, others)
     clean = spectrum if others is None else spectrum_of(cleaned)
-    alone = seen if others is None else wander(cleaned)
+    alone = seen.first(coherent.periods) if others is None else wander(cleaned)
     lines = basis if others is None else replace(basis, window=f"{basis.window}, without {others.words}")
     wander_rad = max(alone.excess_rad, phase_noise_rad(cleaned))
     errors = line_errors(clean, highest, wander_rad, step, alone.amplitude, alone.phase_rad, len(samples))

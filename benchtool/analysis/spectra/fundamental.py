@@ -40,6 +40,8 @@ _FEWEST_AT_END = 12  # samples of an angle for a cubic
 _FEWEST_BLOCKS = 8
 _USUALLY = 1.0 / 3.0  # of the most that is left
 _LEFT_OF_ROUNDS = 1.0 / 8.0  # of a phase that is followed in three rounds, each of which leaves a half
+# of a bend: a mean over a period is a 24th off its middle, and half of that is left
+_WITHIN = 1.0 / 48.0
 _HIGHEST_TURNED, _QUARTERS, _TURNS = 13, 4, 0.5
 _LARGEST_WANDER_RAD = 0.1  # at which harmonic 5 reads an eighth low
 
@@ -83,7 +85,9 @@ def turned_around(coherent: CoherentSamples, seen: Wander, name: str) -> str:
     if parts < 2 or highest < 2:
         return ""
     order = np.arange(2, highest + 1)
-    phasors = fft.rfft(table, axis=1)[:, 2 : highest + 1] * np.exp(-1j * np.outer(seen.phase_rad, order))
+    phasors = fft.rfft(table, axis=1)[:, 2 : highest + 1] * np.exp(
+        -1j * np.outer(seen.phase_rad[: coherent.periods], order)
+    )
     groups = np.array_split(phasors, parts)
     means = np.array([np.mean(each, axis=0) for each in groups])
     noise = np.sqrt(np.mean([np.var(each, axis=0, ddof=1) / len(each) for each in groups], axis=0))
@@ -140,9 +144,10 @@ def _between_records(spectrum: CoherentSpectrum, track: PhaseTrack, seen: Wander
     if track.measured_rad is not None:
         phase_rad, duration_s = track.measured_rad, spectrum.duration_s * track.samples / spectrum.samples
     else:
-        per_period = spectrum.samples / spectrum.periods
-        middle = FIRST_ROW + per_period * (np.arange(spectrum.periods, dtype=np.float64) + 0.5)
-        phase_rad, duration_s = track.at(middle) + seen.phase_rad, spectrum.duration_s
+        marks = _marks(track, seen)
+        rate_Hz = spectrum.samples / spectrum.duration_s
+        phase_rad = track.at(marks) + seen.phase_rad
+        duration_s = len(marks) * float(marks[1] - marks[0]) / rate_Hz
     wander = wander_of_difference(phase_rad)
     if not math.isfinite(wander.standard):
         return None
@@ -157,7 +162,7 @@ def _turned(
     smooth_rad = 2.0 * math.pi * track.periods
     if by_tone and track.departure is not None:
         source = "what is left of the followed phase, and its continuation to both ends"
-        turned_rad, standard = _to_both_ends(track, spectrum, seen)
+        turned_rad, standard = _to_both_ends(track, seen)
         return turned_rad, [Contribution(source, "A", standard, float(len(seen.phase_rad) - 1))], source
     if by_tone:
         source = "noise beside the fundamental, by the sine fit under a Hann window"
@@ -209,23 +214,26 @@ def _of_angle(track: PhaseTrack) -> MeanError:
     return MeanError(slope * (count - 1), min(scatter.dof, parts - 3.0))
 
 
-def _marks(spectrum: CoherentSpectrum) -> NDArray[np.float64]:
-    """Return the middles of the periods, in rows, as of a constant speed."""
-    per_period = spectrum.samples / spectrum.periods
-    return np.arange(FIRST_ROW + 0.5 * per_period, FIRST_ROW + spectrum.samples, per_period)
+def _marks(track: PhaseTrack, seen: Wander) -> NDArray[np.float64]:
+    """Return the middles of all whole periods, in rows, as of a constant speed."""
+    count = len(seen.phase_rad)
+    end = track.at(np.array([float(FIRST_ROW)])) + 2.0 * math.pi * count
+    per_period = (float(track.sample_numbers(end)[0]) - FIRST_ROW) / count
+    return FIRST_ROW + per_period * (np.arange(count, dtype=np.float64) + 0.5)
 
 
-def _to_both_ends(track: PhaseTrack, spectrum: CoherentSpectrum, seen: Wander) -> tuple[float, float]:
+def _to_both_ends(track: PhaseTrack, seen: Wander) -> tuple[float, float]:
     """Return the phase of a followed tone from the first to the last row, and its standard uncertainty, rad.
 
     The phases of periods reach to half a period from there, or one and a half: the rest is a continuation.
     """
-    per_period = spectrum.samples / spectrum.periods
-    marks = _marks(spectrum)
+    marks = _marks(track, seen)
+    per_period = float(marks[1] - marks[0])
     phase_rad = track.at(marks) + seen.phase_rad
     going_on = continuation(phase_rad)
     left_rad = 0.5 * _left_of_rounds(track, seen, marks)
-    ends_rad, square = [], 2.0 * float(np.var(seen.phase_rad))
+    within_rad = _WITHIN * float(np.sqrt(np.mean(np.diff(track.at(marks), n=2) ** 2)))
+    ends_rad, square = [], 2.0 * (float(np.var(seen.phase_rad)) + within_rad**2)
     for rows, phases in ((marks[0], phase_rad[::-1]), (track.samples - 1.0 - marks[-1], phase_rad)):
         by = rows / per_period
         ends_rad.append(float(going_on.weights(by) @ phases[-going_on.size :]))

@@ -18,7 +18,12 @@ from numpy.typing import NDArray
 from benchtool.analysis.distributions import fisher_above
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.spectra.continuation import FEWEST, continuation
-from benchtool.analysis.spectra.spectrum import FIRST_ROW, CoherentSamples, coherent_samples
+from benchtool.analysis.spectra.spectrum import (
+    FIRST_ROW,
+    CoherentSamples,
+    coherent_samples,
+    transformable_periods,
+)
 
 _OFF_RAD = 2e-3  # rms: at which harmonic 50 reads 0.5 % low
 _LEFT_RAD = 5e-5  # rms: once followed, closer, because a period that is off by x reads its phase off by x / 2
@@ -33,6 +38,7 @@ _LEAST_JUMP_RAD = 0.03  # a reversal may by chance leave any phase, half of it i
 _PER_PERIOD = 16  # places at which an angle is followed, in each electrical period
 _OF_STEPS = 0.2  # standard deviation of steps that beat with the samples about once in a period
 _BELOW_ORDER = 3
+_HIGHEST_BLURRED, _BLURRED, _FAR_BLUR = 25, 4, 4.0
 _FOURTH_DIFFERENCE = np.array([1.0, -4.0, 6.0, -4.0, 1.0]) / 16.0
 _LONGEST_TURN = 0.45  # of a turn between periods: largest unambiguous change of phase
 
@@ -52,6 +58,10 @@ class Wander:
     excess_rad: float
     noise_rad: float
     jump_rad: float = 0.0
+
+    def first(self, periods: int) -> Wander:
+        """Return that of so many periods."""
+        return replace(self, phase_rad=self.phase_rad[:periods], amplitude=self.amplitude[:periods])
 
 
 def wander(coherent: CoherentSamples) -> Wander:
@@ -104,11 +114,11 @@ def follow(
     Raises:
         AnalysisError: as `coherent_samples`.
     """
-    coherent = coherent_samples(samples, sample_rate_Hz, track, name)
+    coherent = coherent_samples(samples, sample_rate_Hz, track, name, every=True)
     smooth = found = _Followed(coherent, track, wander(coherent))
     by_angle, within_rad = _by_angle(track, coherent.samples / coherent.periods)
     if by_angle is not None:
-        coherent = coherent_samples(samples, sample_rate_Hz, by_angle, name)
+        coherent = coherent_samples(samples, sample_rate_Hz, by_angle, name, every=True)
         other = _Followed(coherent, by_angle, wander(coherent))
         found = other if other.off_line < smooth.off_line else smooth
     jump_rad = found.seen.jump_rad
@@ -117,7 +127,7 @@ def follow(
         # the angle has errors of its own, which may be faster than the phase of a period shows
         other = _followed(samples, sample_rate_Hz, smooth, name)
         by_tone = other if other.off_line < by_tone.off_line else by_tone
-    return by_tone.coherent, by_tone.track, replace(by_tone.seen, jump_rad=jump_rad)
+    return by_tone.transformable, by_tone.track, replace(by_tone.seen, jump_rad=jump_rad)
 
 
 @dataclass(frozen=True)
@@ -133,13 +143,42 @@ class _Followed:
         return float(np.std(self.seen.phase_rad))
 
     @cached_property
+    def transformable(self) -> CoherentSamples:
+        """The signal over as many periods as are transformed quickly."""
+        periods = transformable_periods(self.coherent.periods)
+        end = self.track.at(np.array([float(FIRST_ROW)])) + 2.0 * np.pi * periods
+        covered = float(self.track.sample_numbers(end)[0]) - FIRST_ROW
+        values = self.coherent.values[: periods * self.coherent.per_period]
+        return replace(self.coherent, values=values, periods=periods, samples=covered)
+
+    @cached_property
+    def _square(self) -> NDArray[np.float64]:
+        """Squares of bins, without those of the harmonics."""
+        square = np.abs(fft.rfft(self.transformable.values)) ** 2
+        square[:: self.transformable.periods] = 0.0
+        return np.asarray(square)
+
+    @property
     def off_line(self) -> float:
         """Power between the harmonics below the third, where a phase that is off moves that of the
         fundamental, however fast."""
-        periods = self.coherent.periods
-        square = np.abs(fft.rfft(self.coherent.values)[: _BELOW_ORDER * periods]) ** 2
-        square[::periods] = 0.0
-        return float(np.sum(square))
+        return float(np.sum(self._square[: _BELOW_ORDER * self.transformable.periods]))
+
+    def blurs(self, before: _Followed) -> bool:
+        """Return whether the harmonics have more sidebands than before, beyond chance.
+
+        A line beside the fundamental alone moves its phase, and no speed.
+        """
+        values, periods = self.transformable.values, self.transformable.periods
+        lines = np.abs(fft.rfft(values)[::periods])
+        highest = min(_HIGHEST_BLURRED, len(lines) - 2)
+        if highest <= _BELOW_ORDER or periods != before.transformable.periods:
+            return False
+        strongest = _BELOW_ORDER + 1 + np.argsort(-lines[_BELOW_ORDER + 1 : highest + 1])[:_BLURRED]
+        around = np.arange(-(periods // 2), periods // 2 + 1)
+        bins = (periods * strongest[:, np.newaxis] + around).ravel()
+        now, then = float(np.sum(self._square[bins])), float(np.sum(before._square[bins]))
+        return now > (1.0 + _FAR_BLUR / math.sqrt(len(bins))) * then
 
 
 def _followed(samples: NDArray[np.float64], sample_rate_Hz: float, begin: _Followed, name: str) -> _Followed:
@@ -149,9 +188,9 @@ def _followed(samples: NDArray[np.float64], sample_rate_Hz: float, begin: _Follo
         by_tone = _by_tone(found.coherent, found.track, found.seen, name, least_rad)
         if by_tone is None:
             break
-        coherent = coherent_samples(samples, sample_rate_Hz, by_tone, name)
+        coherent = coherent_samples(samples, sample_rate_Hz, by_tone, name, every=True)
         other = _Followed(coherent, by_tone, wander(coherent))
-        if not other.off_rad < found.off_rad:
+        if not other.off_rad < found.off_rad or other.blurs(found):
             break
         found = other
     return found
@@ -218,7 +257,7 @@ def _by_tone(
     drift = Polynomial.fit(numbers, phase_rad, 2)
     spline = make_smoothing_spline(*_extended(numbers, phase_rad - drift(numbers)))
     before = track.departure
-    added = "" if name in track.source else f", followed by the phase of {name} itself"
+    added = "" if "itself" in track.source else f", followed by the phase of {name} itself"
 
     def departure(at: NDArray[np.float64]) -> NDArray[np.float64]:
         own = np.asarray(spline(at) + drift(at), dtype=np.float64)

@@ -152,21 +152,31 @@ def amplitude_spectrum(
 
 
 def coherent_samples(
-    samples: NDArray[np.float64], sample_rate_Hz: float, track: PhaseTrack, name: str = "signal"
+    samples: NDArray[np.float64],
+    sample_rate_Hz: float,
+    track: PhaseTrack,
+    name: str = "signal",
+    *,
+    every: bool = False,
 ) -> CoherentSamples:
     """Return the signal at equal steps of the phase of `track`, over the most whole periods that fit.
 
     `samples`, shape (n,), are interpolated band-limited; 32 at either end only feed the interpolation.
     Beyond 100 periods their number is the next lower one without prime factors above 11, at most 5 % less,
-    because a long transform of a large prime takes twenty times as long.
+    because a long transform of a large prime takes twenty times as long; `every` period is for what is not
+    transformed.
 
     Raises: as `coherent_samples_of_all`.
     """
-    return coherent_samples_of_all({name: samples}, sample_rate_Hz, track)[0]
+    return coherent_samples_of_all({name: samples}, sample_rate_Hz, track, every=every)[0]
 
 
 def coherent_samples_of_all(
-    signals: Mapping[str, NDArray[np.float64]], sample_rate_Hz: float, track: PhaseTrack
+    signals: Mapping[str, NDArray[np.float64]],
+    sample_rate_Hz: float,
+    track: PhaseTrack,
+    *,
+    every: bool = False,
 ) -> tuple[CoherentSamples, ...]:
     """`coherent_samples` of signals that were sampled together, by name, for little more than one takes.
 
@@ -187,8 +197,8 @@ def coherent_samples_of_all(
             f"'{name}' has {track.periods:.2f} electrical periods in {count} samples, at least "
             f"{_FEWEST_PERIODS} and {2 * HALF_WIDTH} samples are needed: record a longer window"
         )
-    if periods > _ANY_PERIODS:
-        periods = previous_fast_length(periods)
+    if not every:
+        periods = transformable_periods(periods)
     covered = float(track.sample_numbers(np.array([begin + 2 * np.pi * periods]))[0]) - first
     if USABLE_BAND * covered < periods:
         raise AnalysisError(
@@ -203,6 +213,11 @@ def coherent_samples_of_all(
         # the clip only takes up the rounding of Newton's method at the first sample
         part[:] = interpolate_all(columns, np.maximum(track.sample_numbers(phase), first))
     return tuple(CoherentSamples(each, periods, covered, sample_rate_Hz) for each in values)
+
+
+def transformable_periods(periods: int) -> int:
+    """Return the most of so many periods whose transform is quick."""
+    return previous_fast_length(periods) if periods > _ANY_PERIODS else periods
 
 
 def coherent_spectrum(

@@ -118,10 +118,13 @@ def test_a_followed_phase_is_as_uncertain_as_its_bend_beyond_the_last_period() -
         return np.asarray(0.5 * bend * (at / per_period) ** 2)
 
     bent = PhaseTrack(LINEAR, SAMPLES, "it itself", None, None, parabola)
-    spectrum = spectrum_of(np.cos(2.0 * np.pi * FREQUENCY_HZ * T))
-    beyond = 0.5 + np.array([FIRST_ROW, SAMPLES - 1 - FIRST_ROW - spectrum.samples]) / per_period
-    ends_rad = float(np.hypot(*(0.5 * beyond**2 * bend / 24.0)))
-    expected = ends_rad / (2.0 * np.pi * spectrum.duration_s)
+    # all 99 periods of the bent phase from its first row on, and what is left of the record
+    end = float(bent.sample_numbers(bent.at(np.array([float(FIRST_ROW)])) + 2.0 * np.pi * 99)[0])
+    each = (end - FIRST_ROW) / 99
+    bend_rad = bend * (each / per_period) ** 2
+    beyond = 0.5 + np.array([FIRST_ROW, SAMPLES - 1 - end]) / each
+    ends_rad = float(np.hypot(*np.hypot(0.5 * beyond**2 * bend_rad / 24.0, bend_rad / 48.0)))
+    expected = ends_rad * RATE_HZ / (2.0 * np.pi * SAMPLES)
     assert standard(frequency_of(bent, still())) == pytest.approx(expected, rel=0.02)
 
 
@@ -142,6 +145,35 @@ def test_a_followed_swing_bends_on_to_both_ends_of_the_record(swing_Hz: float, l
     relative = np.array(errors) / np.array(stated)
     assert np.sqrt(np.mean(relative**2)) < 1.4
     assert np.max(np.abs(relative)) < 2.5
+
+
+@pytest.mark.parametrize("with_angle", [True, False])
+def test_sidebands_of_the_fundamental_alone_are_no_wander_of_the_phase(with_angle: bool) -> None:
+    phase = 2.0 * np.pi * FREQUENCY_HZ * T
+    samples = np.cos(phase) + 0.03 * np.cos(5.0 * phase + 0.4) + 0.02 * np.cos(7.0 * phase + 1.1)
+    # more phase than amplitude modulation
+    samples += 0.03 * np.sin(0.94 * phase) - 0.012 * np.sin(1.06 * phase)
+    samples += 1e-4 * np.random.default_rng(3).standard_normal(len(T))
+    coherent, track, _ = follow(
+        samples, RATE_HZ, track_angle(phase, 1) if with_angle else track_tone(samples)
+    )
+    assert track.departure is None
+    spectrum = spectrum_of_samples(coherent)
+    for order, amplitude in ((1, 1.0), (5, 0.03), (7, 0.02)):
+        assert spectrum.amplitude[order * spectrum.periods] == pytest.approx(amplitude, abs=6e-5)
+
+
+def test_a_drift_beyond_a_hundred_periods_is_followed_to_the_end_of_the_record() -> None:
+    """119 periods are cut to 112 for the transform, after they were followed."""
+    t = np.arange(23_960) / RATE_HZ
+    phase = 2.0 * np.pi * FREQUENCY_HZ * (t + 0.006 * t**2 / (2.0 * t[-1]))
+    samples = np.cos(phase) + 0.03 * np.cos(5.0 * phase)
+    coherent, track, seen = follow(samples, RATE_HZ, track_tone(samples))
+    assert len(seen.phase_rad) == 119
+    assert coherent.periods == 112
+    found = frequency(spectrum_of_samples(coherent), track, seen, BASIS, None, "")
+    expected = (phase[-1] - phase[0]) * RATE_HZ / (2.0 * np.pi * (len(t) - 1))
+    assert abs(found.value - expected) < 1e-6
 
 
 def test_along_an_angle_the_frequency_is_that_of_its_ends() -> None:
