@@ -19,6 +19,7 @@ from benchmarks.coverage.steady import Disturbance, trial
 
 _QUIET = Disturbance()
 STEADY: Mapping[str, Disturbance] = {
+    "swing_bits_9_silent": replace(_QUIET, swing=(0.01, 2.0), bits=9, noise=1e-6, periods=80.0),
     "swing_bits_9_few_periods": replace(_QUIET, swing=(0.006, 1.1), bits=9, noise=1e-3, periods=9.7),
     "swing_bits_11_no_angle": replace(_QUIET, swing=(0.004, 0.8), bits=11, periods=64.2, angle=False),
     "coloured_-40dB_three_periods": replace(_QUIET, noise=1e-2, colour=0.98, periods=3.8),

@@ -23,6 +23,7 @@ _TERMS = 20  # of few places in a period all fold into each line, and six hold a
 _NEGLIGIBLE = 1e-3  # of the first term
 _FEWEST_POINTS, _MOST_POINTS = 1 << 10, 1 << 16
 _POINTS_PER_STEP = 16  # that a waveform spans: the first two terms, of most of the power, do not fold back
+_AT_PLACES = 0.9  # mean vector of samples about their places
 _WHOLE = 0.5  # of the distance of such points: rows that move by less over the record stay on their places
 
 Floats = NDArray[np.float64]
@@ -32,7 +33,7 @@ Complex = NDArray[np.complex128]
 @dataclass(frozen=True)
 class RepeatedSteps:
     """Of one period of a waveform: `waveform`, shape (points,), at equal steps of its phase, and the `terms`,
-    shape (k, points), complex: c_k exp(2 pi j k x / q).
+    shape (k, points), complex: c_k exp(2 pi j k x / q), times the share of samples there over the mean share.
     """
 
     waveform: Floats
@@ -72,7 +73,13 @@ class RepeatedSteps:
 
 
 def repeated_steps(
-    mean: float, phasors: Complex, step: float, noise_rms: float, samples: float, periods: int
+    mean: float,
+    phasors: Complex,
+    step: float,
+    noise_rms: float,
+    samples: float,
+    periods: int,
+    turns: Floats | None = None,
 ) -> RepeatedSteps | None:
     """Return the errors of a quantised signal that are the same in every period; None where noise hides them.
 
@@ -86,6 +93,8 @@ def repeated_steps(
         samples: in all periods; where a whole number of them is in one or a few periods, they fall on the
             same few places of the waveform again and again.
         periods: of the record.
+        turns: where the samples are, in periods from the phase of the phasors on, shape (n,), if it is known:
+            those of a speed that swings are at some places more often than at others.
     """
     number = np.arange(1, _TERMS + 1)
     exponent = -2.0 * math.pi**2 * number**2 * (noise_rms / step) ** 2
@@ -97,11 +106,18 @@ def repeated_steps(
     spanned = 2.0 * float(np.sum(np.abs(kept))) / step
     needed = max(_FEWEST_POINTS, 4 * len(phasors), math.ceil(_POINTS_PER_STEP * spanned))
     points = _distinct(samples, periods, needed)
+    if turns is not None and points < needed and _stay(turns, points):
+        turns = None
+    if turns is not None:
+        points = min(needed, _MOST_POINTS)
     bins = np.zeros(points, dtype=np.complex128)
     np.add.at(bins, np.arange(1, len(kept) + 1) % points, kept)
     waveform = mean + np.real(fft.ifft(bins) * points)
-    turns = np.exp(2j * np.pi * np.mod(waveform / step, 1.0))
-    terms = size[:, np.newaxis] * np.power(turns[np.newaxis, :], number[:, np.newaxis])
+    level = np.exp(2j * np.pi * np.mod(waveform / step, 1.0))
+    terms = size[:, np.newaxis] * np.power(level[np.newaxis, :], number[:, np.newaxis])
+    if turns is not None:
+        place = np.floor(np.mod(turns, 1.0) * points).astype(np.int64) % points
+        terms *= np.bincount(place, minlength=points) * (points / len(turns))
     return RepeatedSteps(waveform, terms)
 
 
@@ -121,6 +137,11 @@ def share_left(noise_rms: float, step: float) -> float:
     number = np.arange(1, _TERMS + 1)
     left = 1.0 / (1.0 + 2.0 * (math.pi * number * noise_rms / step) ** 2)
     return math.sqrt(float(np.sum((left / number) ** 2) / np.sum(1.0 / number**2)))
+
+
+def _stay(turns: Floats, places: int) -> bool:
+    """Return whether samples are at that many equally spaced places of the period, again and again."""
+    return float(np.abs(np.mean(np.exp(2j * np.pi * places * turns)))) > _AT_PLACES
 
 
 def _without_the_weakest(phasors: Complex, step: float) -> Complex:

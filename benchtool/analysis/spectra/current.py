@@ -119,7 +119,8 @@ def current_spectrum(
     alone = seen.first(coherent.periods) if others is None else wander(cleaned)
     lines = basis if others is None else replace(basis, window=f"{basis.window}, without {others.words}")
     wander_rad = max(alone.excess_rad, phase_noise_rad(cleaned))
-    errors = line_errors(clean, highest, wander_rad, step, alone.amplitude, alone.phase_rad, len(samples))
+    turns = _turns(track, np.arange(len(samples), dtype=np.float64))
+    errors = line_errors(clean, highest, wander_rad, step, alone.amplitude, alone.phase_rad, turns)
     groups = harmonic_groups(coherent, HIGHEST_HARMONIC)
     beside = None
     if others is not None and groups is not None and track.departure is None:  # they are as steady as it is
@@ -152,9 +153,14 @@ def _track_without(
     name: str,
 ) -> PhaseTrack:
     """Return the track of the signal less what was found between its harmonics."""
-    numbers, begin = np.arange(len(samples), dtype=np.float64), np.array([FIRST_ROW], dtype=np.float64)
-    steps = (track.at(numbers) - track.at(begin)) * (coherent.per_period / (2.0 * np.pi))
+    steps = _turns(track, np.arange(len(samples), dtype=np.float64)) * coherent.per_period
     return track_tone(samples - others.at(steps, len(coherent.values)), name)
+
+
+def _turns(track: PhaseTrack, numbers: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the periods from the first of the spectrum to sample numbers, both of shape (n,)."""
+    begin = track.at(np.array([float(FIRST_ROW)]))
+    return np.asarray((track.at(numbers) - begin) / (2.0 * np.pi))
 
 
 def _without_uncertainty(table: Table, reason: str) -> Table:

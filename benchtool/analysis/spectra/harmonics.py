@@ -143,20 +143,22 @@ def line_errors(
     step: float = 0.0,
     amplitudes: NDArray[np.float64] | None = None,
     phases_rad: NDArray[np.float64] | None = None,
-    rows: int | None = None,
+    turns: NDArray[np.float64] | None = None,
 ) -> LineErrors:
     """Of harmonics 1 to `orders`; the phase wanders by `wander_rad`, rms, the signal has steps of `step`, and
-    `amplitudes` and `phases_rad`, shape (periods,), are those of the fundamental in each period; the record
-    has `rows`."""
+    `amplitudes` and `phases_rad`, shape (periods,), are those of the fundamental in each period; `turns` are
+    where all rows of the record are, in periods from the first of the spectrum on."""
     order = np.arange(1, orders + 1)
     amplitude = harmonics(spectrum)[:orders]
     trend = None
     if amplitudes is not None:
-        before = 0.0 if rows is None else FIRST_ROW / spectrum.samples
-        after = 0.0 if rows is None else (rows - FIRST_ROW) / spectrum.samples - 1.0
+        before = 0.0 if turns is None else FIRST_ROW / spectrum.samples
+        after = 0.0 if turns is None else (len(turns) - FIRST_ROW) / spectrum.samples - 1.0
         trend = amplitude_trend(amplitudes, 2 * PAIRS, before, after)
     noise = line_noise(spectrum, spectrum.periods * order, trend)
-    resolution, steps2 = repeated_quantisation(spectrum, step)
+    if turns is not None:
+        turns = turns[(turns >= 0.0) & (turns < spectrum.periods)]
+    resolution, steps2 = repeated_quantisation(spectrum, step, turns)
     return LineErrors(
         noise=noise.in_phase,
         dof=noise.dof,

@@ -256,15 +256,17 @@ def hann_quadrature(spectrum: CoherentSpectrum) -> MeanError:
 
 
 def repeated_quantisation(
-    spectrum: CoherentSpectrum, step: float
+    spectrum: CoherentSpectrum, step: float, turns: NDArray[np.float64] | None = None
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return what the steps of a quantised signal, as far as they repeat with it, do to harmonics 1, 2 ...
 
     The standard uncertainty of the amplitude of each, and the mean square of the amplitude that is added to
-    each, both of shape (harmonics,). What is between the harmonics is the noise that hides the steps.
+    each, both of shape (harmonics,). `turns`, shape (n,), are where the samples were taken, in periods from
+    the first of the spectrum on, where that is known. What is between the harmonics is the noise that hides
+    the steps.
     """
     lines = spectrum.phasor[spectrum.periods :: spectrum.periods]
-    found = _steps(spectrum, step)
+    found = _steps(spectrum, step, turns)
     none = np.zeros(len(lines))
     return (none, none) if found is None else found.of_lines(lines)
 
@@ -288,7 +290,9 @@ def aliased_quantisation(spectrum: CoherentSpectrum, step: float) -> float:
     return math.sqrt(float(np.sum(power * moved**2)))
 
 
-def _steps(spectrum: CoherentSpectrum, step: float) -> RepeatedSteps | None:
+def _steps(
+    spectrum: CoherentSpectrum, step: float, turns: NDArray[np.float64] | None = None
+) -> RepeatedSteps | None:
     """Return the errors of a converter's steps; None where there are none, or noise hides them."""
     periods, lines = spectrum.periods, spectrum.phasor[spectrum.periods :: spectrum.periods]
     if not step > _LAST_DIGIT * float(np.max(np.abs(lines), initial=0.0)):
@@ -297,7 +301,8 @@ def _steps(spectrum: CoherentSpectrum, step: float) -> RepeatedSteps | None:
     between = 0.5 * float(np.sum(square[1:]) - np.sum(square[periods::periods]))
     in_band = 2.0 * (len(spectrum.amplitude) / spectrum.samples)
     noise = noise_beside(between / in_band, step)
-    return repeated_steps(float(spectrum.phasor[0].real), lines, step, noise, spectrum.samples, periods)
+    mean = float(spectrum.phasor[0].real)
+    return repeated_steps(mean, lines, step, noise, spectrum.samples, periods, turns)
 
 
 def _lost(

@@ -42,6 +42,27 @@ def test_the_stated_errors_are_those_of_readings_with_levels_anywhere(
         assert 0.75 * float(expected) < found < 1.25 * float(np.hypot(expected, of_rest))
 
 
+@pytest.mark.parametrize("swing_turns", [0.0, 0.03])
+def test_places_of_a_speed_that_swings_count_as_often_as_they_are_sampled(swing_turns: float) -> None:
+    """Aliased errors fall on lines of the swing; 250 samples a period without it are on 250 places."""
+    random = np.random.default_rng(5)
+    phasors = np.zeros(40, dtype=np.complex128)
+    phasors[0], phasors[4] = 1.3 * np.exp(0.3j), 0.05 * np.exp(1j)
+    rows = np.arange(80 * 250)
+    turns = rows / 250.0 + swing_turns * np.sin(2.0 * np.pi * 4.0 * rows / len(rows))
+    stated = repeated_steps(0.1, phasors, STEP, 0.0, float(len(rows)), 80, turns)
+    assert stated is not None
+    theta = 2.0 * np.pi * turns
+    clean = 0.1 + 1.3 * np.cos(theta + 0.3) + 0.05 * np.cos(5.0 * theta + 1.0)
+    of_fifth = []
+    for _ in range(200):
+        offset = STEP * random.uniform(-0.5, 0.5)
+        read = STEP * np.round((clean - offset) / STEP) + offset
+        of_fifth.append(2.0 * np.mean((read - clean) * np.exp(-1j * (5.0 * theta + 1.0))).real)
+    found = float(np.sqrt(np.mean(np.square(of_fifth))))
+    assert found == pytest.approx(float(stated.of_lines(phasors)[0][4]), rel=0.2)
+
+
 def test_noise_hides_the_steps() -> None:
     phasors = np.array([1.0 + 0j])
     assert repeated_steps(0.0, phasors, STEP, STEP, 10_000.0, 20) is None
