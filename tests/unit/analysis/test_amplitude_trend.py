@@ -14,7 +14,7 @@ from benchtool.analysis.spectra.amplitude_trend import amplitude_trend
 from benchtool.analysis.spectra.harmonics import line_errors
 from benchtool.analysis.spectra.modulation import phase_noise_rad
 from benchtool.analysis.spectra.phase_following import wander
-from benchtool.analysis.spectra.spectrum import coherent_samples, spectrum_of
+from benchtool.analysis.spectra.spectrum import FIRST_ROW, coherent_samples, spectrum_of
 
 Array = NDArray[np.float64]
 PERIODS, PER_PERIOD = 40, 200
@@ -56,7 +56,8 @@ def test_the_mean_of_a_ramp_is_known_as_well_as_that_of_a_constant() -> None:
         signal = ramp * np.cos(theta + random.uniform(0, 6)) + 1e-3 * random.standard_normal(count)
         coherent = coherent_samples(signal, 10e3, track)
         seen, spectrum = wander(coherent), spectrum_of(coherent)
-        errors = line_errors(spectrum, 8, 0.0, 0.0, seen.amplitude, seen.phase_rad, count)
+        turns = (np.arange(count) - FIRST_ROW) * (spectrum.periods / spectrum.samples)
+        errors = line_errors(spectrum, 8, 0.0, 0.0, seen.amplitude, seen.phase_rad, turns)
         assert errors.standard[0] < 5e-4  # of 4e-3 as noise
         relative.append((spectrum.fundamental - 1.0) / errors.standard[0])
     assert 0.5 < np.sqrt(np.mean(np.square(relative))) < 1.3
