@@ -56,7 +56,7 @@ def test_the_mean_of_a_ramp_is_known_as_well_as_that_of_a_constant() -> None:
         signal = ramp * np.cos(theta + random.uniform(0, 6)) + 1e-3 * random.standard_normal(count)
         coherent = coherent_samples(signal, 10e3, track)
         seen, spectrum = wander(coherent), spectrum_of(coherent)
-        turns = (np.arange(count) - FIRST_ROW) * (spectrum.periods / spectrum.samples)
+        turns = (np.arange(count, dtype=np.float64) - FIRST_ROW) * (spectrum.periods / spectrum.samples)
         errors = line_errors(spectrum, 8, 0.0, 0.0, seen.amplitude, seen.phase_rad, turns)
         assert errors.standard[0] < 5e-4  # of 4e-3 as noise
         relative.append((spectrum.fundamental - 1.0) / errors.standard[0])
