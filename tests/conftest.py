@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import gc
 import os
+import sys
 import threading
 from collections import Counter
 from collections.abc import Generator, Iterator
+from contextlib import suppress
+from importlib import import_module
+from pathlib import Path
 from typing import Final
 
 import pytest
@@ -15,6 +19,9 @@ from hypothesis import HealthCheck, settings
 # As in the command line, before numpy is imported, here and in the workers: further threads of linear algebra
 # take the processor from the other tests.
 os.environ.setdefault("OMP_NUM_THREADS", "1")
+# What one process has compiled, the other workers and some hundred child processes read.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
 
 from benchtool.cli.exit_codes import OBJECTS
 from benchtool.link import import_can_without_mdf
@@ -55,17 +62,30 @@ LONGEST_FIRST: Final = (
 others wait."""
 
 
-@pytest.hookimpl(wrapper=True)
-def pytest_collection() -> Generator[None, object, object]:
+@pytest.hookimpl(wrapper=True, trylast=True)
+def pytest_collection(session: pytest.Session) -> Generator[None, object, object]:
     """Collect without Python's collector, and keep it from what was imported: it would look through some
     millions of objects that all stay, again and again."""
     gc.disable()
     try:
+        if session.config.args_source is pytest.Config.ArgsSource.TESTPATHS:
+            _import_tests(session.config)
         return (yield)
     finally:
         gc.freeze()
         gc.set_threshold(OBJECTS)
         gc.enable()
+
+
+def _import_tests(config: pytest.Config) -> None:
+    """Import all tests, each worker from another one on: to compile them takes longer than to import them,
+    and what a worker has compiled the others read."""
+    workers = getattr(config, "workerinput", {"workerid": "gw0", "workercount": 1})
+    files = sorted(Path(__file__).parent.rglob("test_*.py"))
+    begin = len(files) * int(workers["workerid"].removeprefix("gw")) // workers["workercount"]
+    for file in files[begin:] + files[:begin]:
+        with suppress(Exception):  # whatever it is: pytest imports the file again, and tells it
+            import_module(".".join(file.relative_to(config.rootpath).with_suffix("").parts))
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
