@@ -68,8 +68,9 @@ def pytest_collection(session: pytest.Session) -> Generator[None, object, object
     millions of objects that all stay, again and again."""
     gc.disable()
     try:
-        if session.config.args_source is pytest.Config.ArgsSource.TESTPATHS:
-            _import_tests(session.config)
+        whole = session.config.args_source is pytest.Config.ArgsSource.TESTPATHS
+        if whole and hasattr(session.config, "workerinput"):
+            _import_tests(session.config.rootpath, **session.config.workerinput)
         return (yield)
     finally:
         gc.freeze()
@@ -77,15 +78,14 @@ def pytest_collection(session: pytest.Session) -> Generator[None, object, object
         gc.enable()
 
 
-def _import_tests(config: pytest.Config) -> None:
+def _import_tests(root: Path, workerid: str, workercount: int, **_: object) -> None:
     """Import all tests, each worker from another one on: to compile them takes longer than to import them,
     and what a worker has compiled the others read."""
-    workers = getattr(config, "workerinput", {"workerid": "gw0", "workercount": 1})
-    files = sorted(Path(__file__).parent.rglob("test_*.py"))
-    begin = len(files) * int(workers["workerid"].removeprefix("gw")) // workers["workercount"]
+    files = sorted((root / "tests").rglob("test_*.py"))
+    begin = len(files) * int(workerid.removeprefix("gw")) // workercount
     for file in files[begin:] + files[:begin]:
-        with suppress(Exception):  # whatever it is: pytest imports the file again, and tells it
-            import_module(".".join(file.relative_to(config.rootpath).with_suffix("").parts))
+        with suppress(Exception, pytest.skip.Exception):  # pytest imports the file again, and tells it
+            import_module(".".join(file.relative_to(root).with_suffix("").parts))
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:

@@ -21,7 +21,7 @@ MYPY_CACHE = () if (ROOT / ".mypy_cache").exists() else ("--cache-dir", os.devnu
     [
         (BIN / "ruff", "format", "--check", "."),
         (BIN / "ruff", "check", "."),
-        (BIN / "mypy", *MYPY_CACHE),
+        (sys.executable, "-m", "tests.checks.types", *MYPY_CACHE),
         (BIN / "lint-imports", "--no-cache"),
         (sys.executable, "-m", "firmware_protocol.generate", "--check"),
         (BIN / "dcfchk", "-n", "5", "firmware_protocol/drive.eds"),
