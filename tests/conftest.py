@@ -21,10 +21,11 @@ from hypothesis import HealthCheck, settings
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 # What one process has compiled, the other workers and some hundred child processes read.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
-sys.dont_write_bytecode = False
 
 from benchtool.cli.exit_codes import OBJECTS
 from benchtool.link import import_can_without_mdf
+
+sys.dont_write_bytecode = False
 
 # Generated examples are the same in every run, and a busy machine fails no test. Others, and more of them, by
 # `--hypothesis-profile=thorough`.

@@ -1,6 +1,6 @@
 """mypy, whose search for rubbish among its own objects takes a quarter of its time, searching less often.
 
-    python -m tests.checks.types
+python -m tests.checks.types
 """
 
 from __future__ import annotations

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import fcntl
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -15,13 +16,31 @@ from tests.device.c_drive import CHost, Library, make, raw_parameters
 from tests.device.can_endpoints import Pair
 from tests.wire.raw_host import RawHost
 
+Maker = Callable[..., Path]
+
 
 @pytest.fixture(scope="session")
-def build(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def made(pytestconfig: pytest.Config, tmp_path_factory: pytest.TempPathFactory) -> Maker:
+    """Makes targets in a folder, and returns it; what one worker has made the others find there."""
+    place = tmp_path_factory.getbasetemp()
+    if hasattr(pytestconfig, "workerinput"):
+        place = place.parent  # that of the run, with one for each worker
+
+    def made(*targets: str) -> Path:
+        folder = place / "_".join(targets)
+        folder.mkdir(exist_ok=True)
+        with (folder / "making.lock").open("w") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            make(folder, *targets)
+        return folder
+
+    return made
+
+
+@pytest.fixture(scope="session")
+def build(made: Maker) -> Path:
     """The folder that the library and the example are built in."""
-    folder = tmp_path_factory.mktemp("c")
-    make(folder, "library", "drive")
-    return folder
+    return made("library", "drive")
 
 
 @pytest.fixture(scope="session")
@@ -40,11 +59,9 @@ def parameters(build: Path) -> list[int]:
 
 
 @pytest.fixture(scope="session")
-def can_library(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def can_library(made: Maker) -> Path:
     """The drive on a CAN bus, advanced by a test."""
-    folder = tmp_path_factory.mktemp("can")
-    make(folder, "library-canopen")
-    return folder / "libbenchtool_can.so"
+    return made("library-canopen") / "libbenchtool_can.so"
 
 
 @pytest.fixture
