@@ -21,12 +21,12 @@ MYPY_CACHE = () if (ROOT / ".mypy_cache").exists() else ("--cache-dir", os.devnu
     [
         (BIN / "ruff", "format", "--check", "."),
         (BIN / "ruff", "check", "."),
-        (sys.executable, "-m", "tests.checks.types", *MYPY_CACHE),
+        (sys.executable, "-m", "tests.few_collections", "mypy", *MYPY_CACHE),
         (BIN / "lint-imports", "--no-cache"),
         (sys.executable, "-m", "firmware_protocol.generate", "--check"),
         (BIN / "dcfchk", "-n", "5", "firmware_protocol/drive.eds"),
     ],
-    ids=lambda command: " ".join(Path(str(part)).name for part in command[:3]),
+    ids=lambda command: " ".join(Path(str(part)).name for part in command[:4]),
 )
 def test_tool_is_content(command: tuple[str | Path, ...]) -> None:
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
