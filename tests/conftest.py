@@ -46,21 +46,31 @@ import_can_without_mdf()
 LONGEST_FIRST: Final = (
     "tests/checks/test_source.py",
     "tests/docs/test_blocks.py",
-    "tests/physics/test_robustness.py",
-    "tests/emulated/test_runs.py",
-    "tests/emulated/test_report.py",
-    "tests/emulated/test_command_line.py",
-    "tests/emulated/test_motors.py",
     "tests/packaging/test_wheel.py",
-    "tests/emulated/test_terminal.py",
-    "tests/emulated/test_control_rates.py",
-    "tests/emulated/test_live.py",
-    "tests/physics/test_flange.py",
+    "tests/docs/test_build.py",
+    "tests/device/test_library.py",
     "tests/physics/test_every_part.py",
+    "tests/emulated/test_report.py",
+    "tests/emulated/test_emulate.py",
+    "tests/physics/test_flange.py",
+    "tests/emulated/test_runs.py",
+    "tests/unit/analysis/test_coverage.py",
+    "tests/emulated/test_control_rates.py",
+    "tests/unit/acceptance/test_suite.py",
+    "tests/unit/analysis/test_noise.py",
+    "tests/unit/live/test_recordings.py",
+    "tests/emulated/test_commission.py",
+    "tests/emulated/test_terminal.py",
+    "tests/unit/report/test_figures.py",
+    "tests/device/test_c_sources.py",
     "tests/device/test_can_transcript.py",
+    "tests/emulated/test_record.py",
+    "tests/emulated/test_motors.py",
+    "tests/emulated/test_command_line.py",
+    "tests/emulated/test_live.py",
 )
-"""Files that take ten seconds and more. A worker takes file after file: one of these at the end, and the
-others wait."""
+"""Files that take seven seconds and more. A worker takes file after file: one of these at the end, and the
+others wait. Kernels are compiled one at a time: what needs none begins beside what compiles the first."""
 
 
 @pytest.hookimpl(wrapper=True, trylast=True)
