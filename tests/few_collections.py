@@ -1,4 +1,4 @@
-"""Runs a module with few searches for rubbish: mypy spends a quarter of its time on them, sphinx nearly half.
+"""Runs a module with few garbage collections: mypy spends a quarter of its time on them, sphinx nearly half.
 
 python -m tests.few_collections mypy --version
 """
@@ -12,7 +12,7 @@ from typing import Final
 from unittest import mock
 
 OBJECTS: Final = 2_000_000
-"""Made between two searches. With ten times as many as mypy's own 200 000 it takes a fifth more memory."""
+"""Made between two collections. With ten times as many as mypy's own 200 000 it takes a fifth more memory."""
 
 if __name__ == "__main__":
     del sys.argv[0]
