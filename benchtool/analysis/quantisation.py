@@ -37,6 +37,13 @@ def counting_step(samples: NDArray[np.float64]) -> float:
     return step if step > max(_COARSE, _BY_CHANCE / len(few) ** 2) * span else 0.0
 
 
+def level_of(samples: NDArray[np.float64], step: float) -> float:
+    """Return a value that a converter with steps of `step` gives, of its samples, shape (n,): the rest of
+    their division by it."""
+    turns = np.mean(np.exp(2j * np.pi * np.mod(samples / step, 1.0)))
+    return float(np.angle(turns)) / (2.0 * np.pi) * step
+
+
 def step_of_counts(angle_rad: NDArray[np.float64], step_rad: float) -> float:
     """Return the step in which an angle without jumps, shape (n,), counts: `step_rad`, its resolution, where
     neighbouring samples are whole steps apart, but not always the same number; else 0.

@@ -1,13 +1,14 @@
 """Errors that the steps of a converter make alike in every period of a signal, so that no scatter shows them.
 
-Where the levels of a converter lie is not known to a fraction of its step: over all places of them the error
-of a waveform x, read in steps of q under normal noise of s rms, is on average over the noise
+Read in steps of q under normal noise of s rms, a waveform x has on average over the noise the error
 
-    e = sum over k of c_k sin(2 pi k x / q - psi_k),   c_k = q / (pi k) exp(-2 pi^2 k^2 s^2 / q^2)
+    e = sum over k of c_k sin(2 pi k (x - level) / q),   c_k = (-1)^k q / (pi k) exp(-2 pi^2 k^2 s^2 / q^2)
 
-with phases psi_k that are uniform and, for different k, uncorrelated (Widrow and Kollar, Quantization Noise,
-2008, ch. 4 and 16; Gray, IEEE Trans. Inf. Theory 36 (1990) 1220). What it does to a mean, to an rms or to a
-line is linear in it, and its mean square a sum over k.
+(Widrow and Kollar, Quantization Noise, 2008, ch. 4 and 16; Gray, IEEE Trans. Inf. Theory 36 (1990) 1220). It
+depends on where the levels lie to a fraction of the step: what it does to a mean, to an rms or to a line has
+a mean square over levels in all places. Where they are known it has one over waveforms that differ by as much
+as is not known of them: that levels lie evenly about a waveform is no chance, and its errors are then all in
+odd harmonics, with twice as much power as they have otherwise.
 """
 
 from __future__ import annotations
@@ -19,12 +20,15 @@ import numpy as np
 from numpy import fft
 from numpy.typing import NDArray
 
-_TERMS = 20  # of few places in a period all fold into each line, and six hold a tenth less of the power
-_NEGLIGIBLE = 1e-3  # of the first term
+_DRAWS = 24
+_APART = 0.1  # of a step, rms: how much the lines of two waveforms of the ensemble differ
+_CELLS = 1 << 11  # of a step, in the table of its error
+_NEGLIGIBLE = 1e-3  # of a step
 _FEWEST_POINTS, _MOST_POINTS = 1 << 10, 1 << 16
 _POINTS_PER_STEP = 16  # that a waveform spans: the first two terms, of most of the power, do not fold back
 _AT_PLACES = 0.9  # mean vector of samples about their places
 _WHOLE = 0.5  # of the distance of such points: rows that move by less over the record stay on their places
+_TERMS = 20  # with which a share is computed
 
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -32,17 +36,17 @@ Complex = NDArray[np.complex128]
 
 @dataclass(frozen=True)
 class RepeatedSteps:
-    """Of one period of a waveform: `waveform`, shape (points,), at equal steps of its phase, and the `terms`,
-    shape (k, points), complex: c_k exp(2 pi j k x / q), times the share of samples there over the mean share.
+    """Of one period of a waveform: `waveform`, shape (points,), at equal steps of its phase, and the `errors`
+    of an ensemble of waveforms like it, shape (draws, points), times the share of samples at a point over the
+    mean share.
     """
 
     waveform: Floats
-    terms: Complex
+    errors: Floats
 
     def of_mean(self, weights: Floats | float = 1.0) -> float:
         """Return the rms of the mean of the error times weights, shape (points,)."""
-        means = np.mean(self.terms * weights, axis=1)
-        return math.sqrt(0.5 * float(np.sum(np.abs(means) ** 2)))
+        return math.sqrt(float(np.mean(np.mean(self.errors * weights, axis=1) ** 2)))
 
     @property
     def of_rms(self) -> float:
@@ -55,21 +59,17 @@ class RepeatedSteps:
         """Return the rms of the change of the amplitudes of harmonics 1, 2 ..., shape (n,), with the phase of
         `phasors`, and the mean square of the amplitude that is added to each.
         """
-        count, points = len(phasors), self.terms.shape[1]
-        bins = fft.fft(self.terms, axis=1) / points
-        order = np.arange(1, count + 1)
-        upper, lower = bins[:, order % points], bins[:, -order % points]
-        towards = np.exp(1j * np.angle(phasors))
-        along = np.abs(upper * np.conj(towards) + lower * towards) ** 2
-        power = np.abs(upper) ** 2 + np.abs(lower) ** 2
-        return np.sqrt(0.5 * np.sum(along, axis=0)), np.asarray(np.sum(power, axis=0))
+        lines = self._lines(np.arange(1, len(phasors) + 1))
+        along = np.real(lines * np.exp(-1j * np.angle(phasors)))
+        return np.sqrt(np.mean(along**2, axis=0)), np.asarray(np.mean(np.abs(lines) ** 2, axis=0))
 
     def power_at(self, orders: NDArray[np.int64]) -> Floats:
         """Return the mean square of the amplitude that the errors have at these orders, shape (n,)."""
-        points = self.terms.shape[1]
-        bins = fft.fft(self.terms, axis=1) / points
-        power = np.abs(bins[:, orders % points]) ** 2 + np.abs(bins[:, -orders % points]) ** 2
-        return np.asarray(np.sum(power, axis=0))
+        return np.asarray(np.mean(np.abs(self._lines(orders)) ** 2, axis=0))
+
+    def _lines(self, orders: NDArray[np.int64]) -> Complex:
+        points = self.errors.shape[1]
+        return np.asarray(fft.fft(self.errors, axis=1)[:, orders % points] * (2.0 / points))
 
 
 def repeated_steps(
@@ -80,6 +80,7 @@ def repeated_steps(
     samples: float,
     periods: int,
     turns: Floats | None = None,
+    level: float | None = None,
 ) -> RepeatedSteps | None:
     """Return the errors of a quantised signal that are the same in every period; None where noise hides them.
 
@@ -95,12 +96,10 @@ def repeated_steps(
         periods: of the record.
         turns: where the samples are, in periods from the phase of the phasors on, shape (n,), if it is known:
             those of a speed that swings are at some places more often than at others.
+        level: a value that the converter gives, where it is known; without it levels may be anywhere.
     """
-    number = np.arange(1, _TERMS + 1)
-    exponent = -2.0 * math.pi**2 * number**2 * (noise_rms / step) ** 2
-    size = step / (math.pi * number) * np.exp(exponent)
-    number, size = number[size > _NEGLIGIBLE * step], size[size > _NEGLIGIBLE * step]
-    if not len(number):
+    table = _error_of_a_step(noise_rms / step)
+    if table is None:
         return None
     kept = _without_the_weakest(phasors, step)
     spanned = 2.0 * float(np.sum(np.abs(kept))) / step
@@ -110,15 +109,45 @@ def repeated_steps(
         turns = None
     if turns is not None:
         points = min(needed, _MOST_POINTS)
-    bins = np.zeros(points, dtype=np.complex128)
-    np.add.at(bins, np.arange(1, len(kept) + 1) % points, kept)
-    waveform = mean + np.real(fft.ifft(bins) * points)
-    level = np.exp(2j * np.pi * np.mod(waveform / step, 1.0))
-    terms = size[:, np.newaxis] * np.power(level[np.newaxis, :], number[:, np.newaxis])
+    if level is None:
+        waveforms = mean + _waveforms(kept[np.newaxis], points)
+        levels = step * np.arange(_DRAWS)[:, np.newaxis] / _DRAWS
+    else:
+        waveforms, levels = mean + _waveforms(_like(kept, step), points), np.array([level])
+    cells = np.floor(np.mod((waveforms - levels) / step, 1.0) * _CELLS).astype(np.int64) % _CELLS
+    errors = step * table[cells]
     if turns is not None:
         place = np.floor(np.mod(turns, 1.0) * points).astype(np.int64) % points
-        terms *= np.bincount(place, minlength=points) * (points / len(turns))
-    return RepeatedSteps(waveform, terms)
+        errors *= np.bincount(place, minlength=points) * (points / len(turns))
+    return RepeatedSteps(mean + _waveforms(kept[np.newaxis], points)[0], errors)
+
+
+def _error_of_a_step(noise: float) -> Floats | None:
+    """Return the mean error, in steps, over one step of the waveform, under noise of that many steps rms;
+    None where it is negligible."""
+    most = math.sqrt(math.log(1.0 / (math.pi * _NEGLIGIBLE)) / 2.0) / math.pi  # steps of noise for one term
+    if noise > most:
+        return None
+    place = (np.arange(_CELLS) + 0.5) / _CELLS
+    terms = np.arange(1, math.ceil(2.0 * most / noise) + 1 if noise > most / _CELLS else 1)
+    if not len(terms):
+        return np.asarray(np.round(place) - place)
+    size = (-1.0) ** terms / (math.pi * terms) * np.exp(-2.0 * (math.pi * noise * terms) ** 2)
+    return np.asarray(size @ np.sin(2.0 * np.pi * np.outer(terms, place)))
+
+
+def _like(phasors: Complex, step: float) -> Complex:
+    """Return phasors, shape (draws, n), each of whose lines differs by a part of a step."""
+    apart = np.random.default_rng(0).standard_normal((2, _DRAWS, len(phasors)))
+    return np.asarray(phasors + (_APART * step) * (phasors != 0.0) * (apart[0] + 1j * apart[1]))
+
+
+def _waveforms(phasors: Complex, points: int) -> Floats:
+    """Return the waveforms of harmonics 1, 2 ..., shape (draws, n), at equal steps of a period, shape (draws,
+    points)."""
+    bins = np.zeros((points, len(phasors)), dtype=np.complex128)
+    np.add.at(bins, np.arange(1, phasors.shape[1] + 1) % points, phasors.T)
+    return np.real(fft.ifft(bins, axis=0).T * points)
 
 
 def noise_beside(power: float, step: float) -> float:

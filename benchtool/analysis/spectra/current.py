@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from benchtool.analysis.declaration import Analysis, Drawing, Findings, NoSettings, Quantity
 from benchtool.analysis.measurement import Basis, Measurement, Table
 from benchtool.analysis.periods import PhaseTrack, track_tone
-from benchtool.analysis.quantisation import resolution
+from benchtool.analysis.quantisation import level_of, resolution
 from benchtool.analysis.spectra.distortions import (
     Beside,
     distortions,
@@ -120,7 +120,8 @@ def current_spectrum(
     lines = basis if others is None else replace(basis, window=f"{basis.window}, without {others.words}")
     wander_rad = max(alone.excess_rad, phase_noise_rad(cleaned))
     turns = _turns(track, np.arange(len(samples), dtype=np.float64))
-    errors = line_errors(clean, highest, wander_rad, step, alone.amplitude, alone.phase_rad, turns)
+    level = level_of(samples, step)
+    errors = line_errors(clean, highest, wander_rad, step, alone.amplitude, alone.phase_rad, turns, level)
     groups = harmonic_groups(coherent, HIGHEST_HARMONIC)
     beside = None
     if others is not None and groups is not None and track.departure is None:  # they are as steady as it is

@@ -144,10 +144,12 @@ def line_errors(
     amplitudes: NDArray[np.float64] | None = None,
     phases_rad: NDArray[np.float64] | None = None,
     turns: NDArray[np.float64] | None = None,
+    level: float | None = None,
 ) -> LineErrors:
-    """Of harmonics 1 to `orders`; the phase wanders by `wander_rad`, rms, the signal has steps of `step`, and
-    `amplitudes` and `phases_rad`, shape (periods,), are those of the fundamental in each period; `turns` are
-    where all rows of the record are, in periods from the first of the spectrum on."""
+    """Of harmonics 1 to `orders`; the phase wanders by `wander_rad`, rms, the signal has steps of `step`, one
+    of which is at `level`. `amplitudes` and `phases_rad`, shape (periods,), are those of the fundamental in
+    each period; `turns` are where all rows of the record are, in periods from the first of the spectrum on.
+    """
     order = np.arange(1, orders + 1)
     amplitude = harmonics(spectrum)[:orders]
     trend = None
@@ -158,7 +160,7 @@ def line_errors(
     noise = line_noise(spectrum, spectrum.periods * order, trend)
     if turns is not None:
         turns = turns[(turns >= 0.0) & (turns < spectrum.periods)]
-    resolution, steps2 = repeated_quantisation(spectrum, step, turns)
+    resolution, steps2 = repeated_quantisation(spectrum, step, turns, level)
     return LineErrors(
         noise=noise.in_phase,
         dof=noise.dof,

@@ -256,17 +256,20 @@ def hann_quadrature(spectrum: CoherentSpectrum) -> MeanError:
 
 
 def repeated_quantisation(
-    spectrum: CoherentSpectrum, step: float, turns: NDArray[np.float64] | None = None
+    spectrum: CoherentSpectrum,
+    step: float,
+    turns: NDArray[np.float64] | None = None,
+    level: float | None = None,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return what the steps of a quantised signal, as far as they repeat with it, do to harmonics 1, 2 ...
 
     The standard uncertainty of the amplitude of each, and the mean square of the amplitude that is added to
     each, both of shape (harmonics,). `turns`, shape (n,), are where the samples were taken, in periods from
-    the first of the spectrum on, where that is known. What is between the harmonics is the noise that hides
-    the steps.
+    the first of the spectrum on, and `level` a value of the converter, where these are known. What is between
+    the harmonics is the noise that hides the steps.
     """
     lines = spectrum.phasor[spectrum.periods :: spectrum.periods]
-    found = _steps(spectrum, step, turns)
+    found = _steps(spectrum, step, turns, level)
     none = np.zeros(len(lines))
     return (none, none) if found is None else found.of_lines(lines)
 
@@ -291,7 +294,10 @@ def aliased_quantisation(spectrum: CoherentSpectrum, step: float) -> float:
 
 
 def _steps(
-    spectrum: CoherentSpectrum, step: float, turns: NDArray[np.float64] | None = None
+    spectrum: CoherentSpectrum,
+    step: float,
+    turns: NDArray[np.float64] | None = None,
+    level: float | None = None,
 ) -> RepeatedSteps | None:
     """Return the errors of a converter's steps; None where there are none, or noise hides them."""
     periods, lines = spectrum.periods, spectrum.phasor[spectrum.periods :: spectrum.periods]
@@ -302,7 +308,7 @@ def _steps(
     in_band = 2.0 * (len(spectrum.amplitude) / spectrum.samples)
     noise = noise_beside(between / in_band, step)
     mean = float(spectrum.phasor[0].real)
-    return repeated_steps(mean, lines, step, noise, spectrum.samples, periods, turns)
+    return repeated_steps(mean, lines, step, noise, spectrum.samples, periods, turns, level)
 
 
 def _lost(

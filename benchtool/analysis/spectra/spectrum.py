@@ -239,8 +239,10 @@ def coherent_spectrum(
 
 def spectrum_of(coherent: CoherentSamples) -> CoherentSpectrum:
     """Return the DFT of samples over whole periods."""
-    periods = coherent.periods
-    bins = fft.rfft(coherent.values)[: math.floor(coherent.usable_order * periods) + 1]
+    periods, last = coherent.periods, math.floor(coherent.usable_order * coherent.periods)
+    if last > periods and last % periods == 0:
+        last -= 1  # of a harmonic with nothing above it the noise would not be known
+    bins = fft.rfft(coherent.values)[: last + 1]
     bins *= 2.0 / len(coherent.values)
     bins[0] /= 2.0
     amplitude = np.abs(bins)

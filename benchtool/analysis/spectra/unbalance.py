@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from benchtool.analysis.declaration import Analysis, Findings, NoSettings, Quantity
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.periods import PhaseTrack
-from benchtool.analysis.quantisation import counting_step
+from benchtool.analysis.quantisation import counting_step, level_of
 from benchtool.analysis.regimes import change_of_regime
 from benchtool.analysis.scatter import MeanError, error_of_periods, is_memory_untold
 from benchtool.analysis.spectra.current import current_of
@@ -116,9 +116,10 @@ def _of_steps(parts: Sequence[CoherentSamples], columns: Sequence[NDArray[np.flo
     """
     square = 0.0
     for part, samples in zip(parts, columns, strict=True):
-        if not counting_step(samples) > 0.0:
+        step = counting_step(samples)
+        if not step > 0.0:
             continue
-        along, power = repeated_quantisation(spectrum_of(part), counting_step(samples))
+        along, power = repeated_quantisation(spectrum_of(part), step, level=level_of(samples, step))
         square += max(float(along[0]) ** 2, 0.5 * float(power[0]))
     return math.sqrt(square) / len(parts)
 

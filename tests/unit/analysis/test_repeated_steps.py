@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from benchtool.analysis.quantisation import level_of
 from benchtool.analysis.repeated_steps import noise_beside, repeated_steps, share_left
 
 PER_PERIOD, PERIODS, STEP = 461.3, 33, 0.04
@@ -61,6 +62,27 @@ def test_places_of_a_speed_that_swings_count_as_often_as_they_are_sampled(swing_
         of_fifth.append(2.0 * np.mean((read - clean) * np.exp(-1j * (5.0 * theta + 1.0))).real)
     found = float(np.sqrt(np.mean(np.square(of_fifth))))
     assert found == pytest.approx(float(stated.of_lines(phasors)[0][4]), rel=0.2)
+
+
+@pytest.mark.parametrize("offset", [0.0, 0.5 * STEP, 0.2 * STEP])
+def test_levels_that_lie_evenly_about_a_waveform_are_no_chance(offset: float) -> None:
+    """Errors of a current of odd harmonics are all in odd ones, where a level is at zero or half a step off."""
+    random = np.random.default_rng(7)
+    theta = 2.0 * np.pi / 128.0 * np.arange(20 * 128)
+    relative = []
+    for _ in range(80):
+        phasors = np.zeros(40, dtype=np.complex128)
+        phasors[0] = random.uniform(1.0, 1.6) * np.exp(1j * random.uniform(0.0, 6.3))
+        clean = np.real(phasors[0] * np.exp(1j * theta))
+        read = STEP * np.round((clean - offset) / STEP) + offset
+        assert np.isclose(np.mod((level_of(read, STEP) - offset) / STEP + 0.5, 1.0), 0.5)
+        stated = repeated_steps(0.0, phasors, STEP, 0.0, float(len(theta)), 20, level=offset)
+        assert stated is not None
+        error = 2.0 * np.mean((read - clean) * np.exp(-1j * (theta + np.angle(phasors[0])))).real
+        relative.append(error / stated.of_lines(phasors)[0][0])
+        if offset != 0.2 * STEP:
+            assert np.max(stated.of_lines(phasors)[1][1::2]) < 1e-20
+    assert 0.75 < np.sqrt(np.mean(np.square(relative))) < 1.3  # 1.8 with levels anywhere
 
 
 def test_noise_hides_the_steps() -> None:
