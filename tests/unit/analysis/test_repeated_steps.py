@@ -66,7 +66,7 @@ def test_places_of_a_speed_that_swings_count_as_often_as_they_are_sampled(swing_
 
 @pytest.mark.parametrize("offset", [0.0, 0.5 * STEP, 0.2 * STEP])
 def test_levels_that_lie_evenly_about_a_waveform_are_no_chance(offset: float) -> None:
-    """Errors of a current of odd harmonics are all in odd ones, where a level is at zero or half a step off."""
+    """Errors of odd harmonics are all in odd ones where a level is at zero or half a step off."""
     random = np.random.default_rng(7)
     theta = 2.0 * np.pi / 128.0 * np.arange(20 * 128)
     relative = []
