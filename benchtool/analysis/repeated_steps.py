@@ -20,7 +20,7 @@ import numpy as np
 from numpy import fft
 from numpy.typing import NDArray
 
-_DRAWS = 24
+_DRAWS, _LEVELS = 24, 64
 _APART = 0.1  # of a step, rms: how much the lines of two waveforms of the ensemble differ
 _CELLS = 1 << 11  # of a step, in the table of its error
 _NEGLIGIBLE = 1e-3  # of a step
@@ -111,7 +111,7 @@ def repeated_steps(
         points = min(needed, _MOST_POINTS)
     if level is None:
         waveforms = mean + _waveforms(kept[np.newaxis], points)
-        levels = step * np.arange(_DRAWS)[:, np.newaxis] / _DRAWS
+        levels = step * np.arange(_LEVELS)[:, np.newaxis] / _LEVELS
     else:
         waveforms, levels = mean + _waveforms(_like(kept, step), points), np.array([level])
     cells = np.floor(np.mod((waveforms - levels) / step, 1.0) * _CELLS).astype(np.int64) % _CELLS
