@@ -161,6 +161,12 @@ def line_errors(
     if turns is not None:
         turns = turns[(turns >= 0.0) & (turns < spectrum.periods)]
     resolution, steps2 = repeated_quantisation(spectrum, step, turns, level)
+    if turns is not None:
+        # what folds to places that hardly repeat is in the noise beside the lines already
+        evenly, _ = repeated_quantisation(spectrum, step, level=level)
+        folded2 = np.maximum(0.0, resolution**2 - evenly**2)
+        folded2[:orders] = np.maximum(0.0, folded2[:orders] - noise.in_phase**2)
+        resolution = np.sqrt(evenly**2 + folded2)
     return LineErrors(
         noise=noise.in_phase,
         dof=noise.dof,
