@@ -33,7 +33,7 @@ class Basis:
     is unknown about the sensors, or which components they attenuate. `alignment_s` is the standard
     uncertainty with which samples of another clock stand at the drive's ticks. `line_Hz` is where the one
     line of a spectrum is that was chosen as the largest. `order` is how often in a revolution a component
-    repeats itself that comes with the angle of the shaft.
+    repeats itself that comes with the angle of the shaft, such as the one that was chosen as the largest.
     """
 
     samples: float | None = None

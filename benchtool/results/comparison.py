@@ -203,7 +203,7 @@ def _deltas(reference: Measured, other: Measured) -> Iterator[Delta]:
             continue
         absolute = two.value - one.value
         percent = 100.0 * absolute / abs(one.value) if one.value else math.nan
-        reason = _other_line(one, two)
+        reason = _other_line(one, two) or _other_order(one, two)
         uncertainty = None if reason else _combined(one, two)
         # where either is missing, nothing is decided
         U = math.nan if uncertainty is None else uncertainty.expanded
@@ -239,6 +239,17 @@ def _other_line(one: Measurement, two: Measurement) -> str:
     return (
         f"the largest line is at {here.line_Hz:.6g} Hz in the reference and at {there.line_Hz:.6g} Hz here: "
         f"two lines, whose numbers are not compared"
+    )
+
+
+def _other_order(one: Measurement, two: Measurement) -> str:
+    """Return that two amplitudes are those of two orders; empty if they are of one."""
+    here, there = one.basis.order, two.basis.order
+    if here is None or there is None or here == there:
+        return ""
+    return (
+        f"the largest order is {here} in the reference and {there} here: two orders, whose numbers are not "
+        f"compared"
     )
 
 

@@ -28,8 +28,9 @@ _PIECE = 256  # samples whose powers stay in the cache
 class AngleFit:
     """Orders 1 to K: `coefficient`, complex, shape (K,), is half the peak amplitude, with the phase.
 
-    `standard` is the standard uncertainty of the peak amplitude, shape (K,), by `uncertainty_source`;
-    `left_rms` is what the fit does not explain.
+    `standard` is the standard uncertainty of the peak amplitude, shape (K,), by `uncertainty_source`; `noise`
+    is the part of it that noise has, an estimate of `noise_dof` degrees of freedom. `left_rms` is what the
+    fit does not explain.
     """
 
     coefficient: NDArray[np.complex128]
@@ -37,6 +38,8 @@ class AngleFit:
     uncertainty_source: str
     mean: float
     left_rms: float
+    noise: NDArray[np.float64]
+    noise_dof: float
 
 
 def fit_orders(coverage: AngleCoverage, values: NDArray[np.float64], highest_order: int) -> AngleFit:
@@ -95,7 +98,8 @@ def fit_orders(coverage: AngleCoverage, values: NDArray[np.float64], highest_ord
         shift = cho_solve(factor, scores.T)[order + 1 :]
         turned = np.conj(towards)[:, np.newaxis] * shift
         along2, across2 = np.sum(turned.real**2, axis=1), np.sum(turned.imag**2, axis=1)
-        standard = 2.0 * np.sqrt(revolutions / (revolutions - 1) * along2)
+        freedom = revolutions - 1.0
+        noise = standard = 2.0 * np.sqrt(revolutions / freedom * along2)
         what = "revolutions" if revolutions < MOST_GROUPS else "groups of revolutions"
         source = f"scatter of the amplitude over {revolutions} {what}, as standard error of its mean"
         if revolutions >= _FEWEST_OF_PHASE:
@@ -103,10 +107,10 @@ def fit_orders(coverage: AngleCoverage, values: NDArray[np.float64], highest_ord
             source += ", and what a phase that wanders takes off it"
     else:
         freedom = max(1.0, 1.0 / float(weights @ weights) - (2 * order + 1))
-        standard = np.full(order, math.sqrt(2.0 * power / freedom))
+        noise = standard = np.full(order, math.sqrt(2.0 * power / freedom))
         source = "noise about the fit, taken as white: with fewer than 4 revolutions none from their scatter"
     mean = float(np.real(solution[order]))
-    return AngleFit(coefficient, standard, source, mean, math.sqrt(power))
+    return AngleFit(coefficient, standard, source, mean, math.sqrt(power), noise, freedom)
 
 
 def _lost(

@@ -28,13 +28,20 @@ FEWEST_REVOLUTIONS = 2.0
 LARGEST_WOBBLE_RAD = 1.5e-3
 """Rms deviation of the angle from a smooth track at which order 200 loses 5 %: it turns by 0.3 rad."""
 
+BY_CHANCE = 0.01
+"""Share of records of noise alone in which one of all orders exceeds what noise is taken to cause."""
+
+_OF_DOF = 0.75  # the median of pairs of bins scatters more than their mean: so many of its degrees of freedom
+_OF_OTHERS = 4.5  # standard uncertainties of what is no noise: resolution, resampling, wobble of the angle
+
 
 @dataclass(frozen=True)
 class OrderSpectrum:
     """Peak `amplitude` of orders `order` (1, 2, 3 ... per mechanical revolution), both of shape (orders,).
 
     `standard`, of `dof` degrees of freedom, is the standard uncertainty of each, from `uncertainty_source`;
-    `mean` is order 0. All are in `unit`. `method` says in words how they were made.
+    `mean` is order 0. `stands_out_above`, of shape (orders,), is the least amplitude that noise and the other
+    errors do not explain. All are in `unit`. `method` says in words how they were made.
     """
 
     signal: str
@@ -48,6 +55,7 @@ class OrderSpectrum:
     uncertainty_source: str
     basis: Basis
     dof: NDArray[np.float64]
+    stands_out_above: NDArray[np.float64]
 
     @property
     def largest(self) -> NDArray[np.int64]:
@@ -161,18 +169,20 @@ def _orders_on(block: Block, channel: str, along: Revolutions) -> OrderSpectrum:
         ]
     )
     lost = _lost(amplitude, orders, wobble_rad or 0.0)
+    others = np.sqrt(noise.lost**2 + by_steps**2 + resampling**2 + lost**2)
     about = "the speed as it was stated" if wobble_rad is None else f"{wobble_rad:.2g} rad rms of wobble"
     return OrderSpectrum(
         signal=channel,
         unit=block.unit(channel),
         order=orders,
         amplitude=amplitude,
-        standard=np.sqrt(noise.in_phase**2 + noise.lost**2 + by_steps**2 + resampling**2 + lost**2),
+        standard=np.hypot(noise.in_phase, others),
         mean=float(spectrum.amplitude[0]) * math.copysign(1.0, float(np.mean(samples))),
         revolutions=float(turns),
         method=f"DFT over {turns} whole revolutions, resampled to equal steps of a {track.source}",
         uncertainty_source=f"noise and leakage beside the order, resampling, resolution, and {about}",
         dof=noise.dof,
+        stands_out_above=_explained(noise.in_phase, _OF_DOF * noise.dof, others),
         basis=Basis(
             samples=spectrum.samples,
             sample_rate_Hz=block.sample_rate_Hz,
@@ -219,18 +229,20 @@ def fitted_orders(
     # values are averaged over a step of the angle, which lowers them by this factor
     low = np.sinc(order * coverage.resolution_rad / TURN)
     amplitude = 2.0 * np.abs(fit.coefficient) / low
-    by_steps = _repeated_steps(fit, counting_step(values), coverage)
+    by_steps = _repeated_steps(fit, counting_step(values), coverage) / low
+    others = np.hypot(by_steps, _lost(amplitude, order, wobble_rad))
     return OrderSpectrum(
         signal=signal,
         unit=unit,
         order=order,
         amplitude=amplitude,
-        standard=np.sqrt((fit.standard**2 + by_steps**2) / low**2 + _lost(amplitude, order, wobble_rad) ** 2),
+        standard=np.hypot(fit.standard / low, others),
         mean=fit.mean,
         revolutions=coverage.revolutions,
         method=method,
         uncertainty_source=f"{fit.uncertainty_source}, and resolution",
         dof=np.full(count, max(1.0, min(coverage.revolutions, MOST_GROUPS) - 1.0)),
+        stands_out_above=_explained(fit.noise / low, np.full(count, fit.noise_dof), others),
         basis=replace(
             basis or Basis(len(values)),
             window=f"by angle, {coverage.revolutions:.4g} mechanical revolutions",
@@ -252,3 +264,18 @@ def _repeated_steps(fit: AngleFit, step: float, coverage: AngleCoverage) -> NDAr
 def _lost(amplitude: NDArray[np.float64], order: NDArray[np.int64], wobble_rad: float) -> NDArray[np.float64]:
     """Return the reduction of each amplitude by an angle error of so many rad rms, to second order."""
     return np.asarray(amplitude * np.minimum(1.0, 0.5 * (order * wobble_rad) ** 2))
+
+
+def _explained(
+    noise: NDArray[np.float64], dof: NDArray[np.float64], others: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return the amplitude of each order up to which noise and other errors explain it.
+
+    Noise alone has two components of the standard deviation s in the amplitude a. Where s is an estimate of
+    n degrees of freedom, (a / s)^2 / 2 is a ratio of variances with 2 and n: it exceeds z^2 / 2 with the
+    probability (1 + z^2 / n)^(-n / 2). z is such that one of all orders does so in `BY_CHANCE` of the
+    records.
+    """
+    each = -math.expm1(math.log1p(-BY_CHANCE) / max(1, len(noise)))
+    z = np.sqrt(dof * np.expm1(-2.0 / dof * math.log(each)))
+    return np.asarray(np.hypot(z * noise, _OF_OTHERS * others))

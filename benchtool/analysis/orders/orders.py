@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, Final
 
 import numpy as np
@@ -17,6 +17,7 @@ from benchtool.analysis.measurement import Basis, Measurement, Table
 from benchtool.analysis.orders.angle import TURN, AngleCoverage, angle_coverage
 from benchtool.analysis.orders.angle_orders import sector_means
 from benchtool.analysis.orders.order_spectrum import (
+    BY_CHANCE,
     FEWEST_REVOLUTIONS,
     HIGHEST_ORDER,
     LARGEST_WOBBLE_RAD,
@@ -37,7 +38,6 @@ _LARGEST_LISTED = 10
 _CHANNELS: Final = "torque", "omega_m"
 _SECTORS = 72
 _FEWEST_TO_REPEAT = 4  # revolutions
-_STANDS_OUT = 4.5  # standard uncertainties: by chance once in a hundred records of 200 orders (Rayleigh)
 _BELOW_THAT = 1.25  # noise alone reads up to 2.45 u in 95 % of records (Rayleigh): U is as much
 MACHINE_ORDERS: Final = ("1p", "2p", "6p", "12p", "slots", "cogging")
 """The orders that a machine may be expected to have, as the names of measurements call them."""
@@ -52,7 +52,7 @@ class Orders:
     Measurements are the largest order and its amplitude, NAME_order_largest and NAME_order_largest_amplitude;
     the orders of the machine as far as pole pairs and slots are known, such as NAME_order_6p; and
     NAME_order_K, of the orders that were named or, where none were, of the ten largest that stand out of the
-    noise by more than 4.5 standard uncertainties. The table NAME_orders has all. Pole pairs and slots are
+    noise: of noise alone, one does in a hundred records (`OrderSpectrum.stands_out_above`). The table NAME_orders has all. Pole pairs and slots are
     those that orders were explained with.
     """
 
@@ -187,9 +187,8 @@ def machine_orders(pole_pairs: int | None, slots: int | None) -> Mapping[str, in
 
 
 def _stands_out(spectrum: OrderSpectrum, order: int) -> bool:
-    """Return whether an order exceeds the largest that noise causes among some hundred."""
-    amplitude, standard = spectrum.amplitude[order - 1], spectrum.standard[order - 1]
-    return bool(amplitude > _STANDS_OUT * standard)
+    """Return whether an order exceeds the largest that noise causes among all of them."""
+    return bool(spectrum.amplitude[order - 1] > spectrum.stands_out_above[order - 1])
 
 
 def _largest(
@@ -197,7 +196,10 @@ def _largest(
 ) -> Iterator[Measurement]:
     """Yield the order with the largest amplitude, and that amplitude."""
     number, amplitude = f"{name}_order_largest", f"{name}_order_largest_amplitude"
-    text = f"order with the largest peak amplitude above {_STANDS_OUT:g} standard uncertainties, {which}"
+    text = (
+        f"order with the largest peak amplitude that stands out of the noise, as by chance in one of "
+        f"{round(1.0 / BY_CHANCE)} records, {which}"
+    )
     of_it = f"peak amplitude of the {text}"
     if not standing_out:
         reason = "no order stands out of the noise"
@@ -205,9 +207,10 @@ def _largest(
         yield Measurement.undefined(amplitude, spectrum.unit, of_it, reason, spectrum.basis)
         return
     order = standing_out[0]
-    yield Measurement(number, float(order), "", text, spectrum.basis)
+    basis = replace(spectrum.basis, order=order)
+    yield Measurement(number, float(order), "", text, basis)
     value, uncertain = float(spectrum.amplitude[order - 1]), _uncertainty(spectrum, order)
-    yield Measurement(amplitude, value, spectrum.unit, of_it, spectrum.basis, uncertain)
+    yield Measurement(amplitude, value, spectrum.unit, of_it, basis, uncertain)
 
 
 def _amplitude(

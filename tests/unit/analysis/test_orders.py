@@ -414,3 +414,29 @@ def test_only_orders_that_stand_out_of_the_noise_are_listed() -> None:
     for none in describe_orders(fitted(angle, noise), "torque").measurements:
         assert math.isnan(none.value)
         assert none.reason == "no order stands out of the noise"
+
+
+@pytest.mark.parametrize("by_time", [True, False])
+@pytest.mark.parametrize("revolutions", [3, 7, 20])
+def test_of_noise_alone_an_order_stands_out_in_one_of_a_hundred_records(
+    revolutions: int, by_time: bool
+) -> None:
+    """The noise is estimated of few bins or revolutions: three in eighty records are less likely than 1 in
+    20."""
+    random, found = np.random.default_rng(11), 0
+    turned = steady(revolutions + 0.1, 400 * revolutions)
+    for _ in range(80):
+        noise = random.normal(size=len(turned))
+        spectrum = resampled_orders(block_of(turned, noise), "torque") if by_time else fitted(turned, noise)
+        found += not math.isnan(describe_orders(spectrum, "torque").measurements[0].value)
+    assert found <= 3
+
+
+@pytest.mark.parametrize("revolutions", [3.1, 7.1, 20.1])
+def test_an_order_well_above_the_noise_stands_out_of_few_revolutions(revolutions: float) -> None:
+    turned = steady(revolutions, round(1_000 * revolutions))
+    u = math.sqrt(2.0 / len(turned))
+    values = 25.0 * u * np.cos(24 * turned) + np.random.default_rng(12).normal(size=len(turned))
+    for spectrum in (resampled_orders(block_of(turned, values), "torque"), fitted(turned, values)):
+        largest = describe_orders(spectrum, "torque").measurements[0]
+        assert (largest.value, largest.basis.order) == (24.0, 24)

@@ -20,7 +20,7 @@ def spectrum(count: int = 200) -> OrderSpectrum:
     amplitude[[5, 11, 12, 71]] = 0.03, 0.02, 0.019, 0.2
     return OrderSpectrum(
         *("torque", "Nm", order, amplitude, np.full(count, 5e-4), 0.65, 7.25),
-        *("a fit", "scatter", Basis(), np.full(count, 9.0)),
+        *("a fit", "scatter", Basis(), np.full(count, 9.0), np.full(count, 5e-3)),
     )
 
 
@@ -61,7 +61,7 @@ def test_few_orders_are_drawn_too() -> None:
     few = spectrum(72)
     short = OrderSpectrum(
         *(few.signal, few.unit, few.order[:3], few.amplitude[:3], few.standard[:3], 0.0, 2.0),
-        *(few.method, few.uncertainty_source, few.basis, few.dof[:3]),
+        *(few.method, few.uncertainty_source, few.basis, few.dof[:3], few.stands_out_above[:3]),
     )
     assert len(np.asarray(draw(panel(short)).axes[0].lines[0].get_xydata())) == 3
 

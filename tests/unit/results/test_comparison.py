@@ -72,6 +72,17 @@ def test_the_largest_lines_of_two_spectra_are_compared_where_they_are_one(
     assert (delta.exceeds, delta.reason == "") == ((True, True) if is_one else (None, False))
 
 
+def test_amplitudes_of_two_largest_orders_are_not_compared() -> None:
+    def at(order: int) -> Assessment:
+        found = result(x=(0.01 * order, 0.001))
+        return replace(found, measurements=(replace(found.measurements[0], basis=Basis(order=order)),))
+
+    (same,), (other,) = deltas(at(24), at(24)), deltas(at(24), at(72))
+    assert (same.exceeds, same.reason) == (False, "")
+    assert (other.exceeds, other.uncertainty) == (None, None)
+    assert "24 in the reference and 72 here" in other.reason
+
+
 @given(st.floats(-1e6, 1e6), st.floats(-1e6, 1e6), st.floats(0, 10), st.floats(0, 10))
 def test_the_two_directions_agree(one: float, two: float, u_one: float, u_two: float) -> None:
     a, b = result(x=(one, u_one), limit=Limit(max=1.0)), result(x=(two, u_two))
