@@ -8,46 +8,65 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Final
+from dataclasses import dataclass, field, replace
+from typing import Any, Final
 
 import numpy as np
 
 from benchtool.analysis.measurement import Measurement
 from benchtool.analysis.quantisation import counting_step
 from benchtool.analysis.sensitivity import Declared, Found, Sensitivity, declared
+from benchtool.analysis.sensor_effects import NOT_KNOWN, lost, moved_by_lags, moved_by_steps, top_Hz
 from benchtool.analysis.uncertainty import Contribution, InstrumentError
+from benchtool.analysis.waveform import Waveform, in_steps, lagged, without_lag
 from benchtool.block import Block
 from benchtool.profile import Bench, Instrument, Sensor
 
 UNSTATED: Final = "the sensors' own uncertainty is not stated"
 """Text of `Basis.sensors` for a number whose sensors the bench does not state."""
 
+BANDWIDTH: Final = "bandwidth"
+"""`InstrumentError.effect` of what a sensor's lag takes off."""
+
 _ROOT_3 = math.sqrt(3.0)
+_FEWEST = 16  # samples that are a waveform
+_GRIDS = 0.125, 0.375, 0.625, 0.875  # where the steps of a reading may begin
 _BY_TIME: Final[Mapping[str, float]] = {"s": 1.0, "Hz": -1.0, "A/sqrt(Hz)": 0.5}
 """Degree in the length of a tick, by the unit of a measurement."""
 
 
 @dataclass(frozen=True)
 class Perturbed:
-    """A channel with a perturbed sensor error: (1 + gain) x reading + offset."""
+    """A channel with a perturbed sensor error: (1 + gain) x reading + offset.
+
+    Or through as many more lags of `bandwidth_Hz`, or in steps of `step` whose grid begins at `phase`.
+    """
 
     channel: str
     gain: float = 0.0
     offset: float = 0.0
+    bandwidth_Hz: float = math.inf
+    lags: int = 0
+    step: float = 0.0
+    phase: float = 0.0
 
     def of(self, block: Block) -> Block:
         """Return the block with that channel, or as it is if it has none."""
         if self.channel not in block.names:
             return block
         data = np.array(block.data)
-        data[:, block.names.index(self.channel)] = self.reading(block.column(self.channel))
+        values = self.reading(block.column(self.channel))
+        for _ in range(self.lags):
+            values = lagged(values, block.sample_rate_Hz, self.bandwidth_Hz)
+        data[:, block.names.index(self.channel)] = values
         return replace(block, data=data)
 
     def reading(
         self, values: np.ndarray[tuple[int], np.dtype[np.float64]]
     ) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-        return np.asarray((1.0 + self.gain) * values + self.offset)
+        """Return single readings with the error; a lag leaves what stands still."""
+        moved = np.asarray((1.0 + self.gain) * values + self.offset)
+        return in_steps(moved, self.step, self.phase) if self.step > 0.0 else moved
 
 
 MeasureAgain = Callable[[Perturbed], Iterable[Measurement]]
@@ -74,6 +93,9 @@ class Instruments:
     pole_pairs: int | None = None
     slots: int | None = None
     clock_of: str = "the drive"
+    _waveforms: dict[str, Waveform | None] = field(
+        default_factory=dict, init=False, repr=False, compare=False
+    )
 
     def applied(
         self, measurements: Sequence[Measurement], again: MeasureAgain | None = None
@@ -84,24 +106,32 @@ class Instruments:
         basis states that of the sensors alone.
         """
         values = {each.name: each.value for each in measurements}
-        moved = {} if again is None else self._moved(measurements, again)
-        return tuple(self._applied(each, values, moved.get(each.name, ())) for each in measurements)
+        moved, unknown = ({}, {}) if again is None else self._moved(measurements, again)
+        return tuple(
+            self._applied(each, values, moved.get(each.name, ()), unknown.get(each.name, ()))
+            for each in measurements
+        )
 
     def _applied(
-        self, each: Measurement, values: Mapping[str, float], moved: Sequence[Contribution]
+        self,
+        each: Measurement,
+        values: Mapping[str, float],
+        moved: Sequence[Contribution],
+        unknown: Sequence[str],
     ) -> Measurement:
         if not math.isfinite(each.value):
             return each
         found = Found(each.name, each.value, values, self.pole_pairs, self.slots)
         stated = declared(each.name)
         lines = [*moved, *self._clock(each)]
-        remarks = [self._unstated(each.name, stated)]
+        remarks = [self._unstated(each.name, stated), *unknown]
         if stated is not None:
-            lines += [line for part in stated.sensitivities for line in self._lines(part, found)]
-            for part in stated.sensitivities:
-                line, remark = self._bandwidth(part.channel, stated, found, each)
-                lines += line
-                remarks.append(remark)
+            lines += [
+                line for part in stated.sensitivities for line in self._lines(part, stated, found, each)
+            ]
+            lost, more = self._bandwidth(stated, found, each)
+            lines += lost
+            remarks += more
         lines = [line for line in lines if line.standard != 0.0]
         if each.uncertainty is None:
             remarks.append(_of_sensors_alone(lines, each.unit))
@@ -130,7 +160,9 @@ class Instruments:
             else f"the uncertainty of {', '.join(lacking)} is not stated"
         )
 
-    def _lines(self, part: Sensitivity, found: Found) -> Iterator[Contribution]:
+    def _lines(
+        self, part: Sensitivity, stated: Declared, found: Found, each: Measurement
+    ) -> Iterator[Contribution]:
         """Yield the gain, offset and resolution of one channel."""
         sensor = self._sensor(part.channel)
         if sensor is None:
@@ -140,13 +172,21 @@ class Instruments:
             yield _gain(channel, sensor, part.gain(found) * sensor.gain_standard)
         if sensor.offset_standard > 0.0:
             yield _offset(channel, sensor, part.offset(found) * sensor.offset_standard)
-        if sensor.resolution:
-            seen = self._resolution(channel)
-            if sensor.resolution > seen:  # what the data show is in the analyses' own budgets
-                rest = math.sqrt(sensor.resolution**2 - seen**2)
-                text = f"resolution of {sensor.resolution:g} {sensor.unit}"
-                name = f"{text}{' beyond that in the data' if seen else ''} of {_of(channel, sensor)}"
-                yield Contribution(name, "B", part.resolution(found) * rest)
+        rest = self._rest(channel, sensor)
+        if sensor.resolution and rest > 0.0 and stated.by_resolution:
+            waveform, highest_Hz = self._waveform(part.channel), top_Hz(stated, found, each)
+            moved = moved_by_steps(part, stated, found, highest_Hz, sensor.resolution, waveform)
+            yield self._of_resolution(channel, sensor, moved * rest / sensor.resolution)
+
+    def _rest(self, channel: str, sensor: Sensor) -> float:
+        """Return the stated step less that which the data show, in squares: the analyses count those."""
+        seen = self._resolution(channel)
+        return math.sqrt(max(0.0, (sensor.resolution or 0.0) ** 2 - seen**2))
+
+    def _of_resolution(self, channel: str, sensor: Sensor, standard: float) -> Contribution:
+        text = f"resolution of {sensor.resolution:g} {sensor.unit}"
+        seen = " beyond that in the data" if self._resolution(channel) else ""
+        return Contribution(f"{text}{seen} of {_of(channel, sensor)}", "B", standard)
 
     def _resolution(self, channel: str) -> float:
         """Return the step that the analyses found in a channel; 0 if none is coarse enough to be one."""
@@ -155,33 +195,63 @@ class Instruments:
                 return counting_step(block.column(channel))
         return 0.0
 
-    def _bandwidth(
-        self, channel: str, stated: Declared, found: Found, each: Measurement
-    ) -> tuple[list[Contribution], str]:
-        """Return attenuation of a line by a first-order sensor, 1 - |H(f)|, as a contribution, and a remark.
-
-        Nothing is corrected: u is the whole attenuation over sqrt(3). For a number that contains all
-        components up to some frequency, their distribution is unknown: nothing is added, and a remark states
-        where the bandwidth ends below that frequency.
-        """
-        sensor = self._sensor(channel)
-        if sensor is None or sensor.bandwidth_Hz is None or stated.bandwidth == "level":
-            return [], ""
-        top_Hz = _top_Hz(stated, found, each)
-        of = _of(self._entry(channel), sensor)
-        if stated.bandwidth != "line":
-            if top_Hz <= sensor.bandwidth_Hz or not math.isfinite(top_Hz):
-                return [], ""
-            return [], (
-                f"components are counted up to {top_Hz:.4g} Hz and the bandwidth of {of} is "
-                f"{sensor.bandwidth_Hz:g} Hz: what is above is attenuated"
+    def _waveform(self, channel: str) -> Waveform | None:
+        """Return the even samples of a channel; None where there are none."""
+        entry = self._entry(channel)
+        if entry not in self._waveforms:
+            block = next((each for each in self.blocks if entry in each.names), None)
+            even = block is not None and not block.gaps and len(block.data) >= _FEWEST
+            self._waveforms[entry] = (
+                Waveform(block.column(entry), block.sample_rate_Hz) if block is not None and even else None
             )
-        if not math.isfinite(top_Hz):
-            return [], f"how much the bandwidth of {of} takes off is not known, as the frequency is not"
-        loss = math.hypot(1.0, top_Hz / sensor.bandwidth_Hz) - 1.0
-        error = _error("bandwidth", self._entry(channel), sensor)
-        name = f"bandwidth of {sensor.bandwidth_Hz:g} Hz of {of}, not corrected at {top_Hz:.4g} Hz"
-        return [_signed(name, found.value * loss / _ROOT_3, error)], ""
+        return self._waveforms[entry]
+
+    def _bandwidth(
+        self, stated: Declared, found: Found, each: Measurement
+    ) -> tuple[list[Contribution], list[str]]:
+        """Return what first-order sensors have taken off, and remarks where that is not known.
+
+        Nothing is corrected: u is the whole loss over sqrt(3).
+        """
+        lagging = {
+            part.channel: sensor
+            for part in stated.sensitivities
+            if (sensor := self._sensor(part.channel)) is not None and sensor.bandwidth_Hz is not None
+        }
+        if not lagging or stated.bandwidth == "level":
+            return [], []
+        highest_Hz = top_Hz(stated, found, each)
+        if stated.bandwidth == "sequence":
+            return self._lags_of_phases(lagging, stated, found, highest_Hz)
+        lines, remarks = [], []
+        for channel, sensor in lagging.items():
+            bandwidth_Hz, waveform = sensor.bandwidth_Hz or math.inf, self._waveform(channel)
+            share, remark = lost(stated, found, highest_Hz, bandwidth_Hz, waveform)
+            entry = self._entry(channel)
+            at = f" at {highest_Hz:.4g} Hz" if stated.bandwidth == "line" else ""
+            if remark:
+                remarks.append(f"{remark} (bandwidth of {_bandwidth_of(entry, sensor)})")
+            name = f"bandwidth of {_bandwidth_of(entry, sensor)}, not corrected{at}"
+            error = _error(BANDWIDTH, entry, sensor)
+            lines.append(_signed(name, found.value * share / _ROOT_3, error))
+        return lines, remarks
+
+    def _lags_of_phases(
+        self, lagging: Mapping[str, Sensor], stated: Declared, found: Found, at_Hz: float
+    ) -> tuple[list[Contribution], list[str]]:
+        """Return what the lags of three phases together have done, as one contribution."""
+        of = ", ".join(_bandwidth_of(self._entry(channel), sensor) for channel, sensor in lagging.items())
+        turned = {channel: at_Hz / (sensor.bandwidth_Hz or math.inf) for channel, sensor in lagging.items()}
+        moved = moved_by_lags(found, [turned.get(part.channel, 0.0) for part in stated.sensitivities])
+        if not math.isfinite(moved):
+            return [], [f"{NOT_KNOWN}the frequency (bandwidth of {of})"]
+        identity = {
+            key: ", ".join(filter(None, (getattr(sensor, key) for sensor in lagging.values())))
+            for key in ("sensor", "serial_number", "certificate")
+        }
+        error = InstrumentError(BANDWIDTH, ", ".join(lagging), **identity)
+        name = f"bandwidth of {of}, not corrected at {at_Hz:.4g} Hz"
+        return [_signed(name, moved / _ROOT_3, error)], []
 
     def _clock(self, each: Measurement) -> Iterator[Contribution]:
         clock = self.bench.clock
@@ -193,35 +263,72 @@ class Instruments:
 
     def _moved(
         self, measurements: Sequence[Measurement], again: MeasureAgain
-    ) -> dict[str, list[Contribution]]:
-        """Return the contributions to measurements without declared sensitivities: the change for one
-        standard uncertainty of each error either way, the larger of the two (JCGM 100:2008, 5.1.3, note
-        2)."""
+    ) -> tuple[dict[str, list[Contribution]], dict[str, list[str]]]:
+        """Return the contributions to measurements without declared sensitivities, and remarks on those that
+        are not known.
+
+        Of gain and offset it is the change for one standard uncertainty either way, the larger of the two
+        (JCGM 100:2008, 5.1.3, note 2); of a bandwidth what one lag less would read, of a resolution the rms
+        change over places of its grid.
+        """
         left = {
             each.name: each.value
             for each in measurements
             if declared(each.name) is None and math.isfinite(each.value)
         }
-        channels = {self._entry(each) for name in left for each in self.rests_on(name)}
         found: dict[str, list[Contribution]] = {}
+        unknown: dict[str, list[str]] = {}
         for channel, sensor in self.bench.channels.items():
-            if channel not in channels:
-                continue
-            for error, u, line in (
-                ("gain", sensor.gain_standard, _gain),
-                ("offset", sensor.offset_standard, _offset),
-            ):
-                if u <= 0.0:
-                    continue
-                up, down = (
-                    {each.name: each.value for each in again(Perturbed(channel, **{error: step}))}
-                    for step in (u, -u)
-                )
-                for name, value in left.items():
-                    if channel in map(self._entry, self.rests_on(name)):
-                        moved = _larger(up.get(name, math.nan) - value, value - down.get(name, math.nan))
-                        found.setdefault(name, []).append(line(channel, sensor, moved))
-        return found
+            own = {
+                name: value
+                for name, value in left.items()
+                if channel in map(self._entry, self.rests_on(name))
+            }
+            for name, line in self._of_channel(channel, sensor, own, again) if own else ():
+                if isinstance(line, str):
+                    unknown.setdefault(name, []).append(line)
+                else:
+                    found.setdefault(name, []).append(line)
+        return found, unknown
+
+    def _of_channel(
+        self, channel: str, sensor: Sensor, values: Mapping[str, float], again: MeasureAgain
+    ) -> Iterator[tuple[str, Contribution | str]]:
+        """Yield contributions of one sensor to measurements by name, or remarks in their place."""
+
+        def read(**error: Any) -> dict[str, float]:
+            return {each.name: each.value for each in again(Perturbed(channel, **error))}
+
+        for error, u, line in (
+            ("gain", sensor.gain_standard, _gain),
+            ("offset", sensor.offset_standard, _offset),
+        ):
+            if u > 0.0:
+                up, down = (read(**{error: step}) for step in (u, -u))
+                for name, value in values.items():
+                    moved = _larger(up.get(name, math.nan) - value, value - down.get(name, math.nan))
+                    yield name, line(channel, sensor, moved)
+        if (bandwidth_Hz := sensor.bandwidth_Hz) is not None:
+            of, lag = _bandwidth_of(channel, sensor), _error(BANDWIDTH, channel, sensor)
+            once, twice = (read(bandwidth_Hz=bandwidth_Hz, lags=lags) for lags in (1, 2))
+            for name, value in values.items():
+                true = without_lag(value, once.get(name, math.nan), twice.get(name, math.nan))
+                if math.isfinite(true):
+                    yield name, _signed(f"bandwidth of {of}, not corrected", (true - value) / _ROOT_3, lag)
+                else:
+                    yield name, f"{NOT_KNOWN}a number with a further lag (bandwidth of {of})"
+        if sensor.resolution and (rest := self._rest(channel, sensor)) > 0.0:
+            grids = [read(step=sensor.resolution, phase=phase) for phase in _GRIDS]
+            for name, value in values.items():
+                changes = [each.get(name, math.nan) - value for each in grids]
+                by = math.sqrt(sum(change**2 for change in changes) / len(changes))
+                if math.isfinite(by):
+                    yield name, self._of_resolution(channel, sensor, by * rest / sensor.resolution)
+                else:
+                    yield (
+                        name,
+                        f"what steps of {sensor.resolution:g} {sensor.unit} of {channel} do is not known",
+                    )
 
 
 def sensor_remarks(measurements: Iterable[Measurement]) -> tuple[str, ...]:
@@ -250,15 +357,6 @@ def _larger(up: float, down: float) -> float:
     return max(known, key=abs, default=math.nan)
 
 
-def _top_Hz(stated: Declared, found: Found, each: Measurement) -> float:
-    """Return the highest frequency that contributes; nan if it is unknown."""
-    if stated.line_Hz is not None:
-        return abs(stated.line_Hz(found))
-    if each.basis.harmonics is not None:
-        return each.basis.harmonics * found.other("fundamental_frequency")
-    return math.nan if each.basis.bandwidth_Hz is None else each.basis.bandwidth_Hz
-
-
 def _gain(channel: str, sensor: Sensor, signed: float) -> Contribution:
     name = f"gain of {_of(channel, sensor)}; {sensor.gain_text}"
     return _signed(name, signed, _error("gain", channel, sensor))
@@ -271,6 +369,10 @@ def _offset(channel: str, sensor: Sensor, signed: float) -> Contribution:
 
 def _signed(name: str, signed: float, error: InstrumentError) -> Contribution:
     return Contribution(name, "B", abs(signed), instrument=error, sign=-1 if signed < 0.0 else 1)
+
+
+def _bandwidth_of(channel: str, sensor: Sensor) -> str:
+    return f"{sensor.bandwidth_Hz:g} Hz of {_of(channel, sensor)}"
 
 
 def _of(channel: str, instrument: Instrument) -> str:

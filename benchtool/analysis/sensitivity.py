@@ -15,9 +15,10 @@ from typing import Final, Literal
 
 from benchtool.analysis.orders.orders import machine_orders
 
-Bandwidth = Literal["level", "line", "band", "power", "extremes"]
-"""What a number holds: a level, which a bandwidth does not touch, one line, every component up to some
-frequency by itself, the power of them together, or their extremes.
+Bandwidth = Literal["level", "line", "sequence", "band", "noise", "power", "extremes"]
+"""What a number holds: a level, which a bandwidth does not touch, one line, one line of each of three phases,
+the harmonics up to some frequency each by itself, the noise between them, the power of all components
+together, or their extremes.
 
 Where a signal is sampled too slowly, what is faster folds into the band: power keeps its sum, components do
 not keep their places, and extremes are missed.
@@ -84,7 +85,8 @@ class Sensitivity:
     """Sensitivity of a measurement to one channel.
 
     `gain` is its derivative by the relative error of the gain, `offset` that by the offset in the channel's
-    unit. `resolution` is the standard uncertainty for each unit of the smallest step that the sensor shows.
+    unit. `resolution` is the standard uncertainty for each unit of the smallest step that the sensor shows,
+    where no waveform tells how far its errors average out.
     """
 
     channel: str
@@ -97,7 +99,8 @@ class Sensitivity:
 class Declared:
     """The sensitivities of measurements whose names match `pattern`, a regular expression.
 
-    `line_Hz` is the frequency of a single line. A `bound` is the largest change that an error causes: a
+    `line_Hz` is the frequency of a single line. `as_ratio` is of a band in percent of the fundamental. A
+    `bound` is the largest change that an error causes: a
     magnitude near zero grows with an error of either sign, which a derivative does not show.
     """
 
@@ -106,6 +109,12 @@ class Declared:
     bandwidth: Bandwidth = "level"
     line_Hz: Derivative | None = None
     bound: bool = False
+    as_ratio: bool = False
+
+    @property
+    def by_resolution(self) -> bool:
+        """Whether steps of a reading move it: not a frequency, nor the number of an order."""
+        return self.bandwidth != "level" or any(each.resolution is not _none for each in self.sensitivities)
 
 
 def declared(name: str) -> Declared | None:
@@ -170,6 +179,10 @@ def _orders(name: str, channel: str) -> Iterator[Declared]:
     )
 
 
+def _fundamental_Hz(found: Found) -> float:
+    return found.other("fundamental_frequency")
+
+
 def _other(name: str, factor: float) -> Derivative:
     return lambda found: factor * found.other(name)
 
@@ -189,7 +202,7 @@ def _sequences() -> Iterator[Declared]:
         ("current_unbalance(_zero)?_percent", in_percent),
     ):
         phases = tuple(Sensitivity(channel, gain) for channel in ("i_a", "i_b", "i_c"))
-        yield Declared(pattern, phases, bound=True)
+        yield Declared(pattern, phases, "sequence", _fundamental_Hz, bound=True)
 
 
 def _balances() -> Iterator[Declared]:
@@ -229,12 +242,14 @@ def _all() -> Iterator[Declared]:
     yield Declared("flux_ripple_pp", (extremes,), "extremes")
     yield Declared("fundamental_frequency|switching_frequency_mean")
     fundamental = Sensitivity("i_a", _own)
+    yield Declared("current_fundamental", (fundamental,), "line", _fundamental_Hz)
+    yield Declared("current_(max_low_harmonic|tdd)", (fundamental,), "band")
+    yield Declared("current_noise_(floor|density)", (fundamental,), "noise")
     yield Declared(
-        "current_fundamental", (fundamental,), "line", lambda found: found.other("fundamental_frequency")
-    )
-    yield Declared("current_(max_low_harmonic|tdd|noise_floor|noise_density)", (fundamental,), "band")
-    yield Declared(
-        r"current_thd_(r|f(_noise_corrected|_plus_noise|_groups|_subgroups)?)", (Sensitivity("i_a"),), "band"
+        r"current_thd_(r|f(_noise_corrected|_plus_noise|_groups|_subgroups)?)",
+        (Sensitivity("i_a"),),
+        "band",
+        as_ratio=True,
     )
     yield from _sequences()
     yield from _balances()

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from benchtool.analysis import Measurement, Uncertainty, of_difference, with_expanded
+from benchtool.analysis.instruments import BANDWIDTH
 from benchtool.plan import Limit, Verdict
 
 _TRANSDUCER = "transducer_"
@@ -89,13 +90,24 @@ def _disagreements(found: Mapping[str, Measurement], limits: Mapping[str, Limit]
         seen = in_common_band(estimate)
         if true is None or not (math.isfinite(true.value) and math.isfinite(seen.value)):
             continue
-        if abs(seen.value - true.value) > _of_difference(seen, true).expanded:
+        shaft = true if estimate.in_common_band is None else _in_its_band(true)
+        if abs(seen.value - true.value) > _of_difference(seen, shaft).expanded:
             verdict = limits[name].judge(true.value, true.uncertainty) if name in limits else None
             yield Disagreement(estimate, true, verdict)
 
 
 def _of_difference(estimate: Measurement, true: Measurement) -> Uncertainty:
     return of_difference(_known(estimate.uncertainty), _known(true.uncertainty))
+
+
+def _in_its_band(true: Measurement) -> Measurement:
+    """Return a number by the transducer without what its bandwidth takes off: the estimate is without it."""
+    if true.uncertainty is None:
+        return true
+    lags = [
+        each for each in true.uncertainty.budget if each.instrument and each.instrument.effect == BANDWIDTH
+    ]
+    return replace(true, uncertainty=true.uncertainty.without(lags))
 
 
 def _known(uncertainty: Uncertainty | None) -> Uncertainty:

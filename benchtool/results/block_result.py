@@ -271,8 +271,11 @@ def _as_resolved(numbers: Sequence[Measurement], block: Block) -> Iterator[Measu
     remedy = "capture, or stream every tick"
     reasons = {
         "extremes": f"the rows are {apart}, extremes between them are not seen: {remedy}",
-        "band": f"the rows are {apart}, harmonics and noise above {band_Hz:.6g} Hz fold onto those below: "
-        f"{remedy}",
+        **dict.fromkeys(
+            ("band", "noise"),
+            f"the rows are {apart}, harmonics and noise above {band_Hz:.6g} Hz fold onto those below: "
+            f"{remedy}",
+        ),
     }
     for each in numbers:
         if reason := each.reason or reasons.get(holds(each.name), ""):

@@ -52,7 +52,8 @@ class Orders:
     Measurements are the largest order and its amplitude, NAME_order_largest and NAME_order_largest_amplitude;
     the orders of the machine as far as pole pairs and slots are known, such as NAME_order_6p; and
     NAME_order_K, of the orders that were named or, where none were, of the ten largest that stand out of the
-    noise: of noise alone, one does in a hundred records (`OrderSpectrum.stands_out_above`). The table NAME_orders has all. Pole pairs and slots are
+    noise: of noise alone, one does in a hundred records (`OrderSpectrum.stands_out_above`). The table
+    NAME_orders has all. Pole pairs and slots are
     those that orders were explained with.
     """
 

@@ -92,41 +92,144 @@ def test_an_uncertainty_that_is_not_known_stays_so() -> None:
     assert undefined.uncertainty is None
 
 
-def _steps(step: float) -> Block:
-    torque = np.round(np.linspace(0.0, 1.0, 20_000) / step) * step
+def _standing(step: float) -> Block:
+    """Two values, a step apart, of which the second is there once in 20 000 rows."""
+    torque = np.full(20_000, 0.3)
+    torque[7] += step
     return Block.from_arrays(1e3, {"torque": "Nm"}, torque=torque)
 
 
 @pytest.mark.parametrize(
     ("stated", "in_data", "rest"),
-    [(0.05, 1e-4, 0.0499999), (0.05, 0.03, 0.04), (0.05, 0.05, 0.0), (0.03, 0.05, 0.0)],
+    [(0.05, 0.03, 0.04), (0.05, 0.05, 0.0), (0.03, 0.05, 0.0)],
 )
 def test_a_resolution_counts_once(stated: float, in_data: float, rest: float) -> None:
     """The analyses count the steps that they find; of the stated one the rest is left, in squares."""
     bench = Bench(channels={"torque": _sensor(resolution_Nm=stated)})
-    mean, pp = _applied(
-        bench, _of("torque_mean", 1.0), _of("torque_ripple_pp", 1.0), blocks=[_steps(in_data)]
+    (mean,) = _applied(bench, _of("torque_mean", 0.3), blocks=[_standing(in_data)])
+    assert _uncertainty(mean).standard == pytest.approx(rest / math.sqrt(12.0), rel=0.02, abs=1e-8)
+
+
+def test_a_resolution_averages_out_where_the_signal_spans_its_steps() -> None:
+    """1 Nm in steps of 50 mNm: of a mean, an rms and a line of many samples next to nothing is left."""
+    turned = 2.0 * math.pi * 5.0 * np.arange(10_000) / 1e3
+    random = np.random.default_rng(2).normal(size=len(turned))
+    bench = Bench(channels={"torque": _sensor(resolution_Nm=0.05)})
+    small = (
+        _of("torque_mean", 0.3),
+        _of("torque_ripple_rms", math.sqrt(0.5)),
+        _of("torque_line_amplitude", 1.0),
     )
-    assert _uncertainty(mean).standard == pytest.approx(rest / math.sqrt(12.0), abs=1e-8)
-    assert _uncertainty(pp).standard == pytest.approx(rest / math.sqrt(6.0), abs=1e-8)
+    line = _of("torque_line_frequency", 5.0, unit="Hz")
+    read = Block.from_arrays(1e3, {"torque": "Nm"}, torque=0.3 + np.cos(turned) + 0.03 * random)
+    for each in _applied(bench, *small, line, blocks=[read])[:3]:
+        assert 0.0 < _uncertainty(each).standard < 0.1 * 0.05 / math.sqrt(12.0), each.name
+        assert _uncertainty(each).budget[-1].name == "resolution of 0.05 Nm of torque"
+    # the extremes are two readings: step / sqrt(6)
+    (pp,) = _applied(bench, _of("torque_ripple_pp", 2.0), blocks=[read])
+    assert _uncertainty(pp).standard == pytest.approx(0.05 / math.sqrt(6.0))
 
 
-def test_a_bandwidth_is_a_bound_for_a_line_and_a_remark_for_a_band() -> None:
-    bench = Bench(channels={"i_a": _sensor(bandwidth_Hz=500.0)})
-    basis = Basis(bandwidth_Hz=4e3, harmonics=50)
+def test_a_resolution_is_in_currents_and_their_harmonics() -> None:
+    bench = Bench(channels={"i_a": _sensor(resolution_A=0.5)})
+    turned = 2.0 * math.pi * 50.0 * np.arange(4_000) / 4e3
+    block = Block.from_arrays(4e3, {"i_a": "A"}, i_a=np.cos(turned) + 0.1 * np.cos(5.0 * turned))
     frequency = _of("fundamental_frequency", 50.0, unit="Hz")
-    line, thd, tdd = _applied(
-        bench,
+    thd = replace(_of("current_thd_f", 10.0, unit="%"), basis=Basis(harmonics=20))
+    amplitude, thd, frequency = _applied(
+        bench, _of("current_fundamental", 1.0, unit="A"), thd, frequency, blocks=[block]
+    )
+    # two steps to either side: some percent, as of a three-level sine
+    assert 0.005 < _uncertainty(amplitude).standard < 0.1
+    assert 1.0 < _uncertainty(thd).standard < 20.0
+    assert len(_uncertainty(frequency).lines) == 1
+
+
+def _lines(**amplitudes: float) -> Block:
+    """A second of lines of i_a or torque, by their frequency: `f250=0.1`."""
+    time_s = np.arange(20_000) / 20e3
+    parts = (a * np.cos(2.0 * math.pi * float(f[1:]) * time_s) for f, a in amplitudes.items())
+    values = np.sum(list(parts), axis=0)
+    return Block.from_arrays(20e3, {"i_a": "A", "torque": "Nm"}, i_a=values, torque=values)
+
+
+def test_a_bandwidth_counts_for_each_harmonic_at_its_frequency() -> None:
+    """A fifth of 250 Hz behind 500 Hz: 1.118, over the 1.005 of the fundamental."""
+    bench = Bench(channels={"i_a": _sensor(bandwidth_Hz=500.0)})
+    found = (
         _of("current_fundamental", 2.0, unit="A"),
-        replace(_of("current_thd_f", 3.0, unit="%"), basis=basis),
-        replace(_of("current_tdd", 3.0, unit="%"), basis=replace(basis, harmonics=10)),
-        frequency,
-    )[:3]
-    loss = 2.0 * (math.hypot(1.0, 50.0 / 500.0) - 1.0)
-    assert _uncertainty(line).standard == pytest.approx(loss / ROOT_3)
-    assert "counted up to 2500 Hz and the bandwidth of i_a is 500 Hz" in thd.basis.sensors
-    assert _uncertainty(thd).standard == 0.0
-    assert tdd.basis.sensors == ""
+        replace(_of("current_thd_f", 10.0, unit="%"), basis=Basis(harmonics=9)),
+        replace(_of("current_tdd", 10.0, unit="%"), basis=Basis(harmonics=50)),
+        _of("current_noise_floor", 1e-3, unit="A"),
+        _of("fundamental_frequency", 50.0, unit="Hz"),
+    )
+    line, thd, tdd, floor, _ = _applied(bench, *found, blocks=[_lines(f50=2.0, f250=0.2)])
+    assert _uncertainty(line).standard == pytest.approx(2.0 * (math.hypot(1.0, 0.1) - 1.0) / ROOT_3)
+    of_thd = 10.0 * (math.hypot(1.0, 0.5) / math.hypot(1.0, 0.1) - 1.0) / ROOT_3
+    assert _uncertainty(thd).standard == pytest.approx(of_thd, rel=1e-3)
+    assert thd.basis.sensors == ""
+    assert _uncertainty(tdd).standard == pytest.approx(10.0 * (math.hypot(1.0, 0.5) - 1.0) / ROOT_3, rel=1e-3)
+    assert "from 500 to 2500 Hz lose more than 29 %" in tdd.basis.sensors
+    assert "noise is that of the reading" in floor.basis.sensors
+    (blind,) = _applied(bench, found[1])
+    assert "not known without a record of even samples" in blind.basis.sensors
+
+
+def test_a_bandwidth_counts_for_a_ripple_by_its_waveform() -> None:
+    """250 Hz behind 500 Hz: the sensor has taken a share of 0.118 of what it shows off a peak and an rms."""
+    bench = Bench(channels={"torque": _sensor(bandwidth_Hz=500.0)})
+    pp, percent, rms, mean = _applied(
+        bench,
+        *(_of("torque_ripple_pp", 0.4), _of("torque_ripple_percent_of_rated", 20.0, unit="%")),
+        *(_of("torque_ripple_rms", 0.2 / math.sqrt(2.0)), _of("torque_mean", 0.0)),
+        blocks=[_lines(f250=0.2)],
+    )
+    for each in (pp, percent, rms):
+        share = _uncertainty(each).standard / each.value
+        assert share == pytest.approx((math.hypot(1.0, 0.5) - 1.0) / ROOT_3, rel=0.02), each.name
+    assert _uncertainty(mean).standard == 0.0
+
+
+@pytest.mark.parametrize("phases", [("i_a",), ("i_a", "i_b", "i_c")])
+def test_lags_of_phases_turn_them_and_equal_ones_leave_no_unbalance(phases: tuple[str, ...]) -> None:
+    """30 Hz behind 300 Hz turns a phase by 0.1 rad: of one phase a third of it is seen as unbalance."""
+    bench = Bench(channels={name: _sensor(bandwidth_Hz=300.0) for name in phases})
+    positive, negative, percent, _ = _applied(
+        bench,
+        *(_of("current_sequence_positive", 6.0, unit="A"), _of("current_sequence_negative", 0.1, unit="A")),
+        *(_of("current_unbalance_percent", 1.0, unit="%"), _of("fundamental_frequency", 30.0, unit="Hz")),
+    )
+    alone = len(phases) == 1
+    length = math.hypot(1.0, 0.1 / 3.0 if alone else 0.1) - 1.0
+    assert _uncertainty(positive).standard == pytest.approx(6.0 * length / ROOT_3)
+    assert _uncertainty(negative).standard == pytest.approx(0.2 / ROOT_3 if alone else 0.0, abs=1e-12)
+    assert _uncertainty(percent).standard == pytest.approx(10.0 / 3.0 / ROOT_3 if alone else 0.0, abs=1e-12)
+
+
+def test_a_step_behind_a_slow_sensor_contains_its_lag_and_its_steps() -> None:
+    """A lag of 100 Hz rises in 2.197 / (2 pi 100 Hz) = 3.50 ms, and reads longer behind one of 300 Hz."""
+    time_s = (np.arange(4_000) - 400) / 20e3
+    slow, fast = 2.0 * math.pi * 100.0, 2.0 * math.pi * 300.0
+    later = np.maximum(time_s, 0.0)
+    rise = 1.0 - (fast * np.exp(-slow * later) - slow * np.exp(-fast * later)) / (fast - slow)
+    block = Block.from_arrays(20e3, {"torque": "Nm"}, torque=rise)
+
+    def measured(altered: Perturbed) -> Iterator[Measurement]:
+        torque = altered.of(block).column("torque")
+        low, high = (np.interp(level, torque, time_s) for level in (0.1, 0.9))
+        yield _of("rise_time", float(high - low), 0.0, "s")
+
+    (read,) = measured(Perturbed("torque"))
+    sensor = _sensor(bandwidth_Hz=300.0, resolution_Nm=0.02)
+    instruments = Instruments(Bench(channels={"torque": sensor}), [block], rests_on=lambda _: ("torque",))
+    (found,) = instruments.applied([read], measured)
+    by_lag, by_steps = _uncertainty(found).budget[1:]
+    late_s = read.value - math.log(9.0) / slow
+    assert late_s == pytest.approx(0.31e-3, rel=0.01)  # 3.81 ms of both in a row
+    assert by_lag.name == "bandwidth of 300 Hz of torque, not corrected"
+    assert by_lag.standard == pytest.approx(late_s / ROOT_3, rel=0.15)
+    # 0.1 and 0.9 are crossed at 563 and 66 1/s: half a step of either moves them by some 0.1 ms
+    assert 3e-5 < by_steps.standard < 3e-4
 
 
 def test_an_order_counts_revolutions_by_the_pole_pairs() -> None:
