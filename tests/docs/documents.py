@@ -29,7 +29,7 @@ def require_toml(text: str) -> None:
         ValueError: it is not TOML.
     """
     content = tomllib.loads(text)
-    if {"operating_point", "record", "profile"} <= content.keys():
+    if is_plan(text):
         Plan.model_validate(content)
     elif {"motor", "drive"} <= content.keys():
         Profile.model_validate(content)
@@ -37,6 +37,11 @@ def require_toml(text: str) -> None:
         for key, value in content.items():
             if key not in ELSEWHERE:
                 _require_table(key, value)
+
+
+def is_plan(text: str) -> bool:
+    """Return whether a block is a whole plan."""
+    return {"operating_point", "record", "profile"} <= tomllib.loads(text).keys()
 
 
 def _require_table(key: str, value: Any) -> None:

@@ -48,6 +48,8 @@ class Reader:
                 self._try_python(block)
             case "toml":
                 documents.require_toml(block.text)
+                if documents.is_plan(block.text):
+                    require_accepted(block.text, block.file or "as_printed.toml")
             case "yaml":
                 for text in documents.commands_of_yaml(block.text):
                     _parse(text)
@@ -85,6 +87,12 @@ class Reader:
         exec(compile(tree, str(block), "exec"), self.names)
 
 
+def require_accepted(plan: str, file: str) -> None:
+    """Check that `run` takes a plan: its names, units and values by profile, drive and catalogue."""
+    Path(file).write_text(plan, encoding="utf-8")
+    shell.run(shell.Command(("benchtool", "run", file, "--dry-run"), 0))
+
+
 def _parse(text: str) -> None:
     for command in shell.commands(text):
         if command.is_benchtool:
@@ -99,6 +107,14 @@ def demo(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
     bundle = tmp_path_factory.mktemp("demo") / "RUN"
     printed = shell.run(shell.Command(("benchtool", "demo", "--out", str(bundle)), 0))
     return bundle, printed
+
+
+def test_a_plan_whose_names_are_wrong_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    plan = (ROOT / "docs" / "generate" / "examples" / "plan_torque.toml").read_text(encoding="utf-8")
+    require_accepted(plan, "plan.toml")
+    with pytest.raises(AssertionError, match="step_rise_time"):
+        require_accepted(plan.replace("\nrise_time", "\nstep_rise_time"), "plan.toml")
 
 
 def test_commands_that_the_text_names_exist() -> None:

@@ -13,6 +13,7 @@ from benchtool.profile import Profile
 from docs.generate.__main__ import REFERENCE, main
 from docs.generate.models import EXAMPLES, documents_of, tables
 from docs.generate.pages import all_pages
+from tests.docs import shell
 
 WITHOUT_EXAMPLE = {"amplitude_V", "offset_V", "frame", "angle_rad", "omega_e_rad_s", "turn_s"}
 """Keys of a voltage stimulus, which no operating point of a plan plays yet."""
@@ -37,6 +38,12 @@ def test_the_examples_are_documents_that_load(path: Path) -> None:
         load_document(path, Profile, ProfileError)
     else:
         load_document(path, Plan, PlanError)
+
+
+@pytest.mark.parametrize("path", sorted(EXAMPLES.glob("plan*.toml")), ids=lambda path: path.stem)
+def test_the_examples_of_plans_are_taken_by_a_run(path: Path) -> None:
+    """Their names, units and windows as well: the page of the plan's keys quotes them."""
+    shell.run(shell.Command(("benchtool", "run", str(path), "--dry-run"), 0))
 
 
 @pytest.mark.parametrize("model", [Profile, Plan], ids=lambda model: model.__name__)
