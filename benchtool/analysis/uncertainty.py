@@ -9,6 +9,8 @@ from typing import Any, Final, Literal
 
 from benchtool.analysis.distributions import normal_below, student_below, student_quantile
 
+_MANY = 1e6  # degrees of freedom: k of infinitely many is less by a millionth
+
 COVERAGE: Final = 0.95
 """Coverage probability of an expanded uncertainty."""
 
@@ -68,7 +70,7 @@ class Contribution:
             "name": self.name,
             "evaluation": self.evaluation,
             "standard": _finite(self.standard),
-            "dof": _finite(self.dof),
+            "dof": self.dof if self.dof < _MANY else None,
         }
         if self.instrument is not None:
             document |= {"instrument": asdict(self.instrument), "sign": self.sign}
@@ -156,14 +158,13 @@ class Uncertainty:
             moved = math.copysign((coverage_factor(math.inf) * changed) ** 2, changed)
             width = math.sqrt(max(0.0, width**2 + moved))
         fourth = self.standard**4 / self.dof if self.dof > 0.0 else 0.0
-        dof = square**2 / fourth if fourth > 0.0 else math.inf
-        return Uncertainty(math.sqrt(square), self.source, dof, budget, width)
+        return Uncertainty(math.sqrt(square), self.source, _effective(square, fourth), budget, width)
 
     def to_json(self) -> dict[str, Any]:
         """Return the fields and `k`, `coverage` and `expanded` besides; what is not finite is null."""
         document: dict[str, Any] = {
             "standard": _finite(self.standard),
-            "dof": _finite(self.dof),
+            "dof": self.dof if self.dof < _MANY else None,
             "k": _finite(self.k),
             "coverage": COVERAGE,
             "expanded": _finite(self.expanded),
@@ -189,8 +190,7 @@ def combined(
     if not math.isfinite(squares):
         return None
     fourth = sum(each.standard**4 / each.dof for each in budget)
-    dof = squares**2 / fourth if fourth > 0.0 else math.inf
-    return Uncertainty(math.sqrt(squares), source, dof, budget, half_width)
+    return Uncertainty(math.sqrt(squares), source, _effective(squares, fourth), budget, half_width)
 
 
 def of_difference(one: Uncertainty, two: Uncertainty) -> Uncertainty:
@@ -223,9 +223,15 @@ def of_difference(one: Uncertainty, two: Uncertainty) -> Uncertainty:
     return Uncertainty(
         standard,
         "both values",
-        1.0 / fourth if fourth > 0.0 else math.inf,
+        _effective(1.0, fourth),
         half_width=math.hypot(one.expanded, two.expanded) if derived else None,
     )
+
+
+def _effective(square: float, fourth: float) -> float:
+    """Return the effective degrees of freedom, of the sums u^2 and u_i^4 / dof_i (JCGM 100:2008, G.4.1);
+    infinite where they are so many that k is that of infinitely many."""
+    return float(f"{square**2 / fourth:.12g}") if fourth * _MANY > square**2 else math.inf
 
 
 def coverage_factor(dof: float) -> float:

@@ -196,10 +196,12 @@ def _rows(plan: Plan, capture: Block) -> Block | None:
 
 @dataclass(frozen=True)
 class _Mean:
-    """Mean of a signal, its basis, and its source in words."""
+    """Mean of a signal, its standard uncertainty with its degrees of freedom, its basis, and its source in
+    words."""
 
     value: float
     standard: float
+    dof: float
     basis: Basis
     source: str
 
@@ -221,7 +223,8 @@ class _Signals:
             return None
         basis = Basis(len(readings), 1.0 / READING_EVERY_S, len(readings) * READING_EVERY_S)
         spread = float(np.std(readings, ddof=1)) / math.sqrt(len(readings)) if len(readings) > 1 else math.nan
-        return _Mean(float(np.mean(readings)), spread, basis, f"{name} read just before the capture")
+        source = f"{name} read just before the capture"
+        return _Mean(float(np.mean(readings)), spread, max(1.0, len(readings) - 1.0), basis, source)
 
     def on_shaft(self) -> _Mean | None:
         """Return the mean of the transducer over the rows, or else of the drive's estimate."""
@@ -247,7 +250,8 @@ class _Signals:
 
 def _mean_of(block: Block, name: str, source: str) -> _Mean:
     samples = block.column(name)
-    return _Mean(float(np.mean(samples)), error_of_record(samples).standard, record_basis(block), source)
+    error = error_of_record(samples)
+    return _Mean(float(np.mean(samples)), error.standard, error.dof, record_basis(block), source)
 
 
 def _measured(each: Target, point: OperatingPoint, motor: Motor, signals: _Signals) -> Measurement:
@@ -279,4 +283,4 @@ def _scatter_of(mean: _Mean) -> Uncertainty | None:
     """Return its uncertainty; None of samples that are all the same, but for rounding: they are below the
     resolution and tell no scatter."""
     known = math.isfinite(mean.standard) and mean.standard > 1e-9 * abs(mean.value)
-    return Uncertainty(mean.standard, "scatter over parts of the record") if known else None
+    return Uncertainty(mean.standard, "scatter over parts of the record", mean.dof) if known else None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 from benchtool.analysis import Measurement, Uncertainty, of_difference, with_expanded
@@ -55,7 +55,7 @@ class Disagreement:
             "estimate": self.estimate.value,
             "transducer": self.true.value,
             "unit": self.estimate.unit,
-            "standard_uncertainty": _of_difference(self.compared, self.true).standard,
+            "standard_uncertainty": _of_difference(self.estimate, self.true).standard,
             "verdict_by_transducer": None if self.verdict is None else str(self.verdict),
         }
         if self.compared is not self.estimate:
@@ -90,24 +90,19 @@ def _disagreements(found: Mapping[str, Measurement], limits: Mapping[str, Limit]
         seen = in_common_band(estimate)
         if true is None or not (math.isfinite(true.value) and math.isfinite(seen.value)):
             continue
-        shaft = true if estimate.in_common_band is None else _in_its_band(true)
-        if abs(seen.value - true.value) > _of_difference(seen, shaft).expanded:
+        if abs(seen.value - true.value) > _of_difference(estimate, true).expanded:
             verdict = limits[name].judge(true.value, true.uncertainty) if name in limits else None
             yield Disagreement(estimate, true, verdict)
 
 
 def _of_difference(estimate: Measurement, true: Measurement) -> Uncertainty:
-    return of_difference(_known(estimate.uncertainty), _known(true.uncertainty))
-
-
-def _in_its_band(true: Measurement) -> Measurement:
-    """Return a number by the transducer without what its bandwidth takes off: the estimate is without it."""
-    if true.uncertainty is None:
-        return true
-    lags = [
-        each for each in true.uncertainty.budget if each.instrument and each.instrument.effect == BANDWIDTH
-    ]
-    return replace(true, uncertainty=true.uncertainty.without(lags))
+    """Return that of the difference; in the transducer's band without what its lag takes off, as the estimate
+    is without it there as well."""
+    shaft = _known(true.uncertainty)
+    if estimate.in_common_band is not None:
+        lags = [each for each in shaft.budget if each.instrument and each.instrument.effect == BANDWIDTH]
+        shaft = shaft.without(lags)
+    return of_difference(_known(in_common_band(estimate).uncertainty), shaft)
 
 
 def _known(uncertainty: Uncertainty | None) -> Uncertainty:

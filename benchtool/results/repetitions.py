@@ -21,9 +21,9 @@ class Repeated:
 
     `standard_uncertainty` is that of the mean, the standard deviation over sqrt(n) with n - 1 degrees of
     freedom (JCGM 100:2008, 4.2.3), and nan of fewer than two. It does not contain errors that all repetitions
-    share; `instruments` are those of sensors and clock, which `uncertainty` adds. `limit` is the one that
-    holds for them together and `judged` the value it applies to: by `judge` of the plan the mean, or the
-    worst repetition; None where the plan judges each, or where nothing was measured. `disagreement` is set
+    share; `instruments` are those of sensors and clock, which `uncertainty` and the JSON add. `limit` is the
+    one that holds for them together and `judged` the value it applies to: by `judge` of the plan the mean, or
+    the worst repetition; None where the plan judges each, or where nothing was measured. `disagreement` is set
     where a transducer contradicts the judged value.
     """
 
@@ -81,7 +81,7 @@ class Repeated:
         """Return the fields; nan becomes null."""
         document: dict[str, Any] = {
             "mean": _finite(self.mean),
-            "standard_uncertainty": _finite(self.standard_uncertainty),
+            "standard_uncertainty": _finite(self.combined),
             "n": self.n,
             "unit": self.unit,
         }

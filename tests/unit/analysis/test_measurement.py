@@ -94,3 +94,14 @@ def test_what_is_not_known_makes_the_whole_unknown() -> None:
 def test_a_malformed_measurement_is_refused_by_name(entry: Any) -> None:
     with pytest.raises(AnalysisError, match="measurement 'torque_mean' is"):
         measurements_from_json({"torque_mean": entry})
+
+
+def test_many_degrees_of_freedom_are_infinitely_many_and_the_others_have_twelve_digits() -> None:
+    """10 of a part a thousandth of the whole are 10^13; two alike of 5 are 10, without a rounding."""
+    tiny = combined([Contribution("a", "A", 1e-3, 10.0), Contribution("b", "B", 1.0)], "both")
+    assert tiny is not None
+    assert tiny.dof == math.inf
+    assert tiny.to_json()["dof"] is None
+    two = combined([Contribution("a", "A", 0.1, 5.0), Contribution("b", "A", 0.1, 5.0)], "both")
+    assert two is not None
+    assert two.dof == 10.0

@@ -11,6 +11,7 @@ from pydantic import ValidationError
 from scipy import stats
 
 from benchtool.analysis import Measurement, Uncertainty
+from benchtool.analysis.uncertainty import Contribution, InstrumentError
 from benchtool.plan.cases import cases
 from benchtool.plan.limits import Limit, Verdict
 from benchtool.plan.model import Plan, Sweep
@@ -45,6 +46,15 @@ def test_the_mean_and_its_standard_uncertainty() -> None:
     assert first.standard_uncertainty == pytest.approx(math.sqrt(7.0 / 3.0))
     assert (second.mean, second.n) == (6.0, 2)
     assert second.standard_uncertainty == pytest.approx(1.0)
+
+
+def test_the_document_has_one_standard_uncertainty_of_the_mean() -> None:
+    """That of `uncertainty`, with the errors of sensors that all repetitions share."""
+    gain = Contribution("gain", "B", 3.0, instrument=InstrumentError("gain", "torque"))
+    together = Repeated("torque_mean", "Nm", 1.0, 4.0, 3, instruments=(gain,)).to_json()
+    assert together["standard_uncertainty"] == pytest.approx(5.0)
+    assert together["uncertainty"]["standard"] == together["standard_uncertainty"]
+    assert together["uncertainty"]["dof"] == pytest.approx(2.0 * (5.0 / 4.0) ** 4)
 
 
 def test_what_was_never_defined_is_null() -> None:
