@@ -117,6 +117,35 @@ def measurements_section(
     return Section(title, (Grid.of(headings, rows),) if rows else (Text("None.", "note"),))
 
 
+def budgets_section(measurements: Sequence[Measurement]) -> Section | None:
+    """Return k, degrees of freedom and the budget of every uncertainty: its contributions of type A and B."""
+    rows: list[tuple[str | Cell, ...]] = []
+    for each in measurements:
+        known = each.uncertainty
+        if known is not None and math.isfinite(each.value):
+            k = f"{known.k:.3g}" if known.expanded > 0.0 else NOTHING
+            whole = number(known.standard, 2), each.unit, _degrees(known.dof), k
+            rows.append((each.name, "combined", known.source, *whole))
+            rows += [
+                (
+                    "",
+                    f"type {line.evaluation}",
+                    line.name,
+                    number(line.standard, 2),
+                    each.unit,
+                    _degrees(line.dof),
+                    "",
+                )
+                for line in known.budget
+            ]
+    headings = ("measurement", "", "contribution", ">u", "unit", ">degrees of freedom", ">k")
+    return Section("Uncertainty budgets", (Grid.of(headings, rows, shown=_SHOWN_ROWS),)) if rows else None
+
+
+def _degrees(dof: float) -> str:
+    return f"{dof:.3g}" if math.isfinite(dof) else "∞"
+
+
 def tables_section(tables: Sequence[Table]) -> Section | None:
     """Return every table of numbers with its definition and basis; fields that do not apply are left out."""
     if not tables:
@@ -157,14 +186,12 @@ def measurement_notes(measured: Measurement) -> Iterator[str]:
 
 
 def _uncertainty_notes(uncertainty: Uncertainty, unit: str) -> Iterator[str]:
-    """Yield the expanded and standard uncertainty with k and degrees of freedom, and the budget, one line
-    each."""
+    """Yield the expanded and standard uncertainty with k and degrees of freedom; the appendix has the
+    budget."""
     U, u = number(uncertainty.expanded, 2), number(uncertainty.standard, 2)
     dof = f", {uncertainty.dof:.3g} degrees of freedom" if math.isfinite(uncertainty.dof) else ""
     source = uncertainty.source.rstrip(".")
     yield f"U = {U}{unit} covers 95 %, k = {uncertainty.k:.3g}, u = {u}{unit}{dof}: {source}."
-    for each in uncertainty.budget:
-        yield f"Type {each.evaluation}, {number(each.standard, 2)}{unit}: {each.name.rstrip('.')}."
 
 
 def basis_text(basis: Basis) -> str:

@@ -23,8 +23,8 @@ class Repeated:
     freedom (JCGM 100:2008, 4.2.3), and nan of fewer than two. It does not contain errors that all repetitions
     share; `instruments` are those of sensors and clock, which `uncertainty` and the JSON add. `limit` is the
     one that holds for them together and `judged` the value it applies to: by `judge` of the plan the mean, or
-    the worst repetition; None where the plan judges each, or where nothing was measured. `disagreement` is set
-    where a transducer contradicts the judged value.
+    the worst repetition; None where the plan judges each, or where nothing was measured. `disagreement` is
+    set where a transducer contradicts the judged value.
     """
 
     name: str

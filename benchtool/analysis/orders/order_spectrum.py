@@ -32,7 +32,7 @@ BY_CHANCE = 0.01
 """Share of records of noise alone in which one of all orders exceeds what noise is taken to cause."""
 
 _OF_DOF = 0.75  # the median of pairs of bins scatters more than their mean: so many of its degrees of freedom
-_OF_OTHERS = 4.5  # standard uncertainties of what is no noise: resolution, resampling, wobble of the angle
+_OF_OTHERS = 4.5  # standard uncertainties by resolution, resampling and wobble of the angle
 
 
 @dataclass(frozen=True)

@@ -344,7 +344,7 @@ CURRENT_SPECTRUM: Final = Analysis(
         Quantity(
             ("current_thd_f_subgroups",),
             "%",
-            "100 sqrt(S_2^2 + ... + S_H^2) / S_1, after IEC 61000-4-7",
+            "100 sqrt(S_2^2 + ... + S_H^2) / S_1, after IEC 61000-4-7:2002+A1:2008",
             "likewise",
         ),
         Quantity(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
+from typing import Final
 
 import numpy as np
 
@@ -26,6 +27,8 @@ from benchtool.analysis.spectra.harmonics import (
 )
 from benchtool.analysis.spectra.spectrum import CoherentSamples, CoherentSpectrum
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
+
+_STANDARD: Final = "IEC 61000-4-7:2002+A1:2008"
 
 
 @dataclass(frozen=True)
@@ -50,15 +53,14 @@ def distortions(
         ("current_thd_r", Reference.TOTAL, 0.0, Reference.TOTAL.value),
     ]
     if current_rated_A_rms is not None:
-        rated, peak = (
-            f"rated current of {current_rated_A_rms:g} {unit} rms",
-            math.sqrt(2.0) * current_rated_A_rms,
-        )
-        bases.append(("current_tdd", Reference.STATED, peak, rated))
+        rated = f"rated current of {current_rated_A_rms:g} {unit} rms, a reference of benchtool's own"
+        bases.append(("current_tdd", Reference.STATED, math.sqrt(2.0) * current_rated_A_rms, rated))
     for name, reference, stated, base in bases:
         distortion = total_harmonic_distortion(spectrum, HIGHEST_HARMONIC, reference, stated, errors)
         last = distortion.highest_harmonic
         text = f"100 x root of the sum of squares of harmonics 2 to {last} / {base}"
+        if reference is Reference.STATED:
+            text += ": after IEEE Std 519-2022, which has the maximum demand load current there"
         to_last = replace(basis, bandwidth_Hz=last * spectrum.fundamental_Hz, harmonics=last, reference=base)
         if last < 2 or math.isnan(distortion.ratio):
             reason = "no harmonic is within the band" if last < 2 else f"the {base} is zero"
@@ -120,7 +122,7 @@ def group_distortions(
     for name, kind in (("current_thd_f_groups", "group"), ("current_thd_f_subgroups", "subgroup")):
         base = f"{kind} of order 1"
         if groups is None:
-            text = f"100 x rms of harmonic {kind}s of order 2 and above / {base}, after IEC 61000-4-7"
+            text = f"100 x rms of harmonic {kind}s of order 2 and above / {base}, after {_STANDARD}"
             reason = "four periods, and two harmonics in the band, are needed"
             yield Measurement.undefined(name, "%", text, reason, replace(basis, reference=base))
             continue
@@ -129,7 +131,7 @@ def group_distortions(
         if beside is not None:
             others2 = beside.without.group2 if kind == "group" else beside.without.subgroup2
             value = replace(group_distortion(others2, noise, of_order_1, distortion.ratio), ratio=value.ratio)
-        text = f"100 x rms of harmonic {kind}s of order 2 to {groups.orders} / {base}, after IEC 61000-4-7"
+        text = f"100 x rms of harmonic {kind}s of order 2 to {groups.orders} / {base}, after {_STANDARD}"
         if groups.periods_per_window < PERIODS_PER_WINDOW:
             text += (
                 f", over the {groups.periods_per_window} periods there are in place of {PERIODS_PER_WINDOW}"

@@ -170,9 +170,9 @@ def group_table(groups: HarmonicGroups, name: str, unit: str, basis: Basis) -> T
     periods = groups.periods_per_window
     return Table(
         name,
-        f"rms over {groups.windows} windows of N = {periods} periods, after IEC 61000-4-7; group of order h: "
-        f"bins N h - N/2 to N h + N/2, ends by half of their square; subgroup: N h - 1 to N h + 1; "
-        f"interharmonic centred subgroup: N h + 2 to N (h + 1) - 2",
+        f"rms over {groups.windows} windows of N = {periods} periods, after IEC 61000-4-7:2002+A1:2008; "
+        f"group of order h: bins N h - N/2 to N h + N/2, ends by half of their square; subgroup: N h - 1 to "
+        f"N h + 1; interharmonic centred subgroup: N h + 2 to N (h + 1) - 2",
         (("order", ""), ("group_rms", unit), ("subgroup_rms", unit), ("interharmonic_rms", unit)),
         tuple(tuple(float(value) for value in row) for row in zip(order, *rms, strict=True)),
         basis,

@@ -33,13 +33,13 @@ class Reference(Enum):
     """The reference of a distortion: the divisor of the rms of the harmonics."""
 
     FUNDAMENTAL = "fundamental"
-    """THD_F, the THD of IEC 61000-4-7."""
+    """THD_F, the THD of IEC 61000-4-7:2002+A1:2008."""
 
     TOTAL = "rms of fundamental and harmonics"
     """THD_R, never above 1."""
 
     STATED = "stated amplitude"
-    """Total demand distortion where the amplitude is that of the rated current (IEEE Std 519)."""
+    """Total demand distortion where the amplitude is that of the rated current (IEEE Std 519-2022)."""
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """Symmetrical components of three phase currents at the fundamental, and their unbalance factors.
 
-Fortescue's positive-, negative- and zero-sequence components (IEC 60034-26, IEC 61000-4-30:2015, 5.7.1):
+Fortescue's positive-, negative- and zero-sequence components (IEC 60034-26:2006, IEC 61000-4-30:2015, 5.7.1):
 I_1 = (I_a + a I_b + a^2 I_c) / 3, I_2 = (I_a + a^2 I_b + a I_c) / 3, I_0 = (I_a + I_b + I_c) / 3 with
 a = exp(j 2 pi / 3), of the phasors of the fundamental.
 """
@@ -193,7 +193,7 @@ def _numbers(
         (0, "current_unbalance_percent", "negative"),
         (1, "current_unbalance_zero_percent", "zero"),
     ):
-        text = f"100 x {short}- over positive-{of}; unbalance after IEC 61000-4-30"
+        text = f"100 x {short}- over positive-{of}; unbalance after IEC 61000-4-30:2015, 5.7.1"
         if reason:
             yield Measurement.undefined(name, "%", text, reason, basis)
             continue
@@ -220,7 +220,7 @@ CURRENT_UNBALANCE: Final = Analysis(
         Quantity(
             ("current_unbalance_percent",),
             "%",
-            "100 x negative / positive sequence (IEC 61000-4-30:2015, 5.7.1; IEC 60034-26)",
+            "100 x negative / positive sequence (IEC 61000-4-30:2015, 5.7.1; IEC 60034-26:2006)",
         ),
         Quantity(("current_unbalance_zero_percent",), "%", "100 x zero / positive sequence"),
     ),

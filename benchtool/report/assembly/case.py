@@ -25,7 +25,13 @@ from benchtool.report.provenance import (
     quality_section,
     run_facts,
 )
-from benchtool.report.results import Bounds, limits_section, measurements_section, tables_section
+from benchtool.report.results import (
+    Bounds,
+    budgets_section,
+    limits_section,
+    measurements_section,
+    tables_section,
+)
 from benchtool.results import Assessment, RecordedCase
 from benchtool.shipped import shipped
 
@@ -64,12 +70,15 @@ def case_items(case: RecordedCase, *, alone: bool = True, brief: bool = False) -
 
 
 def case_appendix(case: RecordedCase, *, alone: bool = True, brief: bool = False) -> Iterator[Item]:
-    """Yield what is looked up: every channel, quality of the data, events; with the drive, the plan and the
-    profile, if the case stands `alone`."""
+    """Yield what is looked up: quality of the data, budgets of uncertainty, events, every channel; with the
+    drive, the plan and the profile, if the case stands `alone`."""
     limits = {} if case.assessment is None else case_bounds(case.assessment)
     yield quality_section(case.bundle, limits)
     if brief:
         return
+    measured = () if case.assessment is None else case.assessment.measurements
+    if (budgets := budgets_section(measured)) is not None:
+        yield budgets
     if alone:
         yield from circumstances(case.bundle)
     if (events := events_section(case.bundle.events)) is not None:

@@ -16,7 +16,7 @@ from benchtool.report.content import Cell, Facts, Grid, Item, Mark, Picture, Rep
 from benchtool.report.figures.bode import draw_bode
 from benchtool.report.figures.overview import draw_channels
 from benchtool.report.provenance import files_section, run_facts
-from benchtool.report.results import measurements_section
+from benchtool.report.results import budgets_section, measurements_section
 
 _MARKS: Final[Mapping[str, Mark]] = {"pass": "pass", "fail": "fail", "skipped": "none"}
 _MOST_PICTURES: Final = 3  # of a step
@@ -48,7 +48,11 @@ def commissioning_report(document: Mapping[str, Any], bundles: Sequence[Bundle])
     items += [_step(bundle) for bundle in bundles]
     everything = _estimates("Every estimate", document, bundles, set(document["estimates"]))
     items.append(replace(everything, listed=True, folded=True, paper=False))
-    appendix: list[Item] = []
+    appendix: list[Item] = [
+        replace(budgets, title=f"{budgets.title} of step {each.directory.name}")
+        for each in bundles
+        if (budgets := budgets_section(measurements_from_json(each.measurements))) is not None
+    ]
     if manifest is not None:
         command = f"benchtool {' '.join(manifest.command_line)}"
         named: list[tuple[str, Bundle, Mapping[str, Block]]] = [

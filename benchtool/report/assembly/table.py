@@ -21,7 +21,7 @@ from benchtool.report.assembly.front import ROLES, fingerprint
 from benchtool.report.content import Item, Picture, Report, Section, Signatures, Text
 from benchtool.report.figures.overview import draw_channels
 from benchtool.report.provenance import files_section, run_facts
-from benchtool.report.results import measurements_section, tables_section
+from benchtool.report.results import budgets_section, measurements_section, tables_section
 from benchtool.tables import Record, TableAnswer
 
 STREAM = "table"
@@ -90,6 +90,7 @@ def table_report(bundle: Bundle) -> Report:
     ]
     if (tables := tables_section(tables_from_json(bundle.tables))) is not None:
         items.append(tables)
+    budgets = budgets_section(measurements)
     command = f"benchtool {' '.join(manifest.command_line)}"
     files = files_section([("", bundle, {})], [command], by="the command")
     return Report(
@@ -98,7 +99,7 @@ def table_report(bundle: Bundle) -> Report:
         manifest.when,
         tuple(items),
         front=tuple(front),
-        appendix=(files,),
+        appendix=(files,) if budgets is None else (budgets, files),
         fingerprint=fingerprint([bundle]),
     )
 

@@ -59,8 +59,12 @@ def _altered(altered: Perturbed) -> Values:
     return {**_base(), **again}
 
 
+def _perturbed(channel: str, error: str, by: float) -> Perturbed:
+    return Perturbed(channel, gain=by) if error == "gain" else Perturbed(channel, offset=by)
+
+
 def _derivative(name: str, channel: str, error: str) -> float:
-    up, down = (_altered(Perturbed(channel, **{error: step})) for step in (STEP, -STEP))
+    up, down = (_altered(_perturbed(channel, error, step)) for step in (STEP, -STEP))
     return (up[name] - down[name]) / (2.0 * STEP)
 
 
@@ -86,7 +90,7 @@ def test_each_declaration_is_the_derivative_of_its_measurement(channel: str, err
             continue
         of = declared(name)
         if of is not None and of.bound:
-            up = _altered(Perturbed(channel, **{error: 0.01}))[name] - value
+            up = _altered(_perturbed(channel, error, 0.01))[name] - value
             stated = _stated(name, values, channel, error)
             assert abs(up) <= 0.0101 * stated + 1e-12, name
             # and no more than it takes: near zero all of it moves a magnitude

@@ -84,7 +84,10 @@ def test_the_torque_error_is_what_the_estimate_has_too_much() -> None:
 
 def test_the_torque_error_has_the_degrees_of_freedom_of_both_means() -> None:
     """Scatter over a few periods: Welch and Satterthwaite of two, not a normal distribution."""
-    steady = analyze(capture(0.68), transducer())
+    noise = np.random.default_rng(8).standard_normal
+    block, shaft = capture(0.68), transducer()
+    block, shaft = (replace(each, data=each.data + 1e-3 * noise(each.data.shape)) for each in (block, shaft))
+    steady = analyze(block, shaft)
     stated = (steady[name].uncertainty for name in ("torque_error", "torque_mean", "transducer_torque_mean"))
     error, *means = (each for each in stated if each is not None)
 
@@ -155,7 +158,7 @@ def test_every_number_states_its_definition_and_what_it_rests_on() -> None:
             assert 0.0 < (each.basis.bandwidth_Hz or 0.0) <= 5e3
     assert steady["current_thd_f"].basis.harmonics == 50
     assert steady["current_thd_f"].basis.reference == "fundamental"
-    assert steady["current_tdd"].basis.reference == "rated current of 3 A rms"
+    assert steady["current_tdd"].basis.reference == "rated current of 3 A rms, a reference of benchtool's own"
     assert "over the 5 periods there are in place of 10" in steady["current_thd_f_groups"].definition
     assert "here at 50 Hz; all bins, 2 Hz apart" in steady["current_max_low_harmonic"].definition
     assert "rated torque of 9.55 Nm" in steady["torque_ripple_percent_of_rated"].definition

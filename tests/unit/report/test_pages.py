@@ -14,7 +14,7 @@ from reportlab.pdfbase.ttfonts import TTFont
 
 from benchtool.analysis.measurement import Basis, Measurement, Table
 from benchtool.analysis.numbers import stated
-from benchtool.analysis.uncertainty import Uncertainty
+from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
 from benchtool.report.content import (
     Cell,
     Facts,
@@ -33,7 +33,14 @@ from benchtool.report.figures.style import BLUE, dress, new_figure
 from benchtool.report.html import html_page
 from benchtool.report.images import MOST_SVG_BYTES, data_uri
 from benchtool.report.pdf.document import pdf_document
-from benchtool.report.results import Bounds, basis_text, limits_section, measurements_section, tables_section
+from benchtool.report.results import (
+    Bounds,
+    basis_text,
+    budgets_section,
+    limits_section,
+    measurements_section,
+    tables_section,
+)
 
 HOSTILE = '<script>alert("x")</script> & "quoted" \'title\''
 VOID = {"meta", "img", "link", "br"}
@@ -218,6 +225,22 @@ def test_measurements_come_with_uncertainty_definition_basis_and_published_figur
     assert name.notes[2] == "U = 0.024 % covers 95 %, k = 1.96, u = 0.012 %: noise floor."
     assert [cell.text for cell in grid.rows[1][1:]] == ["–", "A", "", "", ""]
     assert "Undefined here: no channel." in grid.rows[1][0].notes
+
+
+def test_the_appendix_has_k_degrees_of_freedom_and_the_budget_of_each_uncertainty() -> None:
+    lines = Contribution("scatter", "A", 0.3, 4.0), Contribution("gain of torque", "B", 0.4)
+    known = Measurement("torque_mean", 1.0, "Nm", "a mean", uncertainty=combined(lines, "scatter and gain"))
+    section = budgets_section([known, Measurement("plain", 1.0, "A", "a mean")])
+    assert section is not None
+    (grid,) = section.items
+    assert isinstance(grid, Grid)
+    # 4 (0.5 / 0.3)^4 = 30.9 degrees of freedom, of which Student's k is 2.04
+    assert [[cell.text for cell in row] for row in grid.rows] == [
+        ["torque_mean", "combined", "scatter and gain", "0.50", "Nm", "30.9", "2.04"],
+        ["", "type A", "scatter", "0.30", "Nm", "4", ""],
+        ["", "type B", "gain of torque", "0.40", "Nm", "\N{INFINITY}", ""],
+    ]
+    assert budgets_section([Measurement("plain", 1.0, "A", "a mean")]) is None
 
 
 @pytest.mark.parametrize(
