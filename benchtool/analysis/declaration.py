@@ -76,7 +76,8 @@ class Quantity:
         names: of the measurements.
         unit: of the measurements, or the setting that names the channel whose unit it is.
         definition: formula or words that suffice to compute the same number.
-        uncertainty: contributions to the standard uncertainty; empty where the page describes them.
+        uncertainty: contributions to the standard uncertainty; empty where the page describes them, `none`
+            where none is ever stated.
         pattern: regular expression of the names, where a number in them is free (`torque_order_24`); `names`
             is then what the documentation prints.
         numbers: the setting that lists these numbers, each a group of `pattern`: others are not measured.
@@ -97,6 +98,11 @@ class Quantity:
     def text(self) -> str:
         """The definition without the marks of Markdown that the documentation prints."""
         return _EMPHASIS.sub(r"\1", self.definition.replace("`", ""))
+
+    @property
+    def never_uncertain(self) -> bool:
+        """Whether no uncertainty is ever stated."""
+        return self.uncertainty == "none"
 
     def covers(self, name: str) -> bool:
         """Return whether a measurement of that name is one of these."""

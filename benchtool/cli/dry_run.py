@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from datetime import date
 from typing import Any
 
 from benchtool.bench import dictionary_of, equipment_of
@@ -10,7 +11,9 @@ from benchtool.cli.listing import count, duration, measured
 from benchtool.cli.output import Output
 from benchtool.cli.run import NamedPlan
 from benchtool.plan import Case, Plan, cases, drive_time_s, expected_period_s
+from benchtool.plan.validation import TRANSDUCER
 from benchtool.profile import load_profile
+from benchtool.results.calibration import Calibration, stated_overdue
 
 
 def show_dry_run(plans: Sequence[NamedPlan], link: str, output: Output) -> int:
@@ -35,11 +38,16 @@ def _show(named: NamedPlan, link: str, output: Output) -> dict[str, Any]:
         "limits": ", ".join((*plan.limits, *plan.case_limits)) or "of the operating point alone",
         "duration": f"about {duration(drive_time_s(plan))} of drive time for {count(len(todo))}",
     }
+    late = Calibration(load_profile(named.profile).bench, date.today()).overdue(
+        (*plan.record.channels, TRANSDUCER)
+    )
+    facts |= {"calibration overdue": "; ".join(map(str, late))} if late else {}
     output.table(plan.title, ("what", "value"), list(facts.items()))
     rows = [(each.name, _point(each), _settings(each.setup), _settings(each.emulator)) for each in todo]
     output.table("cases", ("case", "operating point", "sent besides", "emulated bench differs by"), rows)
     return {
         **facts,
+        **stated_overdue(late),
         "duration_s": drive_time_s(plan),
         "setup": plan.setup,
         "cases": [

@@ -76,11 +76,15 @@ class Limit(Section):
     def _unit_of_the_keys(cls, table: Any) -> Any:
         if not isinstance(table, Mapping):
             return table
+        for bound in ("min", "max", "margin"):
+            same = [str(key) for key in table if str(key).partition("_")[0] == bound]
+            if len(same) > 1:
+                raise ValueError(f"{' and '.join(same)} in one limit, each states the same: leave one out")
         found: dict[Any, Any] = {}
         units = [str(table["unit"])] if isinstance(table.get("unit"), str) else []
         for key, value in table.items():
             bound, _, unit = str(key).partition("_")
-            if bound not in ("min", "max", "margin") or not unit or bound in table:
+            if bound not in ("min", "max", "margin") or not unit:
                 found[key] = value
                 continue
             found[bound] = value

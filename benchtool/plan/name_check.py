@@ -106,6 +106,12 @@ class NameCheck:
         if reason := self.why_not(name, quality=True):
             yield place, reason
             return
+        if limit.margin == "U" and self._is_never_uncertain(name):
+            yield (
+                place,
+                f"the limit of '{name}' has margin = \"U\", and '{name}' never has an uncertainty: leave the "
+                f"margin out, or state a number",
+            )
         unit = self.unit_of(name)
         if limit.unit is None or unit is None or unit_suffix(limit.unit) == unit_suffix(unit):
             return
@@ -116,6 +122,15 @@ class NameCheck:
     def _fault(self, place: Path_, name: str) -> Faults:
         if reason := self.why_not(name):
             yield place, reason
+
+    def _is_never_uncertain(self, name: str) -> bool:
+        """Return whether a measurement never has an uncertainty: a count of the certificate, or one that
+        declares none."""
+        if name in certificate_units(stream=self.stream):
+            return True
+        analysis = catalogue().measuring(name)
+        quantity = None if analysis is None else analysis.quantity(name)
+        return quantity is not None and quantity.never_uncertain
 
     def unit_of(self, name: str) -> str | None:
         """Return the unit of a measurement that the plan makes; None where it is not known before the run."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator, Mapping
+from datetime import date
 from pathlib import Path
 from typing import Any, Final
 
@@ -92,6 +93,15 @@ def _profile_faults(profile: Profile, dictionary: Dictionary) -> Iterator[tuple[
             yield ("drive", "parameters", key), "drive.parameters", str(refused)
     for name, reason in _sensor_faults(profile, dictionary):
         yield ("bench", "channels", name), "bench.channels", reason
+    clock = {} if profile.bench.clock is None else {"clock": profile.bench.clock}
+    today = date.today()
+    for location, instrument in (
+        *((("channels", name), sensor) for name, sensor in profile.bench.channels.items()),
+        *(((name,), one) for name, one in clock.items()),
+    ):
+        if instrument.calibrated is not None and instrument.calibrated > today:
+            why = f"calibrated on {instrument.calibrated}, and today is {today}: state the day when it was"
+            yield ("bench", *location, "calibrated"), ".".join(("bench", *location)), why
 
 
 def _in_profile(profile: Profile, file: Path | None, location: Path_) -> str:

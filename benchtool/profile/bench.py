@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from datetime import date
-from typing import Annotated, Any, Final
+from typing import Annotated, Any, Final, Self
 
 from pydantic import Field, field_validator, model_validator
 
@@ -47,6 +47,12 @@ class Instrument(Section):
         if isinstance(due, str):
             raise ValueError("a date without quotes is expected, such as 2027-03-01")
         return due
+
+    @model_validator(mode="after")
+    def _due_after_calibration(self) -> Self:
+        if self.calibrated is not None and self.due is not None and self.due < self.calibrated:
+            raise ValueError(f"due on {self.due}, before it was calibrated on {self.calibrated}: correct one")
+        return self
 
     @property
     def label(self) -> str:

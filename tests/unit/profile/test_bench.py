@@ -87,6 +87,10 @@ def test_a_calibration_holds_up_to_the_day_it_is_due(tmp_path: Path) -> None:
         ("k = 0.0", "greater than or equal to 1"),
         ("bandwidth_Hz = 0.0", "greater than 0"),
         ("due = '2027-03-01'", "a date without quotes is expected, such as 2027-03-01"),
+        (
+            "calibrated = 2026-03-01\ndue = 2026-02-28",
+            "due on 2026-02-28, before it was calibrated on 2026-03",
+        ),
     ],
 )
 def test_what_cannot_be_is_refused_by_its_key(tmp_path: Path, line: str, message: str) -> None:
