@@ -22,12 +22,15 @@ from benchtool.profile import Bench, load_bench
 from benchtool.recording import Bundle, enlist
 from benchtool.report.assembly import keep, table_report
 from benchtool.results import (
+    Assessment,
     RunResult,
     Selection,
     assess_bundle,
     assess_recording,
+    assess_table,
     complete_cases,
     is_planned,
+    is_table,
     recorded_runs,
 )
 from benchtool.run import bundle_folder
@@ -248,8 +251,7 @@ def _analyze_run(run: Path | None, selection: Selection, as_json: bool, has_csv_
     if (run / "manifest.json").is_file() or not run.is_dir():
         bundle = Bundle.open(run)
         warn_unsealed(output, [bundle])
-        found = (assess_bundle(bundle),) if is_planned(bundle) and selection.everything else None
-        result = RunResult(found or assess_recording(bundle, selection))
+        result = RunResult(_assessed(bundle, selection))
         show_run(output, bundle.manifest.what, result)
         document = result.to_json()
         if not bundle.complete:
@@ -269,6 +271,15 @@ def _analyze_run(run: Path | None, selection: Selection, as_json: bool, has_csv_
         output.line(f"left out, cut short: {', '.join(cut_short)}")
     output.document(result.to_json())
     return 0 if result.verdict.met and not cut_short else 1
+
+
+def _assessed(bundle: Bundle, selection: Selection) -> tuple[Assessment, ...]:
+    """By its plan, as a table of another tool, or as a recording, where a part is chosen too."""
+    if selection.everything and is_planned(bundle):
+        return (assess_bundle(bundle),)
+    if selection.everything and is_table(bundle):
+        return (assess_table(bundle),)
+    return assess_recording(bundle, selection)
 
 
 def _show(output: Output, answer: TableAnswer) -> None:

@@ -61,6 +61,11 @@ from .sessions import (
     values_of as values_of,
     write_session as write_session,
 )
+from .tables import (
+    TABLE as TABLE,
+    assess_table as assess_table,
+    is_table as is_table,
+)
 from .twin import (
     Signal as Signal,
     Twin as Twin,

@@ -17,6 +17,7 @@ from benchtool.recording import Bundle
 from benchtool.results.assessment import Assessment, assess_bundle
 from benchtool.results.recordings import Selection, assess_recording
 from benchtool.results.repetitions import Repeated, over_repetitions
+from benchtool.results.tables import assess_table, is_table
 
 _MANIFEST = "manifest.json"
 _PUT_ASIDE = re.compile(r"\.cut-\d+$")  # incomplete cases that a resumed run has repeated
@@ -147,7 +148,7 @@ def complete_cases(folder: Path, selection: Selection | None = None) -> list[Ass
     found = [case for case in recorded if case.bundle.complete or (case.assessment and not case.planned)]
     if not found:
         raise RecordingError(f"{folder} holds no complete run bundle: give the folder of a run")
-    return [case.assessment or _refuse(case) for case in found]
+    return [case.assessment or _measured_before(case) for case in found]
 
 
 def is_planned(bundle: Bundle) -> bool:
@@ -218,7 +219,10 @@ def _assessments(bundle: Bundle, selection: Selection | None) -> tuple[Assessmen
     return assess_recording(bundle, selection) if bundle.manifest.profile_toml or chosen else ()
 
 
-def _refuse(case: RecordedCase) -> Assessment:
+def _measured_before(case: RecordedCase) -> Assessment:
+    """Return the numbers of a table; a bundle that should have been measured is refused."""
+    if case.error is None and is_table(case.bundle):
+        return assess_table(case.bundle)
     if isinstance(case.error, RecordingError):
         raise case.error
     raise AnalysisError(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from pathlib import Path
 
@@ -129,3 +130,41 @@ def test_the_report_of_a_bundle_shows_what_the_table_measured(invoke: Invoke) ->
     page = first.decode("utf-8")
     for text in ("current_fundamental", "current_harmonics", "gain of CH1 [A] (current probe", "scope.csv"):
         assert text in page
+
+
+def test_bundles_of_tables_are_analysed_and_compared_as_they_were_measured(invoke: Invoke) -> None:
+    """The second current is a tenth less: so are the amplitudes, and the distortion is the same."""
+    time_s, current = phase_current()
+    noise = 1e-3 * np.random.default_rng(1).standard_normal(len(current))
+    write("weak.csv", "t,CH1 [A]", [time_s, 0.9 * current + noise])
+    first = measured(invoke(*SCOPE, "--out", "first", "--json"))
+    assert invoke("--csv", "weak.csv", *SCOPE[2:], "--out", "second", "--json").exit_code == 0
+    again = CliRunner().invoke(app, ["analyze", "first", "--json"])
+    assert again.exit_code == 0, again.output
+    (case,) = json.loads(again.stdout)["cases"].values()
+    assert case["measurements"] == first["measurements"]
+    assert case["source"]["stream"] == "table"
+    compared = CliRunner().invoke(app, ["compare", "first", "second", "--json"])
+    assert compared.exit_code == 0, compared.output
+    (deltas,) = json.loads(compared.stdout)["deltas"].values()
+    amplitude, thd = (deltas["measurements"][f"current_{name}"] for name in ("fundamental", "thd_f"))
+    assert amplitude["percent"] == pytest.approx(-10.0, abs=0.1)
+    assert amplitude["exceeds_uncertainty"] is True
+    assert abs(thd["absolute"]) < 0.1
+
+
+def test_a_bandwidth_of_a_probe_covers_what_it_took_off_the_distortion(invoke: Invoke) -> None:
+    """A seventh of 10 % at 350 Hz and a thirteenth of 5 % at 650 Hz, behind a probe of 600 Hz."""
+    time_s = np.arange(10_000) / 10e3
+    true = {50.0: 3.0, 350.0: 0.3, 650.0: 0.15}
+    read = sum(
+        np.real(a / (1.0 + 1j * f / 600.0) * np.exp(2j * math.pi * f * time_s)) for f, a in true.items()
+    )
+    write("slow.csv", "t,CH1 [A]", [time_s, read + 1e-4 * np.random.default_rng(2).standard_normal(10_000)])
+    Path("bench.toml").write_text("[bench.channels.current]\nbandwidth_Hz = 600\n", encoding="utf-8")
+    columns = ("--csv", "slow.csv", "--time", "t", "--current", "CH1", "--bench", "bench.toml")
+    thd = measured(invoke(*columns, "--json"))["measurements"]["current_thd_f"]
+    of_truth = 100.0 * math.hypot(0.3, 0.15) / 3.0
+    # read are 100 sqrt((0.1 / 1.158)^2 + (0.05 / 1.474)^2) x 1.0035 = 9.30 %, of 11.18 %
+    assert thd["value"] == pytest.approx(9.30, abs=0.02)
+    assert of_truth - thd["value"] < thd["uncertainty"]["expanded"] < 1.3 * (of_truth - thd["value"])

@@ -22,9 +22,8 @@ from benchtool.report.content import Item, Picture, Report, Section, Signatures,
 from benchtool.report.figures.overview import draw_channels
 from benchtool.report.provenance import files_section, run_facts
 from benchtool.report.results import budgets_section, measurements_section, tables_section
+from benchtool.results import TABLE
 from benchtool.tables import Record, TableAnswer
-
-STREAM = "table"
 
 
 def keep(answer: TableAnswer, folder: Path, when: str, command_line: Sequence[str]) -> Bundle:
@@ -51,15 +50,10 @@ def keep(answer: TableAnswer, folder: Path, when: str, command_line: Sequence[st
         },
     )
     with BundleWriter(folder, manifest) as bundle:
-        bundle.append(STREAM, _block(record))
+        bundle.append(TABLE, _block(record))
         return bundle.finish(
             measurements_to_json(answer.measurements), verdict="none", tables=tables_to_json(answer.tables)
         )
-
-
-def is_table(bundle: Bundle) -> bool:
-    """Return whether `keep` wrote a bundle, to its end."""
-    return bundle.complete and isinstance(bundle.manifest.details.get("source"), dict)
 
 
 def table_report(bundle: Bundle) -> Report:
@@ -106,7 +100,7 @@ def table_report(bundle: Bundle) -> Report:
 
 def _figures(bundle: Bundle, source: Mapping[str, Any]) -> Iterator[Item]:
     """Yield every column against time, where its steps are even."""
-    block = bundle.block(STREAM)
+    block = bundle.block(TABLE)
     columns = block.channels[1:]
     if not source["time"]["uniform"] or not columns or not len(block.data):
         return

@@ -20,8 +20,8 @@ from benchtool.plan.model import Plan
 from benchtool.profile import Bench, Sensor
 from benchtool.recording import Bundle, BundleWriter, Manifest
 from benchtool.report.assembly.case import remarks
-from benchtool.report.content import Text
-from benchtool.report.results import measurement_notes
+from benchtool.report.content import Grid, Text
+from benchtool.report.results import budgets_section, measurement_notes
 from benchtool.results.assessment import Assessment, assess, assess_bundle
 from benchtool.results.calibration import Calibration
 from benchtool.results.comparison import deltas
@@ -210,10 +210,12 @@ def test_a_report_shows_sensors_and_what_was_due(tmp_path: Path) -> None:
     late = _assessed(tmp_path / "late", when=LATE)
     texts = [item.text for item in remarks(late) if isinstance(item, Text)]
     assert texts[0].startswith("Overdue: calibration of torque (estimate, no. 7, certificate C-17) was due")
-    notes = list(measurement_notes(late.found["current_fundamental"]))
-    assert any(
-        "gain of i_a (LEM IT 60-S, no. 7, certificate C-18); U = 0.5 %, k = 2." in each for each in notes
-    )
+    budgets = budgets_section([late.found["current_fundamental"]])
+    assert budgets is not None
+    (grid,) = budgets.items
+    assert isinstance(grid, Grid)
+    named = [row[2].text for row in grid.rows]
+    assert "gain of i_a (LEM IT 60-S, no. 7, certificate C-18); U = 0.5 %, k = 2" in named
     assert any(UNSTATED in each for each in measurement_notes(late.found["flux_ripple_pp"]))
 
 

@@ -1,0 +1,44 @@
+"""Bundles of tables of other tools: the numbers as they were measured when the bundle was written."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from benchtool.analysis import measurements_from_json, tables_from_json
+from benchtool.plan import Coordinates
+from benchtool.recording import Bundle
+from benchtool.results.assessment import Assessment, Recorded
+
+TABLE: Final = "table"
+"""The stream with the rows that were used."""
+
+
+def is_table(bundle: Bundle) -> bool:
+    """Return whether a bundle holds a measured table, to its end."""
+    return bundle.complete and isinstance(bundle.manifest.details.get("source"), dict)
+
+
+def assess_table(bundle: Bundle) -> Assessment:
+    """Return what was measured of a table, which has no limits.
+
+    Raises:
+        RecordingError: a file of the bundle is not what was written.
+        AnalysisError: its measurements cannot be read.
+    """
+    bundle.require_intact()
+    rows, info = bundle.block(TABLE), bundle.manifest.files.get(f"data/{TABLE}.parquet")
+    name = bundle.directory.name
+    return Assessment(
+        name,
+        bundle.directory,
+        measurements_from_json(bundle.measurements),
+        (),
+        {},
+        {},
+        rows,
+        None,
+        None,
+        tables_from_json(bundle.tables),
+        coordinates=Coordinates(name),
+        recorded=Recorded(TABLE, rows, None if info is None else info.sha256),
+    )
