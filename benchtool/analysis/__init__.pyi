@@ -26,6 +26,7 @@ from .dynamics.step import (
 )
 from .flux_trajectory import flux_trajectory as flux_trajectory
 from .instruments import (
+    BANDWIDTH as BANDWIDTH,
     Instruments as Instruments,
     Perturbed as Perturbed,
     sensor_remarks as sensor_remarks,

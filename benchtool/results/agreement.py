@@ -7,8 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from benchtool.analysis import Measurement, Uncertainty, of_difference, with_expanded
-from benchtool.analysis.instruments import BANDWIDTH
+from benchtool.analysis import BANDWIDTH, Measurement, Uncertainty, of_difference, with_expanded
 from benchtool.plan import Limit, Verdict
 
 _TRANSDUCER = "transducer_"
