@@ -16,10 +16,8 @@ from .dynamics.bode import (
     Bode as Bode,
     analyze_response as analyze_response,
 )
-from .dynamics.frequency_response import (
-    FrequencyResponse as FrequencyResponse,
-    frequency_response as frequency_response,
-)
+from .dynamics.estimated_response import FrequencyResponse as FrequencyResponse
+from .dynamics.frequency_response import frequency_response as frequency_response
 from .dynamics.step import (
     StepResponse as StepResponse,
     analyze_step as analyze_step,

@@ -19,12 +19,8 @@ from benchtool.analysis.declaration import (
     UnitOf,
     ratio_of_units,
 )
-from benchtool.analysis.dynamics.frequency_response import (
-    NEPER_DB,
-    FrequencyResponse,
-    decibels,
-    frequency_response,
-)
+from benchtool.analysis.dynamics.estimated_response import NEPER_DB, FrequencyResponse, decibels
+from benchtool.analysis.dynamics.frequency_response import frequency_response
 from benchtool.analysis.dynamics.margins import margins
 from benchtool.analysis.dynamics.response_curve import Point, ResponseCurve, gain_at_rest
 from benchtool.analysis.measurement import Basis, Measurement, Table
@@ -118,7 +114,7 @@ def analyze_response(
 
 
 def _measurements(found: FrequencyResponse, unit: str, basis: Basis) -> Iterator[Measurement]:
-    trusted = found.trusted
+    trusted = found.trusted.copy()
     trusted[: found.reference] = False  # below it no gain is accurate
     frequency_Hz, error = found.frequency_Hz[trusted], found.error_of_many[trusted]
     gain, phase = found.gain[trusted], found.phase_rad[trusted]

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis.dynamics.frequency_response import NEPER_DB, decibels
+from benchtool.analysis.dynamics.estimated_response import NEPER_DB, decibels
 from benchtool.analysis.dynamics.response_curve import Point, ResponseCurve
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.uncertainty import Uncertainty

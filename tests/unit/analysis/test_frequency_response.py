@@ -13,11 +13,8 @@ from numpy.typing import NDArray
 from scipy import signal
 
 from benchtool.analysis.dynamics.bode import Bode, analyze_response
-from benchtool.analysis.dynamics.frequency_response import (
-    averaged_response,
-    frequency_response,
-    periodic_response,
-)
+from benchtool.analysis.dynamics.frequency_response import averaged_response, frequency_response
+from benchtool.analysis.dynamics.periodic_response import periodic_response
 from benchtool.block import Block, Channel, Gap
 from benchtool.errors import AnalysisError
 
