@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from statistics import NormalDist
 from typing import Final
 
 import numpy as np
@@ -36,8 +37,8 @@ _HALF_POWER_DB = 20.0 * math.log10(math.sqrt(0.5))
 _QUARTER_TURN = -0.5 * math.pi
 _FEWEST_FOR_A_LINE = 3
 _MOST_OF_THE_LEVEL = 0.3  # of the 3 dB: with a less certain gain at zero frequency there is no bandwidth
-_STANDS_OUT = 2.0  # standard uncertainties of a peak
-_STATISTICAL = "random error of H1 from coherence and number of averages"
+_BY_CHANCE = 0.05  # probability that the greatest of many errors looks like a peak
+_STATISTICAL = "random error of the response"
 
 Floats = NDArray[np.float64]
 
@@ -177,7 +178,7 @@ def _resonance(relative: ResponseCurve, rest_dB: float, down: Point | None, basi
     reason = ""
     if standard_dB > -_MOST_OF_THE_LEVEL * _HALF_POWER_DB:
         reason = f"it is uncertain by {standard_dB:.2g} dB: raise the stimulus, or play more frequencies"
-    elif down is None and not peak_dB > _STANDS_OUT * standard_dB:
+    elif down is None and not peak_dB > _greatest_by_chance(len(relative.values)) * standard_dB:
         reason = f"the gain has not fallen by 3 dB up to {last_Hz:.4g} Hz: a peak may be above that"
     elif down is None and int(np.argmax(relative.smooth)) == len(relative.smooth) - 1:
         reason = f"the gain still rises at {last_Hz:.4g} Hz, the highest frequency used"
@@ -185,6 +186,11 @@ def _resonance(relative: ResponseCurve, rest_dB: float, down: Point | None, basi
         return Measurement.undefined("resonance_peak", "dB", text, reason, basis)
     uncertain = Uncertainty(standard_dB, _STATISTICAL)
     return Measurement("resonance_peak", max(0.0, peak_dB), "dB", text, basis, uncertain)
+
+
+def _greatest_by_chance(count: int) -> float:
+    """Return what the greatest of so many normal errors exceeds by chance, in standard deviations."""
+    return NormalDist().inv_cdf(1.0 - _BY_CHANCE / count)
 
 
 def _delay(frequency_Hz: Floats, phase: Floats, error: Floats, limit_Hz: float, basis: Basis) -> Measurement:
@@ -198,13 +204,11 @@ def _delay(frequency_Hz: Floats, phase: Floats, error: Floats, limit_Hz: float, 
         return Measurement.undefined(name, "s", text, reason, basis)
     omega = 2.0 * np.pi * frequency_Hz[inside]
     columns = np.stack([omega, np.ones(count)], axis=1)
-    (slope, intercept), *_ = np.linalg.lstsq(columns, phase[inside], rcond=None)
-    left = phase[inside] - slope * omega - intercept
+    (slope, _), *_ = np.linalg.lstsq(columns, phase[inside], rcond=None)
     across = omega - np.mean(omega)
-    # the errors differ: each point with its own, or with what the line leaves there if that is more
-    spread = math.sqrt(float(np.sum((across * np.maximum(np.abs(left), error[inside])) ** 2)))
-    spread /= float(np.sum(across**2))
-    uncertain = Uncertainty(spread, "scatter of the phase about the line, and its random error")
+    # the line is what is defined, however the phase bends about it
+    spread = math.sqrt(float(np.sum((across * error[inside]) ** 2))) / float(np.sum(across**2))
+    uncertain = Uncertainty(spread, f"{_STATISTICAL}, of the phase")
     return Measurement(name, -float(slope), "s", text, basis, uncertain)
 
 

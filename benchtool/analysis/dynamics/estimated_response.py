@@ -104,7 +104,7 @@ class FrequencyResponse:
             even = np.where(near & unsure, mean, even)
         result = np.array(self.error)
         result[places] = spread / even
-        return read_only(result)
+        return result
 
     @property
     def reference(self) -> int:

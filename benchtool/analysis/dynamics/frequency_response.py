@@ -109,7 +109,7 @@ def averaged_response(
     s_xx, s_yy, s_xy = cross(x, x).real, cross(y, y).real, cross(x, y)
     averages = segments / (1.0 + _OVERLAP_LOSS * (segments - 1) / segments)
     kept = slice(2, None)  # dc and its neighbour, into which the window spreads what is left of the mean
-    frequency_Hz, s_xx, s_yy, s_xy = (each[kept] for each in (frequency_Hz, s_xx, s_yy, s_xy))
+    frequency_Hz, s_xx, s_yy, s_xy = frequency_Hz[kept], s_xx[kept], s_yy[kept], s_xy[kept]
     tiny = np.finfo(np.float64).tiny
     excited, well_excited = (s_xx > share * np.max(s_xx) for share in (EXCITED, WELL_EXCITED))
     coherence = np.minimum(1.0, np.abs(s_xy) ** 2 / np.maximum(s_xx * s_yy, tiny))

@@ -31,6 +31,9 @@ _OF_A_CUSP = 1.0 / 3.0  # of the second difference: how much higher the peak is
 _SURE = 0.25  # of the smallest movement that matters: what is left of the error of a smooth curve
 _MOST_SMOOTHED = 8  # a smoothing window is at most this part of the frequencies
 _TERMS_OF_CUBIC = 4
+_FINE = 200  # places between two frequencies
+_OF_STRAIGHT = 0.25  # of what a straight line differs by
+_REWEIGHTED = 3  # fits, each with the weights of the one before
 _VERTICES = 2  # fits, each about the vertex of the one before
 _NEPER_OF_POWER_DB = 10.0 / math.log(10.0)
 _DRAWS = 80
@@ -50,9 +53,15 @@ class Point:
     def undefined_because(self) -> str:
         """Reason why it is undefined; empty if it is defined."""
         if math.isnan(self.standard_Hz):
-            return f"it is passed at {self.frequency_Hz:.4g} Hz already, the lowest frequency used"
+            return (
+                f"it is passed at {self.frequency_Hz:.4g} Hz already, the lowest frequency that is accurate "
+                f"enough: play lower ones, and let the stimulus begin and end at rest"
+            )
         if self.standard_Hz > _MOST_UNCERTAIN * self.frequency_Hz:
-            return f"the errors do not determine where, near {self.frequency_Hz:.2g} Hz: raise the stimulus"
+            return (
+                f"the errors do not determine whether or where, near {self.frequency_Hz:.2g} Hz: raise the "
+                f"stimulus"
+            )
         return ""
 
 
@@ -73,7 +82,7 @@ class ResponseCurve:
 
         The standard uncertainty is that of the fit and of the level, over the slope, what a longer window
         changes, and how far apart the errors let the first and the last crossing be; nan where the values are
-        below from the first on.
+        below from the first on, infinite where they are nowhere clearly below.
         """
         smooth = self.smooth
         below = smooth <= level
@@ -82,8 +91,13 @@ class ResponseCurve:
         at = int(np.argmax(below))
         if at == 0:
             return Point(float(self.frequency_Hz[0]), math.nan)
+        clear = np.flatnonzero(smooth[at:] < level - _CLEAR * self._smooth_error[at:])
+        if len(clear) == 0:
+            return Point(float(self.frequency_Hz[at]), math.inf)
         found = self._crossing(at, level, level_error)
-        if (again := self._crossing(self._last_above(at, level) + 1, level, level_error)) != found:
+        # the errors may have raised values to the level up to where they are clearly below
+        last_above = int(np.flatnonzero(smooth[: at + int(clear[0])] > level)[-1])
+        if (again := self._crossing(last_above + 1, level, level_error)) != found:
             apart_Hz = again.frequency_Hz - found.frequency_Hz
             found = Point(found.frequency_Hz, math.hypot(found.standard_Hz, apart_Hz))
         lowest_Hz = float(self.frequency_Hz[0])
@@ -96,6 +110,8 @@ class ResponseCurve:
         low_Hz, high_Hz = self.frequency_Hz[at - 1 : at + 1].tolist()
         start_Hz = low_Hz + (before - level) / (before - after) * (high_Hz - low_Hz)
         short, long = self._fits(start_Hz)
+        if short is long and not short.describes:
+            return self._between(at, level, level_error)
         place, standard = short.zero(level)
         other, _ = long.zero(level)
         if not math.isfinite(place):
@@ -106,12 +122,31 @@ class ResponseCurve:
         spread = math.hypot(standard, level_error / slope, changed, bent)
         return Point(start_Hz * (1.0 + place), start_Hz * spread)
 
-    def _last_above(self, at: int, level: float) -> int:
-        """Return where the smooth values were last above a level before their errors no longer raise them to
-        it."""
-        clear = np.flatnonzero(self.smooth[at:] < level - _CLEAR * self._smooth_error[at:])
-        end = at + int(clear[0]) if len(clear) else len(self.smooth) - 1
-        return int(np.flatnonzero(self.smooth[:end] > level)[-1])
+    def _between(self, at: int, level: float, level_error: float) -> Point:
+        """Return where the smooth values fall to a level before `at`, of few frequencies far apart: by the
+        cubic of the logarithm of frequency through two on either side.
+
+        What the two parabolas through three of them and, a quarter of it, the straight line differ by stands
+        for what the cubic leaves out.
+        """
+        first, last = max(0, at - 2), min(len(self.smooth), at + 2)
+        places = np.log(self.frequency_Hz / self.frequency_Hz[at])
+
+        def passing(begin: int, end: int) -> float:
+            powers = np.vander(places[begin:end], increasing=True)
+            cubic = np.polynomial.Polynomial(np.linalg.solve(powers, self.smooth[begin:end] - level))
+            fine = np.linspace(places[at - 1], places[at], _FINE)
+            below = int(np.argmax(cubic(fine) <= 0.0))
+            high, low = cubic(fine[below - 1]), cubic(fine[below])
+            return float(fine[below - 1] + high / (high - low) * (fine[below] - fine[below - 1]))
+
+        place, straight = passing(first, last), passing(at - 1, at + 1)
+        left, right = (passing(*ends) - place for ends in ((first, at + 1), (at - 1, last)))
+        slope = float(self.smooth[at - 1] - self.smooth[at]) / float(places[at] - places[at - 1])
+        error = math.hypot(level_error, float(np.max(self._smooth_error[at - 1 : at + 1]))) / slope
+        spread = math.hypot(error, left, right, _OF_STRAIGHT * (straight - place))
+        found_Hz = float(self.frequency_Hz[at]) * math.exp(place)
+        return Point(found_Hz, found_Hz * spread)
 
     def at(self, frequency_Hz: float) -> tuple[float, float]:
         """Return the value at a frequency and its standard uncertainty."""
@@ -348,8 +383,8 @@ def gain_at_rest(frequency_Hz: Floats, gain: Floats, error: Floats) -> GainAtRes
     term changes is part of the uncertainty. Where none does, the lowest gain stands for it, as far off as
     it is from the next at least.
     """
-    inverse = (gain[0] / gain) ** 2
-    standard = np.maximum(2.0 * error * inverse, _LEAST_ERROR)
+    inverse = -2.0 * np.log(gain / gain[0])
+    standard = np.maximum(2.0 * error, _LEAST_ERROR)
     square = (frequency_Hz / frequency_Hz[-1]) ** 2
     apart = abs(float(gain[:2][-1] / gain[0]) - 1.0)
     best, least = GainAtRest(float(gain[0]), math.hypot(float(error[0]), apart)), math.inf
@@ -378,14 +413,25 @@ class _Intercept:
     describes: bool
 
 
-def _intercept(places: Floats, values: Floats, standard: Floats, terms: int) -> _Intercept | None:
+def _intercept(places: Floats, logarithms: Floats, error: Floats, terms: int) -> _Intercept | None:
+    """Return the value at zero of a polynomial whose logarithms at the places are given with their errors.
+
+    Logarithms of gains are not biased by their errors, which reciprocals are; and weights that follow from
+    the polynomial do not prefer the values that are small by chance.
+    """
     if terms >= len(places):
         return None
-    columns = (places / places[-1])[:, np.newaxis] ** np.arange(terms) / standard[:, np.newaxis]
-    solution, *_ = np.linalg.lstsq(columns, values / standard, rcond=None)
-    left = values / standard - columns @ solution
+    powers = (places / places[-1])[:, np.newaxis] ** np.arange(terms)
+    polynomial, left = np.exp(logarithms), np.zeros(len(places))
+    for _ in range(_REWEIGHTED):
+        columns = powers / (error * polynomial)[:, np.newaxis]
+        solution, *_ = np.linalg.lstsq(columns, (1.0 + left) / error, rcond=None)
+        polynomial = powers @ solution
+        if not np.all(polynomial > 0.0):
+            return None
+        left = logarithms - np.log(polynomial)
     freedom = len(places) - terms
-    mean_square = float(left @ left) / freedom
+    mean_square = float(np.sum((left / error) ** 2)) / freedom
     variance = float(np.linalg.pinv(columns.T @ columns)[0, 0]) * max(1.0, mean_square)
     return _Intercept(
         float(solution[0]), math.sqrt(variance), mean_square <= 1.0 + _FITS * math.sqrt(2.0 / freedom)
