@@ -22,8 +22,9 @@ from benchtool.analysis.declaration import (
 )
 from benchtool.analysis.dynamics.estimated_response import NEPER_DB, FrequencyResponse, decibels
 from benchtool.analysis.dynamics.frequency_response import frequency_response
+from benchtool.analysis.dynamics.gain_at_rest import gain_at_rest
 from benchtool.analysis.dynamics.margins import margins
-from benchtool.analysis.dynamics.response_curve import Point, ResponseCurve, gain_at_rest
+from benchtool.analysis.dynamics.response_curve import Point, ResponseCurve
 from benchtool.analysis.measurement import Basis, Measurement, Table
 from benchtool.analysis.torque import TORQUE
 from benchtool.analysis.uncertainty import Uncertainty

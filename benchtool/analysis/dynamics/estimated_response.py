@@ -78,9 +78,10 @@ class FrequencyResponse:
     @cached_property
     def trusted(self) -> NDArray[np.bool_]:
         """Where the input has power, and the even error amounts to no less coherence than is asked."""
-        return read_only(
-            self.excited & (coherence_of(self.even_error, self.averages) >= self.least_coherence)
-        )
+        coherence = coherence_of(self.even_error, self.averages)
+        trusted: NDArray[np.bool_] = self.excited & (coherence >= self.least_coherence)
+        trusted.setflags(write=False)
+        return trusted
 
     @cached_property
     def even_error(self) -> NDArray[np.float64]:

@@ -23,18 +23,24 @@ from benchtool.analysis.dynamics.estimated_response import (
     noise_power,
 )
 from benchtool.analysis.dynamics.local_polynomial import REACH, degrees_of_freedom, local_fit
-from benchtool.analysis.dynamics.periodic_response import FEWEST_PERIODS, periodic_response
+from benchtool.analysis.dynamics.periodic_response import (
+    ENOUGH_PERIODS,
+    FEWEST_PERIODS,
+    period_of,
+    periodic_response,
+)
 from benchtool.analysis.validity import require_signal
 from benchtool.block import as_samples, require_rate
 from benchtool.errors import AnalysisError
 
-_ENOUGH_PERIODS, _ENOUGH_TRUSTED = 4, 0.25  # of fewer periods: least share of the frequencies that are used
+_ENOUGH_TRUSTED = 0.25  # of fewer periods: least share of the frequencies that are used
 _FEWEST_SEGMENTS = 4
 _SEGMENTS = 16  # of the record, half overlapping, unless the caller says otherwise
 _NEAR, _STEP_NEAR = 16, 2  # so many reaches from zero frequency a fit stands at every second bin
 _DENSE = 5.0  # bins of 17: a sweep uses most, noise half, an input that repeats itself four times a quarter
 _REST_SHARE = 0.01  # of the record, at either end
 _AT_REST = 1e-3  # rms deviation there over that of all
+_CLEARLY = 5.0  # standard deviations of white noise: slower noise scatters more
 _NOTHING = 1e-30  # of the noise: a response below it is not detected
 _OVERLAP_LOSS = 2.0 / 36.0  # twice the squared correlation of half-overlapping Hann windows, (1/6)^2
 
@@ -51,7 +57,8 @@ def frequency_response(
     """Return the response of output `y` to input `x`, both of shape (n,), sampled together.
 
     An input that repeats itself is transformed over its whole `period` of samples, without a window and so
-    without leakage, if the record holds four periods or more, or two that tell enough of the response. One
+    without leakage, if the record holds four periods or more, or two that tell enough of the response; a
+    period that is not stated but shows in the input counts from four on. One
     with power at every frequency, as noise or a sweep has, is transformed over the whole record at once:
     `local_response`. Otherwise Welch's half-overlapping segments under a Hann window are averaged: `segment`
     samples each, by default so many that the record holds 16; a response that lasts longer than a segment, or
@@ -73,10 +80,13 @@ def frequency_response(
     if period is not None and len(x) >= FEWEST_PERIODS * period:
         found = periodic_response(x, y, sample_rate_Hz, period)
         used, excited = np.count_nonzero(found.trusted), np.count_nonzero(found.well_excited)
-        if len(x) >= _ENOUGH_PERIODS * period or used >= _ENOUGH_TRUSTED * excited:
+        if len(x) >= ENOUGH_PERIODS * period or used >= _ENOUGH_TRUSTED * excited:
             return found
-    if period is None and segment is None and is_dense(x):
-        return local_response(x, y, sample_rate_Hz)
+    if period is None and segment is None:
+        if is_dense(x):
+            return local_response(x, y, sample_rate_Hz)
+        if (own := period_of(x)) is not None:
+            return periodic_response(x, y, sample_rate_Hz, own)
     return averaged_response(x, y, sample_rate_Hz, segment)
 
 
@@ -152,11 +162,15 @@ def local_response(
 
     Around each eighth bin, of the lowest 128 around each second, the response and what the ends of the record
     leave in are fitted to 17 bins (`local_polynomial`); where the input is constant over the first and the
-    last hundredth of the record, nothing is left in. `coherence` is what the error of the fit amounts to.
+    last hundredth of the record, nothing is left in but a drift of the output between them, which is taken
+    out. `coherence` is what the error of the fit amounts to.
 
     Raises:
         AnalysisError: too short for one fit.
     """
+    at_rest = _begins_and_ends_at_rest(x)
+    if at_rest:
+        y = _without_drift(x, y)
     x_bins, y_bins = fft.rfft(x)[1:], fft.rfft(y)[1:]
     last = len(x_bins) - REACH
     near = min(_NEAR * REACH, last)
@@ -166,7 +180,6 @@ def local_response(
             f"{len(x)} samples are too few for a response, at least {4 * (REACH + 1)} are needed: record "
             f"longer"
         )
-    at_rest = _begins_and_ends_at_rest(x)
     found = local_fit(x_bins, y_bins, at, at_rest=at_rest)
     freedom = degrees_of_freedom(at_rest=at_rest)
     greatest = float(np.max(found.power))
@@ -194,3 +207,20 @@ def _begins_and_ends_at_rest(x: NDArray[np.float64]) -> bool:
     # at the same value: a step between the ends would be a transient of the periodic continuation
     ends = np.concatenate([x[:rows], x[-rows:]])
     return bool(np.max(np.abs(ends - x[0])) <= largest)
+
+
+def _without_drift(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return an output, shape (n,), less the straight line along which it drifts between the ends where its
+    input is at rest, if it clearly does."""
+    moving = np.flatnonzero(np.abs(x - x[0]) > _AT_REST * float(np.std(x)))
+    if len(moving) == 0:
+        return y
+    begin, end = int(moving[0]), len(x) - 1 - int(moving[-1])
+    # the later half of what follows the stimulus: the answer has died away
+    before, after = y[:begin], y[len(y) - end // 2 :]
+    noise = math.hypot(*(float(np.std(each)) / math.sqrt(max(1, len(each))) for each in (before, after)))
+    change = float(np.mean(after) - np.mean(before))
+    if abs(change) <= _CLEARLY * noise:
+        return y
+    apart = len(y) - 0.5 * (len(before) + len(after))
+    return np.asarray(y - change / apart * np.arange(len(y)))

@@ -28,6 +28,11 @@ REPEATED = 0.8
 """Least share of the input's power that is the same in every period."""
 
 FEWEST_PERIODS = 2
+ENOUGH_PERIODS = 4
+"""From so many on a response is taken over the periods, whatever it tells."""
+
+_HALF = 0.5  # of the power: a signal has moved on
+_SAME = 1e-6  # of the power: it is the same again
 _NO_NOISE = 20.0  # power of a mean over what noise leaves in it: reached by chance once in e^20
 _NOTHING = 1e-30  # of the noise: a response below it is not detected
 _ROUNDING = 1e-12  # of the rms output, in a bin of its DFT
@@ -87,6 +92,27 @@ def periodic_response(
         samples=periods * period,
         method=f"DFT over {periods} periods of {period} samples, rectangular window",
     )
+
+
+def period_of(x: NDArray[np.float64]) -> int | None:
+    """Return after how many samples an input, shape (n,), repeats itself exactly, at least four times; None
+    if it does not.
+
+    The power of the difference to itself, so many samples later, from the autocorrelation.
+    """
+    count = len(x)
+    deviation = x - np.mean(x)
+    bins = fft.rfft(deviation, 2 * count)
+    products = fft.irfft(np.abs(bins) ** 2)[: count // ENOUGH_PERIODS + 1]
+    sums = np.concatenate([[0.0], np.cumsum(deviation**2)])
+    later = np.arange(len(products))
+    power = sums[count - later] + sums[count] - sums[later]
+    difference = (power - 2.0 * products) / np.maximum(power, np.finfo(np.float64).tiny)
+    moved = np.flatnonzero(difference > _HALF)
+    if len(moved) == 0:
+        return None
+    same = np.flatnonzero(difference[int(moved[0]) :] < _SAME)
+    return int(moved[0] + same[0]) if len(same) else None
 
 
 def _between(response: NDArray[np.complex128], excited: NDArray[np.bool_]) -> NDArray[np.complex128]:

@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,9 +30,9 @@ _OF_A_CUSP = 1.0 / 3.0  # of the second difference: how much higher the peak is
 _SURE = 0.25  # of the smallest movement that matters: what is left of the error of a smooth curve
 _MOST_SMOOTHED = 8  # a smoothing window is at most this part of the frequencies
 _TERMS_OF_CUBIC = 4
+_FAR = 0.25  # of the frequency: from there on few points are followed by a cubic, nearer ones scatter
 _FINE = 200  # places between two frequencies
 _OF_STRAIGHT = 0.25  # of what a straight line differs by
-_REWEIGHTED = 3  # fits, each with the weights of the one before
 _VERTICES = 2  # fits, each about the vertex of the one before
 _NEPER_OF_POWER_DB = 10.0 / math.log(10.0)
 _DRAWS = 80
@@ -110,7 +109,7 @@ class ResponseCurve:
         low_Hz, high_Hz = self.frequency_Hz[at - 1 : at + 1].tolist()
         start_Hz = low_Hz + (before - level) / (before - after) * (high_Hz - low_Hz)
         short, long = self._fits(start_Hz)
-        if short is long and not short.describes:
+        if short is long and short.bridges:
             return self._between(at, level, level_error)
         place, standard = short.zero(level)
         other, _ = long.zero(level)
@@ -123,35 +122,53 @@ class ResponseCurve:
         return Point(start_Hz * (1.0 + place), start_Hz * spread)
 
     def _between(self, at: int, level: float, level_error: float) -> Point:
-        """Return where the smooth values fall to a level before `at`, of few frequencies far apart: by the
-        cubic of the logarithm of frequency through two on either side.
+        """Return where the smooth values fall to a level before `at`, of few frequencies far apart.
 
-        What the two parabolas through three of them and, a quarter of it, the straight line differ by stands
-        for what the cubic leaves out.
+        What the two parabolas and, a quarter of it, the straight line differ by stands for what the cubic
+        leaves out.
+        """
+        fine = np.linspace(math.log(self.frequency_Hz[at - 1] / self.frequency_Hz[at]), 0.0, _FINE)
+
+        def passing(curve: np.polynomial.Polynomial) -> float:
+            values = curve(fine) - level
+            below = int(np.argmax(values <= 0.0))
+            share = values[below - 1] / (values[below - 1] - values[below])
+            return float(fine[below - 1] + share * (fine[below] - fine[below - 1]))
+
+        place, left, right, straight = (passing(curve) for curve in self._through_neighbours(at))
+        slope = float(self.smooth[at - 1] - self.smooth[at]) / float(fine[-1] - fine[0])
+        error = math.hypot(level_error, float(np.max(self._smooth_error[at - 1 : at + 1]))) / slope
+        spread = math.hypot(error, left - place, right - place, _OF_STRAIGHT * (straight - place))
+        found_Hz = float(self.frequency_Hz[at]) * math.exp(place)
+        return Point(found_Hz, found_Hz * spread)
+
+    def _through_neighbours(self, at: int) -> list[np.polynomial.Polynomial]:
+        """Return the cubic through the smooth values at two frequencies before `at` and two from it on, the
+        parabolas through the first and the last three of them, and the straight line through the middle two.
+
+        They are polynomials of the logarithm of frequency over that at `at`: in it a response is smooth over
+        frequencies that are far apart.
         """
         first, last = max(0, at - 2), min(len(self.smooth), at + 2)
         places = np.log(self.frequency_Hz / self.frequency_Hz[at])
-
-        def passing(begin: int, end: int) -> float:
-            powers = np.vander(places[begin:end], increasing=True)
-            cubic = np.polynomial.Polynomial(np.linalg.solve(powers, self.smooth[begin:end] - level))
-            fine = np.linspace(places[at - 1], places[at], _FINE)
-            below = int(np.argmax(cubic(fine) <= 0.0))
-            high, low = cubic(fine[below - 1]), cubic(fine[below])
-            return float(fine[below - 1] + high / (high - low) * (fine[below] - fine[below - 1]))
-
-        place, straight = passing(first, last), passing(at - 1, at + 1)
-        left, right = (passing(*ends) - place for ends in ((first, at + 1), (at - 1, last)))
-        slope = float(self.smooth[at - 1] - self.smooth[at]) / float(places[at] - places[at - 1])
-        error = math.hypot(level_error, float(np.max(self._smooth_error[at - 1 : at + 1]))) / slope
-        spread = math.hypot(error, left, right, _OF_STRAIGHT * (straight - place))
-        found_Hz = float(self.frequency_Hz[at]) * math.exp(place)
-        return Point(found_Hz, found_Hz * spread)
+        ends = ((first, last), (first, at + 1), (at - 1, last), (at - 1, at + 1))
+        return [
+            np.polynomial.Polynomial(
+                np.linalg.solve(np.vander(places[begin:end], increasing=True), self.smooth[begin:end])
+            )
+            for begin, end in ends
+        ]
 
     def at(self, frequency_Hz: float) -> tuple[float, float]:
         """Return the value at a frequency and its standard uncertainty."""
         short, long = self._fits(frequency_Hz)
-        return short.level, math.hypot(short.standard, long.level - short.level)
+        if short is not long or not short.bridges:
+            return short.level, math.hypot(short.standard, long.level - short.level)
+        at = min(max(1, int(np.searchsorted(self.frequency_Hz, frequency_Hz))), len(self.smooth) - 1)
+        place = math.log(frequency_Hz / self.frequency_Hz[at])
+        value, left, right, straight = (float(curve(place)) for curve in self._through_neighbours(at))
+        error = float(np.max(self._smooth_error[at - 1 : at + 1]))
+        return value, math.hypot(error, left - value, right - value, _OF_STRAIGHT * (straight - value))
 
     def slope_at(self, frequency_Hz: float) -> float:
         """Return the change of the values per Hz."""
@@ -324,6 +341,11 @@ class _Parabola:
         return cls(coefficients, covariance, describes, cubic, float(np.max(np.abs(places))))
 
     @property
+    def bridges(self) -> bool:
+        """Whether it bends over points far apart by more than their errors, and does not follow them."""
+        return not self.describes and self.reach > _FAR
+
+    @property
     def vertex(self) -> float:
         """Place of the least value; nan where it bends downwards or not at all."""
         _, slope, bend = self.coefficients.tolist()
@@ -364,78 +386,6 @@ class _Parabola:
         place = -2.0 * a / (b + math.copysign(math.sqrt(root), b))
         slope = self.slope_at(place)
         return (place, self.error_at(place) / abs(slope)) if slope else (math.nan, math.nan)
-
-
-@dataclass(frozen=True)
-class GainAtRest:
-    """Gain of a response at zero frequency and its standard uncertainty relative to it."""
-
-    gain: float
-    relative_error: float
-
-
-def gain_at_rest(frequency_Hz: Floats, gain: Floats, error: Floats) -> GainAtRest:
-    """Return the gain continued to zero frequency, from gains of shape (n,) with their relative errors.
-
-    1 / gain^2 is a polynomial of f^2 wherever the response has no zeros: of a first-order lag a line, of two
-    poles a parabola, whatever their damping. Of the fits to the lowest frequencies that describe their
-    points, and that one more term does not change by more than its uncertainty, the most certain; what that
-    term changes is part of the uncertainty. Where none does, the lowest gain stands for it, as far off as
-    it is from the next at least.
-    """
-    inverse = -2.0 * np.log(gain / gain[0])
-    standard = np.maximum(2.0 * error, _LEAST_ERROR)
-    square = (frequency_Hz / frequency_Hz[-1]) ** 2
-    apart = abs(float(gain[:2][-1] / gain[0]) - 1.0)
-    best, least = GainAtRest(float(gain[0]), math.hypot(float(error[0]), apart)), math.inf
-    count = 3
-    while count <= len(gain):
-        lowest = slice(None, count)
-        fits = [
-            _intercept(square[lowest], inverse[lowest], standard[lowest], terms) for terms in (1, 2, 3, 4)
-        ]
-        for fit, richer in pairwise(fits):
-            if fit is None or richer is None or not fit.describes or min(fit.value, richer.value) <= 0.0:
-                continue
-            steady = abs(richer.value - fit.value) <= _FITS * math.hypot(richer.standard, fit.standard)
-            if steady and fit.standard < least:
-                least = fit.standard
-                spread = math.hypot(richer.standard, richer.value - fit.value)
-                best = GainAtRest(float(gain[0]) / math.sqrt(richer.value), 0.5 * spread / richer.value)
-        count = math.ceil(_LONGER * count)
-    return best
-
-
-@dataclass(frozen=True)
-class _Intercept:
-    value: float
-    standard: float
-    describes: bool
-
-
-def _intercept(places: Floats, logarithms: Floats, error: Floats, terms: int) -> _Intercept | None:
-    """Return the value at zero of a polynomial whose logarithms at the places are given with their errors.
-
-    Logarithms of gains are not biased by their errors, which reciprocals are; and weights that follow from
-    the polynomial do not prefer the values that are small by chance.
-    """
-    if terms >= len(places):
-        return None
-    powers = (places / places[-1])[:, np.newaxis] ** np.arange(terms)
-    polynomial, left = np.exp(logarithms), np.zeros(len(places))
-    for _ in range(_REWEIGHTED):
-        columns = powers / (error * polynomial)[:, np.newaxis]
-        solution, *_ = np.linalg.lstsq(columns, (1.0 + left) / error, rcond=None)
-        polynomial = powers @ solution
-        if not np.all(polynomial > 0.0):
-            return None
-        left = logarithms - np.log(polynomial)
-    freedom = len(places) - terms
-    mean_square = float(np.sum((left / error) ** 2)) / freedom
-    variance = float(np.linalg.pinv(columns.T @ columns)[0, 0]) * max(1.0, mean_square)
-    return _Intercept(
-        float(solution[0]), math.sqrt(variance), mean_square <= 1.0 + _FITS * math.sqrt(2.0 / freedom)
-    )
 
 
 def _running_mean(values: Floats, weights: Floats, widths: NDArray[np.int64]) -> Floats:
