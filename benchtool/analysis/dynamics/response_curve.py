@@ -164,15 +164,24 @@ class ResponseCurve:
         short, long = self._fits(frequency_Hz)
         if short is not long or not short.bridges:
             return short.level, math.hypot(short.standard, long.level - short.level)
-        at = min(max(1, int(np.searchsorted(self.frequency_Hz, frequency_Hz))), len(self.smooth) - 1)
-        place = math.log(frequency_Hz / self.frequency_Hz[at])
+        at, place = self._place_of(frequency_Hz)
         value, left, right, straight = (float(curve(place)) for curve in self._through_neighbours(at))
         error = float(np.max(self._smooth_error[at - 1 : at + 1]))
         return value, math.hypot(error, left - value, right - value, _OF_STRAIGHT * (straight - value))
 
     def slope_at(self, frequency_Hz: float) -> float:
         """Return the change of the values per Hz."""
-        return self._fits(frequency_Hz)[0].slope_at(0.0) / frequency_Hz
+        short, long = self._fits(frequency_Hz)
+        if short is not long or not short.bridges:
+            return short.slope_at(0.0) / frequency_Hz
+        at, place = self._place_of(frequency_Hz)
+        return float(self._through_neighbours(at)[0].deriv()(place)) / frequency_Hz
+
+    def _place_of(self, frequency_Hz: float) -> tuple[int, float]:
+        """Return the first index from a frequency on, at least 1, and the logarithm of the frequency over
+        the one there."""
+        at = min(max(1, int(np.searchsorted(self.frequency_Hz, frequency_Hz))), len(self.smooth) - 1)
+        return at, math.log(frequency_Hz / self.frequency_Hz[at])
 
     def resonance(self) -> tuple[float, float]:
         """Return the greatest of values in dB and its standard uncertainty, by the resonance about it;

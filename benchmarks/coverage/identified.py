@@ -1,0 +1,161 @@
+"""Families of frequency responses whose input is not clean: noise that a loop feeds back to it or that its
+sensor adds, few lines, a period that is not stated, rests at both ends, answers that noise hides."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import signal
+
+from benchmarks.coverage.families import families_of, selected
+from benchtool.analysis import Measurement, analyze_response
+from benchtool.block import Block
+
+Floats = NDArray[np.float64]
+
+RATE_HZ = 10_000.0
+_PERIOD = 2000  # samples
+_PERIODS = 6
+_RESTS = 0.04  # of a sweep, at either end
+_VARIED = 0.93, 1.07  # of the corner, from record to record
+
+
+@dataclass(frozen=True)
+class Identified:
+    """A lag, of second order with a damping, with dead samples, and how it is excited.
+
+    `noise` is of the output and `input_noise` of the measured input, relative to the stimulus; `drift` is
+    that of the output over the record. With a `controller` gain the stimulus is the reference of a loop about
+    the lag, the input what the controller gives, and the noise goes around.
+    """
+
+    corner_Hz: float
+    damping: float | None = None
+    dead: int = 1
+    excitation: Literal["lines", "few lines", "sweep", "noise"] = "lines"
+    top_Hz: float = 1500.0
+    noise: float = 1e-2
+    input_noise: float = 0.0
+    drift: float = 0.0
+    controller: float = 0.0
+    is_declared: bool = True
+    duration_s: float = 2.0
+
+    @property
+    def filter(self) -> tuple[Floats, Floats]:
+        """Coefficients of the sampled lag, of unit gain at rest."""
+        omega = 2.0 * math.pi * self.corner_Hz
+        below = [1.0, omega] if self.damping is None else [1.0, 2.0 * self.damping * omega, omega**2]
+        numerator, denominator, _ = signal.cont2discrete(([below[-1]], below), 1.0 / RATE_HZ, "zoh")
+        late = np.zeros(self.dead - 1)
+        return np.concatenate([late, np.ravel(numerator)]), np.concatenate([np.ravel(denominator), late])
+
+    def stimulus(self, random: np.random.Generator) -> Floats:
+        """Return samples of unit rms."""
+        if self.excitation in ("lines", "few lines"):
+            last = round(self.top_Hz * _PERIOD / RATE_HZ)
+            lines = np.arange(1, last + 1)
+            if self.excitation == "few lines":
+                lines = np.unique(np.geomspace(1.0, last, 13).round().astype(int))
+            bins = np.zeros(_PERIOD // 2 + 1, dtype=np.complex128)
+            bins[lines] = np.exp(2j * np.pi * random.random(len(lines)))
+            x = np.tile(np.fft.irfft(bins), _PERIODS + 1)
+        elif self.excitation == "noise":
+            x = random.standard_normal(round(self.duration_s * RATE_HZ))
+        else:
+            count = round(self.duration_s * RATE_HZ)
+            rest = round(_RESTS * count)
+            time_s = np.arange(count - 2 * rest) / RATE_HZ
+            sweep = signal.chirp(time_s, 2.0, time_s[-1], self.top_Hz, phi=-90.0)
+            x = np.pad(sweep * signal.windows.tukey(len(sweep), 0.02), rest)
+        return np.asarray(x / np.std(x))
+
+
+def identified_trial(what: Identified, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
+    """Yield the numbers of one record."""
+    what = replace(what, corner_Hz=what.corner_Hz * random.uniform(*_VARIED))
+    numerator, denominator = what.filter
+    stimulus = what.stimulus(random)
+    disturbance = what.noise * random.standard_normal(len(stimulus))
+    disturbance += what.drift * np.linspace(0.0, 1.0, len(stimulus))
+    if what.controller:
+        opened = what.controller * numerator
+        around = opened + denominator
+        y = signal.lfilter(opened, around, stimulus) + signal.lfilter(denominator, around, disturbance)
+        x = what.controller * (stimulus - y)
+    else:
+        y = signal.lfilter(numerator, denominator, stimulus) + disturbance
+        x = stimulus
+    x = x + what.input_noise * random.standard_normal(len(x))
+    block = Block.from_arrays(RATE_HZ, {"x": "Nm", "y": "Nm"}, x=np.asarray(x), y=np.asarray(y))
+    repeats = what.excitation in ("lines", "few lines")
+    found = analyze_response(
+        block,
+        "x",
+        "y",
+        begin_row=_PERIOD if repeats else 0,
+        period_rows=_PERIOD if repeats and what.is_declared else None,
+    )
+    yield from selected(found.measurements, _truths(what))
+
+
+def _truths(what: Identified) -> Mapping[str, float]:
+    """Of the sampled lag, and of the loop of which it is the closed one."""
+    grid_Hz = np.unique(
+        np.concatenate([np.geomspace(0.05, 4_900.0, 20_000), np.linspace(1.0, 4_900.0, 20_000)])
+    )
+    _, closed = signal.freqz(*what.filter, worN=grid_Hz, fs=RATE_HZ)
+    gain_dB, phase = 20.0 * np.log10(np.abs(closed)), np.unwrap(np.angle(closed))
+    opened = closed / (1.0 - closed)
+    open_dB, open_phase = 20.0 * np.log10(np.abs(opened)), np.unwrap(np.angle(opened))
+    crossover_Hz = _falls_to(grid_Hz, open_dB, 0.0)
+    turned_Hz = _falls_to(grid_Hz, open_phase, -math.pi)
+    return {
+        "response_gain": 1.0,
+        "bandwidth_3dB": _falls_to(grid_Hz, gain_dB, -10.0 * math.log10(2.0)),
+        "bandwidth_90deg": _falls_to(grid_Hz, phase, -0.5 * math.pi),
+        "resonance_peak": max(0.0, float(np.max(gain_dB))),
+        "crossover": crossover_Hz,
+        "phase_margin": 180.0 + math.degrees(float(np.interp(crossover_Hz, grid_Hz, open_phase))),
+        "gain_margin": -float(np.interp(turned_Hz, grid_Hz, open_dB)),
+        "sensitivity_peak": float(np.max(np.abs(1.0 - closed))),
+    }
+
+
+def _falls_to(frequency_Hz: Floats, values: Floats, level: float) -> float:
+    """Return the first place at a level; beyond all frequencies, where no number is right, if it stays
+    above."""
+    below = np.flatnonzero(values < level)
+    if len(below) == 0:
+        return 1e9
+    at = slice(int(below[0]) - 1, int(below[0]) + 1)
+    return float(np.interp(-level, -values[at], frequency_Hz[at]))
+
+
+FAMILIES = families_of(
+    identified_trial,
+    {
+        "fed_back_lines": Identified(110.0, controller=2.5, noise=0.03, top_Hz=1800.0),
+        "fed_back_lines_noisy": Identified(110.0, controller=2.5, noise=0.25, top_Hz=1800.0),
+        "fed_back_few_lines": Identified(140.0, controller=2.0, noise=0.1, excitation="few lines"),
+        "input_noise_lines": Identified(120.0, input_noise=0.4),
+        "input_noise_resonant": Identified(220.0, 0.4, input_noise=0.2),
+        "few_lines": Identified(180.0, 0.35, excitation="few lines", noise=0.02),
+        "few_lines_exact": Identified(180.0, 0.45, excitation="few lines", noise=0.0),
+        "few_lines_lag": Identified(130.0, dead=2, excitation="few lines", noise=0.01),
+        "undeclared_few_lines": Identified(
+            130.0, dead=2, excitation="few lines", noise=0.03, is_declared=False
+        ),
+        "undeclared_lines": Identified(120.0, noise=0.05, is_declared=False),
+        "sweep_rest_drifting": Identified(120.0, dead=2, excitation="sweep", drift=0.25),
+        "sweep_rest_hidden": Identified(150.0, 0.7, dead=2, excitation="sweep", noise=0.25),
+        "sweep_rest_low": Identified(45.0, dead=3, excitation="sweep", top_Hz=160.0, duration_s=0.6),
+        "lines_hidden": Identified(180.0, 0.75, noise=0.12),
+        "noise_lag_high": Identified(2_800.0, excitation="noise", noise=0.03, duration_s=1.2),
+    },
+)
