@@ -252,11 +252,12 @@ def _falls_to(frequency_Hz: Floats, values: Floats, level: float) -> float:
 
 def _held(lag: Lag, x: Floats) -> Floats:
     """Return the samples of the answer to an input that is held from sample to sample, from rest."""
-    numerator, denominator = _discrete(lag)
+    numerator, denominator = discrete(lag)
     return np.asarray(signal.lfilter(numerator, denominator, x))
 
 
-def _discrete(lag: Lag) -> tuple[Floats, Floats]:
+def discrete(lag: Lag) -> tuple[Floats, Floats]:
+    """Return the coefficients of a lag whose input is held from sample to sample."""
     omega = lag.omega
     below = [1.0, omega] if lag.damping is None else [1.0, 2.0 * lag.damping * omega, omega**2]
     system = (np.array([lag.gain * below[-1]]), np.array(below))
@@ -265,7 +266,7 @@ def _discrete(lag: Lag) -> tuple[Floats, Floats]:
 
 
 def _response_truths(what: Excited, late: int, used_Hz: Floats) -> Mapping[str, float]:
-    numerator, denominator = _discrete(what.lag)
+    numerator, denominator = discrete(what.lag)
     grid_Hz = np.geomspace(0.5, 0.45 * RATE_HZ, 20_000)
 
     def answer(frequency_Hz: Floats) -> NDArray[np.complex128]:

@@ -12,30 +12,28 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import signal
 
+from benchmarks.coverage.dynamic import RATE_HZ, Lag, discrete
 from benchmarks.coverage.families import families_of, selected
 from benchtool.analysis import Measurement, analyze_response
 from benchtool.block import Block
 
 Floats = NDArray[np.float64]
 
-RATE_HZ = 10_000.0
 _PERIOD = 2000  # samples
 _PERIODS = 6
 _RESTS = 0.04  # of a sweep, at either end
-_VARIED = 0.93, 1.07  # of the corner, from record to record
 
 
 @dataclass(frozen=True)
 class Identified:
-    """A lag, of second order with a damping, with dead samples, and how it is excited.
+    """A lag and how it is excited; it answers `dead` samples late.
 
     `noise` is of the output and `input_noise` of the measured input, relative to the stimulus; `drift` is
     that of the output over the record. With a `controller` gain the stimulus is the reference of a loop about
     the lag, the input what the controller gives, and the noise goes around.
     """
 
-    corner_Hz: float
-    damping: float | None = None
+    lag: Lag
     dead: int = 1
     excitation: Literal["lines", "few lines", "sweep", "noise"] = "lines"
     top_Hz: float = 1500.0
@@ -49,11 +47,9 @@ class Identified:
     @property
     def filter(self) -> tuple[Floats, Floats]:
         """Coefficients of the sampled lag, of unit gain at rest."""
-        omega = 2.0 * math.pi * self.corner_Hz
-        below = [1.0, omega] if self.damping is None else [1.0, 2.0 * self.damping * omega, omega**2]
-        numerator, denominator, _ = signal.cont2discrete(([below[-1]], below), 1.0 / RATE_HZ, "zoh")
+        numerator, denominator = discrete(self.lag)
         late = np.zeros(self.dead - 1)
-        return np.concatenate([late, np.ravel(numerator)]), np.concatenate([np.ravel(denominator), late])
+        return np.concatenate([late, numerator]), np.concatenate([denominator, late])
 
     def stimulus(self, random: np.random.Generator) -> Floats:
         """Return samples of unit rms."""
@@ -78,7 +74,7 @@ class Identified:
 
 def identified_trial(what: Identified, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
     """Yield the numbers of one record."""
-    what = replace(what, corner_Hz=what.corner_Hz * random.uniform(*_VARIED))
+    what = replace(what, lag=what.lag.varied(random))
     numerator, denominator = what.filter
     stimulus = what.stimulus(random)
     disturbance = what.noise * random.standard_normal(len(stimulus))
@@ -140,22 +136,22 @@ def _falls_to(frequency_Hz: Floats, values: Floats, level: float) -> float:
 FAMILIES = families_of(
     identified_trial,
     {
-        "fed_back_lines": Identified(110.0, controller=2.5, noise=0.03, top_Hz=1800.0),
-        "fed_back_lines_noisy": Identified(110.0, controller=2.5, noise=0.25, top_Hz=1800.0),
-        "fed_back_few_lines": Identified(140.0, controller=2.0, noise=0.1, excitation="few lines"),
-        "input_noise_lines": Identified(120.0, input_noise=0.4),
-        "input_noise_resonant": Identified(220.0, 0.4, input_noise=0.2),
-        "few_lines": Identified(180.0, 0.35, excitation="few lines", noise=0.02),
-        "few_lines_exact": Identified(180.0, 0.45, excitation="few lines", noise=0.0),
-        "few_lines_lag": Identified(130.0, dead=2, excitation="few lines", noise=0.01),
+        "fed_back_lines": Identified(Lag(110.0), controller=2.5, noise=0.03, top_Hz=1800.0),
+        "fed_back_lines_noisy": Identified(Lag(110.0), controller=2.5, noise=0.25, top_Hz=1800.0),
+        "fed_back_few_lines": Identified(Lag(140.0), controller=2.0, noise=0.1, excitation="few lines"),
+        "input_noise_lines": Identified(Lag(120.0), input_noise=0.4),
+        "input_noise_resonant": Identified(Lag(220.0, 0.4), input_noise=0.2),
+        "few_lines": Identified(Lag(180.0, 0.35), excitation="few lines", noise=0.02),
+        "few_lines_exact": Identified(Lag(180.0, 0.45), excitation="few lines", noise=0.0),
+        "few_lines_lag": Identified(Lag(130.0), dead=2, excitation="few lines", noise=0.01),
         "undeclared_few_lines": Identified(
-            130.0, dead=2, excitation="few lines", noise=0.03, is_declared=False
+            Lag(130.0), dead=2, excitation="few lines", noise=0.03, is_declared=False
         ),
-        "undeclared_lines": Identified(120.0, noise=0.05, is_declared=False),
-        "sweep_rest_drifting": Identified(120.0, dead=2, excitation="sweep", drift=0.25),
-        "sweep_rest_hidden": Identified(150.0, 0.7, dead=2, excitation="sweep", noise=0.25),
-        "sweep_rest_low": Identified(45.0, dead=3, excitation="sweep", top_Hz=160.0, duration_s=0.6),
-        "lines_hidden": Identified(180.0, 0.75, noise=0.12),
-        "noise_lag_high": Identified(2_800.0, excitation="noise", noise=0.03, duration_s=1.2),
+        "undeclared_lines": Identified(Lag(120.0), noise=0.05, is_declared=False),
+        "sweep_rest_drifting": Identified(Lag(120.0), dead=2, excitation="sweep", drift=0.25),
+        "sweep_rest_hidden": Identified(Lag(150.0, 0.7), dead=2, excitation="sweep", noise=0.25),
+        "sweep_rest_low": Identified(Lag(45.0), dead=3, excitation="sweep", top_Hz=160.0, duration_s=0.6),
+        "lines_hidden": Identified(Lag(180.0, 0.75), noise=0.12),
+        "noise_lag_high": Identified(Lag(2_800.0), excitation="noise", noise=0.03, duration_s=1.2),
     },
 )

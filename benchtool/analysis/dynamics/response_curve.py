@@ -122,11 +122,7 @@ class ResponseCurve:
         return Point(start_Hz * (1.0 + place), start_Hz * spread)
 
     def _between(self, at: int, level: float, level_error: float) -> Point:
-        """Return where the smooth values fall to a level before `at`, of few frequencies far apart.
-
-        What the two parabolas and, a quarter of it, the straight line differ by stands for what the cubic
-        leaves out.
-        """
+        """Return where the smooth values fall to a level before `at`, of few frequencies far apart."""
         fine = np.linspace(math.log(self.frequency_Hz[at - 1] / self.frequency_Hz[at]), 0.0, _FINE)
 
         def passing(curve: np.polynomial.Polynomial) -> float:
@@ -138,7 +134,7 @@ class ResponseCurve:
         place, left, right, straight = (passing(curve) for curve in self._through_neighbours(at))
         slope = float(self.smooth[at - 1] - self.smooth[at]) / float(fine[-1] - fine[0])
         error = math.hypot(level_error, float(np.max(self._smooth_error[at - 1 : at + 1]))) / slope
-        spread = math.hypot(error, left - place, right - place, _OF_STRAIGHT * (straight - place))
+        spread = math.hypot(error, self._left_out(place, left, right, straight))
         found_Hz = float(self.frequency_Hz[at]) * math.exp(place)
         return Point(found_Hz, found_Hz * spread)
 
@@ -159,6 +155,12 @@ class ResponseCurve:
             for begin, end in ends
         ]
 
+    @staticmethod
+    def _left_out(cubic: float, left: float, right: float, straight: float) -> float:
+        """Return what the cubic leaves out, by what the others differ from it; of the straight line a
+        quarter, as parabolas may agree by chance."""
+        return math.hypot(left - cubic, right - cubic, _OF_STRAIGHT * (straight - cubic))
+
     def at(self, frequency_Hz: float) -> tuple[float, float]:
         """Return the value at a frequency and its standard uncertainty."""
         short, long = self._fits(frequency_Hz)
@@ -167,7 +169,7 @@ class ResponseCurve:
         at, place = self._place_of(frequency_Hz)
         value, left, right, straight = (float(curve(place)) for curve in self._through_neighbours(at))
         error = float(np.max(self._smooth_error[at - 1 : at + 1]))
-        return value, math.hypot(error, left - value, right - value, _OF_STRAIGHT * (straight - value))
+        return value, math.hypot(error, self._left_out(value, left, right, straight))
 
     def slope_at(self, frequency_Hz: float) -> float:
         """Return the change of the values per Hz."""
