@@ -143,7 +143,9 @@ def _measurements(found: FrequencyResponse, unit: str, basis: Basis) -> Iterator
     turned = ResponseCurve(frequency_Hz, phase, error, -_QUARTER_TURN).falls_to(_QUARTER_TURN)
     yield _frequency("bandwidth_90deg", text, turned, reason, basis)
 
-    yield _resonance(relative, rest_dB, down, basis)
+    # nowhere clearly down is not fallen; down from the first frequency on is
+    has_fallen = down is not None and (math.isnan(down.standard_Hz) or not down.undefined_because)
+    yield _resonance(relative, rest_dB, has_fallen, basis)
 
     limit_Hz = (
         down.frequency_Hz if down is not None and not down.undefined_because else float(frequency_Hz[-1])
@@ -169,7 +171,7 @@ def _frequency(name: str, definition: str, found: Point | None, reason: str, bas
     return Measurement(name, found.frequency_Hz, "Hz", definition, basis, uncertainty)
 
 
-def _resonance(relative: ResponseCurve, rest_dB: float, down: Point | None, basis: Basis) -> Measurement:
+def _resonance(relative: ResponseCurve, rest_dB: float, has_fallen: bool, basis: Basis) -> Measurement:
     """Return the greatest gain; undefined where errors hide it, or where it may be above the frequencies
     used."""
     last_Hz = float(relative.frequency_Hz[-1])
@@ -179,9 +181,9 @@ def _resonance(relative: ResponseCurve, rest_dB: float, down: Point | None, basi
     reason = ""
     if standard_dB > -_MOST_OF_THE_LEVEL * _HALF_POWER_DB:
         reason = f"it is uncertain by {standard_dB:.2g} dB: raise the stimulus, or play more frequencies"
-    elif down is None and not peak_dB > _greatest_by_chance(len(relative.values)) * standard_dB:
+    elif not has_fallen and not peak_dB > _greatest_by_chance(len(relative.values)) * standard_dB:
         reason = f"the gain has not fallen by 3 dB up to {last_Hz:.4g} Hz: a peak may be above that"
-    elif down is None and int(np.argmax(relative.smooth)) == len(relative.smooth) - 1:
+    elif not has_fallen and int(np.argmax(relative.smooth)) == len(relative.smooth) - 1:
         reason = f"the gain still rises at {last_Hz:.4g} Hz, the highest frequency used"
     if reason:
         return Measurement.undefined("resonance_peak", "dB", text, reason, basis)
