@@ -70,8 +70,9 @@ def analyze_response(
 ) -> Bode:
     """Return the response of a channel to another, from any excitation of the input.
 
-    Frequencies are used where the input has power (more than -50 dB of its greatest) and the coherence is 0.8
-    or more, or above the coherence that few averages reach by chance; the others only appear in the table.
+    Frequencies are used where the input has power (more than -50 dB of its greatest) and the coherence, of
+    the error relative to the mean of neighbouring gains, is 0.8 or more, or above what few averages reach by
+    chance; the others only appear in the table.
 
     Args:
         block: a capture without gaps, with both channels.
@@ -237,8 +238,9 @@ def _table(found: FrequencyResponse, unit: str, basis: Basis) -> Table:
         found.trusted.astype(np.float64),
     )
     definition = (
-        "H1 estimate of the frequency response; used is 1 where the input has power and the coherence is "
-        f"{found.least_coherence:.2g} or more; phase is without jumps from one such frequency to the next"
+        "frequency response; used is 1 where the input has power and the coherence, by the mean of "
+        f"neighbouring gains, is {found.least_coherence:.2g} or more; phase is without jumps from one such "
+        "frequency to the next"
     )
     rows = tuple(tuple(float(cell) for cell in row) for row in np.stack(values, axis=1))
     return Table("frequency_response", definition, columns, rows, replace(basis, bandwidth_Hz=None))
@@ -276,8 +278,8 @@ FREQUENCY_RESPONSE: Final = Analysis(
         Quantity(
             ("response_gain",),
             UnitOf("output", over="input"),
-            "gain continued to zero frequency: `1 / gain^2` as a polynomial of `f^2`, up to the cubic, "
-            "fitted to the lowest frequencies that it describes, with a term more than these need. "
+            "gain continued to zero frequency: `1 / gain^2` as a polynomial of `f^2`, up to the cubic, its "
+            "logarithm fitted to the lowest frequencies that it describes, with a term more than these need. "
             "Frequencies count from the lowest where the input has more than 1 % of its greatest power and "
             "the error is at most 1 %, or three times the median of the frequencies used",
         ),
@@ -285,8 +287,8 @@ FREQUENCY_RESPONSE: Final = Analysis(
             ("bandwidth_3dB",),
             "Hz",
             "lowest frequency at which the gain is `response_gain / sqrt(2)`, by a parabola through as many "
-            "neighbours as it describes within their errors, shortened; undefined where `response_gain` is "
-            "uncertain by more than 0.9 dB",
+            "neighbours as it describes within their errors, shortened, or between few a cubic of the "
+            "logarithm of `f`; undefined where `response_gain` is uncertain by more than 0.9 dB",
             label="bandwidth",
         ),
         Quantity(("bandwidth_90deg",), "Hz", "likewise, at which the phase, without jumps, is -90 degrees"),
@@ -311,7 +313,7 @@ FREQUENCY_RESPONSE: Final = Analysis(
             ("crossover",),
             "Hz",
             "of a response of one unit, `T`: lowest frequency at which the open loop `L = T / (1 - T)`, "
-            "unity feedback, has the gain 1",
+            "unity feedback, has the gain 1; read above the frequencies at which noise hides `1 - T`",
         ),
         Quantity(("phase_margin",), "deg", "180 degrees + phase of `L` at `crossover`"),
         Quantity(("gain_margin",), "dB", "gain of `L` below 1 where its phase first is -180 degrees"),
@@ -319,8 +321,9 @@ FREQUENCY_RESPONSE: Final = Analysis(
             ("sensitivity_peak",),
             "",
             "`M_s`, greatest magnitude of `S = 1 - T` (Aastroem and Murray, *Feedback Systems*, 2nd ed., "
-            "12.1). Undefined where it is below 1, which it reaches above the frequencies used, and where it "
-            "is uncertain by more than a tenth",
+            "12.1). Undefined where it is below 1, which it reaches above the frequencies used, where it has "
+            "not clearly fallen at the last of them and `T` is not small there, and where it is uncertain by "
+            "more than a tenth",
         ),
     ),
     settings=ResponseSettings,

@@ -34,7 +34,7 @@ _OF_OPEN_LOOP = {
         "gain of the open loop below 1 at the lowest frequency where its phase is -180 degrees",
     ),
 }
-_SOURCE = "random error of H1, propagated to the open loop"
+_SOURCE = "random error of the response, propagated to the open loop"
 
 
 def margins(
