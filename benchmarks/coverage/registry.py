@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from benchmarks.coverage import (
+    answers,
     channels,
     disturbances,
     dynamic,
@@ -33,5 +34,6 @@ FAMILIES: Mapping[str, Family] = {
         *pairs.FAMILIES,
         *threes.FAMILIES,
         *sidebands.FAMILIES,
+        *answers.FAMILIES,
     )
 }

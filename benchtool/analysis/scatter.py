@@ -322,16 +322,16 @@ def _of_extreme(tail: float, beyond: int) -> float:
     return (1.0 - tail) * math.exp(tail * math.log(beyond)) * spread
 
 
-def tail_index(deviations: NDArray[np.float64]) -> float:
+def tail_index(deviations: NDArray[np.float64], of_tail: int = _OF_TAIL) -> float:
     """Return the index of the tails of deviations about zero, shape (n,): above 0 for power laws, 0 for
     exponential tails and for lighter ones, and where the values are too few to tell.
 
-    The moment estimator over the largest hundredth of the magnitudes (Dekkers, Einmahl and de Haan, Ann.
-    Statist. 17 (1989) 1833), which of normal values is below zero; where it is above by its own standard
+    The moment estimator over the largest of the magnitudes, one in `of_tail` (Dekkers, Einmahl and de Haan,
+    Ann. Statist. 17 (1989) 1833), which of normal values is below zero; where it is above by its own standard
     deviation, with that added: a tail that is found too light gives an extreme that is far too certain.
     """
     size = np.abs(deviations)
-    top = min(len(size) // _OF_TAIL, _MOST_OF_TAIL)
+    top = min(len(size) // of_tail, _MOST_OF_TAIL)
     if top < _FEWEST_OF_TAIL:
         return 0.0
     largest = np.partition(size, len(size) - top - 1)[len(size) - top - 1 :]

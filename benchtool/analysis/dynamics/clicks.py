@@ -17,7 +17,9 @@ _NEAR = 10  # samples to either side, within which what oscillates is no click
 _SIGMAS = 4.5  # standard deviations of a sample from the mean of its neighbours: 5.5 of white noise
 _STEPS = 1.5  # of a converter: noise that its steps hide moves a sample by one of them
 _OF_MEDIAN = 1.0 / 0.6745  # standard deviation over median magnitude, of normal values
-_RARE = 0.02  # of the samples: what is more is no interference
+RARE = 0.02
+"""Of the samples: more clicks are no interference that could be left out."""
+_PASSES = 5
 _FEWEST, _FEWEST_LEVELS = 50, 16  # samples; of a converter
 
 
@@ -29,7 +31,8 @@ def without_clicks(samples: Floats) -> tuple[Floats, int]:
     side, by more than 4.5 standard deviations of the noise and by more than these four levels differ from
     each other, so that an edge is none. The noise is how far half of the samples, of all or of those near
     where that is more, are from the mean of their neighbours: what oscillates is none either. Samples without
-    noise are returned as they are, and so are those of which more than a fiftieth would be clicks.
+    noise are returned as they are, and so are those of which more than a fiftieth would be clicks, with their
+    number.
     """
     count = len(samples)
     if count < _FEWEST:
@@ -38,20 +41,35 @@ def without_clicks(samples: Floats) -> tuple[Floats, int]:
     noise, step = _OF_MEDIAN * float(np.median(apart)), converter_step(samples)
     if not max(noise, step) > 0.0:
         return samples, 0
-    beyond = np.zeros(count)
+    mended, hits = samples, np.zeros(count, dtype=np.bool_)
+    for _ in range(_PASSES):  # of clicks side by side one hides the other
+        hit = _hit(mended, apart, max(_SIGMAS * noise, _STEPS * step)) & ~hits
+        if not np.any(hit):
+            break
+        hits |= hit
+        if too_many(int(np.count_nonzero(hits)), count):
+            return samples, int(np.count_nonzero(hits))
+        rows = np.arange(count)
+        mended = samples.copy()
+        mended[hits] = np.interp(rows[hits], rows[~hits], samples[~hits])
+    return mended, int(np.count_nonzero(hits))
+
+
+def too_many(clicks: int, count: int) -> bool:
+    """Return whether so many of `count` samples are clicks that these are no interference."""
+    return clicks > max(_LONGEST, math.floor(RARE * count))
+
+
+def _hit(samples: Floats, apart: Floats, least: float) -> NDArray[np.bool_]:
+    """Return which of the samples, shape (n,), are far from their neighbours, and those near are not."""
+    beyond = np.zeros(len(samples))
     for length in range(1, _LONGEST + 1):
         beyond = np.maximum(beyond, _beyond(samples, length))
-    hit = beyond > max(_SIGMAS * noise, _STEPS * step)
+    hit = beyond > least
     for row in np.flatnonzero(hit):
         near = apart[max(0, row - 1 - _NEAR) : row + _NEAR]
         hit[row] = beyond[row] > _SIGMAS * _OF_MEDIAN * float(np.median(near))
-    hits = int(np.count_nonzero(hit))
-    if not hits or hits > max(_LONGEST, math.floor(_RARE * count)):
-        return samples, 0
-    rows = np.arange(count)
-    mended = samples.copy()
-    mended[hit] = np.interp(rows[hit], rows[~hit], samples[~hit])
-    return mended, hits
+    return hit
 
 
 def converter_step(samples: Floats) -> float:

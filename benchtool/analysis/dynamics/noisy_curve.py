@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from benchtool.analysis.dynamics.bursts import noise_levels, residual_levels
 from benchtool.analysis.dynamics.clicks import converter_step
 from benchtool.analysis.dynamics.smoothing import Noise, fitted_smoothers
+from benchtool.analysis.dynamics.tops import Top, kink, parabola
 from benchtool.analysis.repeated_steps import noise_beside, share_left
 
 Floats = NDArray[np.float64]
@@ -73,8 +74,13 @@ class Passage:
 def at_rest_error(at_rest: Floats, samples: Floats) -> float:
     """Return the standard uncertainty that the steps of a converter, which `samples` show, leave in the mean
     of those `at_rest`; 0 where noise hides them, or there is no converter."""
-    step, noise = converter_step(samples), float(np.std(at_rest))
-    return _left_of_steps(noise, step) * step / math.sqrt(12.0) if noise < _HIDES * step else 0.0
+    return left_of_steps(float(np.std(at_rest)), converter_step(samples))
+
+
+def left_of_steps(rms: float, step: float) -> float:
+    """Return the standard uncertainty that a converter's `step` leaves in a mean of samples that are read at
+    rest with this rms; 0 where noise hides it."""
+    return _left_of_steps(rms, step) * step / math.sqrt(12.0) if rms < _HIDES * step else 0.0
 
 
 @dataclass(frozen=True)
@@ -104,8 +110,8 @@ class NoisyCurve:
             of_steps = _left_of_steps(noise.rms, step) * _within_steps(random, samples, step, draws)
         if noise.rms == 0.0:
             return cls(samples, np.empty((0, count)) if step == 0.0 else np.asarray(of_steps))
-        errors = smoother.apply(levels * noise.draw(random, (draws, count)))
-        curve = smoother.apply(samples)
+        drawn = levels * noise.draw(random, (draws, count))
+        errors, curve = smoother.apply(drawn), smoother.apply(samples)
         if isinstance(of_steps, np.ndarray):
             of_steps = smoother.apply(of_steps)
         bias = _OF_BIAS * (longer.apply(samples) - curve)
@@ -129,17 +135,19 @@ class NoisyCurve:
         """Return the part of the curve from a row onwards."""
         return NoisyCurve(self.values[row:], self.errors[:, row:])
 
-    def greatest(self) -> tuple[float, float]:
+    def greatest(self, *, kinked: bool = False) -> tuple[float, float]:
         """Return the greatest value and its standard uncertainty.
 
         Noise raises the greatest of several similar values, and this bias is subtracted: what it does to
         those that three standard deviations of both make as great (Chernozhukov, Lee and Rosen, Econometrica
         81 (2013) no. 2), on the parabola through them. As if they were equal, a peak would be lowered by what
         only a plateau has; on the curve as it is, whose own noise tells them apart, a plateau hardly would.
-        What the parabola through the greatest value adds is added.
+        The less likely noise makes that parabola as high as the curve is, the more the middle of both is
+        taken. What the course between samples adds is added: at a kink, which the curve may have where it is
+        `kinked`, or on a parabola.
         """
         top = int(np.argmax(self.values))
-        vertex = _top(self.values, top)
+        vertex = self._vertex(top, kinked=kinked)
         between, unknown = vertex.above, vertex.above_error
         if not len(self.errors):
             return float(self.values[top]) + between, unknown
@@ -149,24 +157,44 @@ class NoisyCurve:
         highest = np.max(shape + self.errors[:, tied], axis=1)
         bias = float(np.mean(highest) - np.max(shape))
         as_it_is = float(np.mean(np.max(self.values + self.errors, axis=1))) - float(self.values[top])
-        # anywhere between both, evenly
-        between_both = (bias - as_it_is) / math.sqrt(12.0)
+        as_high = np.count_nonzero(highest >= self.values[top])
+        share = 0.5 + 0.5 * _odds((1.0 + as_high) / (1.0 + len(highest)))
+        # anywhere between both, evenly, and which of both
+        between_both = (bias - as_it_is) * math.sqrt(1.0 / 12.0 + share * (1.0 - share))
         of_noise = math.hypot(float(np.std(highest, ddof=1)), between_both)
+        bias = share * bias + (1.0 - share) * as_it_is
         return float(self.values[top]) + between - bias, math.hypot(of_noise, unknown)
 
+    def least_after_greatest(self) -> tuple[float, float]:
+        """Return the least value after the greatest, and its standard uncertainty.
+
+        Of two peaks alike either may be the greatest: what follows is that after the one, or the other.
+        """
+        top = int(np.argmax(self.values))
+        lowest, standard = NoisyCurve(-self.values[top:], -self.errors[:, top:]).greatest(kinked=True)
+        after = np.minimum.accumulate(self.values[::-1])[::-1]
+        tops = np.argmax(self.values + self.errors, axis=1) if len(self.errors) else np.array([top])
+        other = float(np.sqrt(np.mean((after[tops] - after[top]) ** 2)))
+        return -lowest, math.hypot(standard, other)
+
     def place_of_greatest(self) -> Instant:
-        """Return where the greatest value is, between samples by a parabola."""
+        """Return where the greatest value is, between samples by a kink or a parabola."""
         top = int(np.argmax(self.values))
         alike = int(np.argmin(np.append(self.values[top:] == self.values[top], False)))
         if alike > 1:  # on one level of a converter
             return Instant(top + 0.5 * (alike - 1), alike / math.sqrt(12.0))
-        vertex = _top(self.values, top)
+        vertex = self._vertex(top, kinked=True)
         place = top + vertex.beside
         drawn = self.values + self.errors
         tops = np.argmax(drawn, axis=1) if len(drawn) else np.empty(0, dtype=np.int64)
-        moved = [at + _top(each, int(at)).beside - place for each, at in zip(drawn, tops, strict=True)]
+        moved = [at + parabola(each, int(at)).beside - place for each, at in zip(drawn, tops, strict=True)]
         of_noise = float(np.sqrt(np.mean(np.square(moved)))) if moved else 0.0
         return Instant(place, math.hypot(of_noise, vertex.beside_within / math.sqrt(3.0)))
+
+    def _vertex(self, top: int, *, kinked: bool) -> Top:
+        """Return the course between samples about the greatest."""
+        found = kink(self.values, top, float(self.standard[top])) if kinked else None
+        return found or parabola(self.values, top)
 
     def first_above(self, level: float | Floats) -> Instant | None:
         """Return where the curve first rises to a level, or to one that is of shape (n,); None if it does
@@ -226,6 +254,14 @@ class NoisyCurve:
         return Passage(found.place, found.reach, places).instant
 
 
+def _odds(by_chance: float) -> float:
+    """Return the least odds of what has this probability by chance against any other cause, at most 1:
+    -e p ln p (Sellke, Bayarri and Berger, Am. Statist. 55 (2001) 62)."""
+    if by_chance >= 1.0 / math.e:
+        return 1.0
+    return -math.e * by_chance * math.log(by_chance)
+
+
 def _shape(values: Floats, rows: NDArray[np.int64]) -> Floats:
     """Return the least-squares parabola through the values in these rows; where they are apart, one through
     each run of them."""
@@ -251,17 +287,6 @@ def _within_steps(random: np.random.Generator, samples: Floats, step: float, dra
     """Return errors, shape (draws, n), the same for all samples on one level and independent otherwise."""
     level = np.round((samples - np.min(samples)) / step).astype(np.int64)
     return np.asarray(step * random.uniform(-0.5, 0.5, (draws, int(np.max(level)) + 1))[:, level])
-
-
-@dataclass(frozen=True)
-class _Top:
-    """How far a curve goes above its greatest sample, and how far from it, in samples; with the uncertainty
-    of the one and a bound of the error of the other."""
-
-    above: float
-    above_error: float
-    beside: float
-    beside_within: float
 
 
 @dataclass(frozen=True)
@@ -331,21 +356,3 @@ def _cubic_zero(four: Floats, start: float) -> float:
             return start
         place = min(max(place - (a + place * (b + place * (c + place * d))) / slope, 0.0), 1.0)
     return place
-
-
-def _top(values: Floats, top: int) -> _Top:
-    """Return the vertex of the parabola through the greatest value and its neighbours; the greatest value
-    itself beside an edge.
-
-    Between samples a curve goes on as it bends only where it bends the same way at both neighbours. How much
-    differently it does there is known: a third difference moves the height by at most a sixteenth of it.
-    """
-    if not 1 < top < len(values) - 2:
-        return _Top(0.0, 0.0, 0.0, 0.5)
-    bends = np.diff(values[top - 2 : top + 3], 2)
-    bend, slope = float(bends[1]), 0.5 * float(values[top + 1] - values[top - 1])
-    if np.max(bends) >= 0.0:
-        return _Top(0.0, 0.0, 0.0, 0.5)
-    uneven = float(np.max(np.abs(bends - bend)))
-    place = min(max(-slope / bend, -0.5), 0.5)
-    return _Top(-(slope**2) / (2.0 * bend), uneven / 16.0, place, min(0.5, uneven / (4.0 * abs(bend))))

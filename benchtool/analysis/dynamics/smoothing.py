@@ -17,6 +17,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import ClassVar
 
 import numpy as np
 from numpy import fft
@@ -38,6 +39,8 @@ _PART = 5  # the greatest half window is at most this part of what follows the e
 _LAGS = 4  # lags of an autocovariance: this part of its samples
 _MOST_OF_RMS = 2.0  # that noise too slow for a piece has of the rms that it shows
 _CLEARLY_SLOWER = 1.0  # times the variance of a mean by the autocovariance
+_FEWEST_INNOVATIONS, _HEAVY_TAILED = 50, 3.0  # samples; standard deviations of a normal kurtosis
+_LEAST_DENSITY = 1e-6  # of the greatest
 _ROUNDING = 1e-7  # of the level: what is less is rounding of 32-bit numbers, and no noise
 
 
@@ -48,8 +51,12 @@ class Noise:
     `offset` is the standard deviation of noise too slow to show in so few samples, the same in all.
     """
 
+    FEWEST: ClassVar = 8
+    """Samples of a piece: fewer do not show their noise."""
+
     autocovariance: Floats
     offset: float = 0.0
+    innovations: Floats | None = None
 
     @classmethod
     def of(cls, *pieces: Floats) -> Noise:
@@ -58,27 +65,47 @@ class Noise:
         The autocovariance is tapered by Bartlett's window, with which its spectrum is nowhere negative
         (Priestley, Spectral Analysis and Time Series, 6.2.3). The line takes the slowest noise with it, which
         is given back: of the variance of a mean, twice. Pieces of fewer than eight samples are ignored.
+
+        Noise that is not normal is drawn from its own `innovations`.
         """
-        found = [(_autocovariance(piece), piece) for piece in pieces if len(piece) >= 8]
+        found = [(_autocovariance(piece), piece) for piece in pieces if len(piece) >= cls.FEWEST]
         if not found:
             return cls(np.zeros(1))
         covariance, piece = max(found, key=lambda each: float(each[0][0]))
-        return cls(covariance, _offset(covariance, piece))
+        return cls(covariance, _offset(covariance, piece), _innovations(covariance, piece))
 
     @property
     def rms(self) -> float:
         return math.sqrt(float(self.autocovariance[0]))
 
+    def of_sum(self, weights: Floats) -> float:
+        """Return the standard deviation of a sum of samples, each times its weight, shape (n,)."""
+        lags = min(len(self.autocovariance), len(weights))
+        size = next_fast_length(2 * len(weights))
+        products = fft.irfft(np.abs(fft.rfft(weights, size)) ** 2, size)[:lags]
+        covariance = self.autocovariance[:lags]
+        square = 2.0 * float(products @ covariance) - float(products[0] * covariance[0]) if lags else 0.0
+        return math.hypot(math.sqrt(max(0.0, square)), self.offset * float(np.sum(weights)))
+
+    def of_mean(self, count: int) -> float:
+        """Return the standard deviation of the mean of so many samples."""
+        return self.of_sum(np.full(count, 1.0 / count))
+
+    def of_mean_square(self, count: int) -> float:
+        """Return the standard deviation of the mean of the squares of so many samples, if they are normal."""
+        return math.sqrt(2.0) * Noise(self.autocovariance**2).of_mean(count)
+
     def draw(self, random: np.random.Generator, shape: tuple[int, int]) -> Floats:
-        """Return Gaussian noise of this autocovariance, shape (records, samples)."""
+        """Return noise of this autocovariance, shape (records, samples)."""
         records, samples = shape
         lags = len(self.autocovariance)
         size = next_fast_length(samples + lags)
-        circular = np.zeros(size)
-        circular[:lags] = self.autocovariance
-        circular[size - lags + 1 :] = self.autocovariance[:0:-1]
-        amplitude = np.sqrt(np.maximum(fft.rfft(circular).real, 0.0))
-        white = fft.rfft(random.standard_normal((records, size)), axis=1)
+        amplitude = np.sqrt(_density(self.autocovariance, size))
+        if self.innovations is None:
+            independent = random.standard_normal((records, size))
+        else:
+            independent = random.choice(self.innovations, (records, size))
+        white = fft.rfft(independent, axis=1)
         drawn = np.asarray(fft.irfft(white * amplitude, size, axis=1)[:, :samples], dtype=np.float64)
         return drawn + self.offset * random.standard_normal((records, 1)) if self.offset else drawn
 
@@ -242,6 +269,30 @@ def _parabola(half: int) -> Floats:
     return weights / ((2.0 * half - 1.0) * (2.0 * half + 1.0) * (2.0 * half + 3.0))
 
 
+def _innovations(covariance: Floats, piece: Floats) -> Floats | None:
+    """Return the independent values, of unit variance, that noise of this autocovariance was made of, by its
+    whitened spectrum; None where they may be normal ones (sieve bootstrap: Bühlmann, Bernoulli 3 (1997) 123).
+    """
+    count = len(piece)
+    if not covariance[0] > 0.0 or count < _FEWEST_INNOVATIONS:
+        return None
+    size = next_fast_length(count + len(covariance))
+    white = fft.rfft(_without_a_line(piece), size) / np.sqrt(_density(covariance, size))
+    values = np.asarray(fft.irfft(white, size)[:count], dtype=np.float64)
+    values = (values - np.mean(values)) / np.std(values)
+    excess = float(np.mean(values**4)) - 3.0
+    return values if excess > _HEAVY_TAILED * math.sqrt(24.0 / count) else None
+
+
+def _density(covariance: Floats, size: int) -> Floats:
+    """Return the power of noise over the frequencies of so many samples, nowhere as little as zero."""
+    circular = np.zeros(size)
+    circular[: len(covariance)] = covariance
+    circular[size - len(covariance) + 1 :] = covariance[:0:-1]
+    density = np.asarray(fft.rfft(circular).real)
+    return np.maximum(density, _LEAST_DENSITY * float(np.max(density)))
+
+
 def _offset(covariance: Floats, piece: Floats) -> float:
     """Return the standard deviation of the mean of a piece that its autocovariance does not hold: that of
     noise whose density rises below the lowest frequency of the piece."""
@@ -255,11 +306,15 @@ def _offset(covariance: Floats, piece: Floats) -> float:
     return math.sqrt(beyond) if beyond > _CLEARLY_SLOWER * held else 0.0
 
 
-def _autocovariance(piece: Floats) -> Floats:
+def _without_a_line(piece: Floats) -> Floats:
     places = np.linspace(-1.0, 1.0, len(piece))
     level = float(np.mean(piece))
     slope = float(np.sum(places * (piece - level)) / np.sum(places**2))
-    left = piece - level - slope * places
+    return np.asarray(piece - level - slope * places)
+
+
+def _autocovariance(piece: Floats) -> Floats:
+    left = _without_a_line(piece)
     if float(np.std(left)) <= _ROUNDING * float(np.max(np.abs(piece))):
         return np.zeros(1)
     lags = max(1, len(piece) // _LAGS)

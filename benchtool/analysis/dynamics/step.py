@@ -17,12 +17,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.declaration import Analysis, Findings, Measured, Quantity, UnitOf
-from benchtool.analysis.dynamics.noisy_curve import Instant, NoisyCurve, at_rest_error
+from benchtool.analysis.distributions import normal_below
+from benchtool.analysis.dynamics.arrived_samples import ArrivedSamples
+from benchtool.analysis.dynamics.clicks import too_many
+from benchtool.analysis.dynamics.departure import SIGMAS, departure
+from benchtool.analysis.dynamics.noisy_curve import Instant, NoisyCurve
 from benchtool.analysis.dynamics.smoothing import Noise
 from benchtool.analysis.dynamics.step_drift import Drift, find_drift
-from benchtool.analysis.dynamics.step_shape import TAIL, Step, find_step
+from benchtool.analysis.dynamics.step_shape import HELD, TAIL, Step, find_step
 from benchtool.analysis.measurement import Measurement, MeasurementJson, measurements_to_json
-from benchtool.analysis.scatter import error_of_record, means_of_parts, scatter_of_largest
+from benchtool.analysis.scatter import means_of_parts
 from benchtool.analysis.torque import TORQUE
 from benchtool.analysis.uncertainty import Uncertainty
 from benchtool.analysis.window import Window
@@ -32,17 +36,16 @@ from benchtool.document import Section
 Floats = NDArray[np.float64]
 
 _LOW, _HIGH = 0.1, 0.9
-_ARRIVED = 0.02  # of the step: tolerance of reaching it, and the least settling band
-_SIGMAS = 3.0  # standard uncertainties of the curve: the least that counts as a movement
+_ARRIVED = HELD  # of the step: tolerance of reaching it, and the least settling band
 _CALM = 5.0  # standard uncertainties of the curve that noise alone hardly ever leaves
-_CONCAVE = 0.3  # of the way back along a line: that of an answer that gets slower, or of a steep one
-_FURTHER, _HALF_WAY = 3.0, 0.5  # times the level that clears the noise; of the step, up to which
-_TO_THE_ENDS = 1.05  # standard uncertainties from the middle to such a start and to one along a parabola
 _AT_REST = 2.0  # times the settling time
 _LONGER = 2.0  # times the samples whose mean is the final value
 _EXTREME = 4.0  # standard uncertainties of an overshoot that has a peak time
 _OF_SAMPLES = "plateau_", "tracking_error_"  # what the samples are, whatever moves them
+_FEWEST_ALIKE = 3  # samples of one value, which noise would not leave
 _FEWEST_SAMPLES = 20  # whose scatter says something
+_UNDECIDED = "because of noise this is undecided"
+_FAR_BELOW = 5.0  # standard uncertainties: what is left of the distribution is an exponential one
 _ROUNDING = 1e-7  # of the step: a smaller overshoot is rounding
 
 
@@ -80,6 +83,8 @@ def analyze_step(block: Block, signal: str, reference: str, *, held: bool = Fals
         found = tuple(_without_clicks(found, step.clicks))
     if drift.reason:
         found = tuple(_without_drift(found, drift.reason))
+    if reason := _noise_unknown(step) or _clicks_too_many(step):
+        found = tuple(_undefined(each, reason) for each in found)
     return StepResponse(found, step.row)
 
 
@@ -108,17 +113,45 @@ def _without_drift(found: Iterable[Measurement], reason: str) -> Iterator[Measur
         if each.name.startswith(_OF_SAMPLES):
             yield each
         else:
-            yield Measurement.undefined(each.name, each.unit, each.definition, reason, each.basis)
+            yield _undefined(each, reason)
+
+
+def _undefined(each: Measurement, reason: str) -> Measurement:
+    return Measurement.undefined(each.name, each.unit, each.definition, reason, each.basis)
+
+
+def _noise_unknown(step: Step) -> str:
+    """Return why the noise of a signal is not known, empty where it is: it is read from samples at rest."""
+    before = len(step.y_before)
+    is_calm = before >= _FEWEST_ALIKE and np.ptp(step.y_before) == 0.0
+    if is_calm or max(before, step.tail) >= Noise.FEWEST:
+        return ""
+    return (
+        f"its noise is not known from {before} rows before the step and the last {step.tail} after it: "
+        f"record {Noise.FEWEST} rows or more at rest"
+    )
+
+
+def _clicks_too_many(step: Step) -> str:
+    """Return why the answer is not told from interference, empty where it is."""
+    samples = step.begin + len(step.y)
+    if not too_many(step.clicks, samples):
+        return ""
+    return (
+        f"{step.clicks} of {samples} samples are far from their neighbours, too many to be left out: "
+        f"check the wiring of the channel, or filter it"
+    )
 
 
 def _measurements(step: Step, curve: NoisyCurve, band: float) -> Iterator[Measurement]:
-    arrived = curve.first_above(step.greatest - _ARRIVED * step.height)
+    arrival = curve.passage(step.greatest - _ARRIVED * step.height, step.greatest_error)
+    arrived = None if arrival is None else arrival.instant
     settled = curve.last_outside(step.final, band)
     yield from _times(step, curve, arrived)
     yield _time(step, "settling_time", _settling_text(step, band), settled, "it does not settle")
     yield from _excursions(step, curve, arrived)
-    yield from _plateau(step, arrived)
-    yield from _tracking(step, settled)
+    yield from _plateau(step, curve, arrived, band)
+    yield from _tracking(step, curve, settled, band)
 
 
 def _curve(step: Step) -> NoisyCurve:
@@ -135,6 +168,8 @@ def _curve(step: Step) -> NoisyCurve:
     if len(at_rest) < _LONGER * TAIL * len(step.y):
         return curve
     noise = Noise.of(step.y_before, at_rest)
+    if len(at_rest) < _FEWEST_SAMPLES:
+        return NoisyCurve.through(step.y_clear, noise)
     offset = max(noise.offset, Noise.of(at_rest).offset)  # of the longer piece, be it the calmer
     if offset:
         # slow noise is as far off after the step as it was before, and wanders as it does at rest
@@ -153,18 +188,24 @@ def _band(step: Step, curve: NoisyCurve) -> float:
 def _settling_text(step: Step, band: float) -> str:
     least = f"{_ARRIVED:.0%} of the step"
     why = least if band <= _ARRIVED * step.height else f"{_CALM:g} x its uncertainty, as {least} is less"
-    return (
+    text = (
         f"from the step until the smoothed signal stays within {band:.4g} {step.unit} of the final "
-        f"reference: {why}"
+        f"reference, the mean of its last tenth: {why}"
+    )
+    if step.leaves == len(step.r):
+        return text
+    held_s = (step.leaves - step.zero) * step.period_s
+    return (
+        f"{text}; the reference leaves its greatest value {held_s:.4g} s after the step, which this includes"
     )
 
 
 def _times(step: Step, curve: NoisyCurve, arrived: Instant | None) -> Iterator[Measurement]:
     text = (
         f"from the step until the smoothed signal is {_ARRIVED:.0%} of the step beyond the mean before it; "
-        f"where {_SIGMAS:g} x its uncertainty is more, from there back between a line and a parabola"
+        f"where {SIGMAS:g} x its uncertainty is more, from there back between a line and a parabola"
     )
-    left = _departure(step, curve)
+    left = departure(step, curve)
     ahead = left is not None and max(0.0, left.place) < step.zero - left.standard
     reason = "it moves before the reference has come half the way" if ahead else "it does not move"
     yield _time(step, "step_latency", text, None if ahead else left, reason)
@@ -174,47 +215,6 @@ def _times(step: Step, curve: NoisyCurve, arrived: Instant | None) -> Iterator[M
     yield _interval(step, "rise_time", text, rise, "it is not reached")
     text = f"from the step until the smoothed signal has come {1 - _ARRIVED:.0%} of it"
     yield _time(step, "reach_time", text, arrived, "it is not reached")
-
-
-def _departure(step: Step, curve: NoisyCurve) -> Instant | None:
-    """Return where the signal leaves its level before the step.
-
-    The curve clears the noise later than that: the start is extrapolated from there and from three times as
-    far, or twice where that is beyond half the step. It lies between a part of the way along a line, as of an
-    answer that gets slower, and a parabola, as a second-order lag begins: the middle of both is taken. What
-    noise makes of it is drawn, as noise that moves the one place moves the other too.
-    """
-    level, least = float(np.mean(step.y_before)), _ARRIVED * step.height
-    clear = np.maximum(least, _SIGMAS * curve.standard)
-    # a level at rest is anywhere within half a step of a converter that its noise does not hide
-    of_level = at_rest_error(step.y_before, step.y)
-    left = curve.passage(level + clear, of_level)
-    if left is None:
-        return None
-    threshold = float(clear[max(0, math.floor(left.place))])
-    if threshold <= least:
-        return left.instant
-    times = _FURTHER if _FURTHER * threshold <= _HALF_WAY * step.height else 2.0
-    further = curve.passage(level + times * threshold, of_level)
-    if further is None:
-        return None
-    near, far = _back(left.place, further.place, times, least / threshold)
-    of_draws = np.add(*_back(left.places, further.places, times, least / threshold))
-    found = left.moved(left.place - 0.5 * float(near + far), left.places - 0.5 * of_draws)
-    between = float(far - near) / (2.0 * _TO_THE_ENDS)
-    return Instant(found.place, math.hypot(found.standard, between))
-
-
-def _back(
-    left: float | Floats, further: float | Floats, times: float, share: float
-) -> tuple[Floats | float, Floats | float]:
-    """Return how far before the place `left`, where a curve is beyond a level, it was at a `share` of that:
-    by a line, or a steeper start, and by a parabola, both through where it is `further`, `times` as far
-    beyond."""
-    apart = np.maximum(0.0, np.subtract(further, left))
-    line = np.minimum(left, apart * (1.0 - share) / (times - 1.0))
-    parabola = np.minimum(left, apart * (1.0 - math.sqrt(share)) / (math.sqrt(times) - 1.0))
-    return _CONCAVE * line, parabola
 
 
 def _time(step: Step, name: str, definition: str, found: Instant | None, reason: str) -> Measurement:
@@ -228,7 +228,7 @@ def _time(step: Step, name: str, definition: str, found: Instant | None, reason:
 def _interval(step: Step, name: str, definition: str, found: Instant | None, reason: str) -> Measurement:
     """Return a time between two instants."""
     if found is not None and not math.isfinite(found.standard):
-        found, reason = None, "because of noise this is undecided"
+        found, reason = None, _UNDECIDED
     if found is None:
         return Measurement.undefined(name, "s", definition, reason, step.basis)
     source = "noise of the smoothed signal over its slope, and where between two samples it may be"
@@ -238,16 +238,18 @@ def _interval(step: Step, name: str, definition: str, found: Instant | None, rea
 
 def _excursions(step: Step, curve: NoisyCurve, arrived: Instant | None) -> Iterator[Measurement]:
     source = "noise of the smoothed signal, by a parametric bootstrap, and its course between samples"
-    greatest, standard = curve.greatest()
+    greatest, of_curve = curve.greatest(kinked=True)
+    standard = math.hypot(of_curve, step.greatest_error)
     text = "greatest value of the smoothed signal beyond the greatest reference"
     beyond = greatest - step.greatest if greatest - step.greatest > _ROUNDING * step.height else 0.0
-    yield _value(step, "overshoot", text, beyond, Uncertainty(standard, source))
+    of_overshoot = _of_nonnegative(greatest - step.greatest, standard)
+    yield _value(step, "overshoot", text, beyond, Uncertainty(of_overshoot, source))
     percent = 100.0 / step.height
     text = "100 x overshoot / height of the step of the reference"
-    relative = Uncertainty(percent * standard, source)
+    relative = Uncertainty(percent * of_overshoot, source)
     yield Measurement("overshoot_percent", percent * beyond, "%", text, step.basis, relative)
 
-    peak = curve.place_of_greatest() if greatest - step.greatest > _EXTREME * standard else None
+    peak = curve.place_of_greatest() if beyond > _EXTREME * standard else None
     text = "from the step to the greatest value of the smoothed signal"
     yield _time(step, "peak_time", text, peak, "it does not exceed the greatest reference beyond its noise")
 
@@ -256,84 +258,82 @@ def _excursions(step: Step, curve: NoisyCurve, arrived: Instant | None) -> Itera
     if arrived is None:
         yield Measurement.undefined(name, step.unit, text, "98% of the step is not reached", step.basis)
         return
-    after = curve.since(int(np.argmax(curve.values)))
-    lowest, standard = NoisyCurve(-after.values, -after.errors).greatest()
-    short = max(0.0, step.final + lowest)
-    yield _value(step, name, text, short, Uncertainty(standard, source))
+    lowest, standard = curve.least_after_greatest()
+    standard = _of_nonnegative(step.final - lowest, standard)
+    yield _value(step, name, text, max(0.0, step.final - lowest), Uncertainty(standard, source))
 
 
-def _plateau(step: Step, arrived: Instant | None) -> Iterator[Measurement]:
+def _of_nonnegative(found: float, standard: float) -> float:
+    """Return the standard uncertainty of what cannot be negative, which was `found`: where that is below zero
+    it is given as zero, and its distribution about zero is the part of the normal one that is above (as JCGM
+    106:2012, A.4.4, of what is known beforehand)."""
+    if found >= 0.0 or not standard > 0.0:
+        return standard
+    below = -found / standard
+    if below > _FAR_BELOW:
+        return standard * math.sqrt(2.0) / below
+    density = math.exp(-0.5 * below**2) / math.sqrt(2.0 * math.pi)
+    return standard * math.sqrt(1.0 + below**2 - below * density / normal_below(-below))
+
+
+def _plateau(step: Step, curve: NoisyCurve, arrived: Instant | None, band: float) -> Iterator[Measurement]:
     """Yield the numbers of the plateau: signal and reference both at their greatest."""
-    at_top = step.r >= step.greatest - _ARRIVED * step.height
-    begin = int(np.argmax(at_top))
-    leaves = np.flatnonzero(~at_top[begin:])
-    end = begin + int(leaves[0]) if len(leaves) else len(at_top)
-    held = slice(end, end)
-    if arrived is not None:
-        held = slice(max(begin, math.ceil(arrived.place)), end)
-    values = step.sign * step.y[held]
-    of_mean = _of_mean(values)
+    begin, end = step.holds, step.leaves
+    since = Instant(float(begin), 0.0)
+    if arrived is None or math.ceil(max(arrived.place, since.place)) >= end:
+        since, end = Instant(0.0, 0.0), 0
+    elif arrived.place > begin:
+        since = arrived
+    reason = ""
+    if not end:
+        reason = "the reference leaves its greatest value before the signal reaches it"
+    elif not math.isfinite(since.standard):
+        reason = _UNDECIDED
+    values, course = (step.sign * each[:end] for each in (step.y, curve.values))
+    found = (
+        None if reason else ArrivedSamples.of(values, course, since, band, step.y_noise, step.converter_step)
+    )
+    samples = len(values) - math.ceil(since.place)
     for name, which, of, uncertain in (
-        ("plateau_mean", "mean", np.mean, of_mean),
-        ("plateau_min", "least", np.min, _of_largest(-values)),
-        ("plateau_max", "greatest", np.max, _of_largest(values)),
+        ("plateau_mean", "mean", np.mean, ArrivedSamples.of_mean),
+        ("plateau_min", "least", np.min, ArrivedSamples.of_least),
+        ("plateau_max", "greatest", np.max, ArrivedSamples.of_greatest),
     ):
         text = (
             f"{which} sample from reaching 98% of the step until the reference leaves the {_ARRIVED:.0%} "
-            f"below its greatest value, {len(values)} samples"
+            f"below its greatest value, {samples} samples"
         )
-        if len(values):
-            yield _value(step, name, text, float(of(values)), uncertain)
-        else:
-            reason = "the reference leaves its greatest value before the signal reaches it"
+        if found is None:
             yield Measurement.undefined(name, step.unit, text, reason, step.basis)
+        else:
+            yield _value(step, name, text, float(of(found.values)), uncertain(found))
 
 
-def _tracking(step: Step, settled: Instant | None) -> Iterator[Measurement]:
-    begin = len(step.y) if settled is None else math.ceil(settled.place)
-    error = step.sign * (step.y[begin:] - step.r[begin:])
+def _tracking(step: Step, curve: NoisyCurve, settled: Instant | None, band: float) -> Iterator[Measurement]:
     undefined = partial(Measurement.undefined, unit=step.unit, basis=step.basis)
-    if len(error) < 2:
+    left = 0 if settled is None else len(step.y) - math.ceil(settled.place)
+    if settled is None or left < 2 or not math.isfinite(settled.standard):
+        reason = "it does not settle" if left < 2 else _UNDECIDED
         for name in ("mean", "rms", "max"):
             text = "signal minus reference after settling"
-            yield undefined(f"tracking_error_{name}", definition=text, reason="it does not settle")
+            yield undefined(f"tracking_error_{name}", definition=text, reason=reason)
         return
-    window = f"signal minus reference, {len(error)} samples after settling"
-    mean = float(np.mean(error))
-    yield _value(step, "tracking_error_mean", f"mean of {window}", mean, _of_mean(error))
-
-    rms = float(np.sqrt(np.mean(error**2)))
-    of_square = _of_mean(error**2)
-    uncertain = of_square.scaled(0.5 / rms) if of_square is not None and rms > 0.0 else None
-    yield _value(step, "tracking_error_rms", f"rms, with the mean, of {window}", rms, uncertain)
-    greatest = float(np.max(np.abs(error)))
+    error, course = (step.sign * (each - step.r) for each in (step.y, curve.values))
+    found = ArrivedSamples.of(error, course, settled, band, step.y_noise, step.converter_step)
+    window = f"signal minus reference, {left} samples after settling"
+    mean = float(np.mean(found.values))
+    yield _value(step, "tracking_error_mean", f"mean of {window}", mean, found.of_mean())
+    text = f"rms, with the mean, of {window}"
+    yield _value(step, "tracking_error_rms", text, found.rms, found.of_rms())
+    greatest = float(np.max(np.abs(found.values)))
     text = f"greatest magnitude of {window}"
-    yield _value(step, "tracking_error_max", text, greatest, _of_largest(np.abs(error)))
+    yield _value(step, "tracking_error_max", text, greatest, found.of_magnitude())
 
 
 def _value(
     step: Step, name: str, definition: str, value: float, uncertain: Uncertainty | None
 ) -> Measurement:
     return Measurement(name, value, step.unit, definition, step.basis, uncertain)
-
-
-def _of_mean(values: Floats) -> Uncertainty | None:
-    error = error_of_record(values)
-    if not math.isfinite(error.standard):
-        if len(values) < _FEWEST_SAMPLES:
-            return None
-        source = "scatter of these samples, too few of which are independent for that of a mean"
-        return Uncertainty(float(np.std(values)), source)
-    return Uncertainty(
-        error.standard, "scatter over parts of these samples, and their correlation", error.dof
-    )
-
-
-def _of_largest(values: Floats) -> Uncertainty | None:
-    standard = scatter_of_largest(values)
-    if not math.isfinite(standard):
-        return None
-    return Uncertainty(standard, "distribution of the extremes of such samples")
 
 
 class StepSettings(Section):
@@ -376,7 +376,8 @@ STEP: Final = Analysis(
             ("settling_time",),
             "s",
             "until the curve stays within `max(2 % of height, 5 x its standard uncertainty)` of `final`; the "
-            "definition states the width",
+            "definition states the width. Of a pulse that is after its fall, and the time that the reference "
+            "was held is included",
         ),
         Quantity(
             ("overshoot",),

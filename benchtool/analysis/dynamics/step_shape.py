@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis.dynamics.clicks import without_clicks
-from benchtool.analysis.dynamics.smoothing import Noise, fitted_smoothers
+from benchtool.analysis.dynamics.clicks import converter_step, without_clicks
+from benchtool.analysis.dynamics.noisy_curve import NoisyCurve
+from benchtool.analysis.dynamics.smoothing import Noise
 from benchtool.analysis.measurement import Basis
 from benchtool.analysis.validity import require_signal, require_unbroken
 from benchtool.block import Block
@@ -19,6 +21,9 @@ Floats = NDArray[np.float64]
 TAIL = 0.1
 """Part of the window, at its end, where the final value and the noise are read."""
 
+HELD = 0.02
+"""Of the height: how near its greatest value a reference counts as held there."""
+
 _WAY = 0.1, 0.9  # of the height: between these a step is in transition
 _LANDING = 0.03  # of the height: a band in which it spends little time
 _DWELL = 0.2  # of the way: more than a ramp (0.04) or an exponential (0.12) spends in such a band
@@ -27,6 +32,7 @@ _OPPOSITE = 0.5  # of the height: the most that a step goes the other way
 _QUARTERS = 0.25, 0.75
 _AT_REST = 1e-3  # of the height: smaller deviations are not a transition
 _SIGMAS = 3.0  # standard deviations of its noise, likewise
+_LEAVES = 6.0  # standard deviations of its noise, which that does not reach
 _WITHIN = 0.5  # samples, at most one: how far a step is known from its row
 
 
@@ -36,7 +42,8 @@ class Step:
 
     `begin` is the row in which the reference leaves its first level, `row` the one in which it has come half
     the way. `zero` is the instant of that, in samples from `begin`, and `zero_error` its standard
-    uncertainty. `before`, `greatest` and `final` are levels of the reference. `y_clear` is the signal without
+    uncertainty. `before`, `greatest` and `final` are levels of the reference, the last of its `tail` rows;
+    `greatest_error` is the standard uncertainty that its noise leaves. `y_clear` is the signal without
     its `clicks` samples that are far from their neighbours, `y_before` the same up to the step, and `y_noise`
     its noise at rest.
     """
@@ -54,10 +61,32 @@ class Step:
     zero_error: float
     before: float
     greatest: float
+    greatest_error: float
+    tail: int
     final: float
     period_s: float
     unit: str
     basis: Basis
+
+    @cached_property
+    def converter_step(self) -> float:
+        """Step of a converter in the signal; 0 without one."""
+        return converter_step(self.y)
+
+    @property
+    def holds(self) -> int:
+        """Row from `begin` on from which the reference is near its greatest value."""
+        return int(np.argmax(self._near_greatest))
+
+    @property
+    def leaves(self) -> int:
+        """Row in which it falls from there, and the number of rows if it does not."""
+        left = np.flatnonzero(~self._near_greatest[self.holds :])
+        return self.holds + int(left[0]) if len(left) else len(self.r)
+
+    @property
+    def _near_greatest(self) -> NDArray[np.bool_]:
+        return self.r >= self.greatest - HELD * self.height
 
     @property
     def height(self) -> float:
@@ -89,10 +118,10 @@ def find_step(block: Block, signal: str, reference: str, *, held: bool = False) 
     tail = max(1, round(TAIL * len(r)))
     row = _step_row(r, reference)
     r_noise = Noise.of(r[-tail:])
-    r = np.concatenate([r[:row], fitted_smoothers(r[row:], r_noise)[0].apply(r[row:])])
     sign = 1.0 if np.max(r) - r[0] >= r[0] - np.min(r) else -1.0
     y, r = sign * y, sign * r
-    before, greatest = float(r[0]), float(np.max(r))
+    r, greatest, greatest_error = _without_noise(r, row, r_noise)
+    before = float(r[0])
     _require_one_step(r, before, greatest, reference, unit)
     begin, zero = _begin(r, row, r_noise.rms)
     clear, clicks = without_clicks(y)
@@ -115,11 +144,28 @@ def find_step(block: Block, signal: str, reference: str, *, held: bool = False) 
         zero_error=_within(block, held=held) * float(r[row] - r[row - 1]) / (greatest - before),
         before=before,
         greatest=greatest,
+        greatest_error=greatest_error,
+        tail=tail,
         final=float(np.mean(r[-tail:])),
         period_s=1.0 / rate_Hz,
         unit=unit,
         basis=Basis(after, rate_Hz, after / rate_Hz, 0.5 * rate_Hz, reference=against, gaps=0),
     )
+
+
+def _without_noise(r: Floats, row: int, noise: Noise) -> tuple[Floats, float, float]:
+    """Return a reference, shape (n,), that rises by about half its way in `row`, without its noise; and its
+    greatest value, the mean of those that noise may make it, with the standard uncertainty of that."""
+    if not noise.rms > 0.0:
+        return r, float(np.max(r)), 0.0
+    curve = NoisyCurve.through(r[row:], noise)
+    top = int(np.argmax(curve.values))
+    near = curve.values >= curve.values[top] - 2.0 * _SIGMAS * curve.standard
+    greatest = float(np.mean(r[row:][near]))
+    rest = r[:row].copy()
+    still = int(np.argmax(np.append(rest - rest[0] > _LEAVES * noise.rms, True)))
+    rest[:still] = np.mean(rest[:still])
+    return np.concatenate([rest, curve.values]), greatest, noise.of_mean(int(np.count_nonzero(near)))
 
 
 def _within(block: Block, *, held: bool) -> float:

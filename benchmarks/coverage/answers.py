@@ -1,0 +1,183 @@
+"""Families of step responses that are scored by every number: of the curve, and of the samples themselves.
+
+An answer is a sum of decaying modes, or one that is limited in its rate and runs beyond its reference, and
+its rows are few or many, coarse, spiked, or at other times than they should be.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.coverage.families import families_of, selected
+from benchmarks.coverage.noise import converted
+from benchtool.analysis import Measurement, analyze_step
+from benchtool.block import Block
+
+Floats = NDArray[np.float64]
+
+_RATE_HZ = 10_000.0
+_FINE = 50  # instants per row at which the truth is looked for
+_RECORDS = 16  # over which an extreme is averaged
+_ARRIVED, _LOW, _HIGH = 0.02, 0.1, 0.9
+_ROUNDING = 1e-7  # of the step
+_VARIED = 0.94, 1.06  # of all times, from record to record
+
+
+@dataclass(frozen=True)
+class Mode:
+    """exp(-t / `decay`) cos(2 pi t / `period`), its part of the way `share`; times in rows."""
+
+    share: float
+    decay: float
+    period: float = math.inf
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What answers a step of 1: 1 - the sum of `modes`, after `delay` rows, or, where it is limited to
+    1 / `ramp` a row, a line up to 1 + `beyond` that decays by the first of them.
+
+    `noise` and the amplitude of a `ripple`, with its period in rows, are relative to the step; `spikes` are a
+    share of the rows and their height.
+    """
+
+    modes: tuple[Mode, ...]
+    delay: float = 3.3
+    ramp: float = 0.0
+    beyond: float = 0.0
+    rows: tuple[int, int] = (200, 1200)  # before the step, and from it on
+    noise: float = 0.0
+    heavy: bool = False
+    of_reference: float = 0.0
+    bits: int = 0
+    spikes: tuple[float, float] = (0.0, 0.0)
+    ripple: tuple[float, float] = (0.0, 1.0)
+
+    def course(self, since: Floats) -> Floats:
+        """Return the answer without noise at times since the step, in rows."""
+        late = np.maximum(since - self.delay, 0.0)
+        if self.ramp:
+            top = self.ramp * (1.0 + self.beyond)
+            falls = 1.0 + self.beyond * np.exp(-np.maximum(late - top, 0.0) / self.modes[0].decay)
+            return np.asarray(np.where(late < top, late / self.ramp, falls))
+        parts = (
+            each.share * np.exp(-late / each.decay) * np.cos(2.0 * math.pi * late / each.period)
+            for each in self.modes
+        )
+        return np.asarray(1.0 - sum(parts))
+
+    def disturbed(self, random: np.random.Generator, since: Floats) -> Floats:
+        """Return the answer as it is measured, but for the steps of a converter."""
+        count = len(since)
+        noise = random.standard_t(3, count) / math.sqrt(3.0) if self.heavy else random.standard_normal(count)
+        y = self.course(since) + self.noise * noise
+        size, period = self.ripple
+        y += size * np.cos(2.0 * math.pi * since / period + random.uniform(0.0, 2.0 * math.pi))
+        share, height = self.spikes
+        hit = random.random(count) < share
+        y[hit] += height * random.choice([-1.0, 1.0], int(np.sum(hit)))
+        return y
+
+
+def _trial(what: Answer, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
+    """Yield the numbers of one step response, with the row of the step known."""
+    before, after = what.rows
+    slower = random.uniform(*_VARIED)
+    row = np.arange(-before, after, dtype=np.float64)
+    since = row / slower
+    y = what.disturbed(random, since)
+    if what.bits:
+        y = converted(y, 2.0 / 2**what.bits, random)
+    reference = np.where(row >= 0.0, 1.0, 0.0) + what.of_reference * random.standard_normal(len(row))
+    block = Block.from_arrays(_RATE_HZ, {"y": "Nm", "r": "Nm"}, y=y, r=reference)
+    found = analyze_step(block, "y", "r", held=True).measurements
+    yield from selected(found, _truths(what, random, since, slower, _band(found)))
+
+
+def _band(found: tuple[Measurement, ...]) -> float:
+    (text,) = (each.definition for each in found if each.name == "settling_time")
+    within = re.search(r"within ([-+.\de]+) ", text)
+    assert within is not None
+    stated = float(within[1])
+    return _ARRIVED if math.isclose(stated, _ARRIVED, rel_tol=1e-2) else stated
+
+
+def _truths(
+    what: Answer, random: np.random.Generator, since: Floats, slower: float, band: float
+) -> Mapping[str, float]:
+    after = int(np.count_nonzero(since >= 0.0))
+    fine = np.arange(0.0, after - 1, 1.0 / _FINE) / slower
+    kinks = np.array([0.0, what.ramp * (1.0 + what.beyond)]) + what.delay
+    fine = np.unique(np.concatenate([fine, kinks]))
+    y, row_s = what.course(fine), slower / _RATE_HZ
+    outside = np.flatnonzero(np.abs(y - 1.0) > band)
+    top = int(np.argmax(y))
+    over = float(y[top]) - 1.0
+    times = {
+        "step_latency": _passed(fine, y, _ARRIVED),
+        "rise_time": _passed(fine, y, _HIGH) - _passed(fine, y, _LOW),
+        "reach_time": _passed(fine, y, 1.0 - _ARRIVED),
+        "settling_time": math.nan,
+    }
+    if (last := int(outside[-1])) < len(fine) - 1:
+        pair = slice(last, last + 2)
+        times["settling_time"] = float(np.interp(-band, -np.abs(y[pair] - 1.0), fine[pair]))
+    if over > _ROUNDING:
+        times["peak_time"] = float(fine[top])
+    truths = {name: row_s * time for name, time in times.items()}
+    truths["overshoot"] = max(0.0, over)
+    truths["undershoot"] = max(0.0, 1.0 - float(np.min(y[top:])))
+    held, settled = (since >= times[name] for name in ("reach_time", "settling_time"))
+    smooth = what.course(since)
+    truths["plateau_mean"] = float(np.mean(smooth[held]))
+    truths["tracking_error_mean"] = float(np.mean(smooth[settled])) - 1.0
+    records = [what.disturbed(random, since) for _ in range(_RECORDS)]
+    for name, of in _OF_SAMPLES.items():
+        rows = held if name.startswith("plateau") else settled
+        truths[name] = float(np.mean([of(each[rows]) for each in records]))
+    return {name: truth for name, truth in truths.items() if not math.isnan(truth)}
+
+
+_OF_SAMPLES: Mapping[str, Callable[[Floats], float]] = {
+    "plateau_min": lambda y: float(np.min(y)),
+    "plateau_max": lambda y: float(np.max(y)),
+    "tracking_error_rms": lambda y: math.sqrt(float(np.mean((y - 1.0) ** 2))),
+    "tracking_error_max": lambda y: float(np.max(np.abs(y - 1.0))),
+}
+
+
+def _passed(time: Floats, y: Floats, level: float) -> float:
+    above = np.flatnonzero(y >= level)
+    if not len(above):
+        return math.nan
+    pair = slice(above[0] - 1, above[0] + 1)
+    return float(np.interp(level, y[pair], time[pair]))
+
+
+_LAG, _RINGING = (Mode(1.0, 19.0),), (Mode(1.0, 38.0, 77.0),)
+ANSWERS: Mapping[str, Answer] = {
+    "answer_bits_7": Answer(_RINGING, bits=7),
+    "answer_lag_bits_8_noise": Answer(_LAG, bits=8, noise=2e-3),
+    "answer_lag_noise": Answer(_LAG, noise=1e-2),
+    "answer_few_rows": Answer((Mode(1.0, 4.1, 6.7),), rows=(40, 300), noise=1e-3, delay=1.4),
+    "answer_limited": Answer((Mode(1.0, 45.0),), ramp=70.0, beyond=0.15),
+    "answer_limited_noise": Answer((Mode(1.0, 45.0),), ramp=70.0, beyond=0.15, noise=8e-3),
+    "answer_two_modes": Answer((Mode(0.8, 28.0), Mode(0.2, 120.0, 37.0)), noise=1e-2, rows=(200, 2000)),
+    "answer_reference_noise": Answer(_LAG, noise=5e-3, of_reference=1e-2),
+    "answer_short": Answer((Mode(1.0, 5.0, 11.0),), rows=(6, 40), noise=5e-3),
+    "answer_spikes_often": Answer(_RINGING, noise=4e-3, spikes=(0.05, 0.25)),
+    "answer_spikes_small": Answer(_LAG, noise=8e-3, spikes=(0.01, 0.05)),
+    "answer_heavy": Answer(_LAG, noise=8e-3, heavy=True, rows=(200, 2000)),
+    "answer_dip": Answer((Mode(1.0, 17.0, 62.0),), delay=70.0, noise=2e-2),
+    "answer_ripple": Answer(_LAG, noise=1e-3, ripple=(0.012, 73.3)),
+    "answer_limited_few_rows": Answer((Mode(1.0, 13.0),), ramp=11.0, beyond=0.3, rows=(60, 400)),
+}
+
+
+FAMILIES = families_of(_trial, ANSWERS)

@@ -1,0 +1,234 @@
+"""Uncertainty of the mean, the extremes and the rms of samples from where a signal has arrived.
+
+There it has come near its level and is still on its way. That course is the same in every record and no
+scatter: what is uncertain is the noise about it, the step of a converter, and in which row the samples begin.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchtool.analysis.dynamics.noisy_curve import Instant, left_of_steps
+from benchtool.analysis.dynamics.smoothing import Noise
+from benchtool.analysis.scatter import error_of_record, error_of_series, scatter_of_largest, tail_index
+from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
+
+Floats = NDArray[np.float64]
+
+_AT_REST, _IF_ROOM = 2, 3  # times the settling time: at the earliest, and where half of the samples are left
+_FEWEST_SAMPLES = 20  # whose scatter says something
+_FEWEST_MAXIMA = 4
+_FEWEST_MOVING = 8  # samples on their way
+_SEED, _DRAWS = 20_261_123, 80
+_ROUGH = 2.0  # times the noise
+_OF_TAIL = 40  # one sample in so many is of the tail
+_UNIFORM = 1.0 / math.sqrt(12.0)  # standard deviation over width
+_OF_SQUARE = 1.0 / math.sqrt(80.0)  # rms of the square of what is uniform within a half to either side
+_SOURCE = "noise of the samples about their course, the row of the first of them, and a converter's step"
+
+
+@dataclass(frozen=True)
+class ArrivedSamples:
+    """`values`, shape (n,), from row `first` on, and their `course`, to which noise is added: the smooth
+    curve while they are on their way, and their mean at rest, of which there are the last `at_rest`.
+
+    `noise` is that about the course, `step` that of a converter, of whose errors `left` is the standard
+    uncertainty of the mean. `roughness`, shape (n,), is what the values on their way are off a smooth course,
+    where that is more than noise; `others` are the courses from the first and the last row in which the
+    samples may begin.
+    """
+
+    values: Floats
+    course: Floats
+    roughness: Floats
+    others: tuple[Floats, Floats]
+    at_rest: int
+    noise: Noise
+    step: float
+    left: float
+
+    @classmethod
+    def of(
+        cls, samples: Floats, curve: Floats, begin: Instant, band: float, noise: Noise, step: float
+    ) -> ArrivedSamples:
+        """Return those of samples since an event, shape (n,), from the instant `begin` on.
+
+        They are at rest long after the smooth `curve` has entered a `band` about its last level for good. If
+        these are enough, their noise stands for `noise`, that of samples at rest elsewhere. `step` is that of
+        a converter, 0 without one.
+        """
+        end = len(samples)
+        first = min(math.ceil(begin.place), end)
+        rest = _rest(curve, first, band)
+        course = curve.copy()
+        if end - rest < _FEWEST_SAMPLES:
+            rest = end
+        else:
+            course[rest:] = np.mean(samples[rest:])
+            noise = Noise.of(samples[rest:])
+        rough = _roughness(samples[first:], end - rest, noise)
+        in_doubt = math.hypot(begin.standard, _rows_of(rough, course[first:]))
+        rows = [math.ceil(begin.place + side * in_doubt) for side in (-1.0, 1.0)]
+        earlier, later = (course[min(max(0, row), max(0, end - 1)) :] for row in rows)
+        return cls(
+            values=samples[first:],
+            course=course[first:],
+            roughness=rough,
+            others=(earlier, later),
+            at_rest=end - rest,
+            noise=noise,
+            step=step,
+            left=left_of_steps(noise.rms, step),
+        )
+
+    @property
+    def rms(self) -> float:
+        """Root mean square of the values."""
+        return _rms(self.values)
+
+    def of_mean(self) -> Uncertainty | None:
+        """Return the uncertainty of the mean."""
+        rough = float(np.sqrt(np.sum(self.roughness**2))) / len(self.values)
+        noise = [self._of_mean(), Contribution("course that is not smooth", "A", rough)]
+        return self._combined(noise, lambda each: float(np.mean(each)), self.left)
+
+    def of_greatest(self, sign: float = 1.0) -> Uncertainty | None:
+        """Return the scatter of the greatest of the values times `sign` over records like this one."""
+        course, deviations = sign * self.course, sign * (self.values - self.course)
+        # where the largest deviation would make it the greatest
+        open_to = course + np.max(deviations) >= np.max(course + deviations)
+        scatter = self.noise.rms
+        if np.count_nonzero(open_to) >= _FEWEST_SAMPLES:
+            scatter = _scatter_of_largest(deviations[open_to], tail_index(deviations, _OF_TAIL))
+            scatter = max(scatter, _drawn_again(course[open_to], deviations[open_to]))
+        noise = [
+            Contribution("distribution of the extremes of such samples", "A", scatter),
+            self._of_mean(),
+            Contribution("course that is not smooth", "A", float(np.max(self.roughness))),
+        ]
+        return self._combined(noise, lambda each: float(np.max(sign * each)), _UNIFORM * self.step)
+
+    def of_least(self) -> Uncertainty | None:
+        """Return the scatter of the least value over records like this one."""
+        return self.of_greatest(-1.0)
+
+    def of_magnitude(self) -> Uncertainty | None:
+        """Return the scatter of the greatest magnitude over records like this one."""
+        return self.of_greatest(1.0 if np.max(self.values) >= -np.min(self.values) else -1.0)
+
+    def of_rms(self) -> Uncertainty | None:
+        """Return the uncertainty of the root mean square."""
+        rms = self.rms
+        if not rms > 0.0:
+            return self._combined([], _rms, _UNIFORM * self.step)
+        on_the_way = self.course[: len(self.values) - self.at_rest] / (rms * len(self.values))
+        noise = [
+            self._of_power(rms),
+            Contribution("noise of the samples on their way", "A", self.noise.of_sum(on_the_way)),
+            Contribution("course that is not smooth", "A", self._of_roughness(rms)),
+        ]
+        # the steps add their own power, and move all samples on one level together
+        power = _OF_SQUARE * self.step**2 / (2.0 * rms)
+        steps = math.hypot(power, float(np.mean(self.values)) / rms * self.left)
+        return self._combined(noise, _rms, min(steps, _UNIFORM * self.step))
+
+    def _of_mean(self) -> Contribution:
+        if not self.at_rest:
+            return Contribution("noise of the samples", "A", self.noise.of_mean(len(self.values)))
+        name, settled = "scatter over parts of the samples, and their correlation", self._settled
+        error = error_of_record(settled)
+        if math.isfinite(error.standard):
+            return Contribution(name, "A", self._share * error.standard, error.dof)
+        name = "scatter of the samples, too few of which are independent for that of a mean"
+        return Contribution(name, "A", float(np.std(settled)))
+
+    def _of_power(self, rms: float) -> Contribution:
+        name = "scatter of their squares over parts of the samples"
+        if not self.at_rest:
+            return Contribution(name, "A", self.noise.of_mean_square(len(self.values)) / (2.0 * rms))
+        squares = self._settled**2
+        error = error_of_record(squares)
+        standard = error.standard if math.isfinite(error.standard) else float(np.std(squares))
+        return Contribution(name, "A", self._share * standard / (2.0 * rms), error.dof)
+
+    def _of_roughness(self, rms: float) -> float:
+        return float(np.sqrt(np.sum((self.course * self.roughness) ** 2))) / (rms * len(self.values))
+
+    @property
+    def _settled(self) -> Floats:
+        return self.values[-self.at_rest :]
+
+    @property
+    def _share(self) -> float:
+        """By how much the mean of all samples scatters less than that of those at rest: of white noise by the
+        root of their numbers, of the slowest not at all."""
+        least = math.sqrt(min(1.0, self.at_rest / len(self.values)))
+        of_rest = self.noise.of_mean(self.at_rest)
+        return max(least, min(1.0, self.noise.of_mean(len(self.values)) / of_rest)) if of_rest else least
+
+    def _combined(
+        self, noise: list[Contribution], of: Callable[[Floats], float], steps: float
+    ) -> Uncertainty | None:
+        earlier, later = (float(of(each)) for each in self.others)
+        begun = Contribution("row of the first of the samples", "B", 0.5 * abs(later - earlier))
+        return combined([*noise, begun, Contribution("step of a converter", "B", abs(steps))], _SOURCE)
+
+
+def _rest(curve: Floats, first: int, band: float) -> int:
+    """Return the row from which on what has arrived in the row `first` is at rest: where it stays near its
+    last level, twice that time later, and thrice where half of the samples are left."""
+    end = len(curve)
+    last = curve[end - max(1, (end - first) // 4) :]
+    outside = np.flatnonzero(np.abs(curve - np.median(last)) > band)
+    settled = int(outside[-1]) + 1 if len(outside) else 0
+    if settled >= end:
+        return first
+    return max(first, _AT_REST * settled, min(_IF_ROOM * settled, (first + end) // 2))
+
+
+def _roughness(values: Floats, at_rest: int, noise: Noise) -> Floats:
+    """Return what values, shape (n,), but for those `at_rest`, are off a smooth course, where that is more
+    than their noise: their times scatter, or values stand for others."""
+    found = np.zeros(len(values))
+    moving = values[: len(values) - at_rest] if at_rest < len(values) else values[:0]
+    if len(moving) >= _FEWEST_MOVING:
+        known = np.stack([moving[1:-1], moving[:-2], np.ones(len(moving) - 2)], axis=1)
+        # what decays, or oscillates, follows from the two before (see `bursts`)
+        solution, *_ = np.linalg.lstsq(known, moving[2:], rcond=None)
+        weights = np.array([1.0, -solution[0], -solution[1]])
+        off = np.abs(moving[2:] - known @ solution)
+        if np.mean(off**2) > (_ROUGH * noise.of_sum(weights)) ** 2:
+            found[: len(moving)] = np.concatenate([off[:1], off[:1], off]) / math.hypot(*weights)
+    return found
+
+
+def _rows_of(roughness: Floats, course: Floats) -> float:
+    """Return how many rows of the first of a course, shape (n,), are as much as its roughness."""
+    slope = float(np.mean(np.abs(np.diff(course[: _FEWEST_MOVING + 1])))) if len(course) > 1 else 0.0
+    rough = float(np.sqrt(np.mean(roughness[:_FEWEST_MOVING] ** 2)))
+    return min(rough / slope, float(len(course))) if slope > 0.0 else 0.0
+
+
+def _scatter_of_largest(deviations: Floats, tail: float) -> float:
+    """Return the scatter of the largest of deviations, shape (n,), whose size has a memory: of a line that
+    scatters, the largest of a crest is one value."""
+    apart = math.ceil(len(deviations) / (error_of_series(deviations**2).dof + 1.0) - 1e-9)
+    if 1 < apart <= len(deviations) // _FEWEST_MAXIMA:
+        deviations = np.maximum.reduceat(deviations, np.arange(0, len(deviations), apart))
+    return scatter_of_largest(deviations, tail)
+
+
+def _drawn_again(course: Floats, deviations: Floats) -> float:
+    """Return the scatter of the greatest of a course with these deviations in any order, all of shape (n,):
+    of rare ones it matters where they are."""
+    random = np.random.default_rng(_SEED)
+    return float(np.std([np.max(course + random.choice(deviations, len(course))) for _ in range(_DRAWS)]))
+
+
+def _rms(values: Floats) -> float:
+    return math.sqrt(float(np.mean(values**2)))

@@ -1,0 +1,79 @@
+"""The greatest value of a curve between its samples: on a parabola, or where two straight courses meet."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+_OUTSIDE = 0.1  # of the bend at a kink: what the curve bends by on both sides of it
+_SIGNIFICANT = 5.0  # standard deviations of a second difference that noise alone does not have
+_OF_SECOND_DIFFERENCE = math.sqrt(6.0)  # standard deviation over that of a sample
+
+
+@dataclass(frozen=True)
+class Top:
+    """How far a curve goes above its greatest sample, and how far from it, in samples; with the uncertainty
+    of the one and a bound of the error of the other."""
+
+    above: float
+    above_error: float
+    beside: float
+    beside_within: float
+
+
+def parabola(values: Floats, top: int) -> Top:
+    """Return the vertex of the parabola through the greatest of values, shape (n,), and its neighbours; the
+    greatest value itself beside an edge.
+
+    Between samples a curve goes on as it bends only where it bends the same way at both neighbours. How much
+    differently it does there is known: a third difference moves the height by at most a sixteenth of it, and
+    the more uneven it is the less is known of the vertex at all.
+    """
+    if not 1 < top < len(values) - 2:
+        return Top(0.0, 0.0, 0.0, 0.5)
+    bends = np.diff(values[top - 2 : top + 3], 2)
+    bend, slope = float(bends[1]), 0.5 * float(values[top + 1] - values[top - 1])
+    if np.max(bends) >= 0.0:
+        return Top(0.0, 0.0, 0.0, 0.5)
+    uneven = float(np.max(np.abs(bends - bend)))
+    place = min(max(-slope / bend, -0.5), 0.5)
+    above = -(slope**2) / (2.0 * bend)
+    doubt = above * min(1.0, uneven / abs(bend)) / math.sqrt(3.0)
+    return Top(above, math.hypot(uneven / 16.0, doubt), place, min(0.5, uneven / (4.0 * abs(bend))))
+
+
+def kink(values: Floats, top: int, noise: float) -> Top | None:
+    """Return where the courses before and after the greatest of values, shape (n,), meet; None where it is no
+    kink, by `noise`, the standard deviation of a value, or by how it bends.
+
+    A kink between two samples bends the curve in both, and hardly in those beyond. A curve of so few samples
+    that it bends the other way beside its greatest may be anywhere between that and where the lines meet.
+    """
+    if not 2 < top < len(values) - 3:
+        return None
+    rises = np.diff(values[top - 3 : top + 4])  # before-before, before, to the top, and three after it
+    bends = np.diff(rises)
+    far_before, before, at, after, far_after = bends.tolist()
+    if -at <= _SIGNIFICANT * _OF_SECOND_DIFFERENCE * noise:
+        return None
+    _, earlier, rise, fall, later, _ = rises.tolist()
+    found = []
+    # between the top and the next: the line that led to it, and the one that leads on from the next
+    if rise > later and 0.0 < (place := (fall - later) / (rise - later)) < 1.0:
+        found.append((rise * place, place, max(abs(before), abs(far_after)), abs(at + after)))
+    if earlier > fall and 0.0 < (place := (earlier - rise) / (earlier - fall)) < 1.0:
+        found.append((-fall * place, -place, max(abs(far_before), abs(after)), abs(before + at)))
+    above, place, beside, bend = max(found, default=(0.0, 0.0, 0.0, 1.0))
+    if not above > 0.0:
+        return None
+    if beside < _OUTSIDE * bend:
+        # the courses bend on the way to it as they do beside it
+        return Top(above, beside, place, min(0.5, beside / bend))
+    if np.max(bends[1:4]) < 0.0:
+        return None  # a smooth top
+    return Top(0.5 * above, above / math.sqrt(12.0), 0.5 * place, 0.5)

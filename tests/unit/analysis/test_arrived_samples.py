@@ -1,0 +1,90 @@
+"""Mean, extremes and rms of samples that have arrived: uncertain by noise, resolution and their first row."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from benchtool.analysis.dynamics.arrived_samples import ArrivedSamples
+from benchtool.analysis.dynamics.noisy_curve import Instant
+from benchtool.analysis.dynamics.smoothing import Noise
+from benchtool.analysis.uncertainty import Uncertainty
+
+ROWS, TAU, NOISE = 1000, 20.0, 1e-3
+COURSE = 1.0 - np.exp(-np.arange(ROWS) / TAU)
+ARRIVED = Instant(TAU * math.log(50.0), 0.1)
+
+
+def _samples(values: NDArray[np.float64], step: float = 0.0, begin: Instant = ARRIVED) -> ArrivedSamples:
+    return ArrivedSamples.of(values, COURSE, begin, 0.02, Noise(np.zeros(1)), step)
+
+
+def _standard(found: Uncertainty | None) -> float:
+    assert found is not None
+    return found.standard
+
+
+def _noisy(seed: int, heavy: bool = False) -> NDArray[np.float64]:
+    random = np.random.default_rng(seed)
+    noise = random.standard_t(3, ROWS) if heavy else random.standard_normal(ROWS)
+    return COURSE + NOISE * noise
+
+
+def test_the_way_to_a_level_is_no_scatter_of_the_mean() -> None:
+    found = [_standard(_samples(_noisy(seed)).of_mean()) for seed in range(5)]
+    of_white = NOISE / math.sqrt(ROWS - ARRIVED.place)
+    assert np.median(found) == pytest.approx(of_white, rel=0.5)
+
+
+def test_the_least_on_the_way_is_known_as_one_sample_is() -> None:
+    # it is the first, at 98 %, which no other can be
+    found = [_standard(_samples(_noisy(seed)).of_least()) for seed in range(5)]
+    assert np.median(found) == pytest.approx(NOISE, rel=0.7)
+
+
+def test_a_level_of_a_converter_is_anywhere_within_its_step() -> None:
+    step = 0.01
+    random = np.random.default_rng(1)
+    offsets = random.uniform(-0.5, 0.5, 40) * step
+    numbers: list[tuple[float, float, float]] = []
+    for offset in offsets.tolist():
+        found = _samples(step * np.round((COURSE + offset) / step) - offset, step)
+        error = float(np.mean(found.values - COURSE[-len(found.values) :]))
+        numbers.append((error, _standard(found.of_mean()), _standard(found.of_greatest())))
+    error, of_mean, of_greatest = np.array(numbers).T
+    assert 0.7 < np.sqrt(np.mean((error / of_mean) ** 2)) < 1.4
+    assert np.all(of_greatest >= step / math.sqrt(12.0) * (1.0 - 1e-9))
+
+
+def test_the_row_of_the_first_sample_is_in_doubt_as_far_as_it_changes_the_least() -> None:
+    sure, doubtful = (_samples(COURSE, begin=Instant(ARRIVED.place, rows)) for rows in (0.01, 5.0))
+    slope = 0.02 / TAU
+    assert _standard(doubtful.of_least()) - _standard(sure.of_least()) == pytest.approx(5.0 * slope, rel=0.2)
+    assert _standard(doubtful.of_greatest()) == pytest.approx(_standard(sure.of_greatest()), abs=1e-6)
+
+
+def test_a_course_that_jumps_from_value_to_value_is_no_smooth_one() -> None:
+    held = COURSE[np.arange(ROWS) // 4 * 4]
+    smooth = _standard(_samples(COURSE).of_rms())
+    assert (
+        _standard(ArrivedSamples.of(held, held, ARRIVED, 0.02, Noise(np.zeros(1)), 0.0).of_rms())
+        > 5.0 * smooth
+    )
+
+
+def test_the_extreme_of_a_line_that_scatters_is_one_of_few_crests() -> None:
+    random = np.random.default_rng(4)
+    greatest, standard = [], []
+    for _ in range(30):
+        memory = 150
+        white = random.standard_normal((2, ROWS + 5 * memory))
+        shape = np.exp(-np.arange(5 * memory) / memory) * math.sqrt(2.0 / memory)
+        slow = [np.convolve(each, shape, mode="valid")[:ROWS] for each in white]
+        phase = 0.7 * np.arange(ROWS)
+        found = _samples(COURSE + NOISE * (slow[0] * np.cos(phase) + slow[1] * np.sin(phase)))
+        greatest.append(float(np.max(found.values)))
+        standard.append(_standard(found.of_greatest()))
+    assert 0.6 < np.std(greatest) / np.sqrt(np.mean(np.square(standard))) < 1.5
