@@ -13,8 +13,8 @@ from benchtool.block import Block
 from benchtool.errors import AnalysisError
 from benchtool.profile import Bench
 from benchtool.tables.analyses import results
+from benchtool.tables.cells import BLANKS
 from benchtool.tables.columns import TableColumns, TableQuestion, read_columns
-from benchtool.tables.layout import BLANKS
 from benchtool.tables.record import Record
 from benchtool.tables.remarks import Remark, overdue, remarks
 from benchtool.tables.time_base import time_base

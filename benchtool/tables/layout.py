@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import itertools
 import re
 from collections import defaultdict
@@ -10,11 +9,19 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from benchtool.errors import RecordingError
+from benchtool.tables.cells import BLANKS, is_number, kind_of_word
+from benchtool.tables.grouping import Use, use_of
+from benchtool.tables.head import (
+    Column,
+    are_units,
+    bare_line,
+    columns_of,
+    has_number,
+    is_comment,
+    rows_below_names,
+    split,
+)
 from benchtool.tables.stamps import is_stamp
-from benchtool.tables.units import is_scale, is_unit
-
-BLANKS = " "
-"""The delimiter for any run of blanks and tabs."""
 
 _HEAD_BYTES = 256 * 1024
 _SAMPLE_BYTES = 32 * 1024
@@ -30,121 +37,113 @@ _LAYOUTS = (
     (BLANKS, ","),
     (",", ","),
 )
-_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
-_NO_NUMBER = frozenset(("", "nan", "inf", "+inf", "-inf", "infinity", "null", "na", "n/a"))
-_BRACKETED = re.compile(r"\(.*\)|\[.*\]")
-_BRACKETS = re.compile(r"\s*(?:\((?P<round>[^()]*)\)|\[(?P<square>[^\[\]]*)\])")
 _SUFFIXES = (1, 2, 4)  # the last 1/n of the lines, in which a long head no longer counts
-_ROWS_IN_HEAD = 0.25  # of the rows below the names: more rows above them are data
-
-
-@dataclass(frozen=True)
-class Column:
-    """One column: `name` as the head has it (empty without one), `unit` as the head states it, or empty.
-
-    What the name has in brackets is its unit where that is a unit, or a scale of which no SI unit is known
-    (`[counts]`, `[%]`); `Iq[0]` and `i (phase a)` have none. Of a quotient of quantity and unit (`t/s`,
-    `n/(1/min)`; ISO 80000-1:2022, 7.1.4) it is the latter. The cells of a column with `stamps` are times of
-    day, perhaps with a date, which count in seconds.
-    """
-
-    name: str
-    unit: str
-    stamps: bool = False
-
-    @property
-    def bare_name(self) -> str:
-        """The name without the unit behind it."""
-        quantity, unit = _quotient(self.name)
-        return quantity if unit else _BRACKETS.sub("", self.name).strip() or self.name
+_WHOLE = re.compile(r"[0-9]+")
+_ZEROS_FIRST = re.compile(r"0[0-9]+")
+_FEW = 0.05  # of the cells of a column
 
 
 @dataclass(frozen=True)
 class Layout:
-    """Numbers begin at byte `begin`, after `head_lines` lines; `delimiter` is one character, or `BLANKS`."""
+    """Numbers begin at byte `begin`, after `head_lines` lines; `delimiter` is one character, or `BLANKS`.
+
+    `head` is the line nearest the numbers that is neither blank nor a comment where no line names the
+    columns. Where `is_open`, the sample has the decimal sign only where one between thousands might be.
+    """
 
     delimiter: str
     decimal: str
     columns: tuple[Column, ...]
     head_lines: int
     begin: int
+    head: str = ""
+    is_open: bool = False
 
 
-def find_layout(text: bytes, source: str) -> Layout:
+@dataclass(frozen=True)
+class _Fit:
+    """A layout of the sample, `share` of whose cells that are not empty are numbers."""
+
+    delimiter: str
+    decimal: str
+    width: int
+    numeric: tuple[bool, ...]
+    score: float
+    share: float
+
+
+def find_layout(text: bytes, source: str, decimal: str = "") -> Layout:
     """Return the layout of a table in UTF-8, lines ended by newlines; `source` stands in the messages.
 
-    The delimiter and decimal sign are those by which most cells of most lines, sampled from the beginning,
-    the middle and the end, are numbers. What comes before the first such line is the head: the line of it
-    nearest the numbers that has a name for each column names them, and of two such lines the second may hold
-    their units. Lines right above the numbers whose cells are numbers or empty are rows as well. Where no
-    line above the first numbers names columns and one below a few of them does, those few belong to the head
-    as well. Lines that begin with # or % are comments, which may name the columns too.
+    The delimiter and the decimal sign, if that is not stated, are those by which most cells of most lines,
+    sampled from the beginning, the middle and the end, are numbers. What comes before the first such line is
+    the head: the line of it nearest the numbers that has a name for each column names them, and of two such
+    lines the second may hold their units. Lines right above the numbers that have one in a column of numbers,
+    or nothing but words that stand in place of one (OVER, --), are rows as well. Where no line above the
+    first numbers names columns and one below a few of them does, those few belong to the head as well. Lines
+    that begin with # or % are comments, which may name the columns too.
 
     Raises:
-        RecordingError: no two columns of numbers are there.
+        RecordingError: no two columns of numbers are there, or the delimiter separates decimals as well.
     """
     head = text[:_HEAD_BYTES]
     lines = head.split(b"\n")
     if len(text) > len(head):
         del lines[-1]  # cut short
     sample = [line for line in _sampled(text, lines) if line.strip() and not is_comment(line)]
-    found = _best(sample)
+    found = _best(sample, decimal)
     if found is None:
         seen = _almost_a_number(sample)
         raise RecordingError(
             f"{source}: no table of numbers found{seen and f', {seen!r} is none'}; lines of at least two "
             f"numbers are expected, separated by comma, semicolon, tab or blanks, times in seconds or as "
-            f"2026-01-31 23:59:59.5, no thousands separators: export it as such"
+            f"2026-01-31 23:59:59.5: export it as such"
         )
-    delimiter, decimal, width, numeric = found
+    delimiter, decimal, width, numeric = found.delimiter, found.decimal, found.width, found.numeric
+    texts = [line.decode(errors="replace") for line in lines]
     rows = [
-        not is_comment(line)
-        and _is_row(split(line.decode(errors="replace"), delimiter), decimal, width, numeric)
-        for line in lines
+        not is_comment(line) and _is_row(split(each, delimiter), delimiter, decimal, width, numeric)
+        for line, each in zip(lines, texts, strict=True)
     ]
     if not any(rows):
         raise RecordingError(
             f"{source}: no line of numbers within the first {len(head)} bytes, a head of a few lines is "
             f"expected: cut the head"
         )
-    texts = [line.decode(errors="replace") for line in lines]
-    for place in range(rows.index(True) - 1, -1, -1):
-        cells = split(texts[place], delimiter)
-        rows[place] = not is_comment(lines[place]) and _is_row(cells, decimal, width, numeric, fewest=1)
-        if not rows[place]:
-            break
     cells_of = [split(line.decode(errors="replace"), delimiter) for line in sample]
     by_column = list(zip(*(cells for cells in cells_of if len(cells) == width), strict=True))
+    whole = [_is_whole(cells) for cells in by_column]
+    # a few numbers in a column are those of the head
+    filled = [
+        kept and 2 * sum(map(bool, cells)) > len(cells)
+        for cells, kept in zip(by_column, numeric, strict=True)
+    ]
+    for place in range(rows.index(True) - 1, -1, -1):
+        cells = split(texts[place], delimiter)
+        rows[place] = not is_comment(lines[place]) and _is_first_row(
+            cells, delimiter, decimal, width, filled, whole
+        )
+        if not rows[place]:
+            break
     # columns at the end that are empty in every line are delimiters that end a line
     used = max((number for number, cells in enumerate(by_column, 1) if any(cells)), default=width)
     head_lines = rows.index(True)
-    columns = _columns(texts[:head_lines], delimiter, used)
+    columns = columns_of(texts[:head_lines], delimiter, used)
     if not columns:
-        head_lines = _below_names(texts, rows, delimiter, numeric) or head_lines
-        columns = _columns(texts[:head_lines], delimiter, used)
+        head_lines = rows_below_names(texts, rows, delimiter, numeric) or head_lines
+        columns = columns_of(texts[:head_lines], delimiter, used)
+    last = "" if columns else _last_of(texts[:head_lines])
+    if not columns and delimiter == "," and all(whole):
+        _require_no_split_decimals(last, texts[head_lines], by_column, source)
     begin = sum(len(line) + 1 for line in lines[:head_lines])
     columns += tuple(Column("", "") for _ in range(width - len(columns)))
     columns = tuple(
         Column(each.name, "s", stamps=True) if _is_stamped(cells) else each
         for each, cells in zip(columns, by_column, strict=True)
     )
-    return Layout(delimiter, decimal, columns, head_lines, begin)
-
-
-def is_comment(line: bytes) -> bool:
-    return line.lstrip()[:1] in (b"#", b"%")
-
-
-def split(line: str, delimiter: str) -> list[str]:
-    """Return the cells of a line, without the blanks about them."""
-    if delimiter == BLANKS:
-        return line.split()
-    if '"' in line:
-        try:
-            return [cell.strip() for row in csv.reader([line], delimiter=delimiter) for cell in row]
-        except csv.Error:
-            pass
-    return [cell.strip() for cell in line.split(delimiter)]
+    uses = [use_of(decimal, cells) for cells, kept in zip(by_column, numeric, strict=True) if kept]
+    is_open = Use.NOTHING < max(uses) < Use.DECIMALS
+    return Layout(delimiter, decimal, columns, head_lines, begin, last, is_open)
 
 
 def _almost_a_number(sample: Sequence[bytes]) -> str:
@@ -153,7 +152,7 @@ def _almost_a_number(sample: Sequence[bytes]) -> str:
         for delimiter in (",", ";", "\t", BLANKS):
             cells = split(line.decode(errors="replace"), delimiter)
             for cell in cells if len(cells) > 1 else ():
-                if cell[:1].isdigit() and not _is_number(cell, ".") and not _is_number(cell, ","):
+                if cell[:1].isdigit() and not has_number(cell):
                     return cell[:40]
     return ""
 
@@ -166,48 +165,92 @@ def _sampled(text: bytes, head: Sequence[bytes]) -> Iterator[bytes]:
             yield from text[begin : begin + _SAMPLE_BYTES].split(b"\n")[1:-1]
 
 
-def _best(sample: Sequence[bytes]) -> tuple[str, str, int, tuple[bool, ...]] | None:
-    """Return delimiter, decimal sign, width, and which columns hold numbers; None where fewer than two do."""
-    best, best_score = None, 0.0
-    for delimiter, decimal in _LAYOUTS:
+def _best(sample: Sequence[bytes], stated: str) -> _Fit | None:
+    """Return what fits best; None where no two columns are of numbers.
+
+    Numbers in groups of digits count where not all cells are plain numbers. Blanks that separate groups
+    between tabs separate no columns.
+    """
+    texts = [line.decode(errors="replace") for line in sample]
+    layouts = [each for each in _LAYOUTS if stated in ("", each[1])]
+    found = _best_of(texts, layouts, groups=False)
+    tabbed = [each for each in layouts if each[0] == "\t"] if found and found.delimiter == BLANKS else []
+    if tabbed and 2 * sum("\t" in text for text in texts) > len(texts):
+        by_tabs = _best_of(texts, tabbed, groups=True)
+        if by_tabs is not None and by_tabs.share == 1.0:
+            return by_tabs
+    if found is not None and found.share == 1.0:
+        return found
+    grouped = _best_of(texts, layouts, groups=True)
+    return grouped if found is None or (grouped and grouped.score > found.score) else found
+
+
+def _best_of(texts: Sequence[str], layouts: Sequence[tuple[str, str]], *, groups: bool) -> _Fit | None:
+    best: _Fit | None = None
+    for delimiter, decimal in layouts:
         by_width: dict[int, list[list[str]]] = defaultdict(list)
-        for line in sample:
-            cells = split(line.decode(errors="replace"), delimiter)
+        for text in texts:
+            cells = split(text, delimiter)
             if 2 <= len(cells) <= _MOST_COLUMNS:
                 by_width[len(cells)].append(cells)
+        between = delimiter if groups else ""
         for (width, found), part in itertools.product(by_width.items(), _SUFFIXES):
             rows = found[-(-len(found) * (part - 1) // part) :]
-            counts = [sum(_is_number(row[column], decimal) for row in rows) for column in range(width)]
-            filled = [sum(bool(row[column]) for row in rows) for column in range(width)]
+            columns = list(zip(*rows, strict=True))
+            counts = [sum(is_number(cell, decimal, between) for cell in cells) for cells in columns]
+            filled = [sum(kind_of_word(cell) is None for cell in cells) for cells in columns]
             numeric = tuple(
                 count > 0 and count >= some / 2 for count, some in zip(counts, filled, strict=True)
             )
             numbers = sum(count for count, kept in zip(counts, numeric, strict=True) if kept)
-            score = numbers * numbers / max(1, sum(filled))  # many numbers, and few cells that are not
-            if sum(numeric) >= 2 and score > best_score:
-                best, best_score = (delimiter, decimal, width, numeric), score
+            share = numbers / max(1, sum(filled))
+            # many numbers, and few cells that are not
+            if sum(numeric) >= 2 and numbers * share > (best.score if best else 0.0):
+                best = _Fit(delimiter, decimal, width, numeric, numbers * share, share)
     return best
 
 
-def _is_number(cell: str, decimal: str) -> bool:
-    """Return whether a cell is a number, or a time that stands for one."""
-    if ":" in cell:
-        return is_stamp(cell)
-    if decimal == ",":
-        cell = "" if "." in cell else cell.replace(",", ".")
-    return _NUMBER.fullmatch(cell) is not None
-
-
-def _is_row(
-    cells: Sequence[str], decimal: str, width: int, numeric: Sequence[bool], fewest: int | None = None
-) -> bool:
-    """Return whether the cells are a row: `fewest` numbers or, without it, half of them; the rest empty."""
+def _is_row(cells: Sequence[str], delimiter: str, decimal: str, width: int, numeric: Sequence[bool]) -> bool:
+    """Return whether the cells are a row: at least half numbers; the rest empty or a word in place of one."""
     if len(cells) != width:
         return False
     wanted = [cell for cell, is_numeric in zip(cells, numeric, strict=True) if is_numeric]
-    numbers = [_is_number(cell, decimal) for cell in wanted]
-    fits = (good or cell.lower() in _NO_NUMBER for cell, good in zip(wanted, numbers, strict=True))
-    return sum(numbers) >= (0.5 * len(numbers) if fewest is None else fewest) and all(fits)
+    numbers = [is_number(cell, decimal, delimiter) for cell in wanted]
+    fits = (good or kind_of_word(cell) is not None for cell, good in zip(wanted, numbers, strict=True))
+    return sum(numbers) >= 0.5 * len(numbers) and all(fits)
+
+
+def _is_first_row(
+    cells: Sequence[str],
+    delimiter: str,
+    decimal: str,
+    width: int,
+    numeric: Sequence[bool],
+    whole: Sequence[bool],
+) -> bool:
+    """Return whether cells above the rows are a row as well: a number in a column of numbers, or nothing but
+    words in place of numbers.
+
+    The numbers of channels (`t,1,2`) are whole above others that are not, and names of columns.
+    """
+    if len(cells) != width or are_units(cells):
+        return False
+    wanted = [
+        (cell, is_whole)
+        for cell, is_numeric, is_whole in zip(cells, numeric, whole, strict=True)
+        if is_numeric
+    ]
+    numbers = [(cell, is_whole) for cell, is_whole in wanted if is_number(cell, decimal, delimiter)]
+    if not numbers:
+        return any(cell for cell, _ in wanted) and all(kind_of_word(cell) is not None for cell, _ in wanted)
+    words = any(cell and kind_of_word(cell) is None for cell, _ in wanted if not has_number(cell))
+    return not (words and all(_WHOLE.fullmatch(cell) and not is_whole for cell, is_whole in numbers))
+
+
+def _is_whole(cells: Sequence[str]) -> bool:
+    """Return whether the numbers of a column are whole, but for few."""
+    numbers = [cell for cell in cells if has_number(cell)]
+    return sum(_WHOLE.fullmatch(cell.lstrip("+-")) is None for cell in numbers) <= _FEW * len(numbers)
 
 
 def _is_stamped(cells: Sequence[str]) -> bool:
@@ -215,85 +258,26 @@ def _is_stamped(cells: Sequence[str]) -> bool:
     return 2 * sum(map(is_stamp, cells)) > sum(map(bool, cells))
 
 
-def _columns(preamble: Sequence[str], delimiter: str, width: int) -> tuple[Column, ...]:
-    """Return the names and units from the lines before the numbers; none where no line fits."""
-    fitting: list[list[str]] = []
-    for line in reversed(preamble):
-        if not line.strip():
-            continue
-        cells = _fitted(line.strip().lstrip("#%").strip(), delimiter, width)
-        if cells is None:
-            if fitting:
-                break
-            continue
-        fitting.append(cells)
-        if len(fitting) == 2 or not _are_units(cells):
-            break
-    if not fitting:
-        return ()
-    if len(fitting) == 2:
-        units = [cell.strip("()[] ") for cell in fitting[0]]
-        return tuple(Column(name, unit) for name, unit in zip(fitting[1], units, strict=True))
-    return tuple(Column(name, _unit_in(name)) for name in fitting[0])
+def _last_of(head: Sequence[str]) -> str:
+    """Return the last line of a head that is not blank."""
+    return next((bare_line(line)[:80] for line in reversed(head) if line.strip()), "")
 
 
-def _below_names(
-    texts: Sequence[str], rows: Sequence[bool], delimiter: str, numeric: Sequence[bool]
-) -> int | None:
-    """Return where the rows begin below a line of names with only a few rows of numbers above it."""
-    first, last = rows.index(True), len(rows) - 1 - list(reversed(rows)).index(True)
-    for place in range(first + 1, last):
-        if rows[place]:
-            continue
-        cells = _fitted(texts[place].strip().lstrip("#%").strip(), delimiter, len(numeric))
-        names = [] if cells is None else [cell for cell, kept in zip(cells, numeric, strict=True) if kept]
-        if not names or any(not cell or _has_number(cell) or cell.lower() in _NO_NUMBER for cell in names):
-            continue
-        return rows.index(True, place) if sum(rows[:place]) <= _ROWS_IN_HEAD * sum(rows[place:]) else None
-    return None
+def _require_no_split_decimals(head: str, row: str, columns: Sequence[Sequence[str]], source: str) -> None:
+    """Refuse decimal commas between commas: whole numbers below names for half as many columns, or every
+    second one with zeros before its digits.
 
-
-def _has_number(cell: str) -> bool:
-    return _is_number(cell, ".") or _is_number(cell, ",")
-
-
-def _fitted(line: str, delimiter: str, width: int) -> list[str] | None:
-    """Return the cells of a head line, one for each column, or None; its delimiter may not be the body's."""
-    ways = (split(line, delimiter), *(split(line, other) for other in ",;\t"), re.split(r"\s{2,}|\t", line))
-    for cells in ways:
-        while len(cells) > width and not cells[-1]:
-            del cells[-1]
-        if len(cells) == width and any(cells):
-            return cells
-    return None
-
-
-def _are_units(cells: Sequence[str]) -> bool:
-    """Return whether most cells are units, perhaps with unknown ones, or all are in brackets."""
-    filled = [cell for cell in cells if cell]
-    bare = [cell.strip("()[] ") for cell in filled]
-    units = sum(is_unit(cell) for cell in bare)
-    others = sum(cell in ("-", "1", "%") for cell in bare)
-    bracketed = all(_BRACKETED.fullmatch(cell) for cell in filled)
-    return units > 0 and (bracketed or units + others == len(filled) or 2 * units > len(filled))
-
-
-def _unit_in(name: str) -> str:
-    """Return the last of what stands in brackets that is a unit, else the last that is another scale, or
-    nothing."""
-    _, unit = _quotient(name)
-    if unit:
-        return unit
-    found = [str(match["round"] or match["square"] or "").strip() for match in _BRACKETS.finditer(name)]
-    for is_one in (is_unit, is_scale):
-        for text in reversed(found):
-            if is_one(text):
-                return text
-    return ""
-
-
-def _quotient(name: str) -> tuple[str, str]:
-    """Return quantity and unit of a name that is a quotient of both, else the name and no unit."""
-    quantity, solidus, unit = (part.strip() for part in name.partition("/"))
-    unit = unit[1:-1] if unit.startswith("(") and unit.endswith(")") else unit
-    return (quantity, unit) if solidus and quantity and is_unit(unit) and not is_unit(name) else (name, "")
+    Raises:
+        RecordingError: it is so.
+    """
+    width, names = len(columns), [name for name in split(head, ",") if name and not has_number(name)]
+    if head and not width / 2 <= len(names) < width:
+        return
+    if not head and (width % 2 or not all(any(map(_ZEROS_FIRST.fullmatch, each)) for each in columns[1::2])):
+        return
+    names_of = f" and the head {len(names)} names, '{head:.40}'" if head else ""
+    raise RecordingError(
+        f"{source}: '{row.strip():.40}' has {width} cells between commas{names_of}: decimal commas and commas "
+        f"between columns cannot be told apart, export it with semicolons between columns or with decimal "
+        f"points"
+    )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -14,11 +14,12 @@ import pyarrow.compute as pc
 from numpy.typing import NDArray
 from pyarrow import csv
 
-from benchtool.errors import AnalysisError, RecordingError
-from benchtool.tables.layout import BLANKS, Layout, find_layout
-from benchtool.tables.scaling import Scaling, scaling
+from benchtool.errors import RecordingError
+from benchtool.tables.cells import BLANKS, Cell, ascii_numbers, kind_of_word, numbers_of
+from benchtool.tables.grouping import Use, use_of
+from benchtool.tables.layout import Layout, find_layout
+from benchtool.tables.selection import Selection, selection_of
 from benchtool.tables.stamps import seconds_of
-from benchtool.tables.units import PERCENT, unit_factor, units_of
 
 _BLOCK_BYTES = 4 << 20
 _SNIFFED_BYTES = 64 * 1024
@@ -31,27 +32,19 @@ _ANYTHING = re.compile(rb"\S")
 _COMMENT = re.compile(rb"^[ \t]*[#%].*$", re.MULTILINE)
 _BLANKS = re.compile(rb"[ \t]+")
 _LINE_ENDS = re.compile(rb"^ | $", re.MULTILINE)
-_NUMBER = r"^[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?$"
+_NOT_A_NUMBER = (9.905e37, 9.915e37)
 # one byte for one: a non-ASCII byte is not part of a number, and a zero byte must not join its neighbours
 _ASCII_ONLY = bytes(byte if 0 < byte < 128 else (ord("?") if byte else ord(" ")) for byte in range(256))
 
 
 @dataclass(frozen=True)
-class Selection:
-    """A column that was asked for: `number` counts from 1, (cell x gain + offset) x factor is in `si_unit`.
+class LeftOut:
+    """Rows with a cell that is no number: which of the rows of the right width each is, shape (k,), its
+    numbers, shape (k, columns), nan where there is none, and what each cell is (`Cell`), of the same shape."""
 
-    `unit_from` is "option", "head", or "assumed" where neither states anything; `unit` is that of the value
-    after gain and offset.
-    """
-
-    number: int
-    name: str
-    unit: str
-    unit_from: str
-    factor: float
-    si_unit: str
-    gain: float = 1.0
-    offset: float = 0.0
+    place: NDArray[np.int64]
+    data: NDArray[np.float64]
+    cells: NDArray[np.int8]
 
 
 @dataclass(frozen=True)
@@ -66,6 +59,7 @@ class Rows:
     read: int
     dropped: Mapping[str, int]
     place: NDArray[np.int64]
+    left_out: LeftOut
 
 
 @dataclass(frozen=True)
@@ -78,8 +72,8 @@ class TextTable:
     text: bytes
 
     @classmethod
-    def open(cls, path: Path) -> TextTable:
-        """Read a file and determine its layout: see `find_layout`.
+    def open(cls, path: Path, decimal: str = "") -> TextTable:
+        """Read a file and determine its layout: see `find_layout`; a decimal sign may be stated.
 
         UTF-8 and UTF-16, each with a byte order mark or without, else Windows-1252 (Latin-1); lines end by
         newline, carriage return or both.
@@ -105,7 +99,9 @@ class TextTable:
             raise RecordingError(f"{path} is binary and no text: export it as text with columns of numbers")
         if b"\r" in text:
             text = text.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
-        return cls(path, encoding, find_layout(text, str(path)), text)
+        text = ascii_numbers(text)
+        table = cls(path, encoding, find_layout(text, str(path), decimal), text)
+        return table._settled() if table.layout.is_open and not decimal else table
 
     def select(self, wanted: str, si_unit: str, rated: float | None = None) -> Selection:
         """Return the column that `wanted` names, in a unit of the kind of `si_unit`.
@@ -117,42 +113,10 @@ class TextTable:
         seconds since the first of them.
 
         Raises:
-            AnalysisError: no such column, several of that name, or what the option or else the head states
+            AnalysisError: no such column, several of that name, a number that is the name of another, or what the option or else the head states
                 as the unit is not one of that kind, or is asked of times of day.
         """
-        number = self._find(wanted)
-        stated = Scaling("")
-        if number is None and ":" in wanted:
-            name, _, behind = wanted.rpartition(":")
-            number, stated = self._find(name), scaling(behind, si_unit)
-            wanted = name
-        if number is None:
-            raise AnalysisError(
-                f"{self.path} has no column '{wanted}', {self._listed()}: give a name or a number"
-            )
-        column = self.layout.columns[number]
-        asked = stated.unit or si_unit
-        if column.stamps and asked != "s":
-            raise AnalysisError(
-                f"column '{wanted}' of {self.path} holds times of day, numbers in {asked} are expected: "
-                f"choose another column, or name this one as the time"
-            )
-        unit, unit_from = (column.unit, "head") if column.unit else (si_unit, "assumed")
-        if stated.unit:
-            unit, unit_from = stated.unit, "option"
-        factor = unit_factor(unit, si_unit)
-        if factor is None and rated is not None and unit.lower() in PERCENT:
-            factor = rated / 100.0
-        if factor is None:
-            by = "which its head states" if unit_from == "head" else "as given"
-            raise AnalysisError(
-                f"'{unit}' is no unit of column '{wanted}', {by}; expected is one of "
-                f"{units_of(si_unit)}: state it in the option, as '{wanted}:{si_unit}', with a gain where "
-                f"one step is another size, as '{wanted}:{si_unit}*0.01'"
-            )
-        return Selection(
-            number + 1, column.name, unit, unit_from, factor, si_unit, stated.gain, stated.offset
-        )
+        return selection_of(self.path, self.layout, wanted, si_unit, rated)
 
     def rows(self, selections: Sequence[Selection]) -> Rows:
         """Return the numbers of some columns, in SI units.
@@ -165,25 +129,30 @@ class TextTable:
             RecordingError: the text cannot be split into rows and cells.
         """
         wanted = [each.number - 1 for each in selections]
-        table, wrong_width = self._parse(list(dict.fromkeys(wanted)))
+        table, texts, wrong_width = self._parse(list(dict.fromkeys(wanted)))
         data = np.empty((table.num_rows, len(wanted)), order="F")
+        cells = np.zeros(data.shape, dtype=np.int8)
         for place, (column, selection) in enumerate(zip(wanted, selections, strict=True)):
             row = 0
             for chunk in table[str(column)].chunks:
                 # not to_numpy, which imports pandas if installed, which takes a second
                 values = np.from_dlpack(chunk.fill_null(np.nan) if chunk.null_count else chunk)
                 target = data[row : row + len(values), place]
-                np.multiply(values, selection.gain * selection.factor, out=target)
-                if selection.offset:
-                    target += selection.offset * selection.factor
+                target[:] = values
                 row += len(values)
-        kept = (np.abs(data) < _NO_READING).all(axis=1)  # false of nan as well
+            cells[:, place] = _cells(data[:, place], None if texts is None else texts[str(column)])
+            data[:, place] *= selection.gain * selection.factor
+            data[:, place] += selection.offset * selection.factor
+        cells[(cells == Cell.NUMBER) & ~(np.abs(data) < _NO_READING)] = Cell.MISSING
+        kept = (cells == Cell.NUMBER).all(axis=1)
         no_number = int(np.count_nonzero(~kept))
         reasons = (("wrong number of cells", wrong_width), ("a cell is no number", no_number))
+        dropped = {why: count for why, count in reasons if count}
+        lost = np.flatnonzero(~kept)
+        left_out = LeftOut(lost, data[lost], cells[lost])
         if no_number:
             data = np.asfortranarray(data[kept])
-        dropped = {why: count for why, count in reasons if count}
-        return Rows(data, table.num_rows + wrong_width, dropped, np.flatnonzero(kept))
+        return Rows(data, table.num_rows + wrong_width, dropped, np.flatnonzero(kept), left_out)
 
     def unreadable_cell(self, selections: Sequence[Selection]) -> str:
         """Return first cell of these columns that is not a number, as in the file; empty if there is none."""
@@ -197,17 +166,19 @@ class TextTable:
                     return f"'{cell:.40}' in column {int(name) + 1}"
         return ""
 
-    def _parse(self, wanted: Sequence[int]) -> tuple[pa.Table, int]:
+    def _parse(self, wanted: Sequence[int]) -> tuple[pa.Table, pa.Table | None, int]:
+        """Return the columns as numbers, and as text where a cell of them is none."""
         body = self._body()
         if _ANYTHING.search(body) is None:
-            return pa.table({str(column): pa.array([], pa.float64()) for column in wanted}), 0
+            return pa.table({str(column): pa.array([], pa.float64()) for column in wanted}), None, 0
         with suppress(pa.ArrowException):  # a cell is not a number: read as text to find it
             if not any(self.layout.columns[column].stamps for column in wanted):
-                return self._read(body, wanted, pa.float64())
+                table, wrong_width = self._read(body, wanted, pa.float64())
+                return table, None, wrong_width
         try:
-            table, wrong_width = self._read(body, wanted, pa.string())
-            numbers = {name: self._numbers(name, table[name]) for name in table.column_names}
-            return pa.table(numbers), wrong_width
+            texts, wrong_width = self._read(body, wanted, pa.string())
+            numbers = {name: self._numbers(name, texts[name]) for name in texts.column_names}
+            return pa.table(numbers), texts, wrong_width
         except pa.ArrowException as reason:
             raise RecordingError(
                 f"{self.path}: rows cannot be separated ({str(reason).splitlines()[0]:.100}), a line for "
@@ -254,39 +225,41 @@ class TextTable:
         """Return the cells of text of a column as numbers, null where they are not numbers."""
         if self.layout.columns[int(name)].stamps:
             return seconds_of(cells)
-        cells = pc.ascii_trim_whitespace(cells)
-        if self.layout.decimal == ",":
-            cells = pc.replace_substring(cells, ",", ".")
-        cells = pc.if_else(pc.match_substring_regex(cells, _NUMBER), cells, None)
-        return pc.cast(pc.ascii_ltrim(cells, "+"), pa.float64())
+        return numbers_of(cells, self.layout.decimal, self.layout.delimiter)
 
-    def _find(self, wanted: str) -> int | None:
-        """Return the place of the column of that name or number, None where there is none."""
-        wanted = wanted.strip()
-        names = [column.name for column in self.layout.columns]
-        bare = [column.bare_name for column in self.layout.columns]
-        ways = [(names, wanted), (bare, wanted)]
-        ways += [([name.lower() for name in spelt], wanted.lower()) for spelt in (names, bare)]
-        for spelt, name in ways:
-            places = [place for place, each in enumerate(spelt) if each == name != ""]
-            if len(places) > 1:
-                numbers = ", ".join(str(place + 1) for place in places)
-                raise AnalysisError(
-                    f"{self.path} has {len(places)} columns '{wanted}', with the numbers {numbers}: give one"
-                )
-            if places:
-                return places[0]
-        if re.fullmatch(r"[0-9]{1,6}", wanted) and 1 <= int(wanted) <= len(self.layout.columns):
-            return int(wanted) - 1
-        return None
+    def _settled(self) -> TextTable:
+        """Return the table with the use of its decimal sign as all of its cells show it, not the sample
+        alone; columns that leave it open are so."""
+        layout, sign = self.layout, self.layout.decimal
+        numbers = [number for number, each in enumerate(layout.columns) if not each.stamps]
+        try:
+            texts, _ = self._read(self._body(), numbers, pa.string())
+        except pa.ArrowException:
+            return self
+        trimmed = (pc.ascii_trim_whitespace(texts[name]) for name in texts.column_names)
+        uses = [use_of(sign, (cell or "" for cell in cells.to_pylist())) for cells in trimmed]
+        is_usual = (layout.delimiter, sign) == (",", ".")
+        if max(uses) == Use.DECIMALS or (is_usual and max(uses) == Use.EITHER):
+            return self
+        if max(uses) == Use.THOUSANDS:
+            return replace(self, layout=replace(layout, decimal="." if sign == "," else ","))
+        columns = tuple(
+            replace(each, is_open=number in numbers and uses[numbers.index(number)] == Use.EITHER)
+            for number, each in enumerate(layout.columns)
+        )
+        return replace(self, layout=replace(layout, columns=columns))
 
-    def _listed(self) -> str:
-        columns = self.layout.columns
-        if not any(column.name for column in columns):
-            return f"it has no names, and columns 1 to {len(columns)}"
-        listed = [f"{number} '{column.name}'" for number, column in enumerate(columns[:20], 1)]
-        more = f" and {len(columns) - 20} more" if len(columns) > 20 else ""
-        return f"it has {', '.join(listed)}{more}"
+
+def _cells(values: NDArray[np.float64], texts: pa.ChunkedArray | None) -> NDArray[np.int8]:
+    """Return what each cell of a column is, shape (n,), by its value and its text."""
+    is_no_reading = (np.abs(values) > _NOT_A_NUMBER[0]) & (np.abs(values) < _NOT_A_NUMBER[1])
+    cells = np.where(np.abs(values) >= _NO_READING, np.int8(Cell.OVERLOAD), np.int8(Cell.NUMBER))
+    cells[np.isnan(values) | is_no_reading] = Cell.MISSING
+    if texts is not None:
+        bad = np.flatnonzero(np.isnan(values))
+        words = texts.take(pa.array(bad)).to_pylist()
+        cells[bad] = [kind_of_word(word or "") or Cell.MISSING for word in words]
+    return np.asarray(cells, dtype=np.int8)
 
 
 def _to_utf_8(content: bytes) -> tuple[bytes, str]:

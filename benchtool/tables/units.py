@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping
 from functools import cache
@@ -24,40 +25,75 @@ _CHARACTERS = str.maketrans(
         **dict.fromkeys("·⋅*× ", ""),
     }
 )
-_METRE = re.compile(r"(?<=N)[.-](?=[mc])")  # N.m, N-m and N-cm
 _POUND_N, _INCH_M = 0.45359237 * 9.80665, 0.0254  # exact: the international pound and inch, standard gravity
+_FORCES_N: Mapping[str, float] = {
+    "N": 1.0,
+    **dict.fromkeys(("kgf", "kp", "kg"), 9.80665),
+    **dict.fromkeys(("gf", "g", "p"), 9.80665e-3),
+    **dict.fromkeys(("lbf", "lb", "lbs"), _POUND_N),
+    **dict.fromkeys(("ozf", "oz"), _POUND_N / 16),
+    "dyn": 1e-5,
+}
+_LENGTHS_M: Mapping[str, float] = {"m": 1.0, "dm": 0.1, "cm": 1e-2, "mm": 1e-3}
+_INCHES_M: Mapping[str, float] = {"ft": 12 * _INCH_M, "in": _INCH_M}
+_AMBIGUOUS = frozenset(("gm", "pm"))  # gram and picometre
+_PREFIXES_10: Mapping[str, float] = {"d": 0.1, "c": 1e-2, "da": 10.0, "h": 100.0}
 _ELSEWHERE: Mapping[str, Mapping[str, float]] = {
-    "s": {"min": 60.0, "h": 3600.0},
-    "Nm": {
-        "Ncm": 1e-2,
-        "Nmm": 1e-3,
-        "lbf·ft": 12 * _POUND_N * _INCH_M,
-        "lbf·in": _POUND_N * _INCH_M,
-        "ozf·in": _POUND_N * _INCH_M / 16,
-        "kgf·cm": 9.80665e-2,
+    "s": {"min": 60.0, "h": 3600.0, "d": 86400.0},
+    "rad": {
+        "gon": math.pi / 200,
+        "arcmin": math.pi / 10_800,
+        "arcsec": math.pi / 648_000,
+        "mdeg": math.pi / 180e3,
     },
+    "Nm": {
+        **{
+            force + length: newton * metre
+            for force, newton in _FORCES_N.items()
+            for length, metre in _LENGTHS_M.items()
+            if force + length not in _AMBIGUOUS
+        },
+        **{
+            spelt: newton * metre
+            for force, newton in _FORCES_N.items()
+            for length, metre in _INCHES_M.items()
+            for spelt in (force + length, length + force)
+        },
+        **{f"{prefix}Nm": factor for prefix, factor in _PREFIXES_10.items()},
+    },
+}
+_SHOWN: Mapping[str, tuple[str, ...]] = {
+    "s": ("min", "h"),
+    "Nm": ("cNm", "Ncm", "Nmm", "lbf·ft", "lbf·in", "ozf·in", "kgf·cm"),
+    "rad/s": ("1/s",),
 }
 _PREFIXES = {"milli": "m", "micro": "u", "nano": "n", "kilo": "k", "mega": "M"}
 _WORDS = {
-    "s": ("second", "sec"),
-    "A": ("ampere", "amp"),
+    "s": ("second", "sec", "sek", "sekunde", "sekunden", "seconde", "secondi", "segundo", "сек"),
+    "ms": ("msec", "millisec"),
+    "us": ("usec", "microsec"),
+    "A": ("ampere", "amp", "ampère", "amperio"),
     "V": ("volt",),
     "W": ("watt",),
     "Nm": ("newtonmetre", "newtonmeter"),
-    "rad": ("radian",),
+    "rad": ("radian", "radiant"),
     "deg": ("degree",),
     "rev": ("revolution", "turn"),
-    "rpm": ("1/min", "r/min", "u/min", "rev/min", "min-1", "min^-1", "upm"),
     "Hz": ("hertz",),
-    "min": ("minute",),
+    "min": ("minute", "minuten", "мин"),
     "h": ("hour", "hr"),
     "Ncm": ("ncm",),
     "Nmm": ("nmm",),
-    "lbf·ft": ("lbfft", "lbft", "ftlbf", "ftlb"),
-    "lbf·in": ("lbfin", "lbin", "inlbf", "inlb"),
-    "ozf·in": ("ozfin", "ozin", "inozf", "inoz"),
-    "kgf·cm": ("kgfcm", "kgcm"),
 }
+_REVOLUTIONS = frozenset(
+    (
+        *("", "1", "r", "u", "tr", "ot", "rot", "rev", "giri", "obr", "об", "turn", "tour"),
+        *("umdr", "umdrehung", "umdrehungen"),
+    )
+)
+_PER = re.compile(r"(?P<above>.*?)(?:/|per)(?P<below>[a-zа-я]+)")  # deg/min, 1/s, tr/min
+_POWER = re.compile(r"(?P<above>.*?)(?P<below>s|min)(?:-1|\^-1|\^\(-1\))")  # min-1, s^-1
+_ROTATIONS = {"rpm": "1/min", "upm": "1/min", "rps": "1/s", "umin": "1/min"}
 PERCENT = ("%", "percent")
 """Percent of a rated value, which the table does not contain."""
 
@@ -100,23 +136,42 @@ _SCALES = frozenset(
 )
 _WORD_UNITS = {word: unit for unit, words in _WORDS.items() for word in words}
 
+_DESCRIPTIONS = frozenset(
+    (
+        *("phase", "axis", "channel", "ch", "kanal", "motor", "load", "shaft", "drive", "inverter", "line"),
+        *("measured", "filtered", "unfiltered", "estimated", "calculated", "actual", "reference", "target"),
+        *("meas", "filt", "est", "calc", "act", "ref", "ist", "soll", "set", "setpoint", "demand", "raw"),
+        *("mean", "average", "avg", "side", "left", "right", "input", "output", "in", "out", "sensor"),
+        *("alpha", "beta", "torque", "current", "speed", "angle", "time", "elapsed", "relative", "absolute"),
+        *("strom", "moment", "drehmoment", "drehzahl", "winkel", "zeit", "gemessen", "gefiltert", "links"),
+        *("rechts", "mechanical", "encoder", "probe", "unit", "test", "new", "old", "signal", "electrical"),
+    )
+)
+_INDEX = re.compile(r"[0-9]+|[a-z]{0,3}[0-9]{1,3}|[abcdiqruvwxyz]|[0-9:,;]+", re.IGNORECASE)
+
 
 def unit_factor(text: str, unit: str) -> float | None:
     """Return how many of the SI unit `unit` one of the unit `text` is, or None where it is not a unit of that
     kind.
 
     `text` is as `protocol.quantity` reads it (mA, uNm, deg, rpm), in words (`second`, `milliamps`), or a
-    further unit of instruments (min, h, Ncm, lbf·ft, lb-ft, ozf·in).
+    further unit of instruments: min, h; a force times a length (Ncm, lbf·ft, lb-ft, kp·cm); an angle per time
+    (deg/min, 1/s, tr/min), where what is counted are revolutions.
     """
     symbol = _symbol(text)
-    factor = spellings(unit).get(symbol, _ELSEWHERE.get(unit, {}).get(symbol))
-    return None if factor is None else float(factor)
+    if (factor := spellings(unit).get(symbol)) is not None:
+        return float(factor)
+    if unit == "rad/s":
+        return _rotation(text)
+    known = _ELSEWHERE.get(unit, {})
+    joined = re.sub(r"[.-]", "", symbol)
+    return next((known[each] for each in (symbol, joined, joined.lower()) if each in known), None)
 
 
 @cache
 def is_unit(text: str) -> bool:
-    """Return whether `text` is any unit that a head may state."""
-    return any(unit_factor(text, unit) is not None for unit in KNOWN)
+    """Return whether `text` is any unit that a head may state; d is an axis as well, and none."""
+    return text.strip() != "d" and any(unit_factor(text, unit) is not None for unit in KNOWN)
 
 
 @cache
@@ -126,17 +181,61 @@ def is_scale(text: str) -> bool:
     return text.strip().translate(_CHARACTERS).lower() in _SCALES
 
 
+@cache
+def is_description(text: str) -> bool:
+    """Return whether a text in brackets is an index (`0`, `a`, `CH1`) or words that say what a column is, and
+    so no unit."""
+    if is_unit(text) or is_scale(text):
+        return False
+    words = re.split(r"[\s_-]+", text.strip().lower())
+    return all(_INDEX.fullmatch(word) or word in _DESCRIPTIONS or not word for word in words)
+
+
+def is_reciprocal_second(text: str) -> bool:
+    """Return whether a unit of speed is 1/s, which is that of revolutions and, in SI, of rad/s as well."""
+    symbol = text.strip().translate(_CHARACTERS).lower()
+    return symbol in ("1/s", "/s", "s-1", "s^-1", "s^(-1)", "1/sec")
+
+
+def unit_behind(name: str, unit: str) -> str:
+    """Return the unit of the kind of `unit` that a name ends in (`Iq_mA`, `time ms`, `omega_deg_s`), or
+    nothing."""
+    words = re.split(r"[_\s]+", name.strip())
+    for count, between in ((3, "/"), (2, "/"), (1, "")):
+        behind = [each for each in words[-count:] if each != "per"]
+        text = between.join(behind)
+        # a letter alone is an index: i_s, u_h
+        if len(words) > count and len(text) > 1 and unit_factor(text, unit) is not None:
+            return text
+    return ""
+
+
 def units_of(unit: str) -> str:
     """Return the unit and some others that stand for it, for a message."""
     names = list(spellings(unit))
     prefixed = [f"{prefix}{unit}" for prefix in "mu" if f"{prefix}{unit}" in names]
     others: list[str] = [name for name in ("deg", "rev", "rpm", "deg/s", "rev/s") if name in names]
-    others += _ELSEWHERE.get(unit, {})
+    others += _SHOWN.get(unit, ())
     return ", ".join([unit, *prefixed[: None if unit in ("s", "A", "Nm") else 1], *others])
 
 
+def _rotation(text: str) -> float | None:
+    """Return how many rad/s an angle per time is, revolutions where no angle is named."""
+    symbol = text.strip().translate(_CHARACTERS)
+    kilo = 1000.0 if symbol[:1] == "k" and symbol[1:].lower() in _ROTATIONS else 1.0
+    word = (symbol[1:] if kilo > 1.0 else symbol).lower()
+    word = _ROTATIONS.get(word, word)
+    match = _PER.fullmatch(word) or _POWER.fullmatch(word)
+    if match is None:
+        return None
+    seconds = unit_factor(match["below"], "s")
+    above = match["above"].rstrip(".-")
+    angle = 2.0 * math.pi if above.removesuffix("s") in _REVOLUTIONS else unit_factor(above, "rad")
+    return None if seconds is None or angle is None else kilo * angle / seconds
+
+
 def _symbol(text: str) -> str:
-    symbol = _METRE.sub("", text.strip().translate(_CHARACTERS))
+    symbol = re.sub(r"(?<=[Nn])[.-](?=[mc])", "", text.strip().translate(_CHARACTERS))  # N.m, N-m, N-cm
     word = symbol.lower()
     for name, prefix in _PREFIXES.items():
         if word.startswith(name) and (unit := _word(word.removeprefix(name))) is not None:
@@ -145,8 +244,7 @@ def _symbol(text: str) -> str:
 
 
 def _word(word: str) -> str | None:
-    joined = re.sub(r"[.-]", "", word)  # lb-ft, oz.in
-    for spelt in (word, word.removesuffix("s"), joined, joined.removesuffix("s")):
+    for spelt in (word, word.removesuffix("s"), word.removesuffix(".")):
         if (unit := _WORD_UNITS.get(spelt)) is not None:
             return unit
     return None

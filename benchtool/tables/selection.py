@@ -1,0 +1,145 @@
+"""Choice of a column of a table, with the unit, gain and offset of its values."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from benchtool.errors import AnalysisError
+from benchtool.tables.head import Column
+from benchtool.tables.layout import Layout
+from benchtool.tables.scaling import Scaling, scaling
+from benchtool.tables.units import PERCENT, is_reciprocal_second, unit_behind, unit_factor, units_of
+
+_SPEED = "rad/s"
+_OF_AN_ANGLE = re.compile(r"omega|ω|^w([_\s(\[]|$)|angular|winkelgeschw|kreisfreq", re.IGNORECASE)
+
+
+@dataclass(frozen=True)
+class Selection:
+    """A column that was asked for: `number` counts from 1, (cell x gain + offset) x factor is in `si_unit`.
+
+    `unit_from` is "option", "head", or "assumed" where neither states anything; `unit` is that of the value
+    after gain and offset.
+    """
+
+    number: int
+    name: str
+    unit: str
+    unit_from: str
+    factor: float
+    si_unit: str
+    gain: float = 1.0
+    offset: float = 0.0
+
+
+def selection_of(path: Path, layout: Layout, wanted: str, si_unit: str, rated: float | None) -> Selection:
+    """`TextTable.select` of a layout; `path` stands in the messages."""
+    number = _find(path, layout, wanted)
+    stated = Scaling("")
+    if number is None and ":" in wanted:
+        name, _, behind = wanted.rpartition(":")
+        number, stated = _find(path, layout, name), scaling(behind, si_unit)
+        wanted = name
+    if number is None:
+        constant = f", or a constant speed with its unit, as '{wanted.strip()}rpm'"
+        is_constant = si_unit == _SPEED and re.fullmatch(r"[+-]?[0-9.]+", wanted.strip())
+        raise AnalysisError(
+            f"{path} has no column '{wanted}', {_listed(layout)}: give a name or a number"
+            f"{constant if is_constant else ''}"
+        )
+    column = layout.columns[number]
+    asked = stated.unit or si_unit
+    if column.stamps and asked != "s":
+        raise AnalysisError(
+            f"column '{wanted}' of {path} holds times of day, numbers in {asked} are expected: "
+            f"choose another column, or name this one as the time"
+        )
+    if column.is_open:
+        raise AnalysisError(
+            f"'{layout.decimal}' in column '{wanted}' of {path} may be the decimal sign or stand between "
+            f"thousands, as every number that has one has three digits behind it: state --decimal . or "
+            f"--decimal ,"
+        )
+    unit, unit_from = _unit(column, si_unit)
+    if stated.unit:
+        unit, unit_from = stated.unit, "option"
+    factor = unit_factor(unit, si_unit)
+    if factor is None and rated is not None and unit.lower() in PERCENT:
+        factor = rated / 100.0
+    if factor is None:
+        by = "which its head states" if unit_from == "head" else "as given"
+        raise AnalysisError(
+            f"'{unit}' is no unit of column '{wanted}', {by}; expected is one of "
+            f"{units_of(si_unit)}: state it in the option, as '{wanted}:{si_unit}', with a gain where "
+            f"one step is another size, as '{wanted}:{si_unit}*0.01'"
+        )
+    if unit_from == "head" and is_reciprocal_second(unit) and _OF_AN_ANGLE.search(column.name):
+        raise AnalysisError(
+            f"'{unit}' of column '{wanted}' may be rad/s, as its name says, or revolutions per second: state "
+            f"it in the option, as '{wanted}:rad/s' or '{wanted}:rev/s'"
+        )
+    return Selection(number + 1, column.name, unit, unit_from, factor, si_unit, stated.gain, stated.offset)
+
+
+def _unit(column: Column, si_unit: str) -> tuple[str, str]:
+    """Return the unit of a column, and where it is from: "head", or "assumed" if that states none.
+
+    What may be an index is a unit where it is one of the kind (`t [d]`), as is the end of a name (`Iq_mA`).
+    """
+    if column.unit:
+        return column.unit, "head"
+    if column.in_brackets and unit_factor(column.in_brackets, si_unit) is not None:
+        return column.in_brackets, "head"
+    behind = unit_behind(column.bare_name, si_unit)
+    return (behind, "head") if behind else (si_unit, "assumed")
+
+
+def by_number(wanted: str) -> int | None:
+    """Return the number that a column is asked for by, without its unit: `2`, `2:mA`; None for a name."""
+    text = wanted.partition(":")[0].strip()
+    return int(text) if re.fullmatch(r"[0-9]{1,6}", text) else None
+
+
+def hides(layout: Layout, number: int) -> int | None:
+    """Return the number of the column that is called by another one's number; None where there is none."""
+    if not 1 <= number <= len(layout.columns):
+        return None
+    called = [place for place, column in enumerate(layout.columns, 1) if column.bare_name == str(number)]
+    return called[0] if called and called[0] != number else None
+
+
+def _find(path: Path, layout: Layout, wanted: str) -> int | None:
+    """Return the place of the column of that name or number, None where there is none."""
+    wanted = wanted.strip()
+    columns = layout.columns
+    if match := re.fullmatch(r"#([0-9]{1,6})", wanted):
+        return int(match[1]) - 1 if 1 <= int(match[1]) <= len(columns) else None
+    names = [column.name for column in columns]
+    bare = [column.bare_name for column in columns]
+    ways = [(names, wanted), (bare, wanted)]
+    ways += [([name.lower() for name in spelt], wanted.lower()) for spelt in (names, bare)]
+    for spelt, name in ways:
+        places = [place for place, each in enumerate(spelt) if each == name != ""]
+        if len(places) > 1:
+            numbers = ", ".join(str(place + 1) for place in places)
+            raise AnalysisError(
+                f"{path} has {len(places)} columns '{wanted}', with the numbers {numbers}: give one"
+            )
+        if places:
+            return places[0]
+    if re.fullmatch(r"[0-9]{1,6}", wanted) and 1 <= int(wanted) <= len(columns):
+        return int(wanted) - 1
+    return None
+
+
+def _listed(layout: Layout) -> str:
+    columns = layout.columns
+    if not any(column.name for column in columns):
+        head = f" (its head '{layout.head:.40}' is not of {len(columns)} cells)" if layout.head else ""
+        separated = {"\t": "tabs", " ": "blanks"}.get(layout.delimiter, f"'{layout.delimiter}'")
+        return f"it has no names{head}, and columns 1 to {len(columns)} separated by {separated}"
+    listed = [f"{number} '{column.name}'" for number, column in enumerate(columns[:20], 1)]
+    more = f" and {len(columns) - 20} more" if len(columns) > 20 else ""
+    return f"it has {', '.join(listed)}{more}"
