@@ -91,6 +91,12 @@ def analyze(
             help="With --csv: profile, or TOML file, whose [bench] states the sensors of the columns.",
         ),
     ] = None,
+    decimal: Annotated[
+        str | None,
+        typer.Option(
+            metavar="SIGN", help="With --csv: decimal sign, . or , where the numbers leave it open (1,095)."
+        ),
+    ] = None,
     recorded_on: Annotated[
         datetime | None,
         typer.Option(
@@ -137,6 +143,7 @@ def analyze(
             slots,
             rated_torque,
             bench,
+            decimal,
             recorded_on,
             out,
         )
@@ -147,6 +154,8 @@ def analyze(
 
     if run is not None:
         raise UsageError(f"both {run} and --csv {csv}: give the folder of a run or a table, one of the two")
+    if decimal not in (None, ".", ","):
+        raise UsageError(f"--decimal is '{decimal}', one of . and , is expected")
     omega_m_rad_s = None if speed is None else quantity(speed, "rad/s")
     if omega_m_rad_s is not None:
         speed = None
@@ -157,8 +166,9 @@ def analyze(
     if rated_torque is not None and not (math.isfinite(rated_torque) and rated_torque > 0.0):
         raise UsageError(f"--rated-torque is {rated_torque:g}, a torque above zero in Nm is expected")
     turning = None if angle is None and omega_m_rad_s is None else "--angle"
+    has_speed = speed is not None and current is not None
     for option, without in (
-        ("--pole-pairs", pole_pairs is not None and turning is None and "--angle"),
+        ("--pole-pairs", pole_pairs is not None and turning is None and not has_speed and "--angle"),
         ("--slots", slots is not None and turning is None and "--angle"),
         ("--rated-torque", rated_torque is not None and torque is None and "--torque"),
     ):
@@ -181,6 +191,7 @@ def analyze(
             omega_m_rad_s=None if angle is not None else omega_m_rad_s,
             bench=Bench() if bench is None else load_bench(bench),
             recorded_on=None if recorded_on is None else recorded_on.date(),
+            decimal=decimal or "",
         )
     )
     output = Output(as_json=as_json)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import TypeVar
@@ -86,7 +87,15 @@ def _ripple(record: Record, periods: Periods, what: str) -> Iterator[Measurement
         what=channel.name,
     ):
         number = replace(each, definition=f"{each.definition}{rows}")
+        if record.lost.within and math.isfinite(number.value):
+            number = _incomplete(number, record.lost.within)
         yield _limited(record, number, held_rows(record.column(what)))
+
+
+def _incomplete(number: Measurement, rows: int) -> Measurement:
+    """Return the number without an uncertainty: what the rows that are left out held is not known."""
+    text = f"{number.definition}, without {rows} rows in between that have no number, so its uncertainty is not known"
+    return replace(number, definition=text, uncertainty=None)
 
 
 def _limited(record: Record, number: Measurement, held: int) -> Measurement:

@@ -62,7 +62,7 @@ def analyze_table(question: TableQuestion) -> TableAnswer:
     """
     columns = read_columns(question)
     base = time_base(columns.data[:, 0], columns.data[:, 1:])
-    record = Record(columns.data, base, columns.channels, question)
+    record = Record(columns.data, base, columns.channels, question, columns.lost)
     found = list(results(record))
     tables = tuple(each for each in found if isinstance(each, Table))
     measured = tuple(each for each in found if isinstance(each, Measurement))

@@ -15,7 +15,9 @@ from numpy.typing import NDArray
 from benchtool.block import Channel
 from benchtool.errors import AnalysisError
 from benchtool.profile import Bench
-from benchtool.tables.text import Rows, Selection, TextTable
+from benchtool.tables.lost import Lost, lost_among
+from benchtool.tables.selection import Selection, by_number, hides
+from benchtool.tables.text import Rows, TextTable
 
 QUANTITIES: Mapping[str, str] = {"current": "A", "torque": "Nm", "angle": "rad", "speed": "rad/s"}
 """Kinds of columns, with their SI units."""
@@ -30,7 +32,7 @@ class TableQuestion:
     `omega_m_rad_s` is a constant mechanical speed, which stands in for an angle; torque in percent is that of
     `torque_rated_Nm`. `bench` states the sensors of columns by the names of these, or by what they are, and
     the clock that timed the rows. `recorded_on` is the day of that, without which it is that of the file's
-    last change.
+    last change. `decimal` is the decimal sign, where the numbers leave it open.
     """
 
     file: Path
@@ -45,6 +47,7 @@ class TableQuestion:
     omega_m_rad_s: float | None = None
     bench: Bench = field(default_factory=Bench)
     recorded_on: date | None = None
+    decimal: str = ""
 
     @property
     def day(self) -> date:
@@ -62,13 +65,14 @@ class TableColumns:
 
     `chosen` has the time first, if that is a column; `data`, shape (n, 1 + columns) and in SI units, has the
     time and then the columns in that order, and of the rows that were read those in the span that the
-    question asks for.
+    question asks for. `lost` says what is missing among them.
     """
 
     table: TextTable
     chosen: Mapping[str, Selection]
     rows: Rows
     data: NDArray[np.float64]
+    lost: Lost
 
     @property
     def channels(self) -> dict[str, Channel]:
@@ -91,7 +95,7 @@ def read_columns(question: TableQuestion) -> TableColumns:
         RecordingError: the file cannot be read as a table.
         AnalysisError: a column is missing or asked for twice, or no rows are left.
     """
-    table = TextTable.open(question.file)
+    table = TextTable.open(question.file, question.decimal)
     chosen = _choose(table, question)
     rows = _rows(table, list(chosen.values()))
     data = rows.data
@@ -109,15 +113,21 @@ def read_columns(question: TableQuestion) -> TableColumns:
             f"no row of {question.file} is from {question.from_s:g} s to {question.to_s:g} s, it has "
             f"{time_s.min():g} s to {time_s.max():g} s: choose a span within"
         )
-    return TableColumns(table, chosen, rows, data if inside.all() else data[inside])
+    kinds = tuple(what for what in chosen if what != "time")
+    lost_s = rows.left_out.data[:, 0] if question.rate_Hz is None else rows.left_out.place / question.rate_Hz
+    in_span = (lost_s >= question.from_s) & (lost_s <= question.to_s)
+    lost = lost_among(rows, inside, in_span, kinds, table.first_left_out(rows, list(chosen.values())))
+    return TableColumns(table, chosen, rows, data if inside.all() else data[inside], lost)
 
 
 def _choose(table: TextTable, question: TableQuestion) -> dict[str, Selection]:
     """Return the time and the columns asked for, no two of them the same."""
-    chosen = {} if question.time is None else {"time": table.select(question.time, "s")}
+    asked = dict(question.columns) if question.time is None else {"time": question.time, **question.columns}
+    asked = _numbered(table, asked)
     rated = {"torque": question.torque_rated_Nm}
-    chosen |= {
-        what: table.select(name, QUANTITIES[what], rated.get(what)) for what, name in question.columns.items()
+    chosen = {
+        what: table.select(name, {"time": "s", **QUANTITIES}[what], rated.get(what))
+        for what, name in asked.items()
     }
     for number, twice in Counter(each.number for each in chosen.values()).items():
         if twice > 1:
@@ -126,6 +136,29 @@ def _choose(table: TextTable, question: TableQuestion) -> dict[str, Selection]:
                 f"column {number} of {table.path} is asked for as {which}: name a column for each"
             )
     return chosen
+
+
+def _numbered(table: TextTable, asked: Mapping[str, str]) -> dict[str, str]:
+    """Return the columns asked for, those that are meant by number as `#2`.
+
+    Where a column is called by the number of another one, as the channels of an oscilloscope are, a number is
+    its name if another column is asked for by a name, and a number if one of them is the name of none.
+
+    Raises:
+        AnalysisError: all are numbers and names as well.
+    """
+    numbers = {what: by_number(wanted) for what, wanted in asked.items()}
+    hidden = [number for number in numbers.values() if number and hides(table.layout, number)]
+    if not hidden or any(number is None for number in numbers.values()):
+        return dict(asked)
+    names = {column.bare_name for column in table.layout.columns}
+    if all(str(number) in names for number in numbers.values()):
+        other = hides(table.layout, hidden[0])
+        raise AnalysisError(
+            f"'{hidden[0]}' is the name of column {other} of {table.path} and the number of another: give "
+            f"'#{hidden[0]}' for the number or '#{other}' for that column, for each that is asked for"
+        )
+    return {what: f"#{wanted.strip()}" for what, wanted in asked.items()}
 
 
 def _rows(table: TextTable, selections: list[Selection]) -> Rows:
@@ -139,5 +172,5 @@ def _rows(table: TextTable, selections: list[Selection]) -> Rows:
     raise AnalysisError(
         f"{table.path} has no row with a number in each column asked for, of {rows.read} rows"
         f"{f' {reasons}' if reasons else ''}{first}: check the columns; times "
-        f"in seconds, and numbers without thousands separators, are expected"
+        f"in seconds, or as 2026-01-31 23:59:59.5, and numbers are expected"
     )

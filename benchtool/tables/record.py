@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,17 +12,19 @@ from benchtool.analysis import Basis, require_signal
 from benchtool.block import Block, Channel
 from benchtool.errors import AnalysisError
 from benchtool.tables.columns import TableQuestion
+from benchtool.tables.lost import Lost
 from benchtool.tables.time_base import TimeBase
 
 
 @dataclass(frozen=True)
 class Record:
-    """Rows in SI units, the time first; `channels` are the other columns, by kind."""
+    """Rows in SI units, the time first; `channels` are the other columns, by kind, `lost` what is missing."""
 
     data: NDArray[np.float64]
     base: TimeBase
     channels: Mapping[str, Channel]
     question: TableQuestion
+    lost: Lost = field(default_factory=Lost)
 
     @property
     def block(self) -> Block | None:
@@ -63,7 +65,9 @@ class Record:
         return self.data[:, 1 + list(self.channels).index(what)]
 
     def dead(self, what: str) -> str:
-        """Return why a column is dead; empty if it is not."""
+        """Return why a column is dead, or what is left of it stands for nothing; empty if neither."""
+        if reason := self.lost.reason(what):
+            return f"'{self.channels[what].name}': {reason}"
         try:
             require_signal(self.column(what), self.channels[what].name)
         except AnalysisError as refused:

@@ -28,6 +28,10 @@ class RemarkKind(StrEnum):
     CLIPPED = "clipped"
     REPEATED_ROWS = "repeated_rows"
     TWO_REGIMES = "two_regimes"
+    SEVERAL_REGIMES = "several_regimes"
+    ROWS_LEFT_OUT = "rows_left_out"
+    NAMED_BY_A_NUMBER = "named_by_a_number"
+    OTHER_FREQUENCY = "other_frequency"
     CALIBRATION_OVERDUE = "calibration_overdue"
 
 
@@ -58,6 +62,8 @@ def overdue(bench: Bench, on: date) -> Iterator[Remark]:
 
 def remarks(record: Record) -> Iterator[Remark]:
     """Yield the clipping, rows that repeat the one before, and two regimes that one number would average."""
+    if text := _left_out(record):
+        yield Remark(RemarkKind.ROWS_LEFT_OUT, "", text)
     if text := _repeated(record.data[:, 1:]):
         yield Remark(RemarkKind.REPEATED_ROWS, "", text)
     for what, channel in record.channels.items():
@@ -70,6 +76,20 @@ def remarks(record: Record) -> Iterator[Remark]:
             if text := _two_levels(values, float(np.max(np.abs(samples))), channel.unit, of):
                 yield Remark(RemarkKind.TWO_REGIMES, what, f"'{channel.name}': {text}")
                 break
+
+
+def _left_out(record: Record) -> str:
+    lost = record.lost
+    if not lost.left_out:
+        return ""
+    reasons = ", ".join(f"{count} with {why}" for why, count in lost.left_out.items())
+    first = f", the first {lost.first}" if lost.first else ""
+    within = (
+        f"; {lost.within} are between rows that were used, and mean and ripple have no uncertainty"
+        if lost.within
+        else ""
+    )
+    return f"rows were left out: {reasons}{first}{within}"
 
 
 def _repeated(values: NDArray[np.float64]) -> str:

@@ -10,18 +10,24 @@ import pyarrow.compute as pc
 from numpy.typing import NDArray
 
 _PATTERN = (
-    r"^(?:(?P<date>[0-9]{4}-[0-9]{2}-[0-9]{2})[Tt ] ?)?"
-    r"(?P<time>[0-9]{2}:[0-9]{2}:[0-9]{2})(?:[.,](?P<fraction>[0-9]{1,9})[0-9]*)?"
+    r"^(?:(?:(?P<year>[0-9]{4})[-/](?P<month>[0-9]{2})[-/](?P<day>[0-9]{2})"
+    r"|(?P<day_first>[0-9]{1,2})\.(?P<month_next>[0-9]{1,2})\.(?P<year_last>[0-9]{4})"
+    r"|(?P<either>[0-9]{1,2}/[0-9]{1,2}/[0-9]{4}))[Tt ,] ?)?"
+    r"(?:(?P<hour>[0-9]{1,2}):(?P<minute>[0-9]{2}):(?P<second>[0-9]{2})(?:[.,](?P<fraction>[0-9]{1,9})[0-9]*)?"
+    r"(?: ?(?P<half>[AaPp])\.?[Mm]\.?)?"
+    r"|(?P<minute_first>[0-9]{1,2}):(?P<second_next>[0-9]{2})[.,](?P<part>[0-9]{1,9})[0-9]*)"
     r"(?P<zone> ?[Zz]|(?P<sign>[+-])(?P<hours>[0-9]{2}):?(?P<minutes>[0-9]{2})?)?$"
 )
 _STAMP = re.compile(_PATTERN)
-_DAY_S = 86400.0
+_DAY_S, _HOUR_S = 86400.0, 3600.0
 
 
 def is_stamp(cell: str) -> bool:
     """Return whether a cell is a date and time, or a time of day, in the extended format of ISO 8601-1:2019.
 
-    Between date and time may stand a blank, as IETF RFC 3339, 5.6 allows.
+    Between date and time may stand a blank, as IETF RFC 3339, 5.6 allows. Dates are also read with solidi
+    (2026/01/31, and 01/31/2026 where that is the same in all cells) and day first with dots (31.01.2026),
+    times also of a twelve-hour clock (11:59:59.5 PM) and as minutes and seconds with decimals (59:59.5).
     """
     return _STAMP.match(cell) is not None
 
@@ -29,33 +35,82 @@ def is_stamp(cell: str) -> bool:
 def seconds_of(cells: pa.ChunkedArray) -> pa.ChunkedArray:
     """Return the seconds since the first stamp among the cells of text, null where a cell is none.
 
-    Times of day without a date go on behind midnight.
+    Times of day without a date go on behind midnight, minutes and seconds behind the hour.
     """
     cells = pc.ascii_trim_whitespace(cells).combine_chunks()
-    parts = pc.extract_regex(cells, _PATTERN)
-    date, time, fraction, sign, hours, minutes = (
-        pc.struct_field(parts, [name]) for name in ("date", "time", "fraction", "sign", "hours", "minutes")
+    fields = pc.extract_regex(cells, _PATTERN)
+    part = {name: pc.struct_field(fields, [name]) for name in _STAMP.groupindex}
+    day_s, has_date = _days(part)
+    hour, minute, second = (
+        _number(part["hour"]),
+        _either(part, "minute", "minute_first"),
+        _either(part, "second", "second_next"),
     )
-    dated = pc.if_else(pc.equal(date, ""), "1970-01-01", date)
-    moment = pc.strptime(
-        pc.binary_join_element_wise(dated, time, " "),
-        format="%Y-%m-%d %H:%M:%S",
-        unit="s",
-        error_is_null=True,
+    is_half, is_afternoon = (
+        _is_set(part["half"]),
+        _values(pc.match_substring_regex(pc.fill_null(part["half"], ""), "[Pp]")) > 0,
     )
-    known = _values(pc.is_valid(moment)).astype(bool)
+    hour = np.where(is_half, hour % 12.0 + 12.0 * is_afternoon, hour)
+    known = _values(pc.is_valid(fields)).astype(bool) & np.isfinite(day_s)
+    known &= (hour < 24.0) & (minute < 60.0) & (second < 61.0)
     if not known.any():
         return pa.chunked_array([pa.nulls(len(cells), pa.float64())])
-    zone_s = 3600.0 * _count(hours, 2) + 60.0 * _count(minutes, 2)
-    zone_s *= np.where(_values(pc.equal(sign, "-")) > 0.0, -1.0, 1.0)
-    whole_s = _values(pc.cast(moment, pa.int64())) - zone_s
+    zone_s = 3600.0 * _count(part["hours"], 2) + 60.0 * _count(part["minutes"], 2)
+    zone_s *= np.where(_values(pc.equal(part["sign"], "-")) > 0.0, -1.0, 1.0)
+    whole_s = day_s + 3600.0 * hour + 60.0 * minute + second - zone_s
     first = int(np.argmax(known))
     # the whole seconds first: a second of the year 2026 leaves no room for nanoseconds
-    count_ns = _count(fraction, 9)
+    count_ns = _count(part["fraction"], 9) + _count(part["part"], 9)
     elapsed_s = (whole_s - whole_s[first]) + 1e-9 * (count_ns - count_ns[first])
-    if pc.all(pc.equal(date, "")).as_py():
-        elapsed_s[known] += _DAY_S * np.cumsum(np.diff(elapsed_s[known], prepend=0.0) < -0.5 * _DAY_S)
+    if not has_date:
+        turn_s = _DAY_S if _is_set(part["hour"])[known].any() else _HOUR_S
+        elapsed_s[known] += turn_s * np.cumsum(np.diff(elapsed_s[known], prepend=0.0) < -0.5 * turn_s)
     return pa.chunked_array([pa.array(elapsed_s, mask=~known)])
+
+
+def _days(part: dict[str, pa.Array]) -> tuple[NDArray[np.float64], bool]:
+    """Return the seconds from 1970 to the day of each stamp, nan where there is no such day, and whether any
+    has a date; of a date whose day and month cannot be told apart, as of one day, if it is the same in all."""
+    written = pc.if_else(_is_there(part["day_first"]), _day_first(part), _year_first(part))
+    has_date = bool(pc.any(pc.not_equal(written, "")).as_py())
+    dated = pc.if_else(pc.equal(written, ""), "1970-01-01", written)
+    moment = pc.strptime(dated, format="%Y-%m-%d", unit="s", error_is_null=True)
+    day_s = np.where(_values(pc.is_valid(moment)) > 0.0, _values(pc.cast(moment, pa.int64())), np.nan)
+    either = [each for each in pc.unique(part["either"]).to_pylist() if each]
+    if len(either) > 1:
+        day_s[_is_set(part["either"])] = np.nan
+    return day_s, has_date
+
+
+def _year_first(part: dict[str, pa.Array]) -> pa.Array:
+    joined = pc.binary_join_element_wise(part["year"], part["month"], part["day"], "-")
+    return pc.if_else(_is_there(part["year"]), joined, "")
+
+
+def _day_first(part: dict[str, pa.Array]) -> pa.Array:
+    return pc.binary_join_element_wise(
+        part["year_last"],
+        pc.utf8_lpad(part["month_next"], 2, "0"),
+        pc.utf8_lpad(part["day_first"], 2, "0"),
+        "-",
+    )
+
+
+def _is_there(digits: pa.Array) -> pa.Array:
+    return pc.not_equal(pc.fill_null(digits, ""), "")
+
+
+def _is_set(digits: pa.Array) -> NDArray[np.bool_]:
+    return np.asarray(_values(_is_there(digits)) > 0.0)
+
+
+def _number(digits: pa.Array) -> NDArray[np.float64]:
+    """Return digits as a number, 0 without any."""
+    return _values(pc.cast(pc.if_else(_is_there(digits), digits, "0"), pa.int64()))
+
+
+def _either(part: dict[str, pa.Array], *names: str) -> NDArray[np.float64]:
+    return np.asarray(sum(_number(part[name]) for name in names))
 
 
 def _count(digits: pa.Array, width: int) -> NDArray[np.float64]:

@@ -40,11 +40,15 @@ _ASCII_ONLY = bytes(byte if 0 < byte < 128 else (ord("?") if byte else ord(" "))
 @dataclass(frozen=True)
 class LeftOut:
     """Rows with a cell that is no number: which of the rows of the right width each is, shape (k,), its
-    numbers, shape (k, columns), nan where there is none, and what each cell is (`Cell`), of the same shape."""
+    numbers, shape (k, columns), nan where there is none, and what each cell is (`Cell`), of the same shape.
+
+    `broken` rows have a wrong number of cells, and are not the last line, cut short.
+    """
 
     place: NDArray[np.int64]
     data: NDArray[np.float64]
     cells: NDArray[np.int8]
+    broken: int = 0
 
 
 @dataclass(frozen=True)
@@ -129,7 +133,7 @@ class TextTable:
             RecordingError: the text cannot be split into rows and cells.
         """
         wanted = [each.number - 1 for each in selections]
-        table, texts, wrong_width = self._parse(list(dict.fromkeys(wanted)))
+        table, texts, wrong = self._parse(list(dict.fromkeys(wanted)))
         data = np.empty((table.num_rows, len(wanted)), order="F")
         cells = np.zeros(data.shape, dtype=np.int8)
         for place, (column, selection) in enumerate(zip(wanted, selections, strict=True)):
@@ -146,16 +150,21 @@ class TextTable:
         cells[(cells == Cell.NUMBER) & ~(np.abs(data) < _NO_READING)] = Cell.MISSING
         kept = (cells == Cell.NUMBER).all(axis=1)
         no_number = int(np.count_nonzero(~kept))
-        reasons = (("wrong number of cells", wrong_width), ("a cell is no number", no_number))
+        reasons = (("wrong number of cells", len(wrong)), ("a cell is no number", no_number))
         dropped = {why: count for why, count in reasons if count}
         lost = np.flatnonzero(~kept)
-        left_out = LeftOut(lost, data[lost], cells[lost])
+        is_cut_short = wrong and self.text.rstrip().endswith(wrong[-1].encode())
+        left_out = LeftOut(lost, data[lost], cells[lost], len(wrong) - bool(is_cut_short))
         if no_number:
             data = np.asfortranarray(data[kept])
-        return Rows(data, table.num_rows + wrong_width, dropped, np.flatnonzero(kept), left_out)
+        return Rows(data, table.num_rows + len(wrong), dropped, np.flatnonzero(kept), left_out)
+
+    def first_left_out(self, rows: Rows, selections: Sequence[Selection]) -> str:
+        """Return the first cell for which one of the rows was left out; empty if there is none."""
+        return self.unreadable_cell(selections) if len(rows.left_out.place) else ""
 
     def unreadable_cell(self, selections: Sequence[Selection]) -> str:
-        """Return first cell of these columns that is not a number, as in the file; empty if there is none."""
+        """Return the first cell of these columns that is not a number, as in the file; empty if there is none."""
         wanted = list(dict.fromkeys(each.number - 1 for each in selections))
         with suppress(pa.ArrowException):
             table, _ = self._read(self._body(), wanted, pa.string())
@@ -166,19 +175,19 @@ class TextTable:
                     return f"'{cell:.40}' in column {int(name) + 1}"
         return ""
 
-    def _parse(self, wanted: Sequence[int]) -> tuple[pa.Table, pa.Table | None, int]:
+    def _parse(self, wanted: Sequence[int]) -> tuple[pa.Table, pa.Table | None, list[str]]:
         """Return the columns as numbers, and as text where a cell of them is none."""
         body = self._body()
         if _ANYTHING.search(body) is None:
-            return pa.table({str(column): pa.array([], pa.float64()) for column in wanted}), None, 0
+            return pa.table({str(column): pa.array([], pa.float64()) for column in wanted}), None, []
         with suppress(pa.ArrowException):  # a cell is not a number: read as text to find it
             if not any(self.layout.columns[column].stamps for column in wanted):
-                table, wrong_width = self._read(body, wanted, pa.float64())
-                return table, None, wrong_width
+                table, wrong = self._read(body, wanted, pa.float64())
+                return table, None, wrong
         try:
-            texts, wrong_width = self._read(body, wanted, pa.string())
+            texts, wrong = self._read(body, wanted, pa.string())
             numbers = {name: self._numbers(name, texts[name]) for name in texts.column_names}
-            return pa.table(numbers), texts, wrong_width
+            return pa.table(numbers), texts, wrong
         except pa.ArrowException as reason:
             raise RecordingError(
                 f"{self.path}: rows cannot be separated ({str(reason).splitlines()[0]:.100}), a line for "
@@ -195,12 +204,12 @@ class TextTable:
             body = _LINE_ENDS.sub(b"", _BLANKS.sub(b" ", body))
         return body
 
-    def _read(self, body: bytes, wanted: Sequence[int], type_: pa.DataType) -> tuple[pa.Table, int]:
-        wrong_width = 0
+    def _read(self, body: bytes, wanted: Sequence[int], type_: pa.DataType) -> tuple[pa.Table, list[str]]:
+        wrong: list[str] = []
 
         def skip(row: csv.InvalidRow) -> str:
-            nonlocal wrong_width
-            wrong_width += bool((row.text or "").strip())
+            if (row.text or "").strip():
+                wrong.append(row.text.strip())
             return "skip"
 
         names = [str(number) for number in range(len(self.layout.columns))]
@@ -219,7 +228,7 @@ class TextTable:
                 decimal_point=self.layout.decimal,
             ),
         )
-        return table, wrong_width
+        return table, wrong
 
     def _numbers(self, name: str, cells: pa.ChunkedArray) -> pa.ChunkedArray:
         """Return the cells of text of a column as numbers, null where they are not numbers."""

@@ -284,7 +284,7 @@ def test_a_lost_row_is_a_gap_and_nothing_is_filled_in(invoke: Invoke) -> None:
     time_s, current = phase_current()
     write("gap.csv", "t,I", [time_s, current])
     lines = Path("gap.csv").read_text(encoding="utf-8").splitlines()
-    lines[1001] = lines[1001].split(",")[0] + ",OL"
+    lines[1001] = lines[1001].split(",")[0] + ",n/a"
     lines[2001] += ",9"
     Path("gap.csv").write_text("\n".join(lines), encoding="utf-8")
 

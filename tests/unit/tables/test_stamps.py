@@ -51,7 +51,7 @@ def test_what_is_no_time_is_null_and_the_first_time_counts() -> None:
         *(None, 0.0, None, None, 2.0, None)
     ]
     assert seconds("x", "") == [None, None]
-    assert not any(map(is_stamp, ("", "1.5", "2026-11-23", "1:30.5", "23.11.2026 10:00:00", "10:00:00 PM")))
+    assert not any(map(is_stamp, ("", "1.5", "2026-11-23", "1:30", "23.11.26 10:00:00", "10:00 PM")))
 
 
 @pytest.mark.parametrize(
@@ -79,3 +79,16 @@ def test_a_table_timed_by_stamps(tmp_path: Path, delimiter: str, sign: str) -> N
         table.select("1", "A")
     with pytest.raises(AnalysisError, match="holds times of day, numbers in ms are expected"):
         table.select("1:ms", "s")
+
+
+def test_dates_and_clocks_of_other_tools() -> None:
+    assert seconds("31.12.2026 23:59:59,5", "1.1.2027 0:00:00") == [0.0, 0.5]
+    assert seconds("2026/03/01 9:59:59", "2026/03/01 10:00:00.25") == [0.0, 1.25]
+    assert seconds("11:59:59 AM", "12:00:00 PM", "1:00:00 p.m.") == [0.0, 1.0, 3601.0]
+    assert seconds("12:00:00 AM", "12:30:00 AM") == [0.0, 1800.0]
+    assert seconds("59:59.75", "00:00.25", "00:01.0") == pytest.approx([0.0, 0.5, 1.25])
+
+
+def test_a_day_and_a_month_that_cannot_be_told_apart_are_none() -> None:
+    assert seconds("03/01/2026 11:59:58 PM", "03/01/2026 11:59:59 PM") == [0.0, 1.0]
+    assert seconds("03/01/2026 11:59:59 PM", "03/02/2026 12:00:00 AM") == [None, None]

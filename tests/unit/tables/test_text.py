@@ -225,7 +225,7 @@ def test_rows_that_are_none_are_left_out_and_counted(tmp_path: Path) -> None:
     assert rows.read == 41
 
 
-@pytest.mark.parametrize("cell", ["21.11.2026", "1:30.5", "1.234.567"])
+@pytest.mark.parametrize("cell", ["21.11.2026", "1:30", "1.2.3"])
 def test_the_first_cell_that_is_no_number_is_named(tmp_path: Path, cell: str) -> None:
     table = TextTable.open(write(tmp_path, "t,I,T\n" + lines(end=f",{cell}")))
     chosen = [table.select("t", "s"), table.select("T", "Nm")]
@@ -284,8 +284,8 @@ def test_a_later_decimal_comma_shows_the_layout(tmp_path: Path) -> None:
         (b"1\n2\n3\n", "no table of numbers"),
         (b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR", "no table of numbers"),
         (bytes(range(256)) * 4, "is binary and no text"),
-        (b"t,I\n11/21/2026 12:00:00.1,0.5\n", "'11/21/2026 12:00:00.1' is none; .* times in seconds"),
-        (b"t;I\n1:30.5;0.5\n1:30.6;0.5\n", "'1:30.5' is none"),
+        (b"t,I\n11/21/2026 12h,0.5\n", "'11/21/2026 12h' is none; .* times in seconds"),
+        (b"t;I\n1:30;0.5\n1:31;0.5\n", "'1:30' is none"),
         (b"PAR1\x15\x04", "is a Parquet file and no text"),
         (np.arange(900, dtype=np.int16).tobytes() + bytes(300), "is binary and no text"),
     ],
