@@ -94,8 +94,8 @@ def _ripple(record: Record, periods: Periods, what: str) -> Iterator[Measurement
 
 def _incomplete(number: Measurement, rows: int) -> Measurement:
     """Return the number without an uncertainty: what the rows that are left out held is not known."""
-    text = f"{number.definition}, without {rows} rows in between that have no number, so its uncertainty is not known"
-    return replace(number, definition=text, uncertainty=None)
+    without = f"without {rows} rows in between that have no number, so its uncertainty is not known"
+    return replace(number, definition=f"{number.definition}, {without}", uncertainty=None)
 
 
 def _limited(record: Record, number: Measurement, held: int) -> Measurement:

@@ -16,7 +16,7 @@ from benchtool.tables.analyses import results
 from benchtool.tables.cells import BLANKS
 from benchtool.tables.columns import TableColumns, TableQuestion, read_columns
 from benchtool.tables.record import Record
-from benchtool.tables.remarks import Remark, overdue, remarks
+from benchtool.tables.remarks import Remark, RemarkKind, other_frequency, overdue, remarks
 from benchtool.tables.time_base import time_base
 
 _SENSED: Mapping[str, str] = {"current": "i_a", "speed": "omega_m", "angle": "theta_m"}
@@ -68,7 +68,12 @@ def analyze_table(question: TableQuestion) -> TableAnswer:
     measured = tuple(each for each in found if isinstance(each, Measurement))
     instruments = _instruments(record)
     measurements = instruments.applied(measured)
-    odd = (*remarks(record), *overdue(instruments.bench, question.day))
+    odd = (
+        *(Remark(RemarkKind.NAMED_BY_A_NUMBER, *each) for each in columns.called_by_numbers(question)),
+        *remarks(record),
+        *other_frequency(record, measurements),
+        *overdue(instruments.bench, question.day),
+    )
     return TableAnswer(measurements, tables, _source(columns, record), record, odd)
 
 

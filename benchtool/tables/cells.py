@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from enum import IntEnum
-from functools import cache
+from functools import cache, lru_cache
 
 import pyarrow as pa
 import pyarrow.compute as pc
@@ -34,8 +34,8 @@ _OVERLOADS = re.compile(
     re.IGNORECASE,
 )
 _NO_VALUE = re.compile(
-    r"|[+-]?(?:1\.#)?(?:nan|qnan|snan|ind)\d*|null|none|nil|n/?\.?a\.?|#.*|[-*?.x_]+|no ?data|invalid|error|err|missing|fault"
-    r"|bad.*",
+    r"|[+-]?(?:1\.#)?(?:nan|qnan|snan|ind)\d*|null|none|nil|n/?\.?a\.?|#.*|[-*?.x_]+|no ?data"
+    r"|invalid|error|err|missing|fault|bad.*",
     re.IGNORECASE,
 )
 
@@ -52,8 +52,8 @@ def ascii_numbers(text: bytes) -> bytes:
     """Return text in UTF-8 with its numbers as a program writes them.
 
     A minus sign or dash before a number (U+2212) is a hyphen, the sign of infinity `inf`, an exponent behind
-    D, as Fortran writes it, one behind E; apostrophes, no-break and thin blanks between groups of three digits
-    are left out.
+    D, as Fortran writes it, one behind E; apostrophes, no-break and thin blanks between groups of three
+    digits are left out.
     """
     if not text.isascii():
         text = _MINUS_OF_A_NUMBER.sub(b"-", text).replace(_INFINITY, b"inf")
@@ -95,7 +95,7 @@ def is_number(cell: str, decimal: str, delimiter: str = "") -> bool:
     return _pattern(decimal, delimiter).fullmatch(cell) is not None
 
 
-@cache
+@lru_cache(maxsize=1024)
 def kind_of_word(cell: str) -> Cell | None:
     """Return what a cell that is no number stands for, by the words of instruments; None for other words."""
     cell = cell.strip()

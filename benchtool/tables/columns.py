@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from datetime import date
 from pathlib import Path
@@ -86,6 +86,23 @@ class TableColumns:
             for what, each in self.chosen.items()
             if what != "time"
         }
+
+    def called_by_numbers(self, question: TableQuestion) -> Iterator[tuple[str, str]]:
+        """Yield what was asked for by a number that is the name of one column and the number of another, and
+        which of them it is."""
+        asked = (
+            dict(question.columns) if question.time is None else {"time": question.time, **question.columns}
+        )
+        for what, wanted in asked.items():
+            number = by_number(wanted)
+            other = None if number is None else hides(self.table.layout, number)
+            if other is not None:
+                read = self.chosen[what].number
+                yield (
+                    what,
+                    f"{what} '{number}' was read as column {read}: it is the name of column {other} and the "
+                    f"number of another, '#{number}' is the number",
+                )
 
 
 def read_columns(question: TableQuestion) -> TableColumns:

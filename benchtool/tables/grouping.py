@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from enum import IntEnum
 
 _FEWEST_SEPARATED, _FEWEST_WHOLE = 64, 2
@@ -25,12 +25,14 @@ def use_of(sign: str, cells: Iterable[str]) -> Use:
 
     Of decimals it is where not all of the cells that have it have one to three digits before and three
     behind, the first not zero (0,5; 1,25; 1500,125). Of thousands it is where all have, whole numbers below
-    1000 stand among them (998; 1,095), and both are so many that it is not by chance. Else it may be either.
+    1000 stand among them (998; 1,095), and both are so many that it is not by chance, or one has two of them
+    (1,095,000). Else it may be either.
     """
     escaped = re.escape(sign)
-    thousands = re.compile(rf"[+-]?[1-9][0-9]{{0,2}}{escaped}[0-9]{{3}}")
+    thousands = re.compile(rf"[+-]?[1-9][0-9]{{0,2}}(?:{escaped}[0-9]{{3}})+")
     decimals = re.compile(rf"[+-]?[0-9]*{escaped}[0-9]*(?:[eE][+-]?[0-9]+)?")
-    separated, small, large = 0, set(), False
+    separated, several, large = 0, False, False
+    small: set[str] = set()
     for cell in cells:
         if sign not in cell:
             if re.fullmatch(r"[+-]?[1-9][0-9]*", cell):
@@ -38,16 +40,12 @@ def use_of(sign: str, cells: Iterable[str]) -> Use:
                 small.add(cell)
         elif thousands.fullmatch(cell):
             separated += 1
+            several |= cell.count(sign) > 1
         elif decimals.fullmatch(cell):
             return Use.DECIMALS
     if not separated:
         return Use.NOTHING
     if large:
         return Use.DECIMALS  # 1500 beside 1,095 has no sign between its thousands
-    many = separated >= _FEWEST_SEPARATED and len(small) >= _FEWEST_WHOLE
+    many = several or (separated >= _FEWEST_SEPARATED and len(small) >= _FEWEST_WHOLE)
     return Use.THOUSANDS if many else Use.EITHER
-
-
-def use_in(sign: str, columns: Sequence[Sequence[str]]) -> Use:
-    """Return how a table uses a sign, by the column that tells most."""
-    return max((use_of(sign, cells) for cells in columns), default=Use.NOTHING)

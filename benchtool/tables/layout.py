@@ -197,8 +197,12 @@ def _best_of(texts: Sequence[str], layouts: Sequence[tuple[str, str]], *, groups
         for (width, found), part in itertools.product(by_width.items(), _SUFFIXES):
             rows = found[-(-len(found) * (part - 1) // part) :]
             columns = list(zip(*rows, strict=True))
-            counts = [sum(is_number(cell, decimal, between) for cell in cells) for cells in columns]
-            filled = [sum(kind_of_word(cell) is None for cell in cells) for cells in columns]
+            others = [[cell for cell in cells if not is_number(cell, decimal, between)] for cells in columns]
+            counts = [len(rows) - len(cells) for cells in others]
+            filled = [
+                count + sum(kind_of_word(cell) is None for cell in cells)
+                for count, cells in zip(counts, others, strict=True)
+            ]
             numeric = tuple(
                 count > 0 and count >= some / 2 for count, some in zip(counts, filled, strict=True)
             )
@@ -277,7 +281,7 @@ def _require_no_split_decimals(head: str, row: str, columns: Sequence[Sequence[s
         return
     names_of = f" and the head {len(names)} names, '{head:.40}'" if head else ""
     raise RecordingError(
-        f"{source}: '{row.strip():.40}' has {width} cells between commas{names_of}: decimal commas and commas "
-        f"between columns cannot be told apart, export it with semicolons between columns or with decimal "
-        f"points"
+        f"{source}: '{row.strip():.40}' has {width} cells between commas{names_of}: decimal commas and "
+        f"commas between columns cannot be told apart, export it with semicolons between columns or with "
+        f"decimal points"
     )

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from datetime import date
 from enum import StrEnum
@@ -10,16 +11,14 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis import clipping, resolution
+from benchtool.analysis import Measurement, clipping, resolution
 from benchtool.profile import Bench, Instrument
 from benchtool.tables.record import Record
+from benchtool.tables.regimes import regimes
 
-_PARTS = 64
-_FEWEST_PER_PART = 8
-_EXPLAINED = 0.88  # of the variance over parts by two levels: a line has 0.75, a sine 0.81, noise 0.64
-_LARGEST_CHANGE = 0.1  # of the greatest value
 _REPEATED_SHARE = 0.02
 _FINE = 10.0
+_LARGEST_SLIP = 0.1  # an induction machine's at its rated load is less
 
 
 class RemarkKind(StrEnum):
@@ -60,6 +59,23 @@ def overdue(bench: Bench, on: date) -> Iterator[Remark]:
             yield Remark(RemarkKind.CALIBRATION_OVERDUE, column, text)
 
 
+def other_frequency(record: Record, measurements: Sequence[Measurement]) -> Iterator[Remark]:
+    """Yield that the current's fundamental is not at the frequency of the speed column by the pole pairs."""
+    pole_pairs = record.question.pole_pairs
+    found = [each.value for each in measurements if each.name == "fundamental_frequency"]
+    if pole_pairs is None or "speed" not in record.channels or "angle" in record.channels or not found:
+        return
+    expected_Hz = pole_pairs * abs(float(np.mean(record.column("speed")))) / (2.0 * math.pi)
+    if abs(found[0] - expected_Hz) > _LARGEST_SLIP * expected_Hz:
+        yield Remark(
+            RemarkKind.OTHER_FREQUENCY,
+            "current",
+            f"the current's fundamental is at {found[0]:.4g} Hz, the mean of "
+            f"'{record.channels['speed'].name}' with {pole_pairs} pole pairs says {expected_Hz:.4g} Hz: "
+            f"check the units of time and speed, and the pole pairs",
+        )
+
+
 def remarks(record: Record) -> Iterator[Remark]:
     """Yield the clipping, rows that repeat the one before, and two regimes that one number would average."""
     if text := _left_out(record):
@@ -72,17 +88,16 @@ def remarks(record: Record) -> Iterator[Remark]:
             continue
         if clipped := clipping(samples):
             yield Remark(RemarkKind.CLIPPED, what, f"'{channel.name}': {clipped}")
-        for values, of in ((_means(samples), "average"), (_deviations(samples), "have an rms deviation of")):
-            if text := _two_levels(values, float(np.max(np.abs(samples))), channel.unit, of):
-                yield Remark(RemarkKind.TWO_REGIMES, what, f"'{channel.name}': {text}")
-                break
+        if found := regimes(samples, channel.unit):
+            kind = RemarkKind.TWO_REGIMES if found.levels == 2 else RemarkKind.SEVERAL_REGIMES
+            yield Remark(kind, what, f"'{channel.name}': {found.text}")
 
 
 def _left_out(record: Record) -> str:
     lost = record.lost
     if not lost.left_out:
         return ""
-    reasons = ", ".join(f"{count} with {why}" for why, count in lost.left_out.items())
+    reasons = ", ".join(f"{count} ({why})" for why, count in lost.left_out.items())
     first = f", the first {lost.first}" if lost.first else ""
     within = (
         f"; {lost.within} are between rows that were used, and mean and ripple have no uncertainty"
@@ -114,45 +129,3 @@ def _is_fine(samples: NDArray[np.float64], steps: NDArray[np.float64]) -> bool:
     moved = steps[steps != 0.0]
     least = resolution(samples)
     return bool(len(moved)) and (least == 0.0 or float(np.median(np.abs(moved))) > _FINE * least)
-
-
-def _means(samples: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.array([float(np.mean(each)) for each in _parts(samples)])
-
-
-def _deviations(samples: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.array([float(np.std(each)) for each in _parts(samples)])
-
-
-def _parts(samples: NDArray[np.float64]) -> list[NDArray[np.float64]]:
-    count = min(_PARTS, len(samples) // _FEWEST_PER_PART)
-    return np.array_split(samples, count) if count >= _FEWEST_PER_PART else []
-
-
-def _two_levels(values: NDArray[np.float64], greatest: float, unit: str, of: str) -> str:
-    """Yield a remark if parts of the record have either of two levels, with hardly any between.
-
-    Return the best split in two of the sorted values, by the share of their variance that the two means
-    explain (Otsu, IEEE Trans. Syst. Man Cybern. 9 (1979) 62).
-    """
-    count = len(values)
-    if not count or not float(np.var(values)) > 0.0:
-        return ""
-    ordered = np.sort(values)
-    below = np.arange(1, count)
-    lower = np.cumsum(ordered)[:-1] / below
-    upper = (np.sum(ordered) - np.cumsum(ordered)[:-1]) / (count - below)
-    share = below / count
-    explained = share * (1.0 - share) * (upper - lower) ** 2 / float(np.var(values))
-    best = int(np.argmax(explained))
-    fewest = min(below[best], count - below[best])
-    change = float(upper[best] - lower[best])
-    if explained[best] < _EXPLAINED or fewest < 0.05 * count or change < _LARGEST_CHANGE * greatest:
-        return ""
-    is_low = values <= ordered[best]
-    if np.count_nonzero(np.diff(is_low)) > count // 4:  # it oscillates, and has no regimes
-        return ""
-    return (
-        f"two regimes: {100 * share[best]:.0f} % of the record {of} {lower[best]:.3g} {unit}, the rest "
-        f"{upper[best]:.3g} {unit}; the numbers are of both together: choose one with --from and --to"
-    )

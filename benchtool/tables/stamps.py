@@ -70,7 +70,7 @@ def seconds_of(cells: pa.ChunkedArray) -> pa.ChunkedArray:
 
 def _days(part: dict[str, pa.Array]) -> tuple[NDArray[np.float64], bool]:
     """Return the seconds from 1970 to the day of each stamp, nan where there is no such day, and whether any
-    has a date; of a date whose day and month cannot be told apart, as of one day, if it is the same in all."""
+    has a date; of a date whose day and month cannot be told apart, as of one day, if all are the same."""
     written = pc.if_else(_is_there(part["day_first"]), _day_first(part), _year_first(part))
     has_date = bool(pc.any(pc.not_equal(written, "")).as_py())
     dated = pc.if_else(pc.equal(written, ""), "1970-01-01", written)

@@ -117,8 +117,8 @@ class TextTable:
         seconds since the first of them.
 
         Raises:
-            AnalysisError: no such column, several of that name, a number that is the name of another, or what the option or else the head states
-                as the unit is not one of that kind, or is asked of times of day.
+            AnalysisError: no such column, several of that name, what the option or else the head states as
+                the unit is not one of that kind, or is asked of times of day, or the decimal sign is open.
         """
         return selection_of(self.path, self.layout, wanted, si_unit, rated)
 
@@ -164,7 +164,7 @@ class TextTable:
         return self.unreadable_cell(selections) if len(rows.left_out.place) else ""
 
     def unreadable_cell(self, selections: Sequence[Selection]) -> str:
-        """Return the first cell of these columns that is not a number, as in the file; empty if there is none."""
+        """Return the first cell of these columns that is not a number, as in the file; empty if none."""
         wanted = list(dict.fromkeys(each.number - 1 for each in selections))
         with suppress(pa.ArrowException):
             table, _ = self._read(self._body(), wanted, pa.string())

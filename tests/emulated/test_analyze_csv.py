@@ -440,10 +440,10 @@ def test_a_page_is_never_called_pdf(tmp_path: Path) -> None:
 
 
 def test_a_date_in_place_of_seconds_is_named(invoke: Invoke) -> None:
-    Path("iso.csv").write_text("t,I,T\n" + "21.11.2026 12:00:00,1,2\n" * 9, encoding="utf-8")
+    Path("iso.csv").write_text("t,I,T\n" + "21.11.26 12:00:00,1,2\n" * 9, encoding="utf-8")
     result = invoke("--csv", "iso.csv", "--time", "t", "--current", "I")
     assert result.exit_code == 2
-    assert "the first '21.11.2026 12:00:00' in column 1: check the columns; times in seconds" in result.stderr
+    assert "the first '21.11.26 12:00:00' in column 1: check the columns; times in seconds" in result.stderr
 
 
 def test_the_help_says_how_columns_are_named(invoke: Invoke) -> None:
