@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from benchtool.tables.cells import BLANKS, is_number, kind_of_word
 from benchtool.tables.units import is_description, is_scale, is_unit
@@ -24,13 +24,20 @@ class Column:
     or words that describe the column: `Iq[0]` and `i (phase a)` have none. Of a quotient of quantity and unit
     (`t/s`, `n/(1/min)`; ISO 80000-1:2022, 7.1.4) it is the latter. The cells of a column with `stamps` are
     times of day, perhaps with a date, which count in seconds. Where it `is_open`, the decimal sign may stand
-    between thousands as well.
+    between thousands as well. `other_name` is what the head has instead of a unit, where that may be a name.
     """
 
     name: str
     unit: str
     stamps: bool = False
     is_open: bool = False
+    other_name: str = ""
+
+    def called(self, name: str) -> Column:
+        """Return the column by its other name, if `name` is that."""
+        if not self.other_name or name.strip().lower() != self.other_name.lower():
+            return self
+        return replace(self, name=self.other_name, unit=_unit_in(self.other_name), other_name="")
 
     @property
     def bare_name(self) -> str:
@@ -64,7 +71,7 @@ def columns_of(preamble: Sequence[str], delimiter: str, width: int) -> tuple[Col
     """Return the names and units from the lines before the numbers; none where no line fits.
 
     Of two lines right above each other that fit, the second holds units if most of it are units, or if any is
-    and the first is one of words alone.
+    and the first is one of words alone; it may then hold other names.
     """
     fitting: list[list[str]] = []
     for line in reversed(preamble):
@@ -80,10 +87,12 @@ def columns_of(preamble: Sequence[str], delimiter: str, width: int) -> tuple[Col
             break
     if not fitting:
         return ()
-    if are_units(fitting[0]) or (len(fitting) == 2 and _are_words(fitting[1], len(fitting[0]))):
-        units = [cell.strip("()[] ") for cell in fitting[0]]
-        if len(fitting) == 2:
-            return tuple(Column(name, unit) for name, unit in zip(fitting[1], units, strict=True))
+    if len(fitting) == 2 and (are_units(fitting[0]) or _are_words(fitting[1])):
+        below = [""] * len(fitting[0]) if are_units(fitting[0]) else fitting[0]
+        return tuple(
+            Column(name, unit.strip("()[] "), other_name=other)
+            for name, unit, other in zip(fitting[1], fitting[0], below, strict=True)
+        )
     return tuple(Column(name, _unit_in(name)) for name in fitting[0])
 
 
@@ -141,10 +150,9 @@ def _is_unit_cell(cell: str) -> bool:
     return is_unit(cell.strip("()[] "))
 
 
-def _are_words(cells: Sequence[str], width: int) -> bool:
+def _are_words(cells: Sequence[str]) -> bool:
     """Return whether every cell of a line is there and is a word: none a number, a unit or empty."""
-    filled = [cell for cell in cells if cell]
-    return len(filled) == width and not any(has_number(cell) or _is_unit_cell(cell) for cell in filled)
+    return not any(not cell or has_number(cell) or _is_unit_cell(cell) for cell in cells)
 
 
 def _unit_in(name: str) -> str:

@@ -40,6 +40,7 @@ _LAYOUTS = (
 _SUFFIXES = (1, 2, 4)  # the last 1/n of the lines, in which a long head no longer counts
 _WHOLE = re.compile(r"[0-9]+")
 _ZEROS_FIRST = re.compile(r"0[0-9]+")
+_COMPLETE = 0.98  # share of numbers, but for a head
 _FEW = 0.05  # of the cells of a column
 
 
@@ -132,6 +133,13 @@ def find_layout(text: bytes, source: str, decimal: str = "") -> Layout:
     if not columns:
         head_lines = rows_below_names(texts, rows, delimiter, numeric) or head_lines
         columns = columns_of(texts[:head_lines], delimiter, used)
+    if (
+        not columns
+        and _are_counted(split(texts[head_lines], delimiter), whole)
+        and any(rows[head_lines + 1 :])
+    ):
+        head_lines += 1
+        columns = columns_of(texts[:head_lines], delimiter, used)
     last = "" if columns else _last_of(texts[:head_lines])
     if not columns and delimiter == "," and all(whole):
         _require_no_split_decimals(last, texts[head_lines], by_column, source)
@@ -177,9 +185,9 @@ def _best(sample: Sequence[bytes], stated: str) -> _Fit | None:
     tabbed = [each for each in layouts if each[0] == "\t"] if found and found.delimiter == BLANKS else []
     if tabbed and 2 * sum("\t" in text for text in texts) > len(texts):
         by_tabs = _best_of(texts, tabbed, groups=True)
-        if by_tabs is not None and by_tabs.share == 1.0:
+        if by_tabs is not None and by_tabs.share > _COMPLETE:
             return by_tabs
-    if found is not None and found.share == 1.0:
+    if found is not None and found.share > _COMPLETE:
         return found
     grouped = _best_of(texts, layouts, groups=True)
     return grouped if found is None or (grouped and grouped.score > found.score) else found
@@ -209,8 +217,8 @@ def _best_of(texts: Sequence[str], layouts: Sequence[tuple[str, str]], *, groups
             numbers = sum(count for count, kept in zip(counts, numeric, strict=True) if kept)
             share = numbers / max(1, sum(filled))
             # many numbers, and few cells that are not
-            if sum(numeric) >= 2 and numbers * share > (best.score if best else 0.0):
-                best = _Fit(delimiter, decimal, width, numeric, numbers * share, share)
+            if sum(numeric) >= 2 and numbers * share**2 > (best.score if best else 0.0):
+                best = _Fit(delimiter, decimal, width, numeric, numbers * share**2, share)
     return best
 
 
@@ -251,6 +259,14 @@ def _is_first_row(
     return not (words and all(_WHOLE.fullmatch(cell) and not is_whole for cell, is_whole in numbers))
 
 
+def _are_counted(cells: Sequence[str], whole: Sequence[bool]) -> bool:
+    """Return whether the cells number the columns (`0,1,2`), above values that are not whole."""
+    numbers = [cell for cell in cells if cell]
+    begin = int(numbers[0]) if numbers and re.fullmatch("[01]", numbers[0]) else -1
+    is_counted = len(numbers) > 1 and numbers == [str(begin + place) for place in range(len(numbers))]
+    return is_counted and len(cells) - len(numbers) <= 1 and not any(whole[len(cells) - len(numbers) :])
+
+
 def _is_whole(cells: Sequence[str]) -> bool:
     """Return whether the numbers of a column are whole, but for few."""
     numbers = [cell for cell in cells if has_number(cell)]
@@ -268,8 +284,8 @@ def _last_of(head: Sequence[str]) -> str:
 
 
 def _require_no_split_decimals(head: str, row: str, columns: Sequence[Sequence[str]], source: str) -> None:
-    """Refuse decimal commas between commas: whole numbers below names for half as many columns, or every
-    second one with zeros before its digits.
+    """Refuse decimal commas between commas: whole numbers below names for half as many columns, or an even
+    number of them of which a second one has zeros before its digits.
 
     Raises:
         RecordingError: it is so.
@@ -277,7 +293,7 @@ def _require_no_split_decimals(head: str, row: str, columns: Sequence[Sequence[s
     width, names = len(columns), [name for name in split(head, ",") if name and not has_number(name)]
     if head and not width / 2 <= len(names) < width:
         return
-    if not head and (width % 2 or not all(any(map(_ZEROS_FIRST.fullmatch, each)) for each in columns[1::2])):
+    if not head and (width % 2 or not any(any(map(_ZEROS_FIRST.fullmatch, each)) for each in columns[1::2])):
         return
     names_of = f" and the head {len(names)} names, '{head:.40}'" if head else ""
     raise RecordingError(

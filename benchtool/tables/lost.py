@@ -61,19 +61,19 @@ def lost_among(
         overloads = int(np.count_nonzero(cells == Cell.OVERLOAD))
         if overloads:
             reasons[what] = (
-                f"{overloads} of its cells state an overload: the record is clipped, choose a span without any, "
-                f"or a larger range"
+                f"{overloads} of its cells state an overload: the record is clipped, choose a span without "
+                f"any, or a larger range"
             )
         elif _beside_extremes(rows.data[:, column], rows.place, out.place[within][cells == Cell.MISSING]):
             reasons[what] = (
-                f"{np.count_nonzero(cells)} of its cells are no numbers{_of(first)}, next to its greatest "
-                f"or least ones: values are missing there, as by an overload"
+                f"{np.count_nonzero(cells)} of its cells are no numbers{_of(first)}, next to its greatest or "
+                f"its least values: what is missing there may be an overload"
             )
         elif share > _LARGEST_SHARE:
             reasons[what] = (
-                f"{100 * share:.2g} % of the rows are left out, with a cell that is no number or with too few or "
-                f"too many{_of(first)}: the rest does not stand for all, mend these rows or choose a span "
-                f"without them"
+                f"{100 * share:.2g} % of the rows are left out, with a cell that is no number or a wrong "
+                f"number of cells{_of(first)}: the rest does not stand for all, mend these rows or choose a "
+                f"span without them"
             )
     return Lost(rows.dropped, count, reasons, first)
 

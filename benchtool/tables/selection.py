@@ -49,7 +49,7 @@ def selection_of(path: Path, layout: Layout, wanted: str, si_unit: str, rated: f
             f"{path} has no column '{wanted}', {_listed(layout)}: give a name or a number"
             f"{constant if is_constant else ''}"
         )
-    column = layout.columns[number]
+    column = layout.columns[number].called(wanted)
     asked = stated.unit or si_unit
     if column.stamps and asked != "s":
         raise AnalysisError(
@@ -118,8 +118,9 @@ def _find(path: Path, layout: Layout, wanted: str) -> int | None:
         return int(match[1]) - 1 if 1 <= int(match[1]) <= len(columns) else None
     names = [column.name for column in columns]
     bare = [column.bare_name for column in columns]
-    ways = [(names, wanted), (bare, wanted)]
-    ways += [([name.lower() for name in spelt], wanted.lower()) for spelt in (names, bare)]
+    others = [column.other_name for column in columns]
+    ways = [(names, wanted), (bare, wanted), (others, wanted)]
+    ways += [([name.lower() for name in spelt], wanted.lower()) for spelt in (names, bare, others)]
     for spelt, name in ways:
         places = [place for place, each in enumerate(spelt) if each == name != ""]
         if len(places) > 1:

@@ -60,7 +60,7 @@ def test_oddities_are_remarks_and_a_bundle_and_a_report_are_kept(invoke: Invoke)
     document = json.loads(result.stdout)
     found = {(each["kind"], each["column"]): each["text"] for each in document["cases"]["csv"]["remarks"]}
     assert set(found) == {("repeated_rows", ""), ("two_regimes", "torque"), ("clipped", "speed")}
-    assert "average 0.14 Nm, the rest 0.31 Nm" in found["two_regimes", "torque"]
+    assert "average 0.14 Nm, 63 % at 0.31 Nm" in found["two_regimes", "torque"]
     bundle = Bundle.open(Path("kept"))
     assert bundle.complete
     np.testing.assert_allclose(bundle.block("table").column("T"), torque, rtol=1e-6)
