@@ -28,16 +28,18 @@ _BETWEEN_GROUPS = re.compile(rb"\xc2\xa0|\xe2\x80[\x87-\x89\x99\xaf]|'")
 _FORTRAN = re.compile(rb"(?<=[0-9.])[dD](?=[+-][0-9]{2})")
 _SNIFFED_BYTES = 64 * 1024
 _OVERLOADS = re.compile(
-    r"[+-]?(?:inf|infinity|1\.#inf\d*|(?:over|ov[lr]|ofl|clip|satur|under).*|o\.?l\.?|of|out of range|max|min"
-    r"|.{0,2}(?:berlauf|bersteuer|berlast|bereich).*|hi|lo|high|low|d.{1,2}passement.*|fuori.*|fuera.*"
+    r"[+-]?(?:inf|infinity|1\.#inf\d*|(?:over|ov[lr]|ofl|clip|satur|under).*|o\.?l\.?|of|out of range"
+    r"|.{0,2}(?:berlauf|bersteuer|berlast|bereich).*|hi|lo|d.{1,2}passement.*|fuori.*|fuera.*"
     r"|[<>]+.*|\++)",
     re.IGNORECASE,
 )
 _NO_VALUE = re.compile(
-    r"|[+-]?(?:1\.#)?(?:nan|qnan|snan|ind)\d*|null|none|nil|n/?\.?a\.?|#.*|[-*?.x_]+|no ?data"
+    r"|[+-]?(?:1\.#)?(?:nan|qnan|snan|ind)\d*|null|none|nil|n/?\.?a\.?|#.*|[-*?._]+|no ?data"
     r"|invalid|error|err|missing|fault|bad.*",
     re.IGNORECASE,
 )
+
+_IN_PLACE = re.compile(r"nan|inf|null|none|na|ol|ovl|over|overflow|overload|no ?data", re.IGNORECASE)
 
 
 class Cell(IntEnum):
@@ -102,6 +104,12 @@ def kind_of_word(cell: str) -> Cell | None:
     if _OVERLOADS.fullmatch(cell):
         return Cell.OVERLOAD
     return Cell.MISSING if _NO_VALUE.fullmatch(cell) else None
+
+
+def is_no_name(cell: str) -> bool:
+    """Return whether a cell stands in place of a number and is no word that may name a column, as `error`."""
+    is_word = re.fullmatch(r"[A-Za-z ]+", cell) and not _IN_PLACE.fullmatch(cell)
+    return kind_of_word(cell) is not None and not is_word
 
 
 def numbers_of(cells: pa.ChunkedArray, decimal: str, delimiter: str) -> pa.ChunkedArray:

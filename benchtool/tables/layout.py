@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from benchtool.errors import RecordingError
-from benchtool.tables.cells import BLANKS, is_number, kind_of_word
+from benchtool.tables.cells import BLANKS, is_no_name, is_number, kind_of_word
 from benchtool.tables.grouping import Use, use_of
 from benchtool.tables.head import (
     Column,
@@ -254,7 +254,7 @@ def _is_first_row(
     ]
     numbers = [(cell, is_whole) for cell, is_whole in wanted if is_number(cell, decimal, delimiter)]
     if not numbers:
-        return any(cell for cell, _ in wanted) and all(kind_of_word(cell) is not None for cell, _ in wanted)
+        return any(cell for cell, _ in wanted) and all(is_no_name(cell) for cell, _ in wanted)
     words = any(cell and kind_of_word(cell) is None for cell, _ in wanted if not has_number(cell))
     return not (words and all(_WHOLE.fullmatch(cell) and not is_whole for cell, is_whole in numbers))
 

@@ -1,0 +1,53 @@
+"""Regimes of a record: stretches at levels of their own, and what is none."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from benchtool.tables.regimes import regimes
+
+Array = NDArray[np.float64]
+SHARE = np.arange(5_000) / 5_000
+
+
+def noisy(values: Array, seed: int, rms: float = 0.01) -> Array:
+    return np.asarray(values + rms * np.random.default_rng(seed).standard_normal(len(values)))
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize(
+    ("begins", "levels"),
+    [
+        ((0.5,), (1, 2)),
+        ((0.97,), (1, 2)),
+        ((0.03,), (2, 1)),
+        ((0.36, 0.7), (1, 3, 2)),
+        ((0.4, 0.44), (1, 2, 1)),
+    ],
+)
+def test_levels_are_counted(begins: tuple[float, ...], levels: tuple[float, ...], seed: int) -> None:
+    values = np.asarray(levels, dtype=np.float64)[np.searchsorted(begins, SHARE, side="right")]
+    found = regimes(noisy(values + 0.1 * np.cos(2 * np.pi * 1_000 * SHARE), seed), "Nm")
+    assert found is not None
+    assert found.levels == len(set(levels))
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("rms", [0.0, 0.01, 0.1, 0.3])
+@pytest.mark.parametrize(
+    "values",
+    [
+        *(1.0 + SHARE, 1.0 + SHARE**2, 1.0 + np.exp(-5.0 * SHARE), 0.0 * SHARE + 1.0),
+        *(np.sin(2 * np.pi * count * SHARE) for count in (1.0, 1.5, 3.5, 17.3, 40.0)),
+    ],
+)
+def test_drifts_and_swings_have_none(values: Array, rms: float, seed: int) -> None:
+    assert regimes(noisy(values, seed, rms), "Nm") is None
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_spikes_are_no_regime(seed: int) -> None:
+    spikes = 5.0 * (np.random.default_rng(seed + 50).random(5_000) < 5e-4)
+    assert regimes(noisy(1.0 + spikes, seed), "Nm") is None
