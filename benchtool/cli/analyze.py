@@ -124,10 +124,11 @@ def analyze(
     allow, or in the window of --from and --to. With one of these, --stream or --analysis, so is a run of a
     plan, without its limits.
 
-    COLUMN is a name in the head of the table, or a number counted from 1. Its unit is SI (s, A, Nm, rad,
-    rad/s) unless the head states another, as "Iq [mA]" or "Iq/mA", or the option does behind a colon:
-    --current Iq:mA, --angle 2:deg, --time "t:ms"; the time may be a date and time of day. A probe's gain and
-    offset may follow, the offset in that unit: --current CH1:A*10-0.2 is ten times the cell, less 0.2 A.
+    COLUMN is a name in the head of the table, or a number counted from 1; where a column is called by a
+    number, #2 is the second one. Its unit is SI (s, A, Nm, rad, rad/s) unless the head states another, as
+    "Iq [mA]" or "Iq/mA", or the option does behind a colon: --current Iq:mA, --angle 2:deg, --time
+    "t:ms"; the time may be a date and time of day. A probe's gain and offset may follow, the offset in
+    that unit: --current CH1:A*10-0.2 is ten times the cell, less 0.2 A.
     """
     if list_:
         return _list(run, csv, as_json=as_json)

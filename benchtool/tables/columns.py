@@ -50,6 +50,11 @@ class TableQuestion:
     decimal: str = ""
 
     @property
+    def asked(self) -> dict[str, str]:
+        """The columns that are asked for, the time first if that is one."""
+        return dict(self.columns) if self.time is None else {"time": self.time, **self.columns}
+
+    @property
     def day(self) -> date:
         """The day on which the table was recorded, as far as is known.
 
@@ -90,10 +95,7 @@ class TableColumns:
     def called_by_numbers(self, question: TableQuestion) -> Iterator[tuple[str, str]]:
         """Yield what was asked for by a number that is the name of one column and the number of another, and
         which of them it is."""
-        asked = (
-            dict(question.columns) if question.time is None else {"time": question.time, **question.columns}
-        )
-        for what, wanted in asked.items():
+        for what, wanted in question.asked.items():
             number = by_number(wanted)
             other = None if number is None else hides(self.table.layout, number)
             if other is not None:
@@ -139,8 +141,7 @@ def read_columns(question: TableQuestion) -> TableColumns:
 
 def _choose(table: TextTable, question: TableQuestion) -> dict[str, Selection]:
     """Return the time and the columns asked for, no two of them the same."""
-    asked = dict(question.columns) if question.time is None else {"time": question.time, **question.columns}
-    asked = _numbered(table, asked)
+    asked = _numbered(table, question.asked)
     rated = {"torque": question.torque_rated_Nm}
     chosen = {
         what: table.select(name, {"time": "s", **QUANTITIES}[what], rated.get(what))

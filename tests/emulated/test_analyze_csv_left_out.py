@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from tests.emulated.analyze_csv import Invoke, analyze, measured, values
 from tests.emulated.csv_tables import TURN, Array
@@ -26,7 +28,7 @@ def torque() -> tuple[Array, Array, Array]:
     return time_s, np.asarray(1.2 + 0.1 * np.cos(12 * theta) + noise), theta
 
 
-def case(invoke: Invoke, word: str, lost: Array, *options: str) -> dict[str, object]:
+def case(invoke: Invoke, word: str, lost: NDArray[np.bool_], *options: str) -> dict[str, Any]:
     time_s, torque_Nm, theta = torque()
     cells = (word if gone else f"{each:.5f}" for each, gone in zip(torque_Nm, lost, strict=True))
     rows = (f"{t:.4f},{cell},{angle:.5f}" for t, cell, angle in zip(time_s, cells, theta, strict=True))
@@ -35,9 +37,8 @@ def case(invoke: Invoke, word: str, lost: Array, *options: str) -> dict[str, obj
     return measured(invoke("--csv", "t.csv", *columns, "--json", *options))
 
 
-def reasons(found: dict[str, object]) -> set[str]:
+def reasons(found: dict[str, Any]) -> set[str]:
     numbers = found["measurements"]
-    assert isinstance(numbers, dict)
     return {numbers[name].get("reason", "") for name in RIPPLE}
 
 
@@ -59,12 +60,10 @@ def test_a_few_rows_between_others_take_the_uncertainty(invoke: Invoke) -> None:
     found = case(invoke, "n/a", lost)
     assert values(found)["torque_mean"] == pytest.approx(1.2, abs=1e-3)
     numbers = found["measurements"]
-    assert isinstance(numbers, dict)
     for name in RIPPLE:
         assert "uncertainty" not in numbers[name] or numbers[name]["uncertainty"] is None
         assert "rows in between that have no number" in numbers[name]["definition"]
     remarks = found["remarks"]
-    assert isinstance(remarks, list)
     assert [each["kind"] for each in remarks] == ["rows_left_out"]
     assert (
         f"{np.count_nonzero(lost)} (a cell is no number), the first 'n/a' in column 2" in remarks[0]["text"]
@@ -81,7 +80,6 @@ def test_rows_at_the_ends_and_out_of_the_span_only_shorten_the_record(invoke: In
     for lost, options in (((row < 5) | (row > 3_990), ()), (row == 500, ("--from", "0.12"))):
         found = case(invoke, "OVER", lost, *options)
         numbers = found["measurements"]
-        assert isinstance(numbers, dict)
         assert numbers["torque_mean"]["uncertainty"]["expanded"] < 0.01
 
 
