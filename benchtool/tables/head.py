@@ -11,7 +11,7 @@ from benchtool.tables.cells import BLANKS, is_number, kind_of_word
 from benchtool.tables.units import is_description, is_scale, is_unit
 
 _BRACKETED = re.compile(r"\(.*\)|\[.*\]")
-_BRACKETS = re.compile(r"\s*(?:\((?P<round>[^()]*)\)|\[(?P<square>[^\[\]]*)\])")
+_BRACKETS = re.compile(r"\s*(?:\(([^()]*)\)|\[([^\[\]]*)\]|\{([^{}]*)\}|<([^<>]*)>)")
 _RULE = re.compile(r"[-=_+|:~*\s]*(?:-{3}|={3}|_{3})[-=_+|:~*\s]*")
 _ROWS_IN_HEAD = 0.25  # of the rows below the names: more rows above them are data
 
@@ -23,14 +23,14 @@ class Column:
     What the name has in brackets is its unit, known or not (`[mA]`, `[counts]`, `[kp cm2]`), but for an index
     or words that describe the column: `Iq[0]` and `i (phase a)` have none. Of a quotient of quantity and unit
     (`t/s`, `n/(1/min)`; ISO 80000-1:2022, 7.1.4) it is the latter. The cells of a column with `stamps` are
-    times of day, perhaps with a date, which count in seconds. Where it `is_open`, the decimal sign may stand
-    between thousands as well. `other_name` is what the head has instead of a unit, where that may be a name.
+    times of day, perhaps with a date, which count in seconds. `open_sign` may be the decimal sign, or stand
+    between thousands. `other_name` is what the head has instead of a unit, where that may be a name.
     """
 
     name: str
     unit: str
     stamps: bool = False
-    is_open: bool = False
+    open_sign: str = ""
     other_name: str = ""
 
     def called(self, name: str) -> Column:
@@ -94,6 +94,18 @@ def columns_of(preamble: Sequence[str], delimiter: str, width: int) -> tuple[Col
             for name, unit, other in zip(fitting[1], fitting[0], below, strict=True)
         )
     return tuple(Column(name, _unit_in(name)) for name in fitting[0])
+
+
+def units_in(preamble: Sequence[str], delimiter: str) -> tuple[str, ...]:
+    """Return the units in brackets and in cells of their own of all lines above the numbers."""
+    found: dict[str, None] = {}
+    for line in preamble:
+        texts = [
+            *_in_brackets(line),
+            *(cell.strip("()[]{}<> ") for cell in split(bare_line(line), delimiter)),
+        ]
+        found |= dict.fromkeys(text for text in texts if text and is_unit(text))
+    return tuple(found)
 
 
 def rows_below_names(
@@ -174,7 +186,7 @@ def _is_foreign(text: str) -> bool:
 
 
 def _in_brackets(name: str) -> list[str]:
-    return [str(match["round"] or match["square"] or "").strip() for match in _BRACKETS.finditer(name)]
+    return ["".join(each).strip() for each in _BRACKETS.findall(name)]
 
 
 def _quotient(name: str) -> tuple[str, str]:

@@ -20,6 +20,7 @@ from benchtool.tables.head import (
     is_comment,
     rows_below_names,
     split,
+    units_in,
 )
 from benchtool.tables.stamps import is_stamp
 
@@ -49,7 +50,8 @@ class Layout:
     """Numbers begin at byte `begin`, after `head_lines` lines; `delimiter` is one character, or `BLANKS`.
 
     `head` is the line nearest the numbers that is neither blank nor a comment where no line names the
-    columns. Where `is_open`, the sample has the decimal sign only where one between thousands might be.
+    columns. Where `is_open`, the sample has the decimal sign, or the other one, only where one between
+    thousands might be. `head_units` are all units in the head, whether of a column or not.
     """
 
     delimiter: str
@@ -59,6 +61,7 @@ class Layout:
     begin: int
     head: str = ""
     is_open: bool = False
+    head_units: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -149,9 +152,12 @@ def find_layout(text: bytes, source: str, decimal: str = "") -> Layout:
         Column(each.name, "s", stamps=True) if _is_stamped(cells) else each
         for each, cells in zip(columns, by_column, strict=True)
     )
-    uses = [use_of(decimal, cells) for cells, kept in zip(by_column, numeric, strict=True) if kept]
-    is_open = Use.NOTHING < max(uses) < Use.DECIMALS
-    return Layout(delimiter, decimal, columns, head_lines, begin, last, is_open)
+    kept = [cells for cells, is_kept in zip(by_column, numeric, strict=True) if is_kept]
+    other = "." if decimal == "," else ","
+    is_open = Use.NOTHING < max(use_of(decimal, cells) for cells in kept) < Use.DECIMALS
+    is_open |= any(use_of(other, cells) == Use.EITHER for cells in kept)
+    units = units_in(texts[:head_lines], delimiter)
+    return Layout(delimiter, decimal, columns, head_lines, begin, last, is_open, units)
 
 
 def _almost_a_number(sample: Sequence[bytes]) -> str:

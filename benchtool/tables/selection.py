@@ -56,9 +56,9 @@ def selection_of(path: Path, layout: Layout, wanted: str, si_unit: str, rated: f
             f"column '{wanted}' of {path} holds times of day, numbers in {asked} are expected: "
             f"choose another column, or name this one as the time"
         )
-    if column.is_open:
+    if column.open_sign:
         raise AnalysisError(
-            f"'{layout.decimal}' in column '{wanted}' of {path} may be the decimal sign or stand between "
+            f"'{column.open_sign}' in column '{wanted}' of {path} may be the decimal sign or stand between "
             f"thousands, as every number that has one has three digits behind it: state --decimal . or "
             f"--decimal ,"
         )
@@ -68,6 +68,11 @@ def selection_of(path: Path, layout: Layout, wanted: str, si_unit: str, rated: f
     factor = unit_factor(unit, si_unit)
     if factor is None and rated is not None and unit.lower() in PERCENT:
         factor = rated / 100.0
+    if unit_from == "assumed" and (elsewhere := _unit_elsewhere(layout, si_unit)):
+        raise AnalysisError(
+            f"the head of {path} has the unit '{elsewhere}', but not of which column; '{wanted}' has none: "
+            f"state it in the option, as '{wanted}:{si_unit}' or '{wanted}:{elsewhere}'"
+        )
     if factor is None:
         by = "which its head states" if unit_from == "head" else "as given"
         raise AnalysisError(
@@ -94,6 +99,13 @@ def _unit(column: Column, si_unit: str) -> tuple[str, str]:
         return column.in_brackets, "head"
     behind = unit_behind(column.bare_name, si_unit)
     return (behind, "head") if behind else (si_unit, "assumed")
+
+
+def _unit_elsewhere(layout: Layout, si_unit: str) -> str:
+    """Return a unit of the kind in the head that is not SI and of no column; empty if there is none."""
+    used = {column.unit for column in layout.columns}
+    other = (each for each in layout.head_units if each not in used)
+    return next((each for each in other if unit_factor(each, si_unit) not in (None, 1.0)), "")
 
 
 def by_number(wanted: str) -> int | None:

@@ -245,18 +245,21 @@ class TextTable:
             texts, _ = self._read(self._body(), numbers, pa.string())
         except pa.ArrowException:
             return self
-        trimmed = (pc.ascii_trim_whitespace(texts[name]) for name in texts.column_names)
-        uses = [use_of(sign, (cell or "" for cell in cells.to_pylist())) for cells in trimmed]
-        is_usual = (layout.delimiter, sign) == (",", ".")
-        if max(uses) == Use.DECIMALS or (is_usual and max(uses) == Use.EITHER):
-            return self
+        other = "." if sign == "," else ","
+        cells = [
+            [cell.strip() for cell in texts[name].to_pylist() if cell is not None]
+            for name in texts.column_names
+        ]
+        uses = [use_of(sign, each) for each in cells]
         if max(uses) == Use.THOUSANDS:
-            return replace(self, layout=replace(layout, decimal="." if sign == "," else ","))
-        columns = tuple(
-            replace(each, is_open=number in numbers and uses[numbers.index(number)] == Use.EITHER)
-            for number, each in enumerate(layout.columns)
-        )
-        return replace(self, layout=replace(layout, columns=columns))
+            return replace(self, layout=replace(layout, decimal=other))
+        columns = list(layout.columns)
+        is_known = max(uses) == Use.DECIMALS or (layout.delimiter, sign) == (",", ".")
+        for number, use, each in zip(numbers, uses, cells, strict=True):
+            is_either = not is_known and use == Use.EITHER
+            of_other = other if use_of(other, each) == Use.EITHER else ""
+            columns[number] = replace(columns[number], open_sign=sign if is_either else of_other)
+        return replace(self, layout=replace(layout, columns=tuple(columns)))
 
 
 def _cells(values: NDArray[np.float64], texts: pa.ChunkedArray | None) -> NDArray[np.int8]:

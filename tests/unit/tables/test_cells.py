@@ -90,6 +90,16 @@ def test_what_may_be_either_is_refused_until_it_is_stated(tmp_path: Path, sign: 
     np.testing.assert_allclose(read(path, "," if sign == "." else ".").data[:, 1], values)
 
 
+def test_decimals_of_another_sign_than_the_table_has_are_open(tmp_path: Path) -> None:
+    rows = (f"0,{row:04d};{1 + row / 1000:.3f}\n" for row in range(COUNT))
+    path = write(tmp_path, "t;T\n" + "".join(rows))
+    with pytest.raises(
+        AnalysisError, match=r"'\.' in column '2' .* may be the decimal sign or stand between"
+    ):
+        read(path)
+    np.testing.assert_allclose(read(path, ",").data[:, 1], 1000.0 + np.arange(COUNT))
+
+
 @pytest.mark.parametrize(
     ("cells", "use"),
     [

@@ -137,3 +137,22 @@ def test_a_bare_number_for_a_speed_is_told_its_unit(tmp_path: Path) -> None:
 def test_words_that_name_columns_are_names(tmp_path: Path, head: str) -> None:
     found = table(tmp_path, head)
     assert [column.name for column in found.layout.columns] == head.strip().split(",")
+
+
+@pytest.mark.parametrize(
+    "head",
+    ["[s],[mA],[mNm]\nt,I,T\n", "t,I,T\ns,mA,mNm\nai0,ai1,ai2\n", "t [s],I [mA]\n"],
+)
+def test_a_unit_of_no_column_keeps_si_from_being_assumed(tmp_path: Path, head: str) -> None:
+    found = table(tmp_path, head)
+    with pytest.raises(
+        AnalysisError, match=r"has the unit 'mA', but not of which column; '2' has none: state"
+    ):
+        found.select("2", "A")
+    assert found.select("2:mA", "A").factor == 1e-3
+
+
+@pytest.mark.parametrize("brackets", ["[]", "()", "{}", "<>"])
+def test_brackets_of_any_kind(tmp_path: Path, brackets: str) -> None:
+    found = table(tmp_path, f"t,I {brackets[0]}mA{brackets[1]},x\n")
+    assert found.select("I", "A").factor == 1e-3

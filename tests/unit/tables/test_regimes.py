@@ -44,10 +44,10 @@ def test_levels_are_counted(begins: tuple[float, ...], levels: tuple[float, ...]
     ],
 )
 def test_drifts_and_swings_have_none(values: Array, rms: float, seed: int) -> None:
-    assert regimes(noisy(values, seed, rms), "Nm") is None
+    assert regimes(noisy(values.astype(np.float64), seed, rms), "Nm") is None
 
 
 @pytest.mark.parametrize("seed", range(5))
 def test_spikes_are_no_regime(seed: int) -> None:
     spikes = 5.0 * (np.random.default_rng(seed + 50).random(5_000) < 5e-4)
-    assert regimes(noisy(1.0 + spikes, seed), "Nm") is None
+    assert regimes(noisy(np.asarray(1.0 + spikes, np.float64), seed), "Nm") is None
