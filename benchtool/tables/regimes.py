@@ -59,7 +59,7 @@ def _stretches(values: NDArray[np.float64], greatest: float, unit: str, of: str)
     is_step[1:-1] = np.abs(values[2:] - values[:-2]) >= least  # one within a part shows over two
     begins = np.flatnonzero(np.diff(~is_step, prepend=False) & ~is_step)
     ends = np.flatnonzero(np.diff(~is_step, append=False) & ~is_step) + 1
-    if not 2 <= len(begins) <= _MOST_STRETCHES:
+    if not least > 0.0 or not 2 <= len(begins) <= _MOST_STRETCHES:
         return None
     stretches = [values[begin:end] for begin, end in zip(begins, ends, strict=True)]
     levels = np.array([float(np.median(each)) for each in stretches])

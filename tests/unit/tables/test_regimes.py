@@ -51,3 +51,9 @@ def test_drifts_and_swings_have_none(values: Array, rms: float, seed: int) -> No
 def test_spikes_are_no_regime(seed: int) -> None:
     spikes = 5.0 * (np.random.default_rng(seed + 50).random(5_000) < 5e-4)
     assert regimes(noisy(np.asarray(1.0 + spikes, np.float64), seed), "Nm") is None
+
+
+@pytest.mark.parametrize("value", [0.0, 1.0, -9e37])
+def test_a_dead_signal_has_none(value: float) -> None:
+    assert regimes(np.full(500, value), "Nm") is None
+    assert regimes(np.full(5, value), "Nm") is None
