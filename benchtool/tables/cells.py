@@ -70,7 +70,7 @@ def ascii_numbers(text: bytes) -> bytes:
 def plain(decimal: str) -> str:
     """Return the pattern of a number with this decimal sign."""
     sign = re.escape(decimal)
-    return rf"[+-]?(?:[0-9]+{sign}?[0-9]*|{sign}[0-9]+){_EXPONENT}"
+    return rf"[+-]?(?:[0-9]+(?:{sign}[0-9]*)?|{sign}[0-9]+){_EXPONENT}"
 
 
 @cache

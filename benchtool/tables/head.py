@@ -11,8 +11,9 @@ from benchtool.tables.cells import BLANKS, is_number, kind_of_word
 from benchtool.tables.units import is_description, is_scale, is_unit
 
 _BRACKETED = re.compile(r"\(.*\)|\[.*\]")
-_BRACKETS = re.compile(r"\s*(?:\(([^()]*)\)|\[([^\[\]]*)\]|\{([^{}]*)\}|<([^<>]*)>)")
-_RULE = re.compile(r"[-=_+|:~*\s]*(?:-{3}|={3}|_{3})[-=_+|:~*\s]*")
+_IN_BRACKETS = re.compile(r"\(([^()]*)\)|\[([^\[\]]*)\]|\{([^{}]*)\}|<([^<>]*)>")
+_BRACKETS = re.compile(rf"\s*(?:{_IN_BRACKETS.pattern})")
+_RULE_SIGNS = frozenset("-=_+|:~* \t")
 _ROWS_IN_HEAD = 0.25  # of the rows below the names: more rows above them are data
 
 
@@ -75,7 +76,7 @@ def columns_of(preamble: Sequence[str], delimiter: str, width: int) -> tuple[Col
     """
     fitting: list[list[str]] = []
     for line in reversed(preamble):
-        if not line.strip() or _RULE.fullmatch(line.strip()):
+        if not line.strip() or _is_rule(line.strip()):
             continue
         cells = fitted(bare_line(line), delimiter, width)
         if cells is None:
@@ -158,6 +159,11 @@ def are_units(cells: Sequence[str]) -> bool:
     return units > 0 and (bracketed or units + others == len(filled) or 2 * units > len(filled))
 
 
+def _is_rule(line: str) -> bool:
+    """Return whether a line is drawn, below names for example."""
+    return set(line) <= _RULE_SIGNS and any(3 * sign in line for sign in "-=_")
+
+
 def _is_unit_cell(cell: str) -> bool:
     return is_unit(cell.strip("()[] "))
 
@@ -186,7 +192,7 @@ def _is_foreign(text: str) -> bool:
 
 
 def _in_brackets(name: str) -> list[str]:
-    return ["".join(each).strip() for each in _BRACKETS.findall(name)]
+    return ["".join(each).strip() for each in _IN_BRACKETS.findall(name)]
 
 
 def _quotient(name: str) -> tuple[str, str]:

@@ -85,6 +85,7 @@ _WORDS = {
     "Ncm": ("ncm",),
     "Nmm": ("nmm",),
 }
+_LONGEST = 40
 _REVOLUTIONS = frozenset(
     (
         *("", "1", "r", "u", "tr", "ot", "rot", "rev", "giri", "obr", "об", "turn", "tour"),
@@ -158,6 +159,8 @@ def unit_factor(text: str, unit: str) -> float | None:
     further unit of instruments: min, h; a force times a length (Ncm, lbf·ft, lb-ft, kp·cm); an angle per time
     (deg/min, 1/s, tr/min), where what is counted are revolutions.
     """
+    if len(text) > _LONGEST:
+        return None
     symbol = _symbol(text)
     if (factor := spellings(unit).get(symbol)) is not None:
         return float(factor)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
 
 import numpy as np
@@ -134,3 +135,15 @@ def test_a_row_that_was_left_out_says_what_its_cells_are(tmp_path: Path) -> None
     assert rows.left_out.cells[:, 1].tolist() == kinds
     assert rows.left_out.place.tolist() == [1, 2, 3, 4]
     assert rows.left_out.broken == 1  # the last line is cut short, the other is not
+
+
+@pytest.mark.parametrize(
+    "cell", ["1" * 200_000 + ".5.5", "-" * 200_000 + "x", "(" * 200_000, "1 " * 100_000 + "x"]
+)
+@pytest.mark.parametrize("place", ["head", "row"])
+def test_long_cells_take_no_time_by_the_square_of_their_length(tmp_path: Path, cell: str, place: str) -> None:
+    head, row = (cell, "0.5") if place == "head" else ("T", cell)
+    body = "".join(f"{number}.5,0.{number}\n" for number in range(9))
+    begin_s = time.monotonic()
+    TextTable.open(write(tmp_path, f"t,{head}\n0.25,{row}\n{body}"))
+    assert time.monotonic() - begin_s < 5.0
