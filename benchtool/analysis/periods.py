@@ -56,9 +56,12 @@ class PhaseTrack:
     resolution_rad: float = 0.0
 
     def at(self, numbers: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the phase, rad, at fractional sample numbers, shape (m,)."""
+        """Return the phase, rad, at fractional sample numbers, shape (m,); beyond the record the departure is
+        that at its end, because a curve through it may go anywhere."""
         smooth = np.asarray(self.phase(numbers), dtype=np.float64)
-        return smooth if self.departure is None else smooth + self.departure(numbers)
+        if self.departure is None:
+            return smooth
+        return smooth + self.departure(np.clip(numbers, 0.0, self.samples - 1.0))
 
     @property
     def periods(self) -> float:
@@ -74,14 +77,27 @@ class PhaseTrack:
         """
         if self.departure is None:
             return self._of_polynomial(phase)
-        ends = np.array([np.min(phase), np.max(phase)])
+        rows = self._rows_around(float(np.min(phase)), float(np.max(phase)))
+        # where rows are missing a curve through the angle may turn back for a moment
+        return np.interp(phase, np.maximum.accumulate(self.at(rows)), rows)
+
+    def _rows_around(self, least_rad: float, greatest_rad: float) -> NDArray[np.float64]:
+        """Return the sample numbers between which the track has these phases, shape (m,).
+
+        They begin where the polynomial has them, less what the track departs from it there, and reach out
+        until they hold both.
+        """
+        ends = np.array([least_rad, greatest_rad])
         places = self._of_polynomial(ends)
         for _ in range(_REPETITIONS):
-            places = self._of_polynomial(ends - self.departure(places))
-        rows = np.arange(
-            math.floor(places[0]) - _MARGIN, math.ceil(places[1]) + _MARGIN + 1, dtype=np.float64
-        )
-        return np.interp(phase, self.at(rows), rows)
+            places = self._of_polynomial(ends - (self.at(places) - self.phase(places)))
+        first, last = math.floor(places[0]) - _MARGIN, math.ceil(places[1]) + _MARGIN
+        reach = _MARGIN
+        while self.at(np.array([first, last], dtype=np.float64))[0] > least_rad:
+            first, reach = first - reach, 2 * reach
+        while self.at(np.array([first, last], dtype=np.float64))[1] < greatest_rad:
+            last, reach = last + reach, 2 * reach
+        return np.arange(first, last + 1, dtype=np.float64)
 
     def _of_polynomial(self, phase: NDArray[np.float64]) -> NDArray[np.float64]:
         begin, end = float(self.phase(0)), float(self.phase(self.samples - 1))
