@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from numpy import fft
 from numpy.typing import NDArray
 
 from benchtool.analysis.scatter import neighbours_alike
@@ -15,7 +16,7 @@ Floats = NDArray[np.float64]
 
 _FEWEST_PERIODS = 16
 _LEFT = 0.03  # of the variance; of a random walk a parabola leaves a quarter
-_FEWEST_CYCLES, _PER_PERIOD, _CYCLES_APART = 1.0, 0.25, 0.05
+_FEWEST_CYCLES, _PER_PERIOD, _PER_CYCLE = 1, 0.25, 20
 _AT_LEAST, _REFINEMENTS = 0.5, (21, 11)  # of the power, by a periodogram
 _WITHOUT_DOUBT, _ALIKE = 3e-4, 3.0  # of the variance; standard deviations of a correlation
 _POINTS_PER_PERIOD = 8
@@ -95,17 +96,17 @@ def _step(relative: Floats) -> Callable[[Floats], Floats]:
 
 def _swing(relative: Floats, place: Floats) -> Iterator[_Curve]:
     """Yield the sinusoid that leaves least, about a constant."""
-    cycles = np.arange(_FEWEST_CYCLES, _PER_PERIOD * len(relative), _CYCLES_APART)
-    if not len(cycles):
+    first, last = _PER_CYCLE * _FEWEST_CYCLES, math.ceil(_PER_CYCLE * _PER_PERIOD * len(relative))
+    if not first < last:
         return
-    turns = np.exp(2j * np.pi * np.outer(cycles, place))
-    size = np.abs(turns @ relative) / len(relative)
-    found = cycles[int(np.argmax(size))]
+    # padded with zeros a DFT has a bin for each twentieth of a cycle over the record
+    size = np.abs(fft.rfft(relative, _PER_CYCLE * len(relative))[first:last]) / len(relative)
+    found = (first + int(np.argmax(size))) / _PER_CYCLE
     if 2.0 * float(np.max(size)) ** 2 < _AT_LEAST * float(np.mean(relative**2)):
         return
     least, reach = math.inf, _FEWEST_CYCLES / 2.0
     best: Floats = np.zeros(3)
-    frequency = float(found)
+    frequency = found
     for steps in _REFINEMENTS:
         for each in frequency + reach * np.linspace(-1.0, 1.0, steps):
             if each < 0.5 * _FEWEST_CYCLES:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tracemalloc
 from collections.abc import Callable
 
 import numpy as np
@@ -73,3 +74,13 @@ def test_jitter_is_seen_where_the_signal_is_steep() -> None:
         signal = np.cos(2 * np.pi * times / PER_PERIOD) + noise
         found = phase_noise_rad(coherent_samples(signal, 10e3, track))
         assert found == pytest.approx(expected, rel=0.1)
+
+
+def test_the_memory_that_a_trend_takes_is_proportional_to_the_periods() -> None:
+    periods = 8_000
+    amplitudes = 1.0 + 1e-3 * np.random.default_rng(5).standard_normal(periods)
+    tracemalloc.start()
+    amplitude_trend(amplitudes, 8)
+    _, most = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert most < 5_000 * periods  # bytes
