@@ -16,6 +16,8 @@ _SMALLEST_JUMP = 0.8  # of the range of a wrapped angle: where it starts over
 _WRAP_TOLERANCE = 0.05
 _MOST_TURNS = 32  # until an angle starts over; more are counts of an encoder
 _SAME_RAD = 1e-9
+_ROWS_PER_UPDATE = 1.2  # from which an angle may be updated more rarely than it is read
+_COUNTS_PER_UPDATE = 1.5  # of the least step: an angle that counts moves by one, rarely by two
 _COARSE = 1.2  # samples for each angle of each revolution, from which the angle is taken to count in steps
 
 
@@ -77,6 +79,36 @@ def angle_coverage(theta_m: NDArray[np.float64], name: str = "theta_m") -> Angle
         float(arcs.max()),
         float(np.median(arcs[arcs > _SAME_RAD])) if is_coarse else 0.0,
     )
+
+
+def least_step_rad(angle_rad: NDArray[np.float64]) -> float:
+    """Return the least arc between two places on the circle of an angle, shape (n,): the step of one that
+    counts, and of any other next to nothing. The rounding of an angle that starts over is none."""
+    arcs = np.diff(np.sort(np.mod(angle_rad, TURN)))
+    return float(np.min(arcs[arcs > _SAME_RAD], initial=TURN))
+
+
+def between_updates(angle_rad: NDArray[np.float64], times: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return an angle without jumps, shape (n,), read at `times` oftener than it is updated, as by a bus that
+    is slower than the samples: straight from one update to the next, and on beyond the outer ones.
+
+    It is held where rows repeat it, and then moves by more than its least step on the circle; an angle that
+    repeats because it counts in steps is returned as it is. A held angle lags by up to an update, in which a
+    signal turns on: order k would read low by sinc(k hold / turn).
+    """
+    updates = np.flatnonzero(np.abs(np.diff(angle_rad)) > _SAME_RAD) + 1
+    if len(updates) < 2 or len(angle_rad) < _ROWS_PER_UPDATE * len(updates):
+        return angle_rad
+    moves = np.abs(np.diff(angle_rad[updates]))
+    if float(np.median(moves)) < _COUNTS_PER_UPDATE * least_step_rad(angle_rad):
+        return angle_rad
+    at, angle = times[updates], angle_rad[updates]
+    slope = np.diff(angle) / np.diff(at)
+    followed = np.interp(times, at, angle)
+    before, after = slice(0, updates[0]), slice(updates[-1], None)
+    followed[before] = angle[0] + slope[0] * (times[before] - at[0])
+    followed[after] = angle[-1] + slope[-1] * (times[after] - at[-1])
+    return np.asarray(followed)
 
 
 def revolution_rows(angle_rad: NDArray[np.float64], turn_rad: float = TURN) -> NDArray[np.int64]:

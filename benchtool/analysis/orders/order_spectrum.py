@@ -11,10 +11,16 @@ from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
 from benchtool.analysis.measurement import Basis
-from benchtool.analysis.orders.angle import TURN, AngleCoverage
+from benchtool.analysis.orders.angle import (
+    TURN,
+    AngleCoverage,
+    between_updates,
+    least_step_rad,
+    unwrapped_angle,
+)
 from benchtool.analysis.orders.angle_orders import MOST_GROUPS, AngleFit, fit_orders
 from benchtool.analysis.periods import PhaseTrack, track_angle
-from benchtool.analysis.quantisation import counting_step, resolution
+from benchtool.analysis.quantisation import counting_step
 from benchtool.analysis.repeated_steps import noise_beside, repeated_steps
 from benchtool.analysis.spectra.noise import line_noise, repeated_quantisation
 from benchtool.analysis.spectra.spectrum import CoherentSamples, coherent_samples_of_all, spectrum_of
@@ -75,6 +81,16 @@ class Revolutions:
     samples: Mapping[str, CoherentSamples]
 
 
+def angle_of(block: Block, angle: str = "theta_m") -> NDArray[np.float64]:
+    """Return the angle of a recording, rad, without jumps, followed between updates that are rarer than rows.
+
+    Raises:
+        AnalysisError: as `unwrapped_angle`.
+    """
+    theta_m = unwrapped_angle(np.ascontiguousarray(block.column(angle)), angle)
+    return between_updates(theta_m, block.ticks().astype(np.float64))
+
+
 def revolutions_of(
     block: Block,
     channels: Iterable[str],
@@ -87,7 +103,7 @@ def revolutions_of(
         AnalysisError: as `resampled_orders`.
     """
     require_unbroken(block)
-    theta_m = np.ascontiguousarray(block.column(angle))
+    theta_m = angle_of(block, angle)
     track = track_angle(theta_m, 1)
     wobble_rad = track.residual_rad or 0.0
     if wobble_rad > largest_wobble_rad:
@@ -95,7 +111,7 @@ def revolutions_of(
             f"'{angle}' is off a smooth track by {wobble_rad:.3g} rad rms, at most {largest_wobble_rad:.3g} "
             f"is allowed: fit orders to the angle itself"
         )
-    step_rad = resolution(theta_m)
+    step_rad = least_step_rad(block.column(angle))
     return _along(block, channels, track, math.sqrt(max(0.0, wobble_rad**2 - step_rad**2 / 12.0)))
 
 

@@ -14,7 +14,7 @@ from pydantic import Field
 
 from benchtool.analysis.declaration import Analysis, Drawing, Findings, Quantity
 from benchtool.analysis.measurement import Basis, Measurement, Table
-from benchtool.analysis.orders.angle import TURN, AngleCoverage, angle_coverage
+from benchtool.analysis.orders.angle import TURN, AngleCoverage, angle_coverage, least_step_rad
 from benchtool.analysis.orders.angle_orders import sector_means
 from benchtool.analysis.orders.order_spectrum import (
     BY_CHANCE,
@@ -23,6 +23,7 @@ from benchtool.analysis.orders.order_spectrum import (
     LARGEST_WOBBLE_RAD,
     OrderSpectrum,
     Revolutions,
+    angle_of,
     fitted_orders,
     resampled_orders,
     revolutions_of,
@@ -103,15 +104,16 @@ def order_analysis(
 
 
 def _by_angle(block: Block, channel: str, angle: str) -> OrderSpectrum:
-    coverage = angle_coverage(block.column(angle), angle)
+    coverage = angle_coverage(angle_of(block, angle), angle)
     if coverage.revolutions < FEWEST_REVOLUTIONS:
         raise AnalysisError(
             f"'{angle}' covers {coverage.revolutions:.2f} mechanical revolutions, at least "
             f"{FEWEST_REVOLUTIONS:g} are needed for orders: record a longer window"
         )
-    if coverage.resolution_rad > LARGEST_WOBBLE_RAD:  # then the steps of the angle are not a wobble
+    step_rad = max(coverage.resolution_rad, least_step_rad(block.column(angle)))
+    if step_rad > LARGEST_WOBBLE_RAD:  # then the steps of the angle are not a wobble
         try:
-            return resampled_orders(block, channel, angle, coverage.resolution_rad)
+            return resampled_orders(block, channel, angle, step_rad)
         except AnalysisError:
             pass
     basis = Basis(len(block.data), block.sample_rate_Hz, gaps=len(block.gaps))

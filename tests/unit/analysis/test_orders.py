@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 from numpy.typing import NDArray
 
-from benchtool.analysis.orders.angle import TURN, angle_coverage
+from benchtool.analysis.orders.angle import TURN, angle_coverage, between_updates, least_step_rad
 from benchtool.analysis.orders.angle_orders import fit_orders, sector_means
 from benchtool.analysis.orders.order_spectrum import OrderSpectrum, fitted_orders, resampled_orders
 from benchtool.analysis.orders.orders import MACHINE_ORDERS, describe_orders, order_analysis, order_meaning
@@ -440,3 +440,28 @@ def test_an_order_well_above_the_noise_stands_out_of_few_revolutions(revolutions
     for spectrum in (resampled_orders(block_of(turned, values), "torque"), fitted(turned, values)):
         largest = describe_orders(spectrum, "torque").measurements[0]
         assert (largest.value, largest.basis.order) == (24.0, 24)
+
+
+@pytest.mark.parametrize("rows", [2, 10, 13])
+@pytest.mark.parametrize("counts", [None, 1024])
+def test_an_angle_that_a_slow_bus_updates_is_followed_between_updates(rows: int, counts: int | None) -> None:
+    angle = steady(20.3)
+    read = angle if counts is None else np.round(angle * counts / TURN) * TURN / counts
+    held = np.repeat(read[::rows], rows)[: len(angle)]
+    held = np.append(held, np.full(len(angle) - len(held), held[-1]))
+    torque = torque_at(angle) + 1e-3 * np.random.default_rng(rows).standard_normal(len(angle))
+    found = order_analysis(block_of(np.mod(held, TURN), torque), "torque", orders=[12, 18, 72]).measurements
+    for order in (12, 18, 72):
+        (own,) = (each for each in found if each.name == f"torque_order_{order}")
+        assert own.uncertainty is not None
+        # sinc(72 x 13 rows / turn) would take off 2 mNm
+        assert own.value == pytest.approx(COGGING[order][0], abs=3.0 * own.uncertainty.standard)
+        assert own.uncertainty.standard < 1e-4
+
+
+@pytest.mark.parametrize("rows", [1, 3])
+def test_an_angle_that_counts_in_steps_is_left_as_it_is(rows: int) -> None:
+    counted = np.floor(steady(20.3, 6_000 * rows) * 512 / TURN) * TURN / 512
+    times = np.arange(len(counted), dtype=np.float64)
+    assert between_updates(counted, times) is counted
+    assert least_step_rad(np.mod(counted, TURN)) == pytest.approx(TURN / 512)
