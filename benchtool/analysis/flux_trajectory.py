@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Iterator
 from typing import Final
 
 import numpy as np
-from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
 from benchtool.analysis.declaration import Analysis, Drawing, Findings, NoSettings, Quantity
+from benchtool.analysis.flux_revolutions import fits, forwards, revolutions_of
 from benchtool.analysis.measurement import Basis, Measurement
-from benchtool.analysis.periods import PhaseTrack, track_angle
 from benchtool.analysis.quantisation import resolution
 from benchtool.analysis.regimes import change_of_regime
 from benchtool.analysis.ripple import peak_to_peak_number
@@ -21,9 +19,11 @@ from benchtool.analysis.scatter import (
     MeanError,
     error_of_periods,
     error_of_root,
+    error_of_series,
     is_memory_untold,
     scatter_of_largest,
 )
+from benchtool.analysis.spectra.amplitude_trend import FEWEST_PERIODS, amplitude_trend
 from benchtool.analysis.torque import WAVEFORMS
 from benchtool.analysis.uncertainty import Contribution, combined
 from benchtool.analysis.validity import require_signal, require_unbroken
@@ -33,13 +33,9 @@ from benchtool.block import Block
 _DOF_OF_EXTREMES = 10.0  # of a tail from a few of the largest values
 _SLOW_SHARE = 0.03  # of a mean square, that the radius of whole revolutions makes up
 _BY_CHANCE = 1.0  # standard deviation of a correlation: one that is taken for chance leaves far too little
+_CLEARLY = 2.0  # standard deviations of a correlation
 _FEWEST_VALUES = 10.0  # that do not depend on each other, of which an rms says something
-_CENTRINGS = 4  # each leaves about a tenth of the error of the one before
-_ENOUGH = 48  # samples of a revolution to find the centre by
-_HEAD = 1 << 16
 _FINE = 1e-5  # of the radius: a smaller step is the last digit of a number
-_CHUNK = 1 << 14  # rows at a time: in the cache
-_ORDERS = (0, 1, -5, 7)  # centre, circle, and the orders that turn a circle into a hexagon
 
 
 def flux_trajectory(block: Block) -> tuple[Measurement, ...]:
@@ -60,8 +56,9 @@ def flux_trajectory(block: Block) -> tuple[Measurement, ...]:
     alpha, beta = block.column("psi_alpha"), block.column("psi_beta")
     require_signal(alpha, "psi_alpha")
     require_signal(beta, "psi_beta")
-    psi = _forwards(alpha + 1j * beta)
-    track, revolutions = _revolutions(psi)
+    psi = forwards(alpha + 1j * beta)
+    track, revolutions = revolutions_of(psi)
+    begin_rad = float(track.at(np.zeros(1))[0])
     edges = revolutions[0].start, revolutions[-1].stop
     rate_Hz = block.sample_rate_Hz
     count = edges[1] - edges[0]
@@ -73,70 +70,15 @@ def flux_trajectory(block: Block) -> tuple[Measurement, ...]:
         window=f"{len(revolutions)} whole revolutions by a quadratic fit to the flux's angle",
         gaps=0,
     )
-    return tuple(_measurements(psi, _fits(psi, track, revolutions), revolutions, basis))
-
-
-def _forwards(psi: NDArray[np.complex128]) -> NDArray[np.complex128]:
-    """Return the trajectory, mirrored if it runs backwards."""
-    some = psi[:_HEAD]
-    steps = np.angle(some[1:] * np.conj(some[:-1]))
-    return psi if np.sum(steps) >= 0.0 else np.conj(psi)
-
-
-def _revolutions(psi: NDArray[np.complex128]) -> tuple[PhaseTrack, list[slice]]:
-    """Return the track of the angle about the centre, and the rows of its whole revolutions.
-
-    An offset makes the angle about zero wobble, and its track with it, so the centre is found by iteration,
-    for which a few dozen samples of each revolution are enough.
-    """
-    step = _thinning(psi)
-    some = psi[::step]
-    centre = 0j
-    for _ in range(_CENTRINGS):
-        track = track_angle(np.unwrap(np.angle(some - centre)), 1)
-        centre = complex(np.mean(_fits(some, track, _whole(track))[:, 0]))
-    phase = track.phase(Polynomial([0.0, 1.0 / step]))
-    track = PhaseTrack(phase, len(psi), track.source, track.residual_rad)
-    return track, _whole(track)
-
-
-def _thinning(psi: NDArray[np.complex128]) -> int:
-    """Return every how many rows of a trajectory are enough to find its centre."""
-    if len(psi) <= _HEAD:
-        return 1
-    head = psi[:_HEAD]
-    step_rad = abs(float(np.mean(np.angle(head[1:] * np.conj(head[:-1])))))
-    return max(1, int(2 * np.pi / (_ENOUGH * max(step_rad, 2 * np.pi / len(psi)))))
-
-
-def _whole(track: PhaseTrack) -> list[slice]:
-    """Return the rows of the whole revolutions."""
-    begin = float(track.phase(0))
-    marks = begin + 2 * np.pi * np.arange(math.floor(track.periods) + 1, dtype=np.float64)
-    edges = [round(float(mark)) for mark in track.sample_numbers(marks)]
-    return [slice(begin, end) for begin, end in itertools.pairwise(edges)]
-
-
-def _fits(psi: NDArray[np.complex128], track: PhaseTrack, revolutions: list[slice]) -> NDArray[np.complex128]:
-    """Return the amplitudes of `_ORDERS` in every revolution, shape (revolutions, 4), by least squares."""
-    found = []
-    per_revolution = (revolutions[-1].stop - revolutions[0].start) // len(revolutions)
-    together = max(1, _CHUNK // max(1, per_revolution))
-    for first in range(0, len(revolutions), together):
-        part = revolutions[first : first + together]
-        rows = slice(part[0].start, part[-1].stop)
-        begins = [each.start - rows.start for each in part]
-        circle = np.exp(1j * track.phase(np.arange(rows.start, rows.stop, dtype=np.float64)))
-        columns = np.stack([circle**order for order in _ORDERS])
-        conjugate = np.conj(columns)
-        normal = np.add.reduceat(conjugate[:, np.newaxis] * columns, begins, axis=2)
-        right = np.add.reduceat(conjugate * psi[rows], begins, axis=1)
-        found.append(np.linalg.solve(np.moveaxis(normal, 2, 0), right.T[:, :, np.newaxis])[:, :, 0])
-    return np.concatenate(found)
+    return tuple(_measurements(psi, fits(psi, track, revolutions), begin_rad, revolutions, basis))
 
 
 def _measurements(
-    psi: NDArray[np.complex128], fits: NDArray[np.complex128], revolutions: list[slice], basis: Basis
+    psi: NDArray[np.complex128],
+    found: NDArray[np.complex128],
+    begin_rad: float,
+    revolutions: list[slice],
+    basis: Basis,
 ) -> Iterator[Measurement]:
     whole = np.abs(psi[revolutions[0].start : revolutions[-1].stop])
     begins = np.array([part.start for part in revolutions]) - revolutions[0].start
@@ -167,7 +109,8 @@ def _measurements(
     # a revolution ends within a sample
     ends = Contribution("samples at both ends", "B", span / (math.sqrt(24.0) * len(whole)))
     text = "mean of sqrt(psi_alpha^2 + psi_beta^2), peak"
-    of_mean = error_of_periods(means)
+    after = (len(psi) - revolutions[-1].stop) / len(whole)
+    of_mean = _of_mean(means, after)
     yield measured("flux_radius_mean", text, mean, of_mean, resolved, ends)
     largest, least = np.maximum.reduceat(whole, begins), np.minimum.reduceat(whole, begins)
     scatter = max(
@@ -191,14 +134,19 @@ def _measurements(
     else:
         yield measured("flux_radius_rms", text, rms, of_rms, resolved, added, own_mean)
 
-    centre = fits[:, 0]
+    # a radius that grows by d within a revolution reads d / 2 pi as a centre, towards where that begins
+    growth, of_growth = _growth(found[:, 1])
+    centre = found[:, 0] - growth * np.exp(1j * begin_rad) / (2j * np.pi)
+    of_ramp = Contribution("growth of the radius within a revolution", "B", of_growth / (2.0 * np.pi))
     text = "distance from zero of the mean of psi_alpha + j psi_beta, fitted together with orders 1, -5 and 7"
     length, bias = _length(centre)
     by_scatter = Contribution("length that the scatter adds", "B", bias)
-    yield measured("flux_centre_offset", text, length, _along(centre), by_scatter, resolved)
+    yield measured("flux_centre_offset", text, length, _along(centre, after), by_scatter, of_ramp, resolved)
 
     # |c_1 e^jx + c_-5 e^-5jx + c_7 e^7jx| is |c_1| + Re((c_1 c_-5* + c_1* c_7) e^6jx) / |c_1| to first order
-    sixth = (fits[:, 1] * np.conj(fits[:, 2]) + np.conj(fits[:, 1]) * fits[:, 3]) / np.abs(fits[:, 1])
+    sixth = (found[:, 1] * np.conj(found[:, 2]) + np.conj(found[:, 1]) * found[:, 3]) / np.abs(found[:, 1])
+    # where the speed swings it turns with six times the phase of order 1
+    sixth *= np.exp(-6j * np.angle(found[:, 1]))
     text = (
         "peak amplitude of order 6 of the radius along a revolution, the mean of all, from orders -5 and 7 "
         "of psi_alpha + j psi_beta; 0 for a circle, 1/25 + 1/49 of order 1 for a hexagon run along its sides "
@@ -207,7 +155,30 @@ def _measurements(
     length, bias = _length(sixth)
     by_scatter = Contribution("length that the scatter adds", "B", bias)
     of_two = Contribution("resolution", "B", math.sqrt(2.0) * repeated)
-    yield measured("flux_radius_order_6", text, length, _along(sixth), by_scatter, of_two)
+    yield measured("flux_radius_order_6", text, length, _along(sixth, after), by_scatter, of_two)
+
+
+def _growth(circle: NDArray[np.complex128]) -> tuple[complex, float]:
+    """Return by how much order 1, shape (revolutions,), grows in each revolution on average, and how far that
+    is unknown: of too few revolutions to tell a trend from chance, all that it may be."""
+    count, size = len(circle), np.abs(circle)
+    middle = complex(np.mean(circle))
+    trend = amplitude_trend(size, 0)
+    if trend is not None:
+        return middle * trend.growth / count, 0.0
+    if count >= FEWEST_PERIODS or count < 2:
+        return 0j, 0.0
+    return 0j, abs(float(size[-1] - size[0])) / (count - 1)
+
+
+def _of_mean(values: NDArray[np.float64], after: float) -> MeanError:
+    """Of the mean of values, shape (revolutions,), that of what a trend leaves of them, if they have one:
+    `after` is the share of the record after the last revolution."""
+    trend = amplitude_trend(values, 0, 0.0, after)
+    if trend is None:
+        return error_of_periods(values)
+    mean, left = abs(float(np.mean(values))), error_of_series(trend.rest)
+    return MeanError(mean * math.hypot(left.standard, trend.deviation), left.dof)
 
 
 def _of_slow_rms(means: NDArray[np.float64], by_squares: MeanError, rms: float) -> tuple[MeanError, str]:
@@ -226,7 +197,9 @@ def _of_slow_rms(means: NDArray[np.float64], by_squares: MeanError, rms: float) 
     if neighbours * math.sqrt(count) < _BY_CHANCE:
         return by_squares, ""
     memory = min(max(0.0, neighbours + (1.0 + 3.0 * neighbours) / count), 1.0 - 1.0 / count)
-    if count * (1.0 - memory) / (1.0 + memory) < _FEWEST_VALUES:
+    # refused is by what the memory may be: of a long one those records in which it seems short read low
+    longest = min(memory + _CLEARLY * math.sqrt((1.0 - neighbours**2) / count), 1.0 - 1.0 / count)
+    if count * (1.0 - longest) / (1.0 + longest) < _FEWEST_VALUES:
         return (
             by_squares,
             "the radius changes so slowly that the record holds few values of it: record longer",
@@ -245,11 +218,11 @@ def _length(points: NDArray[np.complex128]) -> tuple[float, float]:
     return length, length - math.sqrt(max(0.0, left))
 
 
-def _along(points: NDArray[np.complex128]) -> MeanError:
+def _along(points: NDArray[np.complex128], after: float) -> MeanError:
     """Of the mean of the points along its direction."""
     mean = complex(np.mean(points))
     direction = mean / abs(mean) if mean else 1.0
-    return error_of_periods(np.real(points * np.conj(direction)))
+    return _of_mean(np.real(points * np.conj(direction)), after)
 
 
 def _measure_ripple(window: Window, _: NoSettings) -> Findings:

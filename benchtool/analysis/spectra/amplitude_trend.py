@@ -14,11 +14,15 @@ from benchtool.analysis.scatter import neighbours_alike
 
 Floats = NDArray[np.float64]
 
-_FEWEST_PERIODS = 16
+FEWEST_PERIODS = 16
+"""Of fewer amplitudes a trend is not told from chance."""
+
 _LEFT = 0.03  # of the variance; of a random walk a parabola leaves a quarter
 _FEWEST_CYCLES, _PER_PERIOD, _PER_CYCLE = 1, 0.25, 20
 _AT_LEAST, _REFINEMENTS = 0.5, (21, 11)  # of the power, by a periodogram
 _WITHOUT_DOUBT, _ALIKE = 3e-4, 3.0  # of the variance; standard deviations of a correlation
+_RATE_STEP, _FINER_RATES = 1.25, 15
+_RATES = tuple(_RATE_STEP**number for number in range(16))  # time constants in the record: one to thirty
 _POINTS_PER_PERIOD = 8
 _OF_TIME = 1.0 / (6.0 * math.sqrt(3.0))  # of a bend: a sixth at most between means over phases and time
 
@@ -29,11 +33,15 @@ class AmplitudeTrend:
 
     `sidebands`, complex, shape (n,), are what it makes beside a line of amplitude one, at 1, 2 ... bins from
     it; the lower ones are their conjugates. `deviation` is by how much the mean over the whole periods
-    differs from that over the record, or from the constant that a swing is about.
+    differs from that over the record, or from the constant that a swing is about. `rest`, shape (periods,),
+    is what the course leaves of the amplitudes, `growth` by how much it grows from the begin of the first
+    period to the end of the last; a step is no growth.
     """
 
     sidebands: NDArray[np.complex128]
     deviation: float
+    rest: Floats
+    growth: float
 
 
 def amplitude_trend(
@@ -42,14 +50,14 @@ def amplitude_trend(
     """Return the trend of amplitudes, shape (periods,), with its first `offsets` sidebands; None if there is
     none.
 
-    A line, a parabola, a step or one sinusoid: the first that leaves less than three hundredths of the
-    variance, which is far less than of an amplitude that wanders at random, and of that nothing but noise,
-    whose neighbours are not alike. `before` and `after` are the shares of the record, relative to the
-    periods, that are outside them.
+    A line, a parabola, a step, an exponential or one sinusoid: the first that leaves less than three
+    hundredths of the variance, which is far less than of an amplitude that wanders at random, and of that
+    nothing but noise, whose neighbours are not alike. `before` and `after` are the shares of the record,
+    relative to the periods, that are outside them.
     """
     count = len(amplitudes)
     mean = float(np.mean(amplitudes))
-    if count < _FEWEST_PERIODS or not mean > 0.0:
+    if count < FEWEST_PERIODS or not mean > 0.0:
         return None
     relative = amplitudes / mean - 1.0
     power = float(np.mean(relative**2))
@@ -66,7 +74,10 @@ def amplitude_trend(
         turns = np.exp(-2j * np.pi * np.outer(np.arange(1, offsets + 1), points))
         whole = np.linspace(-before, 1.0 + after, len(points))
         apart = float(np.mean(course)) - (float(np.mean(curve(whole))) if about is None else about)
-        return AmplitudeTrend(turns @ course / len(points), math.hypot(apart, _OF_TIME * bend))
+        begin, end = curve(np.array([0.0, 1.0]))
+        growth = 0.0 if isinstance(curve, _Step) else float(end - begin)
+        deviation = math.hypot(apart, _OF_TIME * bend)
+        return AmplitudeTrend(turns @ course / len(points), deviation, rest, growth)
     return None
 
 
@@ -81,17 +92,48 @@ def _curves(relative: Floats, place: Floats) -> Iterator[_Curve]:
         bend = float(line.convert().coef[2]) if degree == 2 else 0.0
         yield line, None, abs(bend)
     yield _step(relative), None, 0.0
+    yield _settling(relative, place)
     yield from _swing(relative, place)
 
 
-def _step(relative: Floats) -> Callable[[Floats], Floats]:
+@dataclass(frozen=True)
+class _Step:
+    """One value before an edge, another after it."""
+
+    before: float
+    after: float
+    edge: float
+
+    def __call__(self, places: Floats) -> Floats:
+        return np.where(places < self.edge, self.before, self.after)
+
+
+def _step(relative: Floats) -> _Step:
     count = len(relative)
     sums = np.cumsum(relative)[:-1]
     number = np.arange(1, count)
     first, last = sums / number, (np.sum(relative) - sums) / (count - number)
     at = int(np.argmax(first**2 * number + last**2 * (count - number)))
-    low, high, edge = float(first[at]), float(last[at]), float(number[at]) / count
-    return lambda places: np.where(places < edge, low, high)
+    return _Step(float(first[at]), float(last[at]), float(number[at]) / count)
+
+
+def _settling(relative: Floats, place: Floats) -> _Curve:
+    """Return the exponential to a final value that leaves least: a machine that warms up, a decaying flux."""
+
+    def fitted(rate: float) -> tuple[float, Floats]:
+        columns = _exponential(place, rate)
+        constants = np.asarray(np.linalg.lstsq(columns, relative, rcond=None)[0], dtype=np.float64)
+        return float(np.sum((relative - columns @ constants) ** 2)), constants
+
+    best = min(_RATES, key=lambda rate: fitted(rate)[0])
+    finer = best * np.geomspace(1.0 / _RATE_STEP, _RATE_STEP, _FINER_RATES)
+    rate = float(min(finer, key=lambda each: fitted(float(each))[0]))
+    constants = fitted(rate)[1]
+    return lambda places: np.asarray(_exponential(places, rate) @ constants), None, 0.0
+
+
+def _exponential(place: Floats, rate: float) -> Floats:
+    return np.stack([np.ones(len(place)), np.exp(-rate * place)], axis=1)
 
 
 def _swing(relative: Floats, place: Floats) -> Iterator[_Curve]:

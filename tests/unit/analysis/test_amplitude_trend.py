@@ -23,6 +23,7 @@ PLACE = (np.arange(PERIODS) + 0.5) / PERIODS
 CURVES: dict[str, Callable[[Array], Array]] = {
     "ramp": lambda place: 0.05 * (place - 0.5),
     "parabola": lambda place: 0.05 * (place - 0.4) ** 2,
+    "warming up": lambda place: 0.03 * (np.exp(-3.0 * place) - 0.3167),
     "step": lambda place: np.asarray(0.01 * (place > 0.55)),
     "swing": lambda place: np.asarray(0.02 * np.cos(2 * np.pi * 6.6 * place + 1.0)),
 }

@@ -110,3 +110,53 @@ def test_less_than_two_revolutions_are_refused() -> None:
         _measured(np.exp(1j * _turns(1.5003)).astype(np.complex128))
     with pytest.raises(AnalysisError, match="'psi_beta' is constant"):
         _measured(np.linspace(0.0, 1.0, ROWS).astype(np.complex128))
+
+
+def _all(psi: NDArray[np.complex128]) -> dict[str, Measurement]:
+    block = Block(CHANNELS, 0, 1, 1e-4, np.column_stack([psi.real, psi.imag]))
+    return {each.name: each for each in flux_trajectory(block)}
+
+
+def _noise(seed: int, size: float = 1e-4) -> NDArray[np.complex128]:
+    parts = np.random.default_rng(seed).standard_normal((2, ROWS))
+    return np.asarray(size * (parts[0] + 1j * parts[1]))
+
+
+def _holds(found: Measurement, truth: float) -> None:
+    assert found.uncertainty is not None
+    assert abs(found.value - truth) < 4.0 * found.uncertainty.standard
+    assert found.uncertainty.standard < 3e-4 * 0.17
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_order_6_turns_with_a_speed_that_swings(seed: int) -> None:
+    angle = _turns(40.0) + 0.25 * np.sin(_turns(2.3) + seed)
+    psi = np.exp(1j * angle) + 0.04 * np.exp(-5j * angle) + 0.02 * np.exp(7j * angle) + 0.01j
+    found = _all(0.17 * psi + _noise(seed))
+    _holds(found["flux_radius_order_6"], 0.17 * 0.06)
+    _holds(found["flux_centre_offset"], 0.17 * 0.01)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_radius_that_ramps_moves_no_centre(seed: int) -> None:
+    ramp = 1.0 + 0.06 * (np.arange(ROWS) / ROWS - 0.5)
+    centre = 0.17 * 0.005 * np.exp(1j * seed)
+    found = _all(0.17 * ramp * np.exp(1j * _turns(40.4)) + centre + _noise(seed, 1e-5))
+    # 0.06 / 40.4 of the radius over 2 pi would be a twentieth of it
+    _holds(found["flux_centre_offset"], 0.17 * 0.005)
+    _holds(found["flux_radius_mean"], 0.17)
+
+
+def test_a_radius_that_remembers_for_long_has_no_rms_also_where_that_seems_short() -> None:
+    random = np.random.default_rng(7)
+    for _ in range(12):
+        radius = np.empty(60)
+        radius[0] = random.standard_normal()
+        for number in range(1, 60):
+            radius[number] = 0.9 * radius[number - 1] + np.sqrt(1.0 - 0.81) * random.standard_normal()
+        angle = 2 * np.pi * 60 * np.arange(12_000) / 12_000
+        psi = 0.17 * (1.0 + 0.01 * np.repeat(radius, 200)) * np.exp(1j * angle)
+        block = Block(CHANNELS, 0, 1, 1e-4, np.column_stack([psi.real, psi.imag]))
+        found = next(each for each in flux_trajectory(block) if each.name == "flux_radius_rms")
+        assert np.isnan(found.value), found
+        assert "record longer" in found.reason
