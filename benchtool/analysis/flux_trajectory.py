@@ -136,7 +136,8 @@ def _measurements(
 
     # a radius that grows by d within a revolution reads d / 2 pi as a centre, towards where that begins
     growth, of_growth = _growth(found[:, 1])
-    centre = found[:, 0] - growth * np.exp(1j * begin_rad) / (2j * np.pi)
+    rows = len(whole) / len(revolutions)
+    centre = found[:, 0] - growth * np.exp(1j * begin_rad) / (rows * (np.exp(2j * np.pi / rows) - 1.0))
     of_ramp = Contribution("growth of the radius within a revolution", "B", of_growth / (2.0 * np.pi))
     text = "distance from zero of the mean of psi_alpha + j psi_beta, fitted together with orders 1, -5 and 7"
     length, bias = _length(centre)
