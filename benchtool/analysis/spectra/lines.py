@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from benchtool.analysis.declaration import Analysis, Findings, NoSettings, Quantity
 from benchtool.analysis.measurement import Basis, Measurement, Table
 from benchtool.analysis.quantisation import counting_step
+from benchtool.analysis.spectra.around_lines import BESIDE, MAIN_LOBE, RAYLEIGH, interpolated, surrounded
 from benchtool.analysis.spectra.spectral_window import spectral_window
 from benchtool.analysis.uncertainty import Uncertainty
 from benchtool.analysis.validity import require_signal, require_unbroken
@@ -20,17 +21,14 @@ from benchtool.analysis.window import Window
 from benchtool.block import Block
 
 Floats = NDArray[np.float64]
+Complexes = NDArray[np.complex128]
 
 _LISTED = 10
 _FEWEST = 64
 _LOWEST_BIN = 3  # below it the window spreads the mean
-_MAIN_LOBE = 3  # bins on either side of a line that belong to it, under a Hann window
 _LEAST_RESPONSE = 8.0 / (3.0 * math.pi)  # of a Hann window, halfway between two bins
-_BESIDE = 30  # further bins on either side, whose median is the noise
-_NEAR = 6  # of these the nearest, which a narrow band of noise fills on both sides, another line on one
 _STANDS_OUT = 5.0  # of the noise's rms amplitude: by chance once in 1e11 bins
 _APART = 2.0  # standard uncertainties of a difference
-_RAYLEIGH = math.sqrt(math.log(2.0))  # median over rms of the amplitude of noise
 
 
 @dataclass(frozen=True)
@@ -56,8 +54,8 @@ def spectral_lines(block: Block, channel: str, name: str = "torque") -> Spectral
     """Return the largest sinusoids of a uniformly sampled channel, up to half the rate; no angle is needed.
 
     A DFT of the whole record under a Hann window; frequency and amplitude of each local maximum are
-    interpolated between its two greatest bins (Jain, Collins, Davis, IEEE Trans. Instrum. Meas. 28 (1979)
-    113). A line stands out with an amplitude above five times the rms of the noise around it.
+    interpolated between its two greatest bins, or fitted together with lines beside it. A line stands out
+    with an amplitude above five times the rms of the noise around it (`around_lines`).
 
     Raises:
         AnalysisError: a gap, no such channel, or a dead signal.
@@ -71,10 +69,11 @@ def spectral_lines(block: Block, channel: str, name: str = "torque") -> Spectral
     require_signal(samples, channel)
     count = len(samples)
     weights = spectral_window("hann", count)
-    bins = np.abs(fft.rfft((samples - np.mean(samples)) * weights)) * (2.0 / float(np.sum(weights)))
+    bins = fft.rfft((samples - np.mean(samples)) * weights) * (2.0 / float(np.sum(weights)))
+    size = np.abs(bins)
     width_Hz = rate_Hz / count
     step = counting_step(samples)
-    rows = [_line(bins, place, step) for place in (_candidates(bins) if count >= _FEWEST else ())]
+    rows = [_line(bins, size, place, step) for place in (_candidates(size) if count >= _FEWEST else ())]
     rows = [each for each in rows if each.amplitude > _STANDS_OUT * each.noise]
     rows.sort(key=lambda each: -each.amplitude)
     basis = Basis(
@@ -143,7 +142,7 @@ def _candidates(bins: Floats) -> NDArray[np.int64]:
     the blocks, of a quarter of the bins to one side, that these bins lie in. That leaves out most maxima of a
     long record, and the medians themselves most of the rest.
     """
-    places, reach, size = _peaks(bins), _MAIN_LOBE + _BESIDE, _BESIDE // 4
+    places, reach, size = _peaks(bins), MAIN_LOBE + BESIDE, BESIDE // 4
     blocks = bins[: len(bins) // size * size].reshape(-1, size)
     if len(blocks) * size <= 2 * reach + 1:
         return places
@@ -151,45 +150,34 @@ def _candidates(bins: Floats) -> NDArray[np.int64]:
     within = math.ceil(reach / size)
     padded = np.pad(third, within, mode="edge")
     lowest: Floats = np.min(np.lib.stride_tricks.sliding_window_view(padded, 2 * within + 1), axis=1)
-    level = _STANDS_OUT / _RAYLEIGH * _LEAST_RESPONSE
+    level = _STANDS_OUT / RAYLEIGH * _LEAST_RESPONSE
 
     def at_end() -> NDArray[np.bool_]:
         return (places <= reach) | (places >= len(blocks) * size - reach)
 
     block = np.minimum(places // size, len(blocks) - 1)
     places = places[at_end() | (bins[places] > level * lowest[block])]
-    beside = np.arange(_MAIN_LOBE + 1, reach + 1)
+    beside = np.arange(MAIN_LOBE + 1, reach + 1)
     around = np.concatenate([-beside, beside])
     middle, inner = np.zeros(len(places)), ~at_end()
     middle[inner] = np.median(bins[places[inner][:, np.newaxis] + around], axis=1)
     return places[bins[places] > level * middle]
 
 
-def _line(bins: Floats, place: int, step: float) -> _Line:
+def _line(bins: Complexes, size: Floats, place: int, step: float) -> _Line:
     """Return a sinusoid by the two greatest bins of its maximum, with its uncertainty by noise.
 
     Under a Hann window neighbouring bins have noise with the correlation -2/3, and a sinusoid in them the
     opposite sign: ratio r = A_2 / A_1, offset (2 r - 1) / (1 + r), and so u(offset) =
     3 / (1 + r)^2 x u(A_1) / A_1 x sqrt(1 + r^2 - 4 r / 3).
     """
-    side = 1 if bins[place + 1] > bins[place - 1] else -1
-    own, ratio = float(bins[place]), float(bins[place + side] / bins[place])
-    offset = (2.0 * ratio - 1.0) / (1.0 + ratio)
-    # the Hann window's response at `offset` from the middle of a bin
-    response = float(np.sinc(offset)) / (1.0 - offset**2)
-    first, last = place - _MAIN_LOBE, place + _MAIN_LOBE + 1
-    around = np.concatenate([bins[max(1, first - _BESIDE) : max(1, first)], bins[last : last + _BESIDE]])
-    noise = float(np.median(around)) / _RAYLEIGH if len(around) else math.nan
-    below, above = bins[max(1, first - _NEAR) : max(1, first)], bins[last : last + _NEAR]
-    if len(below) == len(above) == _NEAR:
-        noise = max(noise, min(float(np.median(below)), float(np.median(above))) / _RAYLEIGH)
-    component = noise / math.sqrt(2.0)
+    found, own, ratio = surrounded(bins, size, place), float(size[place]), interpolated(size, place)[1]
+    component = found.noise / math.sqrt(2.0)
     spread = 3.0 / (1.0 + ratio) ** 2 * math.sqrt(1.0 + ratio**2 - 4.0 * ratio / 3.0)
-    amplitude = own / response
     # what the steps of a sine repeat with it is spread over as many lines as it crosses steps in a period
-    crossed = max(1.0, 4.0 * amplitude / step) if step > 0.0 else 1.0
-    of_amplitude = math.hypot(component / response, step * math.sqrt(2.0 / (12.0 * crossed)))
-    return _Line(place + side * offset, amplitude, spread * component / own, of_amplitude, noise)
+    crossed = max(1.0, 4.0 * found.amplitude / step) if step > 0.0 else 1.0
+    of_amplitude = math.hypot(component * found.amplitude / own, step * math.sqrt(2.0 / (12.0 * crossed)))
+    return _Line(found.place, found.amplitude, spread * component / own, of_amplitude, found.noise)
 
 
 def _table(name: str, rows: tuple[tuple[float, ...], ...], unit: str, what: str, basis: Basis) -> Table:

@@ -61,6 +61,43 @@ def test_noise_has_no_lines() -> None:
         )
 
 
+def test_red_noise_has_no_lines_either() -> None:
+    found = 0
+    for seed in range(40):
+        walk = np.cumsum(np.random.default_rng(seed).standard_normal(COUNT)) * 1e-3
+        block = Block.from_arrays(RATE_HZ, {"torque": "Nm"}, torque=1.5 + walk)
+        found += np.isfinite(spectral_lines(block, "torque").measurements[1].value)
+    assert found <= 2
+
+
+@pytest.mark.parametrize("sidebands_Hz", [2.5, 3.1, 4.0])
+def test_sidebands_to_both_sides_are_no_noise_of_the_carrier(sidebands_Hz: float) -> None:
+    beta = 1.2  # of a speed that swings: carrier 0.671, sidebands 0.498
+    turned = 2 * np.pi * 240.2 * TIME_S + beta * np.sin(2 * np.pi * sidebands_Hz * TIME_S + 0.4)
+    values = 1.5 + 0.05 * np.cos(turned) + 1e-3 * np.random.default_rng(3).standard_normal(COUNT)
+    block = Block.from_arrays(RATE_HZ, {"torque": "Nm"}, torque=values)
+    frequency, amplitude = spectral_lines(block, "torque").measurements
+    for found, truth in ((frequency, 240.2), (amplitude, 0.05 * 0.671133)):
+        assert found.uncertainty is not None
+        assert abs(found.value - truth) < 4.0 * found.uncertainty.standard
+    assert amplitude.uncertainty is not None
+    assert amplitude.uncertainty.standard < 4e-4
+
+
+def test_a_narrow_band_of_noise_is_no_line() -> None:
+    """A resonance of some 50 bins that noise excites: each of its crests would pass for a line."""
+    from scipy.signal import lfilter
+
+    found = 0
+    for seed in range(20):
+        pole = 0.99 * np.exp(2j * np.pi * 300.0 / RATE_HZ)
+        noise = np.random.default_rng(seed).standard_normal(COUNT)
+        ringing = lfilter([1.0], [1.0, -2.0 * pole.real, abs(pole) ** 2], noise)
+        block = Block.from_arrays(RATE_HZ, {"torque": "Nm"}, torque=1.5 + 1e-3 * ringing)
+        found += np.isfinite(spectral_lines(block, "torque").measurements[1].value)
+    assert found <= 1
+
+
 def test_the_stated_intervals_hold_the_truth() -> None:
     within = np.zeros(2)
     for seed in range(60):
