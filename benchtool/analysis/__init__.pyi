@@ -73,12 +73,12 @@ from .residual import torque_residual as torque_residual
 from .ripple import (
     Ripple as Ripple,
     peak_to_peak_number as peak_to_peak_number,
-    percentile_range as percentile_range,
     record_basis as record_basis,
     ripple as ripple,
     ripple_numbers as ripple_numbers,
     ripple_of_rows as ripple_of_rows,
 )
+from .ripple_scatter import percentile_range as percentile_range
 from .scatter import error_of_record as error_of_record, error_of_series as error_of_series
 from .sensitivity import (
     declared as declared,

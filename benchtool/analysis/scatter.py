@@ -198,7 +198,7 @@ def at_lowest_frequencies(samples: NDArray[np.float64], by_parts: MeanError, per
         if not len(parts):
             return by_parts
         by_parts = error_of_series(parts)
-    values = _means_of_blocks(samples, periods)
+    values = means_of_blocks(samples, periods)
     by_parts = _without_oscillations(values, by_parts)
     slow = slow_noise(values, periods)
     # the scatter of few parts is itself so uncertain that it does not speak against more
@@ -229,7 +229,7 @@ def _where_none_rises(values: NDArray[np.float64], periods: int) -> MeanError | 
     return MeanError(math.sqrt(float(np.mean(power[:_LOWEST]))) * students_deviation(dof), dof)
 
 
-def _means_of_blocks(samples: NDArray[np.float64], periods: int) -> NDArray[np.float64]:
+def means_of_blocks(samples: NDArray[np.float64], periods: int) -> NDArray[np.float64]:
     """Return the means of up to 4096 equal blocks of samples, shape (n,), all of which count: at the edges of
     blocks a part of a sample.
 

@@ -23,6 +23,7 @@ def torque_ripple(
     *,
     torque_rated_Nm: float | None = None,
     track: PhaseTrack | None = None,
+    pole_pairs: int = 1,
     what: str = "",
 ) -> tuple[Measurement, ...]:
     """Return mean torque and torque ripple of one channel, in Nm: `ripple_numbers` under the names torque_*.
@@ -30,7 +31,9 @@ def torque_ripple(
     `torque_rated_Nm` is the base of the numbers "of rated", which are left out without it. The other
     arguments and the errors are those of `ripple_numbers`.
     """
-    return ripple_numbers(block, channel, "torque", rated=torque_rated_Nm, track=track, what=what)
+    return ripple_numbers(
+        block, channel, "torque", rated=torque_rated_Nm, track=track, pole_pairs=pole_pairs, what=what
+    )
 
 
 def transducer_torque(
@@ -40,6 +43,7 @@ def transducer_torque(
     estimate: Measurement | None = None,
     torque_rated_Nm: float | None = None,
     track: PhaseTrack | None = None,
+    pole_pairs: int = 1,
 ) -> tuple[Measurement, ...]:
     """Return the mean and ripple of the torque that a transducer measured, and the error of the drive's
     estimate of it.
@@ -52,6 +56,7 @@ def transducer_torque(
         estimate: `torque_mean` of `block`; torque_error is left out without it.
         torque_rated_Nm: the base of the numbers "of rated", which are left out without it.
         track: phase over the rows of `block`.
+        pole_pairs: electrical periods in a mechanical revolution.
 
     Raises:
         AnalysisError: a gap, a time that is not covered, or a dead signal.
@@ -64,7 +69,13 @@ def transducer_torque(
         f"tick_s from the capture's first row to one row past its last"
     )
     numbers = ripple_numbers(
-        inside, "torque_transducer", "transducer_torque", rated=torque_rated_Nm, track=rows, what=what
+        inside,
+        "torque_transducer",
+        "transducer_torque",
+        rated=torque_rated_Nm,
+        track=rows,
+        pole_pairs=pole_pairs,
+        what=what,
     )
     if estimate is None:
         return numbers
@@ -151,17 +162,26 @@ def _quantities(of: str) -> tuple[Quantity, ...]:
 def _of_estimate(window: Window) -> tuple[Measurement, ...]:
     """Return the mean and ripple of the drive's estimate."""
     what = "the drive's estimate torque"
-    rated = window.torque_rated_Nm
-    return torque_ripple(window.block, torque_rated_Nm=rated, track=window.track, what=what)
+    return torque_ripple(
+        window.block,
+        torque_rated_Nm=window.torque_rated_Nm,
+        track=window.track,
+        pole_pairs=window.pole_pairs,
+        what=what,
+    )
 
 
 def _of_transducer(window: Window) -> tuple[Measurement, ...]:
     """Return mean and ripple of the transducer's torque and, if there is an estimate, its error."""
     assert window.transducer is not None
     estimate = window.cached(_of_estimate)[0] if "torque" in window.block.names else None
-    rated = window.torque_rated_Nm
     return transducer_torque(
-        window.transducer, window.block, estimate=estimate, torque_rated_Nm=rated, track=window.track
+        window.transducer,
+        window.block,
+        estimate=estimate,
+        torque_rated_Nm=window.torque_rated_Nm,
+        track=window.track,
+        pole_pairs=window.pole_pairs,
     )
 
 

@@ -32,14 +32,16 @@ class AmplitudeTrend:
     """Course of an amplitude over a record, relative to its mean.
 
     `sidebands`, complex, shape (n,), are what it makes beside a line of amplitude one, at 1, 2 ... bins from
-    it; the lower ones are their conjugates. `deviation` is by how much the mean over the whole periods
-    differs from that over the record, or from the constant that a swing is about. `rest`, shape (periods,),
-    is what the course leaves of the amplitudes, `growth` by how much it grows from the begin of the first
-    period to the end of the last; a step is no growth.
+    it; the lower ones are their conjugates. `apart` is by how much the mean over the whole periods differs
+    from that over the record, or from the constant that a swing is about; `deviation` is that and how far a
+    mean over phases is from one over time. `rest`, shape (periods,), is what the course leaves of the
+    amplitudes, `growth` by how much it grows from the begin of the first period to the end of the last; a
+    step is no growth.
     """
 
     sidebands: NDArray[np.complex128]
     deviation: float
+    apart: float
     rest: Floats
     growth: float
 
@@ -77,7 +79,7 @@ def amplitude_trend(
         begin, end = curve(np.array([0.0, 1.0]))
         growth = 0.0 if isinstance(curve, _Step) else float(end - begin)
         deviation = math.hypot(apart, _OF_TIME * bend)
-        return AmplitudeTrend(turns @ course / len(points), deviation, rest, growth)
+        return AmplitudeTrend(turns @ course / len(points), deviation, abs(apart), rest, growth)
     return None
 
 

@@ -1,0 +1,81 @@
+"""What a torque repeats more slowly than a period is no noise of its mean, rms and extremes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from benchtool.analysis import Measurement, torque_ripple, track_angle
+from benchtool.analysis.slow_lines import slow_lines
+from benchtool.block import Block
+
+Array = NDArray[np.float64]
+RATE_HZ, PER_PERIOD, POLE_PAIRS = 10e3, 211.7, 5
+
+
+def measured(torque: Array) -> dict[str, Measurement]:
+    theta_m = 2 * np.pi * np.arange(len(torque)) / (PER_PERIOD * POLE_PAIRS)
+    block = Block.from_arrays(RATE_HZ, {"torque": "Nm"}, torque=torque)
+    track = track_angle(theta_m, POLE_PAIRS)
+    return {each.name: each for each in torque_ripple(block, track=track, pole_pairs=POLE_PAIRS)}
+
+
+def record(periods: float, seed: int, *slow: tuple[float, float]) -> Array:
+    """Ripple of a period, noise, and sinusoids of (cycles in a period, Nm)."""
+    random = np.random.default_rng(seed)
+    turned = 2 * np.pi * np.arange(round(periods * PER_PERIOD)) / PER_PERIOD
+    torque = 1.5 + 0.05 * np.cos(6 * turned) + 3e-3 * random.standard_normal(len(turned))
+    for cycles, size in slow:
+        torque += size * np.cos(cycles * turned + random.uniform(0, 2 * np.pi))
+    return np.asarray(torque)
+
+
+@pytest.mark.parametrize("periods", [9.4, 30.3, 90.7])
+def test_a_part_of_a_revolution_moves_the_mean_by_what_is_stated(periods: float) -> None:
+    relative, widest = [], 0.0
+    for seed in range(16):
+        found = measured(record(periods, seed, (1 / POLE_PAIRS, 0.03), (2 / POLE_PAIRS, 0.01)))["torque_mean"]
+        assert found.uncertainty is not None, found
+        relative.append((found.value - 1.5) / found.uncertainty.standard)
+        widest = max(widest, found.uncertainty.standard)
+    assert 0.6 < np.sqrt(np.mean(np.square(relative))) < 1.4
+    assert widest < 0.03 / (2 * periods / POLE_PAIRS)  # of a cycle that is not whole, over the record
+
+
+def test_lines_in_step_with_nothing_are_no_noise_of_the_rms() -> None:
+    truth = np.sqrt(0.5 * (0.05**2 + 0.04**2 + 0.02**2) + 3e-3**2)
+    relative = []
+    for seed in range(16):
+        found = measured(record(120.0, seed, (0.137, 0.04), (0.311, 0.02)))["torque_ripple_rms"]
+        assert found.uncertainty is not None
+        relative.append((found.value - truth) / found.uncertainty.standard)
+    assert 0.5 < np.sqrt(np.mean(np.square(relative))) < 1.4
+
+
+def test_the_peak_to_peak_scatters_by_the_noise_alone() -> None:
+    found = [measured(record(120.0, seed, (1 / POLE_PAIRS, 0.04)))["torque_ripple_pp"] for seed in range(24)]
+    stated = [each.uncertainty.standard for each in found if each.uncertainty is not None]
+    scatter = float(np.std([each.value for each in found]))
+    assert len(stated) == len(found)
+    assert 0.45 < scatter / np.sqrt(np.mean(np.square(stated))) < 1.5
+
+
+def test_a_drift_is_no_random_walk_of_the_mean() -> None:
+    torque = record(60.0, 3)
+    torque += 0.05 * np.linspace(-1.0, 1.0, len(torque))
+    found = measured(torque)
+    assert found["torque_mean"].uncertainty is not None
+    assert found["torque_mean"].uncertainty.standard < 1e-3
+
+
+@pytest.mark.parametrize("memory", [0.0, 0.99, 0.9999])
+def test_noise_has_no_slow_lines(memory: float) -> None:
+    from scipy.signal import lfilter
+
+    place = (np.arange(20_000) + 0.5) / 20_000
+    found = 0
+    for seed in range(30):
+        noise = lfilter([1.0], [1.0, -memory], np.random.default_rng(seed).standard_normal(20_000))
+        found += slow_lines(noise, place, 80, POLE_PAIRS) is not None
+    assert found <= 1
