@@ -30,6 +30,7 @@ from benchtool.analysis.validity import require_signal, require_unbroken
 from benchtool.analysis.window import Window
 from benchtool.block import Block
 
+_TOO_SLOW = "the revolutions are too few, or too much alike, to tell how much they scatter: record longer"
 _DOF_OF_EXTREMES = 10.0  # of a tail from a few of the largest values
 _SLOW_SHARE = 0.03  # of a mean square, that the radius of whole revolutions makes up
 _BY_CHANCE = 1.0  # standard deviation of a correlation: one that is taken for chance leaves far too little
@@ -103,7 +104,9 @@ def _measurements(
         source = f"scatter over {len(means)} revolutions, with their correlation"
         budget = [Contribution(source, "A", error.standard, error.dof)]
         budget += [each for each in further if each.standard != 0.0]
-        return Measurement(name, value, "Wb", text, basis, combined(budget, source))
+        uncertain = combined(budget, source)
+        why = _TOO_SLOW if uncertain is None else ""
+        return Measurement(name, value, "Wb", text, basis, uncertain, uncertainty_reason=why)
 
     resolved = Contribution("resolution", "B", repeated)
     # a revolution ends within a sample

@@ -61,6 +61,7 @@ class Measurement:
     `value` is nan where the quantity is undefined, and `reason` says why. `uncertainty` is None where the
     data give none. `repeatability` is by how much the value of another record of the same state differs
     besides (JCGM 200:2012, 2.21): of a mean over this record alone the uncertainty does not hold it.
+    `uncertainty_reason` says why a value has no uncertainty.
     `in_common_band` is what a number by the drive's estimate is in the band of a slower torque transducer,
     which ends at its `basis.bandwidth_Hz`.
     """
@@ -74,6 +75,7 @@ class Measurement:
     reason: str = ""
     repeatability: Contribution | None = None
     in_common_band: Measurement | None = None
+    uncertainty_reason: str = ""
 
     @property
     def uncertainty_of_state(self) -> Uncertainty | None:
@@ -96,7 +98,9 @@ class Measurement:
     def __str__(self) -> str:
         """Return the value with its expanded uncertainty for 95 % and its unit, `0.0501 ± 0.0016 Nm`."""
         text = f"{with_expanded(self.value, self.uncertainty)} {self.unit}".rstrip()
-        return f"{text} ({self.reason})" if self.reason else text
+        if self.reason:
+            return f"{text} ({self.reason})"
+        return f"{text} (no uncertainty: {self.uncertainty_reason})" if self.uncertainty_reason else text
 
     def _repr_html_(self) -> str:
         rows = [(self.name, str(self)), ("definition", self.definition)]
@@ -106,7 +110,8 @@ class Measurement:
         return table_html(("measurement", "value ± U (95 %)"), rows)
 
     def to_json(self) -> MeasurementJson:
-        """`value`, `unit`, `definition`, and where there are any `reason`, `basis` and `uncertainty`.
+        """`value`, `unit`, `definition`, and where there are any `reason`, `basis` and `uncertainty`, or
+        `uncertainty_reason`.
 
         JSON has no nan and no infinity, so these become null.
         """
@@ -117,6 +122,8 @@ class Measurement:
         }
         if self.reason:
             document["reason"] = self.reason
+        if self.uncertainty_reason:
+            document["uncertainty_reason"] = self.uncertainty_reason
         if basis := self.basis.to_json():
             document["basis"] = basis
         if self.uncertainty is not None:
@@ -249,7 +256,7 @@ def _measurement(name: str, entry: Any) -> Measurement:
         case {"value": float() | int() | None as value, "unit": str(unit), "definition": str(definition)}:
             number = math.nan if value is None else float(value)
             text, _, older = definition.partition(_OF_A_BUNDLE)
-            reason = entry.get("reason", older)
+            reason, of_none = entry.get("reason", older), entry.get("uncertainty_reason", "")
             try:
                 basis = _BASIS.validate_python(entry.get("basis", {}))
                 found = entry.get("uncertainty")
@@ -259,8 +266,18 @@ def _measurement(name: str, entry: Any) -> Measurement:
             except ValidationError:
                 pass
             else:
-                if isinstance(reason, str):
-                    return Measurement(name, number, unit, text, basis, uncertainty, reason, repeatability)
+                if isinstance(reason, str) and isinstance(of_none, str):
+                    return Measurement(
+                        name,
+                        number,
+                        unit,
+                        text,
+                        basis,
+                        uncertainty,
+                        reason,
+                        repeatability,
+                        uncertainty_reason=of_none,
+                    )
     raise AnalysisError(
         f"measurement '{name}' is {entry!r:.80}: expected value (number or null), unit and definition "
         f"(text); analyze the recording again"

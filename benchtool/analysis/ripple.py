@@ -13,6 +13,7 @@ from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.quantisation import counting_step
 from benchtool.analysis.ripple_scatter import (
+    FEWEST_PERIODS,
     HIGH_PERCENT,
     LOW_PERCENT,
     Periods,
@@ -27,6 +28,8 @@ from benchtool.block import Block, as_samples
 
 _SMALLEST_MEAN = 0.02  # share of the peak-to-peak ripple below which "percent of mean" has no meaning
 _SIGNIFICANT = 5.0  # standard uncertainties of the mean, from which a ratio to it is one
+_TOO_SLOW = "it wanders more slowly than the record shows: record longer, or choose a window in steady state"
+_TOO_FEW_EXTREMES = "the extremes of fewer than four periods do not tell how much they scatter: record longer"
 _DOF_OF_EXTREMES = 10.0  # of a tail from a few of the largest values
 
 
@@ -151,7 +154,18 @@ def ripple_of_rows(
     if begins is not None:
         repeats = Periods(begins, repeated, per_revolution)
         scatter = scatter_of_periods(samples, whole.mean, whole.rms, repeats, step)
-    return tuple(_numbers(samples, whole, scatter, step, name, what, rated, basis))
+    unknown = _without_periods(begins, repeated) if scatter is None else ""
+    return tuple(_numbers(samples, whole, scatter, unknown, step, name, what, rated, basis))
+
+
+def _without_periods(begins: NDArray[np.int64] | None, repeated: str = "electrical periods") -> str:
+    """Return why nothing tells how much numbers scatter."""
+    if begins is None:
+        return "without an angle or a current no periods are known whose scatter would tell it"
+    return (
+        f"the record has {len(begins) - 1} whole {repeated}, at least {FEWEST_PERIODS} are needed for their "
+        f"scatter: record longer"
+    )
 
 
 def peak_to_peak_number(
@@ -168,15 +182,16 @@ def peak_to_peak_number(
         scatter = scatter_of_periods(samples, whole.mean, whole.rms, repeats, percentiles=False)
     step = counting_step(samples)
     basis = record_basis(block)
-    return _peak_to_peak(
-        name, what or channel, whole, scatter, step, basis, clipping(samples) or standing(samples)
-    )
+    unknown = "" if scatter is not None else _without_periods(None if track is None else track.period_rows())
+    clipped = clipping(samples) or standing(samples)
+    return _peak_to_peak(name, what or channel, whole, scatter, unknown, step, basis, clipped)
 
 
 def _numbers(
     samples: NDArray[np.float64],
     whole: Ripple,
     scatter: Scatter | None,
+    unknown: str,
     step: float,
     name: str,
     what: str,
@@ -200,7 +215,7 @@ def _numbers(
         if clipped:
             return Measurement.undefined(full, unit, text, clipped, basis)
         if scatter is None or error is None:
-            return Measurement(full, value, unit, text, basis)
+            return Measurement(full, value, unit, text, basis, uncertainty_reason=unknown)
         budget = (
             Contribution(
                 f"scatter over {scatter.periods} {scatter.repeated}", "A", error.standard, error.dof
@@ -214,7 +229,9 @@ def _numbers(
         )
         lines = tuple(each for each in budget if each.standard != 0.0)
         uncertain = combined(lines, source)
-        return Measurement(full, value, unit, text, basis, _of_two_readings(uncertain, bound))
+        why = "" if uncertain is not None else _TOO_SLOW
+        uncertain = _of_two_readings(uncertain, bound)
+        return Measurement(full, value, unit, text, basis, uncertain, uncertainty_reason=why)
 
     # ripple that spans several steps turns quantization into noise, which the scatter holds already
     of_mean = step / math.sqrt(12.0) if whole.rms < step else 0.0
@@ -236,7 +253,7 @@ def _numbers(
         of_mean,
     )
     yield mean
-    peak_to_peak = _peak_to_peak(f"{name}_ripple_pp", what, whole, scatter, step, basis, clipped)
+    peak_to_peak = _peak_to_peak(f"{name}_ripple_pp", what, whole, scatter, unknown, step, basis, clipped)
     yield peak_to_peak
     rms = measured(
         "ripple_rms",
@@ -284,6 +301,7 @@ def _peak_to_peak(
     what: str,
     whole: Ripple,
     scatter: Scatter | None,
+    unknown: str,
     step: float,
     basis: Basis,
     clipped: str = "",
@@ -302,7 +320,8 @@ def _peak_to_peak(
             f"{whole.unit}; a longer record reads more"
         )
     uncertain = _of_two_readings(combined(budget, source), step) if budget else None
-    return Measurement(name, whole.peak_to_peak, whole.unit, text, basis, uncertain)
+    why = "" if uncertain is not None else unknown or _TOO_FEW_EXTREMES
+    return Measurement(name, whole.peak_to_peak, whole.unit, text, basis, uncertain, uncertainty_reason=why)
 
 
 def _of_two_readings(uncertain: Uncertainty | None, step: float) -> Uncertainty | None:
@@ -343,4 +362,6 @@ def _percent(
             budget.append(Contribution(base_number.name, "A", share * of_base.standard, of_base.dof))
             width = None if width is None else math.hypot(width, share * of_base.expanded)
         uncertain = combined(budget, " and ".join(each.name for each in budget), half_width=width)
-    return Measurement(name, scale * number.value, "%", text, basis, uncertain)
+    why = number.uncertainty_reason or (base_number.uncertainty_reason if base_number is not None else "")
+    value, why = scale * number.value, why if uncertain is None else ""
+    return Measurement(name, value, "%", text, basis, uncertain, uncertainty_reason=why)

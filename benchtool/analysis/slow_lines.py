@@ -24,7 +24,7 @@ _LOWEST, _FEWEST_BLOCKS = 3, 64  # cycles in the record under a Hann window; blo
 _STANDS_OUT = 6.0  # of the noise's rms amplitude
 _BY_CHANCE, _FEWEST_DOF = 1e-4, 3
 _LEAST_CYCLES = 1.2  # in the record: a slower one is not told from the mean
-_FINER = 2  # rounds of the fit
+_FINER, _TURNS = 2, 4  # rounds of the fits
 _CHUNK = 1 << 13
 
 
@@ -55,26 +55,46 @@ def slow_lines(samples: Floats, place: Floats, periods: int, per_revolution: int
     angle where that is known. A revolution has `per_revolution` periods: its orders are fitted also where the
     record has few of it. Others are sought in a spectrum under a Hann window.
     """
-    values, at = means_of_blocks(samples, periods), means_of_blocks(place, periods)
-    if len(values) < _FEWEST_BLOCKS or 2 * periods > len(values):
+    if len(samples) < max(_FEWEST_BLOCKS, 2 * periods):
         return None
+    values, at = _aligned(samples, place, periods)
     cycles = _of_revolution(values, at, periods, per_revolution)
     for _ in range(_ROUNDS):
-        found = _fitted(values, at, cycles)
-        more = _beside(
-            values - found.mean - found.at(at), periods, _MOST_LINES - len(cycles) + per_revolution
-        )
+        _, rest = _fitted(values, at, cycles, periods)
+        more = _beside(rest, periods, _MOST_LINES + per_revolution - len(cycles))
         if not len(more):
             break
-        cycles = _finer(values, at, np.concatenate([cycles, more]), len(cycles))
-    return _fitted(values, at, cycles) if len(cycles) else None
+        cycles = _finer(values, at, np.concatenate([cycles, more]), len(cycles), periods)
+    return _fitted(values, at, cycles, periods)[0] if len(cycles) else None
 
 
-def _fitted(values: Floats, place: Floats, cycles: Floats) -> SlowLines:
+def _aligned(samples: Floats, place: Floats, periods: int) -> tuple[Floats, Floats]:
+    """Return the means of up to 4096 blocks of samples, as many in each period, and their places."""
+    values = means_of_blocks(samples, periods)
+    if len(values) < len(samples) and len(values) % periods == 0:
+        return values, means_of_blocks(place, periods)
+    count = len(values) // periods * periods
+    at: Floats = (np.arange(count) + 0.5) / count
+    return np.asarray(np.interp(at, place, samples)), at
+
+
+def _fitted(values: Floats, place: Floats, cycles: Floats, periods: int) -> tuple[SlowLines, Floats]:
+    """Return the lines by least squares, and what neither they nor what each period repeats explain.
+
+    Both by turns: over part of a cycle a line is not orthogonal to the harmonics of the period, which are far
+    larger, and there are too many of these to fit them as well.
+    """
+    repeated, rest = np.zeros(len(values)), values
     turned = 2.0 * np.pi * np.outer(place, cycles)
     basis = np.concatenate([np.ones((len(place), 1)), np.cos(turned), np.sin(turned)], axis=1)
-    found = np.linalg.lstsq(basis, values, rcond=None)[0]
-    return SlowLines(float(found[0]), cycles, found[1 : 1 + len(cycles)], found[1 + len(cycles) :])
+    inverse = np.linalg.pinv(basis)
+    found = inverse @ values
+    for _ in range(_TURNS):
+        found = inverse @ (values - repeated)
+        rest = values - basis @ found
+        repeated = np.tile(np.mean(rest.reshape(periods, -1), axis=0), periods)
+    lines = SlowLines(float(found[0]), cycles, found[1 : 1 + len(cycles)], found[1 + len(cycles) :])
+    return lines, rest - repeated
 
 
 def _of_revolution(values: Floats, place: Floats, periods: int, per_revolution: int) -> Floats:
@@ -85,8 +105,7 @@ def _of_revolution(values: Floats, place: Floats, periods: int, per_revolution: 
     freedom = periods - 1 - len(cycles)
     if not len(cycles) or freedom < _FEWEST_DOF:
         return np.empty(0)
-    found = _fitted(values, place, cycles)
-    rest = values - found.mean - found.at(place)
+    found, rest = _fitted(values, place, cycles, periods)
     bins = fft.rfft(rest)[1:periods] / len(rest)
     of_noise = 4.0 * float(np.sum(np.abs(bins) ** 2)) / freedom
     if not of_noise > 0.0:
@@ -108,12 +127,12 @@ def _beside(rest: Floats, periods: int, most: int) -> Floats:
     return np.array([each.place for each in found if each.amplitude > _STANDS_OUT * each.noise])
 
 
-def _finer(values: Floats, place: Floats, cycles: Floats, known: int) -> Floats:
+def _finer(values: Floats, place: Floats, cycles: Floats, known: int, periods: int) -> Floats:
     """Return the cycles by least squares, all but the first `known`, which are."""
     cycles = cycles.copy()
     free = slice(known, None)
     for _ in range(_FINER):
-        found = _fitted(values, place, cycles)
+        found, rest = _fitted(values, place, cycles, periods)
         turned = 2.0 * np.pi * np.outer(place, cycles)
         slope = (
             2.0
@@ -124,6 +143,6 @@ def _finer(values: Floats, place: Floats, cycles: Floats, known: int) -> Floats:
         basis = np.concatenate(
             [np.ones((len(place), 1)), np.cos(turned), np.sin(turned), slope[:, free]], axis=1
         )
-        moved = np.linalg.lstsq(basis, values, rcond=None)[0][1 + 2 * len(cycles) :]
+        moved = np.linalg.lstsq(basis, rest, rcond=None)[0][1 + 2 * len(cycles) :]
         cycles[free] += np.clip(moved, -0.5, 0.5)
     return cycles

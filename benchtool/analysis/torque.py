@@ -88,7 +88,9 @@ def transducer_torque(
     error_Nm = estimate.value - mean.value
     reference = f"torque_transducer, {len(inside.data)} samples at {inside.sample_rate_Hz:g} Hz"
     basis = replace(estimate.basis, reference=reference, alignment_s=inside.alignment_s or None)
-    return (*numbers, Measurement("torque_error", error_Nm, "Nm", text, basis, uncertain))
+    why = "" if uncertain is not None else estimate.uncertainty_reason or mean.uncertainty_reason
+    error = Measurement("torque_error", error_Nm, "Nm", text, basis, uncertain, uncertainty_reason=why)
+    return (*numbers, error)
 
 
 def _at_rows_of(track: PhaseTrack, fine: Block, coarse: Block) -> PhaseTrack:

@@ -212,7 +212,8 @@ def _guarded(limit: Limit, measured: Measurement) -> str:
     """Return why a finite value does not pass a limit with a guard band."""
     uncertainty = measured.uncertainty
     if uncertainty is None or not math.isfinite(uncertainty.expanded):
-        return f'its uncertainty is not known, which margin = "U" of its limit {limit.bounds} needs'
+        why = f" ({measured.uncertainty_reason})" if measured.uncertainty_reason else ""
+        return f'its uncertainty is not known{why}, which margin = "U" of its limit {limit.bounds} needs'
     beyond = limit.shortfall(measured.value)
     place = beyond or f"{limit.headroom(measured.value):.3g} inside its limit {limit.bounds}"
     U = f"U = {uncertainty.expanded:.2g} (k = {uncertainty.k:.3g})"

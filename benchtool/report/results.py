@@ -176,6 +176,8 @@ def measurement_notes(measured: Measurement) -> Iterator[str]:
         yield basis
     if measured.reason:
         yield f"Undefined here: {measured.reason.rstrip('.')}."
+    if measured.uncertainty_reason:
+        yield f"No uncertainty: {measured.uncertainty_reason.rstrip('.')}."
     if measured.uncertainty is not None:
         yield from _uncertainty_notes(measured.uncertainty, f" {measured.unit}" if measured.unit else "")
     if (further := measured.repeatability) is not None:

@@ -37,6 +37,7 @@ from benchtool.block import Block
 Phasors = NDArray[np.complex128]
 
 _STANDS_OUT = 5.0  # standard uncertainties of the positive sequence
+_TOO_SLOW = "the periods are too few, or too much alike, to tell how much they scatter: record longer"
 _SOURCE = "scatter of the components over periods, and what it adds to a magnitude"
 
 
@@ -182,8 +183,15 @@ def _numbers(
         if reason:
             yield Measurement.undefined(f"current_sequence_{name}", unit, text, reason, basis)
             continue
+        uncertain = component.uncertainty
         yield Measurement(
-            f"current_sequence_{name}", component.magnitude, unit, text, basis, component.uncertainty
+            f"current_sequence_{name}",
+            component.magnitude,
+            unit,
+            text,
+            basis,
+            uncertain,
+            uncertainty_reason=_TOO_SLOW if uncertain is None else "",
         )
     own = positive.uncertainty
     lost = positive.magnitude <= 0.0 or (own is not None and positive.magnitude < _STANDS_OUT * own.standard)
@@ -199,7 +207,9 @@ def _numbers(
             continue
         scale, ratio = 100.0 / positive.magnitude, ratios[index]
         uncertain = combined((each.scaled(scale) for each in ratio.budget), _SOURCE)
-        yield Measurement(name, scale * ratio.magnitude, "%", text, basis, uncertain)
+        why = _TOO_SLOW if uncertain is None else ""
+        value = scale * ratio.magnitude
+        yield Measurement(name, value, "%", text, basis, uncertain, uncertainty_reason=why)
 
 
 def _measure(window: Window, _: NoSettings) -> Findings:

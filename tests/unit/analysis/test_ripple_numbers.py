@@ -18,6 +18,7 @@ from benchtool.analysis import (
     torque_ripple,
     track_angle,
 )
+from benchtool.analysis.measurement import measurements_from_json, measurements_to_json
 from benchtool.block import Block, Channel, Gap
 from benchtool.errors import AnalysisError
 
@@ -228,3 +229,19 @@ def test_another_channel_gives_its_name_and_unit() -> None:
 def test_a_gap_is_refused() -> None:
     with pytest.raises(AnalysisError, match="3 rows are missing"):
         torque_ripple(block(np.arange(100.0), gaps=(Gap(10, 3),)))
+
+
+@pytest.mark.parametrize("periods", [2, 3])
+def test_a_number_without_an_uncertainty_says_why(periods: int) -> None:
+    random = np.random.default_rng(periods)
+    count = periods * PER_PERIOD + 40
+    samples = 1.0 + 0.1 * np.cos(angle(count)) + 1e-3 * random.standard_normal(count)
+    found = [*numbers(samples, track(count)).values(), *numbers(samples).values()]
+    assert any(each.uncertainty is None for each in found)
+    for each in found:
+        assert bool(each.uncertainty_reason) == (each.uncertainty is None)
+        if each.uncertainty is None:
+            assert "no uncertainty" in str(each)
+            assert each.to_json()["uncertainty_reason"] == each.uncertainty_reason
+    document = measurements_to_json(found)
+    assert measurements_to_json(measurements_from_json(document)) == document
