@@ -275,9 +275,9 @@ def _rows(spectrum: OrderSpectrum) -> Iterator[tuple[float, ...]]:
     largest, mean = float(spectrum.amplitude.max()), abs(spectrum.mean)
     of_mean = 100.0 / mean if mean > _SMALLEST_MEAN * largest else math.nan
     of_largest = 100.0 / largest if largest > 0.0 else math.nan
-    for order, amplitude, standard in zip(spectrum.order, spectrum.amplitude, spectrum.standard, strict=True):
-        value = float(amplitude)
-        yield float(order), value, of_mean * value, of_largest * value, float(standard)
+    for order, amplitude in zip(spectrum.order, spectrum.amplitude, strict=True):
+        value, standard = float(amplitude), _uncertainty(spectrum, int(order)).standard
+        yield float(order), value, of_mean * value, of_largest * value, standard
 
 
 class OrderSettings(Section):

@@ -27,6 +27,7 @@ from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
 HIGHEST_HARMONIC = 50
 _STANDS_OUT = 5.0  # standard uncertainties of an amplitude
 _OTHERWISE = 3.0  # a ratio of variances: by chance once in fifty
+_BELOW_THAT = 1.25  # noise alone reads up to 2.45 u in 95 % of records (Rayleigh)
 
 
 class Reference(Enum):
@@ -396,19 +397,20 @@ def harmonic_table(
     amplitude = harmonics(spectrum)[:highest_harmonic]
     order = np.arange(1, len(amplitude) + 1)
     percent = 100.0 * amplitude / amplitude[0] if amplitude[0] > 0.0 else np.full(len(amplitude), math.nan)
+    standard = (errors or line_errors(spectrum, len(amplitude))).standard
     columns = (
         order,
         spectrum.fundamental_Hz * order,
         amplitude,
         percent,
         relative_phase_rad(spectrum)[: len(amplitude)],
-        (errors or line_errors(spectrum, len(amplitude))).standard,
+        np.where(amplitude > _STANDS_OUT * standard, standard, _BELOW_THAT * standard),
     )
     return Table(
         name,
         "amplitude: peak; phase: of the cosine when the fundamental is at its maximum; uncertainty: "
         "standard, of noise and leakage beside the harmonic, resampling, wander of phase and amplitude, and "
-        "resolution",
+        f"resolution, x {_BELOW_THAT:g} where noise alone may read the amplitude",
         (
             ("order", ""),
             ("frequency", "Hz"),

@@ -19,6 +19,8 @@ from benchtool.analysis import (
     total_harmonic_distortion,
     track_angle,
 )
+from benchtool.analysis.measurement import Basis
+from benchtool.analysis.spectra.harmonics import harmonic_table
 
 RATE_HZ = 10e3
 Array = NDArray[np.float64]
@@ -161,3 +163,15 @@ def test_a_phase_is_that_of_the_cosine_when_the_fundamental_peaks() -> None:
     assert phase_rad[0] == pytest.approx(0.0, abs=1e-12)
     assert phase_rad[2] == pytest.approx(0.7, abs=1e-3)
     assert np.all((phase_rad > -np.pi) & (phase_rad <= np.pi))
+
+
+def test_the_table_of_lines_that_are_none_holds_zero() -> None:
+    """Noise alone has Rayleigh's distribution, of which twice the component's deviation holds 86 %."""
+    random, held = np.random.default_rng(11), []
+    phase = rotation(10_000)
+    track = track_angle(phase, 1)
+    for _ in range(30):
+        current = np.cos(phase) + 1e-2 * random.standard_normal(len(phase))
+        table = harmonic_table(coherent_spectrum(current, RATE_HZ, track), "lines", "A", Basis())
+        held += [row[2] <= 2.0 * row[5] for row in table.rows[1:]]
+    assert 0.93 < np.mean(held) < 0.98
