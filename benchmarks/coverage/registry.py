@@ -13,6 +13,7 @@ from benchmarks.coverage import (
     identified,
     mixed,
     pairs,
+    revolutions,
     sidebands,
     stamps,
     threes,
@@ -35,5 +36,6 @@ FAMILIES: Mapping[str, Family] = {
         *threes.FAMILIES,
         *sidebands.FAMILIES,
         *answers.FAMILIES,
+        *revolutions.FAMILIES,
     )
 }

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.declaration import Analysis, Drawing, Findings, NoSettings, Quantity
-from benchtool.analysis.flux_revolutions import fits, forwards, revolutions_of
+from benchtool.analysis.flux_revolutions import ORDERS, fits, forwards, revolutions_of
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.quantisation import resolution
 from benchtool.analysis.regimes import change_of_regime
@@ -137,10 +137,14 @@ def _measurements(
     else:
         yield measured("flux_radius_rms", text, rms, of_rms, resolved, added, own_mean)
 
-    # a radius that grows by d within a revolution reads d / 2 pi as a centre, towards where that begins
+    # a radius that grows by d within a revolution reads d / 2 pi as a centre, and a sixth of that as order 7
     growth, of_growth = _growth(found[:, 1])
-    rows = len(whole) / len(revolutions)
-    centre = found[:, 0] - growth * np.exp(1j * begin_rad) / (rows * (np.exp(2j * np.pi / rows) - 1.0))
+    found, rows = found.copy(), len(whole) / len(revolutions)
+    for column, order in enumerate(ORDERS):
+        if order != 1:
+            turned = np.exp(1j * (1 - order) * begin_rad)
+            found[:, column] -= growth * turned / (rows * (np.exp(2j * np.pi * (1 - order) / rows) - 1.0))
+    centre = found[:, 0]
     of_ramp = Contribution("growth of the radius within a revolution", "B", of_growth / (2.0 * np.pi))
     text = "distance from zero of the mean of psi_alpha + j psi_beta, fitted together with orders 1, -5 and 7"
     length, bias = _length(centre)
@@ -195,7 +199,7 @@ def _of_slow_rms(means: NDArray[np.float64], by_squares: MeanError, rms: float) 
     count, deviation = len(means), means - np.mean(means)
     power = float(deviation @ deviation)
     share = power / (count * rms**2) if rms > 0.0 else 0.0
-    if not share > _SLOW_SHARE or not rms > _FINE * abs(float(np.mean(means))):
+    if not share > 0.0 or not rms > _FINE * abs(float(np.mean(means))):
         return by_squares, ""
     neighbours = float(deviation[1:] @ deviation[:-1]) / power
     if neighbours * math.sqrt(count) < _BY_CHANCE:
@@ -203,7 +207,11 @@ def _of_slow_rms(means: NDArray[np.float64], by_squares: MeanError, rms: float) 
     memory = min(max(0.0, neighbours + (1.0 + 3.0 * neighbours) / count), 1.0 - 1.0 / count)
     # refused is by what the memory may be: of a long one those records in which it seems short read low
     longest = min(memory + _CLEARLY * math.sqrt((1.0 - neighbours**2) / count), 1.0 - 1.0 / count)
-    if count * (1.0 - longest) / (1.0 + longest) < _FEWEST_VALUES:
+    fewest = count * (1.0 - longest) / (1.0 + longest)
+    # few values may all be near each other, and make up far more of other records
+    if not share * max(1.0, _FEWEST_VALUES / fewest) > _SLOW_SHARE:
+        return by_squares, ""
+    if fewest < _FEWEST_VALUES:
         return (
             by_squares,
             "the radius changes so slowly that the record holds few values of it: record longer",
