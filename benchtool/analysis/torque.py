@@ -107,8 +107,10 @@ _NUMBERS: Final = (
         "Nm",
         "mean(x)",
         "s of the periods' means x sqrt(tau / N_p), less sinusoids slower than a period that stand out and a "
-        "drift of few constants, or by the five lowest frequencies where these hold less than a fifth of that, or by the density continued to zero frequency where that is 1.4 times as much "
-        "(none where it rises more steeply than that of 1/f noise); what the incomplete last period and cycles of these move; "
+        "drift of few constants, or by the five lowest frequencies where these hold less than a fifth of "
+        "that, or by the density continued to zero frequency where that is 1.4 times as much (none where it "
+        "rises more steeply than that of 1/f noise); what the incomplete last period and cycles of these "
+        "move; "
         "resolution that repeats",
     ),
     (
