@@ -15,7 +15,7 @@ RATE_HZ, PER_PERIOD, POLE_PAIRS = 10e3, 211.7, 5
 
 
 def measured(torque: Array) -> dict[str, Measurement]:
-    theta_m: Array = 2 * np.pi * np.arange(len(torque)) / (PER_PERIOD * POLE_PAIRS)
+    theta_m = np.arange(len(torque), dtype=np.float64) * (2 * np.pi / (PER_PERIOD * POLE_PAIRS))
     block = Block.from_arrays(RATE_HZ, {"torque": "Nm"}, torque=torque)
     track = track_angle(theta_m, POLE_PAIRS)
     return {each.name: each for each in torque_ripple(block, track=track, pole_pairs=POLE_PAIRS)}
