@@ -34,7 +34,7 @@ _TOO_SLOW = "the revolutions are too few, or too much alike, to tell how much th
 _DOF_OF_EXTREMES = 10.0  # of a tail from a few of the largest values
 _SLOW_SHARE = 0.03  # of a mean square, that the radius of whole revolutions makes up
 _BY_CHANCE = 1.0  # standard deviation of a correlation: one that is taken for chance leaves far too little
-_CLEARLY = 2.0  # standard deviations of a correlation
+_CLEARLY = 3.0  # standard deviations of a correlation
 _FEWEST_VALUES = 10.0  # that do not depend on each other, of which an rms says something
 _FINE = 1e-5  # of the radius: a smaller step is the last digit of a number
 
