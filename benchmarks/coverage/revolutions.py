@@ -1,4 +1,4 @@
-"""Families of what is slower than an electrical period: revolutions, belts, load cycles, drifts, buses."""
+"""Families slower than an electrical period: revolutions, belts, load cycles, drifts, angles held by a bus."""
 
 from __future__ import annotations
 

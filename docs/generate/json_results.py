@@ -99,6 +99,8 @@ class Measurement(Document):
     """What it rests on."""
     uncertainty: Uncertainty | None = None
     """Its uncertainty, where the data give one."""
+    uncertainty_reason: str | None = None
+    """Why a value has none."""
 
 
 class Column(Document):
