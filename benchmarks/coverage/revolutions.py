@@ -1,4 +1,4 @@
-"""Families slower than an electrical period: revolutions, belts, load cycles, drifts, angles held by a bus."""
+"""Families slower than an electrical period: revolutions, belts, load cycles, drifts, held angles."""
 
 from __future__ import annotations
 
