@@ -28,7 +28,7 @@ _SEED, _DRAWS = 20_261_123, 80
 _ROUGH = 2.0  # times the noise
 _OF_TAIL = 40  # one sample in so many is of the tail
 _UNIFORM = 1.0 / math.sqrt(12.0)  # standard deviation over width
-_OF_SQUARE = 1.0 / math.sqrt(80.0)  # rms of the square of what is uniform within a half to either side
+_OF_SQUARE = 1.0 / math.sqrt(80.0)  # rms of the square of a uniform error within a half to either side
 _SOURCE = "noise of the samples about their course, the row of the first of them, and a converter's step"
 
 

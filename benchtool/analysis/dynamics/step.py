@@ -266,7 +266,7 @@ def _excursions(step: Step, curve: NoisyCurve, arrived: Instant | None) -> Itera
 def _of_nonnegative(found: float, standard: float) -> float:
     """Return the standard uncertainty of what cannot be negative, which was `found`: where that is below zero
     it is given as zero, and its distribution about zero is the part of the normal one that is above (as JCGM
-    106:2012, A.4.4, of what is known beforehand)."""
+    106:2012, A.4.4, of prior knowledge)."""
     if found >= 0.0 or not standard > 0.0:
         return standard
     below = -found / standard
