@@ -72,8 +72,8 @@ def lost_among(
         elif share > _LARGEST_SHARE:
             reasons[what] = (
                 f"{100 * share:.2g} % of the rows are left out, with a cell that is no number or a wrong "
-                f"number of cells{_of(first)}: the rest does not stand for all, correct these rows or choose a "
-                f"span without them"
+                f"number of cells{_of(first)}: the rest does not stand for all, correct these rows or "
+                f"choose a span without them"
             )
     return Lost(rows.dropped, count, reasons, first)
 
