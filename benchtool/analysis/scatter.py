@@ -229,13 +229,13 @@ def _where_none_rises(values: NDArray[np.float64], periods: int) -> MeanError | 
     return MeanError(math.sqrt(float(np.mean(power[:_LOWEST]))) * students_deviation(dof), dof)
 
 
-def means_of_blocks(samples: NDArray[np.float64], periods: int) -> NDArray[np.float64]:
-    """Return the means of up to 4096 equal blocks of samples, shape (n,), all of which count: at the edges of
-    blocks a part of a sample.
+def means_of_blocks(samples: NDArray[np.float64], periods: int, blocks: int = _BLOCKS) -> NDArray[np.float64]:
+    """Return the means of up to so many equal blocks of samples, shape (n,), all of which count: at the edges
+    of blocks a part of a sample.
 
     Where each period has as many blocks, harmonics of what repeats do not alias beside harmonics.
     """
-    blocks, count = _BLOCKS, len(samples)
+    count = len(samples)
     if 0 < periods <= blocks:
         blocks -= blocks % periods
     if count <= blocks:

@@ -20,6 +20,7 @@ from benchtool.analysis.spectra.spectral_window import spectral_window
 Floats = NDArray[np.float64]
 
 _MOST_LINES, _ROUNDS = 8, 2  # beside those of a revolution; harmonics show once the largest are away
+_BLOCKS, _MOST_BLOCKS = 1 << 12, 1 << 15  # usually; of many periods, more of which are not looked at
 _LOWEST, _FEWEST_BLOCKS = 3, 64  # cycles in the record under a Hann window; blocks
 _STANDS_OUT = 6.0  # of the noise's rms amplitude
 _BY_CHANCE, _FEWEST_DOF = 1e-4, 3
@@ -55,7 +56,7 @@ def slow_lines(samples: Floats, place: Floats, periods: int, per_revolution: int
     angle where that is known. A revolution has `per_revolution` periods: its orders are fitted also where the
     record has few of it. Others are sought in a spectrum under a Hann window.
     """
-    if len(samples) < max(_FEWEST_BLOCKS, 2 * periods):
+    if len(samples) < max(_FEWEST_BLOCKS, 2 * periods) or 2 * periods > _MOST_BLOCKS:
         return None
     values, at = _aligned(samples, place, periods)
     cycles = _of_revolution(values, at, periods, per_revolution)
@@ -69,10 +70,11 @@ def slow_lines(samples: Floats, place: Floats, periods: int, per_revolution: int
 
 
 def _aligned(samples: Floats, place: Floats, periods: int) -> tuple[Floats, Floats]:
-    """Return the means of up to 4096 blocks of samples, as many in each period, and their places."""
-    values = means_of_blocks(samples, periods)
+    """Return the means of blocks of samples, as many in each period and two at least, and their places."""
+    blocks = max(_BLOCKS, 2 * periods)
+    values = means_of_blocks(samples, periods, blocks)
     if len(values) < len(samples) and len(values) % periods == 0:
-        return values, means_of_blocks(place, periods)
+        return values, means_of_blocks(place, periods, blocks)
     count = len(values) // periods * periods
     at: Floats = (np.arange(count) + 0.5) / count
     return np.asarray(np.interp(at, place, samples)), at

@@ -79,3 +79,18 @@ def test_noise_has_no_slow_lines(memory: float) -> None:
         noise = lfilter([1.0], [1.0, -memory], np.random.default_rng(seed).standard_normal(20_000))
         found += slow_lines(noise, place, 80, POLE_PAIRS) is not None
     assert found <= 1
+
+
+@pytest.mark.parametrize("periods", [2000, 3000, 5000, 20_000])
+def test_many_periods_have_slow_lines_or_none_are_sought(periods: int) -> None:
+    """Five thousand periods are more than the blocks in which a record is looked at otherwise."""
+    place = (np.arange(7 * periods) + 0.5) / (7 * periods)
+    slow = 0.1 * np.cos(2 * np.pi * periods / POLE_PAIRS * place)
+    noise = 1e-3 * np.random.default_rng(1).standard_normal(len(place))
+    found = slow_lines(2.0 + slow + noise, place, periods, POLE_PAIRS)
+    if periods > 1 << 14:
+        assert found is None
+        return
+    assert found is not None
+    assert found.cycles == pytest.approx([periods / POLE_PAIRS])
+    assert np.std(found.at(place) - slow) < 3e-3
