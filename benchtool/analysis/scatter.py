@@ -19,7 +19,10 @@ _FEWEST_VALUES = 3
 _FEWEST_EXTREMES = 4
 _BY_CHANCE, _CLEARLY, _WITHOUT_DOUBT = 2.5, 2.0, 2.5  # standard deviations of a correlation
 _FEWEST_INDEPENDENT = 4.0  # values that a record must hold
-_LOWEST, _FEWEST_OF_LOWEST, _BLOCKS, _FAR_BELOW = 5, 5, 4096, 5.0
+BLOCKS = 4096
+"""Parts of a record that its slow course is looked at in, usually."""
+
+_LOWEST, _FEWEST_OF_LOWEST, _FAR_BELOW = 5, 5, 5.0
 _MOST_OF_NEXT = 30
 _CLEARLY_MORE = 1.4  # times the error by parts: by chance both differ by less
 _FEW_PARTS = 15.0  # degrees of freedom
@@ -229,7 +232,7 @@ def _where_none_rises(values: NDArray[np.float64], periods: int) -> MeanError | 
     return MeanError(math.sqrt(float(np.mean(power[:_LOWEST]))) * students_deviation(dof), dof)
 
 
-def means_of_blocks(samples: NDArray[np.float64], periods: int, blocks: int = _BLOCKS) -> NDArray[np.float64]:
+def means_of_blocks(samples: NDArray[np.float64], periods: int, blocks: int = BLOCKS) -> NDArray[np.float64]:
     """Return the means of up to so many equal blocks of samples, shape (n,), all of which count: at the edges
     of blocks a part of a sample.
 

@@ -13,14 +13,14 @@ from numpy import fft
 from numpy.typing import NDArray
 
 from benchtool.analysis.distributions import fisher_above
-from benchtool.analysis.scatter import means_of_blocks
+from benchtool.analysis.scatter import BLOCKS, means_of_blocks
 from benchtool.analysis.spectra.around_lines import surrounded
 from benchtool.analysis.spectra.spectral_window import spectral_window
 
 Floats = NDArray[np.float64]
 
 _MOST_LINES, _ROUNDS = 8, 2  # beside those of a revolution; harmonics show once the largest are away
-_BLOCKS, _MOST_BLOCKS = 1 << 12, 1 << 15  # usually; of many periods, more of which are not looked at
+_MOST_BLOCKS = 1 << 15  # of many periods, more of which are not looked at
 _LOWEST, _FEWEST_BLOCKS = 3, 64  # cycles in the record under a Hann window; blocks
 _STANDS_OUT = 6.0  # of the noise's rms amplitude
 _BY_CHANCE, _FEWEST_DOF = 1e-4, 3
@@ -71,7 +71,7 @@ def slow_lines(samples: Floats, place: Floats, periods: int, per_revolution: int
 
 def _aligned(samples: Floats, place: Floats, periods: int) -> tuple[Floats, Floats]:
     """Return the means of blocks of samples, as many in each period and two at least, and their places."""
-    blocks = max(_BLOCKS, 2 * periods)
+    blocks = max(BLOCKS, 2 * periods)
     values = means_of_blocks(samples, periods, blocks)
     if len(values) < len(samples) and len(values) % periods == 0:
         return values, means_of_blocks(place, periods, blocks)
