@@ -24,7 +24,7 @@ from benchtool.analysis.spectra.noise import (
     line_noise,
 )
 from benchtool.analysis.spectra.phase_following import Wander
-from benchtool.analysis.spectra.spectrum import FIRST_ROW, CoherentSamples, CoherentSpectrum
+from benchtool.analysis.spectra.spectrum import FIRST_ROW, CoherentSamples, CoherentSpectrum, rows_of
 from benchtool.analysis.uncertainty import Contribution, combined
 
 _HANN_FIT = math.sqrt(54.463)
@@ -217,9 +217,7 @@ def _of_angle(track: PhaseTrack) -> MeanError:
 def _marks(track: PhaseTrack, seen: Wander) -> NDArray[np.float64]:
     """Return the middles of all whole periods, in rows, as of a constant speed."""
     count = len(seen.phase_rad)
-    end = track.at(np.array([float(FIRST_ROW)])) + 2.0 * math.pi * count
-    per_period = (float(track.sample_numbers(end)[0]) - FIRST_ROW) / count
-    return FIRST_ROW + per_period * (np.arange(count, dtype=np.float64) + 0.5)
+    return FIRST_ROW + rows_of(track, count) / count * (np.arange(count, dtype=np.float64) + 0.5)
 
 
 def _to_both_ends(track: PhaseTrack, seen: Wander) -> tuple[float, float]:

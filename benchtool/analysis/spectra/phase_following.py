@@ -22,6 +22,7 @@ from benchtool.analysis.spectra.spectrum import (
     FIRST_ROW,
     CoherentSamples,
     coherent_samples,
+    rows_of,
     transformable_periods,
 )
 
@@ -29,6 +30,7 @@ _OFF_RAD = 2e-3  # rms: at which harmonic 50 reads 0.5 % low
 _LEFT_RAD = 5e-5  # rms: once followed, closer, because a period that is off by x reads its phase off by x / 2
 _BY_CHANCE = 1e-4
 _FEWEST_PERIODS = 4  # and so many phases, from which a wander is told from noise
+_FEWEST_KNOTS = 5  # of a spline along an angle
 _BEYOND = 2  # periods: to where an end of the record may be, and one to spare
 _ROUNDS = 3
 _ASIDE = 10  # share of the periods at either end that alone does not justify following
@@ -146,38 +148,36 @@ class _Followed:
     def transformable(self) -> CoherentSamples:
         """The signal over as many periods as are transformed quickly."""
         periods = transformable_periods(self.coherent.periods)
-        end = self.track.at(np.array([float(FIRST_ROW)])) + 2.0 * np.pi * periods
-        covered = float(self.track.sample_numbers(end)[0]) - FIRST_ROW
         values = self.coherent.values[: periods * self.coherent.per_period]
-        return replace(self.coherent, values=values, periods=periods, samples=covered)
+        return replace(self.coherent, values=values, periods=periods, samples=rows_of(self.track, periods))
 
     @cached_property
-    def _square(self) -> NDArray[np.float64]:
-        """Squares of bins, without those of the harmonics."""
+    def _squares(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Squares of the harmonics, from dc on, and of all bins without those."""
         square = np.abs(fft.rfft(self.transformable.values)) ** 2
+        lines = square[:: self.transformable.periods].copy()
         square[:: self.transformable.periods] = 0.0
-        return np.asarray(square)
+        return lines, square
 
     @property
     def off_line(self) -> float:
         """Power between the harmonics below the third, where a phase that is off moves that of the
         fundamental, however fast."""
-        return float(np.sum(self._square[: _BELOW_ORDER * self.transformable.periods]))
+        return float(np.sum(self._squares[1][: _BELOW_ORDER * self.transformable.periods]))
 
     def blurs(self, before: _Followed) -> bool:
         """Return whether the harmonics have more sidebands than before, beyond chance.
 
         A line beside the fundamental alone moves its phase, and no speed.
         """
-        values, periods = self.transformable.values, self.transformable.periods
-        lines = np.abs(fft.rfft(values)[::periods])
+        periods, (lines, square) = self.transformable.periods, self._squares
         highest = min(_HIGHEST_BLURRED, len(lines) - 2)
         if highest <= _BELOW_ORDER or periods != before.transformable.periods:
             return False
         strongest = _BELOW_ORDER + 1 + np.argsort(-lines[_BELOW_ORDER + 1 : highest + 1])[:_BLURRED]
         around = np.arange(-(periods // 2), periods // 2 + 1)
         bins = (periods * strongest[:, np.newaxis] + around).ravel()
-        now, then = float(np.sum(self._square[bins])), float(np.sum(before._square[bins]))
+        now, then = float(np.sum(square[bins])), float(np.sum(before._squares[1][bins]))
         return now > (1.0 + _FAR_BLUR / math.sqrt(len(bins))) * then
 
 
@@ -209,12 +209,12 @@ def _by_angle(track: PhaseTrack, samples_per_period: float) -> tuple[PhaseTrack 
     number, departure = _means_of_angle(track, track.measured_rad, size)
     whole_number, whole = _means_of_angle(track, track.measured_rad, max(1, round(samples_per_period)))
     within_rad = 0.0
-    if len(whole) >= FEWEST:
+    if len(whole) >= _FEWEST_KNOTS:
         inner = (number >= whole_number[0]) & (number <= whole_number[-1])
         within_rad = float(np.std(departure[inner] - np.interp(number[inner], whole_number, whole)))
         if within_rad < _OF_STEPS * track.resolution_rad:
             number, departure, within_rad = whole_number, whole, 0.0
-    if len(number) < FEWEST or not float(np.std(departure)) > _OFF_RAD:
+    if len(number) < _FEWEST_KNOTS or not float(np.std(departure)) > _OFF_RAD:
         return None, 0.0
     from scipy.interpolate import CubicSpline  # draws in scipy.optimize, which most runs do not need
 

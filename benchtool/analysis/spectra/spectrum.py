@@ -199,7 +199,7 @@ def coherent_samples_of_all(
         )
     if not every:
         periods = transformable_periods(periods)
-    covered = float(track.sample_numbers(np.array([begin + 2 * np.pi * periods]))[0]) - first
+    covered = rows_of(track, periods)
     if USABLE_BAND * covered < periods:
         raise AnalysisError(
             f"the fundamental has {covered / periods:.2f} samples per period, more than "
@@ -213,6 +213,12 @@ def coherent_samples_of_all(
         # the clip only takes up the rounding of Newton's method at the first sample
         part[:] = interpolate_all(columns, np.maximum(track.sample_numbers(phase), first))
     return tuple(CoherentSamples(each, periods, covered, sample_rate_Hz) for each in values)
+
+
+def rows_of(track: PhaseTrack, periods: int) -> float:
+    """Return how many rows the first so many periods of a spectrum cover."""
+    end = track.at(np.array([float(FIRST_ROW)])) + 2 * np.pi * periods
+    return float(track.sample_numbers(end)[0]) - FIRST_ROW
 
 
 def transformable_periods(periods: int) -> int:
