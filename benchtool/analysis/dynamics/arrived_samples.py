@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis.dynamics.noisy_curve import Instant, left_of_steps
+from benchtool.analysis.dynamics.noisy_curve import Instant, NoisyCurve, left_of_steps
 from benchtool.analysis.dynamics.smoothing import Noise
 from benchtool.analysis.scatter import error_of_record, error_of_series, scatter_of_largest, tail_index
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
@@ -23,12 +23,12 @@ Floats = NDArray[np.float64]
 _AT_REST, _IF_ROOM = 2, 3  # times the settling time: at the earliest, and where half of the samples are left
 _FEWEST_SAMPLES = 20  # whose scatter says something
 _FEWEST_MAXIMA = 4
-_FEWEST_MOVING = 8  # samples on their way
 _SEED, _DRAWS = 20_261_123, 80
-_ROUGH = 2.0  # times the noise
 _OF_TAIL = 40  # one sample in so many is of the tail
 _UNIFORM = 1.0 / math.sqrt(12.0)  # standard deviation over width
 _OF_SQUARE = 1.0 / math.sqrt(80.0)  # rms of the square of a uniform error within a half to either side
+_AWAY = -1.53, -0.89, -0.49, -0.16, 0.16, 0.49, 0.89, 1.53  # standard deviations: normal, each an eighth
+_TIMES = "times of the samples, which scatter"
 _SOURCE = "noise of the samples about their course, the row of the first of them, and a converter's step"
 
 
@@ -38,15 +38,14 @@ class ArrivedSamples:
     curve while they are on their way, and their mean at rest, of which there are the last `at_rest`.
 
     `noise` is that about the course, `step` that of a converter, of whose errors `left` is the standard
-    uncertainty of the mean. `roughness`, shape (n,), is what the values on their way are off a smooth course,
-    where that is more than noise; `others` are the courses from the first and the last row in which the
-    samples may begin.
+    uncertainty of the mean. `of_times`, shape (n,), is the standard deviation of each value because its time
+    is not known; `others` are the values from other rows, in which they may as well begin.
     """
 
     values: Floats
     course: Floats
-    roughness: Floats
-    others: tuple[Floats, Floats]
+    of_times: Floats
+    others: tuple[Floats, ...]
     at_rest: int
     noise: Noise
     step: float
@@ -54,7 +53,7 @@ class ArrivedSamples:
 
     @classmethod
     def of(
-        cls, samples: Floats, curve: Floats, begin: Instant, band: float, noise: Noise, step: float
+        cls, samples: Floats, curve: NoisyCurve, begin: Instant, band: float, noise: Noise, step: float
     ) -> ArrivedSamples:
         """Return those of samples since an event, shape (n,), from the instant `begin` on.
 
@@ -64,22 +63,21 @@ class ArrivedSamples:
         """
         end = len(samples)
         first = min(math.ceil(begin.place), end)
-        rest = _rest(curve, first, band)
-        course = curve.copy()
+        rest = _rest(curve.values, first, band)
+        course = curve.values.copy()
         if end - rest < _FEWEST_SAMPLES:
             rest = end
         else:
             course[rest:] = np.mean(samples[rest:])
             noise = Noise.of(samples[rest:])
-        rough = _roughness(samples[first:], end - rest, noise)
-        in_doubt = math.hypot(begin.standard, _rows_of(rough, course[first:]))
-        rows = [math.ceil(begin.place + side * in_doubt) for side in (-1.0, 1.0)]
-        earlier, later = (course[min(max(0, row), max(0, end - 1)) :] for row in rows)
+        of_times = np.zeros(end)
+        of_times[:rest] = curve.time_scatter * np.abs(np.gradient(curve.values))[:rest]
+        rows = [math.ceil(begin.place + away * begin.standard) for away in _AWAY]
         return cls(
             values=samples[first:],
             course=course[first:],
-            roughness=rough,
-            others=(earlier, later),
+            of_times=of_times[first:],
+            others=tuple(samples[min(max(0, row), max(0, end - 1)) :] for row in rows),
             at_rest=end - rest,
             noise=noise,
             step=step,
@@ -93,8 +91,8 @@ class ArrivedSamples:
 
     def of_mean(self) -> Uncertainty | None:
         """Return the uncertainty of the mean."""
-        rough = float(np.sqrt(np.sum(self.roughness**2))) / len(self.values)
-        noise = [self._of_mean(), Contribution("course that is not smooth", "A", rough)]
+        of_times = float(np.sqrt(np.sum(self.of_times**2))) / len(self.values)
+        noise = [self._of_mean(), Contribution(_TIMES, "A", of_times)]
         return self._combined(noise, lambda each: float(np.mean(each)), self.left)
 
     def of_greatest(self, sign: float = 1.0) -> Uncertainty | None:
@@ -109,7 +107,7 @@ class ArrivedSamples:
         noise = [
             Contribution("distribution of the extremes of such samples", "A", scatter),
             self._of_mean(),
-            Contribution("course that is not smooth", "A", float(np.max(self.roughness))),
+            Contribution(_TIMES, "A", float(np.max(self.of_times, where=open_to, initial=0.0))),
         ]
         return self._combined(noise, lambda each: float(np.max(sign * each)), _UNIFORM * self.step)
 
@@ -130,7 +128,7 @@ class ArrivedSamples:
         noise = [
             self._of_power(rms),
             Contribution("noise of the samples on their way", "A", self.noise.of_sum(on_the_way)),
-            Contribution("course that is not smooth", "A", self._of_roughness(rms)),
+            Contribution(_TIMES, "A", self._of_times(rms)),
         ]
         # the steps add their own power, and move all samples on one level together
         power = _OF_SQUARE * self.step**2 / (2.0 * rms)
@@ -156,8 +154,8 @@ class ArrivedSamples:
         standard = error.standard if math.isfinite(error.standard) else float(np.std(squares))
         return Contribution(name, "A", self._share * standard / (2.0 * rms), error.dof)
 
-    def _of_roughness(self, rms: float) -> float:
-        return float(np.sqrt(np.sum((self.course * self.roughness) ** 2))) / (rms * len(self.values))
+    def _of_times(self, rms: float) -> float:
+        return float(np.sqrt(np.sum((self.course * self.of_times) ** 2))) / (rms * len(self.values))
 
     @property
     def _settled(self) -> Floats:
@@ -174,8 +172,8 @@ class ArrivedSamples:
     def _combined(
         self, noise: list[Contribution], of: Callable[[Floats], float], steps: float
     ) -> Uncertainty | None:
-        earlier, later = (float(of(each)) for each in self.others)
-        begun = Contribution("row of the first of the samples", "B", 0.5 * abs(later - earlier))
+        moved = [float(of(each)) - float(of(self.values)) for each in self.others]
+        begun = Contribution("row of the first of the samples", "B", _rms(np.array(moved)))
         return combined([*noise, begun, Contribution("step of a converter", "B", abs(steps))], _SOURCE)
 
 
@@ -189,29 +187,6 @@ def _rest(curve: Floats, first: int, band: float) -> int:
     if settled >= end:
         return first
     return max(first, _AT_REST * settled, min(_IF_ROOM * settled, (first + end) // 2))
-
-
-def _roughness(values: Floats, at_rest: int, noise: Noise) -> Floats:
-    """Return what values, shape (n,), but for those `at_rest`, are off a smooth course, where that is more
-    than their noise: their times scatter, or values stand for others."""
-    found = np.zeros(len(values))
-    moving = values[: len(values) - at_rest] if at_rest < len(values) else values[:0]
-    if len(moving) >= _FEWEST_MOVING:
-        known = np.stack([moving[1:-1], moving[:-2], np.ones(len(moving) - 2)], axis=1)
-        # what decays, or oscillates, follows from the two before (see `bursts`)
-        solution, *_ = np.linalg.lstsq(known, moving[2:], rcond=None)
-        weights = np.array([1.0, -solution[0], -solution[1]])
-        off = np.abs(moving[2:] - known @ solution)
-        if np.mean(off**2) > (_ROUGH * noise.of_sum(weights)) ** 2:
-            found[: len(moving)] = np.concatenate([off[:1], off[:1], off]) / math.hypot(*weights)
-    return found
-
-
-def _rows_of(roughness: Floats, course: Floats) -> float:
-    """Return how many rows of the first of a course, shape (n,), are as much as its roughness."""
-    slope = float(np.mean(np.abs(np.diff(course[: _FEWEST_MOVING + 1])))) if len(course) > 1 else 0.0
-    rough = float(np.sqrt(np.mean(roughness[:_FEWEST_MOVING] ** 2)))
-    return min(rough / slope, float(len(course))) if slope > 0.0 else 0.0
 
 
 def _scatter_of_largest(deviations: Floats, tail: float) -> float:

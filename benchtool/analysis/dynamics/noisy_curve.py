@@ -9,7 +9,7 @@ numbers.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.dynamics.bursts import noise_levels, residual_levels
 from benchtool.analysis.dynamics.clicks import converter_step
+from benchtool.analysis.dynamics.row_times import scatter_of_times
 from benchtool.analysis.dynamics.smoothing import Noise, fitted_smoothers
 from benchtool.analysis.dynamics.tops import Top, kink, parabola
 from benchtool.analysis.repeated_steps import noise_beside, share_left
@@ -87,18 +88,21 @@ def left_of_steps(rms: float, step: float) -> float:
 class NoisyCurve:
     """Smooth `values`, shape (n,), and `errors`, shape (draws, n), that noise may cause in them.
 
-    Without noise there are no draws.
+    Without noise there are no draws. `time_scatter` is the standard deviation of the times of the samples, in
+    rows.
     """
 
     values: Floats
     errors: Floats
+    time_scatter: float = 0.0
 
     @classmethod
     def through(cls, samples: Floats, noise: Noise) -> NoisyCurve:
         """Return the curve through samples, shape (n,), the first of which is where a transient begins.
 
         Where noise does not hide the steps of a converter, what is read as one of its levels may be anywhere
-        within half a step of it, or within what the noise leaves of that.
+        within half a step of it, or within what the noise leaves of that. Where the times of the samples
+        scatter, each is off by that times the slope of the curve.
         """
         count, step = len(samples), converter_step(samples)
         levels = noise_levels(samples, noise)
@@ -108,15 +112,20 @@ class NoisyCurve:
         of_steps: float | Floats = 0.0
         if noise.rms < _HIDES * step:
             of_steps = _left_of_steps(noise.rms, step) * _within_steps(random, samples, step, draws)
+        scatter = scatter_of_times(samples, noise, step)
         if noise.rms == 0.0:
-            return cls(samples, np.empty((0, count)) if step == 0.0 else np.asarray(of_steps))
+            of_times = _of_times(random, samples, scatter, draws)
+            known = step == 0.0 and scatter == 0.0
+            return cls(samples, np.empty((0, count)) if known else of_steps + of_times, scatter)
         drawn = levels * noise.draw(random, (draws, count))
         errors, curve = smoother.apply(drawn), smoother.apply(samples)
         if isinstance(of_steps, np.ndarray):
             of_steps = smoother.apply(of_steps)
+        if scatter:
+            errors += smoother.apply(_of_times(random, curve, scatter, draws))
         bias = _OF_BIAS * (longer.apply(samples) - curve)
         errors *= residual_levels((samples - curve) / levels, noise.rms)
-        return cls(curve, errors + of_steps + random.standard_normal((draws, 1)) * bias)
+        return cls(curve, errors + of_steps + random.standard_normal((draws, 1)) * bias, scatter)
 
     @cached_property
     def standard(self) -> Floats:
@@ -129,7 +138,7 @@ class NoisyCurve:
             return self
         errors = self.errors if len(self.errors) else np.zeros((_DRAWS, len(self.values)))
         drifts = doubt * np.random.default_rng(_SEED).standard_normal((len(errors), 1))
-        return NoisyCurve(self.values, errors + drifts * np.arange(len(self.values)))
+        return replace(self, errors=errors + drifts * np.arange(len(self.values)))
 
     def since(self, row: int) -> NoisyCurve:
         """Return the part of the curve from a row onwards."""
@@ -287,6 +296,12 @@ def _within_steps(random: np.random.Generator, samples: Floats, step: float, dra
     """Return errors, shape (draws, n), the same for all samples on one level and independent otherwise."""
     level = np.round((samples - np.min(samples)) / step).astype(np.int64)
     return np.asarray(step * random.uniform(-0.5, 0.5, (draws, int(np.max(level)) + 1))[:, level])
+
+
+def _of_times(random: np.random.Generator, curve: Floats, scatter: float, draws: int) -> Floats:
+    """Return errors, shape (draws, n), of samples whose times scatter by so many rows."""
+    slope = np.gradient(curve) if scatter else np.zeros(len(curve))
+    return np.asarray(scatter * slope * random.standard_normal((draws, len(curve))))
 
 
 @dataclass(frozen=True)

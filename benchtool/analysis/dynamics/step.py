@@ -289,10 +289,9 @@ def _plateau(step: Step, curve: NoisyCurve, arrived: Instant | None, band: float
         reason = "the reference leaves its greatest value before the signal reaches it"
     elif not math.isfinite(since.standard):
         reason = _UNDECIDED
-    values, course = (step.sign * each[:end] for each in (step.y, curve.values))
-    found = (
-        None if reason else ArrivedSamples.of(values, course, since, band, step.y_noise, step.converter_step)
-    )
+    values = step.sign * step.y[:end]
+    course = replace(curve, values=step.sign * curve.values[:end])
+    found = None if reason else _arrived(step, values, course, since, band)
     samples = len(values) - math.ceil(since.place)
     for name, which, of, uncertain in (
         ("plateau_mean", "mean", np.mean, ArrivedSamples.of_mean),
@@ -318,8 +317,9 @@ def _tracking(step: Step, curve: NoisyCurve, settled: Instant | None, band: floa
             text = "signal minus reference after settling"
             yield undefined(f"tracking_error_{name}", definition=text, reason=reason)
         return
-    error, course = (step.sign * (each - step.r) for each in (step.y, curve.values))
-    found = ArrivedSamples.of(error, course, settled, band, step.y_noise, step.converter_step)
+    error = step.sign * (step.y - step.r)
+    course = replace(curve, values=step.sign * (curve.values - step.r))
+    found = _arrived(step, error, course, settled, band)
     window = f"signal minus reference, {left} samples after settling"
     mean = float(np.mean(found.values))
     yield _value(step, "tracking_error_mean", f"mean of {window}", mean, found.of_mean())
@@ -328,6 +328,11 @@ def _tracking(step: Step, curve: NoisyCurve, settled: Instant | None, band: floa
     greatest = float(np.max(np.abs(found.values)))
     text = f"greatest magnitude of {window}"
     yield _value(step, "tracking_error_max", text, greatest, found.of_magnitude())
+
+
+def _arrived(step: Step, values: Floats, course: NoisyCurve, since: Instant, band: float) -> ArrivedSamples:
+    begin = Instant(since.place, math.hypot(since.standard, step.sampled_late))
+    return ArrivedSamples.of(values, course, begin, band, step.y_noise, step.converter_step)
 
 
 def _value(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.dynamics.clicks import converter_step, without_clicks
 from benchtool.analysis.dynamics.noisy_curve import NoisyCurve
+from benchtool.analysis.dynamics.row_times import hold
 from benchtool.analysis.dynamics.smoothing import Noise
 from benchtool.analysis.measurement import Basis
 from benchtool.analysis.validity import require_signal, require_unbroken
@@ -33,6 +35,7 @@ _QUARTERS = 0.25, 0.75
 _AT_REST = 1e-3  # of the height: smaller deviations are not a transition
 _SIGMAS = 3.0  # standard deviations of its noise, likewise
 _LEAVES = 6.0  # standard deviations of its noise, which that does not reach
+_LATE = 0.5  # samples: how late one that is held is shown, on average
 _WITHIN = 0.5  # samples, at most one: how far a step is known from its row
 
 
@@ -45,7 +48,7 @@ class Step:
     uncertainty. `before`, `greatest` and `final` are levels of the reference, the last of its `tail` rows;
     `greatest_error` is the standard uncertainty that its noise leaves. `y_clear` is the signal without
     its `clicks` samples that are far from their neighbours, `y_before` the same up to the step, and `y_noise`
-    its noise at rest.
+    its noise at rest. `sampled_late` is how late a row may show what a signal is then, in rows.
     """
 
     y: Floats
@@ -64,6 +67,7 @@ class Step:
     greatest_error: float
     tail: int
     final: float
+    sampled_late: float
     period_s: float
     unit: str
     basis: Basis
@@ -99,9 +103,9 @@ def find_step(block: Block, signal: str, reference: str, *, held: bool = False) 
     The step is where the reference first leaves its first value by half of its greatest excursion, so that
     a ramp counts from its middle: between two samples if it is on its way in both, otherwise at its row. The
     record does not show when between two rows a step was made; the standard uncertainty of that is half a
-    sample. A reference that is `held`, as a drive holds its own from tick to tick, changes at one of
-    the ticks since the row before: at its row exactly where each tick is a row. A reference that falls back
-    after a while is a pulse and allowed.
+    row. A reference that is `held`, as a drive holds its own from tick to tick, changes at one of the ticks
+    since the row before: at its row exactly where each tick is a row. A reference that falls back after a
+    while is a pulse and allowed. Of a signal that is held for several rows one sample of each is taken.
 
     Raises:
         AnalysisError: a gap, a missing channel, a dead signal, units that differ, no step, or more than one.
@@ -124,12 +128,20 @@ def find_step(block: Block, signal: str, reference: str, *, held: bool = False) 
     before = float(r[0])
     _require_one_step(r, before, greatest, reference, unit)
     begin, zero = _begin(r, row, r_noise.rms)
+    zero_error = _within(block, held=held) * float(r[row] - r[row - 1]) / (greatest - before)
+    held_rows, first = hold(y)
+    y, r = y[first::held_rows], r[first::held_rows]
+    instant = (begin + zero - first) / held_rows
+    begin = math.ceil((begin - first) / held_rows)
+    tail = max(1, round(TAIL * len(r)))
     clear, clicks = without_clicks(y)
-    rate_Hz, after = block.sample_rate_Hz, len(y) - begin
+    rate_Hz, after = block.sample_rate_Hz / held_rows, len(y) - begin
     against = (
         f"{signal} against {reference}, which goes from {sign * before:.6g} to {sign * greatest:.6g} "
         f"{unit} in row {row}, where it has come half the way"
     )
+    if held_rows > 1:
+        against += f"; each sample of {signal} is held for {held_rows} rows"
     return Step(
         y=y[begin:],
         y_clear=clear[begin:],
@@ -140,13 +152,14 @@ def find_step(block: Block, signal: str, reference: str, *, held: bool = False) 
         sign=sign,
         begin=begin,
         row=row,
-        zero=zero,
-        zero_error=_within(block, held=held) * float(r[row] - r[row - 1]) / (greatest - before),
+        zero=instant - begin,
+        zero_error=zero_error / held_rows,
         before=before,
         greatest=greatest,
         greatest_error=greatest_error,
         tail=tail,
         final=float(np.mean(r[-tail:])),
+        sampled_late=_LATE if held_rows > 1 else 0.0,
         period_s=1.0 / rate_Hz,
         unit=unit,
         basis=Basis(after, rate_Hz, after / rate_Hz, 0.5 * rate_Hz, reference=against, gaps=0),

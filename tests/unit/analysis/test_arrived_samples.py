@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from benchtool.analysis.dynamics.arrived_samples import ArrivedSamples
-from benchtool.analysis.dynamics.noisy_curve import Instant
+from benchtool.analysis.dynamics.noisy_curve import Instant, NoisyCurve
 from benchtool.analysis.dynamics.smoothing import Noise
 from benchtool.analysis.uncertainty import Uncertainty
 
@@ -18,8 +18,11 @@ COURSE = 1.0 - np.exp(-np.arange(ROWS) / TAU)
 ARRIVED = Instant(TAU * math.log(50.0), 0.1)
 
 
-def _samples(values: NDArray[np.float64], step: float = 0.0, begin: Instant = ARRIVED) -> ArrivedSamples:
-    return ArrivedSamples.of(values, COURSE, begin, 0.02, Noise(np.zeros(1)), step)
+def _samples(
+    values: NDArray[np.float64], step: float = 0.0, begin: Instant = ARRIVED, scatter: float = 0.0
+) -> ArrivedSamples:
+    curve = NoisyCurve(COURSE, np.empty((0, ROWS)), scatter)
+    return ArrivedSamples.of(values, curve, begin, 0.02, Noise(np.zeros(1)), step)
 
 
 def _standard(found: Uncertainty | None) -> float:
@@ -66,13 +69,10 @@ def test_the_row_of_the_first_sample_is_in_doubt_as_far_as_it_changes_the_least(
     assert _standard(doubtful.of_greatest()) == pytest.approx(_standard(sure.of_greatest()), abs=1e-6)
 
 
-def test_a_course_that_jumps_from_value_to_value_is_no_smooth_one() -> None:
-    held = COURSE[np.arange(ROWS) // 4 * 4]
-    smooth = _standard(_samples(COURSE).of_rms())
-    assert (
-        _standard(ArrivedSamples.of(held, held, ARRIVED, 0.02, Noise(np.zeros(1)), 0.0).of_rms())
-        > 5.0 * smooth
-    )
+def test_a_value_on_the_way_is_uncertain_by_the_time_of_its_row() -> None:
+    scatter = 0.3
+    of_least = _standard(_samples(COURSE, begin=Instant(ARRIVED.place, 0.0), scatter=scatter).of_least())
+    assert of_least == pytest.approx(scatter * 0.02 / TAU, rel=0.1)
 
 
 def test_the_extreme_of_a_line_that_scatters_is_one_of_few_crests() -> None:
