@@ -89,12 +89,13 @@ class NoisyCurve:
     """Smooth `values`, shape (n,), and `errors`, shape (draws, n), that noise may cause in them.
 
     Without noise there are no draws. `time_scatter` is the standard deviation of the times of the samples, in
-    rows.
+    rows, and `longer`, shape (n,), the curve under longer windows, if there is one.
     """
 
     values: Floats
     errors: Floats
     time_scatter: float = 0.0
+    longer: Floats | None = None
 
     @classmethod
     def through(cls, samples: Floats, noise: Noise) -> NoisyCurve:
@@ -123,9 +124,11 @@ class NoisyCurve:
             of_steps = smoother.apply(of_steps)
         if scatter:
             errors += smoother.apply(_of_times(random, curve, scatter, draws))
-        bias = _OF_BIAS * (longer.apply(samples) - curve)
+        blunt = longer.apply(samples)
+        bias = _OF_BIAS * (blunt - curve)
         errors *= residual_levels((samples - curve) / levels, noise.rms)
-        return cls(curve, errors + of_steps + random.standard_normal((draws, 1)) * bias, scatter)
+        errors += of_steps + random.standard_normal((draws, 1)) * bias
+        return cls(curve, errors, scatter, blunt)
 
     @cached_property
     def standard(self) -> Floats:
@@ -142,7 +145,28 @@ class NoisyCurve:
 
     def since(self, row: int) -> NoisyCurve:
         """Return the part of the curve from a row onwards."""
-        return NoisyCurve(self.values[row:], self.errors[:, row:])
+        longer = None if self.longer is None else self.longer[row:]
+        return replace(self, values=self.values[row:], errors=self.errors[:, row:], longer=longer)
+
+    def blunted(self) -> tuple[float, float]:
+        """Return by how much longer windows lower the peak of the greatest value, and how much later they
+        make it, in rows.
+
+        At a corner what windows do to both is in proportion to their length, so that as long ones are half as
+        much longer it is twice this; of a smooth peak it is a quarter, as of (3/2)^4 - 1.
+        """
+        top = int(np.argmax(self.values))
+        if self.longer is None or not 0 < top < len(self.values) - 1:
+            return 0.0, 0.0
+        at = top
+        while 0 < at < len(self.longer) - 1:
+            beside = at + 1 if self.longer[at + 1] > self.longer[at - 1] else at - 1
+            if self.longer[beside] <= self.longer[at]:
+                break
+            at = beside
+        sharp, blunt = parabola(self.values, top), parabola(self.longer, at)
+        lower = self.values[top] + sharp.above - self.longer[at] - blunt.above
+        return float(lower), at + blunt.beside - top - sharp.beside
 
     def greatest(self, *, kinked: bool = False) -> tuple[float, float]:
         """Return the greatest value and its standard uncertainty.

@@ -41,6 +41,7 @@ _CALM = 5.0  # standard uncertainties of the curve that noise alone hardly ever 
 _AT_REST = 2.0  # times the settling time
 _LONGER = 2.0  # times the samples whose mean is the final value
 _EXTREME = 4.0  # standard uncertainties of an overshoot that has a peak time
+_BLUNTED, _OF_BLUNTED = 0.5, 0.8  # of what a longer window does to a peak; rms of what is left of -1/4 to 3/2
 _OF_SAMPLES = "plateau_", "tracking_error_"  # what the samples are, whatever moves them
 _FEWEST_ALIKE = 3  # samples of one value, which noise would not leave
 _FEWEST_SAMPLES = 20  # whose scatter says something
@@ -239,18 +240,25 @@ def _interval(step: Step, name: str, definition: str, found: Instant | None, rea
 def _excursions(step: Step, curve: NoisyCurve, arrived: Instant | None) -> Iterator[Measurement]:
     source = "noise of the smoothed signal, by a parametric bootstrap, and its course between samples"
     greatest, of_curve = curve.greatest(kinked=True)
-    standard = math.hypot(of_curve, step.greatest_error)
+    peak = None
+    if greatest - step.greatest > _EXTREME * math.hypot(of_curve, step.greatest_error):
+        lower, later = curve.blunted()
+        greatest, of_curve = greatest + _BLUNTED * lower, math.hypot(of_curve, _OF_BLUNTED * lower)
+        peak = curve.place_of_greatest()
+        standard = math.hypot(peak.standard, _OF_BLUNTED * later)
+        peak = Instant(peak.place - _BLUNTED * later, standard)
+    found = greatest - step.greatest
     text = "greatest value of the smoothed signal beyond the greatest reference"
-    beyond = greatest - step.greatest if greatest - step.greatest > _ROUNDING * step.height else 0.0
-    of_overshoot = _of_nonnegative(greatest - step.greatest, standard)
+    beyond = found if found > _ROUNDING * step.height else 0.0
+    of_overshoot = _of_nonnegative(found, math.hypot(of_curve, step.greatest_error))
     yield _value(step, "overshoot", text, beyond, Uncertainty(of_overshoot, source))
     percent = 100.0 / step.height
     text = "100 x overshoot / height of the step of the reference"
     relative = Uncertainty(percent * of_overshoot, source)
     yield Measurement("overshoot_percent", percent * beyond, "%", text, step.basis, relative)
 
-    peak = curve.place_of_greatest() if beyond > _EXTREME * standard else None
     text = "from the step to the greatest value of the smoothed signal"
+    peak = peak if beyond > 0.0 else None
     yield _time(step, "peak_time", text, peak, "it does not exceed the greatest reference beyond its noise")
 
     name = "undershoot"
@@ -264,16 +272,17 @@ def _excursions(step: Step, curve: NoisyCurve, arrived: Instant | None) -> Itera
 
 
 def _of_nonnegative(found: float, standard: float) -> float:
-    """Return the standard uncertainty of what cannot be negative, which was `found`: where that is below zero
-    it is given as zero, and its distribution about zero is the part of the normal one that is above (as JCGM
-    106:2012, A.4.4, of prior knowledge)."""
-    if found >= 0.0 or not standard > 0.0:
+    """Return the standard uncertainty of what cannot be negative, which was `found`, by the part of the
+    normal distribution that is above zero (as JCGM 106:2012, A.4.4, of prior knowledge): its rms deviation
+    from what is given, which is zero where less was found."""
+    if not standard > 0.0:
         return standard
-    below = -found / standard
-    if below > _FAR_BELOW:
-        return standard * math.sqrt(2.0) / below
-    density = math.exp(-0.5 * below**2) / math.sqrt(2.0 * math.pi)
-    return standard * math.sqrt(1.0 + below**2 - below * density / normal_below(-below))
+    above = found / standard
+    if above < -_FAR_BELOW:
+        return standard * math.sqrt(2.0) / -above
+    density = math.exp(-0.5 * above**2) / math.sqrt(2.0 * math.pi)
+    square = 1.0 + min(0.0, above) ** 2 - abs(above) * density / normal_below(above)
+    return standard * math.sqrt(square)
 
 
 def _plateau(step: Step, curve: NoisyCurve, arrived: Instant | None, band: float) -> Iterator[Measurement]:
