@@ -357,10 +357,29 @@ def _before_the_first(above: Floats) -> _Crossing:
 def _last(values: Floats, level: float, band: float) -> _Crossing | None:
     inside = band - np.abs(values - level)
     outside = np.flatnonzero(inside < 0.0)
-    if len(outside) == 0:
-        return _Crossing(0.0, 0.0)
-    at = int(outside[-1]) + 1
-    return _between(inside, at) if at < len(inside) else None
+    at = int(outside[-1]) + 1 if len(outside) else 0
+    if at == len(inside):
+        return None
+    return _last_lobe(inside, at) or (_between(inside, at) if at else _Crossing(0.0, 0.0))
+
+
+def _last_lobe(inside: Floats, begin: int) -> _Crossing | None:
+    """Return where a curve, which samples from `begin` on show above zero, rises from the last lobe below it
+    between samples: on the parabola through the lowest of three, with what a third difference changes."""
+    rises = np.diff(inside)
+    lowest = np.flatnonzero((rises[:-1] < 0.0) & (rises[1:] >= 0.0)) + 1
+    lowest = lowest[(lowest > max(begin, 1)) & (lowest < len(inside) - 2)]
+    slope = 0.5 * (inside[lowest + 1] - inside[lowest - 1])
+    bend = inside[lowest + 1] - 2.0 * inside[lowest] + inside[lowest - 1]
+    below = slope**2 / (2.0 * bend) - inside[lowest]
+    if not np.any(below > 0.0):
+        return None
+    last = int(np.flatnonzero(below > 0.0)[-1])
+    row, bend_there = int(lowest[last]), float(bend[last])
+    half = math.sqrt(2.0 * float(below[last]) / bend_there)
+    bends = np.diff(inside[row - 2 : row + 3], 2)
+    uneven = float(np.max(np.abs(bends - bend_there))) / (16.0 * bend_there)
+    return _Crossing(row - float(slope[last]) / bend_there + half, min(half, uneven / half))
 
 
 def _between(above: Floats, at: int) -> _Crossing:
