@@ -72,7 +72,7 @@ class ArrivedSamples:
             noise = Noise.of(samples[rest:])
         of_times = np.zeros(end)
         of_times[:rest] = curve.time_scatter * np.abs(np.gradient(curve.values))[:rest]
-        rows = [math.ceil(begin.place + away * begin.standard) for away in _AWAY]
+        rows = [math.ceil(place) for place in _eighths(begin)]
         return cls(
             values=samples[first:],
             course=course[first:],
@@ -175,6 +175,13 @@ class ArrivedSamples:
         moved = [float(of(each)) - float(of(self.values)) for each in self.others]
         begun = Contribution("row of the first of the samples", "B", _rms(np.array(moved)))
         return combined([*noise, begun, Contribution("step of a converter", "B", abs(steps))], _SOURCE)
+
+
+def _eighths(begin: Instant) -> Floats:
+    """Return the middle of each eighth of the places in which an instant may be."""
+    if begin.drawn:
+        return np.asarray(np.quantile(begin.drawn, (np.arange(8) + 0.5) / 8.0))
+    return begin.place + begin.standard * np.array(_AWAY)
 
 
 def _rest(curve: Floats, first: int, band: float) -> int:

@@ -42,11 +42,19 @@ _VANDERMONDE = np.vander(np.arange(-1.0, 3.0), increasing=True)
 class Instant:
     """Place, in samples from the first, at which a curve passes a level, and its standard uncertainty.
 
-    `standard` is infinite where, because of noise, it is unknown whether the level is passed at all.
+    `standard` is infinite where, because of noise, it is unknown whether the level is passed at all. `drawn`,
+    shape (draws,), are the places that noise may make of it; empty without noise.
     """
 
     place: float
     standard: float
+    drawn: tuple[float, ...] = ()
+
+    def widened(self, standard: float) -> Instant:
+        """Return the instant with another contribution, evenly distributed, to its uncertainty."""
+        within = math.sqrt(3.0) * standard
+        moved = np.random.default_rng(_SEED).uniform(-within, within, len(self.drawn))
+        return Instant(self.place, math.hypot(self.standard, standard), tuple((moved + self.drawn).tolist()))
 
 
 @dataclass(frozen=True)
@@ -69,7 +77,7 @@ class Passage:
         if len(known) < _LEAST_DEFINED * len(drawn):
             return Instant(place, math.inf)
         noise = float(np.sqrt(np.mean((known - place) ** 2))) if len(known) else 0.0
-        return Instant(place, math.hypot(noise, self.reach / math.sqrt(3.0)))
+        return Instant(place, noise, tuple(known.tolist())).widened(self.reach / math.sqrt(3.0))
 
 
 def at_rest_error(at_rest: Floats, samples: Floats) -> float:

@@ -23,7 +23,7 @@ from benchtool.analysis.dynamics.clicks import too_many
 from benchtool.analysis.dynamics.departure import SIGMAS, departure
 from benchtool.analysis.dynamics.noisy_curve import Instant, NoisyCurve
 from benchtool.analysis.dynamics.smoothing import Noise
-from benchtool.analysis.dynamics.step_drift import Drift, find_drift
+from benchtool.analysis.dynamics.step_drift import find_drift, wanders
 from benchtool.analysis.dynamics.step_shape import HELD, TAIL, Step, find_step
 from benchtool.analysis.measurement import Measurement, MeasurementJson, measurements_to_json
 from benchtool.analysis.scatter import means_of_parts
@@ -70,7 +70,7 @@ def analyze_step(block: Block, signal: str, reference: str, *, held: bool = Fals
 
     A signal counts as settled within 2 % of the step or, where the noise leaves the smooth curve more than a
     third of that uncertain, within three of its standard uncertainties. Where it drifts before the step
-    (`find_drift`), times and excursions are undefined.
+    (`find_drift`), times and excursions are undefined, and where it wanders at rest (`wanders`) all numbers.
 
     Raises:
         AnalysisError: a gap, a missing channel, a dead signal, units that differ, no step or several.
@@ -78,24 +78,25 @@ def analyze_step(block: Block, signal: str, reference: str, *, held: bool = Fals
     step = find_step(block, signal, reference, held=held)
     curve = _curve(step)
     band = _band(step, curve)
-    drift = _drift(step, curve, band)
+    at_rest = _at_rest(step, curve, band)
+    drift = find_drift(step, at_rest)
     found = tuple(_measurements(step, curve.drifting(drift.doubt), band))
     if step.clicks:
         found = tuple(_without_clicks(found, step.clicks))
     if drift.reason:
         found = tuple(_without_drift(found, drift.reason))
-    if reason := _noise_unknown(step) or _clicks_too_many(step):
+    if reason := _noise_unknown(step) or _clicks_too_many(step) or wanders(step, at_rest):
         found = tuple(_undefined(each, reason) for each in found)
     return StepResponse(found, step.row)
 
 
-def _drift(step: Step, curve: NoisyCurve, band: float) -> Drift:
-    """Return the drift of the signal, by what it does before the step and long after it has settled."""
+def _at_rest(step: Step, curve: NoisyCurve, band: float) -> Floats:
+    """Return the samples long after the signal has settled; of what a drift keeps from it the later half."""
     settled = curve.last_outside(step.final, band)
-    begin = len(step.y) // 2  # of what a drift keeps from settling
+    begin = len(step.y) // 2
     if settled is not None and math.isfinite(settled.standard):
         begin = math.ceil(_AT_REST * settled.place)
-    return find_drift(step, step.y_clear[begin:])
+    return step.y_clear[begin:]
 
 
 def _without_clicks(found: Iterable[Measurement], clicks: int) -> Iterator[Measurement]:
@@ -340,7 +341,7 @@ def _tracking(step: Step, curve: NoisyCurve, settled: Instant | None, band: floa
 
 
 def _arrived(step: Step, values: Floats, course: NoisyCurve, since: Instant, band: float) -> ArrivedSamples:
-    begin = Instant(since.place, math.hypot(since.standard, step.sampled_late))
+    begin = since.widened(step.sampled_late) if step.sampled_late else since
     return ArrivedSamples.of(values, course, begin, band, step.y_noise, step.converter_step)
 
 

@@ -10,12 +10,14 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.dynamics.noisy_curve import at_rest_error
 from benchtool.analysis.dynamics.step_shape import Step
+from benchtool.analysis.lowest_frequencies import slow_noise
 from benchtool.analysis.scatter import error_of_series, means_of_parts
 
 _SIGMAS = 3.5  # standard uncertainties of a slope that noise alone hardly ever has
 _DOUBTFUL = 2.5  # likewise, of one that may be there
 _AT_REST = 5.0  # likewise, of one after the signal has settled
 _AGREES = 3.0  # standard uncertainties between both
+_LOST = 4.2  # octaves by which noise rises below the lowest frequency of a piece, of two on average
 _TOLERATED = 0.02  # of the step, over the time after it: the least settling band
 
 
@@ -50,6 +52,23 @@ class _Slope:
         left = means - float(np.mean(means)) - slope * place
         standard = error_of_series(left).standard * math.sqrt(parts / square)  # of correlated parts too
         return cls(slope, standard)
+
+
+def wanders(step: Step, at_rest: NDArray[np.float64]) -> str:
+    """Return why the level of a signal is not known, empty where it is: it wanders, as a random walk does.
+
+    The density of its noise rises then so far below the lowest frequencies of the samples before the step,
+    and of those `at_rest` after it, that what it moved by between both is anyone's guess.
+    """
+    before, after = slow_noise(step.y_before), slow_noise(at_rest)
+    if before is None or after is None or before.rise + after.rise < 2.0 * _LOST:
+        return ""
+    moved = float(np.std(means_of_parts(at_rest)))
+    return (
+        f"the signal wanders at rest, by {moved:.2g} {step.unit} rms over the last "
+        f"{len(at_rest) * step.period_s:.4g} s, and more the longer it is watched: find what moves it, or "
+        f"measure its level closer to the step"
+    )
 
 
 def find_drift(step: Step, at_rest: NDArray[np.float64]) -> Drift:
