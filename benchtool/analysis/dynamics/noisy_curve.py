@@ -176,8 +176,8 @@ class NoisyCurve:
         lower = self.values[top] + sharp.above - self.longer[at] - blunt.above
         return float(lower), at + blunt.beside - top - sharp.beside
 
-    def greatest(self, *, kinked: bool = False) -> tuple[float, float]:
-        """Return the greatest value and its standard uncertainty.
+    def greatest(self, *, kinked: bool = False, begin: int = 0) -> tuple[float, float]:
+        """Return the greatest value, from a row on, and its standard uncertainty.
 
         Noise raises the greatest of several similar values, and this bias is subtracted: what it does to
         those that three standard deviations of both make as great (Chernozhukov, Lee and Rosen, Econometrica
@@ -187,24 +187,25 @@ class NoisyCurve:
         taken. What the course between samples adds is added: at a kink, which the curve may have where it is
         `kinked`, or on a parabola.
         """
-        top = int(np.argmax(self.values))
-        vertex = self._vertex(top, kinked=kinked)
+        values, errors = self.values[begin:], self.errors[:, begin:]
+        greatest = float(np.max(values))
+        vertex = self._vertex(begin + int(np.argmax(values)), kinked=kinked)
         between, unknown = vertex.above, vertex.above_error
-        if not len(self.errors):
-            return float(self.values[top]) + between, unknown
-        within = _TIED * self.standard
-        tied = np.flatnonzero(self.values + within >= np.max(self.values - within))
-        shape = _shape(self.values, tied)
-        highest = np.max(shape + self.errors[:, tied], axis=1)
+        if not len(errors):
+            return greatest + between, unknown
+        within = _TIED * self.standard[begin:]
+        tied = np.flatnonzero(values + within >= np.max(values - within))
+        shape = _shape(values, tied)
+        highest = np.max(shape + errors[:, tied], axis=1)
         bias = float(np.mean(highest) - np.max(shape))
-        as_it_is = float(np.mean(np.max(self.values + self.errors, axis=1))) - float(self.values[top])
-        as_high = np.count_nonzero(highest >= self.values[top])
+        as_it_is = float(np.mean(np.max(values + errors, axis=1))) - greatest
+        as_high = np.count_nonzero(highest >= greatest)
         share = 0.5 + 0.5 * _odds((1.0 + as_high) / (1.0 + len(highest)))
         # anywhere between both, evenly, and which of both
         between_both = (bias - as_it_is) * math.sqrt(1.0 / 12.0 + share * (1.0 - share))
         of_noise = math.hypot(float(np.std(highest, ddof=1)), between_both)
         bias = share * bias + (1.0 - share) * as_it_is
-        return float(self.values[top]) + between - bias, math.hypot(of_noise, unknown)
+        return greatest + between - bias, math.hypot(of_noise, unknown)
 
     def least_after_greatest(self) -> tuple[float, float]:
         """Return the least value after the greatest, and its standard uncertainty.
@@ -212,7 +213,7 @@ class NoisyCurve:
         Of two peaks alike either may be the greatest: what follows is that after the one, or the other.
         """
         top = int(np.argmax(self.values))
-        lowest, standard = NoisyCurve(-self.values[top:], -self.errors[:, top:]).greatest(kinked=True)
+        lowest, standard = NoisyCurve(-self.values, -self.errors).greatest(kinked=True, begin=top)
         after = np.minimum.accumulate(self.values[::-1])[::-1]
         tops = np.argmax(self.values + self.errors, axis=1) if len(self.errors) else np.array([top])
         other = float(np.sqrt(np.mean((after[tops] - after[top]) ** 2)))

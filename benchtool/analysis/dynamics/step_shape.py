@@ -35,6 +35,7 @@ _QUARTERS = 0.25, 0.75
 _AT_REST = 1e-3  # of the height: smaller deviations are not a transition
 _SIGMAS = 3.0  # standard deviations of its noise, likewise
 _LEAVES = 6.0  # standard deviations of its noise, which that does not reach
+_FIRST_PEAKS = 20  # rows from a step on
 _LATE = 0.5  # samples: how late one that is held is shown, on average
 _WITHIN = 0.5  # samples, at most one: how far a step is known from its row
 
@@ -134,7 +135,7 @@ def find_step(block: Block, signal: str, reference: str, *, held: bool = False) 
     instant = (begin + zero - first) / held_rows
     begin = math.ceil((begin - first) / held_rows)
     tail = max(1, round(TAIL * len(r)))
-    clear, clicks = without_clicks(y)
+    clear, clicks = _without_clicks(y, begin)
     rate_Hz, after = block.sample_rate_Hz / held_rows, len(y) - begin
     against = (
         f"{signal} against {reference}, which goes from {sign * before:.6g} to {sign * greatest:.6g} "
@@ -164,6 +165,16 @@ def find_step(block: Block, signal: str, reference: str, *, held: bool = False) 
         unit=unit,
         basis=Basis(after, rate_Hz, after / rate_Hz, 0.5 * rate_Hz, reference=against, gaps=0),
     )
+
+
+def _without_clicks(y: Floats, begin: int) -> tuple[Floats, int]:
+    """Return a signal, shape (n,), without its clicks, and their number; where all of them follow the row
+    `begin` of a step at once they are peaks of its answer, as interference strikes anywhere."""
+    clear, clicks = without_clicks(y)
+    elsewhere = np.flatnonzero(clear != y) - begin
+    if len(elsewhere) and np.all((elsewhere >= 0) & (elsewhere < _FIRST_PEAKS)):
+        return y, 0
+    return clear, clicks
 
 
 def _without_noise(r: Floats, row: int, noise: Noise) -> tuple[Floats, float, float]:
