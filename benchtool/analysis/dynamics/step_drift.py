@@ -13,11 +13,15 @@ from benchtool.analysis.dynamics.step_shape import Step
 from benchtool.analysis.lowest_frequencies import slow_noise
 from benchtool.analysis.scatter import error_of_series, means_of_parts
 
+Floats = NDArray[np.float64]
+
 _SIGMAS = 3.5  # standard uncertainties of a slope that noise alone hardly ever has
 _DOUBTFUL = 2.5  # likewise, of one that may be there
 _AT_REST = 5.0  # likewise, of one after the signal has settled
 _AGREES = 3.0  # standard uncertainties between both
-_LOST = 4.2  # octaves by which noise rises below the lowest frequency of a piece, of two on average
+_LOST = 3.4  # octaves by which noise rises below the lowest frequency of a piece, of two on average
+_LONG, _SHORT, _GROWS = 6, 24, 1.8  # parts of a record that Allan's variances are of; over the other
+_FEWEST_AT_REST = 64  # samples
 _TOLERATED = 0.02  # of the step, over the time after it: the least settling band
 
 
@@ -38,7 +42,7 @@ class _Slope:
     standard: float
 
     @classmethod
-    def of(cls, samples: NDArray[np.float64]) -> _Slope | None:
+    def of(cls, samples: Floats) -> _Slope | None:
         """Fit a line to means of parts, about which their scatter, and its correlation, give its uncertainty;
         None of too few samples."""
         means = means_of_parts(samples)
@@ -54,24 +58,35 @@ class _Slope:
         return cls(slope, standard)
 
 
-def wanders(step: Step, at_rest: NDArray[np.float64]) -> str:
+def wanders(step: Step, at_rest: Floats) -> str:
     """Return why the level of a signal is not known, empty where it is: it wanders, as a random walk does.
 
     The density of its noise rises then so far below the lowest frequencies of the samples before the step,
-    and of those `at_rest` after it, that what it moved by between both is anyone's guess.
+    and of those `at_rest` after it, that what it moved by between both is not known, and Allan's variance
+    grows with the time that is averaged over; that of 1/f noise is constant, that of a line falls.
     """
-    before, after = slow_noise(step.y_before), slow_noise(at_rest)
-    if before is None or after is None or before.rise + after.rise < 2.0 * _LOST:
+    before, after, count = slow_noise(step.y_before), slow_noise(at_rest), len(at_rest)
+    if before is None or after is None or before.rise + after.rise < 2.0 * _LOST or count < _FEWEST_AT_REST:
         return ""
-    moved = float(np.std(means_of_parts(at_rest)))
+    longer = _allan_variance(at_rest, count // _LONG)
+    if longer < _GROWS * _allan_variance(at_rest, count // _SHORT):
+        return ""
     return (
-        f"the signal wanders at rest, by {moved:.2g} {step.unit} rms over the last "
-        f"{len(at_rest) * step.period_s:.4g} s, and more the longer it is watched: find what moves it, or "
-        f"measure its level closer to the step"
+        f"the signal wanders at rest, by {math.sqrt(longer):.2g} {step.unit} rms within "
+        f"{count // _LONG * step.period_s:.4g} s, and more the longer it is watched: find what moves it, or "
+        f"record less before and after the step"
     )
 
 
-def find_drift(step: Step, at_rest: NDArray[np.float64]) -> Drift:
+def _allan_variance(samples: Floats, size: int) -> float:
+    """Return the mean square of the difference of means of so many samples side by side (twice what Allan
+    defines, Proc. IEEE 54 (1966) 221)."""
+    total = np.concatenate([[0.0], np.cumsum(samples - np.mean(samples))])
+    means = (total[size:] - total[:-size]) / size
+    return float(np.mean((means[size:] - means[:-size]) ** 2))
+
+
+def find_drift(step: Step, at_rest: Floats) -> Drift:
     """Return the drift of a signal by its samples before the step and, where it has settled, `at_rest`.
 
     A slope before the step is significant where it is beyond noise and, continued to the end of the record,
