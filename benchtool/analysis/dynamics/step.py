@@ -85,7 +85,8 @@ def analyze_step(block: Block, signal: str, reference: str, *, held: bool = Fals
         found = tuple(_without_clicks(found, step.clicks))
     if drift.reason:
         found = tuple(_without_drift(found, drift.reason))
-    if reason := _noise_unknown(step) or _clicks_too_many(step) or wanders(step, at_rest):
+    wandering = "" if drift.reason else wanders(step, at_rest)
+    if reason := _noise_unknown(step) or _clicks_too_many(step) or wandering:
         found = tuple(_undefined(each, reason) for each in found)
     return StepResponse(found, step.row)
 
