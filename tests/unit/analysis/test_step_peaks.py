@@ -1,0 +1,92 @@
+"""Peaks of step responses: at corners, in few rows, or none at all; lobes between rows; wandering levels."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from benchtool.analysis import Measurement, analyze_step
+from benchtool.analysis.dynamics.noisy_curve import NoisyCurve
+from benchtool.block import Block
+
+Floats = NDArray[np.float64]
+
+BEFORE = 200
+RATE_HZ = 10_000.0
+
+
+def _measured(y: Floats, before: int = BEFORE) -> dict[str, Measurement]:
+    r = (np.arange(len(y)) >= before).astype(np.float64)
+    block = Block.from_arrays(RATE_HZ, {"y": "Nm", "r": "Nm"}, y=y, r=r)
+    return {each.name: each for each in analyze_step(block, "y", "r", held=True).measurements}
+
+
+def _relative(found: Measurement, truth: float) -> float:
+    assert found.uncertainty is not None
+    return (found.value - truth) / found.uncertainty.standard
+
+
+def test_a_corner_in_noise_is_as_high_and_as_early_as_stated() -> None:
+    random = np.random.default_rng(11)
+    row = np.arange(1600.0) - BEFORE
+    corner = 84.3
+    y = np.where(row < corner, np.maximum(row, 0.0) / 70.0, 0.0)
+    y = np.where(row < corner, y, 1.0 + (corner / 70.0 - 1.0) * np.exp(-(row - corner) / 50.0))
+    found = [_measured(y + 8e-3 * random.standard_normal(len(y))) for _ in range(20)]
+    high = [_relative(each["overshoot"], corner / 70.0 - 1.0) for each in found]
+    late = [_relative(each["peak_time"], corner / RATE_HZ) for each in found]
+    assert 0.5 < np.sqrt(np.mean(np.square(high))) < 1.7
+    assert 0.5 < np.sqrt(np.mean(np.square(late))) < 1.9
+
+
+def test_an_overshoot_that_is_none_has_the_uncertainty_of_what_cannot_be_negative() -> None:
+    random = np.random.default_rng(12)
+    y = 1.0 - np.exp(-np.maximum(np.arange(1400.0) - BEFORE, 0.0) / 20.0)
+    found = [_measured(y + 0.01 * random.standard_normal(len(y)))["overshoot"] for _ in range(30)]
+    relative = [_relative(each, 0.0) for each in found]
+    assert np.mean(np.abs(relative) <= 2.0) >= 0.9
+    assert np.sqrt(np.mean(np.square(relative))) > 0.35
+    assert min(each.value for each in found) == 0.0
+
+
+def test_a_lobe_between_rows_is_the_last_outside_a_band() -> None:
+    def lobe(row: Floats) -> Floats:
+        return np.asarray(0.03 * np.exp(-row / 12.0) * np.cos(2.0 * math.pi * row / 7.0))
+
+    fine = np.arange(0.0, 60.0, 1e-3)
+    for shift in np.linspace(0.0, 1.0, 9):
+        truth = float(fine[np.flatnonzero(np.abs(lobe(fine + shift)) > 0.02)[-1]])
+        found = NoisyCurve(lobe(np.arange(60.0) + shift), np.empty((0, 60))).last_outside(0.0, 0.02)
+        assert found is not None
+        assert abs(found.place - truth) < max(0.05, 2.0 * found.standard)
+
+
+@pytest.mark.parametrize("phase", [0.0, 0.3, 0.6, 0.9])
+def test_a_trough_two_rows_after_its_peak_is_found_between_rows(phase: float) -> None:
+    random = np.random.default_rng(13)
+    late = np.maximum(np.arange(460.0) - 60 - phase, 0.0)
+    y = 1.0 - np.exp(-late / 4.0) * np.cos(2.0 * math.pi * late / 5.0)
+    fine = np.arange(0.0, 20.0, 1e-3)
+    course = 1.0 - np.exp(-fine / 4.0) * np.cos(2.0 * math.pi * fine / 5.0)
+    truth = 1.0 - float(np.min(course[np.argmax(course) :]))
+    found = [_measured(y + 3e-3 * random.standard_normal(len(y)), 60)["undershoot"] for _ in range(6)]
+    assert np.sqrt(np.mean([_relative(each, truth) ** 2 for each in found])) < 1.8
+
+
+def test_a_signal_that_walks_at_rest_has_no_numbers_and_1_over_f_noise_has() -> None:
+    random = np.random.default_rng(14)
+    rows, refused = 2400, {"walk": 0, "1/f": 0}
+    y = 1.0 - np.exp(-np.maximum(np.arange(float(rows)) - 500, 0.0) / 20.0)
+    frequency = np.maximum(np.arange(4 * rows + 1), 1.0)
+    for _ in range(12):
+        walk = 2e-3 * random.standard_normal(rows) + np.cumsum(4e-4 * random.standard_normal(rows))
+        bins = np.fft.rfft(random.standard_normal(8 * rows)) / np.sqrt(frequency)
+        pink = np.fft.irfft(bins)[:rows]
+        for name, noise in (("walk", walk), ("1/f", 0.01 * pink / np.std(pink))):
+            found = _measured(y + noise, 500)["plateau_mean"]
+            refused[name] += "wanders" in found.reason
+    assert refused["walk"] >= 6
+    assert refused["1/f"] <= 1
