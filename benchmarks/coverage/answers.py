@@ -44,7 +44,8 @@ class Answer:
     1 / `ramp` a row, a line up to 1 + `beyond` that decays by the first of them.
 
     `noise` and the amplitude of a `ripple`, with its period in rows, are relative to the step; `spikes` are a
-    share of the rows and their height.
+    share of the rows and their height. Rows are late or early by up to `jitter`, each sample is held for
+    `held` of them, and a `walk` is added, each of whose steps has that standard deviation.
     """
 
     modes: tuple[Mode, ...]
@@ -58,6 +59,9 @@ class Answer:
     bits: int = 0
     spikes: tuple[float, float] = (0.0, 0.0)
     ripple: tuple[float, float] = (0.0, 1.0)
+    jitter: float = 0.0
+    held: int = 1
+    walk: float = 0.0
 
     def course(self, since: Floats) -> Floats:
         """Return the answer without noise at times since the step, in rows."""
@@ -76,13 +80,14 @@ class Answer:
         """Return the answer as it is measured, but for the steps of a converter."""
         count = len(since)
         noise = random.standard_t(3, count) / math.sqrt(3.0) if self.heavy else random.standard_normal(count)
-        y = self.course(since) + self.noise * noise
+        y = self.course(since + random.uniform(-self.jitter, self.jitter, count)) + self.noise * noise
         size, period = self.ripple
         y += size * np.cos(2.0 * math.pi * since / period + random.uniform(0.0, 2.0 * math.pi))
         share, height = self.spikes
         hit = random.random(count) < share
         y[hit] += height * random.choice([-1.0, 1.0], int(np.sum(hit)))
-        return y
+        y += np.cumsum(self.walk * random.standard_normal(count))
+        return np.asarray(y[np.arange(count) // self.held * self.held])
 
 
 def _trial(what: Answer, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
@@ -176,6 +181,11 @@ ANSWERS: Mapping[str, Answer] = {
     "answer_heavy": Answer(_LAG, noise=8e-3, heavy=True, rows=(200, 2000)),
     "answer_dip": Answer((Mode(1.0, 17.0, 62.0),), delay=70.0, noise=2e-2),
     "answer_ripple": Answer(_LAG, noise=1e-3, ripple=(0.012, 73.3)),
+    "answer_jitter": Answer(_RINGING, jitter=0.35),
+    "answer_jitter_noise": Answer((Mode(1.0, 9.0),), jitter=0.45, noise=1e-3),
+    "answer_held": Answer(_RINGING, held=3),
+    "answer_held_noise": Answer((Mode(1.0, 26.0),), held=5, noise=6e-3, rows=(250, 1500)),
+    "answer_walk": Answer(_LAG, noise=2e-3, walk=4e-4, rows=(400, 1800)),
     "answer_limited_few_rows": Answer((Mode(1.0, 13.0),), ramp=11.0, beyond=0.3, rows=(60, 400)),
 }
 

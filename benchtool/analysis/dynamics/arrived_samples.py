@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +24,7 @@ _AT_REST, _IF_ROOM = 2, 3  # times the settling time: at the earliest, and where
 _FEWEST_SAMPLES = 20  # whose scatter says something
 _FEWEST_MAXIMA = 4
 _SEED, _DRAWS = 20_261_123, 80
+_FAR = 3.0  # standard deviations by which a value may be greater
 _OF_TAIL = 40  # one sample in so many is of the tail
 _UNIFORM = 1.0 / math.sqrt(12.0)  # standard deviation over width
 _OF_SQUARE = 1.0 / math.sqrt(80.0)  # rms of the square of a uniform error within a half to either side
@@ -107,7 +108,7 @@ class ArrivedSamples:
         noise = [
             Contribution("distribution of the extremes of such samples", "A", scatter),
             self._of_mean(),
-            Contribution(_TIMES, "A", float(np.max(self.of_times, where=open_to, initial=0.0))),
+            Contribution(_TIMES, "A", self._of_greatest_in_time(sign)),
         ]
         return self._combined(noise, lambda each: float(np.max(sign * each)), _UNIFORM * self.step)
 
@@ -117,6 +118,10 @@ class ArrivedSamples:
 
     def of_magnitude(self) -> Uncertainty | None:
         """Return the scatter of the greatest magnitude over records like this one."""
+        if np.any(self.of_times):  # with other times that of the other sign may be
+            others = tuple(np.abs(each) for each in self.others)
+            values, course = np.abs(self.values), np.abs(self.course)
+            return replace(self, values=values, course=course, others=others).of_greatest()
         return self.of_greatest(1.0 if np.max(self.values) >= -np.min(self.values) else -1.0)
 
     def of_rms(self) -> Uncertainty | None:
@@ -153,6 +158,16 @@ class ArrivedSamples:
         error = error_of_record(squares)
         standard = error.standard if math.isfinite(error.standard) else float(np.std(squares))
         return Contribution(name, "A", self._share * standard / (2.0 * rms), error.dof)
+
+    def _of_greatest_in_time(self, sign: float) -> float:
+        """Return the rms change of the greatest of the values times `sign` with other times of the rows."""
+        if not np.any(self.of_times):
+            return 0.0
+        values = sign * self.values
+        far = _FAR * self.of_times
+        near = np.flatnonzero(values + far >= np.max(values - far))
+        moved = np.random.default_rng(_SEED).standard_normal((_DRAWS, len(near))) * self.of_times[near]
+        return _rms(np.max(values[near] + moved, axis=1) - np.max(values))
 
     def _of_times(self, rms: float) -> float:
         return float(np.sqrt(np.sum((self.course * self.of_times) ** 2))) / (rms * len(self.values))

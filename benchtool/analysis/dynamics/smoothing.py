@@ -277,7 +277,7 @@ def _innovations(covariance: Floats, piece: Floats) -> Floats | None:
     if not covariance[0] > 0.0 or count < _FEWEST_INNOVATIONS:
         return None
     size = next_fast_length(count + len(covariance))
-    white = fft.rfft(_without_a_line(piece), size) / np.sqrt(_density(covariance, size))
+    white = fft.rfft(without_a_line(piece), size) / np.sqrt(_density(covariance, size))
     values = np.asarray(fft.irfft(white, size)[:count], dtype=np.float64)
     values = (values - np.mean(values)) / np.std(values)
     excess = float(np.mean(values**4)) - 3.0
@@ -306,7 +306,8 @@ def _offset(covariance: Floats, piece: Floats) -> float:
     return math.sqrt(beyond) if beyond > _CLEARLY_SLOWER * held else 0.0
 
 
-def _without_a_line(piece: Floats) -> Floats:
+def without_a_line(piece: Floats) -> Floats:
+    """Return samples, shape (n,), about their least-squares line."""
     places = np.linspace(-1.0, 1.0, len(piece))
     level = float(np.mean(piece))
     slope = float(np.sum(places * (piece - level)) / np.sum(places**2))
@@ -314,7 +315,7 @@ def _without_a_line(piece: Floats) -> Floats:
 
 
 def _autocovariance(piece: Floats) -> Floats:
-    left = _without_a_line(piece)
+    left = without_a_line(piece)
     if float(np.std(left)) <= _ROUNDING * float(np.max(np.abs(piece))):
         return np.zeros(1)
     lags = max(1, len(piece) // _LAGS)

@@ -85,7 +85,7 @@ def analyze_step(block: Block, signal: str, reference: str, *, held: bool = Fals
         found = tuple(_without_clicks(found, step.clicks))
     if drift.reason:
         found = tuple(_without_drift(found, drift.reason))
-    wandering = "" if drift.reason else wanders(step, at_rest)
+    wandering = wanders(step, at_rest, drifts=bool(drift.reason))
     if reason := _noise_unknown(step) or _clicks_too_many(step) or wandering:
         found = tuple(_undefined(each, reason) for each in found)
     return StepResponse(found, step.row)
@@ -342,8 +342,11 @@ def _tracking(step: Step, curve: NoisyCurve, settled: Instant | None, band: floa
 
 
 def _arrived(step: Step, values: Floats, course: NoisyCurve, since: Instant, band: float) -> ArrivedSamples:
-    begin = since.widened(step.sampled_late) if step.sampled_late else since
-    return ArrivedSamples.of(values, course, begin, band, step.y_noise, step.converter_step)
+    if step.shown_late:  # the sample before the instant is shown for any part of the time after it
+        late = 0.5 * step.shown_late
+        drawn = tuple(each - late for each in since.drawn)
+        since = Instant(since.place - late, since.standard, drawn).widened(late)
+    return ArrivedSamples.of(values, course, since, band, step.y_noise, step.converter_step)
 
 
 def _value(

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.dynamics.noisy_curve import at_rest_error
+from benchtool.analysis.dynamics.smoothing import without_a_line
 from benchtool.analysis.dynamics.step_shape import Step
 from benchtool.analysis.lowest_frequencies import slow_noise
 from benchtool.analysis.scatter import error_of_series, means_of_parts
@@ -58,14 +59,18 @@ class _Slope:
         return cls(slope, standard)
 
 
-def wanders(step: Step, at_rest: Floats) -> str:
+def wanders(step: Step, at_rest: Floats, *, drifts: bool) -> str:
     """Return why the level of a signal is not known, empty where it is: it wanders, as a random walk does.
 
     The density of its noise rises then so far below the lowest frequencies of the samples before the step,
     and of those `at_rest` after it, that what it moved by between both is not known, and Allan's variance
-    grows with the time that is averaged over; that of 1/f noise is constant, that of a line falls.
+    grows with the time that is averaged over; that of 1/f noise is constant, that of a line falls. Where it
+    `drifts`, that is about its drift.
     """
-    before, after, count = slow_noise(step.y_before), slow_noise(at_rest), len(at_rest)
+    y_before, count = step.y_before, len(at_rest)
+    if drifts:
+        y_before, at_rest = without_a_line(y_before), without_a_line(at_rest)
+    before, after = slow_noise(y_before), slow_noise(at_rest)
     if before is None or after is None or before.rise + after.rise < 2.0 * _LOST or count < _FEWEST_AT_REST:
         return ""
     longer = _allan_variance(at_rest, count // _LONG)

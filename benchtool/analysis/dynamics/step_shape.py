@@ -36,7 +36,6 @@ _AT_REST = 1e-3  # of the height: smaller deviations are not a transition
 _SIGMAS = 3.0  # standard deviations of its noise, likewise
 _LEAVES = 6.0  # standard deviations of its noise, which that does not reach
 _FIRST_PEAKS = 20  # rows from a step on
-_LATE = 0.5  # samples: how late one that is held is shown, on average
 _WITHIN = 0.5  # samples, at most one: how far a step is known from its row
 
 
@@ -49,7 +48,7 @@ class Step:
     uncertainty. `before`, `greatest` and `final` are levels of the reference, the last of its `tail` rows;
     `greatest_error` is the standard uncertainty that its noise leaves. `y_clear` is the signal without
     its `clicks` samples that are far from their neighbours, `y_before` the same up to the step, and `y_noise`
-    its noise at rest. `sampled_late` is how late a row may show what a signal is then, in rows.
+    its noise at rest. `shown_late` is for how long after a row it is shown at most, in rows.
     """
 
     y: Floats
@@ -68,7 +67,7 @@ class Step:
     greatest_error: float
     tail: int
     final: float
-    sampled_late: float
+    shown_late: float
     period_s: float
     unit: str
     basis: Basis
@@ -160,7 +159,7 @@ def find_step(block: Block, signal: str, reference: str, *, held: bool = False) 
         greatest_error=greatest_error,
         tail=tail,
         final=float(np.mean(r[-tail:])),
-        sampled_late=_LATE if held_rows > 1 else 0.0,
+        shown_late=1.0 if held_rows > 1 else 0.0,
         period_s=1.0 / rate_Hz,
         unit=unit,
         basis=Basis(after, rate_Hz, after / rate_Hz, 0.5 * rate_Hz, reference=against, gaps=0),
