@@ -68,10 +68,12 @@ def wanders(step: Step, at_rest: Floats, *, drifts: bool) -> str:
     `drifts`, that is about its drift.
     """
     y_before, count = step.y_before, len(at_rest)
+    if count < _FEWEST_AT_REST:
+        return ""
     if drifts:
         y_before, at_rest = without_a_line(y_before), without_a_line(at_rest)
     before, after = slow_noise(y_before), slow_noise(at_rest)
-    if before is None or after is None or before.rise + after.rise < 2.0 * _LOST or count < _FEWEST_AT_REST:
+    if before is None or after is None or before.rise + after.rise < 2.0 * _LOST:
         return ""
     longer = _allan_variance(at_rest, count // _LONG)
     if longer < _GROWS * _allan_variance(at_rest, count // _SHORT):
