@@ -73,7 +73,7 @@ def kink(values: Floats, top: int, noise: float) -> Top | None:
         return None
     if beside < _OUTSIDE * bend:
         # the courses bend on the way to it as they do beside it
-        return Top(above, beside, place, min(0.5, beside / bend))
+        return Top(above, beside, place, min(0.5, math.hypot(beside, _OF_SECOND_DIFFERENCE * noise) / bend))
     if np.max(bends[1:4]) < 0.0:
         return None  # a smooth top
     return Top(0.5 * above, above / math.sqrt(12.0), 0.5 * place, 0.5)
