@@ -85,7 +85,7 @@ def analyze_step(block: Block, signal: str, reference: str, *, held: bool = Fals
         found = tuple(_without_clicks(found, step.clicks))
     if drift.reason:
         found = tuple(_without_drift(found, drift.reason))
-    wandering = wanders(step, at_rest, drifts=bool(drift.reason))
+    wandering = wanders(step, at_rest, drifts=bool(drift.reason) or drift.doubt > 0.0)
     if reason := _noise_unknown(step) or _clicks_too_many(step) or wandering:
         found = tuple(_undefined(each, reason) for each in found)
     return StepResponse(found, step.row)
