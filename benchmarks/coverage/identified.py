@@ -30,17 +30,19 @@ class Identified:
 
     `noise` is of the output and `input_noise` of the measured input, relative to the stimulus; `drift` is
     that of the output over the record. With a `controller` gain the stimulus is the reference of a loop about
-    the lag, the input what the controller gives, and the noise goes around.
+    the lag, the input what the controller gives, and the noise goes around; `by_stimulus` where its channel
+    is named.
     """
 
     lag: Lag
     dead: int = 1
-    excitation: Literal["lines", "few lines", "sweep", "noise"] = "lines"
+    excitation: Literal["lines", "few lines", "sweep", "sweep to the ends", "noise"] = "lines"
     top_Hz: float = 1500.0
     noise: float = 1e-2
     input_noise: float = 0.0
     drift: float = 0.0
     controller: float = 0.0
+    by_stimulus: bool = False
     is_declared: bool = True
     duration_s: float = 2.0
 
@@ -65,10 +67,10 @@ class Identified:
             x = random.standard_normal(round(self.duration_s * RATE_HZ))
         else:
             count = round(self.duration_s * RATE_HZ)
-            rest = round(_RESTS * count)
+            rest = round(_RESTS * count) if self.excitation == "sweep" else 0
             time_s = np.arange(count - 2 * rest) / RATE_HZ
             sweep = signal.chirp(time_s, 2.0, time_s[-1], self.top_Hz, phi=-90.0)
-            x = np.pad(sweep * signal.windows.tukey(len(sweep), 0.02), rest)
+            x = np.pad(sweep * signal.windows.tukey(len(sweep), 0.02), rest) if rest else sweep
         return np.asarray(x / np.std(x))
 
 
@@ -88,7 +90,9 @@ def identified_trial(what: Identified, random: np.random.Generator) -> Iterator[
         y = signal.lfilter(numerator, denominator, stimulus) + disturbance
         x = stimulus
     x = x + what.input_noise * random.standard_normal(len(x))
-    block = Block.from_arrays(RATE_HZ, {"x": "Nm", "y": "Nm"}, x=np.asarray(x), y=np.asarray(y))
+    block = Block.from_arrays(
+        RATE_HZ, {"x": "Nm", "y": "Nm", "r": "Nm"}, x=np.asarray(x), y=np.asarray(y), r=stimulus
+    )
     repeats = what.excitation in ("lines", "few lines")
     found = analyze_response(
         block,
@@ -96,6 +100,7 @@ def identified_trial(what: Identified, random: np.random.Generator) -> Iterator[
         "y",
         begin_row=_PERIOD if repeats else 0,
         period_rows=_PERIOD if repeats and what.is_declared else None,
+        stimulus="r" if what.by_stimulus else None,
     )
     yield from selected(found.measurements, _truths(what))
 
@@ -133,6 +138,7 @@ def _falls_to(frequency_Hz: Floats, values: Floats, level: float) -> float:
     return float(np.interp(-level, -values[at], frequency_Hz[at]))
 
 
+_SLOW = Lag(90.0)
 FAMILIES = families_of(
     identified_trial,
     {
@@ -152,6 +158,29 @@ FAMILIES = families_of(
         "sweep_rest_hidden": Identified(Lag(150.0, 0.7), dead=2, excitation="sweep", noise=0.25),
         "sweep_rest_low": Identified(Lag(45.0), dead=3, excitation="sweep", top_Hz=160.0, duration_s=0.6),
         "lines_hidden": Identified(Lag(180.0, 0.75), noise=0.12),
+        "input_noise_sweep": Identified(Lag(120.0), input_noise=0.12, excitation="sweep"),
+        **{
+            f"fed_back_{name}": replace(what, by_stimulus=is_named)
+            for suffix, is_named in (("", False), ("_stimulus", True))
+            for name, what in (
+                (f"sweep{suffix}", Identified(Lag(110.0), 1, "sweep", controller=2.5, noise=0.12)),
+                (
+                    f"sweep_to_ends{suffix}",
+                    Identified(_SLOW, 1, "sweep to the ends", 900.0, 0.15, controller=4.0),
+                ),
+                (f"sweep_quiet{suffix}", Identified(_SLOW, 2, "sweep", controller=1.5, noise=2e-3)),
+            )
+        },
+        "fed_back_lines_stimulus": Identified(Lag(110.0), controller=2.5, noise=0.3, by_stimulus=True),
+        "fed_back_undeclared_stimulus": Identified(
+            Lag(130.0), 1, "few lines", noise=0.1, controller=2.0, is_declared=False, by_stimulus=True
+        ),
+        "fed_back_noise_stimulus": Identified(
+            Lag(110.0), 1, "noise", noise=0.2, controller=3.0, duration_s=3.0, by_stimulus=True
+        ),
+        "fed_back_resonant_stimulus": Identified(
+            Lag(150.0, 0.3), 2, "noise", noise=0.05, controller=0.6, duration_s=3.0, by_stimulus=True
+        ),
         "noise_lag_high": Identified(Lag(2_800.0), excitation="noise", noise=0.03, duration_s=1.2),
     },
 )

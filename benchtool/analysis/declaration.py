@@ -191,7 +191,7 @@ class Analysis(Generic[Settings]):
         settings: model of its table in a plan; every key has a default.
         measured: when it is made.
         channels: of the capture, all of which are required.
-        channel_settings: the settings that each name one more channel that it needs.
+        channel_settings: the settings that each name one more channel that it needs; an empty one names none.
         transducer: whether it needs the torque transducer as well.
         every_tick: whether it needs a capture with stride 1.
         figures: of one case.
@@ -229,7 +229,8 @@ class Analysis(Generic[Settings]):
 
     def needs(self, settings: Section) -> tuple[str, ...]:
         """Return all channels that it needs with these settings."""
-        return (*self.channels, *(str(getattr(settings, key)) for key in self.channel_settings))
+        named = (str(getattr(settings, key)) for key in self.channel_settings)
+        return (*self.channels, *(name for name in named if name))
 
     def missing(self, channels: Set[str], settings: Section) -> tuple[str, ...]:
         """Return the channels that it needs and that are not among these."""

@@ -78,7 +78,8 @@ def _kinds(analyses: Sequence[Analysis[Any]]) -> Iterator[str]:
         made = "`= true`, or a table" if asked else "in steady state"
         if settings:
             made += ": " + ", ".join(f"`{key} = {json.dumps(value)}`" for key, value in settings.items())
-        named = (f"the channel `{key}`" for key in each.channel_settings)
+        defaults = each.settings()
+        named = (f"the channel `{key}`" for key in each.channel_settings if getattr(defaults, key))
         needs = ", ".join((*(f"`{name}`" for name in each.channels), *named, *each.conditions))
         figures = dict.fromkeys(f"`{one.name}`" for one in (*each.figures, *each.comparisons))
         yield f"| `{each.name}` | {each.title} | {made} | {needs} | {', '.join(figures)} |"

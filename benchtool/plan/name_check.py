@@ -59,7 +59,7 @@ class NameCheck:
         """Yield the requested analyses that the recorded channels do not allow."""
         for analysis, settings in self.plan.analyses.demanded():
             for key in analysis.channel_settings:
-                if (channel := getattr(settings, key)) not in self._channels:
+                if (channel := getattr(settings, key)) and channel not in self._channels:
                     yield (
                         ("analyses", analysis.name, key),
                         f"is '{channel}', which record.channels does not have: add it there, or choose one "

@@ -39,6 +39,7 @@ _QUARTER_TURN = -0.5 * math.pi
 _FEWEST_FOR_A_LINE = 3
 _MOST_OF_THE_LEVEL = 0.3  # of the 3 dB: with a less certain gain at zero frequency there is no bandwidth
 _BY_CHANCE = 0.05  # probability that the greatest of many errors looks like a peak
+_PLAYED = "stimulus"
 _STATISTICAL = "random error of the response"
 
 Floats = NDArray[np.float64]
@@ -67,8 +68,12 @@ def analyze_response(
     begin_row: int = 0,
     end_row: int | None = None,
     period_rows: int | None = None,
+    stimulus: str | None = None,
 ) -> Bode:
     """Return the response of a channel to another, from any excitation of the input.
+
+    Within a loop the input holds noise of the output, that the controller feeds back: then the channel of the
+    `stimulus` is needed, of what is played into the loop.
 
     Frequencies are used where the input has power (more than -50 dB of its greatest) and the coherence, of
     the error relative to the mean of neighbouring gains, is 0.8 or more, or above what few averages reach by
@@ -78,27 +83,29 @@ def analyze_response(
         block: a capture without gaps, with both channels.
         begin_row, end_row: the rows to use; of a repeated stimulus those after its first period, when the
             transient has decayed.
-        period_rows: after how many rows the input repeats itself, if it does.
+        period_rows: after how many rows the stimulus repeats itself, if it does.
+        stimulus: the channel of what excites the loop that holds the input; None, or the input itself, where
+            nothing feeds back to it.
 
     Raises:
         AnalysisError: a gap, a missing channel, a dead signal, too few rows, or no frequency can be used.
     """
     require_unbroken(block)
     rows = slice(begin_row, end_row)
+    by = "" if stimulus is None or stimulus == input else stimulus
     found = frequency_response(
         block.column(input)[rows],
         block.column(output)[rows],
         block.sample_rate_Hz,
+        stimulus=block.column(by)[rows] if by else None,
         period=period_rows,
-        names=(input, output),
+        names=(input, output, by),
     )
     trusted = found.trusted
     if not np.any(trusted):
-        raise AnalysisError(
-            f"no frequency of '{input}' shows in '{output}' with a coherence of {found.least_coherence:.2g}, "
-            f"the best has {float(np.max(found.coherence)):.2g}: raise the stimulus or record longer"
-        )
+        raise AnalysisError(_why_none(found, input, output, by))
     band_Hz = found.frequency_Hz[trusted]
+    ratio = f"{output} over {input} by {by}" if by else f"{output} over {input}"
     basis = Basis(
         samples=found.samples,
         sample_rate_Hz=block.sample_rate_Hz,
@@ -106,7 +113,7 @@ def analyze_response(
         bandwidth_Hz=float(band_Hz[-1]),
         window=found.method,
         reference=(
-            f"{output} over {input}; {len(band_Hz)} of {len(trusted)} frequencies used, "
+            f"{ratio}; {len(band_Hz)} of {len(trusted)} frequencies used, "
             f"{band_Hz[0]:.4g} Hz to {band_Hz[-1]:.4g} Hz, coherence {found.least_coherence:.2g} or more"
         ),
         gaps=0,
@@ -114,6 +121,24 @@ def analyze_response(
     unit = ratio_of_units(block.unit(output), block.unit(input))
     measurements = tuple(_measurements(found, unit, basis))
     return Bode(input, output, unit, found, measurements, (_table(found, unit, basis),))
+
+
+def _why_none(found: FrequencyResponse, input: str, output: str, stimulus: str) -> str:
+    """Return why no frequency can be used."""
+    if stimulus and not np.any(found.excited):
+        return (
+            f"no frequency of '{stimulus}' shows in '{input}': raise the stimulus, record longer, or name as "
+            f"stimulus what is played into the loop; where nothing feeds back, '{input}' itself"
+        )
+    if not np.any(found.excited):
+        return (
+            f"'{input}' holds too much noise at every frequency, which a loop may feed back to it: name the "
+            f"channel of the stimulus, or raise the stimulus"
+        )
+    return (
+        f"no frequency of '{input}' shows in '{output}' with a coherence of {found.least_coherence:.2g}, "
+        f"the best has {float(np.max(found.coherence)):.2g}: raise the stimulus or record longer"
+    )
 
 
 def _measurements(found: FrequencyResponse, unit: str, basis: Basis) -> Iterator[Measurement]:
@@ -247,12 +272,25 @@ def _table(found: FrequencyResponse, unit: str, basis: Basis) -> Table:
 
 
 class ResponseSettings(Section):
-    """The channel that is excited and the one that answers."""
+    """The channel that is excited and the one that answers, and what excites the loop about them."""
 
     input: str = "torque_reference"
     """Channel that is excited."""
     output: str = "torque"
     """Channel that answers."""
+    stimulus: str = ""
+    """Channel of what excites the loop that holds the input; by default `stimulus`, where it is recorded
+    and moves, else the input itself."""
+
+
+def _stimulus(block: Block, settings: ResponseSettings) -> str | None:
+    """Return the channel of what excites: that of the settings, or what the drive recorded of the signal that
+    it played."""
+    if settings.stimulus:
+        return settings.stimulus
+    if _PLAYED in block.names and np.ptp(block.column(_PLAYED)) > 0.0:
+        return _PLAYED
+    return None
 
 
 def _measure(window: Window, settings: ResponseSettings) -> Findings:
@@ -264,6 +302,7 @@ def _measure(window: Window, settings: ResponseSettings) -> Findings:
         begin_row=rows.begin_row,
         end_row=rows.end_row,
         period_rows=rows.period_rows,
+        stimulus=_stimulus(window.block, settings),
     )
     return Findings(found.measurements, found.tables, found)
 
@@ -328,7 +367,7 @@ FREQUENCY_RESPONSE: Final = Analysis(
     ),
     settings=ResponseSettings,
     measured=Measured.ON_REQUEST,
-    channel_settings=("input", "output"),
+    channel_settings=("input", "output", "stimulus"),
     figures=(_BODE,),
     comparisons=(TORQUE, _BODE),
 )

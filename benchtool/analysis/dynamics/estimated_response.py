@@ -27,6 +27,10 @@ EXCITED = 1e-5
 WELL_EXCITED = 1e-2
 """Least input power, of the greatest, of the frequency that gives the reference gain."""
 
+NO_NOISE = 20.0
+"""Power of a mean over what noise leaves in it: reached by chance once in e^20, and the bias of a ratio to
+it."""
+
 NEPER_DB = 20.0 / math.log(10.0)
 """dB of a small relative change of a gain, over that change."""
 

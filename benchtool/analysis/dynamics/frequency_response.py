@@ -2,14 +2,22 @@
 
 Of an input that repeats itself the ratio of the means over its periods (`periodic_response`); of noise, a
 sweep or a single event, which has power at every frequency, a fit over neighbouring frequencies; otherwise
-the H1 estimate S_xy / S_xx, which noise in the output does not bias. Random error of its gain, relative, and
-of its phase, in rad: sqrt((1 - c) / (2 n c)) with the coherence c and n averages (Bendat and Piersol, Random
-Data, chapters 6 and 9), the noise (1 - c) S_yy taken from neighbouring frequencies and n - 1 in place of n.
+the H1 estimate S_xy / S_xx, which noise in the output does not bias.
+
+Within a loop the input holds the noise of the output, that the controller feeds back, and those estimates
+tend to -1 over the controller. With the stimulus r of the loop, which holds no noise, the response is the
+ratio S_ry / S_rx of the responses of output and input to it (joint input-output, or instrumental variable:
+Pintelon and Schoukens, System Identification, 2nd ed., 2.6; Söderström and Stoica, chapters 8 and 10).
+
+Random error of the gain, relative, and of the phase, in rad: sqrt((1 - c) / (2 n c)) with the coherence c and
+n averages (Bendat and Piersol, Random Data, chapters 6 and 9), the noise, that of output less response times
+input, taken from neighbouring frequencies and n - 1 in place of n.
 """
 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from numpy import fft
@@ -17,18 +25,27 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.dynamics.estimated_response import (
     EXCITED,
+    NO_NOISE,
     WELL_EXCITED,
     FrequencyResponse,
     coherence_of,
     noise_power,
 )
-from benchtool.analysis.dynamics.local_polynomial import REACH, degrees_of_freedom, local_fit
+from benchtool.analysis.dynamics.local_polynomial import (
+    REACH,
+    LocalFit,
+    degrees_of_freedom,
+    indirect_fit,
+    local_fit,
+    telling,
+)
 from benchtool.analysis.dynamics.periodic_response import (
     ENOUGH_PERIODS,
     FEWEST_PERIODS,
     period_of,
     periodic_response,
 )
+from benchtool.analysis.dynamics.swept_input import input_noise
 from benchtool.analysis.validity import require_signal
 from benchtool.block import as_samples, require_rate
 from benchtool.errors import AnalysisError
@@ -42,6 +59,7 @@ _REST_SHARE = 0.01  # of the record, at either end
 _AT_REST = 1e-3  # rms deviation there over that of all
 _CLEARLY = 5.0  # standard deviations of white noise: slower noise scatters more
 _NOTHING = 1e-30  # of the noise: a response below it is not detected
+_OF_CORRECTION = 0.25  # of what noise of a sweeping input biases: its standard uncertainty
 _OVERLAP_LOSS = 2.0 / 36.0  # twice the squared correlation of half-overlapping Hann windows, (1/6)^2
 
 
@@ -50,9 +68,10 @@ def frequency_response(
     y: NDArray[np.float64],
     sample_rate_Hz: float,
     *,
+    stimulus: NDArray[np.float64] | None = None,
     period: int | None = None,
     segment: int | None = None,
-    names: tuple[str, str] = ("input", "output"),
+    names: tuple[str, str, str] = ("input", "output", "stimulus"),
 ) -> FrequencyResponse:
     """Return the response of output `y` to input `x`, both of shape (n,), sampled together.
 
@@ -64,36 +83,46 @@ def frequency_response(
     samples each, by default so many that the record holds 16; a response that lasts longer than a segment, or
     a delay of much of one, is biased low.
 
+    With the samples of a `stimulus`, what excites a loop that holds the input, all this is said of it in
+    place of the input, and noise that goes around the loop is no part of the response.
+
     Raises:
         AnalysisError: a signal is dead, too short, or of another length than the other, the rate is not
-            positive, or the input does not repeat itself after `period`.
+            positive, or what excites does not repeat itself after `period`.
     """
     require_rate(sample_rate_Hz)
     x, y = as_samples(x, names[0]), as_samples(y, names[1])
-    for samples, name in ((x, names[0]), (y, names[1])):
+    r = x if stimulus is None else as_samples(stimulus, names[2])
+    for samples, name in zip((x, y, r), names, strict=True):
         require_signal(samples, name)
-    if len(x) != len(y):
-        raise AnalysisError(
-            f"'{names[0]}' has {len(x)} samples and '{names[1]}' {len(y)}, as many of each are needed: "
-            f"take both from one capture"
-        )
+        if len(x) != len(samples):
+            raise AnalysisError(
+                f"'{names[0]}' has {len(x)} samples and '{name}' {len(samples)}, as many of each are needed: "
+                f"take both from one capture"
+            )
     if period is not None and len(x) >= FEWEST_PERIODS * period:
-        found = periodic_response(x, y, sample_rate_Hz, period)
+        found = periodic_response(x, y, sample_rate_Hz, period, stimulus)
         used, excited = np.count_nonzero(found.trusted), np.count_nonzero(found.well_excited)
         if len(x) >= ENOUGH_PERIODS * period or used >= _ENOUGH_TRUSTED * excited:
             return found
     if period is None and segment is None:
-        if is_dense(x):
-            return local_response(x, y, sample_rate_Hz)
-        if (own := period_of(x)) is not None:
-            return periodic_response(x, y, sample_rate_Hz, own)
-    return averaged_response(x, y, sample_rate_Hz, segment)
+        if is_dense(r):
+            return local_response(x, y, sample_rate_Hz, stimulus)
+        if (own := period_of(r)) is not None:
+            return periodic_response(x, y, sample_rate_Hz, own, stimulus)
+    return averaged_response(x, y, sample_rate_Hz, segment, stimulus)
 
 
 def averaged_response(
-    x: NDArray[np.float64], y: NDArray[np.float64], sample_rate_Hz: float, segment: int | None = None
+    x: NDArray[np.float64],
+    y: NDArray[np.float64],
+    sample_rate_Hz: float,
+    segment: int | None = None,
+    stimulus: NDArray[np.float64] | None = None,
 ) -> FrequencyResponse:
     """Return response by Welch's method, with half-overlapping Hann windows, each segment's mean taken out.
+
+    Without a stimulus the input is its own.
 
     Overlapping segments are not independent: `averages` is less than their number by Welch's variance
     (IEEE Trans. Audio Electroacoust. 15 (1967) no. 2).
@@ -115,26 +144,32 @@ def averaged_response(
         spectrum = signal.csd(a, b, sample_rate_Hz, window="hann", nperseg=size, noverlap=size // 2)[1]
         return np.asarray(spectrum, dtype=np.complex128)
 
-    frequency_Hz = sample_rate_Hz / size * np.arange(size // 2 + 1, dtype=np.float64)
-    s_xx, s_yy, s_xy = cross(x, x).real, cross(y, y).real, cross(x, y)
+    r = x if stimulus is None else stimulus
     averages = segments / (1.0 + _OVERLAP_LOSS * (segments - 1) / segments)
     kept = slice(2, None)  # dc and its neighbour, into which the window spreads what is left of the mean
-    frequency_Hz, s_xx, s_yy, s_xy = frequency_Hz[kept], s_xx[kept], s_yy[kept], s_xy[kept]
+    frequency_Hz = sample_rate_Hz / size * np.arange(size // 2 + 1, dtype=np.float64)[kept]
+    s_rx, s_ry, s_yx = (cross(a, b)[kept] for a, b in ((r, x), (r, y), (y, x)))
+    s_rr, s_xx, s_yy = (cross(each, each).real[kept] for each in (r, x, y))
     tiny = np.finfo(np.float64).tiny
-    excited, well_excited = (s_xx > share * np.max(s_xx) for share in (EXCITED, WELL_EXCITED))
-    coherence = np.minimum(1.0, np.abs(s_xy) ** 2 / np.maximum(s_xx * s_yy, tiny))
-    noise = noise_power(s_yy * (1.0 - coherence) / (averages - 1.0))
+    driven = np.abs(s_rx) ** 2 / np.maximum(s_rr, tiny)  # power of the input that the stimulus makes
+    response = np.conj(s_rx) * s_ry / np.maximum(np.abs(s_rx) ** 2, tiny)
+    size_2 = np.abs(response) ** 2
+    left = np.maximum(s_yy - 2.0 * np.real(response * s_yx) + size_2 * s_xx, 0.0)
+    shows = driven > NO_NOISE * np.maximum(s_xx - driven, 0.0) / (averages - 1.0)
+    excited, well_excited = (shows & (s_rr > share * np.max(s_rr)) for share in (EXCITED, WELL_EXCITED))
+    noise = noise_power(left / (averages - 1.0))
+    by = "" if stimulus is None else ", by the stimulus"
     return FrequencyResponse(
         frequency_Hz=frequency_Hz,
-        response=s_xy / np.maximum(s_xx, tiny),
-        coherence=coherence,
-        error=np.sqrt(noise / np.maximum(2.0 * coherence * s_yy, _NOTHING * noise + tiny)),
+        response=response,
+        coherence=size_2 * driven / np.maximum(size_2 * driven + left, tiny),
+        error=np.sqrt(noise / np.maximum(2.0 * size_2 * driven, _NOTHING * noise + tiny)),
         shared=np.ones(len(frequency_Hz)),
         excited=excited,
         well_excited=well_excited,
         averages=averages,
         samples=len(x) // size * size,
-        method=f"Welch's average of {segments} segments of {size} samples, half overlapping, Hann window",
+        method=f"Welch's average of {segments} segments of {size} samples, half overlapping, Hann window{by}",
     )
 
 
@@ -155,7 +190,10 @@ def is_dense(x: NDArray[np.float64]) -> bool:
 
 
 def local_response(
-    x: NDArray[np.float64], y: NDArray[np.float64], sample_rate_Hz: float
+    x: NDArray[np.float64],
+    y: NDArray[np.float64],
+    sample_rate_Hz: float,
+    stimulus: NDArray[np.float64] | None = None,
 ) -> FrequencyResponse:
     """Return the response to noise, a sweep or a single event, by one DFT of the whole record, rectangular
     window.
@@ -168,9 +206,11 @@ def local_response(
     Raises:
         AnalysisError: too short for one fit.
     """
-    at_rest = _begins_and_ends_at_rest(x)
+    r = x if stimulus is None else stimulus
+    at_rest = _begins_and_ends_at_rest(r)
     if at_rest:
-        y = _without_drift(x, y)
+        y = _without_drift(r, y)
+        x = x if stimulus is None else _without_drift(r, x)
     x_bins, y_bins = fft.rfft(x)[1:], fft.rfft(y)[1:]
     last = len(x_bins) - REACH
     near = min(_NEAR * REACH, last)
@@ -180,25 +220,55 @@ def local_response(
             f"{len(x)} samples are too few for a response, at least {4 * (REACH + 1)} are needed: record "
             f"longer"
         )
-    found = local_fit(x_bins, y_bins, at, at_rest=at_rest)
+    if stimulus is None:
+        found = local_fit(x_bins, y_bins, at, at_rest=at_rest)
+        found, shows = _without_input_noise(x, y, found, at, at_rest=at_rest)
+    else:
+        found = indirect = indirect_fit(fft.rfft(stimulus)[1:], x_bins, y_bins, at, at_rest=at_rest)
+        shows = NO_NOISE * indirect.noise < 1.0
     freedom = degrees_of_freedom(at_rest=at_rest)
     greatest = float(np.max(found.power))
     frequency_Hz = sample_rate_Hz / len(x) * (at + np.ones(len(at)))
     shared = np.where(at < near, REACH / _STEP_NEAR, 1.0)
     ends = "at rest at both ends" if at_rest else "with a line for what its ends leave in"
+    by = "" if stimulus is None else ", by the stimulus"
     return FrequencyResponse(
         frequency_Hz=frequency_Hz,
         response=found.response,
         coherence=coherence_of(found.error, freedom + 1.0),
         error=found.error,
         shared=shared,
-        excited=found.power > EXCITED * greatest,
-        well_excited=found.power > WELL_EXCITED * greatest,
+        excited=shows & (found.power > EXCITED * greatest),
+        well_excited=shows & (found.power > WELL_EXCITED * greatest),
         averages=freedom + 1.0,
         samples=len(x),
         method=f"DFT of all {len(x)} samples, rectangular window; a parabola over {2 * REACH + 1} bins, "
-        f"{ends}",
+        f"{ends}{by}",
     )
+
+
+def _without_input_noise(
+    x: NDArray[np.float64],
+    y: NDArray[np.float64],
+    found: LocalFit,
+    at: NDArray[np.int64],
+    *,
+    at_rest: bool,
+) -> tuple[LocalFit, NDArray[np.bool_]]:
+    """Return a response about bins `at`, dc left out, without the bias by noise of an input that sweeps, and
+    where there is little enough of that."""
+    noise = input_noise(x, y, (at + 1.0) / len(x))
+    if noise is None:
+        return found, np.ones(len(at), dtype=np.bool_)
+    if not at_rest:
+        noise = replace(noise, share=noise.share / telling(fft.rfft(x)[1:], at))
+    if noise.excites(found.response):
+        return found, np.ones(len(at), dtype=np.bool_)
+    response = noise.corrected(found.response)
+    size = np.maximum(np.abs(response), np.finfo(np.float64).tiny)
+    changed = np.abs(response - found.response)
+    spread = np.hypot(found.error * np.abs(found.response), _OF_CORRECTION * changed)
+    return replace(found, response=response, error=spread / size), noise.is_little
 
 
 def _begins_and_ends_at_rest(x: NDArray[np.float64]) -> bool:

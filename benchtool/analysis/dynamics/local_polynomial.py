@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 REACH = 8  # bins to either side
 _CURVED = 3  # terms of a parabola
+_ENDS = 2  # terms of a line, for what the ends of a record leave in
 _SHARP = 3.0  # times the variance that a pole leaves: a parabola does not follow
 _BATCH = 1024  # bins at a time: their matrices stay in the cache
 
@@ -36,6 +37,25 @@ class LocalFit:
     power: Floats
 
 
+def telling(x: Complex, at: NDArray[np.int64]) -> Floats:
+    """Return the share of the input's power about bins `at` that is no part of T, shape (m,): where a sweep
+    begins and ends it is next to nothing."""
+    shares = []
+    for start in range(0, len(at), _BATCH):
+        near = _near(x, at[start : start + _BATCH])
+        with_ends, without = (_solve(near, near, ends, poles=0).spread for ends in (_ENDS, 0))
+        shares.append(np.minimum(without / np.maximum(with_ends, np.finfo(np.float64).tiny), 1.0))
+    return np.concatenate(shares)
+
+
+@dataclass(frozen=True)
+class IndirectFit(LocalFit):
+    """A fit by a stimulus, whose power it has; `noise` is the complex variance of the input's response to
+    the stimulus relative to its square, shape (m,)."""
+
+    noise: Floats
+
+
 def local_fit(x: Complex, y: Complex, at: NDArray[np.int64], *, at_rest: bool) -> LocalFit:
     """Fit the response of bins `y` to bins `x`, shape (bins,), around bins `at`, each `REACH` from the ends.
 
@@ -49,33 +69,96 @@ def local_fit(x: Complex, y: Complex, at: NDArray[np.int64], *, at_rest: bool) -
 
 def degrees_of_freedom(*, at_rest: bool) -> int:
     """Return the complex equations less unknowns of one fit."""
-    return 2 * REACH + 1 - _CURVED - (0 if at_rest else 2)
+    return 2 * REACH + 1 - _CURVED - (0 if at_rest else _ENDS)
 
 
 def _fit(x: Complex, y: Complex, at: NDArray[np.int64], at_rest: bool) -> tuple[Complex, Floats, Floats]:
-    offset = np.arange(-REACH, REACH + 1)
-    near_x, near_y = x[at[:, np.newaxis] + offset], y[at[:, np.newaxis] + offset]
-    power = np.mean(np.abs(near_x) ** 2, axis=1)
-    scale = np.sqrt(np.maximum(power, np.finfo(np.float64).tiny))
+    near_x, near_y = _near(x, at), _near(y, at)
+    scale, power = _size(near_x)
     near_x = near_x / scale[:, np.newaxis]
-    if at_rest:
-        response, variance = _smooth_or_sharp(near_x, near_y, 0)
-    else:
-        response, variance = _smooth_or_sharp(near_x, near_y, 2)
-        variance = variance + np.abs(_smooth_or_sharp(near_x, near_y, _CURVED)[0] - response) ** 2
+    found = _smooth_or_sharp(near_x, near_y, 0 if at_rest else _ENDS)
+    variance = found.variance
+    if not at_rest:
+        variance = variance + np.abs(_smooth_or_sharp(near_x, near_y, _CURVED).response - found.response) ** 2
+    return found.response / scale, _relative(variance, found.response), power
+
+
+def indirect_fit(r: Complex, x: Complex, y: Complex, at: NDArray[np.int64], *, at_rest: bool) -> IndirectFit:
+    """Fit the response of bins `y` to bins `x` as the ratio of their responses to bins `r` of a stimulus.
+
+    What noise a loop carries to both cancels in the residual of y less response times x, whose scatter is
+    the variance (Pintelon and Schoukens, 7.2.7; Söderström and Stoica, System Identification, 8.2).
+    """
+    parts = [_indirect(r, x, y, at[start : start + _BATCH], at_rest) for start in range(0, len(at), _BATCH)]
+    response, error, power, noise = (np.concatenate(each) for each in zip(*parts, strict=True))
+    return IndirectFit(response, error, power, noise)
+
+
+def _indirect(
+    r: Complex, x: Complex, y: Complex, at: NDArray[np.int64], at_rest: bool
+) -> tuple[Complex, Floats, Floats, Floats]:
+    near_r, near_x, near_y = (_near(bins, at) for bins in (r, x, y))
+    scale, power = _size(near_r)
+    near_r = near_r / scale[:, np.newaxis]
+    ends = 0 if at_rest else _ENDS
+    of_x, of_y = _smooth_or_sharp(near_r, near_x, ends), _smooth_or_sharp(near_r, near_y, ends)
+    driven = np.where(of_x.response == 0.0, np.finfo(np.float64).tiny, of_x.response)
+    response = of_y.response / driven
+    left = of_y.left - response[:, np.newaxis] * of_x.left
+    freedom = np.minimum(of_x.freedom, of_y.freedom)
+    variance = np.sum(np.abs(left) ** 2, axis=1) / freedom * np.maximum(of_x.spread, of_y.spread)
+    if not at_rest:
+        other_x, other_y = (_smooth_or_sharp(near_r, near, _CURVED) for near in (near_x, near_y))
+        changed = other_y.response - of_y.response - response * (other_x.response - of_x.response)
+        variance = variance + np.abs(changed) ** 2
+    return response, _relative(variance, of_y.response), power, of_x.variance / np.abs(driven) ** 2
+
+
+def _near(bins: Complex, at: NDArray[np.int64]) -> Complex:
+    return np.asarray(bins[at[:, np.newaxis] + np.arange(-REACH, REACH + 1)])
+
+
+def _size(near: Complex) -> tuple[Floats, Floats]:
+    """Return the rms and the mean power of bins, shape (m, width)."""
+    power = np.mean(np.abs(near) ** 2, axis=1)
+    return np.sqrt(np.maximum(power, np.finfo(np.float64).tiny)), power
+
+
+def _relative(variance: Floats, response: Complex) -> Floats:
+    """Return the standard uncertainty of one component relative to a response of a complex variance."""
     size = np.maximum(np.abs(response), np.finfo(np.float64).tiny)
-    return response / scale, np.sqrt(0.5 * variance) / size, power
+    return np.asarray(np.sqrt(0.5 * variance) / size)
 
 
-def _smooth_or_sharp(near_x: Complex, near_y: Complex, ends: int) -> tuple[Complex, Floats]:
-    """Return response at the middle with `ends` terms of T, and its complex variance, both of shape (m,)."""
-    response, variance = _solve(near_x, near_y, ends, poles=0)
-    sharp, variance_sharp = _solve(near_x, near_y, ends, poles=1)
-    better = variance > _SHARP * variance_sharp
-    return np.where(better, sharp, response), np.where(better, variance_sharp, variance)
+@dataclass(frozen=True)
+class _Solution:
+    """Response in the middle, shape (m,), what is left in each bin, (m, width), the degrees of freedom of
+    that, and the variance of the response over that of a bin."""
+
+    response: Complex
+    left: Complex
+    freedom: Floats
+    spread: Floats
+
+    @property
+    def variance(self) -> Floats:
+        """Complex variance of the response."""
+        return np.asarray(np.sum(np.abs(self.left) ** 2, axis=1) / self.freedom * self.spread)
 
 
-def _solve(near_x: Complex, near_y: Complex, ends: int, poles: int) -> tuple[Complex, Floats]:
+def _smooth_or_sharp(near_x: Complex, near_y: Complex, ends: int) -> _Solution:
+    """Return the fit with `ends` terms of T, with a pole where that leaves much less."""
+    smooth, sharp = (_solve(near_x, near_y, ends, poles) for poles in (0, 1))
+    better = smooth.variance > _SHARP * sharp.variance
+    return _Solution(
+        np.where(better, sharp.response, smooth.response),
+        np.where(better[:, np.newaxis], sharp.left, smooth.left),
+        np.where(better, sharp.freedom, smooth.freedom),
+        np.where(better, sharp.spread, smooth.spread),
+    )
+
+
+def _solve(near_x: Complex, near_y: Complex, ends: int, poles: int) -> _Solution:
     """Return the fit of a response with `poles` poles."""
     count, width = near_x.shape
     powers = np.linspace(-1.0, 1.0, width)[:, np.newaxis] ** np.arange(_CURVED)
@@ -86,7 +169,10 @@ def _solve(near_x: Complex, near_y: Complex, ends: int, poles: int) -> tuple[Com
     orthogonal, triangular = np.linalg.qr(columns)
     along = np.conj(orthogonal.transpose(0, 2, 1)) @ near_y[:, :, np.newaxis]
     left = near_y - (orthogonal @ along)[:, :, 0]
-    noise = np.sum(np.abs(left) ** 2, axis=1) / (width - columns.shape[2])
     first_row = np.linalg.pinv(triangular)[:, 0, :]
-    response = np.sum(first_row * along[:, :, 0], axis=1)
-    return response, noise * np.sum(np.abs(first_row) ** 2, axis=1)
+    return _Solution(
+        np.sum(first_row * along[:, :, 0], axis=1),
+        left,
+        np.full(count, float(width - columns.shape[2])),
+        np.sum(np.abs(first_row) ** 2, axis=1),
+    )
