@@ -19,6 +19,7 @@ REACH = 8  # bins to either side
 _CURVED = 3  # terms of a parabola
 _ENDS = 2  # terms of a line, for what the ends of a record leave in
 _SHARP = 3.0  # times the variance that a pole leaves: a parabola does not follow
+_NEIGHBOURS = 9  # fits whose input's response counts as even
 _BATCH = 1024  # bins at a time: their matrices stay in the cache
 
 Complex = NDArray[np.complex128]
@@ -87,31 +88,50 @@ def indirect_fit(r: Complex, x: Complex, y: Complex, at: NDArray[np.int64], *, a
     """Fit the response of bins `y` to bins `x` as the ratio of their responses to bins `r` of a stimulus.
 
     What noise a loop carries to both cancels in the residual of y less response times x, whose scatter is
-    the variance (Pintelon and Schoukens, 7.2.7; Söderström and Stoica, System Identification, 8.2).
+    the variance (Pintelon and Schoukens, 7.2.7; Söderström and Stoica, System Identification, 8.2). It is
+    that of the response, and relative to what the stimulus makes of the input, by the mean of neighbours:
+    the residual is least for a response of -1 over the controller, and where noise enlarges the input it
+    turns the response, so that frequencies picked by their own error would be turned on average.
     """
     parts = [_indirect(r, x, y, at[start : start + _BATCH], at_rest) for start in range(0, len(at), _BATCH)]
-    response, error, power, noise = (np.concatenate(each) for each in zip(*parts, strict=True))
-    return IndirectFit(response, error, power, noise)
+    of_x, of_y, power, xx, yy, xy = (np.concatenate(each) for each in zip(*parts, strict=True))
+    response = of_y / of_x
+    even = _even(response.real) + 1j * _even(response.imag)
+    variance = yy - 2.0 * np.real(np.conj(even) * xy) + np.abs(even) ** 2 * xx
+    size = np.abs(response) * np.exp(_even(np.log(np.abs(of_x))))
+    return IndirectFit(response, _relative(np.maximum(variance, 0.0), size), power, xx / np.abs(of_x) ** 2)
 
 
 def _indirect(
     r: Complex, x: Complex, y: Complex, at: NDArray[np.int64], at_rest: bool
-) -> tuple[Complex, Floats, Floats, Floats]:
+) -> tuple[Complex, Complex, Floats, Floats, Floats, Complex]:
+    """Return the responses of x and y to the stimulus, its power, their variances and their covariance."""
     near_r, near_x, near_y = (_near(bins, at) for bins in (r, x, y))
     scale, power = _size(near_r)
     near_r = near_r / scale[:, np.newaxis]
     ends = 0 if at_rest else _ENDS
     of_x, of_y = _smooth_or_sharp(near_r, near_x, ends), _smooth_or_sharp(near_r, near_y, ends)
-    driven = np.where(of_x.response == 0.0, np.finfo(np.float64).tiny, of_x.response)
-    response = of_y.response / driven
-    left = of_y.left - response[:, np.newaxis] * of_x.left
-    freedom = np.minimum(of_x.freedom, of_y.freedom)
-    variance = np.sum(np.abs(left) ** 2, axis=1) / freedom * np.maximum(of_x.spread, of_y.spread)
+    each = np.maximum(of_x.spread, of_y.spread) / np.minimum(of_y.freedom, of_x.freedom)
+    xx, yy, xy = (
+        np.sum(np.conj(one) * other, axis=1) * each
+        for one, other in ((of_x.left, of_x.left), (of_y.left, of_y.left), (of_x.left, of_y.left))
+    )
     if not at_rest:
-        other_x, other_y = (_smooth_or_sharp(near_r, near, _CURVED) for near in (near_x, near_y))
-        changed = other_y.response - of_y.response - response * (other_x.response - of_x.response)
-        variance = variance + np.abs(changed) ** 2
-    return response, _relative(variance, of_y.response), power, of_x.variance / np.abs(driven) ** 2
+        more_x, more_y = (
+            _smooth_or_sharp(near_r, near, _CURVED).response - found.response
+            for near, found in ((near_x, of_x), (near_y, of_y))
+        )
+        xx, yy = xx + np.abs(more_x) ** 2, yy + np.abs(more_y) ** 2
+        xy = xy + np.conj(more_x) * more_y
+    driven = np.where(of_x.response == 0.0, np.finfo(np.float64).tiny, of_x.response)
+    return driven, of_y.response, power, xx.real, yy.real, xy
+
+
+def _even(values: Floats) -> Floats:
+    """Return means over neighbours."""
+    from scipy import ndimage
+
+    return np.asarray(ndimage.uniform_filter1d(values, _NEIGHBOURS, mode="nearest"))
 
 
 def _near(bins: Complex, at: NDArray[np.int64]) -> Complex:
@@ -124,7 +144,7 @@ def _size(near: Complex) -> tuple[Floats, Floats]:
     return np.sqrt(np.maximum(power, np.finfo(np.float64).tiny)), power
 
 
-def _relative(variance: Floats, response: Complex) -> Floats:
+def _relative(variance: Floats, response: Complex | Floats) -> Floats:
     """Return the standard uncertainty of one component relative to a response of a complex variance."""
     size = np.maximum(np.abs(response), np.finfo(np.float64).tiny)
     return np.asarray(np.sqrt(0.5 * variance) / size)
