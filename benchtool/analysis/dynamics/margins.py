@@ -119,7 +119,7 @@ def _sensitivity_peak(
     curve = ResponseCurve(
         frequency_Hz, decibels(magnitude), NEPER_DB * error * np.abs(closed) / magnitude, _SMALL_DB
     )
-    peak_dB, peak_error_dB = curve.greatest()
+    peak_dB, peak_error_dB = curve.resonance()
     peak, relative = 10.0 ** (peak_dB / 20.0), peak_error_dB / NEPER_DB
     last_Hz = float(frequency_Hz[-1])
     last_dB, last_error_dB = curve.at(last_Hz)

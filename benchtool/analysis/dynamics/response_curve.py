@@ -27,6 +27,7 @@ _REACH = 0.7  # of the frequency: a local fit goes at most so far to either side
 _FITS = 2.0  # standard deviations of the mean squared residual above 1: a fit that describes its points
 _AT_THE_TOP = 3  # second differences: the greatest value and its neighbours
 _OF_A_CUSP = 1.0 / 3.0  # of the second difference: how much higher the peak is
+_OF_TWO = 2.0 * math.sqrt(2.0)  # standard deviations of a value: two of the sum of its neighbours
 _SURE = 0.25  # of the smallest movement that matters: what is left of the error of a smooth curve
 _MOST_SMOOTHED = 8  # a smoothing window is at most this part of the frequencies
 _TERMS_OF_CUBIC = 4
@@ -231,7 +232,7 @@ class ResponseCurve:
         """Return the greatest value, less what the errors add to it, and its standard uncertainty.
 
         Of a peak that few frequencies show, where its neighbours bend the other way, a third of its second
-        difference is part of that: it may be a cusp.
+        difference is part of that, less what noise makes of it: it may be a cusp.
         """
         widths = self._widths
         random = np.random.default_rng(_SEED)
@@ -242,7 +243,11 @@ class ResponseCurve:
         bends = np.diff(self.smooth[max(0, top - 2) : top + 3], 2)
         if len(bends) < _AT_THE_TOP:
             return value, standard
-        cusp = _OF_A_CUSP * abs(float(bends[1])) if np.max(bends) >= 0.0 else 0.0
+        cusp = 0.0
+        if np.max(bends) >= 0.0:
+            # noise has raised the greatest, and the two beside it lie where theirs lets them
+            of_noise = 2.0 * max(0.0, float(self.smooth[top]) - value) + _OF_TWO * float(self._smooth_error[top])
+            cusp = _OF_A_CUSP * max(0.0, abs(float(bends[1])) - of_noise)
         return value, math.hypot(standard, cusp, self._of_resonance(top))
 
     def _of_resonance(self, top: int) -> float:
