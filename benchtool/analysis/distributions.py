@@ -13,12 +13,26 @@ _SMALL = 1e-300
 _PRECISION = 1e-16
 _TERMS = 10_000
 _MANY = 1e4  # degrees of freedom from which on expansions in their reciprocal are exact to double precision
+_FAR_BELOW = 25.0  # standard deviations: from there on the distribution above zero is exponential
 _NEWTON, _LAST = 50, 3e-8  # most steps of Newton's method, and the share after which the next adds no digit
 
 
 def normal_below(x: float) -> float:
     """Return the probability that a standard normal variable is below `x`."""
     return 0.5 * math.erfc(-x / math.sqrt(2.0))
+
+
+def above_zero(found: float, standard: float) -> tuple[float, float]:
+    """Return the mean and the standard deviation of the part above zero of a normal distribution about
+    `found`: the best estimate of what cannot be negative, and its standard uncertainty (JCGM 106:2012, A.4.4,
+    of prior knowledge)."""
+    if not standard > 0.0:
+        return max(0.0, found), 0.0
+    below = -found / standard
+    if below > _FAR_BELOW:
+        return standard / below, standard / below
+    ratio = math.exp(-0.5 * below**2) / math.sqrt(2.0 * math.pi) / normal_below(-below)
+    return standard * (ratio - below), standard * math.sqrt(1.0 + below * ratio - ratio**2)
 
 
 def student_below(dof: float, t: float) -> float:

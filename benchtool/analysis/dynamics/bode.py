@@ -20,6 +20,7 @@ from benchtool.analysis.declaration import (
     UnitOf,
     ratio_of_units,
 )
+from benchtool.analysis.distributions import above_zero
 from benchtool.analysis.dynamics.estimated_response import NEPER_DB, FrequencyResponse, decibels
 from benchtool.analysis.dynamics.frequency_response import frequency_response
 from benchtool.analysis.dynamics.gain_at_rest import gain_at_rest
@@ -213,8 +214,8 @@ def _resonance(relative: ResponseCurve, rest_dB: float, has_fallen: bool, basis:
         reason = f"the gain still rises at {last_Hz:.4g} Hz, the highest frequency used"
     if reason:
         return Measurement.undefined("resonance_peak", "dB", text, reason, basis)
-    uncertain = Uncertainty(standard_dB, _STATISTICAL)
-    return Measurement("resonance_peak", max(0.0, peak_dB), "dB", text, basis, uncertain)
+    peak_dB, standard_dB = above_zero(peak_dB, standard_dB)
+    return Measurement("resonance_peak", peak_dB, "dB", text, basis, Uncertainty(standard_dB, _STATISTICAL))
 
 
 def _greatest_by_chance(count: int) -> float:
@@ -336,9 +337,9 @@ FREQUENCY_RESPONSE: Final = Analysis(
             "dB",
             "greatest gain over `response_gain`: least value of `1 / gain^2` as a parabola of `f^2` through "
             "as many neighbours as it describes within their errors, shortened; without such a peak the "
-            "greatest value, less what its errors add on average; at least 0. Undefined where it is "
-            "uncertain by more than 0.9 dB, and where the gain neither shows a peak nor falls by 3 dB in "
-            "the frequencies used",
+            "greatest value, less what its errors add on average; as it is at least 0, the mean of the part "
+            "of its distribution that is above. Undefined where it is uncertain by more than 0.9 dB, and "
+            "where the gain neither shows a peak nor falls by 3 dB in the frequencies used",
         ),
         Quantity(
             ("response_delay",),
@@ -359,7 +360,8 @@ FREQUENCY_RESPONSE: Final = Analysis(
         Quantity(
             ("sensitivity_peak",),
             "",
-            "`M_s`, greatest magnitude of `S = 1 - T` (Aastroem and Murray, *Feedback Systems*, 2nd ed., "
+            "`M_s`, greatest magnitude of `S = 1 - T`, read as `resonance_peak` is (Aastroem and Murray, "
+            "*Feedback Systems*, 2nd ed., "
             "12.1). Undefined where it is below 1, which it reaches above the frequencies used, where it has "
             "not clearly fallen at the last of them and `T` is not small there, and where it is uncertain by "
             "more than a tenth",

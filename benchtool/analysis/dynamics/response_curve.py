@@ -8,12 +8,14 @@ shortened so that hardly any bias is left.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
+from benchtool.analysis.dynamics.local_parabola import LocalParabola
 from benchtool.analysis.dynamics.noisy_curve import NoisyCurve
 
 Floats = NDArray[np.float64]
@@ -24,16 +26,15 @@ _LEFT_OF_CHANGE = 0.5  # what a parabola leaves out grows as the cube of its rea
 _MOST_UNCERTAIN = 0.2  # of a frequency: beyond this standard uncertainty it is undefined
 _CLEAR = 3.0  # standard uncertainties of a smooth value beyond which it is off a level
 _REACH = 0.7  # of the frequency: a local fit goes at most so far to either side
-_FITS = 2.0  # standard deviations of the mean squared residual above 1: a fit that describes its points
 _AT_THE_TOP = 3  # second differences: the greatest value and its neighbours
 _OF_A_CUSP = 1.0 / 3.0  # of the second difference: how much higher the peak is
 _OF_TWO = 2.0 * math.sqrt(2.0)  # standard deviations of a value: two of the sum of its neighbours
 _SURE = 0.25  # of the smallest movement that matters: what is left of the error of a smooth curve
 _MOST_SMOOTHED = 8  # a smoothing window is at most this part of the frequencies
-_TERMS_OF_CUBIC = 4
-_FAR = 0.25  # of the frequency: from there on few points are followed by a cubic, nearer ones scatter
 _FINE = 200  # places between two frequencies
-_OF_STRAIGHT = 0.25  # of what a straight line differs by
+_OF_CHANGE = 0.2  # of what a cubic changes of a parabola
+_OF_PARABOLA = 0.6  # of what a parabola differs by
+_OF_STRAIGHT = 0.1  # of what a straight line differs by
 _VERTICES = 2  # fits, each about the vertex of the one before
 _NEPER_OF_POWER_DB = 10.0 / math.log(10.0)
 _DRAWS = 80
@@ -112,6 +113,8 @@ class ResponseCurve:
         short, long = self._fits(start_Hz)
         if short is long and short.bridges:
             return self._between(at, level, level_error)
+        if short is long and not short.describes:
+            return self._by_cubic(short, level, level_error, start_Hz)
         place, standard = short.zero(level)
         other, _ = long.zero(level)
         if not math.isfinite(place):
@@ -121,6 +124,19 @@ class ResponseCurve:
         bent = float(short.left_out(place)) / slope
         spread = math.hypot(standard, level_error / slope, changed, bent)
         return Point(start_Hz * (1.0 + place), start_Hz * spread)
+
+    @staticmethod
+    def _by_cubic(fit: LocalParabola, level: float, level_error: float, start_Hz: float) -> Point:
+        """Return where values that no parabola follows, however short, fall to a level: by a cubic. It
+        leaves out what a quartic changes, and part of what it changes itself, as both may agree by chance."""
+        cubic, quartic = (fit.zero_of(each, level) for each in (fit.cubic, fit.quartic))
+        if not math.isfinite(cubic):
+            return Point(start_Hz, math.inf)
+        slope = abs(fit.slope_at(cubic))
+        changed = fit.left_out(cubic) / slope
+        left = math.hypot(quartic - cubic, _OF_CHANGE * changed) if math.isfinite(quartic) else changed
+        spread = math.hypot(math.hypot(fit.noise_at(cubic), level_error) / slope, left)
+        return Point(start_Hz * (1.0 + cubic), start_Hz * spread)
 
     def _between(self, at: int, level: float, level_error: float) -> Point:
         """Return where the smooth values fall to a level before `at`, of few frequencies far apart."""
@@ -132,23 +148,24 @@ class ResponseCurve:
             share = values[below - 1] / (values[below - 1] - values[below])
             return float(fine[below - 1] + share * (fine[below] - fine[below - 1]))
 
-        place, left, right, straight = (passing(curve) for curve in self._through_neighbours(at))
+        place, *others = (passing(curve) for curve in self._through_neighbours(at))
         slope = float(self.smooth[at - 1] - self.smooth[at]) / float(fine[-1] - fine[0])
         error = math.hypot(level_error, float(np.max(self._smooth_error[at - 1 : at + 1]))) / slope
-        spread = math.hypot(error, self._left_out(place, left, right, straight))
+        spread = math.hypot(error, self._left_out(place, others))
         found_Hz = float(self.frequency_Hz[at]) * math.exp(place)
         return Point(found_Hz, found_Hz * spread)
 
     def _through_neighbours(self, at: int) -> list[np.polynomial.Polynomial]:
         """Return the cubic through the smooth values at two frequencies before `at` and two from it on, the
-        parabolas through the first and the last three of them, and the straight line through the middle two.
+        quartics through one more on either side, the parabolas through the first and the last three of the
+        four, and the straight line through the middle two.
 
         They are polynomials of the logarithm of frequency over that at `at`: in it a response is smooth over
         frequencies that are far apart.
         """
-        first, last = max(0, at - 2), min(len(self.smooth), at + 2)
         places = np.log(self.frequency_Hz / self.frequency_Hz[at])
-        ends = ((first, last), (first, at + 1), (at - 1, last), (at - 1, at + 1))
+        wanted = ((-2, 2), (-3, 2), (-2, 3), (-2, 1), (-1, 2), (-1, 1))
+        ends = ((max(0, at + before), min(len(places), at + after)) for before, after in wanted)
         return [
             np.polynomial.Polynomial(
                 np.linalg.solve(np.vander(places[begin:end], increasing=True), self.smooth[begin:end])
@@ -157,20 +174,32 @@ class ResponseCurve:
         ]
 
     @staticmethod
-    def _left_out(cubic: float, left: float, right: float, straight: float) -> float:
-        """Return what the cubic leaves out, by what the others differ from it; of the straight line a
-        quarter, as parabolas may agree by chance."""
-        return math.hypot(left - cubic, right - cubic, _OF_STRAIGHT * (straight - cubic))
+    def _left_out(cubic: float, others: Sequence[float]) -> float:
+        """Return what the cubic leaves out, by what quartics, parabolas and the straight line differ from it;
+        of these a part, as the others may agree by chance. A quartic that would go beyond the frequencies is
+        the cubic again, and tells nothing: then the parabolas count."""
+        quartics, (left, right, straight) = others[:2], others[2:]
+        of_parabola = _OF_PARABOLA if cubic not in quartics else 1.0
+        return math.hypot(
+            *(each - cubic for each in quartics),
+            of_parabola * (left - cubic),
+            of_parabola * (right - cubic),
+            _OF_STRAIGHT * (straight - cubic),
+        )
 
     def at(self, frequency_Hz: float) -> tuple[float, float]:
         """Return the value at a frequency and its standard uncertainty."""
         short, long = self._fits(frequency_Hz)
         if short is not long or not short.bridges:
+            if short is long and not short.describes:
+                level, beyond = float(short.cubic[0]), float(short.quartic[0])
+                left = math.hypot(beyond - level, _OF_CHANGE * (level - short.level))
+                return level, math.hypot(short.noise_at(0.0), left)
             return short.level, math.hypot(short.standard, long.level - short.level)
         at, place = self._place_of(frequency_Hz)
-        value, left, right, straight = (float(curve(place)) for curve in self._through_neighbours(at))
+        value, *others = (float(curve(place)) for curve in self._through_neighbours(at))
         error = float(np.max(self._smooth_error[at - 1 : at + 1]))
-        return value, math.hypot(error, self._left_out(value, left, right, straight))
+        return value, math.hypot(error, self._left_out(value, others))
 
     def slope_at(self, frequency_Hz: float) -> float:
         """Return the change of the values per Hz."""
@@ -246,7 +275,9 @@ class ResponseCurve:
         cusp = 0.0
         if np.max(bends) >= 0.0:
             # noise has raised the greatest, and the two beside it lie where theirs lets them
-            of_noise = 2.0 * max(0.0, float(self.smooth[top]) - value) + _OF_TWO * float(self._smooth_error[top])
+            of_noise = 2.0 * max(0.0, float(self.smooth[top]) - value) + _OF_TWO * float(
+                self._smooth_error[top]
+            )
             cusp = _OF_A_CUSP * max(0.0, abs(float(bends[1])) - of_noise)
         return value, math.hypot(standard, cusp, self._of_resonance(top))
 
@@ -302,106 +333,24 @@ class ResponseCurve:
             widths = np.where(error > _SURE * self.movement, reach, widths)
         return np.minimum(widths, np.minimum(places, count - 1 - places))
 
-    def _fits(self, frequency_Hz: float) -> tuple[_Parabola, _Parabola]:
+    def _fits(self, frequency_Hz: float) -> tuple[LocalParabola, LocalParabola]:
         """Return the local fits about a frequency: the shortened one, and the longest that describes its
         points."""
         places = self.frequency_Hz / frequency_Hz - np.ones(len(self.frequency_Hz))
         nearest = np.argsort(np.abs(places), kind="stable")
         within = int(np.count_nonzero(np.abs(places) <= _REACH))
-        found: list[_Parabola] = []
+        found: list[LocalParabola] = []
         count = 2 * _FEWEST + 1
         while count <= max(within, 2 * _FEWEST + 1) and count <= len(places):
             chosen = nearest[:count]
-            fit = _Parabola.through(places[chosen], self.values[chosen], self._weights[chosen])
+            fit = LocalParabola.through(places[chosen], self.values[chosen], self._weights[chosen])
             if found and not fit.describes:
                 break
             found.append(fit)
             count = math.ceil(_LONGER * count)
         if not found:
-            found.append(_Parabola.through(places, self.values, self._weights))
+            found.append(LocalParabola.through(places, self.values, self._weights))
         return found[max(0, len(found) - 2)], found[-1]
-
-
-@dataclass(frozen=True)
-class _Parabola:
-    """Weighted least-squares parabola about 0: coefficients, their covariance, whether it fits its points.
-
-    `cubic` are the coefficients of a cubic through the same points, all within `reach`.
-    """
-
-    coefficients: Floats
-    covariance: Floats
-    describes: bool
-    cubic: Floats
-    reach: float
-
-    @classmethod
-    def through(cls, places: Floats, values: Floats, weights: Floats) -> _Parabola:
-        terms = min(3, len(places) - 1) if len(places) > 1 else 1
-        columns = places[:, np.newaxis] ** np.arange(terms)
-        root = np.sqrt(weights)
-        solution, *_ = np.linalg.lstsq(columns * root[:, np.newaxis], values * root, rcond=None)
-        left = (values - columns @ solution) * root
-        freedom = max(1, len(places) - terms)
-        mean_square = float(left @ left) / freedom
-        inverse = np.linalg.pinv((columns * weights[:, np.newaxis]).T @ columns)
-        coefficients: Floats = np.zeros(3)
-        covariance: Floats = np.zeros((3, 3))
-        coefficients[:terms] = solution
-        covariance[:terms, :terms] = inverse * max(1.0, mean_square)
-        describes = mean_square <= 1.0 + _FITS * math.sqrt(2.0 / freedom)
-        cubic: Floats = coefficients
-        if len(places) > _TERMS_OF_CUBIC:
-            powers = places[:, np.newaxis] ** np.arange(_TERMS_OF_CUBIC)
-            cubic = np.asarray(np.linalg.lstsq(powers * root[:, np.newaxis], values * root, rcond=None)[0])
-        return cls(coefficients, covariance, describes, cubic, float(np.max(np.abs(places))))
-
-    @property
-    def bridges(self) -> bool:
-        """Whether it bends over points far apart by more than their errors, and does not follow them."""
-        return not self.describes and self.reach > _FAR
-
-    @property
-    def vertex(self) -> float:
-        """Place of the least value; nan where it bends downwards or not at all."""
-        _, slope, bend = self.coefficients.tolist()
-        return -slope / (2.0 * bend) if bend > 0.0 else math.nan
-
-    def value_at(self, place: float) -> float:
-        return float(np.polynomial.polynomial.polyval(place, self.coefficients))
-
-    def error_at(self, place: float) -> float:
-        """Standard uncertainty of the value there."""
-        powers = place ** np.arange(3)
-        return math.sqrt(float(powers @ self.covariance @ powers))
-
-    def left_out(self, place: float) -> float:
-        """By how much a cubic differs there."""
-        return float(np.polynomial.polynomial.polyval(place, self.cubic)) - float(
-            np.polynomial.polynomial.polyval(place, self.coefficients)
-        )
-
-    @property
-    def level(self) -> float:
-        return float(self.coefficients[0])
-
-    @property
-    def standard(self) -> float:
-        return math.sqrt(float(self.covariance[0, 0]))
-
-    def slope_at(self, place: float) -> float:
-        return float(self.coefficients[1] + 2.0 * self.coefficients[2] * place)
-
-    def zero(self, level: float) -> tuple[float, float]:
-        """Place nearest to 0 at which it has a level, and its standard uncertainty; nan without one."""
-        constant, b, c = self.coefficients.tolist()
-        a = constant - level
-        root = b * b - 4.0 * a * c
-        if root < 0.0 or b == 0.0:
-            return math.nan, math.nan
-        place = -2.0 * a / (b + math.copysign(math.sqrt(root), b))
-        slope = self.slope_at(place)
-        return (place, self.error_at(place) / abs(slope)) if slope else (math.nan, math.nan)
 
 
 def _running_mean(values: Floats, weights: Floats, widths: NDArray[np.int64]) -> Floats:
