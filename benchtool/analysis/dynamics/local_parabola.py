@@ -74,6 +74,13 @@ class LocalParabola:
         _, slope, bend = self.coefficients.tolist()
         return -slope / (2.0 * bend) if bend > 0.0 else math.nan
 
+    @property
+    def below_by_vertex(self) -> float:
+        """By how much the least value is too low on average, as errors place the vertex where they lower it:
+        the variance of its place times the bend."""
+        powers = np.array([0.0, 1.0, 2.0 * self.vertex])
+        return float(powers @ self.covariance @ powers) / (4.0 * float(self.coefficients[2]))
+
     def value_at(self, place: float) -> float:
         return float(np.polynomial.polynomial.polyval(place, self.coefficients))
 

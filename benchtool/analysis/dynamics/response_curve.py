@@ -252,9 +252,10 @@ class ResponseCurve:
         place, other = short.vertex, long.vertex
         if not (abs(place) <= short.reach and abs(other) <= long.reach):
             return None
-        least = short.value_at(place)
+        least, by_place = short.value_at(place), short.below_by_vertex
         left = _LEFT_OF_CHANGE * (long.value_at(other) - least)
-        standard = math.hypot(short.error_at(place), left, short.left_out(place))
+        least += by_place
+        standard = math.hypot(short.error_at(place), left, short.left_out(place), by_place)
         return (least, standard) if least > _CLEAR * standard else None
 
     def greatest(self) -> tuple[float, float]:
