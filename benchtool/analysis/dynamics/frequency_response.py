@@ -45,7 +45,8 @@ from benchtool.analysis.dynamics.periodic_response import (
     period_of,
     periodic_response,
 )
-from benchtool.analysis.dynamics.swept_input import input_noise
+from benchtool.analysis.dynamics.swept_input import input_noise, sweeps
+from benchtool.analysis.dynamics.swept_steps import errors_of_steps
 from benchtool.analysis.validity import require_signal
 from benchtool.block import as_samples, require_rate
 from benchtool.errors import AnalysisError
@@ -230,13 +231,19 @@ def local_response(
     greatest = float(np.max(found.power))
     frequency_Hz = sample_rate_Hz / len(x) * (at + np.ones(len(at)))
     shared = np.where(at < near, REACH / _STEP_NEAR, 1.0)
+    error = found.error
+    if sweeps(r):
+        of_r = found if stimulus is None else local_fit(fft.rfft(r)[1:], y_bins, at, at_rest=at_rest)
+        of_steps, alike = errors_of_steps(r, y, np.abs(of_r.response))
+        error = np.hypot(found.error, of_steps)
+        shared = (shared * found.error**2 + np.maximum(shared, alike) * of_steps**2) / _above_zero(error**2)
     ends = "at rest at both ends" if at_rest else "with a line for what its ends leave in"
     by = "" if stimulus is None else ", by the stimulus"
     return FrequencyResponse(
         frequency_Hz=frequency_Hz,
         response=found.response,
-        coherence=coherence_of(found.error, freedom + 1.0),
-        error=found.error,
+        coherence=coherence_of(error, freedom + 1.0),
+        error=error,
         shared=shared,
         excited=shows & (found.power > EXCITED * greatest),
         well_excited=shows & (found.power > WELL_EXCITED * greatest),
@@ -245,6 +252,10 @@ def local_response(
         method=f"DFT of all {len(x)} samples, rectangular window; a parabola over {2 * REACH + 1} bins, "
         f"{ends}{by}",
     )
+
+
+def _above_zero(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.maximum(values, np.finfo(np.float64).tiny)
 
 
 def _without_input_noise(

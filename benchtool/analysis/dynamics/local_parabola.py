@@ -13,6 +13,7 @@ Floats = NDArray[np.float64]
 _FITS = 2.0  # standard deviations of the mean squared residual above 1: a fit that describes its points
 _PARABOLA, _CUBIC, _QUARTIC = 3, 4, 5  # terms
 _FAR = 0.25  # of the frequency: from there on few points are followed by a cubic, nearer ones scatter
+_OF_LEFT = 0.1  # of what a parabola leaves: errors that are alike do not show in what they are stated to be
 _REAL = 1e-9  # imaginary part of a real root
 
 
@@ -90,8 +91,8 @@ class LocalParabola:
         return math.sqrt(float(powers @ self.covariance @ powers))
 
     def noise_at(self, place: float) -> float:
-        """Standard uncertainty of the value there by the errors alone."""
-        return self.error_at(place) / math.sqrt(self.left)
+        """Standard uncertainty of the value there by the errors, and a little of what it leaves."""
+        return self.error_at(place) * math.hypot(1.0 / math.sqrt(self.left), _OF_LEFT)
 
     def left_out(self, place: float) -> float:
         """By how much a cubic differs there."""
