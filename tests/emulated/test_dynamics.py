@@ -101,6 +101,7 @@ def test_a_single_chirp_shows_the_same_bandwidth(tmp_path: Path) -> None:
     bode = result.findings["frequency_response"].result
     assert isinstance(bode, Bode)
     assert "DFT of all" in bode.response.method
+    assert "by the stimulus" in bode.response.method
     assert _values(result)["bandwidth_3dB"] == pytest.approx(319.0, rel=0.05)
 
 
@@ -257,6 +258,11 @@ def test_channels_of_an_analysis_are_checked_by_line(tmp_path: Path, wire: Wire)
     assert "mine.toml, line 12: response_output is 'omega_m', which record.channels does not" in str(
         refused.value
     )
+    named = text.replace("response_output", "[analyses.frequency_response]\ninput = 'torque'\noutput")
+    named = named.replace('frequency_response = true\nresponse_input = "stimulus"\n', "")
+    path.write_text(named.replace('omega_m"\n', 'torque"\nstimulus = "probe"\n'), encoding="utf-8")
+    with pytest.raises(PlanError, match="stimulus is 'probe', which record"):
+        require_known(load_plan(str(path)), path, wire.session.profile, dictionary, transducer=True)
     path.write_text('figure = "bode"\n' + text.replace("frequency_response = true\n", ""), encoding="utf-8")
     with pytest.raises(PlanError, match="figure = 'bode' needs"):
         load_plan(str(path))

@@ -199,6 +199,23 @@ def test_noise_makes_no_cusp_of_a_peak() -> None:
     assert 0.5 < float(np.sqrt(np.mean(np.square(errors)))) < 1.6
 
 
+def test_steps_of_a_converter_are_alike_at_neighbouring_frequencies() -> None:
+    """The mean gain over a band is off by far more than independent errors would leave of it."""
+    sweep = _sweep(40_000, rests=True)
+    errors = []
+    for size in np.linspace(0.9, 1.1, 12):
+        y = np.asarray(signal.lfilter(*_plant(), size * sweep))
+        for kept in (y, np.round(y * 32.0) / 32.0):
+            found = frequency_response(sweep, kept, RATE_HZ)
+            band = (found.frequency_Hz > 250.0) & (found.frequency_Hz < 280.0)
+            off = np.mean((found.gain / (size * np.abs(_truth(found.frequency_Hz))))[band]) - 1.0
+            stated = found.error_of_many[band]
+            errors.append((off, float(np.sqrt(np.mean(stated**2) / np.count_nonzero(band)))))
+    exact, rounded = np.array(errors[::2]), np.array(errors[1::2])
+    assert np.all(np.abs(exact[:, 0]) < 1e-3)
+    assert 0.3 < float(np.sqrt(np.mean((rounded[:, 0] / rounded[:, 1]) ** 2))) < 1.7
+
+
 def test_what_cannot_be_negative_is_the_part_above_zero() -> None:
     drawn = np.random.default_rng(0).normal(0.0, 1.0, 2_000_000)
     for found in (-2.0, 0.0, 1.5):
