@@ -73,8 +73,8 @@ def analyze_response(
 ) -> Bode:
     """Return the response of a channel to another, from any excitation of the input.
 
-    Within a loop the input holds noise of the output, that the controller feeds back: then the channel of the
-    `stimulus` is needed, of what is played into the loop.
+    Within a loop the input holds noise of the output, that the controller feeds back: then the channel of
+    the `stimulus` is needed, the signal that is played into the loop.
 
     Frequencies are used where the input has power (more than -50 dB of its greatest) and the coherence, of
     the error relative to the mean of neighbouring gains, is 0.8 or more, or above what few averages reach by

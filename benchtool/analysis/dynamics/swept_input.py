@@ -21,7 +21,7 @@ _SLOW = 8  # lowest bins of a part, into which what is left of its mean leaks: a
 _FEWEST_ROWS = 64  # of a part
 _QUIET = 4.0  # times the lower quartile of the power of the parts: up to there the sweep is elsewhere
 _LEAKS = 1e-9  # share of its power that a sweep leaks to all frequencies
-_STATIONARY = 0.5  # share of what is quiet, of an input that does not sweep
+_STATIONARY = 0.5  # share that is quiet, of an input that does not sweep
 
 Complex = NDArray[np.complex128]
 Floats = NDArray[np.float64]
@@ -75,7 +75,7 @@ def input_noise(x: Floats, y: Floats, at: Floats) -> InputNoise | None:
     cross = np.sum(_smooth(np.conj(of_x) * of_y) * quiet, axis=0) / count
     mean = np.mean(power, axis=0)
     tiny = np.finfo(np.float64).tiny
-    # at the edge of what is swept the neighbours hold less, or nothing, of the sweep
+    # at the edge of the sweep the neighbours hold less of it, or nothing
     share = ndimage.maximum_filter1d(noise / np.maximum(mean, tiny), _NEAR, mode="nearest")
     if not float(np.sum(mean * share)) < _STATIONARY * float(np.sum(mean)):
         return None
