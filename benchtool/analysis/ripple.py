@@ -153,7 +153,9 @@ def ripple_of_rows(
     scatter = None
     if begins is not None:
         repeats = Periods(begins, repeated, per_revolution)
-        scatter = scatter_of_periods(samples, whole.mean, whole.rms, repeats, step)
+        scatter = scatter_of_periods(samples, repeats, step)
+    if scatter is not None:
+        whole = replace(whole, mean=scatter.whole_mean, rms=scatter.whole_rms)
     unknown = _without_periods(begins, repeated) if scatter is None else ""
     return tuple(_numbers(samples, whole, scatter, unknown, step, name, what, rated, basis))
 
@@ -179,7 +181,7 @@ def peak_to_peak_number(
     scatter = None
     if track is not None:
         repeats = Periods(track.period_rows())
-        scatter = scatter_of_periods(samples, whole.mean, whole.rms, repeats, percentiles=False)
+        scatter = scatter_of_periods(samples, repeats, percentiles=False)
     step = counting_step(samples)
     basis = record_basis(block)
     unknown = "" if scatter is not None else _without_periods(None if track is None else track.period_rows())
@@ -200,13 +202,13 @@ def _numbers(
 ) -> Iterator[Measurement]:
     unit = whole.unit
     clipped = clipping(samples) or standing(samples)
+    without = "" if scatter is None else ", without what the incomplete period at the end makes of it"
 
     def measured(
         suffix: str,
         text: str,
         value: float,
         error: MeanError | None,
-        incomplete: float,
         floor: float,
         bound: float = 0.0,
         slow: float = 0.0,
@@ -220,13 +222,10 @@ def _numbers(
             Contribution(
                 f"scatter over {scatter.periods} {scatter.repeated}", "A", error.standard, error.dof
             ),
-            Contribution("share of the incomplete one at the end", "B", abs(incomplete)),
             Contribution(f"resolution {step:.3g} {unit}", "B", floor),
             Contribution("noise too slow for the record", "B", slow),
         )
-        source = (
-            f"scatter over {scatter.periods} {scatter.repeated}, the share of the incomplete one, resolution"
-        )
+        source = f"scatter over {scatter.periods} {scatter.repeated}, resolution"
         lines = tuple(each for each in budget if each.standard != 0.0)
         uncertain = combined(lines, source)
         why = "" if uncertain is not None else _TOO_SLOW
@@ -246,10 +245,9 @@ def _numbers(
     of_rms = math.hypot(of_rms, step**2 / (24.0 * whole.rms) if whole.rms > 0.0 else 0.0)
     mean = measured(
         "mean",
-        f"mean of {what}",
+        f"mean of {what}{without}",
         whole.mean,
         scatter.mean if scatter else None,
-        scatter.incomplete_mean if scatter else 0.0,
         of_mean,
     )
     yield mean
@@ -257,10 +255,9 @@ def _numbers(
     yield peak_to_peak
     rms = measured(
         "ripple_rms",
-        f"rms of {what} about its mean",
+        f"rms of {what} about its mean{without}",
         whole.rms,
         scatter.rms if scatter else None,
-        scatter.incomplete_rms if scatter else 0.0,
         of_rms,
         slow=taken,
     )
@@ -271,7 +268,6 @@ def _numbers(
         f"{HIGH_PERCENT:g}th minus {LOW_PERCENT:g}th percentile of {what}",
         range_between,
         scatter.percentile_range if scatter else None,
-        0.0,
         step / math.sqrt(6.0),
         step,
         slow=taken * range_between / whole.rms if whole.rms > 0.0 else 0.0,

@@ -22,7 +22,7 @@ from benchtool.analysis.scatter import (
     scatter_of_largest,
     tail_index,
 )
-from benchtool.analysis.slow_lines import slow_lines
+from benchtool.analysis.slow_lines import SlowLines, slow_lines
 from benchtool.analysis.spectra.amplitude_trend import amplitude_trend
 
 Floats = NDArray[np.float64]
@@ -36,8 +36,9 @@ LOW_PERCENT, HIGH_PERCENT = 0.5, 99.5
 _CORRELATED = 2.0  # periods that count as one, from which a tail is made of stretches of them
 _PARTS, _WHOLE_OVER_PARTS = 8, 1.5  # the whole reaches further into the tail than a part, and scatters more
 _SAMPLES_OF_TAIL = 1 << 17
-_ALIKE = 3.0  # standard deviations of a correlation
+_ALIKE, _TOGETHER, _FEW_EXTREMES = 3.0, 2.0, 20  # standard deviations of a correlation; periods
 _NEAR = 0.25  # per cent to either side, for the density there
+_PLACES, _BEGINS = 2048, 16  # in the record, and of it in the cycles of slow lines
 
 
 @dataclass(frozen=True)
@@ -54,16 +55,19 @@ class Periods:
         return len(self.rows) - 1
 
     def places(self, rows: Floats) -> Floats:
-        """Return how far through all of them rows, shape (n,), are, from 0 to 1."""
-        return np.asarray(np.interp(rows, self.rows, np.arange(len(self.rows)) / len(self)))
+        """Return how far through all of them rows, shape (n,), are, from 0 to 1; behind them it is more, at
+        the pace of the last."""
+        within = np.interp(rows, self.rows, np.arange(len(self.rows)) / len(self))
+        last = float(self.rows[-1] - self.rows[-2])
+        return np.asarray(within + np.maximum(0.0, rows - self.rows[-1]) / (last * len(self)))
 
 
 @dataclass(frozen=True)
 class Scatter:
     """Uncertainties of mean, rms and percentile range, and the standard deviation of a peak-to-peak.
 
-    `incomplete_mean` and `incomplete_rms` are what the part of a period at the record's end moves, `steps`
-    the errors of a converter's steps that repeat.
+    `whole_mean` and `whole_rms` are the mean and rms without what incomplete periods and cycles make of them,
+    `steps` the errors of a converter's steps that repeat.
     """
 
     periods: int
@@ -73,8 +77,8 @@ class Scatter:
     percentile_range: MeanError
     peak_to_peak: float
     mean_peak_to_peak: float
-    incomplete_mean: float
-    incomplete_rms: float
+    whole_mean: float
+    whole_rms: float
     steps: RepeatedSteps | None
 
 
@@ -85,18 +89,24 @@ def percentile_range(samples: NDArray[np.float64]) -> float:
 
 
 def scatter_of_periods(
-    samples: Floats, mean: float, rms: float, repeats: Periods, step: float = 0.0, *, percentiles: bool = True
+    samples: Floats, repeats: Periods, step: float = 0.0, *, percentiles: bool = True
 ) -> Scatter | None:
-    """Return the scatter of the numbers of whole periods of samples, shape (n,), which have this mean and
-    rms; None where there are too few."""
+    """Return the scatter of the numbers of samples, shape (n,), over whole periods; None where there are too
+    few."""
     rows, count = repeats.rows, len(repeats)
     if count < FEWEST_PERIODS or np.min(np.diff(rows)) < 1:
         return None
     within, begin, counts = samples[: rows[-1]], rows[:-1], np.diff(rows)
-    of_mean = _slowly(within, repeats)
-    square = np.square(within - mean)
+    of_mean = _slowly(samples, repeats)
+    rest = within if of_mean.left is samples else of_mean.left[: rows[-1]]
+    # what lines and the rest have in common is nothing over whole cycles of both
+    square = np.square((of_mean.left if of_mean.of_lines else samples) - of_mean.mean)
     of_square = _slowly(square, repeats)
-    squares = np.add.reduceat(square, begin) / counts
+    squares = np.add.reduceat(square[: rows[-1]], begin) / counts
+    rms = math.sqrt(max(0.0, of_square.mean + of_mean.of_lines))
+    # noise as that of the mean moves an amplitude sqrt(2) times as much
+    of_lines = 2.0 * math.sqrt(of_mean.of_lines) * of_mean.error.standard if of_mean.of_lines else 0.0
+    error_of_square = MeanError(math.hypot(of_square.error.standard, of_lines), of_square.error.dof)
     spans = np.maximum.reduceat(within, begin) - np.minimum.reduceat(within, begin)
     # edges that repeat leave no deviations, and a slope that falls beside its place no second differences
     tail = min(tail_index(_deviations(within, begin, counts)), tail_index(np.diff(within, 2)))
@@ -104,57 +114,121 @@ def scatter_of_periods(
         periods=count,
         repeated=repeats.name,
         mean=of_mean.error,
-        rms=error_of_root(squares, math.sqrt(max(0.0, of_square.mean)), of_square.error),
-        percentile_range=_percentile_scatter(within, repeats)
+        rms=error_of_root(squares, rms, error_of_square),
+        percentile_range=_percentile_scatter(within, repeats, rest, of_mean.lines)
         if percentiles
         else MeanError(math.nan, math.nan),
-        peak_to_peak=_extremes(within, of_mean.rest, begin, tail),
+        peak_to_peak=_extremes(within, rest, begin, tail),
         mean_peak_to_peak=float(np.mean(spans)),
-        # the record ends within a period: what that part moves is no scatter, but it is not known either
-        incomplete_mean=of_mean.mean - mean,
-        incomplete_rms=math.sqrt(max(0.0, of_square.mean)) - rms,
+        whole_mean=of_mean.mean,
+        whole_rms=rms,
         steps=_repeated_steps(within, rows, step) if percentiles and step > 0.0 else None,
     )
 
 
 def _extremes(samples: Floats, rest: Floats, begin: NDArray[np.int64], tail: float) -> float:
     """Return the standard deviation of the peak-to-peak over records, by the extremes of each period of
-    samples, shape (n,), without their slow lines, `rest`, unless those are not all that is slow: then they
-    meet by chance."""
-    largest, least = np.maximum.reduceat(rest, begin), np.minimum.reduceat(rest, begin)
-    if rest is not samples and max(neighbours_alike(largest), neighbours_alike(least)) > _ALIKE:
-        return _extremes(samples, samples, begin, tail)
+    samples, shape (n,), without their slow lines, `rest`, and without a course of few constants; unless
+    those are not all that is slow: then they meet by chance."""
+    found = [
+        [_about_course(each, rest is not samples) for each in _extremes_of_periods(rest, begin)],
+        [_about_course(each) for each in _extremes_of_periods(samples, begin)],
+    ]
+    is_told = max(neighbours_alike(each.values) for each in found[0]) <= _ALIKE
+    largest, least = found[0] if is_told else found[1]
+    apart = math.hypot(largest.scatter(tail), least.scatter(tail))
+    if len(begin) > _FEW_EXTREMES and not _grow_together(largest.values, least.values):
+        return apart
     # what makes both extremes larger together scatters as their difference does
-    return max(
-        math.hypot(scatter_of_largest(largest, tail), scatter_of_largest(-least, tail)),
-        scatter_of_largest(largest - least, tail),
-    )
+    return max(apart, scatter_of_largest(largest.values + least.values, tail))
+
+
+def _extremes_of_periods(samples: Floats, begin: NDArray[np.int64]) -> tuple[Floats, Floats]:
+    return np.maximum.reduceat(samples, begin), -np.minimum.reduceat(samples, begin)
+
+
+@dataclass(frozen=True)
+class _Maxima:
+    """Largest values of each period, shape (periods,), about their course, if they have one."""
+
+    values: Floats
+    has_course: bool = False
+
+    def scatter(self, tail: float) -> float:
+        """Return the standard deviation of the largest of all over records; on a course one of few is it."""
+        least = float(np.std(self.values, ddof=1)) if self.has_course else 0.0
+        return max(least, scatter_of_largest(self.values, tail))
+
+
+def _about_course(values: Floats, has_course: bool = False) -> _Maxima:
+    """Return values, shape (n,), about the course of few constants that explains how neighbours are alike, if
+    one does; they may have had one already."""
+    size = float(np.max(np.abs(values)))
+    if len(values) < FEWEST_PERIODS or not size > 0.0 or neighbours_alike(values) <= _ALIKE:
+        return _Maxima(values, has_course)
+    middle = float(np.mean(values))
+    trend = amplitude_trend(1.0 + (values - middle) / size, 0)
+    return _Maxima(values, has_course) if trend is None else _Maxima(middle + size * trend.rest, True)
+
+
+def _grow_together(one: Floats, other: Floats) -> bool:
+    """Return whether values of equal periods, shape (n,), are correlated by more than chance."""
+    if not min(np.std(one), np.std(other)) > 0.0:
+        return False
+    return bool(math.sqrt(len(one)) * np.corrcoef(one, other)[0, 1] > _TOGETHER)
 
 
 @dataclass(frozen=True)
 class _Slowly:
-    """Mean of a series over whole periods and whole cycles of its slow lines, its error by the `rest`, shape
-    (n,), which is without them."""
+    """Mean of a series without what its incomplete period and the incomplete cycles of its slow lines make of
+    it, and its error by what is `left` without these `lines`, shape (n,)."""
 
-    rest: Floats
+    left: Floats
     mean: float
     error: MeanError
+    lines: SlowLines | None
+
+    @property
+    def of_lines(self) -> float:
+        """Mean square of the lines, 0 where they are not told from each other: then they are another
+        course together."""
+        return self.lines.mean_square if self.lines is not None and self.lines.are_apart else 0.0
 
 
 def _slowly(series: Floats, repeats: Periods) -> _Slowly:
-    """Return the mean of a series, shape (n,), the rows of whole periods, and its error by what is neither a
-    slow line in it nor a course of few constants, such as a drift."""
-    begin, counts, periods = repeats.rows[:-1], np.diff(repeats.rows), len(repeats)
+    """Return the mean of a series, shape (n,), and its error by what is neither a slow line in it nor a
+    course of few constants, such as a drift."""
+    rows, begin, counts, periods = repeats.rows, repeats.rows[:-1], np.diff(repeats.rows), len(repeats)
     place = repeats.places(np.arange(0.5, len(series)))
-    lines = slow_lines(series, place, periods, repeats.per_revolution)
-    rest = series if lines is None else series - lines.at(place)
+    lines = slow_lines(series[: rows[-1]], place[: rows[-1]], periods, repeats.per_revolution)
+    left = series if lines is None else series - lines.at(place)
+    mean, rest = float(np.mean(left)) - _of_incomplete(left, rows), left[: rows[-1]]
     means = np.add.reduceat(rest, begin) / counts
-    mean = float(np.average(means, weights=counts)) if lines is None else lines.mean
     middle, size = float(np.mean(means)), float(np.max(np.abs(means)))
     trend = amplitude_trend(1.0 + (means - middle) / size, 0) if size > 0.0 else None
     if trend is not None:
-        return _Slowly(rest, mean, _times(size, error_of_series(trend.rest), trend.apart))
-    return _Slowly(rest, mean, at_lowest_frequencies(rest, error_of_series(means), periods))
+        error = _times(size, error_of_series(trend.rest), trend.apart)
+    else:
+        error = at_lowest_frequencies(rest, error_of_series(means), periods)
+    if lines is not None:
+        error = MeanError(lines.of_mean * error.standard, error.dof)
+    return _Slowly(left, mean, error, lines)
+
+
+def _of_incomplete(series: Floats, rows: NDArray[np.int64]) -> float:
+    """Return by how much the incomplete period behind `rows` moves the mean of a series, shape (n,): as
+    much of each whole one has another mean than all of it, but for a drift."""
+    begin, counts = rows[:-1], np.diff(rows)
+    over = len(series) - int(rows[-1])
+    parts = np.minimum(np.round(over * (counts / counts[-1])).astype(np.int64), counts)
+    if not np.all(parts > 0):
+        return 0.0
+    sums = np.concatenate([[0.0], np.cumsum(series[: rows[-1]] - np.mean(series))])
+    of_parts = (sums[begin + parts] - sums[begin]) / parts
+    of_whole = (sums[rows[1:]] - sums[begin]) / counts
+    drift = float(of_whole[-1] - of_whole[0]) / float(begin[-1] - begin[0])
+    apart = of_parts - of_whole + drift * 0.5 * (counts - parts)
+    return float(np.mean(apart)) * over / len(series)
 
 
 def _times(size: float, error: MeanError, deviation: float) -> MeanError:
@@ -171,30 +245,31 @@ def _deviations(samples: Floats, begin: NDArray[np.int64], counts: NDArray[np.in
     return np.asarray(table - np.mean(table, axis=0)).ravel()
 
 
-def _percentile_scatter(samples: Floats, repeats: Periods) -> MeanError:
+def _percentile_scatter(
+    samples: Floats, repeats: Periods, rest: Floats, lines: SlowLines | None
+) -> MeanError:
     """Return the standard uncertainty of the percentile range, by what each period contributes to it.
 
     A percentile moves by the share of samples beyond it, more than expected, over the density there (Bahadur,
     Ann. Math. Statist. 37 (1966)); the density is that between percentiles a little to either side. Where
     neighbouring periods are correlated, how the ranges of parts of the record scatter is added. What it moves
-    by from sample to sample is a series as the samples are, with noise that is too slow for the record.
+    by from sample to sample is a series as the samples are, with noise that is too slow for the record. How
+    many samples slow lines bring beyond is expected: by the distribution of the `rest`, shape (n,), without
+    them. What is not, is where in a cycle the record begins and ends.
     """
-    at = (
-        LOW_PERCENT - _NEAR,
-        LOW_PERCENT,
-        LOW_PERCENT + _NEAR,
-        HIGH_PERCENT - _NEAR,
-        HIGH_PERCENT,
-        HIGH_PERCENT + _NEAR,
-    )
-    below, low, above_low, below_high, high, above = np.percentile(samples, at)
-    per_share = 100.0 / (2.0 * _NEAR)
-    is_low, is_high = samples < low, samples > high
-    moved = per_share * ((above_low - below) * is_low + (above - below_high) * is_high)
-    slowly, begin = _slowly(moved, repeats), repeats.rows[:-1]
+    beyond, begin = _Beyond.of(samples), repeats.rows[:-1]
+    moved, of_cycles = beyond.moved(samples), 0.0
+    if lines is not None and lines.are_apart:
+        order = np.sort(rest)
+        moved -= beyond.expected(order, samples - rest)
+        place = np.linspace(0.0, 1.0, _PLACES)
+        begins = np.arange(_BEGINS) * (math.sqrt(5.0) - 1.0) / 2.0
+        shifted = [float(np.mean(beyond.expected(order, lines.at(place + each)))) for each in begins]
+        of_cycles = float(np.std(shifted, ddof=1))
+    slowly = _slowly(moved, repeats)
     incomplete = slowly.mean - float(np.mean(moved))
-    linear = MeanError(math.hypot(slowly.error.standard, incomplete), slowly.error.dof)
-    of_few = max(_of_few(is_low, begin), _of_few(is_high, begin))
+    linear = MeanError(math.hypot(slowly.error.standard, incomplete, of_cycles), slowly.error.dof)
+    of_few = max(_of_few(samples < beyond.low, begin), _of_few(samples > beyond.high, begin))
     linear = MeanError(of_few * linear.standard, linear.dof)
     if len(begin) < _CORRELATED * (linear.dof + 1.0) or len(begin) < 2 * _PARTS:
         return linear
@@ -202,6 +277,34 @@ def _percentile_scatter(samples: Floats, repeats: Periods) -> MeanError:
     parts = np.array([percentile_range(samples[rows]) for rows in _parts(begin, len(samples))])
     of_parts = _WHOLE_OVER_PARTS * float(np.std(parts, ddof=1)) / math.sqrt(_PARTS)
     return MeanError(math.hypot(linear.standard, of_parts), _PARTS - 1.0)
+
+
+@dataclass(frozen=True)
+class _Beyond:
+    """Both percentiles, and by how much each moves for a share of samples beyond it."""
+
+    low: float
+    high: float
+    of_low: float
+    of_high: float
+
+    @staticmethod
+    def of(samples: Floats) -> _Beyond:
+        at = [each + by for each in (LOW_PERCENT, HIGH_PERCENT) for by in (-_NEAR, 0.0, _NEAR)]
+        below, low, above_low, below_high, high, above = np.percentile(samples, at)
+        per_share = 100.0 / (2.0 * _NEAR)
+        return _Beyond(low, high, per_share * (above_low - below), per_share * (above - below_high))
+
+    def moved(self, samples: Floats) -> Floats:
+        """Return what each of samples, shape (n,), moves the range by, times n."""
+        return np.asarray(self.of_low * (samples < self.low) + self.of_high * (samples > self.high))
+
+    def expected(self, order: Floats, lines: Floats) -> Floats:
+        """Return what samples are expected to move at these values of slow lines, shape (n,), with others of
+        the same distribution as `order`, sorted, shape (m,), beside them."""
+        low = np.searchsorted(order, self.low - lines) / len(order)
+        high = 1.0 - np.searchsorted(order, self.high - lines, side="right") / len(order)
+        return np.asarray(self.of_low * low + self.of_high * high)
 
 
 def _of_few(beyond: NDArray[np.bool_], begin: NDArray[np.int64]) -> float:

@@ -282,8 +282,9 @@ def scatter_of_largest(values: NDArray[np.float64], tail: float = 0.0) -> float:
     distribution, of the standard deviation pi / sqrt(6) times the mean excess over that level (Embrechts,
     Klüppelberg and Mikosch, Modelling Extremal Events, 3.4 and 6.5). With heavy tails, of the index `tail`
     that `tail_index` finds, the excess has Pareto's distribution and the largest Fréchet's. Of correlated
-    values few maxima are left, whose top says little: their own standard deviation is the least then. Of few
-    values the excess of three or four is low by chance: six tenths of the deviation of all are the least.
+    values few maxima are left, whose top says little: their own deviation, or that above the median where it
+    is less, is the least then. Of few values the excess of three or four is low by chance: six tenths of the
+    deviation of all are the least.
     """
     if len(values) < _FEWEST_EXTREMES:
         return math.nan
@@ -293,7 +294,7 @@ def scatter_of_largest(values: NDArray[np.float64], tail: float = 0.0) -> float:
     if 1 < apart <= len(values) // _FEWEST_EXTREMES:
         values = np.maximum.reduceat(values, np.arange(0, len(values), apart))
         if apart > _NEIGHBOURS:
-            least = float(np.std(values, ddof=1))
+            least = min(float(np.std(values, ddof=1)), _above_median(values))
     count = len(values)
     beyond = max(_FEWEST_EXTREMES - 1, round(math.sqrt(count)))
     if beyond <= _FEW_MAXIMA:
@@ -301,6 +302,14 @@ def scatter_of_largest(values: NDArray[np.float64], tail: float = 0.0) -> float:
     top = np.partition(values, count - beyond - 1)[count - beyond - 1 :]
     excess = float(np.sum(top - np.min(top))) / beyond / _of_gumbel(count, beyond)
     return max(least, _of_extreme(tail, beyond) * excess)
+
+
+def _above_median(values: NDArray[np.float64]) -> float:
+    """Return the root mean square of how far values, shape (n,), are above their median: the largest does not
+    scatter by what is below."""
+    above = values - np.median(values)
+    above = above[above > 0.0]
+    return float(np.sqrt(np.sum(above**2) / max(1.0, len(values) // 2 - 0.5))) if len(above) else 0.0
 
 
 @cache

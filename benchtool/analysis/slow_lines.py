@@ -6,6 +6,7 @@ moves the mean of a record only by their incomplete cycles; what is left over is
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,12 +33,23 @@ _CHUNK = 1 << 13
 @dataclass(frozen=True)
 class SlowLines:
     """Sinusoids of `cycles` over the record, shape (lines,); `cosine` and `sine` are their amplitudes, about
-    the constant `mean`."""
+    the constant `mean`. Noise moves that `of_mean` times as much as it moves a mean without them."""
 
     mean: float
     cycles: Floats
     cosine: Floats
     sine: Floats
+    of_mean: float = 1.0
+
+    @property
+    def mean_square(self) -> float:
+        """That of their sum, over whole cycles of all."""
+        return 0.5 * float(np.sum(self.cosine**2 + self.sine**2))
+
+    @property
+    def are_apart(self) -> bool:
+        """Whether each is more than a cycle away from the next, and from the mean."""
+        return bool(np.all(np.diff(np.sort(self.cycles), prepend=0.0) > 1.0))
 
     def at(self, place: Floats) -> Floats:
         """Return their sum without the constant, at places from 0 to 1 in the record, shape (n,)."""
@@ -95,8 +107,9 @@ def _fitted(values: Floats, place: Floats, cycles: Floats, periods: int) -> tupl
         found = inverse @ (values - repeated)
         rest = values - basis @ found
         repeated = np.tile(np.mean(rest.reshape(periods, -1), axis=0), periods)
-    lines = SlowLines(float(found[0]), cycles, found[1 : 1 + len(cycles)], found[1 + len(cycles) :])
-    return lines, rest - repeated
+    cosine, sine = found[1 : 1 + len(cycles)], found[1 + len(cycles) :]
+    of_mean = math.sqrt(len(place) * float(inverse[0] @ inverse[0]))
+    return SlowLines(float(found[0]), cycles, cosine, sine, of_mean), rest - repeated
 
 
 def _of_revolution(values: Floats, place: Floats, periods: int, per_revolution: int) -> Floats:

@@ -126,17 +126,24 @@ def test_the_uncertainty_is_what_repeated_records_scatter_by(name: str) -> None:
     assert np.mean(np.abs(errors) < 2.0) >= 0.9
 
 
-def test_a_record_that_ends_within_a_period_counts_that_as_unknown() -> None:
-    whole, cut = 40 * PER_PERIOD, 40 * PER_PERIOD + PER_PERIOD // 2
-    samples = 1.0 + 0.1 * np.sin(angle(cut))
+def test_the_incomplete_period_at_the_end_moves_neither_mean_nor_rms() -> None:
+    cut = 40 * PER_PERIOD + PER_PERIOD // 2
+    samples = 1.0 + 0.1 * np.sin(angle(cut)) + 0.03 * np.cos(2.0 * angle(cut))
 
-    of_whole = numbers(samples[:whole], track(whole))["torque_mean"].uncertainty
-    of_cut = numbers(samples, track(cut))["torque_mean"]
+    found = numbers(samples, track(cut))
 
-    assert of_whole is not None
-    assert of_cut.uncertainty is not None
-    assert of_cut.uncertainty.standard == pytest.approx(of_cut.value - 1.0, rel=0.1)
-    assert of_whole.standard < 0.5 * of_cut.uncertainty.standard
+    assert np.mean(samples) > 1.0007
+    assert found["torque_mean"].value == pytest.approx(1.0, abs=1e-9)
+    assert found["torque_ripple_rms"].value == pytest.approx(math.hypot(0.1, 0.03) / math.sqrt(2.0), rel=1e-5)
+
+
+def test_incomplete_periods_of_a_drift_are_no_ripple() -> None:
+    count = 40 * PER_PERIOD + PER_PERIOD // 3
+    samples = 1.0 + 0.1 * np.sin(angle(count)) + 0.3 * (np.arange(count) + 0.5) / count
+
+    mean = numbers(samples, track(count))["torque_mean"]
+
+    assert mean.value == pytest.approx(1.15, abs=1e-5)
 
 
 def test_the_uncertainty_of_the_peak_to_peak_is_its_scatter_over_records() -> None:
