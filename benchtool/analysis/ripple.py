@@ -21,7 +21,7 @@ from benchtool.analysis.ripple_scatter import (
     percentile_range,
     scatter_of_periods,
 )
-from benchtool.analysis.scatter import MeanError
+from benchtool.analysis.scatter import FEWEST_EXTREMES, MeanError
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined, coverage_factor
 from benchtool.analysis.validity import clipping, require_signal, require_unbroken, standing
 from benchtool.block import Block, as_samples
@@ -30,6 +30,7 @@ _SMALLEST_MEAN = 0.02  # share of the peak-to-peak ripple below which "percent o
 _SIGNIFICANT = 5.0  # standard uncertainties of the mean, from which a ratio to it is one
 _TOO_SLOW = "it wanders more slowly than the record shows: record longer, or choose a window in steady state"
 _TOO_FEW_EXTREMES = "the extremes of fewer than four periods do not tell how much they scatter: record longer"
+_GROWS = "the ripple grows or falls over the whole record: record longer, or choose a window in steady state"
 _DOF_OF_EXTREMES = 10.0  # of a tail from a few of the largest values
 
 
@@ -315,8 +316,13 @@ def _peak_to_peak(
             f"single {scatter.repeated}, whose mean peak-to-peak is {scatter.mean_peak_to_peak:.4g} "
             f"{whole.unit}; a longer record reads more"
         )
+    is_growing = (
+        scatter is not None and math.isnan(scatter.peak_to_peak) and scatter.periods >= FEWEST_EXTREMES
+    )
+    if is_growing:  # beside which a resolution is nothing
+        budget = []
     uncertain = _of_two_readings(combined(budget, source), step) if budget else None
-    why = "" if uncertain is not None else unknown or _TOO_FEW_EXTREMES
+    why = "" if uncertain is not None else unknown or (_GROWS if is_growing else _TOO_FEW_EXTREMES)
     return Measurement(name, whole.peak_to_peak, whole.unit, text, basis, uncertain, uncertainty_reason=why)
 
 

@@ -37,6 +37,7 @@ _CORRELATED = 2.0  # periods that count as one, from which a tail is made of str
 _PARTS, _WHOLE_OVER_PARTS = 8, 1.5  # the whole reaches further into the tail than a part, and scatters more
 _SAMPLES_OF_TAIL = 1 << 17
 _ALIKE, _TOGETHER, _FEW_EXTREMES = 3.0, 2.0, 20  # standard deviations of a correlation; periods
+_OF_A_CYCLE, _LEFT = 4, 0.03  # degree; of the variance, of which a random walk leaves an eighth
 _NEAR = 0.25  # per cent to either side, for the density there
 _PLACES, _BEGINS = 2048, 16  # in the record, and of it in the cycles of slow lines
 
@@ -129,13 +130,16 @@ def scatter_of_periods(
 def _extremes(samples: Floats, rest: Floats, begin: NDArray[np.int64], tail: float) -> float:
     """Return the standard deviation of the peak-to-peak over records, by the extremes of each period of
     samples, shape (n,), without their slow lines, `rest`, and without a course of few constants; unless
-    those are not all that is slow: then they meet by chance."""
+    those are not all that is slow: then they meet by chance. It is nan where the ripple itself grows or
+    falls over the whole record, as in part of a beat: what it comes to is not told."""
     found = [
         [_about_course(each, rest is not samples) for each in _extremes_of_periods(rest, begin)],
         [_about_course(each) for each in _extremes_of_periods(samples, begin)],
     ]
     is_told = max(neighbours_alike(each.values) for each in found[0]) <= _ALIKE
     largest, least = found[0] if is_told else found[1]
+    if _grows_throughout(np.add(*_extremes_of_periods(samples, begin))):
+        return math.nan
     apart = math.hypot(largest.scatter(tail), least.scatter(tail))
     if len(begin) > _FEW_EXTREMES and not _grow_together(largest.values, least.values):
         return apart
@@ -145,6 +149,16 @@ def _extremes(samples: Floats, rest: Floats, begin: NDArray[np.int64], tail: flo
 
 def _extremes_of_periods(samples: Floats, begin: NDArray[np.int64]) -> tuple[Floats, Floats]:
     return np.maximum.reduceat(samples, begin), -np.minimum.reduceat(samples, begin)
+
+
+def _grows_throughout(spans: Floats) -> bool:
+    """Return whether a curve of less than a cycle, and no chance, explains spans of periods, shape
+    (periods,)."""
+    if len(spans) < FEWEST_PERIODS or neighbours_alike(spans) <= _ALIKE:
+        return False
+    number = np.arange(len(spans))
+    rest = spans - Polynomial.fit(number, spans, _OF_A_CYCLE)(number)
+    return bool(np.var(rest) < _LEFT * np.var(spans))
 
 
 @dataclass(frozen=True)
@@ -202,7 +216,8 @@ def _slowly(series: Floats, repeats: Periods) -> _Slowly:
     place = repeats.places(np.arange(0.5, len(series)))
     lines = slow_lines(series[: rows[-1]], place[: rows[-1]], periods, repeats.per_revolution)
     left = series if lines is None else series - lines.at(place)
-    mean, rest = float(np.mean(left)) - _of_incomplete(left, rows), left[: rows[-1]]
+    incomplete, not_repeated = _of_incomplete(left, rows)
+    mean, rest = float(np.mean(left)) - incomplete, left[: rows[-1]]
     means = np.add.reduceat(rest, begin) / counts
     middle, size = float(np.mean(means)), float(np.max(np.abs(means)))
     trend = amplitude_trend(1.0 + (means - middle) / size, 0) if size > 0.0 else None
@@ -210,25 +225,26 @@ def _slowly(series: Floats, repeats: Periods) -> _Slowly:
         error = _times(size, error_of_series(trend.rest), trend.apart)
     else:
         error = at_lowest_frequencies(rest, error_of_series(means), periods)
-    if lines is not None:
-        error = MeanError(lines.of_mean * error.standard, error.dof)
+    of_mean = 1.0 if lines is None else lines.of_mean
+    error = MeanError(math.hypot(of_mean * error.standard, not_repeated), error.dof)
     return _Slowly(left, mean, error, lines)
 
 
-def _of_incomplete(series: Floats, rows: NDArray[np.int64]) -> float:
-    """Return by how much the incomplete period behind `rows` moves the mean of a series, shape (n,): as
-    much of each whole one has another mean than all of it, but for a drift."""
+def _of_incomplete(series: Floats, rows: NDArray[np.int64]) -> tuple[float, float]:
+    """Return by how much the incomplete period behind `rows` moves the mean of a series, shape (n,), and how
+    much that differs from period to period: as much of each whole one has another mean than all of it, but
+    for a drift."""
     begin, counts = rows[:-1], np.diff(rows)
     over = len(series) - int(rows[-1])
     parts = np.minimum(np.round(over * (counts / counts[-1])).astype(np.int64), counts)
     if not np.all(parts > 0):
-        return 0.0
+        return 0.0, 0.0
     sums = np.concatenate([[0.0], np.cumsum(series[: rows[-1]] - np.mean(series))])
     of_parts = (sums[begin + parts] - sums[begin]) / parts
     of_whole = (sums[rows[1:]] - sums[begin]) / counts
     drift = float(of_whole[-1] - of_whole[0]) / float(begin[-1] - begin[0])
     apart = of_parts - of_whole + drift * 0.5 * (counts - parts)
-    return float(np.mean(apart)) * over / len(series)
+    return float(np.mean(apart)) * over / len(series), float(np.std(apart, ddof=1)) * over / len(series)
 
 
 def _times(size: float, error: MeanError, deviation: float) -> MeanError:

@@ -16,9 +16,11 @@ from benchtool.analysis.lowest_frequencies import slow_noise
 
 _PARTS, _MOST_PARTS = 10, 64
 _FEWEST_VALUES = 3
-_FEWEST_EXTREMES = 4
 _BY_CHANCE, _CLEARLY, _WITHOUT_DOUBT = 2.5, 2.0, 2.5  # standard deviations of a correlation
 _FEWEST_INDEPENDENT = 4.0  # values that a record must hold
+FEWEST_EXTREMES = 4
+"""Fewest values whose largest tell how it scatters."""
+
 BLOCKS = 4096
 """Parts of a record that its slow course is looked at in, usually."""
 
@@ -286,17 +288,17 @@ def scatter_of_largest(values: NDArray[np.float64], tail: float = 0.0) -> float:
     is less, is the least then. Of few values the excess of three or four is low by chance: six tenths of the
     deviation of all are the least.
     """
-    if len(values) < _FEWEST_EXTREMES:
+    if len(values) < FEWEST_EXTREMES:
         return math.nan
     # the largest of as many neighbours as are correlated counts as one
     apart = math.ceil(len(values) / (error_of_series(values).dof + 1.0) - 1e-9)
     least = 0.0
-    if 1 < apart <= len(values) // _FEWEST_EXTREMES:
+    if 1 < apart <= len(values) // FEWEST_EXTREMES:
         values = np.maximum.reduceat(values, np.arange(0, len(values), apart))
         if apart > _NEIGHBOURS:
             least = min(float(np.std(values, ddof=1)), _above_median(values))
     count = len(values)
-    beyond = max(_FEWEST_EXTREMES - 1, round(math.sqrt(count)))
+    beyond = max(FEWEST_EXTREMES - 1, round(math.sqrt(count)))
     if beyond <= _FEW_MAXIMA:
         least = max(least, _OF_THEIR_OWN * float(np.std(values, ddof=1)))
     top = np.partition(values, count - beyond - 1)[count - beyond - 1 :]
