@@ -116,9 +116,11 @@ def group_distortion(
     """Return sqrt(sum over h = 2 ... H of Y_h^2) / Y_1 of squares of rms, shape (windows, orders): THDG or
     THDS.
 
-    Each Y_h^2 is the mean over the windows. The uncertainty is the larger of `by_noise`, what the noise
-    beside the lines makes of the ratio, with `of_order_1`, the relative uncertainty of Y_1, and of the
-    scatter of the squares of the orders over the windows, each taken as independent. The ratio of each window
+    Each Y_h^2 is the mean over the windows. The uncertainty is by the variance that two estimates have in
+    common, weighted by their degrees of freedom: `by_noise`, what the noise beside the lines makes of a ratio
+    `of_lines` alone, with `of_order_1`, the relative uncertainty of Y_1; and the scatter of the squares of
+    the orders over the windows, each taken as independent, which alone counts where it is more (F-test, one
+    in ten by chance): it is of all that is in the groups. The ratio of each window
     scatters with what the orders have in common, but of few windows by few degrees of freedom: that counts
     where it is more than the others explain (F-test, one in ten by chance), or so much less than the orders'
     (one in fifty) that they share what they scatter by. What the groups have beyond the lines, whose ratio is
@@ -128,7 +130,9 @@ def group_distortion(
     if squares.shape[1] < 2 or math.isnan(ratio):
         return GroupDistortion(math.nan, math.nan)
     noise = by_noise or MeanError(math.nan, math.nan)
-    noise = MeanError(math.hypot(noise.standard, ratio * of_order_1), noise.dof)
+    # what is in the groups beside the lines makes of the same noise less of a ratio
+    share = min(1.0, of_lines / ratio) if of_lines > 0.0 and ratio > 0.0 else 1.0
+    noise = MeanError(math.hypot(share * noise.standard, ratio * of_order_1), noise.dof)
     if windows < 2 or not np.all(squares[:, 0] > 0.0) or not ratio > 0.0:
         return GroupDistortion(ratio, noise.standard, noise.dof)
     each = np.sqrt(np.sum(squares[:, 1:], axis=1) / squares[:, 0])
@@ -143,13 +147,24 @@ def group_distortion(
         # what all orders do alike cancels
         apart, dof = min(apart, max(together.standard, _OF_EXCESS * (ratio - of_lines))), together.dof
     if math.isfinite(noise.standard):
-        # the larger of two needs no Student's deviation on top
-        found = max(MeanError(apart, dof), noise, key=lambda each: each.standard)
+        found = _pooled(MeanError(apart, dof), noise)
     else:
         found = MeanError(apart * students_deviation(dof), dof)
     if math.isfinite(together.standard) and _exceeds(together, found):
         found = together
     return GroupDistortion(ratio, found.standard, max(1.0, found.dof))
+
+
+def _pooled(scatter: MeanError, noise: MeanError) -> MeanError:
+    """Return the scatter where it is more than noise explains, else the variance that both are estimates
+    of."""
+    if _exceeds(scatter, noise):
+        return scatter
+    dof = scatter.dof + noise.dof
+    if not math.isfinite(dof):
+        return noise if math.isinf(noise.dof) else scatter
+    square = (scatter.dof * scatter.standard**2 + noise.dof * noise.standard**2) / dof
+    return MeanError(math.sqrt(square), dof)
 
 
 def _exceeds(one: MeanError, other: MeanError, by_chance: float = _BY_CHANCE) -> bool:
