@@ -105,13 +105,13 @@ _NUMBERS: Final = (
     (
         ("mean",),
         "Nm",
-        "mean(x)",
+        "mean(x), less what the incomplete last period makes of it, by as much of each whole one, and "
+        "incomplete cycles of sinusoids slower than a period",
         "s of the periods' means x sqrt(tau / N_p), less sinusoids slower than a period that stand out and a "
         "drift of few constants, or by the five lowest frequencies where these hold less than a fifth of "
         "that, or by the density continued to zero frequency where that is 1.4 times as much (none where it "
-        "rises more steeply than that of 1/f noise); what the incomplete last period and cycles of these "
-        "move; "
-        "resolution that repeats",
+        "rises more steeply than that of 1/f noise); by how much what was taken out differs from period to "
+        "period; resolution that repeats",
     ),
     (
         ("ripple_pp",),
@@ -119,14 +119,15 @@ _NUMBERS: Final = (
         "max(x) - min(x)",
         "how much the peak-to-peak of another record of this length differs: of maximum and minimum pi / "
         "sqrt(6) times the mean excess of the sqrt(N_p) largest periods' maxima over the next, over that of "
-        "scale 1 (Gumbel's distribution; of heavy tails Fréchet's); and resolution / sqrt(6), in U a whole "
-        "step. Without periods that alone, or none where the resolution is less than a hundred-thousandth of "
-        "the ripple",
+        "scale 1 (Gumbel's distribution; of heavy tails Fréchet's), on a drift no less than their own s, and "
+        "that of max - min where both grow together; none where the ripple grows or falls over the whole "
+        "record; and resolution / sqrt(6), in U a whole step. Without periods that alone, or none where the "
+        "resolution is less than a hundred-thousandth of the ripple",
     ),
     (
         ("ripple_rms",),
         "Nm",
-        "sqrt(mean((x - mean(x))^2))",
+        "sqrt(mean((x - mean(x))^2)), less the same as of the mean",
         "likewise of the periods' mean squares, over 2 rms; u(mean)^2 / (2 rms), by noise that moves the "
         "mean in place of the rms",
     ),
@@ -134,10 +135,11 @@ _NUMBERS: Final = (
         ("ripple_percentile_range",),
         "Nm",
         "99.5th - 0.5th percentile",
-        "s of the periods' shares beyond the percentiles / density there x sqrt(tau / N_p), or by the "
-        "density at zero frequency as for the mean; up to sqrt(1 + 2 / n) times as much where n of the "
-        "periods, fewer than half, hold what is beyond; resolution / sqrt(6), in U a whole step; u(mean)^2 "
-        "as for the rms",
+        "s of the periods' shares beyond the percentiles, less those expected of slow sinusoids, / density "
+        "there x sqrt(tau / N_p), or by the density at zero frequency as for the mean; up to "
+        "sqrt(1 + 2 / n) times as much where n of the periods, fewer than half, hold what is beyond; where "
+        "in a slow cycle the record begins; resolution / sqrt(6), in U a whole step; u(mean)^2 as for the "
+        "rms",
     ),
     (("ripple_percent_of_mean",), "%", "100 pp / |mean|", "those of pp and mean"),
     (("ripple_rms_percent_of_mean",), "%", "100 rms / |mean|", "those of rms and mean"),

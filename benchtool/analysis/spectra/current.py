@@ -338,8 +338,9 @@ CURRENT_SPECTRUM: Final = Analysis(
             ("current_thd_f_groups",),
             "%",
             "100 sqrt(G_2^2 + ... + G_H^2) / G_1, after IEC 61000-4-7:2002+A1:2008",
-            "scatter over the windows of the ratio, or of each order, or the noise beside the lines, "
-            "whichever is largest; of what stands out between harmonics, its phases instead",
+            "scatter over the windows of each order, and the noise beside the lines, as two estimates of one "
+            "variance unless the scatter, or that of the ratio, is more (F-test); of what stands out between "
+            "harmonics, its phases instead",
         ),
         Quantity(
             ("current_thd_f_subgroups",),

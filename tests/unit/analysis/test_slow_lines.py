@@ -94,3 +94,47 @@ def test_many_periods_have_slow_lines_or_none_are_sought(periods: int) -> None:
     assert found is not None
     assert found.cycles == pytest.approx([periods / POLE_PAIRS])
     assert np.std(found.at(place) - slow) < 3e-3
+
+
+def test_lines_too_close_to_be_told_apart_are_no_power_of_their_own() -> None:
+    # a drift is explained by two large sinusoids that cancel
+    torque = record(42.4, 3)
+    drifting = torque + 0.1 * np.linspace(-0.5, 0.5, len(torque))
+
+    rms = measured(drifting)["torque_ripple_rms"].value
+
+    assert rms == pytest.approx(np.std(drifting), rel=1e-3)
+
+
+def test_a_percentile_knows_the_share_of_a_slow_cycle() -> None:
+    found = [
+        measured(record(60.3, seed, (0.137, 0.05)))["torque_ripple_percentile_range"] for seed in range(30)
+    ]
+
+    scatter = np.std([each.value for each in found], ddof=1)
+    stated = np.sqrt(np.mean([each.uncertainty.standard**2 for each in found if each.uncertainty]))
+
+    assert 0.8 * scatter < stated < 4.0 * scatter
+
+
+def test_a_beat_of_half_the_record_has_no_peak_to_peak() -> None:
+    turned = 2 * np.pi * np.arange(round(50.2 * PER_PERIOD)) / PER_PERIOD
+    torque = record(50.2, 5) + 0.05 * np.cos(6.009 * turned)
+
+    found = measured(torque)["torque_ripple_pp"]
+
+    assert found.uncertainty is None
+    assert "grows or falls over the whole record" in found.uncertainty_reason
+    assert measured(record(50.2, 5))["torque_ripple_pp"].uncertainty is not None
+
+
+def test_extremes_on_a_drift_scatter_as_those_of_its_ends() -> None:
+    drift = [
+        record(40.3, seed) + 0.3 * np.linspace(-0.5, 0.5, round(40.3 * PER_PERIOD)) for seed in range(40)
+    ]
+    found = [measured(each)["torque_ripple_pp"] for each in drift]
+
+    scatter = np.std([each.value for each in found], ddof=1)
+    stated = np.sqrt(np.mean([each.uncertainty.standard**2 for each in found if each.uncertainty]))
+
+    assert 0.7 * scatter < stated < 1.8 * scatter
