@@ -170,8 +170,8 @@ class _Maxima:
 
     def scatter(self, tail: float) -> float:
         """Return the standard deviation of the largest of all over records; on a course one of few is it."""
-        least = float(np.std(self.values, ddof=1)) if self.has_course else 0.0
-        return max(least, scatter_of_largest(self.values, tail))
+        of_largest = scatter_of_largest(self.values, tail)
+        return max(of_largest, float(np.std(self.values, ddof=1))) if self.has_course else of_largest
 
 
 def _about_course(values: Floats, has_course: bool = False) -> _Maxima:
@@ -233,7 +233,11 @@ def _slowly(series: Floats, repeats: Periods) -> _Slowly:
 def _of_incomplete(series: Floats, rows: NDArray[np.int64]) -> tuple[float, float]:
     """Return by how much the incomplete period behind `rows` moves the mean of a series, shape (n,), and how
     much that differs from period to period: as much of each whole one has another mean than all of it, but
-    for a drift."""
+    for a drift.
+
+    Where the speed drifts, the whole periods' mean over time is not that over angle either: by parts, they
+    differ by the mean of the ripple's integral times the change of the period.
+    """
     begin, counts = rows[:-1], np.diff(rows)
     over = len(series) - int(rows[-1])
     parts = np.minimum(np.round(over * (counts / counts[-1])).astype(np.int64), counts)
@@ -244,7 +248,11 @@ def _of_incomplete(series: Floats, rows: NDArray[np.int64]) -> tuple[float, floa
     of_whole = (sums[rows[1:]] - sums[begin]) / counts
     drift = float(of_whole[-1] - of_whole[0]) / float(begin[-1] - begin[0])
     apart = of_parts - of_whole + drift * 0.5 * (counts - parts)
-    return float(np.mean(apart)) * over / len(series), float(np.std(apart, ddof=1)) * over / len(series)
+    within = sums[1 : rows[-1] + 1] - np.repeat(sums[begin], counts)
+    integral = float(np.mean(np.add.reduceat(within, begin) / counts**2))
+    of_speed = -integral * float(counts[-1] - counts[0])
+    moved = (float(np.mean(apart)) * over + of_speed) / len(series)
+    return moved, float(np.std(apart, ddof=1)) * over / len(series)
 
 
 def _times(size: float, error: MeanError, deviation: float) -> MeanError:
