@@ -39,6 +39,7 @@ _SAMPLES_OF_TAIL = 1 << 17
 _ALIKE, _TOGETHER, _FEW_EXTREMES = 3.0, 2.0, 20  # standard deviations of a correlation; periods
 _OF_A_CYCLE, _LEFT = 4, 0.03  # degree; of the variance, of which a random walk leaves an eighth
 _NEAR = 0.25  # per cent to either side, for the density there
+_OF_LAST = 16  # one in so many
 _PLACES, _BEGINS = 2048, 16  # in the record, and of it in the cycles of slow lines
 
 
@@ -248,11 +249,16 @@ def _of_incomplete(series: Floats, rows: NDArray[np.int64]) -> tuple[float, floa
     of_whole = (sums[rows[1:]] - sums[begin]) / counts
     drift = float(of_whole[-1] - of_whole[0]) / float(begin[-1] - begin[0])
     apart = of_parts - of_whole + drift * 0.5 * (counts - parts)
+    differs = float(np.std(apart, ddof=1))
+    if neighbours_alike(apart) > _ALIKE:  # the last ones are more like it, as where a drift is not followed
+        apart = apart[-max(FEWEST_PERIODS, len(apart) // _OF_LAST) :]
+        # they go on to change as they do
+        differs = max(float(np.std(apart, ddof=1)), abs(float(apart[-1] - apart[0])))
     within = sums[1 : rows[-1] + 1] - np.repeat(sums[begin], counts)
     integral = float(np.mean(np.add.reduceat(within, begin) / counts**2))
     of_speed = -integral * float(counts[-1] - counts[0])
     moved = (float(np.mean(apart)) * over + of_speed) / len(series)
-    return moved, float(np.std(apart, ddof=1)) * over / len(series)
+    return moved, differs * over / len(series)
 
 
 def _times(size: float, error: MeanError, deviation: float) -> MeanError:
