@@ -14,6 +14,7 @@ _PRECISION = 1e-16
 _TERMS = 10_000
 _MANY = 1e4  # degrees of freedom from which on expansions in their reciprocal are exact to double precision
 _FAR_BELOW = 25.0  # standard deviations: from there on the distribution above zero is exponential
+_LEAST_SPARE = 0.5  # degrees of freedom beyond two: with fewer the deviation has no bound
 _NEWTON, _LAST = 50, 3e-8  # most steps of Newton's method, and the share after which the next adds no digit
 
 
@@ -45,6 +46,11 @@ def student_below(dof: float, t: float) -> float:
         return normal_below(_normal_of_student(dof, t))
     tail = 0.5 * beta_ratio(0.5 * dof, 0.5, dof / (dof + t * t), t * t / (dof + t * t))
     return tail if t < 0.0 else 1.0 - tail
+
+
+def students_deviation(dof: float) -> float:
+    """Return standard deviation of Student's distribution, sqrt(dof / (dof - 2)), or bounded below 2.5."""
+    return math.sqrt(dof / max(dof - 2.0, _LEAST_SPARE)) if math.isfinite(dof) else 1.0
 
 
 @lru_cache(maxsize=4096)

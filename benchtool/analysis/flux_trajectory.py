@@ -102,7 +102,7 @@ def _measurements(
         if reason:
             return Measurement.undefined(name, "Wb", text, reason, basis)
         source = f"scatter over {len(means)} revolutions, with their correlation"
-        budget = [Contribution(source, "A", error.standard, error.dof)]
+        budget = [error.line(source)]
         budget += [each for each in further if each.standard != 0.0]
         uncertain = combined(budget, source)
         why = _TOO_SLOW if uncertain is None else ""
@@ -148,7 +148,7 @@ def _measurements(
     of_ramp = Contribution("growth of the radius within a revolution", "B", of_growth / (2.0 * np.pi))
     text = "distance from zero of the mean of psi_alpha + j psi_beta, fitted together with orders 1, -5 and 7"
     length, bias = _length(centre)
-    by_scatter = Contribution("length that the scatter adds", "B", bias)
+    by_scatter = Contribution("length that the scatter adds", "B", bias, adds_power=True)
     yield measured("flux_centre_offset", text, length, _along(centre, after), by_scatter, of_ramp, resolved)
 
     # |c_1 e^jx + c_-5 e^-5jx + c_7 e^7jx| is |c_1| + Re((c_1 c_-5* + c_1* c_7) e^6jx) / |c_1| to first order
@@ -161,7 +161,7 @@ def _measurements(
         "evenly"
     )
     length, bias = _length(sixth)
-    by_scatter = Contribution("length that the scatter adds", "B", bias)
+    by_scatter = Contribution("length that the scatter adds", "B", bias, adds_power=True)
     of_two = Contribution("resolution", "B", math.sqrt(2.0) * repeated)
     yield measured("flux_radius_order_6", text, length, _along(sixth, after), by_scatter, of_two)
 

@@ -230,10 +230,13 @@ class _Contribution(BaseModel):
     dof: float | None = None
     instrument: InstrumentError | None = None
     sign: Literal[-1, 1] = 1
+    of_student: bool = False
+    adds_power: bool = False
 
     def read(self) -> Contribution:
         standard, dof = _or(self.standard, math.nan), _or(self.dof, math.inf)
-        return Contribution(self.name, self.evaluation, standard, dof, self.instrument, self.sign)
+        told = {"of_student": self.of_student, "adds_power": self.adds_power}
+        return Contribution(self.name, self.evaluation, standard, dof, self.instrument, self.sign, **told)
 
 
 class _Uncertainty(BaseModel):

@@ -1,4 +1,4 @@
-"""How much the mean speed of another record differs, by how the phase wanders within this one."""
+"""How much the mean speed of another record differs, or the frequency of a line, by how the phase wanders."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
 from benchtool.analysis.scatter import MeanError, error_of_series
+from benchtool.analysis.uncertainty import Contribution
 
 _MOST_VALUES = 4096
 _FEWEST_VALUES = 6
@@ -49,6 +50,24 @@ def wander_of_difference(phase_rad: NDArray[np.float64]) -> MeanError:
     if not math.isfinite(of_mean.standard):
         let_go = MeanError(parts * float(np.std(turned)) / math.sqrt(2.0), _DOF_OF_ONE)
     return max(held, let_go, key=lambda each: each.standard)
+
+
+def wander_of_line(samples: NDArray[np.float64], rate_Hz: float, frequency_Hz: float) -> Contribution | None:
+    """Return how much the mean frequency of a line, Hz, differs from record to record, because its phase
+    wanders: by that of its component in 64 parts of samples, shape (n,). None where these are too few."""
+    size = len(samples) // _PARTS
+    if size < 1:
+        return None
+    row = np.arange(size * _PARTS)
+    turned = samples[: len(row)] * np.exp(-2j * np.pi * frequency_Hz / rate_Hz * row)
+    phase_rad = np.unwrap(np.angle(np.sum(turned.reshape(_PARTS, size), axis=1)))
+    wander = wander_of_difference(phase_rad)
+    if not math.isfinite(wander.standard):
+        return None
+    standard_Hz = wander.standard * rate_Hz / (2.0 * math.pi * len(row))
+    return Contribution(
+        "wander of the line, by that of its phase within the record", "A", standard_Hz, wander.dof
+    )
 
 
 def _growth(marks: NDArray[np.float64]) -> float:

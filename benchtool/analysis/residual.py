@@ -18,7 +18,7 @@ from benchtool.analysis.crop import crop_to
 from benchtool.analysis.declaration import Analysis, Findings, NoSettings, Quantity
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.scatter import MeanError, error_of_record, error_of_root
-from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
+from benchtool.analysis.uncertainty import Uncertainty, combined
 from benchtool.analysis.validity import require_unbroken
 from benchtool.analysis.window import Window
 from benchtool.block import Block
@@ -175,7 +175,7 @@ def _mean_and_rms(residual_Nm: Floats, name: str, what: str, basis: Basis) -> It
 
 
 def _uncertain(error: MeanError) -> Uncertainty | None:
-    return combined([Contribution(_SCATTER, "A", error.standard, error.dof)], _SCATTER)
+    return combined([error.line(_SCATTER)], _SCATTER)
 
 
 def _of_window(window: Window) -> tuple[Measurement, ...]:

@@ -220,13 +220,11 @@ def _numbers(
         if scatter is None or error is None:
             return Measurement(full, value, unit, text, basis, uncertainty_reason=unknown)
         budget = (
-            Contribution(
-                f"scatter over {scatter.periods} {scatter.repeated}", "A", error.standard, error.dof
-            ),
+            error.line(f"scatter over {scatter.periods} {scatter.repeated}"),
             Contribution(f"resolution {step:.3g} {unit}", "B", floor),
             Contribution("noise too slow for the record", "B", slow),
         )
-        source = f"scatter over {scatter.periods} {scatter.repeated}, resolution"
+        source = f"{budget[0].name}, resolution"
         lines = tuple(each for each in budget if each.standard != 0.0)
         uncertain = combined(lines, source)
         why = "" if uncertain is not None else _TOO_SLOW
@@ -335,7 +333,7 @@ def _of_two_readings(uncertain: Uncertainty | None, step: float) -> Uncertainty 
     if uncertain is None or not step > 0.0:
         return uncertain
     of_step = step / math.sqrt(6.0)
-    rest = math.sqrt(max(0.0, uncertain.standard**2 - of_step**2))
+    rest = math.sqrt(max(0.0, uncertain.experimental**2 - of_step**2))
     return replace(uncertain, half_width=math.hypot(step, coverage_factor(uncertain.dof) * rest))
 
 
@@ -356,12 +354,12 @@ def _percent(
     scale, uncertain = 100.0 / base, None
     if number.uncertainty is not None:
         own = number.uncertainty
-        budget = [Contribution(number.name, "A", scale * own.standard, own.dof)]
+        budget = [own.line(number.name, scale)]
         width = None if own.half_width is None else scale * own.half_width
         if base_number is not None and base_number.uncertainty is not None:
             of_base = base_number.uncertainty
             share = scale * number.value / base
-            budget.append(Contribution(base_number.name, "A", share * of_base.standard, of_base.dof))
+            budget.append(of_base.line(base_number.name, share))
             width = None if width is None else math.hypot(width, share * of_base.expanded)
         uncertain = combined(budget, " and ".join(each.name for each in budget), half_width=width)
     why = number.uncertainty_reason or (base_number.uncertainty_reason if base_number is not None else "")

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
 from numpy import fft
 from numpy.typing import NDArray
 
-from benchtool.analysis.distributions import fisher_above
+from benchtool.analysis.distributions import fisher_above, students_deviation
 from benchtool.analysis.fast_lengths import next_fast_length
 from benchtool.analysis.lowest_frequencies import slow_noise
+from benchtool.analysis.uncertainty import Contribution
 
 _PARTS, _MOST_PARTS = 10, 64
 _FEWEST_VALUES = 3
@@ -36,7 +37,6 @@ _FEW_MAXIMA, _OF_THEIR_OWN = 4, 0.6  # of the largest, and of the deviation of a
 _ROUNDS, _MOST_CORRELATED = 4, 0.4
 _ROUNDING = 1e-12  # of the largest value
 _NEIGHBOURS = 2  # values that count as one by chance alone
-_LEAST_SPARE = 0.5  # degrees of freedom beyond two: with fewer the deviation has no bound
 _GUMBEL = math.pi / math.sqrt(6.0)
 _EXPONENTIAL, _HEAVIEST = 0.02, 0.4  # index of a tail: below it is none, above it has no variance to speak of
 _OF_TAIL, _FEWEST_OF_TAIL, _MOST_OF_TAIL = 100, 20, 2000  # one value in so many is of the tail
@@ -44,10 +44,20 @@ _OF_TAIL, _FEWEST_OF_TAIL, _MOST_OF_TAIL = 100, 20, 2000  # one value in so many
 
 @dataclass(frozen=True)
 class MeanError:
-    """Standard uncertainty of a mean, and its degrees of freedom; `standard` is nan where there is none."""
+    """Standard uncertainty of a mean, and its degrees of freedom; `standard` is nan where there is none.
+
+    It is the standard deviation of Student's distribution. Where `is_continued`, it is by the density at the
+    lowest frequencies of the record, continued to zero.
+    """
 
     standard: float
     dof: float
+    is_continued: bool = False
+
+    def line(self, name: str, factor: float = 1.0) -> Contribution:
+        """Return the line of a budget, `name`, in which the mean counts `factor` times."""
+        name = f"{name}, by its density at the lowest frequencies" if self.is_continued else name
+        return Contribution(name, "A", factor * self.standard, self.dof, of_student=True)
 
 
 def error_of_series(values: NDArray[np.float64]) -> MeanError:
@@ -144,11 +154,6 @@ def _without_bias(covariance: NDArray[np.float64], tau: float) -> float:
     return tau
 
 
-def students_deviation(dof: float) -> float:
-    """Return standard deviation of Student's distribution, sqrt(dof / (dof - 2)), or bounded below 2.5."""
-    return math.sqrt(dof / max(dof - 2.0, _LEAST_SPARE)) if math.isfinite(dof) else 1.0
-
-
 def error_of_root(squares: NDArray[np.float64], root: float, of_mean: MeanError | None = None) -> MeanError:
     """Return the error of the root mean square `root` of squares, shape (n,), one for each period, whose mean
     has the error `of_mean`, by default that of a series.
@@ -158,8 +163,9 @@ def error_of_root(squares: NDArray[np.float64], root: float, of_mean: MeanError 
     """
     error = of_mean or error_of_series(squares)
     if not root > 0.0:
-        return MeanError(0.0 * error.standard, error.dof)
-    return MeanError(error.standard / (2.0 * root) * (1.0 + 2.0 * error.standard / root**2), error.dof)
+        return replace(error, standard=0.0 * error.standard)
+    standard = error.standard / (2.0 * root) * (1.0 + 2.0 * error.standard / root**2)
+    return replace(error, standard=standard)
 
 
 def error_of_record(samples: NDArray[np.float64]) -> MeanError:
@@ -183,7 +189,7 @@ def error_of_periods(values: NDArray[np.float64], least: int = _FEWEST_OF_A_MEMO
     slow = slow_noise(values)
     if slow is None or (is_known and slow.standard <= error.standard):
         return error
-    return MeanError(slow.standard, slow.dof)
+    return MeanError(slow.standard, slow.dof, is_continued=True)
 
 
 def at_lowest_frequencies(samples: NDArray[np.float64], by_parts: MeanError, periods: int = 0) -> MeanError:
@@ -214,7 +220,7 @@ def at_lowest_frequencies(samples: NDArray[np.float64], by_parts: MeanError, per
         return by_parts
     if (lowest := _where_none_rises(values, periods)) is not None:
         return max(by_parts, lowest, key=lambda each: each.standard)
-    return MeanError(math.nan if slow.is_lost else slow.standard, slow.dof)
+    return MeanError(math.nan if slow.is_lost else slow.standard, slow.dof, is_continued=True)
 
 
 def _where_none_rises(values: NDArray[np.float64], periods: int) -> MeanError | None:

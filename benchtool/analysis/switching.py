@@ -90,7 +90,7 @@ def _of_frequency(turn_ons: NDArray[np.float64], rate_Hz: float) -> Uncertainty 
     by_count = per_second / (len(turn_ons) * _SQRT3)
     budget = [Contribution("a count of one either way, rectangular", "B", by_count)]
     if len(turn_ons) >= _FEWEST_OF_A_SCATTER:
-        scatter = Contribution(_SCATTER, "A", per_second * error.standard, error.dof)
+        scatter = error.line(_SCATTER, per_second)
         budget.append(scatter)
     return combined(budget, "; ".join(each.name for each in budget))
 
@@ -159,7 +159,7 @@ def _numbers(shares: NDArray[np.float64], basis: Basis) -> list[Measurement]:
 
 def _mean(samples: NDArray[np.float64], name: str, unit: str, definition: str, basis: Basis) -> Measurement:
     error = error_of_record(samples)
-    uncertain = combined([Contribution(_SCATTER, "A", error.standard, error.dof)], _SCATTER)
+    uncertain = combined([error.line(_SCATTER)], _SCATTER)
     return Measurement(name, float(np.mean(samples)), unit, definition, basis, uncertain)
 
 

@@ -12,7 +12,7 @@ from benchtool.analysis.declaration import Analysis, Drawing, Findings, NoSettin
 from benchtool.analysis.measurement import Measurement
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.ripple import ripple_numbers
-from benchtool.analysis.uncertainty import Contribution, combined
+from benchtool.analysis.uncertainty import combined
 from benchtool.analysis.window import Window
 from benchtool.block import Block
 
@@ -82,7 +82,7 @@ def transducer_torque(
     mean, uncertain = numbers[0], None
     if estimate.uncertainty is not None and mean.uncertainty is not None:
         both = {"estimate": estimate.uncertainty, "transducer": mean.uncertainty}
-        parts = [Contribution(f"mean of the {name}", "A", u.standard, u.dof) for name, u in both.items()]
+        parts = [u.line(f"mean of the {name}") for name, u in both.items()]
         uncertain = combined(parts, "those of both means, taken as independent")
     text = f"mean of the drive's estimate torque minus mean of {what}"
     error_Nm = estimate.value - mean.value

@@ -7,7 +7,12 @@ from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any, Final, Literal
 
-from benchtool.analysis.distributions import normal_below, student_below, student_quantile
+from benchtool.analysis.distributions import (
+    normal_below,
+    student_below,
+    student_quantile,
+    students_deviation,
+)
 
 _MANY = 1e6  # degrees of freedom: k of infinitely many is less by a millionth
 
@@ -50,6 +55,10 @@ class Contribution:
     anything else, such as a resolution (JCGM 100:2008, 2.3.2 and 2.3.3); `dof` are its degrees of freedom.
     `instrument` tells of which error of which instrument it comes, and `sign` whether the result grows (1)
     or falls (-1) as that error does: both are needed where results have the error in common.
+    `of_student` tells that `standard` is the standard deviation of Student's distribution, which is
+    sqrt(dof / (dof - 2)) times the experimental one (JCGM 101:2008, 6.4.9.4): few observations count in it.
+    `adds_power` tells that it is by how much the power of noise makes a root of powers larger, which it does
+    in every record of the same noise.
     """
 
     name: str
@@ -58,6 +67,17 @@ class Contribution:
     dof: float = math.inf
     instrument: InstrumentError | None = None
     sign: Literal[-1, 1] = 1
+    of_student: bool = False
+    adds_power: bool = False
+
+    @property
+    def experimental(self) -> float:
+        """Standard uncertainty without what few observations add, which Student's factor covers."""
+        return self.standard / students_deviation(self.dof) if self.of_student else self.standard
+
+    def power(self, value: float) -> float:
+        """Return the power that makes the result `value` larger by this, where it `adds_power`."""
+        return self.standard * (2.0 * abs(value) - self.standard)
 
     def scaled(self, factor: float) -> Contribution:
         """Return the contribution to the result times a constant."""
@@ -74,7 +94,8 @@ class Contribution:
         }
         if self.instrument is not None:
             document |= {"instrument": asdict(self.instrument), "sign": self.sign}
-        return document
+        told = {"of_student": self.of_student, "adds_power": self.adds_power}
+        return document | {key: value for key, value in told.items() if value}
 
 
 @dataclass(frozen=True)
@@ -98,13 +119,20 @@ class Uncertainty:
         """U, half of the interval that covers the true value with a probability of 95 %."""
         if self.half_width is not None:
             return self.half_width
-        return coverage_factor(self.dof) * self.standard
+        return coverage_factor(self.dof) * self.experimental
+
+    @property
+    def experimental(self) -> float:
+        """Combined standard uncertainty without what few observations add to it: Student's factor covers
+        them, and once is enough."""
+        twice = sum(each.standard**2 - each.experimental**2 for each in self.budget if each.of_student)
+        return math.sqrt(max(0.0, self.standard**2 - twice)) if twice else self.standard
 
     @property
     def k(self) -> float:
         """Coverage factor, U over the standard uncertainty (JCGM 100:2008, 2.3.6)."""
-        if self.half_width is not None and self.standard > 0.0:
-            return self.half_width / self.standard
+        if self.standard > 0.0 and math.isfinite(self.standard):
+            return self.expanded / self.standard
         return coverage_factor(self.dof)
 
     def probability_within(self, least: float, greatest: float) -> float:
@@ -132,6 +160,18 @@ class Uncertainty:
         """The budget, of one line where it was left out."""
         return self.budget or (Contribution(self.source, "A", self.standard, self.dof),)
 
+    def line(self, name: str, factor: float = 1.0) -> Contribution:
+        """Return the one line of another budget, `name`, in which this result counts `factor` times.
+
+        Both of its standard uncertainties are kept, by the degrees of freedom that make one of the other.
+        """
+        ratio2 = (self.standard / self.experimental) ** 2 if self.experimental > 0.0 else 1.0
+        if not ratio2 > 1.0:
+            return Contribution(name, "A", abs(factor) * self.standard, self.dof)
+        alone = math.isclose(ratio2, students_deviation(self.dof) ** 2, rel_tol=1e-9)
+        dof = self.dof if alone else 2.0 * ratio2 / (ratio2 - 1.0)
+        return Contribution(name, "A", abs(factor) * self.standard, dof, of_student=True)
+
     def with_instruments(self, errors: Sequence[Contribution]) -> Uncertainty:
         """That which the errors of instruments contribute to besides, as independent of all that is known.
 
@@ -151,14 +191,25 @@ class Uncertainty:
         left = tuple(each for each in self.budget if each not in errors)
         return self._with(max(0.0, self.standard**2 - removed**2), -removed, left)
 
+    def without_power(self) -> Uncertainty:
+        """That which is left without what noise adds to a root of powers; of a half-width, in which it counts
+        as it stands, too."""
+        removed2 = sum(each.standard**2 for each in self.budget if each.adds_power)
+        left = tuple(each for each in self.budget if not each.adds_power)
+        found = replace(self, half_width=None)._with(max(0.0, self.standard**2 - removed2), 0.0, left)
+        width = None if self.half_width is None else math.sqrt(max(0.0, self.half_width**2 - removed2))
+        return replace(found, half_width=width)
+
     def _with(self, square: float, changed: float, budget: tuple[Contribution, ...]) -> Uncertainty:
         """Of this square of the standard uncertainty; `changed` is what was added or, negative, removed."""
         width = self.half_width
         if width is not None:
             moved = math.copysign((coverage_factor(math.inf) * changed) ** 2, changed)
             width = math.sqrt(max(0.0, width**2 + moved))
-        fourth = self.standard**4 / self.dof if self.dof > 0.0 else 0.0
-        return Uncertainty(math.sqrt(square), self.source, _effective(square, fourth), budget, width)
+        own2 = self.experimental**2
+        fourth = own2**2 / self.dof if self.dof > 0.0 else 0.0
+        dof = _effective(max(0.0, own2 + square - self.standard**2), fourth)
+        return Uncertainty(math.sqrt(square), self.source, dof, budget, width)
 
     def to_json(self) -> dict[str, Any]:
         """Return the fields and `k`, `coverage` and `expanded` besides; what is not finite is null."""
@@ -189,18 +240,37 @@ def combined(
     squares = sum(each.standard**2 for each in budget)
     if not math.isfinite(squares):
         return None
-    fourth = sum(each.standard**4 / each.dof for each in budget)
-    return Uncertainty(math.sqrt(squares), source, _effective(squares, fourth), budget, half_width)
+    own = [each.experimental for each in budget]
+    fourth = sum(u**4 / each.dof for u, each in zip(own, budget, strict=True))
+    dof = _effective(sum(u**2 for u in own), fourth)
+    return Uncertainty(math.sqrt(squares), source, dof, budget, half_width)
 
 
-def of_difference(one: Uncertainty, two: Uncertainty) -> Uncertainty:
+def of_difference(
+    one: Uncertainty, two: Uncertainty, values: tuple[float, float] | None = None
+) -> Uncertainty:
     """Return the uncertainty of the difference of two results (JCGM 100:2008, 5.1.2 and G.4.1).
 
     They are independent but for the errors of instruments that they have in common: of those remains what
-    each moves one result more than the other (5.2.2, with a correlation of one).
+    each moves one result more than the other (5.2.2, with a correlation of one). With the `values` of both,
+    of the power that noise adds to them only what both powers differ by remains, as it makes the roots
+    differ.
     Where a derived distribution gives the interval of one, the intervals' half-widths are combined as the
     standard uncertainties are.
     """
+    if values is not None:
+        added = [
+            (a, b)
+            for a in one.budget
+            for b in two.budget
+            if a.adds_power and b.adds_power and a.name == b.name
+        ]
+        sides = abs(values[0]) + abs(values[1])
+        apart = [abs(a.power(values[0]) - b.power(values[1])) / sides for a, b in added] if sides else []
+        rest = of_difference(one.without_power(), two.without_power()) if added else None
+        if rest is not None:
+            left = [Contribution(a.name, "B", u) for (a, _), u in zip(added, apart, strict=False) if u > 0.0]
+            return rest.with_instruments(left)
     common = [
         (a, b)
         for a in one.budget
@@ -213,17 +283,18 @@ def of_difference(one: Uncertainty, two: Uncertainty) -> Uncertainty:
         )
         left = [replace(a, standard=abs(a.sign * a.standard - b.sign * b.standard)) for a, b in common]
         return rest.with_instruments([each for each in left if each.standard > 0.0])
-    standard = math.hypot(one.standard, two.standard)
+    experimental = math.hypot(one.experimental, two.experimental)
     fourth = (
-        sum((each.standard / standard) ** 4 / max(1.0, each.dof) for each in (one, two))
-        if standard > 0.0
+        sum((each.experimental / experimental) ** 4 / max(1.0, each.dof) for each in (one, two))
+        if experimental > 0.0
         else 0.0
     )
     derived = one.half_width is not None or two.half_width is not None
     return Uncertainty(
-        standard,
+        math.hypot(one.standard, two.standard),
         "both values",
         _effective(1.0, fourth),
+        (*one.lines, *two.lines),
         half_width=math.hypot(one.expanded, two.expanded) if derived else None,
     )
 

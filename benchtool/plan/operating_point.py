@@ -14,7 +14,16 @@ from typing import Any, Final
 
 import numpy as np
 
-from benchtool.analysis import Basis, Measurement, Uncertainty, crop_to, error_of_record, record_basis
+from benchtool.analysis import (
+    Basis,
+    Contribution,
+    Measurement,
+    Uncertainty,
+    combined,
+    crop_to,
+    error_of_record,
+    record_basis,
+)
 from benchtool.block import Block
 from benchtool.drive import RemoteDrive
 from benchtool.errors import AnalysisError
@@ -174,9 +183,7 @@ def measure_held(rows: Block) -> Iterator[Measurement]:
         if name in rows.names and name != "torque":
             mean = _mean_of(rows, name, f"{name} in the rows")
             text = f"mean of {mean.source}; nothing was asked for"
-            yield Measurement(
-                f"{name}_reached", mean.value, rows.unit(name), text, mean.basis, _scatter_of(mean)
-            )
+            yield _number(f"{name}_reached", rows.unit(name), text, mean)
 
 
 def _rows(plan: Plan, capture: Block) -> Block | None:
@@ -200,8 +207,7 @@ class _Mean:
     words."""
 
     value: float
-    standard: float
-    dof: float
+    scatter: Contribution
     basis: Basis
     source: str
 
@@ -224,7 +230,8 @@ class _Signals:
         basis = Basis(len(readings), 1.0 / READING_EVERY_S, len(readings) * READING_EVERY_S)
         spread = float(np.std(readings, ddof=1)) / math.sqrt(len(readings)) if len(readings) > 1 else math.nan
         source = f"{name} read just before the capture"
-        return _Mean(float(np.mean(readings)), spread, max(1.0, len(readings) - 1.0), basis, source)
+        scatter = Contribution("scatter of the readings", "A", spread, max(1.0, len(readings) - 1.0))
+        return _Mean(float(np.mean(readings)), scatter, basis, source)
 
     def on_shaft(self) -> _Mean | None:
         """Return the mean of the transducer over the rows, or else of the drive's estimate."""
@@ -250,8 +257,8 @@ class _Signals:
 
 def _mean_of(block: Block, name: str, source: str) -> _Mean:
     samples = block.column(name)
-    error = error_of_record(samples)
-    return _Mean(float(np.mean(samples)), error.standard, error.dof, record_basis(block), source)
+    scatter = error_of_record(samples).line("scatter over parts of the record")
+    return _Mean(float(np.mean(samples)), scatter, record_basis(block), source)
 
 
 def _measured(each: Target, point: OperatingPoint, motor: Motor, signals: _Signals) -> Measurement:
@@ -276,11 +283,20 @@ def _measured(each: Target, point: OperatingPoint, motor: Motor, signals: _Signa
             each.name, each.unit, f"mean; {text}", "neither the capture nor the drive provides it"
         )
     definition = f"mean of {mean.source}; {text}"
-    return Measurement(each.name, mean.value, each.unit, definition, mean.basis, _scatter_of(mean))
+    return _number(each.name, each.unit, definition, mean)
 
 
-def _scatter_of(mean: _Mean) -> Uncertainty | None:
-    """Return its uncertainty; None of samples that are all the same, but for rounding: they are below the
-    resolution and tell no scatter."""
-    known = math.isfinite(mean.standard) and mean.standard > 1e-9 * abs(mean.value)
-    return Uncertainty(mean.standard, "scatter over parts of the record", mean.dof) if known else None
+def _number(name: str, unit: str, definition: str, mean: _Mean) -> Measurement:
+    uncertain, why = _scatter_of(mean)
+    return Measurement(name, mean.value, unit, definition, mean.basis, uncertain, uncertainty_reason=why)
+
+
+def _scatter_of(mean: _Mean) -> tuple[Uncertainty | None, str]:
+    """Return its uncertainty, or why there is none: samples that are all the same, but for rounding, are
+    below the resolution and tell no scatter."""
+    uncertain = combined([mean.scatter], mean.scatter.name)
+    if uncertain is None:
+        return None, "it wanders more slowly than the record shows, or was read too few times"
+    if uncertain.standard > 1e-9 * abs(mean.value):
+        return uncertain, ""
+    return None, "all of its samples are the same, and what is below their resolution does not show"

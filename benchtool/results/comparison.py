@@ -255,7 +255,9 @@ def _other_order(one: Measurement, two: Measurement) -> str:
 
 def _combined(one: Measurement, two: Measurement) -> Uncertainty | None:
     first, second = one.uncertainty_of_state, two.uncertainty_of_state
-    return None if first is None or second is None else of_difference(first, second)
+    if first is None or second is None:
+        return None
+    return of_difference(first, second, (one.value, two.value))
 
 
 def _judge(absolute: float, exceeds: bool | None, limits: Sequence[Limit]) -> Literal["", "better", "worse"]:

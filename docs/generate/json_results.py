@@ -34,6 +34,10 @@ class Contribution(Document):
     """The instrument that it is of, where the profile states one."""
     sign: Literal[-1, 1] | None = None
     """Sign with which the instrument's error enters."""
+    of_student: bool | None = None
+    """Whether the standard uncertainty is the standard deviation of Student's distribution."""
+    adds_power: bool | None = None
+    """Whether it is what noise adds to a root of powers, in every record alike."""
 
 
 class Uncertainty(Document):

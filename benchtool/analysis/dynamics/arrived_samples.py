@@ -146,7 +146,7 @@ class ArrivedSamples:
         name, settled = "scatter over parts of the samples, and their correlation", self._settled
         error = error_of_record(settled)
         if math.isfinite(error.standard):
-            return Contribution(name, "A", self._share * error.standard, error.dof)
+            return error.line(name, self._share)
         name = "scatter of the samples, too few of which are independent for that of a mean"
         return Contribution(name, "A", float(np.std(settled)))
 

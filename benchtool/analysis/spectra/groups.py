@@ -9,8 +9,9 @@ import numpy as np
 from numpy import fft
 from numpy.typing import NDArray
 
+from benchtool.analysis.distributions import students_deviation
 from benchtool.analysis.measurement import Basis, Table
-from benchtool.analysis.scatter import MeanError, error_of_series, students_deviation
+from benchtool.analysis.scatter import MeanError, error_of_series
 from benchtool.analysis.spectra.spectrum import CoherentSamples
 
 PERIODS_PER_WINDOW = 10

@@ -275,7 +275,8 @@ def total_harmonic_distortion(
         return [*own, of_base] if by_fundamental else own
 
     corrected, corrected_slope, corrected_by = over(content.corrected)
-    bias = Contribution("power that the noise adds", "B", ratio - over(content.least)[0])
+    least = over(content.least)[0]
+    bias = Contribution("power that the noise adds", "B", ratio - least, adds_power=True)
     random = Contribution("noise in the harmonics and the floor", "A", content.corrected_random)
     systematic = [each for each in content.budget if each.evaluation == "B"]
     return Distortion(

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from benchtool.analysis.declaration import Analysis, Findings, NoSettings, Quantity
 from benchtool.analysis.measurement import Basis, Measurement, Table
 from benchtool.analysis.quantisation import counting_step
+from benchtool.analysis.repeatability import wander_of_line
 from benchtool.analysis.spectra.around_lines import BESIDE, MAIN_LOBE, RAYLEIGH, interpolated, surrounded
 from benchtool.analysis.spectra.spectral_window import spectral_window
 from benchtool.analysis.uncertainty import Uncertainty
@@ -111,6 +112,9 @@ def spectral_lines(block: Block, channel: str, name: str = "torque") -> Spectral
             f"{name}_line_{key}", listed[0][at], of, text, of_line, Uncertainty(listed[0][2 + at], source)
         )
         for at, (key, of, text) in enumerate(texts)
+    )
+    frequency = replace(
+        frequency, repeatability=wander_of_line(samples - np.mean(samples), rate_Hz, listed[0][0])
     )
     if reason:
         frequency = Measurement.undefined(frequency.name, "Hz", frequency.definition, reason, basis)

@@ -10,8 +10,9 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
+from benchtool.analysis.distributions import students_deviation
 from benchtool.analysis.repeated_steps import RepeatedSteps, noise_beside, repeated_steps
-from benchtool.analysis.scatter import MeanError, students_deviation
+from benchtool.analysis.scatter import MeanError
 from benchtool.analysis.spectra.amplitude_trend import AmplitudeTrend
 from benchtool.analysis.spectra.spectrum import CoherentSpectrum
 

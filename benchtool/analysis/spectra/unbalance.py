@@ -146,8 +146,8 @@ def _component(phasors: Phasors, steps: float = 0.0, reference: Phasors | None =
     return _Component(
         magnitude,
         (
-            Contribution("scatter over periods", "A", along.standard, along.dof),
-            Contribution("what scatter adds to a magnitude", "B", bias),
+            along.line("scatter over periods"),
+            Contribution("what scatter adds to a magnitude", "B", bias, adds_power=True),
             *((Contribution("steps of the converter that repeat", "B", steps),) if steps else ()),
         ),
     )

@@ -10,7 +10,7 @@ import pytest
 from scipy import signal
 
 from benchtool.analysis.quantisation import counting_step
-from benchtool.analysis.repeatability import wander_of_difference
+from benchtool.analysis.repeatability import wander_of_difference, wander_of_line
 
 
 @pytest.mark.parametrize("kind", ["held", "let go", "of a memory"])
@@ -38,3 +38,18 @@ def test_a_step_counts_where_it_is_one() -> None:
     assert counting_step(values[:60]) == 0.0
     assert counting_step(np.round(values / 1e-3) * 1e-3) == pytest.approx(1e-3)
     assert counting_step((1.0 + 1e-3 * values).astype(np.float32).astype(np.float64)) == pytest.approx(0.0)
+
+
+def test_the_wander_of_a_line_is_the_scatter_of_its_mean_frequency() -> None:
+    """A line at 470 Hz whose phase walks at random; the mean frequency is by the phase at both ends."""
+    random, rate_Hz, count = np.random.default_rng(9), 10e3, 4000
+    walks = np.cumsum(0.02 * random.standard_normal((60, count)), axis=1)
+    rows = np.arange(count)
+    samples = np.cos(2.0 * np.pi * 470.0 / rate_Hz * rows + walks) + 0.05 * random.standard_normal(
+        walks.shape
+    )
+    found = [wander_of_line(each, rate_Hz, 470.0) for each in samples]
+    stated = np.sqrt(np.mean([each.standard**2 for each in found if each is not None]))
+    true_Hz = float(np.std(walks[:, -1] - walks[:, 0])) * rate_Hz / (2.0 * np.pi * count)
+    assert 0.7 < true_Hz / stated < 1.4
+    assert wander_of_line(samples[0][:63], rate_Hz, 470.0) is None

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy import stats
 
 from benchtool.block import Block
 from benchtool.plan.operating_point import measure_held
@@ -18,5 +19,7 @@ def test_the_scatter_over_parts_has_their_degrees_of_freedom() -> None:
     assert found.uncertainty is not None
     assert found.uncertainty.standard == pytest.approx(0.1, rel=0.3)
     assert 10.0 < found.uncertainty.dof < 60.0
-    assert found.uncertainty.k > 1.97
+    factor = stats.t.ppf(0.975, found.uncertainty.dof)
+    assert found.uncertainty.expanded == pytest.approx(factor * found.uncertainty.experimental)
+    assert found.uncertainty.experimental < found.uncertainty.standard
     assert math.isfinite(found.uncertainty.expanded)

@@ -13,12 +13,13 @@ from scipy import stats
 
 from benchtool.analysis import Measurement
 from benchtool.analysis.measurement import Basis, measurements_from_json, measurements_to_json
-from benchtool.analysis.uncertainty import Contribution, Uncertainty, of_difference
+from benchtool.analysis.scatter import error_of_series
+from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined, of_difference
 from benchtool.block import Block, Channel
 from benchtool.plan.limits import Limit
 from benchtool.report.assembly.comparison_front import difference
 from benchtool.results.assessment import Assessment
-from benchtool.results.comparison import Comparison, compare_cases, deltas
+from benchtool.results.comparison import Comparison, Delta, compare_cases, deltas
 
 BLOCK = Block((Channel("torque", "Nm"),), 0, 1, 1e-4, np.zeros((1, 1)))
 
@@ -148,6 +149,71 @@ def test_false_alarms_are_as_many_as_stated(dof: tuple[float, float]) -> None:
     by_two = float(np.mean(np.abs(difference) > 2.0 * np.hypot(*u)))
     assert 0.03 < alarms / runs < 0.06
     assert alarms / runs < by_two - 0.005
+
+
+@pytest.mark.parametrize("count", [5, 9, 20])
+def test_means_of_few_values_raise_as_many_false_alarms_as_stated(count: int) -> None:
+    """Student's deviation is in u and his factor in U: both together would raise half a per cent for five."""
+    random, runs = np.random.default_rng(11), 2000
+    values = random.standard_normal((2 * runs, count))
+    found = [combined([error_of_series(each).line("scatter")], "") for each in values]
+    within = [
+        abs(float(np.mean(each))) <= u.expanded
+        for each, u in zip(values, found, strict=True)
+        if u is not None
+    ]
+    assert 0.93 < np.mean(within) < 0.98
+    means = np.mean(values, axis=1)
+    alarms = [
+        abs(means[k] - means[k + 1]) > of_difference(one, two).expanded
+        for k in range(0, 2 * runs, 2)
+        if (one := found[k]) is not None and (two := found[k + 1]) is not None
+    ]
+    assert 0.02 < np.mean(alarms) < 0.065
+
+
+@pytest.mark.parametrize("dof", [2.0, 4.0, 12.0])
+def test_a_result_that_becomes_one_line_keeps_both_standard_uncertainties(dof: float) -> None:
+    scatter = Contribution("a", "A", 0.3, dof, of_student=True)
+    for budget in ([scatter], [scatter, Contribution("b", "B", 0.2)]):
+        whole = combined(budget, "")
+        assert whole is not None
+        again = combined([whole.line("both", -2.0)], "")
+        assert again is not None
+        assert again.standard == pytest.approx(2.0 * whole.standard)
+        assert again.experimental == pytest.approx(2.0 * whole.experimental, rel=1e-3)
+        assert 0.99 * whole.expanded < 0.5 * again.expanded < 1.4 * whole.expanded
+    raw = Uncertainty(0.3, "", dof=4.0)
+    assert combined([raw.line("one")], "") == Uncertainty(0.3, "", 4.0, (Contribution("one", "A", 0.3, 4.0),))
+
+
+def test_the_power_that_noise_adds_to_both_values_cancels() -> None:
+    """Roots of the same power and of noise that is the same, or 1 % more in one, which moves its root."""
+
+    def of(signal: float, noise: float) -> Measurement:
+        value = math.hypot(signal, noise)
+        bias = Contribution("power of the noise", "B", value - signal, adds_power=True)
+        scatter = Contribution("scatter", "A", 0.001)
+        width = math.hypot(1.96 * 0.001, bias.standard)
+        return Measurement("x", value, "", "", uncertainty=combined([scatter, bias], "", half_width=width))
+
+    def between(one: Measurement, two: Measurement) -> Delta:
+        a, b = (replace(result(), measurements=(each,)) for each in (one, two))
+        (delta,) = deltas(a, b)
+        return delta
+
+    same = between(of(1.0, 0.5), of(1.0, 0.5))
+    assert same.standard == pytest.approx(0.001 * math.sqrt(2.0))
+    assert same.uncertainty is not None
+    assert same.uncertainty.expanded == pytest.approx(1.96 * same.standard, rel=1e-3)
+    other = between(of(1.0, 0.5), of(1.0, 0.6))
+    assert other.exceeds is False, "the noise explains it"
+    assert other.standard == pytest.approx(math.hypot(0.001 * math.sqrt(2.0), other.absolute))
+    assert between(of(1.0, 0.5), of(1.02, 0.5)).exceeds is True
+    alone = Uncertainty(0.1, "")
+    assert of_difference(alone, alone, (0.0, 0.0)).standard == pytest.approx(0.1 * math.sqrt(2.0))
+    (again,) = measurements_from_json(measurements_to_json([of(1.0, 0.5)]))
+    assert again == of(1.0, 0.5)
 
 
 def test_how_many_would_exceed_by_chance_is_said() -> None:
