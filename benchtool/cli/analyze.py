@@ -34,7 +34,7 @@ from benchtool.results import (
     recorded_runs,
 )
 from benchtool.run import bundle_folder
-from benchtool.tables import TableAnswer, TableQuestion, analyze_table, quantity
+from benchtool.tables import PHASES, TableAnswer, TableQuestion, analyze_table, quantity
 
 
 def _column(what: str) -> Any:
@@ -58,7 +58,13 @@ def analyze(
         float | None,
         typer.Option(metavar="HZ", help="With --csv: rows per second of a table without a time."),
     ] = None,
-    current: Annotated[str | None, _column("With --csv: column of a phase current or q-current.")] = None,
+    current: Annotated[
+        list[str] | None,
+        _column(
+            "With --csv: column of a phase current or q-current; three times, of phases a, b and c, for "
+            "their symmetrical components."
+        ),
+    ] = None,
     torque: Annotated[str | None, _column("With --csv: column of the torque.")] = None,
     angle: Annotated[
         str | None, _column("With --csv: column of the mechanical angle; gives orders per revolution.")
@@ -177,7 +183,13 @@ def analyze(
             raise UsageError(f"{option} without {without}: name that column too, or leave {option} out")
     if from_ is not None and to is not None and from_ > to:
         raise UsageError(f"--from {from_:g} is after --to {to:g}: give the earlier first")
-    columns = {"current": current, "torque": torque, "angle": angle, "speed": speed}
+    currents = current or []
+    if len(currents) not in (0, 1, len(PHASES)):
+        raise UsageError(
+            f"--current is given {len(currents)} times: name one current, or those of three phases"
+        )
+    phases = dict(zip(PHASES, currents, strict=False))
+    columns = phases | {"torque": torque, "angle": angle, "speed": speed}
     answer = analyze_table(
         TableQuestion(
             file=csv,

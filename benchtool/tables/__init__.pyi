@@ -3,7 +3,10 @@ from .answer import (
     analyze_table as analyze_table,
     table_block as table_block,
 )
-from .columns import TableQuestion as TableQuestion
+from .columns import (
+    PHASES as PHASES,
+    TableQuestion as TableQuestion,
+)
 from .record import Record as Record
 from .scaling import quantity as quantity
 from .units import (

@@ -9,7 +9,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from benchtool.analysis import Measurement, Table, record_basis, ripple_of_rows
+from benchtool.analysis import Measurement, PhaseTrack, Table, record_basis, ripple_of_rows
 from benchtool.analysis.orders import (
     Orders,
     angle_coverage,
@@ -18,8 +18,15 @@ from benchtool.analysis.orders import (
     order_analysis,
     orders_at_speed,
 )
-from benchtool.analysis.spectra import CurrentSpectrum, current_spectrum, spectral_lines
+from benchtool.analysis.spectra import (
+    CURRENT_UNBALANCE,
+    CurrentSpectrum,
+    current_spectrum,
+    current_unbalance,
+    spectral_lines,
+)
 from benchtool.errors import AnalysisError
+from benchtool.tables.columns import PHASES
 from benchtool.tables.periods import Periods
 from benchtool.tables.record import Record
 from benchtool.tables.time_base import held_rows
@@ -42,6 +49,8 @@ def results(record: Record) -> Iterator[Measurement | Table]:
             continue
         if reason := record.dead(what):
             yield from _undefined(record, what, reason)
+            if what == "current":
+                yield from _unbalance(record, None, reason)
             continue
         if what == "current":
             yield from _current(record, periods)
@@ -115,8 +124,10 @@ def _current(record: Record, periods: Periods) -> Iterator[Measurement | Table]:
         for number, unit, definition in _AC_NUMBERS:
             yield Measurement.undefined(number, unit, f"{definition} of {name}", str(refused), record.basis)
         yield from _ripple(record, periods, "current")
+        yield from _unbalance(record, None, str(refused))
         return
     yield from spectrum.measurements
+    yield from _unbalance(record, spectrum.track, "")
     yield from spectrum.tables
 
 
@@ -125,11 +136,8 @@ def _current_spectrum(record: Record, periods: Periods, name: str) -> CurrentSpe
     base = record.base
     if record.uniform is None:
         raise AnalysisError(record.uneven)
-    if (held := held_rows(record.column("current"))) > 1:
-        raise AnalysisError(
-            f"each value is held for {held} rows, the current was sampled at about "
-            f"{base.rate_Hz / held:.4g} Hz and not at {base.rate_Hz:.4g} Hz: export each once"
-        )
+    if held := _held(record, "current"):
+        raise AnalysisError(held)
     track = periods.of_phase_current()
     found = current_spectrum(record.uniform, name, track, rate_relative=record.rate_relative)
     if base.gaps_known:
@@ -138,6 +146,37 @@ def _current_spectrum(record: Record, periods: Periods, name: str) -> CurrentSpe
         found,
         measurements=tuple(_without_gaps(each) for each in found.measurements),
         tables=tuple(_without_gaps(each) for each in found.tables),
+    )
+
+
+def _unbalance(record: Record, track: PhaseTrack | None, refusal: str) -> Iterator[Measurement]:
+    """Yield the symmetrical components of three phase currents along a track, or why there are none; nothing
+    of fewer currents."""
+    if not record.channels.keys() >= set(PHASES):
+        return
+    names = [record.channels[each].name for each in PHASES]
+    reasons = (record.dead(each) or _held(record, each) for each in PHASES)
+    refusal = refusal or next(filter(None, reasons), "")
+    try:
+        if track is None or record.uniform is None or refusal:
+            raise AnalysisError(refusal)
+        yield from current_unbalance(record.uniform, track, names)
+    except AnalysisError as refused:
+        of = f"of {', '.join(names)}"
+        for each in CURRENT_UNBALANCE.quantities:
+            for name in each.names:
+                text = f"{each.text}, {of}"
+                yield Measurement.undefined(name, str(each.unit), text, str(refused), record.basis)
+
+
+def _held(record: Record, what: str) -> str:
+    """Return that a current was sampled less often than it is listed; empty if it was not."""
+    if (held := held_rows(record.column(what))) < 2:
+        return ""
+    rate_Hz = record.base.rate_Hz
+    return (
+        f"each value is held for {held} rows, the current was sampled at about {rate_Hz / held:.4g} Hz and "
+        f"not at {rate_Hz:.4g} Hz: export each once"
     )
 
 

@@ -14,12 +14,23 @@ from benchtool.errors import AnalysisError
 from benchtool.profile import Bench
 from benchtool.tables.analyses import results
 from benchtool.tables.cells import BLANKS
-from benchtool.tables.columns import TableColumns, TableQuestion, read_columns
+from benchtool.tables.columns import PHASES, TableColumns, TableQuestion, read_columns
 from benchtool.tables.record import Record
-from benchtool.tables.remarks import Remark, RemarkKind, other_frequency, overdue, remarks
+from benchtool.tables.remarks import (
+    Remark,
+    RemarkKind,
+    other_frequency,
+    overdue,
+    remarks,
+    units_assumed,
+)
 from benchtool.tables.time_base import time_base
 
-_SENSED: Mapping[str, str] = {"current": "i_a", "speed": "omega_m", "angle": "theta_m"}
+_SENSED: Mapping[str, str] = {
+    **dict(zip(PHASES, ("i_a", "i_b", "i_c"), strict=True)),
+    "speed": "omega_m",
+    "angle": "theta_m",
+}
 """Channel of a drive by the kind of a column, where the names differ."""
 
 
@@ -47,8 +58,8 @@ class TableAnswer:
 
 
 def analyze_table(question: TableQuestion) -> TableAnswer:
-    """Return the mean and ripple of every column; the spectrum of a phase current; orders where there is an
-    angle.
+    """Return the mean and ripple of every column; the spectrum of a phase current, and of three the
+    symmetrical components; orders where there is an angle.
 
     Ripple and orders by angle need no even time steps. A spectrum does, and is undefined with the reason
     where the time stamps are uneven or rows are missing. A current whose mean is above half of its largest
@@ -62,7 +73,7 @@ def analyze_table(question: TableQuestion) -> TableAnswer:
     """
     columns = read_columns(question)
     base = time_base(columns.data[:, 0], columns.data[:, 1:])
-    record = Record(columns.data, base, columns.channels, question, columns.lost)
+    record = Record(columns.data, base, columns.channels, question, columns.lost).unbroken
     found = list(results(record))
     tables = tuple(each for each in found if isinstance(each, Table))
     measured = tuple(each for each in found if isinstance(each, Measurement))
@@ -70,6 +81,7 @@ def analyze_table(question: TableQuestion) -> TableAnswer:
     measurements = instruments.applied(measured)
     odd = (
         *(Remark(RemarkKind.NAMED_BY_A_NUMBER, *each) for each in columns.called_by_numbers(question)),
+        *units_assumed(columns.chosen),
         *remarks(record),
         *other_frequency(record, measurements),
         *overdue(instruments.bench, question.day),
@@ -138,6 +150,7 @@ def _names(column: str) -> tuple[str, str]:
 
 def _source(columns: TableColumns, record: Record) -> dict[str, Any]:
     base, table = record.base, columns.table
+    gaps = base.gaps if record.cut is None else record.cut.gaps
     understood = {
         "uniform": record.uniform is not None,
         "why_not": "" if record.uniform is not None else record.uneven,
@@ -145,8 +158,9 @@ def _source(columns: TableColumns, record: Record) -> dict[str, Any]:
         "rate_Hz": math.nan if base.refusal else base.rate_Hz,
         "jitter_s": base.jitter_s,
         "resolution_s": base.resolution_s,
-        "gaps": len(base.gaps) if base.gaps_known else None,
-        "rows_missing": base.missing_rows if base.gaps_known else None,
+        "gaps": len(gaps) if base.gaps_known else None,
+        "rows_missing": sum(gap.missing_rows for gap in gaps) if base.gaps_known else None,
+        "rows_of_span": len(record.data) if record.cut is None else record.cut.rows,
     }
     delimiter = table.layout.delimiter
     return {

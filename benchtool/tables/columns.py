@@ -19,7 +19,15 @@ from benchtool.tables.lost import Lost, lost_among
 from benchtool.tables.selection import Selection, by_number, hides
 from benchtool.tables.text import Rows, TextTable
 
-QUANTITIES: Mapping[str, str] = {"current": "A", "torque": "Nm", "angle": "rad", "speed": "rad/s"}
+PHASES = ("current", "current_b", "current_c")
+"""Kinds of the columns of three phase currents."""
+
+QUANTITIES: Mapping[str, str] = {
+    **dict.fromkeys(PHASES, "A"),
+    "torque": "Nm",
+    "angle": "rad",
+    "speed": "rad/s",
+}
 """Kinds of columns, with their SI units."""
 
 

@@ -2,29 +2,71 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis import Basis, require_signal
-from benchtool.block import Block, Channel
+from benchtool.block import Block, Channel, Gap
 from benchtool.errors import AnalysisError
 from benchtool.tables.columns import TableQuestion
 from benchtool.tables.lost import Lost
-from benchtool.tables.time_base import TimeBase
+from benchtool.tables.time_base import TimeBase, time_base
+
+_LEAST_STRETCH = 0.25  # of the rows: a shorter one does not stand for the record
+
+
+@dataclass(frozen=True)
+class Cut:
+    """The rows of which the longest stretch without a missing one was taken, and what was missing."""
+
+    rows: int
+    gaps: tuple[Gap, ...]
+
+    @property
+    def missing_rows(self) -> int:
+        return sum(gap.missing_rows for gap in self.gaps)
 
 
 @dataclass(frozen=True)
 class Record:
-    """Rows in SI units, the time first; `channels` are the other columns, by kind, `lost` what is missing."""
+    """Rows in SI units, the time first; `channels` are the other columns, by kind, `lost` what is missing.
+
+    `cut` is set where they are the longest stretch of more rows, `unbroken`.
+    """
 
     data: NDArray[np.float64]
     base: TimeBase
     channels: Mapping[str, Channel]
     question: TableQuestion
     lost: Lost = field(default_factory=Lost)
+    cut: Cut | None = None
+
+    @property
+    def unbroken(self) -> Record:
+        """The longest stretch without a missing row, where it is a quarter of the rows or more: what was
+        missing elsewhere moves none of its numbers. Else the record as it is, and where an angle gives the
+        scatter of what has no spectrum."""
+        gaps, count = self.base.gaps, len(self.data)
+        if self.base.refusal or not gaps or not self.base.gaps_known:
+            return self
+        if "angle" in self.channels and "current" not in self.channels and not self.lost.within:
+            return self
+        edges = [0, *(gap.row for gap in gaps), count]
+        first, last = max(itertools.pairwise(edges), key=lambda ends: ends[1] - ends[0])
+        begin = int(np.searchsorted(self.data[first:last, 0], self.data[last - 1, 0]))
+        if (
+            last < count and begin < last - first - 1
+        ):  # under which of equal stamps a row is missing is unknown
+            last = first + begin
+        rows = self.data[first:last]
+        base = time_base(rows[:, 0], rows[:, 1:])
+        if last - first < _LEAST_STRETCH * count or base.refusal or base.gaps:
+            return self
+        return replace(self, data=rows, base=base, lost=replace(self.lost, within=0), cut=Cut(count, gaps))
 
     @property
     def block(self) -> Block | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import date
 from enum import StrEnum
@@ -13,8 +13,11 @@ from numpy.typing import NDArray
 
 from benchtool.analysis import Measurement, clipping, resolution
 from benchtool.profile import Bench, Instrument
+from benchtool.tables.head import Column
 from benchtool.tables.record import Record
 from benchtool.tables.regimes import regimes
+from benchtool.tables.selection import Selection
+from benchtool.tables.units import is_listed
 
 _REPEATED_SHARE = 0.02
 _FINE = 10.0
@@ -32,6 +35,8 @@ class RemarkKind(StrEnum):
     NAMED_BY_A_NUMBER = "named_by_a_number"
     OTHER_FREQUENCY = "other_frequency"
     CALIBRATION_OVERDUE = "calibration_overdue"
+    CALIBRATED_LATER = "calibrated_later"
+    UNIT_ASSUMED = "unit_assumed"
 
 
 @dataclass(frozen=True)
@@ -48,7 +53,7 @@ class Remark:
 
 def overdue(bench: Bench, on: date) -> Iterator[Remark]:
     """Yield the instruments of a bench, by their columns, and its clock, whose calibration was due before a
-    day."""
+    day, or was made after it."""
     instruments: dict[str, Instrument] = {**bench.channels}
     if bench.clock is not None:
         instruments["the clock"] = bench.clock
@@ -57,6 +62,13 @@ def overdue(bench: Bench, on: date) -> Iterator[Remark]:
             label = f" ({each.label})" if each.label else ""
             text = f"calibration of {column}{label} was due on {each.due}, before this record of {on}"
             yield Remark(RemarkKind.CALIBRATION_OVERDUE, column, text)
+        if each.calibrated is not None and each.calibrated > on:
+            label = f" ({each.label})" if each.label else ""
+            text = (
+                f"{column}{label} was calibrated on {each.calibrated}, after this record of {on}: what is "
+                f"stated of it need not hold for that day, give the certificate of then or the day, --date"
+            )
+            yield Remark(RemarkKind.CALIBRATED_LATER, column, text)
 
 
 def other_frequency(record: Record, measurements: Sequence[Measurement]) -> Iterator[Remark]:
@@ -76,9 +88,32 @@ def other_frequency(record: Record, measurements: Sequence[Measurement]) -> Iter
         )
 
 
+def units_assumed(chosen: Mapping[str, Selection]) -> Iterator[Remark]:
+    """Yield that seconds were assumed for a time without a unit, on which every frequency rests, and SI for a
+    column with words in brackets that are not known to describe one."""
+    for what, each in chosen.items():
+        if each.unit_from != "assumed":
+            continue
+        name, words = each.name or str(each.number), Column(each.name, "").in_brackets
+        if words and not is_listed(words):
+            text = (
+                f"'{words}' in the head of column '{name}' was taken for a description, and {each.si_unit} "
+                f"assumed: if it is a unit, state it, as --{what.partition('_')[0]} '{each.number}:UNIT*GAIN'"
+            )
+            yield Remark(RemarkKind.UNIT_ASSUMED, what, text)
+        elif what == "time":
+            text = (
+                f"the unit of the time '{name}' is not stated, seconds were taken, and every frequency rests "
+                f"on that: state it, as --time '{name}:ms'"
+            )
+            yield Remark(RemarkKind.UNIT_ASSUMED, what, text)
+
+
 def remarks(record: Record) -> Iterator[Remark]:
     """Yield the clipping, rows that repeat the one before, and two regimes that one number would average."""
     if text := _left_out(record):
+        yield Remark(RemarkKind.ROWS_LEFT_OUT, "", text)
+    if text := _shortened(record):
         yield Remark(RemarkKind.ROWS_LEFT_OUT, "", text)
     if text := _repeated(record.data[:, 1:]):
         yield Remark(RemarkKind.REPEATED_ROWS, "", text)
@@ -105,6 +140,18 @@ def _left_out(record: Record) -> str:
         else ""
     )
     return f"rows were left out: {reasons}{first}{within}"
+
+
+def _shortened(record: Record) -> str:
+    if record.cut is None:
+        return ""
+    begin_s, end_s = float(record.data[0, 0]), float(record.data[-1, 0])
+    missing, places = record.cut.missing_rows, len(record.cut.gaps)
+    where = f"{missing} rows are missing in {places} places" if missing > 1 else "one row is missing"
+    return (
+        f"{where}: measured is the longest stretch without a gap, {begin_s:.6g} s to {end_s:.6g} s, "
+        f"{len(record.data)} of {record.cut.rows} rows"
+    )
 
 
 def _repeated(values: NDArray[np.float64]) -> str:

@@ -148,6 +148,45 @@ _DESCRIPTIONS = frozenset(
         *("rechts", "mechanical", "encoder", "probe", "unit", "test", "new", "old", "signal", "electrical"),
     )
 )
+_QUALIFIERS = re.compile(r"(?:rms|eff|pk|peak|pp|p|avg|mean|dc|ac|max|min)$", re.IGNORECASE)
+_NAMES = frozenset(
+    (
+        *("newton", "pound", "ounce", "gram", "metre", "meter", "inch", "foot", "feet", "joule", "pascal"),
+        *(
+            "ampere",
+            "volt",
+            "watt",
+            "weber",
+            "tesla",
+            "henry",
+            "farad",
+            "hertz",
+            "radian",
+            "kelvin",
+            "celsius",
+        ),
+        *("horsepower", "second", "minute", "knot", "mile", "decibel", "neper", "grad", "poise", "stokes"),
+        *(
+            "sample",
+            "pulse",
+            "cycle",
+            "incr",
+            "inkrem",
+            "impuls",
+            "strich",
+            "digit",
+            "count",
+            "point",
+            "tick",
+        ),
+        *("index", "number", "nummer", "rotation", "stroke", "mark", "frame", "level", "norm", "scale"),
+        *("skal", "relativ", "prozent", "pourcent", "percent", "schritt", "umdreh", "takt", "kilo", "milli"),
+        *("micro", "mikro", "nano", "mega"),
+    )
+)
+"""What names of units, of counts and of scales begin with or are made of."""
+_FEWEST_LETTERS = 5  # of a word that no unit is mistaken for: lbfin and kgfcm are one letter off
+_NEAR = {5: 1, 8: 2}  # edits by which a word of so many letters or more is a misspelt one of a unit
 _INDEX = re.compile(r"[0-9]+|[a-z]{0,3}[0-9]{1,3}|[abcdiqruvwxyz]|[0-9:,;]+", re.IGNORECASE)
 
 
@@ -187,11 +226,62 @@ def is_scale(text: str) -> bool:
 @cache
 def is_description(text: str) -> bool:
     """Return whether a text in brackets is an index (`0`, `a`, `CH1`) or words that say what a column is, and
-    so no unit."""
+    so no unit.
+
+    One word, of any language, is enough for a text of nothing but words and indices, unless it may be a unit
+    with a slip of the pen or with what qualifies it (`Newtonmeeter`, `mArms`). What is shorter than five
+    letters is known, or no word.
+    """
     if is_unit(text) or is_scale(text):
         return False
-    words = re.split(r"[\s_-]+", text.strip().lower())
-    return all(_INDEX.fullmatch(word) or word in _DESCRIPTIONS or not word for word in words)
+    words = [word for word in re.split(r"[\s_-]+", text.strip()) if word]
+    return all(_INDEX.fullmatch(word) or word.lower() in _DESCRIPTIONS or _is_word(word) for word in words)
+
+
+def is_listed(text: str) -> bool:
+    """Return whether every word of a description is known to be one, or is an index."""
+    words = re.split(r"[\s_-]+", text.strip())
+    return all(_INDEX.fullmatch(each) or each.lower() in _DESCRIPTIONS or not each for each in words)
+
+
+def _is_word(word: str) -> bool:
+    """Return whether a text of letters is none that a unit may have been meant by: a word is all in one case
+    but for its first letter."""
+    if len(word) < _FEWEST_LETTERS or not word.isalpha():
+        return False
+    if word[1:] not in (word[1:].lower(), word[1:].upper()) or is_scale(word):
+        return False
+    if any(name in word.lower() for name in _NAMES):
+        return False
+    stem = _QUALIFIERS.sub("", word)
+    if stem != word and (is_unit(stem) or is_scale(stem) or is_unit(stem.lower())):
+        return False
+    return not any(_near(word.lower(), spelt) for spelt in _spelt())
+
+
+@cache
+def _spelt() -> frozenset[str]:
+    """Every spelling of a unit in small letters, also behind the name of a prefix."""
+    symbols = (name for unit in KNOWN for name in (*spellings(unit), *_ELSEWHERE.get(unit, ())))
+    bare = {name.lower() for name in symbols} | {*_WORD_UNITS, *_ROTATIONS, *_REVOLUTIONS, *_SCALES, *_NAMES}
+    return frozenset(each + end for each in bare for end in ("", "s")) | {
+        prefix + word for prefix in _PREFIXES for word in _WORD_UNITS
+    }
+
+
+def _near(word: str, spelt: str) -> bool:
+    """Return whether a few edits, fewer of a short word, make a unit's spelling of a word (Levenshtein)."""
+    most = max((edits for length, edits in _NEAR.items() if length <= len(word)), default=0)
+    if abs(len(word) - len(spelt)) > most:
+        return False
+    row = list(range(len(spelt) + 1))
+    for place, letter in enumerate(word, 1):
+        before, row[0] = row[0], place
+        for at, other in enumerate(spelt, 1):
+            kept = before + (letter != other)
+            before = row[at]
+            row[at] = min(kept, row[at] + 1, row[at - 1] + 1)
+    return row[-1] <= most
 
 
 def is_reciprocal_second(text: str) -> bool:
@@ -247,7 +337,8 @@ def _symbol(text: str) -> str:
 
 
 def _word(word: str) -> str | None:
-    for spelt in (word, word.removesuffix("s"), word.removesuffix(".")):
+    singular = word if word in ("ncms", "nmms") else word.removesuffix("s")  # amps; newton metre seconds
+    for spelt in (word, singular, word.removesuffix(".")):
         if (unit := _WORD_UNITS.get(spelt)) is not None:
             return unit
     return None

@@ -105,8 +105,10 @@ def test_a_row_lost_under_stamps_of_a_millisecond_is_seen(invoke: Invoke) -> Non
     kept = np.delete(np.arange(4_000), 2_005)
     write("coarse.csv", "t,I", [np.floor(time_s[kept] * 1e3 + 1e-9) / 1e3, current[kept]])
     case = measured(invoke("--csv", "coarse.csv", "--time", "t", "--current", "I", "--json"))
-    assert "1 rows are missing in 1 gaps" in case["measurements"]["current_thd_f"]["reason"]
     assert case["source"]["time"]["rows_missing"] == 1
+    assert case["source"]["rows_used"] == 2_000, "it is under one of the stamps of 200.5 ms"
+    assert "one row is missing: measured is the longest stretch" in case["remarks"][-1]["text"]
+    assert values(case)["current_fundamental"] == pytest.approx(3.0, rel=1e-3)
 
 
 def test_where_it_cannot_be_told_the_number_of_gaps_is_not_stated(invoke: Invoke) -> None:
@@ -252,10 +254,8 @@ def test_torque_has_the_scatter_of_what_repeats_and_all_its_numbers(invoke: Invo
     assert ("each counting the same" in mean["definition"]) == bool(lost)
 
     by_current = measured(invoke(*arguments, "--current", "I"))["measurements"]["torque_mean"]
-    if lost:
-        assert "uncertainty" not in by_current
-    else:
-        assert "scatter over 39 electrical periods" in by_current["uncertainty"]["source"]
+    periods = 19 if lost else 39  # those of the longer half
+    assert f"scatter over {periods} electrical periods" in by_current["uncertainty"]["source"]
 
 
 @pytest.mark.parametrize("name", ["I grid", "ia valid", "CH1 grid"])
@@ -280,7 +280,7 @@ def test_a_dead_column_costs_its_own_numbers_only(invoke: Invoke) -> None:
     assert set(values(dead).values()) == {None}
 
 
-def test_a_lost_row_is_a_gap_and_nothing_is_filled_in(invoke: Invoke) -> None:
+def test_of_lost_rows_the_longest_stretch_is_measured_and_nothing_is_filled_in(invoke: Invoke) -> None:
     time_s, current = phase_current()
     write("gap.csv", "t,I", [time_s, current])
     lines = Path("gap.csv").read_text(encoding="utf-8").splitlines()
@@ -291,12 +291,15 @@ def test_a_lost_row_is_a_gap_and_nothing_is_filled_in(invoke: Invoke) -> None:
     case = measured(invoke("--csv", "gap.csv", "--time", "t", "--current", "I", "--json"))
 
     assert case["source"]["rows_dropped"] == {"wrong number of cells": 1, "a cell is no number": 1}
-    assert (case["source"]["rows_read"], case["source"]["rows_used"]) == (4_000, 3_998)
+    assert (case["source"]["rows_read"], case["source"]["rows_used"]) == (4_000, 1_999)
+    assert case["source"]["time"]["rows_of_span"] == 3_998
     assert (case["source"]["time"]["gaps"], case["source"]["time"]["rows_missing"]) == (2, 2)
-    reason = case["measurements"]["current_thd_f"]["reason"]
-    assert "2 rows are missing in 2 gaps, the first before row 1001" in reason
-    assert case["measurements"]["current_ripple_pp"]["basis"]["gaps"] == 2
-    assert values(case)["current_ripple_rms"] == pytest.approx(np.std(current), rel=1e-3)
+    text = "2 rows are missing in 2 places: measured is the longest stretch without a gap"
+    assert f"{text}, {time_s[2001]:.6g} s to {time_s[-1]:.6g} s, 1999 of 3998 rows" in [
+        each["text"] for each in case["remarks"]
+    ]
+    assert case["measurements"]["current_fundamental"]["basis"]["gaps"] == 0
+    assert values(case)["current_fundamental"] == pytest.approx(3.0, rel=1e-3)
 
 
 def test_torque_against_angle_in_steady_state(invoke: Invoke) -> None:

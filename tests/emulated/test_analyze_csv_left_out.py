@@ -64,6 +64,7 @@ def test_a_few_rows_between_others_take_the_uncertainty(invoke: Invoke) -> None:
         assert "uncertainty" not in numbers[name] or numbers[name]["uncertainty"] is None
         assert "rows in between that have no number" in numbers[name]["definition"]
     remarks = found["remarks"]
+    remarks = [each for each in remarks if each["kind"] != "unit_assumed"]
     assert [each["kind"] for each in remarks] == ["rows_left_out"]
     assert (
         f"{np.count_nonzero(lost)} (a cell is no number), the first 'n/a' in column 2" in remarks[0]["text"]
@@ -110,7 +111,9 @@ def test_pole_pairs_hold_a_speed_column_against_the_current(invoke: Invoke) -> N
         "--json",
         "--pole-pairs",
     )
-    assert measured(invoke(*options, "4"))["remarks"] == []
-    remarks = measured(invoke(*options, "3"))["remarks"]
+    time, *others = measured(invoke(*options, "4"))["remarks"]
+    assert "the unit of the time 't' is not stated" in time["text"]
+    assert others == []
+    time, *remarks = measured(invoke(*options, "3"))["remarks"]
     assert [each["kind"] for each in remarks] == ["other_frequency"]
     assert "is at 50 Hz, the mean of 'n_rpm' with 3 pole pairs says 37.5 Hz" in remarks[0]["text"]

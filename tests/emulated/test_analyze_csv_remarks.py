@@ -59,7 +59,12 @@ def test_oddities_are_remarks_and_a_bundle_and_a_report_are_kept(invoke: Invoke)
     assert result.exit_code == 0, result.output
     document = json.loads(result.stdout)
     found = {(each["kind"], each["column"]): each["text"] for each in document["cases"]["csv"]["remarks"]}
-    assert set(found) == {("repeated_rows", ""), ("two_regimes", "torque"), ("clipped", "speed")}
+    assert set(found) == {
+        ("repeated_rows", ""),
+        ("two_regimes", "torque"),
+        ("clipped", "speed"),
+        ("unit_assumed", "time"),
+    }
     assert "average 0.14 Nm, 63 % at 0.31 Nm" in found["two_regimes", "torque"]
     bundle = Bundle.open(Path("kept"))
     assert bundle.complete
@@ -73,4 +78,4 @@ def test_a_drift_and_a_swing_are_no_regimes(invoke: Invoke) -> None:
     time_s = np.asarray(np.arange(8_000) * 1e-3, dtype=np.float64)
     for torque in (1.0 + time_s, np.sin(TURN * 0.2 * time_s) + 2.0):
         write("t.csv", "t,T", [np.asarray(time_s, np.float64), np.asarray(torque, np.float64)])
-        assert measured(invoke("--csv", "t.csv", "--time", "t", "--torque", "T", "--json"))["remarks"] == []
+        assert measured(invoke("--csv", "t.csv", "--time", "t:s", "--torque", "T", "--json"))["remarks"] == []

@@ -168,3 +168,41 @@ def test_a_bandwidth_of_a_probe_covers_what_it_took_off_the_distortion(invoke: I
     # read are 100 sqrt((0.1 / 1.158)^2 + (0.05 / 1.474)^2) x 1.0035 = 9.30 %, of 11.18 %
     assert thd["value"] == pytest.approx(9.30, abs=0.02)
     assert of_truth - thd["value"] < thd["uncertainty"]["expanded"] < 1.3 * (of_truth - thd["value"])
+
+
+@pytest.mark.parametrize(("day", "is_later"), [("2026-03-01", True), ("2026-04-01", False)])
+def test_a_calibration_after_the_record_is_told(invoke: Invoke, day: str, is_later: bool) -> None:
+    bench = BENCH.replace("due = 2000-01-01", "calibrated = 2026-04-01")
+    Path("bench.toml").write_text(bench, encoding="utf-8")
+    remarks = measured(invoke(*SCOPE, "--bench", "bench.toml", "--date", day, "--json"))["remarks"]
+    later = [each["text"] for each in remarks if each["kind"] == "calibrated_later"]
+    assert ["was calibrated on 2026-04-01, after this record of 2026-03-01" in text for text in later] == (
+        [True] if is_later else []
+    )
+
+
+def test_three_phase_currents_have_symmetrical_components(invoke: Invoke) -> None:
+    """A negative sequence of 2 % and a zero sequence of 1 % of the positive one."""
+    time_s, random = np.arange(4_000) / 10_000, np.random.default_rng(4)
+    columns = []
+    for phase in range(3):
+        angle, turn = 2.0 * np.pi * 50.0 * time_s, 2.0 * np.pi * phase / 3.0
+        wave = 5.0 * np.cos(angle - turn) + 0.1 * np.cos(angle + turn + 0.4) + 0.05 * np.cos(angle + 1.0)
+        columns.append(wave + 1e-3 * random.standard_normal(4_000))
+    write("three.csv", "t [s],ia,ib,ic", [time_s, *columns])
+    three = ("--csv", "three.csv", "--time", "t", "--current", "ia", "--current", "ib")
+    found = measured(invoke(*three, "--current", "ic", "--json"))
+    numbers = found["measurements"]
+    for name, true in (
+        *(("sequence_positive", 5.0), ("sequence_negative", 0.1), ("sequence_zero", 0.05)),
+        *(("unbalance_percent", 2.0), ("unbalance_zero_percent", 1.0)),
+    ):
+        number = numbers[f"current_{name}"]
+        assert number["value"] == pytest.approx(true, abs=max(1e-3, 3.0 * number["uncertainty"]["expanded"]))
+    assert set(found["source"]["columns"]) == {"time", "current", "current_b", "current_c"}
+    assert invoke(*three, "--json").exit_code == 2
+    write("dead.csv", "t [s],ia,ib,ic", [time_s, *columns[:2], np.zeros(4_000)])
+    dead = measured(invoke("--csv", "dead.csv", *three[2:], "--current", "ic", "--json"))["measurements"]
+    assert dead["current_fundamental"]["value"] == pytest.approx(5.0, rel=0.05)
+    assert dead["current_unbalance_percent"]["value"] is None
+    assert "ic" in dead["current_unbalance_percent"]["reason"]

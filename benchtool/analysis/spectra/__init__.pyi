@@ -3,3 +3,7 @@ from .current import (
     current_spectrum as current_spectrum,
 )
 from .lines import spectral_lines as spectral_lines
+from .unbalance import (
+    CURRENT_UNBALANCE as CURRENT_UNBALANCE,
+    current_unbalance as current_unbalance,
+)

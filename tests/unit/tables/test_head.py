@@ -57,10 +57,29 @@ def test_units_in_brackets_that_are_not_known_are_refused(tmp_path: Path, unit: 
         select(tmp_path, unit, si_unit)
 
 
-@pytest.mark.parametrize("text", ["0", "a", "phase a", "CH1", "L1", "motor 2", "d-axis", "filtered", "Ist"])
+@pytest.mark.parametrize(
+    "text",
+    [
+        *("0", "a", "phase a", "CH1", "L1", "motor 2", "d-axis", "filtered", "Ist", "sensor 2"),
+        *("Bremse", "Messwelle 2", "before gearbox", "dérivée", "GLÄTTUNG"),
+    ],
+)
 def test_an_index_and_words_are_no_units(tmp_path: Path, text: str) -> None:
     assert is_description(text)
     assert select(tmp_path, text, "A").unit_from == "assumed"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        *("Nmms", "mA rms", "mArms", "Npm", "Newtn", "Newtonmeeter", "ampers", "kNmn", "A peak", "miliamp"),
+        *("secnds", "degres", "inch pounds", "poundfeet", "horsepower", "samples", "Inkremente", "impulses"),
+        *("Prozent", "LP 1 kHz", "mAmps", "kelvins"),
+    ],
+)
+def test_what_may_be_a_misspelt_unit_or_a_count_is_no_description(text: str) -> None:
+    assert not is_description(text)
+    assert unit_factor(text, "Nm") is None
 
 
 @pytest.mark.parametrize(
