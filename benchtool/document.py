@@ -17,6 +17,7 @@ from pydantic_core import ErrorDetails
 
 from benchtool.errors import MOST_REASONS, UsageError
 
+_OF_64_BITS = 1 << 63
 _SHOWN = reprlib.Repr()
 _SHOWN.maxstring = _SHOWN.maxother = 120
 
@@ -136,8 +137,13 @@ def parse_document(
     """As `load_document`, of a text that has been read from `path`."""
     try:
         content = tomllib.loads(text)
+        _require_64_bits(content)
     except tomllib.TOMLDecodeError as reason:
         raise error(f"{path}: not TOML: {reason}; correct that line") from None
+    except ValueError:  # of thousands of digits, which Python does not convert, or of more than 64 bits
+        raise error(
+            f"{path}: a whole number has more digits than can be read, 18 at most are expected: correct it"
+        ) from None
     except RecursionError:
         raise error(
             f"{path}: tables or lists lie deeper in each other than can be read, some levels are expected: "
@@ -152,6 +158,19 @@ def parse_document(
             for place, detail in wrong[:MOST_REASONS]
         ]
         raise error.of_all(told, len(wrong)) from None
+
+
+def _require_64_bits(content: object) -> None:
+    """Raise ValueError where a whole number is outside the range of TOML (v1.0.0, integer)."""
+    left = [content]
+    while left:
+        match left.pop():
+            case Mapping() as table:
+                left += table.values()
+            case list() as values:
+                left += values
+            case int() as number if not -_OF_64_BITS <= number < _OF_64_BITS:
+                raise ValueError
 
 
 def explain(model: type[BaseModel], failed: ValidationError) -> str:

@@ -62,7 +62,7 @@ class Bundle:
             return Profile.model_validate(tomllib.loads(self.manifest.profile_toml))
         except ValidationError as failed:
             reason = explain(Profile, failed)
-        except tomllib.TOMLDecodeError as failed:
+        except ValueError as failed:  # not TOML, or a whole number of thousands of digits
             reason = str(failed)
         raise RecordingError(
             f"{self.path} carries no profile that this version understands ({reason}): use the benchtool "

@@ -134,7 +134,7 @@ def _require_written(text: str, motor: Mapping[str, Value], parameters: Mapping[
             for key, value in values.items()
             if not _same(table.get(key), value)
         ]
-    except (tomllib.TOMLDecodeError, KeyError, TypeError):
+    except (ValueError, KeyError, TypeError):
         lost = [*motor, *parameters]
     if lost:
         raise ProfileError(

@@ -197,7 +197,7 @@ def _value(key: str, text: str, place: Place) -> Any:
     """Return what is stated: a number in the unit of its key, or what TOML or plain text says."""
     try:
         literal = tomllib.loads(f"value = {text}")["value"]
-    except tomllib.TOMLDecodeError:
+    except ValueError:  # not TOML, or a whole number of thousands of digits
         literal = None
     if literal is not None:
         return [literal] if place.array and not isinstance(literal, list) else literal

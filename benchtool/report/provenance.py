@@ -10,8 +10,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from pydantic import ValidationError
-
 from benchtool.analysis import measurements_from_json, number, raw
 from benchtool.block import Block
 from benchtool.errors import BenchError
@@ -65,7 +63,7 @@ def profile_of_text(text: str) -> Profile | None:
     """Return the profile in a text; None if this version does not understand it."""
     try:
         return Profile.model_validate(tomllib.loads(text))
-    except (tomllib.TOMLDecodeError, RecursionError, ValidationError):
+    except (ValueError, RecursionError):
         return None
 
 

@@ -71,7 +71,7 @@ class Calibration:
         """
         try:
             content = tomllib.loads(manifest.profile_toml)
-        except (tomllib.TOMLDecodeError, RecursionError):
+        except (ValueError, RecursionError):
             return cls()
         try:
             return cls.at(bench_of(content), manifest.when)

@@ -211,7 +211,7 @@ def _profile(manifest: Manifest) -> Mapping[str, Any]:
     """Return the profile of a bundle with its defaults, so that one that is written out is no difference."""
     try:
         content = tomllib.loads(manifest.profile_toml)
-    except (tomllib.TOMLDecodeError, RecursionError):
+    except (ValueError, RecursionError):
         return {"content": manifest.profile_toml}
     try:
         return Profile.model_validate(content).model_dump(mode="json", exclude={"choices", "claims"})

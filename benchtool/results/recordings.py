@@ -113,7 +113,7 @@ def motor_of(bundle: Bundle) -> Motor:
 def _content(manifest: Manifest) -> dict[str, Any]:
     try:
         return tomllib.loads(manifest.profile_toml)
-    except (tomllib.TOMLDecodeError, RecursionError):
+    except (ValueError, RecursionError):
         return {}
 
 

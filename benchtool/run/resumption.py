@@ -116,5 +116,5 @@ def _flat(table: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
 def _toml(text: str) -> Mapping[str, Any]:
     try:
         return tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError):
+    except (ValueError, RecursionError):
         return {"text": text}

@@ -9,7 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from benchtool.errors import RecordingError
+from benchtool.errors import RecordingError, UsageError
+from benchtool.plan import load_plan
 from benchtool.recording import Bundle
 from benchtool.recording.seal import read_sealed_json, write_json
 from benchtool.tables import TableQuestion, analyze_table
@@ -37,6 +38,18 @@ def test_a_name_that_leads_out_of_a_bundle_is_refused(tmp_path: Path, table: str
     write_json(manifest, document, sealed=True)
     with pytest.raises(RecordingError, match=f"key '{table}': .*name"):
         Bundle.open(tmp_path / "bundle")
+
+
+@pytest.mark.parametrize("number", ["9" * 200_000, "-" + "9" * 5_000, "0x" + "f" * 200_000, str(2**63)])
+@pytest.mark.parametrize("key", ["settle_s", "title"])
+def test_a_whole_number_of_too_many_digits_is_refused_in_a_line(
+    tmp_path: Path, key: str, number: str
+) -> None:
+    plan = tmp_path / "plan.toml"
+    plan.write_text(f"{key} = {number}\n", encoding="utf-8")
+    with pytest.raises(UsageError, match="a whole number has more digits than can be read") as refused:
+        load_plan(str(plan))
+    assert len(str(refused.value)) < 300
 
 
 def test_a_table_of_many_empty_lines_takes_its_length_and_not_the_square(tmp_path: Path) -> None:
