@@ -210,6 +210,9 @@ def test_the_power_that_noise_adds_to_both_values_cancels() -> None:
     assert other.exceeds is False, "the noise explains it"
     assert other.standard == pytest.approx(math.hypot(0.001 * math.sqrt(2.0), other.absolute))
     assert between(of(1.0, 0.5), of(1.02, 0.5)).exceeds is True
+    stated = of(1.0, 0.5).uncertainty
+    assert stated is not None
+    assert [each.name for each in stated.without_power().budget] == ["scatter"]
     alone = Uncertainty(0.1, "")
     assert of_difference(alone, alone, (0.0, 0.0)).standard == pytest.approx(0.1 * math.sqrt(2.0))
     (again,) = measurements_from_json(measurements_to_json([of(1.0, 0.5)]))
@@ -242,6 +245,22 @@ def test_runs_of_other_lengths_are_said_to_be() -> None:
     assert "same" not in said
     assert Comparison.of("", {"one": lasting(0.52), "two": lasting(0.5201)}).lengths == ""
     assert Comparison.of("", {"one": lasting(None), "two": lasting(None)}).lengths == ""
+
+
+def test_a_difference_below_one_is_judged_by_its_sign_and_states_its_degrees_of_freedom() -> None:
+    one = result(x=(0.5, 0.01), limit=Limit(max=1.0))
+    (delta,) = deltas(one, result(x=(0.9, 0.01)))
+    assert (delta.judgement, delta.to_json()["dof"]) == ("worse", None)
+    few = Measurement("x", 0.9, "Nm", "", uncertainty=Uncertainty(0.01, "", dof=4.0))
+    (delta,) = deltas(one, replace(one, measurements=(few,)))
+    assert delta.to_json()["dof"] == pytest.approx(16.0)
+    (delta,) = deltas(one, result(x=(0.9, None)))
+    assert delta.to_json()["dof"] is None
+
+
+def test_no_difference_is_neither_better_nor_worse() -> None:
+    (delta,) = deltas(result(x=(0.5, 0.0), limit=Limit(max=1.0)), result(x=(0.5, 0.0)))
+    assert (delta.exceeds, delta.judgement) == (False, "")
 
 
 def test_what_chance_makes_is_neither_better_nor_worse() -> None:
