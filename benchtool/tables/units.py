@@ -229,7 +229,7 @@ def is_description(text: str) -> bool:
     so no unit.
 
     One word, of any language, is enough for a text of nothing but words and indices, unless it may be a unit
-    with a slip of the pen or with what qualifies it (`Newtonmeeter`, `mArms`). What is shorter than five
+    misspelt or with what qualifies it (`Newtonmeeter`, `mArms`). What is shorter than five
     letters is known, or no word.
     """
     if is_unit(text) or is_scale(text):

@@ -105,6 +105,8 @@ class Measurement(Document):
     """Its uncertainty, where the data give one."""
     uncertainty_reason: str | None = None
     """Why a value has none."""
+    repeatability: Contribution | None = None
+    """By how much the value of another record of the same state differs besides."""
 
 
 class Column(Document):
