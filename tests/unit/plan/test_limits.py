@@ -133,3 +133,14 @@ def test_what_is_undecided_is_not_met() -> None:
 )
 def test_bounds_in_words(limit: Limit, text: str) -> None:
     assert limit.bounds == text
+
+
+def test_a_key_states_the_unit_and_no_two_may_differ() -> None:
+    limit = Limit.model_validate({"min_Nm": 0.5, "max_Nm": 1.0})
+    assert (limit.min, limit.max, limit.unit) == (0.5, 1.0, "Nm")
+    assert Limit.model_validate({"max_Nm": 1.0, "unit": "Nm"}).unit == "Nm"
+    for table in ({"max_Nm": 1.0, "unit": "A"}, {"min_A": 0.5, "max_Nm": 1.0}):
+        with pytest.raises(ValidationError, match="in one limit, one is expected"):
+            Limit.model_validate(table)
+    with pytest.raises(ValidationError, match="each states the same: leave one out"):
+        Limit.model_validate({"max": 1.0, "max_Nm": 1.0})

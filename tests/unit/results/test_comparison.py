@@ -315,3 +315,18 @@ def test_single_runs_are_compared_whatever_they_are_called_and_cases_of_one_run_
     assert within.deltas["b"][0].absolute == 1.0
     assert within.names == ("x", "y")
     assert Comparison.of("", {"a": cases[0]}).deltas == {}
+
+
+def test_what_is_not_compared_is_said_once_for_each_run() -> None:
+    def at(order: int) -> Assessment:
+        found = result(x=(0.01, 0.001))
+        return replace(found, measurements=(replace(found.measurements[0], basis=Basis(order=order)),))
+
+    (said,) = Comparison.of("", {"one": at(24), "two": at(72), "three": at(24)}).not_compared
+    assert said.startswith("x: the largest order is 24 in the reference and 72 here")
+    assert said.endswith("are not compared.")
+
+
+def test_fewer_than_one_degree_of_freedom_counts_as_one() -> None:
+    assert Uncertainty(1.0, "", dof=0.3).expanded == pytest.approx(stats.t.ppf(0.975, 1.0))
+    assert Uncertainty(1.0, "", dof=0.3).probability_within(-1.0, 1.0) == pytest.approx(0.5)
