@@ -153,13 +153,23 @@ def _numbers(shares: NDArray[np.float64], basis: Basis) -> list[Measurement]:
     active = np.sum(shares[:, 1:] > _USED, axis=1).astype(np.float64)
     return [
         _mean(zero, "zero_vector_share", "%", "mean share of a PWM period without voltage, T_0 / T_s", basis),
-        _mean(active, "active_vectors_mean", "", "mean number of active vectors in a PWM period", basis),
+        _mean(
+            active,
+            "active_vectors_mean",
+            "",
+            "mean number of active vectors in a PWM period",
+            basis,
+            # a period with another number may come next, though none has been seen
+            Contribution("one period of another number, rectangular", "B", 1.0 / (_SQRT3 * len(active))),
+        ),
     ]
 
 
-def _mean(samples: NDArray[np.float64], name: str, unit: str, definition: str, basis: Basis) -> Measurement:
-    error = error_of_record(samples)
-    uncertain = combined([error.line(_SCATTER)], _SCATTER)
+def _mean(
+    samples: NDArray[np.float64], name: str, unit: str, definition: str, basis: Basis, *further: Contribution
+) -> Measurement:
+    budget = [error_of_record(samples).line(_SCATTER), *further]
+    uncertain = combined(budget, "; ".join(each.name for each in budget))
     return Measurement(name, float(np.mean(samples)), unit, definition, basis, uncertain)
 
 

@@ -83,3 +83,14 @@ def test_switching_frequency_is_known_to_a_count() -> None:
     assert found.value == pytest.approx(10e3)
     assert found.uncertainty is not None
     assert found.uncertainty.standard == pytest.approx(1 / 0.1 / 3 / math.sqrt(3))
+
+
+def test_a_number_of_vectors_that_was_always_the_same_is_not_certain() -> None:
+    """Of 3000 periods with two vectors the next may have another: 1 / 3000, rectangular."""
+    found = {
+        each.name: each.uncertainty
+        for each in switching_states(_block(*([(60.0, 20.0, 200.0)] * 3000))).measurements
+    }
+    active = found["active_vectors_mean"]
+    assert active is not None
+    assert active.standard == pytest.approx(1.0 / (3000 * math.sqrt(3.0)))

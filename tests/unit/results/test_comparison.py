@@ -178,6 +178,7 @@ def test_a_result_that_becomes_one_line_keeps_both_standard_uncertainties(dof: f
     for budget in ([scatter], [scatter, Contribution("b", "B", 0.2)]):
         whole = combined(budget, "")
         assert whole is not None
+        assert whole.line("both", -2.0).standard == whole.line("both", 2.0).standard > 0.0
         again = combined([whole.line("both", -2.0)], "")
         assert again is not None
         assert again.standard == pytest.approx(2.0 * whole.standard)
