@@ -16,7 +16,7 @@ from benchtool.analysis.measurement import Basis, measurements_from_json, measur
 from benchtool.analysis.scatter import error_of_series
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined, of_difference
 from benchtool.block import Block, Channel
-from benchtool.plan.limits import Limit
+from benchtool.plan.limits import Limit, Verdict
 from benchtool.report.assembly.comparison_front import difference
 from benchtool.results.assessment import Assessment
 from benchtool.results.comparison import Comparison, Delta, compare_cases, deltas
@@ -331,3 +331,17 @@ def test_what_is_not_compared_is_said_once_for_each_run() -> None:
 def test_fewer_than_one_degree_of_freedom_counts_as_one() -> None:
     assert Uncertainty(1.0, "", dof=0.3).expanded == pytest.approx(stats.t.ppf(0.975, 1.0))
     assert Uncertainty(1.0, "", dof=0.3).probability_within(-1.0, 1.0) == pytest.approx(0.5)
+
+
+def test_the_verdict_by_the_transducer_takes_its_number_where_it_contradicts() -> None:
+    of = {"x": Limit(max=1.0)}
+    numbers = tuple(
+        Measurement(name, value, "Nm", "", uncertainty=Uncertainty(0.001, ""))
+        for name, value in (("torque_ripple_pp", 0.05), ("transducer_torque_ripple_pp", 0.16), ("x", 0.5))
+    )
+    of["torque_ripple_pp"] = Limit(max=0.06)
+    both = replace(result(), measurements=numbers, limits=of, transducer=BLOCK)
+    assert (both.verdict, both.verdict_by_transducer) == (Verdict.PASS, Verdict.FAIL)
+    assert replace(both, transducer=None).verdict_by_transducer is None
+    agreed = tuple(replace(each, value=0.05) for each in numbers)
+    assert replace(both, measurements=agreed).verdict_by_transducer is Verdict.PASS

@@ -153,3 +153,20 @@ def test_a_limit_on_repetitions_is_held_against_the_transducer_too(
     assert estimate.verdict is Verdict.PASS
     assert estimate.verdict_by_transducer is by_transducer
     assert ("disagreement" in estimate.to_json()) == math.isfinite(sum(shaft))
+
+
+def test_an_error_that_lowers_every_repetition_lowers_their_mean() -> None:
+    """The line keeps its sign, which a difference to what it raises needs."""
+    lines = [
+        Contribution("gain", "B", 0.2, instrument=InstrumentError("gain", "torque"), sign=-1) for _ in "ab"
+    ]
+    measured = {
+        case.name: (
+            Measurement("torque_mean", 1.0, "Nm", "", uncertainty=Uncertainty(0.2, "", budget=(line,))),
+        )
+        for case, line in zip(
+            [each for each in cases(_plan(2)) if each.name.startswith("u_s_V=60")], lines, strict=True
+        )
+    }
+    (found,) = over_repetitions(_plan(2), measured)["u_s_V=60"]
+    assert [(line.standard, line.sign) for line in found.instruments] == [(pytest.approx(0.2), -1)]
