@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -14,7 +15,13 @@ from scipy import stats
 from benchtool.analysis import Measurement
 from benchtool.analysis.measurement import Basis, measurements_from_json, measurements_to_json
 from benchtool.analysis.scatter import error_of_series
-from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined, of_difference
+from benchtool.analysis.uncertainty import (
+    Contribution,
+    InstrumentError,
+    Uncertainty,
+    combined,
+    of_difference,
+)
 from benchtool.block import Block, Channel
 from benchtool.plan.limits import Limit, Verdict
 from benchtool.report.assembly.comparison_front import difference
@@ -345,3 +352,25 @@ def test_the_verdict_by_the_transducer_takes_its_number_where_it_contradicts() -
     assert replace(both, transducer=None).verdict_by_transducer is None
     agreed = tuple(replace(each, value=0.05) for each in numbers)
     assert replace(both, measurements=agreed).verdict_by_transducer is Verdict.PASS
+
+
+@pytest.mark.parametrize(("longer_s", "is_said"), [(1.009, False), (1.01005, False), (1.015, True)])
+def test_lengths_that_differ_by_a_hundredth_of_the_longer_are_alike(longer_s: float, is_said: bool) -> None:
+    def lasting(duration_s: float) -> Assessment:
+        number = Measurement("x", 1.0, "Nm", "", Basis(duration_s=duration_s))
+        return replace(result(), measurements=(number,))
+
+    assert bool(Comparison.of("", {"one": lasting(1.0), "two": lasting(longer_s)}).lengths) is is_said
+
+
+def test_of_a_shared_error_remains_what_it_moves_one_value_more() -> None:
+    error = InstrumentError("gain", "torque", serial_number="7")
+
+    def of(standard: float, sign: Literal[-1, 1]) -> Uncertainty:
+        line = Contribution("gain", "B", standard, instrument=error, sign=sign)
+        return Uncertainty(0.1, "noise").with_instruments([line])
+
+    own = 0.1 * math.sqrt(2.0)
+    assert of_difference(of(0.3, 1), of(0.3, 1)).standard == pytest.approx(own)
+    assert of_difference(of(0.3, 1), of(0.2, 1)).standard == pytest.approx(math.hypot(own, 0.1))
+    assert of_difference(of(0.3, 1), of(0.2, -1)).standard == pytest.approx(math.hypot(own, 0.5))
