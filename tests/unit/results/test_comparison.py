@@ -338,6 +338,9 @@ def test_what_is_not_compared_is_said_once_for_each_run() -> None:
 def test_fewer_than_one_degree_of_freedom_counts_as_one() -> None:
     assert Uncertainty(1.0, "", dof=0.3).expanded == pytest.approx(stats.t.ppf(0.975, 1.0))
     assert Uncertainty(1.0, "", dof=0.3).probability_within(-1.0, 1.0) == pytest.approx(0.5)
+    assert of_difference(Uncertainty(1.0, "", dof=0.3), Uncertainty(1.0, "", dof=0.3)).dof == pytest.approx(
+        2.0
+    )
 
 
 def test_the_verdict_by_the_transducer_takes_its_number_where_it_contradicts() -> None:
@@ -349,6 +352,9 @@ def test_the_verdict_by_the_transducer_takes_its_number_where_it_contradicts() -
     of["torque_ripple_pp"] = Limit(max=0.06)
     both = replace(result(), measurements=numbers, limits=of, transducer=BLOCK)
     assert (both.verdict, both.verdict_by_transducer) == (Verdict.PASS, Verdict.FAIL)
+    (told,) = both.disagreements
+    assert told.to_json()["verdict_by_transducer"] == "fail"
+    assert replace(both, limits={}).disagreements[0].to_json()["verdict_by_transducer"] is None
     assert replace(both, transducer=None).verdict_by_transducer is None
     agreed = tuple(replace(each, value=0.05) for each in numbers)
     assert replace(both, measurements=agreed).verdict_by_transducer is Verdict.PASS
