@@ -29,6 +29,8 @@ _NEWTON_ENOUGH = 1e-6  # of a sample: the next step is below rounding
 _REPETITIONS, _MARGIN = 12, 2  # with a convergence of some hundredth each
 _BACKWARDS = 0.02  # of the record: a rotor that runs back for that long has turned around
 _PARTS_OF_THE_WAY = 50
+_MOST_PLACES, _FEWEST_PLACES, _FEWEST_REPEATED = 64, 8, 8  # places in a period, and periods
+_REFITS = 2  # the first leaves a share of one over the periods
 _CHUNK = 1 << 13  # samples at a time: in the cache, and too few for BLAS to start threads
 
 
@@ -124,7 +126,8 @@ def track_angle(theta_m: NDArray[np.float64], pole_pairs: int) -> PhaseTrack:
     """Return the track of the measured rotor angle, rad mechanical, shape (n,), wrapped or not, of either
     direction.
 
-    Quadratic least-squares fit to `pole_pairs * theta_m`: mean speed and mean acceleration.
+    Quadratic least-squares fit to `pole_pairs * theta_m`: mean speed and mean acceleration, without what it
+    does in every electrical period alike, which pulls at the fit where the periods are not whole.
 
     Raises:
         AnalysisError: fewer than two periods, not finite, standstill, or the speed changes by
@@ -136,6 +139,10 @@ def track_angle(theta_m: NDArray[np.float64], pole_pairs: int) -> PhaseTrack:
     _require_periods(float(theta_e[-1] - theta_e[0]), "theta_m")
     _require_direction(theta_e)
     phase, residual_rad = _fit_quadratic(theta_e)
+    for _ in range(_REFITS):
+        repeated_rad = repeated_in_periods(theta_e, phase)
+        phase, left_rad = _fit_quadratic(theta_e - repeated_rad)
+        residual_rad = math.hypot(left_rad, float(np.std(repeated_rad)))
     speed = phase.deriv()
     mean_speed = float(theta_e[-1] - theta_e[0]) / (len(theta_e) - 1)
     change = abs(float(speed(len(theta_e) - 1) - speed(0))) / mean_speed
@@ -147,6 +154,21 @@ def track_angle(theta_m: NDArray[np.float64], pole_pairs: int) -> PhaseTrack:
     source = f"quadratic fit to {pole_pairs} x theta_m"
     step_rad = step_of_counts(theta_e, pole_pairs * resolution(theta_m))
     return PhaseTrack(phase, len(theta_e), source, residual_rad, theta_e, resolution_rad=step_rad)
+
+
+def repeated_in_periods(theta_e: NDArray[np.float64], phase: Polynomial) -> NDArray[np.float64]:
+    """Return what an electrical angle, rad, shape (n,), departs from a smooth phase in every period alike,
+    shape (n,): means over the periods at up to 64 places in them; zero where the periods are few.
+    """
+    smooth = np.asarray(phase(np.arange(len(theta_e), dtype=np.float64)))
+    periods = float(smooth[-1] - smooth[0]) / (2 * np.pi)
+    places = min(_MOST_PLACES, int(len(theta_e) / max(periods, 1.0)))
+    if periods < _FEWEST_REPEATED or places < _FEWEST_PLACES:
+        return np.zeros(len(theta_e))
+    place = np.floor(smooth * (places / (2 * np.pi))).astype(np.int64) % places
+    count = np.maximum(1, np.bincount(place, minlength=places))
+    means = np.bincount(place, weights=theta_e - smooth, minlength=places) / count
+    return np.asarray((means - np.mean(means))[place])
 
 
 def track_tone(samples: NDArray[np.float64], name: str = "signal") -> PhaseTrack:

@@ -121,7 +121,9 @@ def current_spectrum(
     wander_rad = max(alone.excess_rad, phase_noise_rad(cleaned))
     turns = _turns(track, np.arange(len(samples), dtype=np.float64))
     level = level_of(samples, step)
-    errors = line_errors(clean, highest, wander_rad, step, alone.amplitude, alone.phase_rad, turns, level)
+    errors = line_errors(
+        clean, highest, wander_rad, step, alone.amplitude, alone.phase_rad, turns, level, seen.of_angle
+    )
     groups = harmonic_groups(coherent, HIGHEST_HARMONIC)
     beside = None
     if others is not None and groups is not None and track.departure is None:  # they are as steady as it is

@@ -12,7 +12,7 @@ from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
 from benchtool.analysis.measurement import Basis, Measurement
-from benchtool.analysis.periods import PhaseTrack
+from benchtool.analysis.periods import PhaseTrack, repeated_in_periods
 from benchtool.analysis.regimes import STANDS_OUT, change_of_regime
 from benchtool.analysis.repeatability import wander_of_difference
 from benchtool.analysis.scatter import MeanError, error_of_series
@@ -197,7 +197,8 @@ def _of_sine_fit(spectrum: CoherentSpectrum) -> MeanError:
 def _of_angle(track: PhaseTrack) -> MeanError:
     """Return the uncertainty of the phase over the record of an angle's fit, by the scatter over its parts.
 
-    The slope is the sum of (t - mean t) times deviation over the sum of (t - mean t)^2.
+    The slope is the sum of (t - mean t) times deviation over the sum of (t - mean t)^2. What the angle does
+    in every period alike is not in the fit.
     """
     if track.measured_rad is None or track.residual_rad is None:
         return MeanError(math.nan, math.nan)
@@ -205,9 +206,10 @@ def _of_angle(track: PhaseTrack) -> MeanError:
     parts = min(_BLOCKS, max(_FEWEST_BLOCKS, int(track.periods)))
     edges = np.linspace(0, count, parts + 1).astype(np.int64)
     moments = []
+    measured_rad = track.measured_rad - repeated_in_periods(track.measured_rad, track.phase)
     for begin, end in itertools.pairwise(edges):
         number = np.arange(begin, end, dtype=np.float64)
-        left = track.measured_rad[begin:end] - track.at(number)
+        left = measured_rad[begin:end] - track.at(number)
         moments.append(float((number - 0.5 * (count - 1)) @ left))
     scatter = error_of_series(np.array(moments))
     slope = scatter.standard * parts / (count * (count**2 - 1.0) / 12.0)

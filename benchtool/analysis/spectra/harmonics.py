@@ -146,10 +146,12 @@ def line_errors(
     phases_rad: NDArray[np.float64] | None = None,
     turns: NDArray[np.float64] | None = None,
     level: float | None = None,
+    of_angle: NDArray[np.float64] | None = None,
 ) -> LineErrors:
     """Of harmonics 1 to `orders`; the phase wanders by `wander_rad`, rms, the signal has steps of `step`, one
     of which is at `level`. `amplitudes` and `phases_rad`, shape (periods,), are those of the fundamental in
-    each period; `turns` are where all rows of the record are, in periods from the first of the spectrum on.
+    each period; `turns` are where all rows of the record are, in periods from the first of the spectrum on;
+    `of_angle` as in `Wander`.
     """
     order = np.arange(1, orders + 1)
     amplitude = harmonics(spectrum)[:orders]
@@ -168,6 +170,10 @@ def line_errors(
         folded2 = np.maximum(0.0, resolution**2 - evenly**2)
         folded2[:orders] = np.maximum(0.0, folded2[:orders] - noise.in_phase**2)
         resolution = np.sqrt(evenly**2 + folded2)
+    phase = np.maximum(amplitude * np.minimum(1.0, 0.5 * (order * wander_rad) ** 2), noise.lost)
+    if of_angle is not None:
+        known = min(orders, len(of_angle))
+        phase[:known] = np.hypot(phase[:known], of_angle[:known])
     return LineErrors(
         noise=noise.in_phase,
         dof=noise.dof,
@@ -175,7 +181,7 @@ def line_errors(
         resampling=np.array(
             [spectrum.resampling_error(float(a), float(k)) for a, k in zip(amplitude, order, strict=True)]
         ),
-        phase=np.maximum(amplitude * np.minimum(1.0, 0.5 * (order * wander_rad) ** 2), noise.lost),
+        phase=phase,
         resolution=resolution[:orders],
         steps2=steps2[:orders],
         wander=_wander(spectrum, amplitude, noise.in_phase, amplitudes, phases_rad)

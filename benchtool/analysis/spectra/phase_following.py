@@ -7,7 +7,7 @@ rms reads low by k^2 x^2 / 2. The fundamental itself shows how far it is off, pe
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.distributions import fisher_above
 from benchtool.analysis.periods import PhaseTrack
+from benchtool.analysis.spectra.angle_following import along_angle, within_periods
 from benchtool.analysis.spectra.continuation import FEWEST, continuation
 from benchtool.analysis.spectra.spectrum import (
     FIRST_ROW,
@@ -30,15 +31,12 @@ _OFF_RAD = 2e-3  # rms: at which harmonic 50 reads 0.5 % low
 _LEFT_RAD = 5e-5  # rms: once followed, closer, because a period that is off by x reads its phase off by x / 2
 _BY_CHANCE = 1e-4
 _FEWEST_PERIODS = 4  # and so many phases, from which a wander is told from noise
-_FEWEST_KNOTS = 5  # of a spline along an angle
 _BEYOND = 2  # periods: to where an end of the record may be, and one to spare
 _ROUNDS = 3
 _ASIDE = 10  # share of the periods at either end that alone does not justify following
 _MEDIAN_DEVIATION = 0.6745  # median of the magnitude of a normal deviate
 _FAR = 8.0  # standard deviations; the largest step of a swing or of a drift is within two
 _LEAST_JUMP_RAD = 0.03  # a reversal may by chance leave any phase, half of it in one step
-_PER_PERIOD = 16  # places at which an angle is followed, in each electrical period
-_OF_STEPS = 0.2  # standard deviation of steps that beat with the samples about once in a period
 _BELOW_ORDER = 3
 _HIGHEST_BLURRED, _BLURRED, _FAR_BLUR = 25, 4, 4.0
 _FOURTH_DIFFERENCE = np.array([1.0, -4.0, 6.0, -4.0, 1.0]) / 16.0
@@ -52,7 +50,9 @@ class Wander:
     `excess_rad` is the rms deviation of the phase from its mean beyond what noise does, which moves amplitude
     and phase alike; 0 where it may be noise. `noise_rad` is what noise does to one period's phase. `jump_rad`
     is the largest change of phase from period to period where it stands out of all others, else 0: no
-    smooth track explains it.
+    smooth track explains it. `of_angle`, shape (harmonics,), is the standard uncertainty of each amplitude by
+    what a measured angle does in every period alike, which may be the rotor's or an error of its sensor;
+    empty where there is no such doubt.
     """
 
     phase_rad: NDArray[np.float64]
@@ -60,6 +60,7 @@ class Wander:
     excess_rad: float
     noise_rad: float
     jump_rad: float = 0.0
+    of_angle: NDArray[np.float64] = field(default_factory=lambda: np.empty(0))
 
     def first(self, periods: int) -> Wander:
         """Return that of so many periods."""
@@ -116,20 +117,32 @@ def follow(
     Raises:
         AnalysisError: as `coherent_samples`.
     """
-    coherent = coherent_samples(samples, sample_rate_Hz, track, name, every=True)
-    smooth = found = _Followed(coherent, track, wander(coherent))
-    by_angle, within_rad = _by_angle(track, coherent.samples / coherent.periods)
-    if by_angle is not None:
-        coherent = coherent_samples(samples, sample_rate_Hz, by_angle, name, every=True)
-        other = _Followed(coherent, by_angle, wander(coherent))
-        found = other if other.off_line < smooth.off_line else smooth
+
+    def along(track: PhaseTrack) -> _Followed:
+        coherent = coherent_samples(samples, sample_rate_Hz, track, name, every=True)
+        return _Followed(coherent, track, wander(coherent))
+
+    smooth = along(track)
+    angle = along_angle(track, smooth.coherent.samples / smooth.coherent.periods)
+    found, doubt = smooth, np.empty(0)
+    for other in (angle.of_periods, angle.within):
+        if other is None:
+            continue
+        by_angle = along(other)
+        if other is not angle.within or by_angle.is_clearly(other_than=found):
+            found = by_angle if by_angle.off_line < found.off_line else found
+            continue
+        within = within_periods(found.phasors, by_angle.phasors)
+        found, doubt = by_angle if within.are_of_rotor else found, within.standard
     jump_rad = found.seen.jump_rad
     by_tone = _followed(samples, sample_rate_Hz, found, name)
-    if found is not smooth and max(found.seen.excess_rad, within_rad) > _OFF_RAD:
+    if found is not smooth and max(found.seen.excess_rad, angle.within_rad) > _OFF_RAD:
         # the angle has errors of its own, which may be faster than the phase of a period shows
-        other = _followed(samples, sample_rate_Hz, smooth, name)
-        by_tone = other if other.off_line < by_tone.off_line else by_tone
-    return by_tone.transformable, by_tone.track, replace(by_tone.seen, jump_rad=jump_rad)
+        other_way = _followed(samples, sample_rate_Hz, smooth, name)
+        if other_way.off_line < by_tone.off_line and other_way.is_clearly(other_than=by_tone):
+            by_tone = other_way
+    seen = replace(by_tone.seen, jump_rad=jump_rad, of_angle=doubt)
+    return by_tone.transformable, by_tone.track, seen
 
 
 @dataclass(frozen=True)
@@ -152,9 +165,20 @@ class _Followed:
         return replace(self.coherent, values=values, periods=periods, samples=rows_of(self.track, periods))
 
     @cached_property
+    def _bins(self) -> NDArray[np.complex128]:
+        return fft.rfft(self.transformable.values)
+
+    @property
+    def phasors(self) -> NDArray[np.complex128]:
+        """Peak phasors of harmonics 1, 2, 3 ..., as of phase zero of the track, shape (harmonics,)."""
+        lines = self._bins[:: self.transformable.periods][1:] * (2.0 / len(self.transformable.values))
+        begin_rad = float(self.track.at(np.array([float(FIRST_ROW)]))[0])
+        return np.asarray(lines * np.exp(-1j * begin_rad * np.arange(1, len(lines) + 1)))
+
+    @cached_property
     def _squares(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Squares of the harmonics, from dc on, and of all bins without those."""
-        square = np.abs(fft.rfft(self.transformable.values)) ** 2
+        square = np.abs(self._bins) ** 2
         lines = square[:: self.transformable.periods].copy()
         square[:: self.transformable.periods] = 0.0
         return lines, square
@@ -164,6 +188,13 @@ class _Followed:
         """Power between the harmonics below the third, where a phase that is off moves that of the
         fundamental, however fast."""
         return float(np.sum(self._squares[1][: _BELOW_ORDER * self.transformable.periods]))
+
+    def is_clearly(self, *, other_than: _Followed) -> bool:
+        """Return whether it has more or less between the harmonics than the other, beyond chance."""
+        ratio = self.off_line / other_than.off_line if other_than.off_line > 0.0 else 1.0
+        return abs(math.log(max(ratio, 1e-300))) > _FAR_BLUR / math.sqrt(
+            _BELOW_ORDER * self.transformable.periods
+        )
 
     def blurs(self, before: _Followed) -> bool:
         """Return whether the harmonics have more sidebands than before, beyond chance.
@@ -194,45 +225,6 @@ def _followed(samples: NDArray[np.float64], sample_rate_Hz: float, begin: _Follo
             break
         found = other
     return found
-
-
-def _by_angle(track: PhaseTrack, samples_per_period: float) -> tuple[PhaseTrack | None, float]:
-    """Return track along the angle, averaged over a sixteenth of a period, None if that makes no change; and
-    how far, rms, it then departs from the angle averaged over whole periods.
-
-    What is left within a period may be the steps in which the angle counts, which beat with the samples near
-    harmonics: where it is no more than these, the angle is averaged over whole periods.
-    """
-    if track.measured_rad is None or not (track.residual_rad or 0.0) > _OFF_RAD:
-        return None, 0.0
-    size = max(1, round(samples_per_period / _PER_PERIOD))
-    number, departure = _means_of_angle(track, track.measured_rad, size)
-    whole_number, whole = _means_of_angle(track, track.measured_rad, max(1, round(samples_per_period)))
-    within_rad = 0.0
-    if len(whole) >= _FEWEST_KNOTS:
-        inner = (number >= whole_number[0]) & (number <= whole_number[-1])
-        within_rad = float(np.std(departure[inner] - np.interp(number[inner], whole_number, whole)))
-        if within_rad < _OF_STEPS * track.resolution_rad:
-            number, departure, within_rad = whole_number, whole, 0.0
-    if len(number) < _FEWEST_KNOTS or not float(np.std(departure)) > _OFF_RAD:
-        return None, 0.0
-    from scipy.interpolate import CubicSpline  # draws in scipy.optimize, which most runs do not need
-
-    spline = CubicSpline(number, departure)
-    along = replace(track, departure=spline, source=f"{track.source}, and the measured angle about it")
-    return along, within_rad
-
-
-def _means_of_angle(
-    track: PhaseTrack, measured_rad: NDArray[np.float64], size: int
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return middles of parts of `size` samples, and the mean departure of the angle from the track in each,
-    both of shape (parts,)."""
-    count = len(measured_rad) // size
-    number = size * np.arange(count, dtype=np.float64) + 0.5 * (size - 1)
-    # of a part in which the speed is constant the mean is the value in the middle
-    means = np.mean(measured_rad[: count * size].reshape(count, size), axis=1)
-    return np.asarray(number), np.asarray(means - track.phase(number), dtype=np.float64)
 
 
 def _by_tone(

@@ -1,0 +1,116 @@
+"""Tracks along a measured angle, and whether what it does in every electrical period is the rotor's.
+
+An angle that departs from a steady rise in every period alike is either that of a rotor whose speed swings
+so, or that of a sensor with an error: of a resolver once or twice in a period of its own. Neither moves the
+phase of the fundamental from period to period. Either, taken for the other, modulates all harmonics alike.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchtool.analysis.periods import PhaseTrack
+
+_OFF_RAD = 2e-3  # rms: at which harmonic 50 reads 0.5 % low
+_FEWEST_KNOTS = 5  # of a spline
+_PER_PERIOD = 16  # places at which an angle is followed, in each electrical period
+_OF_STEPS = 0.2  # standard deviation of steps that beat with the samples about once in a period
+_HIGHEST_COMPARED = 25
+_DECIDED = 3.0  # standard deviations of a share of one or of none
+_LEAST_SHARE = 1e-6  # of the mean power of harmonics, below which it is rounding
+
+
+@dataclass(frozen=True)
+class AngleTracks:
+    """Tracks along the measured angle, averaged over whole periods and over a sixteenth of one; None where
+    that makes no change. `within_rad` is how far, rms, the latter departs from the former."""
+
+    of_periods: PhaseTrack | None = None
+    within: PhaseTrack | None = None
+    within_rad: float = 0.0
+
+
+@dataclass(frozen=True)
+class WithinPeriods:
+    """Whether what an angle does within periods is the rotor's, and the standard uncertainty of the amplitude
+    of each harmonic, from 1 on, by that, shape (harmonics,); empty where it is decided."""
+
+    are_of_rotor: bool
+    standard: NDArray[np.float64]
+
+
+def along_angle(track: PhaseTrack, samples_per_period: float) -> AngleTracks:
+    """Return the tracks along the measured angle of `track`, where it has one that departs from it.
+
+    What is left within a period may be the steps in which the angle counts, which beat with the samples near
+    harmonics: where it is no more than these, the angle is only averaged over whole periods.
+    """
+    if track.measured_rad is None or not (track.residual_rad or 0.0) > _OFF_RAD:
+        return AngleTracks()
+    number, departure = _means(track, track.measured_rad, max(1, round(samples_per_period / _PER_PERIOD)))
+    whole_number, whole = _means(track, track.measured_rad, max(1, round(samples_per_period)))
+    of_periods = _departing(track, whole_number, whole)
+    if len(whole) < _FEWEST_KNOTS:
+        return AngleTracks(None, _departing(track, number, departure))
+    inner = (number >= whole_number[0]) & (number <= whole_number[-1])
+    within_rad = float(np.std(departure[inner] - np.interp(number[inner], whole_number, whole)))
+    if within_rad < _OF_STEPS * track.resolution_rad:
+        return AngleTracks(of_periods)
+    return AngleTracks(of_periods, _departing(track, number, departure), within_rad)
+
+
+def within_periods(without: NDArray[np.complex128], along: NDArray[np.complex128]) -> WithinPeriods:
+    """Judge by the harmonics of a current `without` what the angle does within periods, and `along` it: peak
+    phasors of harmonics 1, 2, 3 ..., shape (harmonics,), as of the same angle zero.
+
+    What following changes in them stands in those without it if the rotor does what the angle says, and does
+    not if the angle errs: its share, by least squares over harmonics 2 to 25, is one or none. The harmonics
+    that the current has by itself are the noise of that, and are at least what is left of each in the better
+    case. Where they hide it, the rotor is as likely as the sensor: the variance is half of the change
+    squared.
+    """
+    count = min(len(without), len(along))
+    compared = slice(1, min(count, _HIGHEST_COMPARED))
+    base, followed = without[:count][compared], along[:count][compared]
+    change = base - followed
+    own2 = np.minimum(np.abs(base), np.abs(followed)) ** 2
+    weights = (
+        1.0 / np.maximum(own2, _LEAST_SHARE * float(np.mean(own2))) if np.any(own2) else np.ones(len(own2))
+    )
+    power = float(np.sum(weights * np.abs(change) ** 2))
+    if not power > 0.0:
+        return WithinPeriods(False, np.empty(0))
+    share = float(np.sum(weights * (np.conj(change) * base).real)) / power
+    are_of_rotor = share > 0.5
+    if abs(share - 0.5) > _DECIDED * np.sqrt(0.5 / power):
+        return WithinPeriods(are_of_rotor, np.empty(0))
+    apart = np.abs(np.abs(without[:count]) - np.abs(along[:count]))
+    return WithinPeriods(are_of_rotor, np.asarray(apart / np.sqrt(2.0), dtype=np.float64))
+
+
+def _departing(
+    track: PhaseTrack, number: NDArray[np.float64], departure: NDArray[np.float64]
+) -> PhaseTrack | None:
+    """Return the track and a spline through its departures at sample numbers, both of shape (parts,); None
+    where these are few or small."""
+    if len(number) < _FEWEST_KNOTS or not float(np.std(departure)) > _OFF_RAD:
+        return None
+    from scipy.interpolate import CubicSpline  # draws in scipy.optimize, which most runs do not need
+
+    spline = CubicSpline(number, departure)
+    return replace(track, departure=spline, source=f"{track.source}, and the measured angle about it")
+
+
+def _means(
+    track: PhaseTrack, measured_rad: NDArray[np.float64], size: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return middles of parts of `size` samples, and the mean departure of the angle from the track in each,
+    both of shape (parts,)."""
+    count = len(measured_rad) // size
+    number = size * np.arange(count, dtype=np.float64) + 0.5 * (size - 1)
+    # of a part in which the speed is constant the mean is the value in the middle
+    means = np.mean(measured_rad[: count * size].reshape(count, size), axis=1)
+    return np.asarray(number), np.asarray(means - track.phase(number), dtype=np.float64)
