@@ -170,7 +170,8 @@ def describe_orders(
     table = Table(
         f"{name}_orders",
         f"peak amplitude of each order of {what}; {shares}; standard uncertainty from the "
-        f"{spectrum.uncertainty_source}; orders above {highest} are not excluded and may add to these",
+        f"{spectrum.uncertainty_source}, without the sensors; orders above {highest} are not excluded and "
+        "may add to these",
         (
             *(("order", ""), ("amplitude", spectrum.unit), ("percent_of_mean", "%")),
             *(("percent_of_largest", "%"), ("uncertainty", spectrum.unit)),
@@ -204,8 +205,8 @@ def _largest(
         f"{round(1.0 / BY_CHANCE)} records, {which}"
     )
     of_it = f"peak amplitude of the {text}"
-    if not standing_out:
-        reason = "no order stands out of the noise"
+    reason = _of_no_largest(spectrum, standing_out)
+    if reason:
         yield Measurement.undefined(number, "", text, reason, spectrum.basis)
         yield Measurement.undefined(amplitude, spectrum.unit, of_it, reason, spectrum.basis)
         return
@@ -214,6 +215,19 @@ def _largest(
     yield Measurement(number, float(order), "", text, basis)
     value, uncertain = float(spectrum.amplitude[order - 1]), _uncertainty(spectrum, order)
     yield Measurement(amplitude, value, spectrum.unit, of_it, basis, uncertain)
+
+
+def _of_no_largest(spectrum: OrderSpectrum, standing_out: list[int]) -> str:
+    """Return why it is not known which order is the largest; empty where it is."""
+    if not standing_out:
+        return "no order stands out of the noise"
+    largest = int(spectrum.largest[0])
+    if largest == standing_out[0]:
+        return ""
+    return (
+        f"order {largest} reads {spectrum.amplitude[largest - 1]:.3g} {spectrum.unit}, more than order "
+        f"{standing_out[0]}, the largest that stands out of the noise: record more revolutions"
+    )
 
 
 def _amplitude(
@@ -336,7 +350,7 @@ def _orders_of(channel: str, name: str, unit: str) -> Analysis[OrderSettings]:
                 (f"{name}_order_largest",),
                 "",
                 "order with the largest amplitude, of orders 1 to 200 or to where the data end; undefined "
-                "where none stands out",
+                "where none stands out, or one that does not is larger",
             ),
             Quantity((f"{name}_order_largest_amplitude",), unit, "peak amplitude of that order"),
             Quantity(

@@ -215,7 +215,10 @@ def _lines(
     if place % periods == 0:
         spectrum, largest = clean, replace(largest, amplitude=float(clean.amplitude[place]))
     uncertain = _of_largest(spectrum, largest, errors)
-    yield Measurement("current_max_low_harmonic", largest.amplitude, unit, text, low, uncertain)
+    why = "" if uncertain is not None else f"the noise around {largest.frequency_Hz:.4g} Hz is not known"
+    yield Measurement(
+        "current_max_low_harmonic", largest.amplitude, unit, text, low, uncertain, uncertainty_reason=why
+    )
 
 
 def _of_largest(spectrum: CoherentSpectrum, largest: Component, errors: LineErrors) -> Uncertainty | None:

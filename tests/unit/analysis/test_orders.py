@@ -416,6 +416,20 @@ def test_only_orders_that_stand_out_of_the_noise_are_listed() -> None:
         assert none.reason == "no order stands out of the noise"
 
 
+def test_which_order_is_the_largest_is_not_told_beside_a_larger_one_that_may_be_noise() -> None:
+    """A belt at order 2.6 is the noise of orders 2 and 3, which of few revolutions do not stand out."""
+    turned = steady(3.1, 6_000)
+    values = 0.1 * np.cos(2.0 * turned) + 0.05 * np.cos(6.0 * turned) + 0.1 * np.cos(2.6 * turned + 1.0)
+    values += 1e-3 * np.random.default_rng(6).normal(size=len(turned))
+    number, amplitude, *_ = describe_orders(
+        resampled_orders(block_of(turned, values), "torque"), "t"
+    ).measurements
+    assert math.isnan(number.value)
+    assert number.reason.startswith("order 2 reads 0.")
+    assert "more than order 6" in number.reason
+    assert amplitude.reason == number.reason
+
+
 @pytest.mark.parametrize("by_time", [True, False])
 @pytest.mark.parametrize("revolutions", [3, 7, 20])
 def test_of_noise_alone_an_order_stands_out_in_one_of_a_hundred_records(
