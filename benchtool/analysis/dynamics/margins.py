@@ -126,7 +126,9 @@ def _sensitivity_peak(
     has_fallen = peak_dB - last_dB > _CLEARLY * math.hypot(peak_error_dB, last_error_dB)
     largest_above = 1.0 + float(np.median(np.abs(closed[-_FEWEST:])))
     reason = ""
-    if not relative <= _MOST_UNCERTAIN:
+    if not math.isfinite(relative):
+        reason = "the response beside its peak is not known: raise the stimulus, or play more frequencies"
+    elif not relative <= _MOST_UNCERTAIN:
         reason = f"it is uncertain by {100.0 * relative:.2g} %: raise the stimulus"
     elif peak < 1.0:
         reason = f"it is {peak:.2g} up to {last_Hz:.4g} Hz and reaches 1 above that: play higher frequencies"
